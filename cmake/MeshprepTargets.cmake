@@ -1,0 +1,26 @@
+# Compile settings that every target of this project shares.
+#
+# -ffp-contract=off: results must not depend on whether the machine fuses multiply and add.
+# x86-64-v2 (SSE4.2) is the lowest machine supported; wider kernels are chosen at run time.
+function(meshprep_target target)
+  target_compile_options(${target} PRIVATE -Wall -Wextra -Wshadow -Wconversion -Wno-sign-conversion
+                         -ffp-contract=off -fno-math-errno)
+  if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
+    target_compile_options(${target} PRIVATE -march=x86-64-v2)
+  endif()
+  if(MESHPREP_WERROR)
+    target_compile_options(${target} PRIVATE -Werror)
+  endif()
+  if(MESHPREP_SANITIZE)
+    target_compile_options(${target} PRIVATE -fsanitize=${MESHPREP_SANITIZE}
+                           -fno-omit-frame-pointer -fno-sanitize-recover=all)
+    target_link_options(${target} PRIVATE -fsanitize=${MESHPREP_SANITIZE})
+  endif()
+  if(MESHPREP_BUILD_FUZZ)
+    target_compile_options(${target} PRIVATE -fsanitize=fuzzer-no-link)
+  endif()
+  if(MESHPREP_COVERAGE)
+    target_compile_options(${target} PRIVATE --coverage)
+    target_link_options(${target} PRIVATE --coverage)
+  endif()
+endfunction()

@@ -1,0 +1,170 @@
+// The mesh types: Mesh (polygons, attributes per corner), MeshView (the same, not owning) and
+// VertexMesh (triangles with one index, what a GPU or librast reads).
+//
+// Conventions (docs/conventions.md): counter-clockwise front faces, right-handed, UV origin at the
+// top left, indices 32-bit, `no_index` for "none".
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <limits>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace prep {
+
+inline constexpr std::uint32_t no_index = std::numeric_limits<std::uint32_t>::max();
+
+// An attribute per corner: corner c has values[indices[c]], or none where indices[c] is no_index.
+// The layer is absent when `indices` is empty; otherwise it has one index per corner.
+template <class T>
+struct CornerLayer {
+    std::vector<T> values;
+    std::vector<std::uint32_t> indices;
+    bool empty() const { return indices.empty(); }
+};
+
+template <class T>
+struct CornerLayerView {
+    std::span<const T> values;
+    std::span<const std::uint32_t> indices;
+    CornerLayerView() = default;
+    CornerLayerView(std::span<const T> v, std::span<const std::uint32_t> i) : values(v), indices(i) {}
+    CornerLayerView(const CornerLayer<T>& layer) : values(layer.values), indices(layer.indices) {}
+    bool empty() const { return indices.empty(); }
+};
+
+// How two faces' smoothing values are compared (0 is never smooth with anything).
+enum class SmoothingKind : std::uint8_t {
+    group_number,  // OBJ: smooth when equal
+    bit_mask,      // 3DS, ASE: smooth when the masks intersect
+};
+
+struct EdgeMark {  // an edge by its two vertices, in either order
+    std::uint32_t v0 = 0, v1 = 0;
+    float sharpness = 0;  // OpenSubdiv's scale; 10 and above is infinitely sharp
+};
+
+struct VertexMark {
+    std::uint32_t vertex = 0;
+    float sharpness = 0;
+};
+
+// Subdivision tags as the file gives them (OBJ "t" lines, glTF-independent); read by subdivision only.
+struct SubdivisionTags {
+    std::vector<EdgeMark> creases;
+    std::vector<VertexMark> corners;
+    std::vector<std::uint32_t> holes;  // faces
+    int interpolate_boundary = 1;      // 0 none, 1 edge and corner, 2 edge only (as in RenderMan)
+    int face_varying_boundary = 1;     // "facevaryinginterpolateboundary"
+    bool operator==(const SubdivisionTags&) const = default;
+};
+inline bool operator==(const EdgeMark& a, const EdgeMark& b) {
+    return a.v0 == b.v0 && a.v1 == b.v1 && a.sharpness == b.sharpness;
+}
+inline bool operator==(const VertexMark& a, const VertexMark& b) {
+    return a.vertex == b.vertex && a.sharpness == b.sharpness;
+}
+
+// A polygon mesh. Face f has the corners face_offsets[f] .. face_offsets[f+1]-1; corner c is at
+// vertex corner_vertices[c]. Loaders guarantee: every index in range, offsets ascending, every face
+// has at least 3 corners, layer sizes as stated. They do not guarantee finite values, manifoldness
+// or non-degenerate faces: check() finds those.
+struct Mesh {
+    std::string name;
+    glm::dvec3 origin{0.0};             // positions are relative to this point
+    std::vector<glm::vec3> positions;   // one per vertex
+    std::vector<std::uint32_t> face_offsets{0};  // faces + 1
+    std::vector<std::uint32_t> corner_vertices;  // one per corner
+
+    CornerLayer<glm::vec3> normals;
+    CornerLayer<glm::vec4> tangents;              // xyz, w = bitangent sign: B = w · cross(N, T)
+    std::vector<CornerLayer<glm::vec2>> uvs;      // one layer per UV set
+    std::vector<CornerLayer<glm::vec4>> colors;   // linear RGBA
+
+    std::vector<std::uint32_t> face_materials;  // one per face into Scene::materials, or empty
+    std::vector<std::uint32_t> face_smoothing;  // one per face, or empty: no smoothing information
+    SmoothingKind smoothing_kind = SmoothingKind::group_number;
+    std::vector<std::uint32_t> face_parts;  // one per face into `parts`, or empty
+    std::vector<std::string> parts;         // OBJ objects/groups ("object" or "object/group"), glTF primitives
+
+    std::vector<glm::uvec2> hard_marks;  // edges marked hard, by vertices
+    SubdivisionTags subdivision;
+
+    // What is not a face: polylines (offsets like face_offsets) and points, by vertex.
+    std::vector<std::uint32_t> line_offsets{0};
+    std::vector<std::uint32_t> line_vertices;
+    std::vector<std::uint32_t> points;
+    // Colours of vertices that no face uses (point clouds): one per vertex, or empty.
+    std::vector<glm::vec4> vertex_colors;
+
+    std::size_t vertex_count() const { return positions.size(); }
+    std::size_t face_count() const { return face_offsets.size() - 1; }
+    std::size_t corner_count() const { return corner_vertices.size(); }
+};
+
+// The non-owning form that the algorithms take. Spans must outlive the call.
+struct MeshView {
+    std::span<const glm::vec3> positions;
+    std::span<const std::uint32_t> face_offsets;
+    std::span<const std::uint32_t> corner_vertices;
+    CornerLayerView<glm::vec3> normals;
+    CornerLayerView<glm::vec2> uv;  // the UV set that tangents and UV borders use
+    std::span<const std::uint32_t> face_materials;
+    std::span<const std::uint32_t> face_smoothing;
+    SmoothingKind smoothing_kind = SmoothingKind::group_number;
+    std::span<const glm::uvec2> hard_marks;
+    std::span<const EdgeMark> creases;
+
+    MeshView() = default;
+    explicit MeshView(const Mesh& mesh, std::size_t uv_set = 0);
+    std::size_t face_count() const { return face_offsets.empty() ? 0 : face_offsets.size() - 1; }
+    std::size_t corner_count() const { return corner_vertices.size(); }
+};
+
+// Why a vertex of a VertexMesh is not shared with another corner at the same source vertex.
+enum class SplitReason : std::uint8_t {
+    none = 0,
+    hard_edge = 1,         // normals differ across an edge over the angle threshold, border or mark
+    smoothing_group = 2,   // normals differ because of smoothing groups
+    authored_normal = 4,   // normals differ because the file says so
+    uv_seam = 8,           // UVs differ
+    mirrored_uv = 16,      // tangent signs differ
+    tangent = 32,          // tangents differ though signs agree
+    color = 64,            // colours differ
+    material = 128,        // used by primitives of different material or part
+};
+using SplitReasons = std::uint8_t;  // bits of SplitReason
+
+// Triangles, one index per corner into vertices that carry every attribute.
+struct VertexMesh {
+    glm::dvec3 origin{0.0};
+    std::vector<glm::vec3> positions;
+    std::vector<glm::vec3> normals;                // empty or one per vertex
+    std::vector<glm::vec4> tangents;               // empty or one per vertex
+    std::vector<std::vector<glm::vec2>> uvs;       // per set: one per vertex
+    std::vector<std::vector<glm::vec4>> colors;    // per set: one per vertex
+
+    std::vector<std::uint32_t> indices;         // three per triangle
+    std::vector<std::uint32_t> triangle_faces;  // source face of each triangle
+
+    std::vector<std::uint32_t> source_vertices;  // per vertex: the source mesh's vertex
+    std::vector<std::uint32_t> source_corners;   // per vertex: its first source corner, or no_index
+    std::vector<SplitReasons> split_reasons;     // per vertex: why it is not its vertex's first copy
+    std::vector<std::uint32_t> corner_vertices;  // per source corner: its vertex here (the way back)
+
+    struct Range {  // triangles of one material and part, contiguous
+        std::uint32_t first_triangle = 0, triangle_count = 0;
+        std::uint32_t material = no_index, part = no_index;
+    };
+    std::vector<Range> ranges;
+
+    std::vector<std::uint32_t> lines;   // two per segment
+    std::vector<std::uint32_t> points;  // vertices
+
+    std::size_t vertex_count() const { return positions.size(); }
+    std::size_t triangle_count() const { return indices.size() / 3; }
+};
+
+}  // namespace prep

@@ -1,0 +1,34 @@
+// Fixed-partition parallelism: the work is cut by its size alone, never by the number of threads, so
+// that results do not depend on it.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+namespace prep::detail {
+
+// Calls body(begin, end) for consecutive blocks of `grain` items (the last may be shorter), on at
+// most `threads` threads (0: all cores). Blocks start at multiples of `grain`.
+template <class Body>
+void parallel_blocks(std::size_t count, std::size_t grain, int threads, const Body& body) {
+    if (count == 0) return;
+    const std::size_t blocks = (count + grain - 1) / grain;
+    const auto run = [&](std::size_t b) { body(b * grain, std::min(count, (b + 1) * grain)); };
+    if (blocks == 1 || threads == 1) {
+        for (std::size_t b = 0; b < blocks; ++b) run(b);
+        return;
+    }
+    const auto all = [&] {
+        tbb::parallel_for(std::size_t{0}, blocks, run, tbb::simple_partitioner{});
+    };
+    if (threads == 0) {
+        all();
+    } else {
+        tbb::task_arena arena(threads);
+        arena.execute(all);
+    }
+}
+
+}  // namespace prep::detail

@@ -1,0 +1,40 @@
+#include "prep/scene.h"
+
+namespace prep {
+
+std::vector<glm::dmat4> world_transforms(const Scene& scene) {
+    const std::size_t n = scene.nodes.size();
+    std::vector<glm::dmat4> world(n, glm::dmat4(1.0));
+    std::vector<bool> done(n, false);
+    std::vector<std::uint32_t> chain;
+    for (std::uint32_t i = 0; i < n; ++i) {
+        // Walk up to the nearest finished ancestor, then come back down: no recursion, so that a
+        // chain of a million nodes is as safe as a flat list.
+        chain.clear();
+        for (std::uint32_t k = i; k != no_index && !done[k]; k = scene.nodes[k].parent)
+            chain.push_back(k);
+        while (!chain.empty()) {
+            const std::uint32_t k = chain.back();
+            chain.pop_back();
+            const Node& node = scene.nodes[k];
+            world[k] = node.parent == no_index ? node.transform : world[node.parent] * node.transform;
+            done[k] = true;
+        }
+    }
+    return world;
+}
+
+void instance_unused_meshes(Scene& scene) {
+    std::vector<bool> used(scene.meshes.size(), false);
+    for (const Node& node : scene.nodes)
+        if (node.mesh != no_index) used[node.mesh] = true;
+    for (std::uint32_t m = 0; m < scene.meshes.size(); ++m) {
+        if (used[m]) continue;
+        Node node;
+        node.name = scene.meshes[m].name;
+        node.mesh = m;
+        scene.nodes.push_back(std::move(node));
+    }
+}
+
+}  // namespace prep
