@@ -1,0 +1,74 @@
+// prepare(): the whole pipeline, from a loaded scene to meshes that a renderer can shade.
+//
+// requirements → weld/topology → hard edges → normals → tangents → split. Each stage says whether it
+// ran and why; what no material and no request calls for is not computed.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "prep/corner_normals.h"
+#include "prep/findings.h"
+#include "prep/hard_edges.h"
+#include "prep/requirements.h"
+#include "prep/result.h"
+#include "prep/scene.h"
+#include "prep/tangents.h"
+
+namespace prep {
+
+// What happens to authored normals or tangents (those that the file brings).
+enum class Authored : std::uint8_t {
+    keep,     // kept where the file has them, computed where it does not
+    replace,  // computed everywhere
+    repair,   // kept but where they are zero, non-finite, non-unit or against their face
+};
+
+enum class WeldMode : std::uint8_t {
+    automatic,  // exact for soups and vertex-indexed formats (STL, glTF, PLY, …), none where the
+                // file indexes positions apart from attributes (OBJ, OFF)
+    none,
+    exact,      // equal positions (−0 equals 0) are one vertex for adjacency
+};
+
+struct PrepareOptions {
+    Request request;
+    WeldMode weld = WeldMode::automatic;
+    Authored normals = Authored::keep;
+    NormalOptions normal;         // weight, precision
+    HardEdgeOptions hard_edges;   // angle, borders
+    Authored tangents = Authored::keep;
+    TangentOptions tangent;       // neighbour rule, fallback, threshold
+    int threads = 0;              // 0: all cores; the result does not depend on it
+};
+
+struct StageReport {
+    std::string stage;   // "weld", "normals", …
+    bool run = false;
+    std::string reason;  // why it ran or was skipped, tied to scene data
+    double milliseconds = 0;
+};
+
+struct SplitCounts {  // vertices added, by reason (a vertex can count under several)
+    std::uint64_t hard_edge = 0, smoothing_group = 0, authored_normal = 0, uv_seam = 0,
+                  mirrored_uv = 0, tangent = 0, color = 0, material = 0;
+};
+
+// scene.meshes[i] carries the prepared corner layers (normals, tangents); meshes[i] is the same mesh
+// split into vertices and triangles.
+struct PreparedScene {
+    Scene scene;
+    std::vector<VertexMesh> meshes;
+    std::vector<MeshRequirements> requirements;
+    std::vector<StageReport> stages;
+    std::vector<Finding> findings;
+    SplitCounts splits;
+};
+
+// Takes the scene by value: move it in to avoid a copy. Errors: limit (more than 2^32 − 2 vertices or
+// corners), invalid (options out of range).
+Result<PreparedScene> prepare(Scene scene, const PrepareOptions& options = {});
+
+}  // namespace prep

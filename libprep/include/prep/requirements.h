@@ -1,0 +1,33 @@
+// What a scene's materials and the request call for, decided once, before anything is computed.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "prep/scene.h"
+
+namespace prep {
+
+// What the caller wants to do with the result.
+struct Request {
+    enum class Level : std::uint8_t { never, as_called_for, always };
+    Level normals = Level::as_called_for;   // as_called_for: wherever there are faces to be lit
+    Level tangents = Level::as_called_for;  // as_called_for: where a tangent-space map is used
+};
+
+struct Need {
+    bool needed = false;
+    std::string reason;  // names the scene data that decided: "material 'brick' has a normal map"
+};
+
+struct MeshRequirements {  // one per Scene::meshes entry
+    Need normals;
+    Need tangents;
+    Need uvs;                       // whether any material samples a texture on this mesh
+    std::uint32_t tangent_uv_set = 0;  // the set that the normal map samples
+};
+
+// Pure: the same scene and request give the same answer. O(faces + materials).
+std::vector<MeshRequirements> requirements(const Scene& scene, const Request& request = {});
+
+}  // namespace prep
