@@ -1,11 +1,12 @@
-// Fixed-partition parallelism: the work is cut by its size alone, never by the number of threads, so
-// that results do not depend on it.
+// Fixed-partition parallelism: the work is cut by its size alone, never by the number of threads,
+// so that results do not depend on it.
 #pragma once
+
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <cstddef>
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
 
 namespace prep::detail {
 

@@ -4,11 +4,16 @@ namespace prep {
 
 std::string_view to_string(ErrorCode code) {
     switch (code) {
-        case ErrorCode::io: return "io";
-        case ErrorCode::syntax: return "syntax";
-        case ErrorCode::invalid: return "invalid";
-        case ErrorCode::unsupported: return "unsupported";
-        case ErrorCode::limit: return "limit";
+        case ErrorCode::io:
+            return "io";
+        case ErrorCode::syntax:
+            return "syntax";
+        case ErrorCode::invalid:
+            return "invalid";
+        case ErrorCode::unsupported:
+            return "unsupported";
+        case ErrorCode::limit:
+            return "limit";
     }
     return "unknown";
 }

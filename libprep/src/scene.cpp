@@ -17,7 +17,8 @@ std::vector<glm::dmat4> world_transforms(const Scene& scene) {
             const std::uint32_t k = chain.back();
             chain.pop_back();
             const Node& node = scene.nodes[k];
-            world[k] = node.parent == no_index ? node.transform : world[node.parent] * node.transform;
+            world[k] =
+                node.parent == no_index ? node.transform : world[node.parent] * node.transform;
             done[k] = true;
         }
     }

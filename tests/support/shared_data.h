@@ -14,7 +14,7 @@ std::filesystem::path source_dir();
 
 }  // namespace test
 
-#define MESHPREP_REQUIRE_SHARED(variable)                                                    \
-    const auto variable##_found = ::test::shared_dir();                                      \
+#define MESHPREP_REQUIRE_SHARED(variable)                                                     \
+    const auto variable##_found = ::test::shared_dir();                                       \
     if (!variable##_found) GTEST_SKIP() << "the shared test data (../shared) is not present"; \
     const std::filesystem::path variable = *variable##_found

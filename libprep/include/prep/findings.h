@@ -11,7 +11,12 @@ namespace prep {
 enum class Severity : std::uint8_t { info, warning, error };
 
 // What the numbers in Finding::places index.
-enum class PlaceKind : std::uint8_t { face, vertex, edge, corner };  // edge: the corner that starts it
+enum class PlaceKind : std::uint8_t {
+    face,
+    vertex,
+    edge,
+    corner
+};  // edge: the corner that starts it
 
 struct Finding {
     std::string kind;  // stable identifier in kebab-case: "degenerate-face", "mirrored-uv", …

@@ -19,7 +19,8 @@ struct ImageRef;
 struct Image {
     std::uint32_t width = 0, height = 0, channels = 0;
     std::vector<float> pixels;
-    bool srgb = false;  // the file says (or its format implies) that colour channels are sRGB-encoded
+    bool srgb =
+        false;  // the file says (or its format implies) that colour channels are sRGB-encoded
     const float* at(std::uint32_t x, std::uint32_t y) const {
         return pixels.data() + (std::size_t(y) * width + x) * channels;
     }

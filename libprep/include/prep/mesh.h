@@ -30,7 +30,8 @@ struct CornerLayerView {
     std::span<const T> values;
     std::span<const std::uint32_t> indices;
     CornerLayerView() = default;
-    CornerLayerView(std::span<const T> v, std::span<const std::uint32_t> i) : values(v), indices(i) {}
+    CornerLayerView(std::span<const T> v, std::span<const std::uint32_t> i)
+        : values(v), indices(i) {}
     CornerLayerView(const CornerLayer<T>& layer) : values(layer.values), indices(layer.indices) {}
     bool empty() const { return indices.empty(); }
 };
@@ -51,7 +52,8 @@ struct VertexMark {
     float sharpness = 0;
 };
 
-// Subdivision tags as the file gives them (OBJ "t" lines, glTF-independent); read by subdivision only.
+// Subdivision tags as the file gives them (OBJ "t" lines, glTF-independent); read by subdivision
+// only.
 struct SubdivisionTags {
     std::vector<EdgeMark> creases;
     std::vector<VertexMark> corners;
@@ -73,21 +75,22 @@ inline bool operator==(const VertexMark& a, const VertexMark& b) {
 // or non-degenerate faces: check() finds those.
 struct Mesh {
     std::string name;
-    glm::dvec3 origin{0.0};             // positions are relative to this point
-    std::vector<glm::vec3> positions;   // one per vertex
+    glm::dvec3 origin{0.0};                      // positions are relative to this point
+    std::vector<glm::vec3> positions;            // one per vertex
     std::vector<std::uint32_t> face_offsets{0};  // faces + 1
     std::vector<std::uint32_t> corner_vertices;  // one per corner
 
     CornerLayer<glm::vec3> normals;
-    CornerLayer<glm::vec4> tangents;              // xyz, w = bitangent sign: B = w · cross(N, T)
-    std::vector<CornerLayer<glm::vec2>> uvs;      // one layer per UV set
-    std::vector<CornerLayer<glm::vec4>> colors;   // linear RGBA
+    CornerLayer<glm::vec4> tangents;             // xyz, w = bitangent sign: B = w · cross(N, T)
+    std::vector<CornerLayer<glm::vec2>> uvs;     // one layer per UV set
+    std::vector<CornerLayer<glm::vec4>> colors;  // linear RGBA
 
     std::vector<std::uint32_t> face_materials;  // one per face into Scene::materials, or empty
     std::vector<std::uint32_t> face_smoothing;  // one per face, or empty: no smoothing information
     SmoothingKind smoothing_kind = SmoothingKind::group_number;
     std::vector<std::uint32_t> face_parts;  // one per face into `parts`, or empty
-    std::vector<std::string> parts;         // OBJ objects/groups ("object" or "object/group"), glTF primitives
+    std::vector<std::string>
+        parts;  // OBJ objects/groups ("object" or "object/group"), glTF primitives
 
     std::vector<glm::uvec2> hard_marks;  // edges marked hard, by vertices
     SubdivisionTags subdivision;
@@ -126,14 +129,14 @@ struct MeshView {
 // Why a vertex of a VertexMesh is not shared with another corner at the same source vertex.
 enum class SplitReason : std::uint8_t {
     none = 0,
-    hard_edge = 1,         // normals differ across an edge over the angle threshold, border or mark
-    smoothing_group = 2,   // normals differ because of smoothing groups
-    authored_normal = 4,   // normals differ because the file says so
-    uv_seam = 8,           // UVs differ
-    mirrored_uv = 16,      // tangent signs differ
-    tangent = 32,          // tangents differ though signs agree
-    color = 64,            // colours differ
-    material = 128,        // used by primitives of different material or part
+    hard_edge = 1,        // normals differ across an edge over the angle threshold, border or mark
+    smoothing_group = 2,  // normals differ because of smoothing groups
+    authored_normal = 4,  // normals differ because the file says so
+    uv_seam = 8,          // UVs differ
+    mirrored_uv = 16,     // tangent signs differ
+    tangent = 32,         // tangents differ though signs agree
+    color = 64,           // colours differ
+    material = 128,       // used by primitives of different material or part
 };
 using SplitReasons = std::uint8_t;  // bits of SplitReason
 
@@ -141,18 +144,19 @@ using SplitReasons = std::uint8_t;  // bits of SplitReason
 struct VertexMesh {
     glm::dvec3 origin{0.0};
     std::vector<glm::vec3> positions;
-    std::vector<glm::vec3> normals;                // empty or one per vertex
-    std::vector<glm::vec4> tangents;               // empty or one per vertex
-    std::vector<std::vector<glm::vec2>> uvs;       // per set: one per vertex
-    std::vector<std::vector<glm::vec4>> colors;    // per set: one per vertex
+    std::vector<glm::vec3> normals;              // empty or one per vertex
+    std::vector<glm::vec4> tangents;             // empty or one per vertex
+    std::vector<std::vector<glm::vec2>> uvs;     // per set: one per vertex
+    std::vector<std::vector<glm::vec4>> colors;  // per set: one per vertex
 
     std::vector<std::uint32_t> indices;         // three per triangle
     std::vector<std::uint32_t> triangle_faces;  // source face of each triangle
 
     std::vector<std::uint32_t> source_vertices;  // per vertex: the source mesh's vertex
     std::vector<std::uint32_t> source_corners;   // per vertex: its first source corner, or no_index
-    std::vector<SplitReasons> split_reasons;     // per vertex: why it is not its vertex's first copy
-    std::vector<std::uint32_t> corner_vertices;  // per source corner: its vertex here (the way back)
+    std::vector<SplitReasons> split_reasons;  // per vertex: why it is not its vertex's first copy
+    std::vector<std::uint32_t>
+        corner_vertices;  // per source corner: its vertex here (the way back)
 
     struct Range {  // triangles of one material and part, contiguous
         std::uint32_t first_triangle = 0, triangle_count = 0;

@@ -1,7 +1,7 @@
 // prepare(): the whole pipeline, from a loaded scene to meshes that a renderer can shade.
 //
-// requirements → weld/topology → hard edges → normals → tangents → split. Each stage says whether it
-// ran and why; what no material and no request calls for is not computed.
+// requirements → weld/topology → hard edges → normals → tangents → split. Each stage says whether
+// it ran and why; what no material and no request calls for is not computed.
 #pragma once
 
 #include <cstdint>
@@ -30,22 +30,22 @@ enum class WeldMode : std::uint8_t {
     automatic,  // exact for soups and vertex-indexed formats (STL, glTF, PLY, …), none where the
                 // file indexes positions apart from attributes (OBJ, OFF)
     none,
-    exact,      // equal positions (−0 equals 0) are one vertex for adjacency
+    exact,  // equal positions (−0 equals 0) are one vertex for adjacency
 };
 
 struct PrepareOptions {
     Request request;
     WeldMode weld = WeldMode::automatic;
     Authored normals = Authored::keep;
-    NormalOptions normal;         // weight, precision
-    HardEdgeOptions hard_edges;   // angle, borders
+    NormalOptions normal;        // weight, precision
+    HardEdgeOptions hard_edges;  // angle, borders
     Authored tangents = Authored::keep;
-    TangentOptions tangent;       // neighbour rule, fallback, threshold
-    int threads = 0;              // 0: all cores; the result does not depend on it
+    TangentOptions tangent;  // neighbour rule, fallback, threshold
+    int threads = 0;         // 0: all cores; the result does not depend on it
 };
 
 struct StageReport {
-    std::string stage;   // "weld", "normals", …
+    std::string stage;  // "weld", "normals", …
     bool run = false;
     std::string reason;  // why it ran or was skipped, tied to scene data
     double milliseconds = 0;
@@ -56,8 +56,8 @@ struct SplitCounts {  // vertices added, by reason (a vertex can count under sev
                   mirrored_uv = 0, tangent = 0, color = 0, material = 0;
 };
 
-// scene.meshes[i] carries the prepared corner layers (normals, tangents); meshes[i] is the same mesh
-// split into vertices and triangles.
+// scene.meshes[i] carries the prepared corner layers (normals, tangents); meshes[i] is the same
+// mesh split into vertices and triangles.
 struct PreparedScene {
     Scene scene;
     std::vector<VertexMesh> meshes;
@@ -67,8 +67,8 @@ struct PreparedScene {
     SplitCounts splits;
 };
 
-// Takes the scene by value: move it in to avoid a copy. Errors: limit (more than 2^32 − 2 vertices or
-// corners), invalid (options out of range).
+// Takes the scene by value: move it in to avoid a copy. Errors: limit (more than 2^32 − 2 vertices
+// or corners), invalid (options out of range).
 Result<PreparedScene> prepare(Scene scene, const PrepareOptions& options = {});
 
 }  // namespace prep

@@ -23,7 +23,7 @@ struct Need {
 struct MeshRequirements {  // one per Scene::meshes entry
     Need normals;
     Need tangents;
-    Need uvs;                       // whether any material samples a texture on this mesh
+    Need uvs;                          // whether any material samples a texture on this mesh
     std::uint32_t tangent_uv_set = 0;  // the set that the normal map samples
 };
 

@@ -1,7 +1,8 @@
 // Result<T>: a value, or an Error that says what, where and what to do next.
 //
 // No function of libprep or librast throws (std::bad_alloc aside), prints or exits. Whatever the
-// outside world can get wrong comes back as an Error; what only a caller's bug can cause is asserted.
+// outside world can get wrong comes back as an Error; what only a caller's bug can cause is
+// asserted.
 #pragma once
 
 #include <cassert>

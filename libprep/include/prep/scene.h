@@ -21,9 +21,9 @@ enum class MipFilter : std::uint8_t { none, nearest, linear };
 
 // An image as the file refers to it; decoded only when a texture of the plan asks for it.
 struct ImageRef {
-    std::string name;                 // for messages
-    std::filesystem::path path;       // set when it is a file of its own
-    std::vector<std::byte> bytes;     // set when it is embedded (encoded: PNG, JPEG, …)
+    std::string name;              // for messages
+    std::filesystem::path path;    // set when it is a file of its own
+    std::vector<std::byte> bytes;  // set when it is embedded (encoded: PNG, JPEG, …)
     std::string mime_type;
 };
 
@@ -79,30 +79,31 @@ struct Light {
     LightKind kind = LightKind::directional;
     glm::vec3 color{1.0f};  // linear
     float intensity = 1;
-    float range = 0;  // 0: no limit
+    float range = 0;                                  // 0: no limit
     float inner_cone = 0, outer_cone = 0.785398163f;  // radians from the axis
 };
 
 struct Camera {
     std::string name;
     bool perspective = true;
-    double yfov = 0.8;          // radians
-    double aspect = 0;          // 0: take the picture's
-    double xmag = 1, ymag = 1;  // orthographic half extents
+    double yfov = 0.8;              // radians
+    double aspect = 0;              // 0: take the picture's
+    double xmag = 1, ymag = 1;      // orthographic half extents
     double znear = 0.01, zfar = 0;  // zfar 0: infinite
 };
 
 struct Node {
     std::string name;
-    std::uint32_t parent = no_index;  // always an earlier or later node, never cyclic (loaders check)
-    glm::dmat4 transform{1.0};        // to the parent
+    std::uint32_t parent =
+        no_index;               // always an earlier or later node, never cyclic (loaders check)
+    glm::dmat4 transform{1.0};  // to the parent
     std::uint32_t mesh = no_index, camera = no_index, light = no_index, skin = no_index;
 };
 
 struct Skin {
     std::string name;
-    std::vector<std::uint32_t> joints;       // nodes
-    std::vector<glm::mat4> inverse_bind;     // one per joint
+    std::vector<std::uint32_t> joints;    // nodes
+    std::vector<glm::mat4> inverse_bind;  // one per joint
 };
 
 struct Scene {
@@ -116,9 +117,10 @@ struct Scene {
     std::vector<Light> lights;
     std::vector<Camera> cameras;
     std::vector<Skin> skins;
-    std::uint32_t active_camera = no_index;  // a node
+    std::uint32_t active_camera = no_index;        // a node
     std::shared_ptr<const GltfDocument> document;  // set when the source was glTF
-    std::vector<std::string> warnings;  // odd but usable: what the loader met and what it made of it
+    std::vector<std::string>
+        warnings;  // odd but usable: what the loader met and what it made of it
 };
 
 // World transform of every node, parents applied first. O(nodes).

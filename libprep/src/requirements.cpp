@@ -1,0 +1,139 @@
+#include "prep/requirements.h"
+
+#include <algorithm>
+
+namespace prep {
+namespace {
+
+std::string quoted(const std::string& name, std::size_t index, const char* what) {
+    return name.empty() ? std::string(what) + " " + std::to_string(index)
+                        : std::string(what) + " '" + name + "'";
+}
+
+// The materials that the mesh's faces use, ascending; a mesh without any uses the default material.
+struct UsedMaterials {
+    std::vector<std::uint32_t> indices;
+    bool uses_default = false;
+};
+
+UsedMaterials used_materials(const Mesh& mesh, std::size_t material_count) {
+    UsedMaterials used;
+    std::vector<bool> seen(material_count, false);
+    if (mesh.face_materials.empty()) used.uses_default = true;
+    for (const std::uint32_t m : mesh.face_materials) {
+        if (m < material_count)
+            seen[m] = true;
+        else
+            used.uses_default = true;
+    }
+    for (std::uint32_t m = 0; m < material_count; ++m)
+        if (seen[m]) used.indices.push_back(m);
+    return used;
+}
+
+bool has_uv_set(const Mesh& mesh, std::uint32_t set) {
+    return set < mesh.uvs.size() && !mesh.uvs[set].empty();
+}
+
+struct MapUse {
+    const char* name;
+    TextureRef Material::*map;
+};
+
+constexpr MapUse map_uses[] = {
+    {"diffuse map", &Material::diffuse_map},
+    {"specular map", &Material::specular_map},
+    {"emissive map", &Material::emissive_map},
+    {"occlusion map", &Material::occlusion_map},
+    {"normal map", &Material::normal_map},
+    {"bump map", &Material::bump_map},
+    {"displacement map", &Material::displacement_map},
+    {"metallic-roughness map", &Material::metallic_roughness_map},
+};
+
+Need need_normals(const Scene& scene, const Mesh& mesh, const UsedMaterials& used,
+                  Request::Level level) {
+    if (mesh.face_count() == 0) return {false, "no faces: points and lines carry no normals"};
+    if (level == Request::Level::never) return {false, "switched off by the request"};
+    if (level == Request::Level::always) return {true, "asked for by the request"};
+    if (used.uses_default) return {true, "faces without a material are lit by the default one"};
+    for (const std::uint32_t m : used.indices) {
+        if (!scene.materials[m].unlit)
+            return {true, quoted(scene.materials[m].name, m, "material") + " is lit"};
+    }
+    return {false, "every material used is unlit"};
+}
+
+Need need_uvs(const Scene& scene, const Mesh& mesh, const UsedMaterials& used) {
+    if (mesh.face_count() == 0) return {false, "no faces to be textured"};
+    for (const std::uint32_t m : used.indices) {
+        for (const MapUse& use : map_uses) {
+            const TextureRef& ref = scene.materials[m].*use.map;
+            if (!ref) continue;
+            const std::string text =
+                quoted(scene.materials[m].name, m, "material") + " has a " + use.name;
+            if (has_uv_set(mesh, ref.uv_set)) return {true, text};
+        }
+    }
+    return {false, "no material in use samples a texture on this mesh"};
+}
+
+}  // namespace
+
+std::vector<MeshRequirements> requirements(const Scene& scene, const Request& request) {
+    std::vector<MeshRequirements> result;
+    result.reserve(scene.meshes.size());
+    for (const Mesh& mesh : scene.meshes) {
+        const UsedMaterials used = used_materials(mesh, scene.materials.size());
+        MeshRequirements r;
+        r.normals = need_normals(scene, mesh, used, request.normals);
+        r.uvs = need_uvs(scene, mesh, used);
+
+        // The first normal map whose UV set exists decides which set the tangents follow.
+        std::uint32_t mapped = no_index;
+        std::string missing_uv;
+        for (const std::uint32_t m : used.indices) {
+            const Material& material = scene.materials[m];
+            if (!material.normal_map || material.unlit ||
+                material.normal_map_space != NormalMapSpace::tangent)
+                continue;
+            if (has_uv_set(mesh, material.normal_map.uv_set)) {
+                mapped = m;
+                r.tangent_uv_set = material.normal_map.uv_set;
+                break;
+            }
+            if (missing_uv.empty())
+                missing_uv = quoted(material.name, m, "material") +
+                             " has a normal map, but UV set " +
+                             std::to_string(material.normal_map.uv_set) + " is missing";
+        }
+        if (mesh.face_count() == 0) {
+            r.tangents = {false, "no faces: points and lines carry no tangents"};
+        } else if (request.tangents == Request::Level::never) {
+            r.tangents = {false, "switched off by the request"};
+        } else if (mapped != no_index) {
+            r.tangents = {true, quoted(scene.materials[mapped].name, mapped, "material") +
+                                    " has a tangent-space normal map"};
+        } else if (request.tangents == Request::Level::always) {
+            if (has_uv_set(mesh, 0))
+                r.tangents = {true, "asked for by the request"};
+            else
+                r.tangents = {false, "asked for by the request, but the mesh has no UVs"};
+        } else if (!missing_uv.empty()) {
+            r.tangents = {false, missing_uv};
+        } else {
+            r.tangents = {false, "no material in use has a tangent-space normal map"};
+        }
+        // A tangent frame is built about the normal.
+        if (r.tangents.needed && !r.normals.needed) {
+            if (request.normals == Request::Level::never && mesh.normals.empty())
+                r.tangents = {false, "tangents need normals, which are switched off"};
+            else
+                r.normals = {true, "tangents need normals"};
+        }
+        result.push_back(std::move(r));
+    }
+    return result;
+}
+
+}  // namespace prep
