@@ -1,0 +1,23 @@
+// Polygons into triangles that refer to the polygon's corners.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "prep/mesh.h"
+
+namespace prep {
+
+struct Triangulation {
+    std::vector<std::uint32_t> corners;         // three per triangle, in the face's direction
+    std::vector<std::uint32_t> triangle_faces;  // per triangle, ascending
+};
+
+// A face of k corners gives exactly k − 2 triangles. Triangles stay as they are; quads are cut
+// along the shorter diagonal unless that one lies outside (concave quads) or would fold; larger
+// polygons by ear clipping (Meisters 1975) in the plane of their Newell normal, with exact
+// orientation tests. Self-crossing, collinear and degenerate polygons still give k − 2 triangles.
+// O(corners) for triangles and quads; O(k²) worst case for a polygon of k corners.
+Triangulation triangulate(const MeshView& mesh, int threads = 0);
+
+}  // namespace prep
