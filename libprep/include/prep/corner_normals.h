@@ -30,9 +30,9 @@ struct NormalOptions {
 
 // How a normal was found where the weighted sum is zero or there is nothing to sum.
 enum class NormalFallback : std::uint8_t {
-    largest_face,  // the sum vanished: the face of the largest weight in the fan (lowest on a tie)
-    own_face,      // the fan has no weight at all: the corner's own face
-    none_defined,  // no face around has a normal: (0, 0, 1)
+    largest_face,  // the sum vanished: the fan's face of the largest area (the greatest vector on a
+                   // tie)
+    none_defined,  // no face of the fan has a normal: (0, 0, 1)
 };
 
 struct CornerNormals {

@@ -21,20 +21,21 @@ enum class FaceState : std::uint8_t {
     non_finite,  // a corner's position is NaN or infinite
 };
 
-// The area vector of a face (normal direction, length = area for planar faces) is
-// `area[f] · 2^exponent[f] · normal[f]`: kept apart so that neither 1e-30 nor 1e30 leaves the
-// range.
+// Positions are float, so that in double neither areas of 1e-90 (scale 1e-45) nor of 1e77 leave the
+// range: no scaling is needed, the values are absolute.
 struct FaceNormals {
-    std::vector<glm::dvec3> normals;      // per face: unit, or zero where the state is not regular
-    std::vector<double> areas;            // per face: in [0, ∞), to be scaled by 2^exponent
-    std::vector<std::int32_t> exponents;  // per face
-    std::vector<FaceState> states;        // per face
+    // Per face: normal direction with the length of twice the area (for planar faces); zero where
+    // the state is not regular.
+    std::vector<glm::dvec3> area_vectors;
+    std::vector<double> errors;  // per face: bound on the length of area_vectors' error
+    std::vector<FaceState> states;
 };
 
 // Newell's sum about the face's first corner (Sutherland et al. 1974): exact for non-planar
-// polygons and independent of the start corner up to rounding. Products are differences of products
-// in Kahan's compensated form. Error of `accurate`: at most 4e-16 rad for triangles whose edges are
-// exact in double (all float input); `fast`: 1e-6 rad on well-shaped triangles, unbounded on
+// polygons and independent of the start corner up to rounding. `accurate` evaluates each difference
+// of products with one rounding: where the edge differences fit a float the products are exact,
+// elsewhere they are split (Dekker 1971), so that the error of a triangle is at most 2⁻⁵² of its
+// length, needles included. `fast` uses float: 1e-6 rad on well-shaped triangles, unbounded on
 // needles. O(corners); the same bits for any thread count.
 FaceNormals face_normals(const MeshView& mesh, Precision precision = Precision::accurate,
                          int threads = 0);

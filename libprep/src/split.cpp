@@ -1,0 +1,346 @@
+#include "prep/split.h"
+
+#include <algorithm>
+#include <cstring>
+#include <unordered_map>
+
+#include "parallel.h"
+#include "prep/triangulate.h"
+
+namespace prep {
+namespace {
+
+using Index = std::uint32_t;
+constexpr std::size_t vertex_grain = 8192;
+// Up to this many copies of one vertex are searched one by one, beyond it by hash: a flat-shaded
+// pole of valence 100,000 stays linear.
+constexpr std::size_t linear_search_limit = 12;
+
+constexpr glm::vec3 missing_normal{0, 0, 1};
+constexpr glm::vec4 missing_tangent{1, 0, 0, 1};
+constexpr glm::vec2 missing_uv{0, 0};
+constexpr glm::vec4 missing_color{1, 1, 1, 1};
+
+// One attribute layer, read by corner.
+template <class T>
+class Layer {
+  public:
+    Layer(const CornerLayer<T>& layer, const T& missing) : layer_(&layer), missing_(missing) {}
+    T at(Index corner) const {
+        const Index i = layer_->indices[corner];
+        return i == no_index ? missing_ : layer_->values[i];
+    }
+    bool same(Index a, Index b) const {
+        if (layer_->indices[a] == layer_->indices[b]) return true;
+        const T x = at(a), y = at(b);
+        return std::memcmp(&x, &y, sizeof(T)) == 0;
+    }
+    void hash(Index corner, std::uint64_t& h) const {
+        const T x = at(corner);
+        std::uint32_t words[sizeof(T) / 4];
+        std::memcpy(words, &x, sizeof(T));
+        for (const std::uint32_t w : words) h = (h ^ w) * 0x9e3779b97f4a7c15u, h ^= h >> 29;
+    }
+
+  private:
+    const CornerLayer<T>* layer_;
+    T missing_;
+};
+
+// All that decides whether two corners at one source vertex can share a vertex.
+class Attributes {
+  public:
+    Attributes(const Mesh& mesh, const HardEdges* hard, bool parts_apart)
+        : mesh_(mesh), hard_(hard) {
+        if (!mesh.normals.empty()) normals_.emplace_back(mesh.normals, missing_normal);
+        if (!mesh.tangents.empty()) tangents_.emplace_back(mesh.tangents, missing_tangent);
+        for (const auto& layer : mesh.uvs)
+            if (!layer.empty()) uvs_.emplace_back(layer, missing_uv);
+        for (const auto& layer : mesh.colors)
+            if (!layer.empty()) colors_.emplace_back(layer, missing_color);
+        if (parts_apart && (!mesh.face_parts.empty() || !mesh.face_materials.empty()) &&
+            !uniform_parts()) {
+            groups_apart_ = true;
+        }
+        if (groups_apart_ || hard) {
+            corner_faces_.resize(mesh.corner_count());
+            for (Index f = 0; f < mesh.face_count(); ++f)
+                for (Index c = mesh.face_offsets[f]; c < mesh.face_offsets[f + 1]; ++c)
+                    corner_faces_[c] = f;
+        }
+    }
+
+    bool same(Index a, Index b) const {
+        for (const auto& l : normals_)
+            if (!l.same(a, b)) return false;
+        for (const auto& l : uvs_)
+            if (!l.same(a, b)) return false;
+        for (const auto& l : tangents_)
+            if (!l.same(a, b)) return false;
+        for (const auto& l : colors_)
+            if (!l.same(a, b)) return false;
+        return same_group(a, b);
+    }
+
+    std::uint64_t hash(Index c) const {
+        std::uint64_t h = 0x243f6a8885a308d3u;
+        for (const auto& l : normals_) l.hash(c, h);
+        for (const auto& l : uvs_) l.hash(c, h);
+        for (const auto& l : tangents_) l.hash(c, h);
+        for (const auto& l : colors_) l.hash(c, h);
+        return h;
+    }
+
+    // Why corner c cannot share the vertex of corner `first`.
+    SplitReasons reasons(Index first, Index c) const {
+        unsigned bits = 0;
+        const auto add = [&](SplitReason r) { bits |= unsigned(r); };
+        for (const auto& l : normals_) {
+            if (l.same(first, c)) continue;
+            if (!hard_) {
+                add(SplitReason::authored_normal);
+                continue;
+            }
+            // Computed normals differ because of the edges at either corner.
+            const std::uint8_t around = edge_reasons(first) | edge_reasons(c);
+            if (around & hard_smoothing_group) add(SplitReason::smoothing_group);
+            if ((around & ~unsigned(hard_smoothing_group)) || !around) add(SplitReason::hard_edge);
+        }
+        for (const auto& l : uvs_)
+            if (!l.same(first, c)) add(SplitReason::uv_seam);
+        for (const auto& l : tangents_) {
+            if (l.same(first, c)) continue;
+            if (l.at(first).w != l.at(c).w)
+                add(SplitReason::mirrored_uv);
+            else if (bits == 0)
+                add(SplitReason::tangent);
+        }
+        for (const auto& l : colors_)
+            if (!l.same(first, c)) add(SplitReason::color);
+        if (!same_group(first, c)) add(SplitReason::material);
+        return SplitReasons(bits);
+    }
+
+  private:
+    bool uniform_parts() const {
+        const auto uniform = [](const std::vector<Index>& v) {
+            return std::all_of(v.begin(), v.end(), [&](Index x) { return x == v.front(); });
+        };
+        return uniform(mesh_.face_parts) && uniform(mesh_.face_materials);
+    }
+    bool same_group(Index a, Index b) const {
+        if (!groups_apart_) return true;
+        const Index f = corner_faces_[a], g = corner_faces_[b];
+        return (mesh_.face_parts.empty() || mesh_.face_parts[f] == mesh_.face_parts[g]) &&
+               (mesh_.face_materials.empty() || mesh_.face_materials[f] == mesh_.face_materials[g]);
+    }
+    std::uint8_t edge_reasons(Index c) const {
+        const Index f = corner_faces_[c];
+        const Index begin = mesh_.face_offsets[f], end = mesh_.face_offsets[f + 1];
+        return hard_->reasons[c] | hard_->reasons[c == begin ? end - 1 : c - 1];
+    }
+
+    const Mesh& mesh_;
+    const HardEdges* hard_;
+    bool groups_apart_ = false;
+    std::vector<Layer<glm::vec3>> normals_;
+    std::vector<Layer<glm::vec4>> tangents_;
+    std::vector<Layer<glm::vec2>> uvs_;
+    std::vector<Layer<glm::vec4>> colors_;
+    std::vector<Index> corner_faces_;
+};
+
+// Corners by source vertex, ascending.
+struct VertexCorners {
+    std::vector<Index> offsets, corners;
+};
+
+VertexCorners corners_by_vertex(const Mesh& mesh) {
+    VertexCorners result;
+    result.offsets.assign(mesh.vertex_count() + 1, 0);
+    for (const Index v : mesh.corner_vertices) ++result.offsets[v + 1];
+    for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
+        result.offsets[v + 1] += result.offsets[v];
+    result.corners.resize(mesh.corner_count());
+    std::vector<Index> cursor(result.offsets.begin(), result.offsets.end() - 1);
+    for (Index c = 0; c < mesh.corner_count(); ++c)
+        result.corners[cursor[mesh.corner_vertices[c]]++] = c;
+    return result;
+}
+
+struct Block {                         // the vertices made from one block of source vertices
+    std::vector<Index> first_corners;  // no_index: a vertex that only lines or points use
+    std::vector<Index> sources;
+    std::vector<SplitReasons> reasons;
+};
+
+void split_vertex(Index v, std::span<const Index> corners, const Attributes& attributes,
+                  Block& block, std::vector<Index>& corner_out) {
+    const std::size_t first_copy = block.first_corners.size();
+    std::unordered_multimap<std::uint64_t, Index> by_hash;
+    for (const Index c : corners) {
+        Index found = no_index;
+        const std::size_t copies = block.first_corners.size() - first_copy;
+        const bool hashed = copies > linear_search_limit;
+        if (!hashed) {
+            for (std::size_t k = first_copy; k < block.first_corners.size(); ++k)
+                if (attributes.same(block.first_corners[k], c)) {
+                    found = Index(k);
+                    break;
+                }
+        } else {
+            if (by_hash.empty())
+                for (std::size_t k = first_copy; k < block.first_corners.size(); ++k)
+                    by_hash.emplace(attributes.hash(block.first_corners[k]), Index(k));
+            const auto [begin, end] = by_hash.equal_range(attributes.hash(c));
+            for (auto it = begin; it != end; ++it)
+                if (attributes.same(block.first_corners[it->second], c)) found = it->second;
+        }
+        if (found == no_index) {
+            found = Index(block.first_corners.size());
+            const SplitReasons why = copies == 0
+                                         ? SplitReasons(0)
+                                         : attributes.reasons(block.first_corners[first_copy], c);
+            block.first_corners.push_back(c);
+            block.sources.push_back(v);
+            block.reasons.push_back(why);
+            if (hashed) by_hash.emplace(attributes.hash(c), found);
+        }
+        corner_out[c] = found;
+    }
+}
+
+// Triangles sorted by (part, material), source order within.
+void sort_into_ranges(const Mesh& mesh, const Triangulation& cut, VertexMesh& out) {
+    const std::size_t triangles = cut.triangle_faces.size();
+    const auto key_of = [&](Index face) {
+        const Index part = mesh.face_parts.empty() ? no_index : mesh.face_parts[face];
+        const Index material = mesh.face_materials.empty() ? no_index : mesh.face_materials[face];
+        return std::uint64_t(part) << 32 | material;
+    };
+    out.indices.resize(triangles * 3);
+    out.triangle_faces.resize(triangles);
+    std::vector<Index> order;
+    bool sorted = true;
+    for (std::size_t t = 1; t < triangles && sorted; ++t)
+        sorted = key_of(cut.triangle_faces[t - 1]) <= key_of(cut.triangle_faces[t]);
+    if (!sorted) {
+        order.resize(triangles);
+        for (Index t = 0; t < triangles; ++t) order[t] = t;
+        std::stable_sort(order.begin(), order.end(), [&](Index a, Index b) {
+            return key_of(cut.triangle_faces[a]) < key_of(cut.triangle_faces[b]);
+        });
+    }
+    for (std::size_t t = 0; t < triangles; ++t) {
+        const std::size_t s = sorted ? t : order[t];
+        const Index face = cut.triangle_faces[s];
+        out.triangle_faces[t] = face;
+        for (int k = 0; k < 3; ++k)
+            out.indices[3 * t + k] = out.corner_vertices[cut.corners[3 * s + k]];
+        const std::uint64_t key = key_of(face);
+        const Index part = Index(key >> 32), material = Index(key);
+        if (out.ranges.empty() || out.ranges.back().part != part ||
+            out.ranges.back().material != material)
+            out.ranges.push_back({Index(t), 0, material, part});
+        ++out.ranges.back().triangle_count;
+    }
+}
+
+}  // namespace
+
+Result<VertexMesh> split(const Mesh& mesh, const HardEdges* hard, const SplitOptions& options) {
+    const std::size_t sources = mesh.vertex_count();
+    if (mesh.corner_count() + sources >= no_index)
+        return Error{ErrorCode::limit,
+                     "more than 2^32 - 2 corners and vertices: cut the mesh into pieces",
+                     mesh.name};
+    const Attributes attributes(mesh, hard, options.parts_apart);
+    const VertexCorners at = corners_by_vertex(mesh);
+    std::vector<bool> loose(sources, false);
+    for (const Index v : mesh.line_vertices) loose[v] = true;
+    for (const Index v : mesh.points) loose[v] = true;
+
+    VertexMesh out;
+    out.origin = mesh.origin;
+    out.corner_vertices.resize(mesh.corner_count());
+    std::vector<Block> blocks((sources + vertex_grain - 1) / vertex_grain);
+    detail::parallel_blocks(
+        sources, vertex_grain, options.threads, [&](std::size_t begin, std::size_t end) {
+            Block& block = blocks[begin / vertex_grain];
+            for (std::size_t v = begin; v < end; ++v) {
+                const std::span<const Index> corners(at.corners.data() + at.offsets[v],
+                                                     at.offsets[v + 1] - at.offsets[v]);
+                if (!corners.empty()) {
+                    split_vertex(Index(v), corners, attributes, block, out.corner_vertices);
+                } else if (loose[v]) {
+                    block.first_corners.push_back(no_index);
+                    block.sources.push_back(Index(v));
+                    block.reasons.push_back(0);
+                }
+            }
+        });
+
+    std::vector<Index> bases(blocks.size() + 1, 0);
+    for (std::size_t b = 0; b < blocks.size(); ++b)
+        bases[b + 1] = bases[b] + Index(blocks[b].sources.size());
+    const std::size_t vertices = bases.back();
+    out.positions.resize(vertices);
+    out.source_vertices.resize(vertices);
+    out.source_corners.resize(vertices);
+    out.split_reasons.resize(vertices);
+    if (!mesh.normals.empty()) out.normals.resize(vertices);
+    if (!mesh.tangents.empty()) out.tangents.resize(vertices);
+    out.uvs.resize(mesh.uvs.size());
+    for (auto& set : out.uvs) set.resize(vertices, missing_uv);
+    // Loose vertices bring colours of their own where no face layer exists.
+    const std::size_t color_sets =
+        std::max<std::size_t>(mesh.colors.size(), mesh.vertex_colors.empty() ? 0 : 1);
+    out.colors.resize(color_sets);
+    for (auto& set : out.colors) set.resize(vertices, missing_color);
+
+    const Layer<glm::vec3> normals(mesh.normals, missing_normal);
+    const Layer<glm::vec4> tangents(mesh.tangents, missing_tangent);
+    detail::parallel_blocks(
+        sources, vertex_grain, options.threads, [&](std::size_t begin, std::size_t end) {
+            const Block& block = blocks[begin / vertex_grain];
+            const Index base = bases[begin / vertex_grain];
+            for (Index k = at.offsets[begin]; k < at.offsets[end]; ++k)
+                out.corner_vertices[at.corners[k]] += base;
+            for (std::size_t k = 0; k < block.sources.size(); ++k) {
+                const std::size_t i = base + k;
+                const Index c = block.first_corners[k], v = block.sources[k];
+                out.positions[i] = mesh.positions[v];
+                out.source_vertices[i] = v;
+                out.source_corners[i] = c;
+                out.split_reasons[i] = block.reasons[k];
+                const bool on_face = c != no_index;
+                if (!out.normals.empty()) out.normals[i] = on_face ? normals.at(c) : missing_normal;
+                if (!out.tangents.empty())
+                    out.tangents[i] = on_face ? tangents.at(c) : missing_tangent;
+                for (std::size_t s = 0; s < mesh.uvs.size(); ++s)
+                    if (on_face && !mesh.uvs[s].empty())
+                        out.uvs[s][i] = Layer<glm::vec2>(mesh.uvs[s], missing_uv).at(c);
+                for (std::size_t s = 0; s < mesh.colors.size(); ++s)
+                    if (on_face && !mesh.colors[s].empty())
+                        out.colors[s][i] = Layer<glm::vec4>(mesh.colors[s], missing_color).at(c);
+                if (!on_face && !mesh.vertex_colors.empty())
+                    out.colors[0][i] = mesh.vertex_colors[v];
+            }
+        });
+
+    sort_into_ranges(mesh, triangulate(MeshView(mesh), options.threads), out);
+
+    if (!mesh.line_vertices.empty() || !mesh.points.empty()) {
+        std::vector<Index> first_vertex(sources, no_index);
+        for (Index i = Index(vertices); i-- > 0;) first_vertex[out.source_vertices[i]] = i;
+        for (std::size_t l = 0; l + 1 < mesh.line_offsets.size(); ++l)
+            for (Index k = mesh.line_offsets[l]; k + 1 < mesh.line_offsets[l + 1]; ++k) {
+                out.lines.push_back(first_vertex[mesh.line_vertices[k]]);
+                out.lines.push_back(first_vertex[mesh.line_vertices[k + 1]]);
+            }
+        for (const Index v : mesh.points) out.points.push_back(first_vertex[v]);
+    }
+    return out;
+}
+
+}  // namespace prep
