@@ -1,0 +1,39 @@
+// What the file's own normals are worth, corner by corner, and how computed ones take their place.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "prep/corner_normals.h"
+#include "prep/mesh.h"
+
+namespace prep::detail {
+
+enum NormalFault : std::uint8_t {  // bits
+    normal_missing = 1,
+    normal_non_finite = 2,
+    normal_zero = 4,
+    normal_non_unit = 8,  // length off by more than unit_tolerance
+    normal_flipped = 16,  // against its face and against the computed normal
+};
+
+// glTF's validator accepts a length within 0.0005 of 1; the same here.
+inline constexpr double unit_tolerance = 5e-4;
+
+struct NormalReview {
+    std::vector<std::uint8_t> faults;  // per corner: bits of NormalFault
+    std::uint64_t missing = 0, non_finite = 0, zero = 0, non_unit = 0, flipped = 0;
+    bool perfect() const { return missing + non_finite + zero + non_unit + flipped == 0; }
+};
+
+// Flipped is only judged where `faces` is given; it then means more than 90° from the face normal.
+NormalReview review_normals(const MeshView& mesh, const FaceNormals* faces);
+
+// Authored normals with computed ones at the corners whose faults intersect `replace`; where a kept
+// one is not unit but has a direction, it is rescaled. `computed` may be null when none is
+// replaced.
+CornerLayer<glm::vec3> merge_normals(const CornerLayer<glm::vec3>& authored,
+                                     const NormalReview& review, unsigned replace,
+                                     const CornerLayer<glm::vec3>* computed);
+
+}  // namespace prep::detail

@@ -1,0 +1,346 @@
+#include "prep/prepare.h"
+
+#include <algorithm>
+#include <chrono>
+
+#include "authored_normals.h"
+#include "prep/split.h"
+#include "prep/topology.h"
+
+namespace prep {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using detail::NormalReview;
+
+// Collects, over all meshes, whether a stage ran, the first reason given for running or skipping
+// it, and its time.
+class StageLog {
+  public:
+    void skipped(const std::string& stage, const std::string& reason) {
+        Entry& e = entry(stage);
+        ++e.skipped;
+        if (e.skip_reason.empty()) e.skip_reason = reason;
+    }
+    template <class Work>
+    auto run(const std::string& stage, const std::string& reason, const Work& work) {
+        const Clock::time_point start = Clock::now();
+        auto result = work();
+        Entry& e = entry(stage);
+        ++e.run;
+        e.milliseconds += std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+        if (e.run_reason.empty()) e.run_reason = reason;
+        return result;
+    }
+    std::vector<StageReport> reports() const {
+        std::vector<StageReport> result;
+        for (const Entry& e : entries_) {
+            StageReport r{e.stage, e.run > 0, e.run > 0 ? e.run_reason : e.skip_reason,
+                          e.milliseconds};
+            if (e.run > 0 && e.skipped > 0)
+                r.reason = std::to_string(e.run) + " of " + std::to_string(e.run + e.skipped) +
+                           " meshes: " + r.reason + "; others: " + e.skip_reason;
+            result.push_back(std::move(r));
+        }
+        return result;
+    }
+
+  private:
+    struct Entry {
+        std::string stage, run_reason, skip_reason;
+        std::size_t run = 0, skipped = 0;
+        double milliseconds = 0;
+    };
+    Entry& entry(const std::string& stage) {
+        for (Entry& e : entries_)
+            if (e.stage == stage) return e;
+        entries_.push_back({stage, {}, {}, 0, 0, 0});
+        return entries_.back();
+    }
+    std::vector<Entry> entries_;
+};
+
+// Formats that index by vertex (and soups) repeat a point for every seam: adjacency then needs the
+// weld. A file that indexes attributes apart from positions says itself which points are one.
+bool indexed_by_vertex(const Mesh& mesh) {
+    const auto follows = [&](const std::vector<std::uint32_t>& indices) {
+        return !indices.empty() &&
+               std::equal(indices.begin(), indices.end(), mesh.corner_vertices.begin());
+    };
+    if (follows(mesh.normals.indices) || follows(mesh.tangents.indices)) return true;
+    for (const auto& uv : mesh.uvs)
+        if (follows(uv.indices)) return true;
+    if (mesh.corner_count() > mesh.vertex_count()) return false;
+    std::vector<bool> used(mesh.vertex_count(), false);
+    for (const std::uint32_t v : mesh.corner_vertices) {
+        if (used[v]) return false;
+        used[v] = true;
+    }
+    return mesh.corner_count() > 0;
+}
+
+class Preparer {
+  public:
+    Preparer(const PrepareOptions& options, PreparedScene& out) : options_(options), out_(out) {}
+
+    Result<void> prepare_mesh(std::uint32_t index) {
+        Mesh& mesh = out_.scene.meshes[index];
+        const MeshRequirements& need = out_.requirements[index];
+        geometry_ = {};
+        bool normals_changed = false;
+        if (auto done = prepare_normals(index, mesh, need, normals_changed); !done)
+            return std::move(done).error();
+        if (auto done = prepare_tangents(index, mesh, need, normals_changed); !done)
+            return std::move(done).error();
+        auto split_mesh = log_.run("split", "vertices carry one set of attributes each", [&] {
+            return split(mesh, geometry_.hard ? &*geometry_.hard : nullptr,
+                         {.parts_apart = true, .threads = options_.threads});
+        });
+        if (!split_mesh) return std::move(split_mesh).error();
+        out_.meshes[index] = *std::move(split_mesh);
+        count_splits(out_.meshes[index]);
+        return {};
+    }
+
+    std::vector<StageReport> reports() const { return log_.reports(); }
+
+  private:
+    struct Geometry {  // computed once per mesh, when the first stage asks
+        std::optional<FaceNormals> faces;
+        std::optional<Topology> topology;
+        std::optional<HardEdges> hard;
+    };
+
+    void add_finding(std::uint32_t mesh, std::string kind, Severity severity, std::uint64_t count,
+                     std::vector<std::uint32_t> places, std::string text) {
+        if (count == 0) return;
+        Finding finding;
+        finding.kind = std::move(kind);
+        finding.severity = severity;
+        finding.mesh = mesh;
+        finding.count = count;
+        finding.place_kind = PlaceKind::corner;
+        finding.places = std::move(places);
+        finding.text = std::move(text);
+        out_.findings.push_back(std::move(finding));
+    }
+
+    static std::vector<std::uint32_t> first_corners(const NormalReview& review, unsigned faults) {
+        std::vector<std::uint32_t> places;
+        for (std::uint32_t c = 0; c < review.faults.size(); ++c) {
+            if (!(review.faults[c] & faults)) continue;
+            places.push_back(c);
+            if (places.size() == Finding::max_places) break;
+        }
+        return places;
+    }
+
+    Result<CornerNormals> compute_normals(const Mesh& mesh, const std::string& reason) {
+        const MeshView view(mesh);
+        const bool weld = options_.weld == WeldMode::exact ||
+                          (options_.weld == WeldMode::automatic && indexed_by_vertex(mesh));
+        std::vector<std::uint32_t> welded;
+        if (weld) {
+            welded =
+                log_.run("weld", "vertices are repeated at seams: equal positions are one point",
+                         [&] { return weld_exact(view.positions, options_.threads); });
+        } else {
+            log_.skipped("weld", options_.weld == WeldMode::none
+                                     ? "switched off"
+                                     : "the file indexes positions apart from attributes");
+        }
+        geometry_.topology = log_.run(
+            "topology", reason, [&] { return build_topology(view, welded, options_.threads); });
+        if (!geometry_.faces) {
+            geometry_.faces = log_.run("face normals", reason, [&] {
+                return face_normals(view, options_.normal.precision, options_.threads);
+            });
+        }
+        HardEdgeOptions hard_options = options_.hard_edges;
+        hard_options.threads = options_.threads;
+        auto hard = log_.run("hard edges", reason, [&] {
+            return hard_edges(view, *geometry_.topology, *geometry_.faces, hard_options);
+        });
+        if (!hard) return std::move(hard).error();
+        geometry_.hard = *std::move(hard);
+        NormalOptions normal_options = options_.normal;
+        normal_options.threads = options_.threads;
+        return log_.run("normals", reason, [&] {
+            return corner_normals(view, *geometry_.topology, *geometry_.faces, *geometry_.hard,
+                                  normal_options);
+        });
+    }
+
+    void skip_normals(const std::string& reason) {
+        for (const char* stage : {"weld", "topology", "face normals", "hard edges", "normals"})
+            log_.skipped(stage, reason);
+    }
+
+    Result<void> prepare_normals(std::uint32_t index, Mesh& mesh, const MeshRequirements& need,
+                                 bool& changed) {
+        if (!need.normals.needed) {
+            skip_normals(need.normals.reason);
+            return {};
+        }
+        NormalReview review;
+        unsigned replace = 0xff;
+        std::string reason = need.normals.reason;
+        if (options_.normals != Authored::replace && !mesh.normals.empty()) {
+            const MeshView view(mesh);
+            if (options_.normals == Authored::repair) {
+                geometry_.faces =
+                    log_.run("face normals", "authored normals are held against them", [&] {
+                        return face_normals(view, options_.normal.precision, options_.threads);
+                    });
+            }
+            review = detail::review_normals(view, geometry_.faces ? &*geometry_.faces : nullptr);
+            report_review(index, review);
+            replace = detail::normal_missing | detail::normal_non_finite | detail::normal_zero;
+            if (options_.normals == Authored::repair)
+                replace |= detail::normal_non_unit | detail::normal_flipped;
+            bool any = false;
+            for (const std::uint8_t f : review.faults) any |= (f & replace) != 0;
+            if (!any) {
+                skip_normals("the file's own normals are kept");
+                if (!review.perfect()) {
+                    mesh.normals = detail::merge_normals(mesh.normals, review, replace, nullptr);
+                    changed = true;
+                }
+                return {};
+            }
+            reason = "some authored normals are missing or bad";
+        }
+        auto computed = compute_normals(mesh, reason);
+        if (!computed) return std::move(computed).error();
+        report_fallbacks(index, *computed);
+        changed = true;
+        if (review.faults.empty()) {
+            mesh.normals = std::move(computed->normals);
+        } else {
+            mesh.normals = detail::merge_normals(mesh.normals, review, replace, &computed->normals);
+            geometry_.hard.reset();  // most normals are the file's: it says where they differ
+        }
+        return {};
+    }
+
+    void report_review(std::uint32_t index, const NormalReview& review) {
+        const bool repair = options_.normals == Authored::repair;
+        add_finding(index, "missing-normal", Severity::info, review.missing,
+                    first_corners(review, detail::normal_missing),
+                    "corners without a normal got a computed one");
+        add_finding(index, "non-finite-normal", Severity::warning, review.non_finite,
+                    first_corners(review, detail::normal_non_finite),
+                    "authored normals that are not finite were replaced");
+        add_finding(index, "zero-normal", Severity::warning, review.zero,
+                    first_corners(review, detail::normal_zero),
+                    "authored normals of length zero were replaced");
+        add_finding(index, "non-unit-normal", Severity::warning, review.non_unit,
+                    first_corners(review, detail::normal_non_unit),
+                    repair ? "authored normals that are not unit were replaced"
+                           : "authored normals that are not unit were rescaled");
+        add_finding(index, "flipped-normal", Severity::warning, review.flipped,
+                    first_corners(review, detail::normal_flipped),
+                    "authored normals against their face were replaced");
+    }
+
+    void report_fallbacks(std::uint32_t index, const CornerNormals& computed) {
+        std::vector<std::uint32_t> vanished, undefined;
+        std::uint64_t vanished_count = 0, undefined_count = 0;
+        for (const auto& fallback : computed.fallbacks) {
+            const bool none = fallback.kind == NormalFallback::none_defined;
+            ++(none ? undefined_count : vanished_count);
+            auto& places = none ? undefined : vanished;
+            if (places.size() < Finding::max_places) places.push_back(fallback.corner);
+        }
+        add_finding(index, "vanishing-normal", Severity::warning, vanished_count, vanished,
+                    "the face normals around a corner cancel: it took the largest face's");
+        add_finding(index, "undefined-normal", Severity::warning, undefined_count, undefined,
+                    "no face around a corner has a normal: it got (0, 0, 1)");
+    }
+
+    Result<void> prepare_tangents(std::uint32_t index, Mesh& mesh, const MeshRequirements& need,
+                                  bool normals_changed) {
+        if (!need.tangents.needed) {
+            log_.skipped("tangents", need.tangents.reason);
+            if (normals_changed && !mesh.tangents.empty()) {
+                // They were orthogonal to normals that are gone, and nothing calls for new ones.
+                add_finding(index, "stale-tangent", Severity::info, mesh.corner_count(), {},
+                            "authored tangents were dropped: the normals they belong to changed");
+                mesh.tangents = {};
+            }
+            return {};
+        }
+        std::string reason = need.tangents.reason;
+        if (!mesh.tangents.empty() && options_.tangents != Authored::replace) {
+            if (!normals_changed) {
+                log_.skipped("tangents", "the file's own tangents are kept");
+                return {};
+            }
+            reason = "the normals changed, so the file's own tangents no longer fit";
+        }
+        const MeshView view(mesh, need.tangent_uv_set);
+        TangentOptions tangent_options = options_.tangent;
+        tangent_options.threads = options_.threads;
+        auto tangents = log_.run("tangents", reason, [&] {
+            return corner_tangents(TangentInput(view), tangent_options);
+        });
+        if (!tangents) return std::move(tangents).error();
+        std::vector<std::uint32_t> places;
+        for (const auto& fallback : tangents->fallbacks)
+            if (places.size() < Finding::max_places) places.push_back(fallback.corner);
+        add_finding(index, "tangent-fallback", Severity::info, tangents->fallbacks.size(),
+                    std::move(places),
+                    "MikkTSpace defines no tangent at these corners: they got an orthonormal one");
+        mesh.tangents = std::move(tangents->tangents);
+        return {};
+    }
+
+    void count_splits(const VertexMesh& mesh) {
+        SplitCounts& n = out_.splits;
+        for (const SplitReasons bits : mesh.split_reasons) {
+            if (!bits) continue;
+            const auto has = [&](SplitReason r) { return (bits & unsigned(r)) != 0 ? 1u : 0u; };
+            n.hard_edge += has(SplitReason::hard_edge);
+            n.smoothing_group += has(SplitReason::smoothing_group);
+            n.authored_normal += has(SplitReason::authored_normal);
+            n.uv_seam += has(SplitReason::uv_seam);
+            n.mirrored_uv += has(SplitReason::mirrored_uv);
+            n.tangent += has(SplitReason::tangent);
+            n.color += has(SplitReason::color);
+            n.material += has(SplitReason::material);
+        }
+    }
+
+    const PrepareOptions& options_;
+    PreparedScene& out_;
+    StageLog log_;
+    Geometry geometry_;
+};
+
+}  // namespace
+
+Result<PreparedScene> prepare(Scene scene, const PrepareOptions& options) {
+    PreparedScene out;
+    out.scene = std::move(scene);
+    const Clock::time_point start = Clock::now();
+    out.requirements = requirements(out.scene, options.request);
+    const double milliseconds =
+        std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+    out.meshes.resize(out.scene.meshes.size());
+
+    Preparer preparer(options, out);
+    for (std::uint32_t m = 0; m < out.scene.meshes.size(); ++m) {
+        if (auto done = preparer.prepare_mesh(m); !done) {
+            Error error = std::move(done).error();
+            if (error.place.empty()) error.place = "mesh '" + out.scene.meshes[m].name + "'";
+            return error;
+        }
+    }
+    out.stages = preparer.reports();
+    out.stages.insert(
+        out.stages.begin(),
+        {"requirements", true, "decides what the stages below are needed for", milliseconds});
+    return out;
+}
+
+}  // namespace prep
