@@ -1,13 +1,5 @@
-# Every third-party package, found once. Each is linked PRIVATE by the library that wraps it.
-find_package(Threads REQUIRED)
-find_package(glm REQUIRED)
-find_package(TBB REQUIRED)
-find_package(nlohmann_json REQUIRED)
-find_package(FastFloat REQUIRED)
-find_package(meshoptimizer REQUIRED)
-find_package(draco REQUIRED)
-find_package(assimp REQUIRED)
-find_package(hwy REQUIRED)
-find_package(OpenMesh REQUIRED)
-find_package(OpenImageIOLibrary REQUIRED)
-find_package(CGALHeaders REQUIRED)
+# Every third-party package, named once: the build finds them with find_package, the installed
+# meshprepConfig.cmake with find_dependency. Each is linked PRIVATE by the library that wraps it.
+set(meshprep_dependencies
+  Threads glm TBB nlohmann_json FastFloat meshoptimizer draco assimp hwy OpenMesh
+  OpenImageIOLibrary CGALHeaders)
