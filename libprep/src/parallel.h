@@ -27,7 +27,8 @@ void parallel_blocks(std::size_t count, std::size_t grain, int threads, const Bo
     if (threads == 0) {
         all();
     } else {
-        tbb::task_arena arena(threads);
+        // More than the machine has would only make TBB complain on stderr.
+        tbb::task_arena arena(std::min(threads, tbb::this_task_arena::max_concurrency()));
         arena.execute(all);
     }
 }

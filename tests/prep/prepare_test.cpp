@@ -1,0 +1,279 @@
+#include "prep/prepare.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace {
+
+// A cube of 8 shared corners and 6 quads, indexed apart from attributes as an OBJ would be.
+prep::Mesh cube() {
+    prep::Mesh mesh;
+    mesh.name = "cube";
+    for (int i = 0; i < 8; ++i)
+        mesh.positions.push_back({i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1});
+    mesh.corner_vertices = {0, 2, 3, 1, 4, 5, 7, 6, 0, 1, 5, 4, 2, 6, 7, 3, 0, 4, 6, 2, 1, 3, 7, 5};
+    for (std::uint32_t f = 1; f <= 6; ++f) mesh.face_offsets.push_back(4 * f);
+    return mesh;
+}
+
+prep::CornerLayer<glm::vec2> unit_square_uvs(std::size_t faces) {
+    prep::CornerLayer<glm::vec2> layer;
+    layer.values = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+    for (std::size_t f = 0; f < faces; ++f)
+        for (std::uint32_t k = 0; k < 4; ++k) layer.indices.push_back(k);
+    return layer;
+}
+
+prep::Scene scene_of(prep::Mesh mesh) {
+    prep::Scene scene;
+    scene.meshes.push_back(std::move(mesh));
+    prep::instance_unused_meshes(scene);
+    return scene;
+}
+
+const prep::StageReport& stage(const prep::PreparedScene& prepared, const std::string& name) {
+    const auto it = std::find_if(prepared.stages.begin(), prepared.stages.end(),
+                                 [&](const auto& s) { return s.stage == name; });
+    EXPECT_NE(it, prepared.stages.end()) << name;
+    return *it;
+}
+
+std::uint64_t count(const prep::PreparedScene& prepared, const std::string& kind) {
+    for (const auto& f : prepared.findings)
+        if (f.kind == kind) return f.count;
+    return 0;
+}
+
+TEST(Prepare, EmptySceneIsFine) {
+    const auto result = prep::prepare({});
+    ASSERT_TRUE(result.has_value());
+    EXPECT_TRUE(result->meshes.empty());
+}
+
+TEST(Prepare, CubeSplitsIntoTwentyFourVerticesBecauseOfHardEdges) {
+    const auto result = prep::prepare(scene_of(cube()));
+    ASSERT_TRUE(result.has_value());
+    const prep::VertexMesh& mesh = result->meshes[0];
+    EXPECT_EQ(mesh.vertex_count(), 24u);
+    EXPECT_EQ(mesh.triangle_count(), 12u);
+    EXPECT_EQ(result->splits.hard_edge, 16u);  // 24 vertices from 8 points
+    EXPECT_EQ(result->splits.uv_seam, 0u);
+    for (const glm::vec3& n : mesh.normals)
+        EXPECT_EQ(std::abs(n.x) + std::abs(n.y) + std::abs(n.z), 1.0f);
+}
+
+TEST(Prepare, HardAngleOffKeepsTheCubesEightVertices) {
+    prep::PrepareOptions options;
+    options.hard_edges.angle_degrees.reset();
+    const auto result = prep::prepare(scene_of(cube()), options);
+    ASSERT_TRUE(result.has_value());
+    EXPECT_EQ(result->meshes[0].vertex_count(), 8u);
+    const float third = float(1 / std::sqrt(3.0));
+    for (std::size_t v = 0; v < 8; ++v)
+        EXPECT_EQ(result->meshes[0].normals[v], result->meshes[0].positions[v] * third);
+}
+
+TEST(Prepare, TangentsOnlyWhereANormalMapCallsForThem) {
+    prep::Mesh mesh = cube();
+    mesh.uvs.push_back(unit_square_uvs(6));
+    mesh.face_materials.assign(6, 0);
+    prep::Scene scene = scene_of(mesh);
+    scene.materials.resize(1);
+    const auto without = prep::prepare(scene);
+    ASSERT_TRUE(without.has_value());
+    EXPECT_TRUE(without->meshes[0].tangents.empty());
+    EXPECT_FALSE(stage(*without, "tangents").run);
+    EXPECT_EQ(stage(*without, "tangents").reason,
+              "no material in use has a tangent-space normal map");
+
+    scene.textures.resize(1);
+    scene.materials[0].normal_map.texture = 0;
+    const auto with = prep::prepare(scene);
+    ASSERT_TRUE(with.has_value());
+    EXPECT_TRUE(stage(*with, "tangents").run);
+    const prep::VertexMesh& out = with->meshes[0];
+    ASSERT_EQ(out.tangents.size(), out.vertex_count());
+    for (std::size_t v = 0; v < out.vertex_count(); ++v) {
+        const glm::dvec3 t(out.tangents[v]), n(out.normals[v]);
+        EXPECT_NEAR(glm::length(t), 1.0, 1e-6);
+        EXPECT_NEAR(glm::dot(t, n), 0.0, 1e-6);
+        EXPECT_EQ(std::abs(out.tangents[v].w), 1.0f);
+    }
+}
+
+TEST(Prepare, AuthoredNormalsKeepTheirBits) {
+    prep::Mesh mesh = cube();
+    const glm::vec3 odd{0.6f, 0.0f, 0.8f};
+    mesh.normals.values = {odd};
+    mesh.normals.indices.assign(24, 0);
+    const auto result = prep::prepare(scene_of(mesh));
+    ASSERT_TRUE(result.has_value());
+    EXPECT_EQ(result->meshes[0].vertex_count(), 8u);
+    for (const glm::vec3& n : result->meshes[0].normals) EXPECT_EQ(n, odd);
+    EXPECT_EQ(stage(*result, "normals").reason, "the file's own normals are kept");
+    EXPECT_TRUE(result->findings.empty());
+}
+
+TEST(Prepare, KeepReplacesOnlyNormalsThatAreNone) {
+    prep::Mesh mesh = cube();
+    const float nan = std::numeric_limits<float>::quiet_NaN();
+    mesh.normals.values = {{0, 0, -1}, {0, 0, 0}, {nan, 0, 0}, {0, 0, -3}};
+    mesh.normals.indices.assign(24, 0);
+    mesh.normals.indices[4] = 1;
+    mesh.normals.indices[5] = 2;
+    mesh.normals.indices[6] = prep::no_index;
+    mesh.normals.indices[0] = 3;
+    const auto result = prep::prepare(scene_of(mesh));
+    ASSERT_TRUE(result.has_value());
+    EXPECT_EQ(count(*result, "zero-normal"), 1u);
+    EXPECT_EQ(count(*result, "non-finite-normal"), 1u);
+    EXPECT_EQ(count(*result, "missing-normal"), 1u);
+    EXPECT_EQ(count(*result, "non-unit-normal"), 1u);
+    const auto& layer = result->scene.meshes[0].normals;
+    for (const std::uint32_t c : {4u, 5u, 6u})  // face 1 is the top: +Z
+        EXPECT_EQ(layer.values[layer.indices[c]], glm::vec3(0, 0, 1));
+    EXPECT_EQ(layer.values[layer.indices[0]], glm::vec3(0, 0, -1));  // rescaled, direction kept
+    EXPECT_EQ(layer.values[layer.indices[7]], glm::vec3(0, 0, -1));  // kept though it is flipped
+}
+
+TEST(Prepare, RepairReplacesFlippedNormalsToo) {
+    prep::Mesh mesh = cube();
+    mesh.normals.values = {{0, 0, -1}};
+    mesh.normals.indices.assign(24, 0);
+    prep::PrepareOptions options;
+    options.normals = prep::Authored::repair;
+    const auto result = prep::prepare(scene_of(mesh), options);
+    ASSERT_TRUE(result.has_value());
+    EXPECT_EQ(count(*result, "flipped-normal"), 4u);  // the top face alone is against it
+    const auto& layer = result->scene.meshes[0].normals;
+    for (std::uint32_t c = 4; c < 8; ++c)
+        EXPECT_EQ(layer.values[layer.indices[c]], glm::vec3(0, 0, 1));
+}
+
+TEST(Prepare, ReplaceIgnoresAuthoredNormals) {
+    prep::Mesh mesh = cube();
+    mesh.normals.values = {{0, 0, 1}};
+    mesh.normals.indices.assign(24, 0);
+    prep::PrepareOptions options;
+    options.normals = prep::Authored::replace;
+    const auto result = prep::prepare(scene_of(mesh), options);
+    ASSERT_TRUE(result.has_value());
+    EXPECT_EQ(result->meshes[0].vertex_count(), 24u);
+}
+
+TEST(Prepare, NewNormalsMakeAuthoredTangentsStale) {
+    prep::Mesh mesh = cube();
+    mesh.tangents.values = {{1, 0, 0, 1}};
+    mesh.tangents.indices.assign(24, 0);
+    prep::PrepareOptions options;
+    options.normals = prep::Authored::replace;
+    const auto result = prep::prepare(scene_of(mesh), options);
+    ASSERT_TRUE(result.has_value());
+    EXPECT_TRUE(result->meshes[0].tangents.empty());
+    EXPECT_EQ(count(*result, "stale-tangent"), 24u);
+}
+
+TEST(Prepare, SoupIsWeldedForAdjacencyOnly) {
+    prep::Mesh mesh = cube(), soup;
+    for (std::uint32_t c = 0; c < 24; ++c) {
+        soup.positions.push_back(mesh.positions[mesh.corner_vertices[c]]);
+        soup.corner_vertices.push_back(c);
+    }
+    soup.face_offsets = mesh.face_offsets;
+    prep::PrepareOptions options;
+    options.hard_edges.angle_degrees.reset();
+    const auto result = prep::prepare(scene_of(soup), options);
+    ASSERT_TRUE(result.has_value());
+    EXPECT_TRUE(stage(*result, "weld").run);
+    const float third = float(1 / std::sqrt(3.0));
+    for (std::size_t v = 0; v < result->meshes[0].vertex_count(); ++v)
+        EXPECT_EQ(result->meshes[0].normals[v], result->meshes[0].positions[v] * third);
+}
+
+TEST(Prepare, TwoSidedSheetStaysTwoSurfaces) {
+    // Two coincident sheets of opposite direction, bent by 40°, each with vertices of its own:
+    // welding must not make their common edges non-manifold.
+    prep::Mesh mesh;
+    const float h = float(std::tan(40.0 * 3.14159265358979 / 180.0));
+    for (int side = 0; side < 2; ++side)
+        for (const glm::vec3 p : {glm::vec3(-1, 0, 0), glm::vec3(0, 0, 0), glm::vec3(1, h, 0),
+                                  glm::vec3(-1, 0, 1), glm::vec3(0, 0, 1), glm::vec3(1, h, 1)})
+            mesh.positions.push_back(p);
+    mesh.corner_vertices = {0, 3, 4, 1, 1, 4, 5, 2, 6, 7, 10, 9, 7, 8, 11, 10};
+    mesh.face_offsets = {0, 4, 8, 12, 16};
+    prep::PrepareOptions options;
+    options.weld = prep::WeldMode::exact;
+    const auto result = prep::prepare(scene_of(mesh), options);
+    ASSERT_TRUE(result.has_value());
+    const auto& layer = result->scene.meshes[0].normals;
+    // Smooth across the bend on either side, and the sides point against each other.
+    EXPECT_EQ(layer.indices[3], layer.indices[4]);
+    EXPECT_EQ(layer.indices[9], layer.indices[12]);
+    EXPECT_EQ(layer.values[layer.indices[3]], -layer.values[layer.indices[9]]);
+}
+
+TEST(Prepare, PointsAndLinesPassThrough) {
+    prep::Mesh mesh;
+    mesh.positions = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {9, 9, 9}};
+    mesh.line_offsets = {0, 3};
+    mesh.line_vertices = {0, 1, 2};
+    mesh.points = {2};
+    const auto result = prep::prepare(scene_of(mesh));
+    ASSERT_TRUE(result.has_value());
+    EXPECT_EQ(result->meshes[0].vertex_count(), 3u);  // the unused fourth is dropped
+    EXPECT_EQ(result->meshes[0].lines, (std::vector<std::uint32_t>{0, 1, 1, 2}));
+    EXPECT_EQ(result->meshes[0].points, (std::vector<std::uint32_t>{2}));
+    EXPECT_FALSE(stage(*result, "normals").run);
+}
+
+TEST(Prepare, BadAngleIsAnErrorThatNamesTheMesh) {
+    prep::PrepareOptions options;
+    options.hard_edges.angle_degrees = 200;
+    const auto result = prep::prepare(scene_of(cube()), options);
+    ASSERT_FALSE(result.has_value());
+    EXPECT_EQ(result.error().code, prep::ErrorCode::invalid);
+    EXPECT_EQ(result.error().place, "mesh 'cube'");
+}
+
+TEST(Prepare, SameBytesForAnyThreadCount) {
+    prep::Mesh mesh;  // a wavy grid large enough for many blocks of work
+    constexpr std::uint32_t n = 200;
+    for (std::uint32_t y = 0; y <= n; ++y)
+        for (std::uint32_t x = 0; x <= n; ++x) {
+            mesh.positions.push_back(
+                {float(x), float(y), float(3 * std::sin(0.7 * x) * std::cos(0.9 * y))});
+        }
+    prep::CornerLayer<glm::vec2> uv;
+    for (const glm::vec3& p : mesh.positions) uv.values.push_back({p.x / n, p.y / n});
+    for (std::uint32_t y = 0; y < n; ++y)
+        for (std::uint32_t x = 0; x < n; ++x) {
+            const std::uint32_t a = y * (n + 1) + x;
+            for (const std::uint32_t v : {a, a + 1, a + n + 2, a + n + 1}) {
+                mesh.corner_vertices.push_back(v);
+                uv.indices.push_back(v);
+            }
+            mesh.face_offsets.push_back(std::uint32_t(mesh.corner_vertices.size()));
+        }
+    mesh.uvs.push_back(uv);
+    prep::PrepareOptions options;
+    options.request.tangents = prep::Request::Level::always;
+    options.hard_edges.angle_degrees = 45;
+    options.threads = 1;
+    const auto one = prep::prepare(scene_of(mesh), options);
+    ASSERT_TRUE(one.has_value());
+    ASSERT_GT(one->splits.hard_edge, 0u);
+    for (const int threads : {2, 3, 8}) {
+        options.threads = threads;
+        const auto many = prep::prepare(scene_of(mesh), options);
+        ASSERT_TRUE(many.has_value());
+        EXPECT_EQ(many->meshes[0].positions, one->meshes[0].positions);
+        EXPECT_EQ(many->meshes[0].normals, one->meshes[0].normals);
+        EXPECT_EQ(many->meshes[0].tangents, one->meshes[0].tangents);
+        EXPECT_EQ(many->meshes[0].indices, one->meshes[0].indices);
+    }
+}
+
+}  // namespace
