@@ -1,0 +1,91 @@
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+
+#include "prep/io.h"
+
+namespace prep {
+namespace {
+
+std::string reason() {
+    return std::strerror(errno);
+}
+
+}  // namespace
+
+Result<std::vector<std::byte>> read_file(const std::filesystem::path& path) {
+    const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+    if (fd < 0) return Error{ErrorCode::io, "cannot open the file: " + reason(), path.string()};
+    struct stat info {};
+    Result<std::vector<std::byte>> result = [&]() -> Result<std::vector<std::byte>> {
+        if (::fstat(fd, &info) != 0)
+            return Error{ErrorCode::io, "cannot read the file: " + reason(), path.string()};
+        if (S_ISDIR(info.st_mode))
+            return Error{ErrorCode::io, "this is a directory; name a file", path.string()};
+        constexpr off_t limit = off_t(1) << 40;
+        if (info.st_size > limit)
+            return Error{ErrorCode::limit, "the file is larger than 1 TiB", path.string()};
+        std::vector<std::byte> bytes(std::size_t(info.st_size));
+        std::size_t have = 0;
+        // Pipes and devices say size 0: read until the end either way.
+        for (;;) {
+            if (have == bytes.size()) {
+                std::byte probe;
+                const ssize_t n = ::read(fd, &probe, 1);
+                if (n == 0) break;
+                if (n < 0) {
+                    if (errno == EINTR) continue;
+                    return Error{ErrorCode::io, "cannot read the file: " + reason(), path.string()};
+                }
+                if (bytes.size() >= std::size_t(limit))
+                    return Error{ErrorCode::limit, "the file is larger than 1 TiB", path.string()};
+                bytes.resize(std::max<std::size_t>(65536, bytes.size() * 2));
+                bytes[have++] = probe;
+                continue;
+            }
+            const ssize_t n = ::read(fd, bytes.data() + have, bytes.size() - have);
+            if (n == 0) break;
+            if (n < 0) {
+                if (errno == EINTR) continue;
+                return Error{ErrorCode::io, "cannot read the file: " + reason(), path.string()};
+            }
+            have += std::size_t(n);
+        }
+        bytes.resize(have);
+        return bytes;
+    }();
+    ::close(fd);
+    return result;
+}
+
+Result<void> write_file(const std::filesystem::path& path, std::span<const std::byte> bytes) {
+    std::string temporary = path.string() + ".XXXXXX";
+    const int fd = ::mkstemp(temporary.data());
+    if (fd < 0)
+        return Error{ErrorCode::io, "cannot create a file here: " + reason(), path.string()};
+    std::size_t done = 0;
+    bool good = true;
+    while (good && done < bytes.size()) {
+        const ssize_t n = ::write(fd, bytes.data() + done, bytes.size() - done);
+        if (n < 0 && errno == EINTR) continue;
+        good = n > 0;
+        if (good) done += std::size_t(n);
+    }
+    // mkstemp makes files that only their owner may read; give the rights that a plain open would.
+    const mode_t mask = ::umask(0);
+    ::umask(mask);
+    good = good && ::fchmod(fd, 0666 & ~mask) == 0;
+    good = ::close(fd) == 0 && good;
+    good = good && std::rename(temporary.c_str(), path.c_str()) == 0;
+    if (good) return {};
+    const std::string why = reason();
+    ::unlink(temporary.c_str());
+    return Error{ErrorCode::io, "cannot write the file: " + why, path.string()};
+}
+
+}  // namespace prep

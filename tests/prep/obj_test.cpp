@@ -1,0 +1,220 @@
+#include "prep/obj.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+
+#include "shared_data.h"
+
+namespace {
+
+prep::Result<prep::Scene> parse(const std::string& text, int threads = 0) {
+    prep::ObjOptions options;
+    options.name = "test.obj";
+    options.threads = threads;
+    return prep::parse_obj(std::as_bytes(std::span(text.data(), text.size())), options);
+}
+
+std::string error_of(const std::string& text) {
+    const auto result = parse(text);
+    return result ? "no error" : prep::to_string(result.error());
+}
+
+TEST(Obj, EmptyFileIsAnEmptyMesh) {
+    const auto scene = parse("");
+    ASSERT_TRUE(scene.has_value());
+    EXPECT_EQ(scene->meshes[0].vertex_count(), 0u);
+    EXPECT_EQ(scene->meshes[0].face_count(), 0u);
+}
+
+TEST(Obj, ReadsCornersInAllFourForms) {
+    const auto scene = parse(
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0.25 0.25\nvn 0 0 1\n"
+        "f 1 2 3\nf 1/1 2/1 3/1\nf 1//1 2//1 3//1\nf 1/1/1 2/1/1 3/1/1\n");
+    ASSERT_TRUE(scene.has_value());
+    const prep::Mesh& m = scene->meshes[0];
+    ASSERT_EQ(m.face_count(), 4u);
+    ASSERT_EQ(m.uvs.size(), 1u);
+    EXPECT_EQ(m.uvs[0].values[0], glm::vec2(0.25f, 0.75f));  // top-left origin
+    EXPECT_EQ(m.uvs[0].indices[0], prep::no_index);
+    EXPECT_EQ(m.uvs[0].indices[3], 0u);
+    EXPECT_EQ(m.normals.indices[5], prep::no_index);
+    EXPECT_EQ(m.normals.indices[6], 0u);
+}
+
+TEST(Obj, NegativeIndicesCountBackFromTheirLine) {
+    const auto scene = parse("v 0 0 0\nv 1 0 0\nv 0 1 0\nf -3 -2 -1\nv 5 5 5\nf -1 -2 -3\n");
+    ASSERT_TRUE(scene.has_value());
+    EXPECT_EQ(scene->meshes[0].corner_vertices, (std::vector<std::uint32_t>{0, 1, 2, 3, 2, 1}));
+}
+
+TEST(Obj, ContinuationsCommentsAndCarriageReturns) {
+    const auto scene = parse("v 0 0 \\\r\n0\r\nv 1 0 0 # a comment is no number\r\n");
+    EXPECT_FALSE(scene.has_value());  // the format knows comments only at the start of a line …
+    const auto good =
+        parse("# v nonsense\r\nv 0 0 \\\r\n0\r\nv 1 0 0\r\nv 0 1 0\r\nf 1 2 \\\n3 # ok\r\n");
+    ASSERT_TRUE(good.has_value());  // … but after a face's corners nothing else can be meant
+    EXPECT_EQ(good->meshes[0].face_count(), 1u);
+}
+
+TEST(Obj, SmoothingGroupsMaterialsAndParts) {
+    const auto scene = parse(
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\no body\ns 1\nusemtl red\nf 1 2 3\ng lid\ns off\nusemtl blue\n"
+        "f 1 2 3\nusemtl red\ns 7\nf 3 2 1\n");
+    ASSERT_TRUE(scene.has_value());
+    const prep::Mesh& m = scene->meshes[0];
+    EXPECT_EQ(m.face_smoothing, (std::vector<std::uint32_t>{1, 0, 7}));
+    EXPECT_EQ(m.face_materials, (std::vector<std::uint32_t>{0, 1, 0}));
+    EXPECT_EQ(m.parts, (std::vector<std::string>{"body", "body/lid"}));
+    EXPECT_EQ(m.face_parts, (std::vector<std::uint32_t>{0, 1, 1}));
+    EXPECT_EQ(scene->materials[1].name, "blue");
+}
+
+TEST(Obj, SmoothingOffThroughoutIsNoInformation) {
+    const auto scene = parse("v 0 0 0\nv 1 0 0\nv 0 1 0\ns off\nf 1 2 3\n");
+    ASSERT_TRUE(scene.has_value());
+    EXPECT_TRUE(scene->meshes[0].face_smoothing.empty());
+}
+
+TEST(Obj, SubdivisionTags) {
+    const auto scene = parse(
+        "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\nt crease 3/2/0 0 1 2 5.0 0.1\n"
+        "t corner 1/1/0 3 2.5\nt hole 1/0/0 0\nt interpolateboundary 1/0/0 2\n");
+    ASSERT_TRUE(scene.has_value());
+    const prep::SubdivisionTags& tags = scene->meshes[0].subdivision;
+    ASSERT_EQ(tags.creases.size(), 2u);
+    EXPECT_EQ(tags.creases[1], (prep::EdgeMark{1, 2, 0.1f}));
+    EXPECT_EQ(tags.corners[0], (prep::VertexMark{3, 2.5f}));
+    EXPECT_EQ(tags.holes, (std::vector<std::uint32_t>{0}));
+    EXPECT_EQ(tags.interpolate_boundary, 2);
+}
+
+TEST(Obj, VertexColoursFollowTheCorners) {
+    const auto scene = parse("v 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 0 1 0 0 0 1\nf 1 2 3\n");
+    ASSERT_TRUE(scene.has_value());
+    ASSERT_EQ(scene->meshes[0].colors.size(), 1u);
+    EXPECT_EQ(scene->meshes[0].colors[0].values[1], glm::vec4(0, 1, 0, 1));
+}
+
+TEST(Obj, ErrorsNameTheLineTheFindingAndTheExpectation) {
+    EXPECT_EQ(error_of("v 0 0 0\nv 1 x 0\n"),
+              "test.obj:2: expected a number (coordinate 2) in 'v 1 x 0'");
+    EXPECT_EQ(error_of("v 0 0 0\n\n# c\nf 1 2 3\n"),
+              "test.obj:4: vertex index 2 is out of range: the file has 1");
+    EXPECT_EQ(error_of("v 0 0 0\nv 0 0 0\nf -1 -2 -3\n"),
+              "test.obj:3: vertex index 0 is out of range: the file has 2");
+    EXPECT_EQ(error_of("v 0 0 0\nf 1/4 1/4 1/4\n"),
+              "test.obj:2: texture coordinate index 4 is out of range: the file has 0");
+    EXPECT_NE(error_of("v 0 0 0\nf 1 0 1\n").find("test.obj:2: expected v, v/vt"),
+              std::string::npos);
+    EXPECT_NE(error_of("v 0 0 0\nf 99999999999999999999 1 1\n").find("test.obj:2:"),
+              std::string::npos);
+    EXPECT_EQ(error_of("v 0 0\n"), "test.obj:1: expected three coordinates in 'v 0 0'");
+    EXPECT_EQ(error_of("v 0 0 0\nt crease 2/1/0 0 5 1.0\n"),
+              "test.obj:2: the tag's vertex 5 is out of range: there are 1");
+    EXPECT_EQ(
+        error_of("t crease 999999999999/1/0 0 5 1.0\n"),
+        "test.obj:1: expected counts such as 2/1/0 in the tag 'crease 999999999999/1/0 0 5 1.0'");
+}
+
+TEST(Obj, FacesWithTooFewCornersAreDroppedWithAWarning) {
+    const auto scene = parse("v 0 0 0\nv 1 0 0\nf 1 2\nf 1 1 2\n");
+    ASSERT_TRUE(scene.has_value());
+    EXPECT_EQ(scene->meshes[0].face_count(), 1u);
+    ASSERT_EQ(scene->warnings.size(), 1u);
+    EXPECT_EQ(scene->warnings[0],
+              "test.obj:3: elements with too few corners were dropped (1 in all)");
+}
+
+TEST(Obj, FarOffDecimalCoordinatesAreCentred) {
+    const auto scene = parse("v 5000000.1 0 0\nv 5000001.1 0 0\nv 5000000.1 1 0\nf 1 2 3\n");
+    ASSERT_TRUE(scene.has_value());
+    const prep::Mesh& m = scene->meshes[0];
+    EXPECT_DOUBLE_EQ(m.origin.x, 5000000.6);
+    EXPECT_NEAR(m.positions[0].x, -0.5, 1e-8);
+    EXPECT_NEAR(m.positions[1].x, 0.5, 1e-8);
+}
+
+TEST(Obj, FarOffFloatCoordinatesKeepTheirBits) {
+    const auto scene = parse("v 5000000 0 0\nv 5000001 0 0\nv 5000000 1 0\nf 1 2 3\n");
+    ASSERT_TRUE(scene.has_value());
+    EXPECT_EQ(scene->meshes[0].origin, glm::dvec3(0.0));
+    EXPECT_EQ(scene->meshes[0].positions[1].x, 5000001.0f);
+}
+
+TEST(Obj, SameResultForAnyThreadCountAcrossBlocks) {
+    // Long enough for several blocks; relative indices and state changes cross their borders.
+    std::string text;
+    for (int i = 0; i < 90000; ++i) {
+        text += "v " + std::to_string(i * 0.37) + " " + std::to_string(i % 71) + " 0.5\n";
+        text += "vt 0." + std::to_string(i % 1000) + " 0.25\n";
+        if (i % 1000 == 0)
+            text +=
+                "g part" + std::to_string(i / 9000) + "\ns " + std::to_string(i / 1000 % 5) + "\n";
+        if (i > 40000) text += "f -1/-1 -20000/-20000 " + std::to_string(i / 3) + "/1\n";
+    }
+    const auto one = parse(text, 1);
+    ASSERT_TRUE(one.has_value()) << prep::to_string(one.error());
+    ASSERT_GT(text.size(), std::size_t(4) << 20);
+    EXPECT_EQ(one->meshes[0].corner_vertices[0], 40001u);
+    EXPECT_EQ(one->meshes[0].corner_vertices[1], 20002u);
+    for (const int threads : {2, 3, 8}) {
+        const auto many = parse(text, threads);
+        ASSERT_TRUE(many.has_value());
+        EXPECT_EQ(many->meshes[0].positions, one->meshes[0].positions);
+        EXPECT_EQ(many->meshes[0].corner_vertices, one->meshes[0].corner_vertices);
+        EXPECT_EQ(many->meshes[0].uvs[0].indices, one->meshes[0].uvs[0].indices);
+        EXPECT_EQ(many->meshes[0].face_smoothing, one->meshes[0].face_smoothing);
+        EXPECT_EQ(many->meshes[0].face_parts, one->meshes[0].face_parts);
+    }
+}
+
+TEST(Mtl, ReadsColoursMapsAndOptions) {
+    const auto lib = prep::parse_mtl(
+        "newmtl a b\nKd 0.1 0.2 0.3\nKs 0.5\nNs 2000\nd 0.5\nTr 0.9\nKe 1 2 3\n"
+        "map_Kd -s 2 3 1 -o 0.5 0.25 my tex.png\nbump -bm 0.7 wall_nm.tga\nmap_Bump h.png\n",
+        "m.mtl", "dir");
+    ASSERT_EQ(lib.materials.size(), 1u);
+    const prep::Material& m = lib.materials[0];
+    EXPECT_EQ(m.name, "a b");
+    EXPECT_EQ(m.diffuse, glm::vec4(0.1f, 0.2f, 0.3f, 0.5f));
+    EXPECT_EQ(m.specular, glm::vec3(0.5f));
+    EXPECT_EQ(m.shininess, 2000.0f);
+    EXPECT_EQ(m.emissive, glm::vec3(1, 2, 3));
+    EXPECT_EQ(m.alpha_mode, prep::AlphaMode::blend);
+    ASSERT_TRUE(bool(m.diffuse_map));
+    EXPECT_EQ(m.diffuse_map.scale, glm::vec2(2, 3));
+    EXPECT_EQ(m.diffuse_map.offset, glm::vec2(0.5f, -0.25f));
+    EXPECT_EQ(lib.images[lib.textures[m.diffuse_map.texture].image].name, "my tex.png");
+    ASSERT_TRUE(bool(m.normal_map));  // the name says that the bump map is a normal map
+    EXPECT_EQ(m.normal_map.strength, 0.7f);
+    ASSERT_TRUE(bool(m.bump_map));
+}
+
+TEST(Mtl, NonsenseIsAWarningNeverAnError) {
+    const auto lib = prep::parse_mtl("Kd 1 1 1\nnewmtl a\nKd red\nmap_Kd\n", "m.mtl", "");
+    ASSERT_EQ(lib.materials.size(), 1u);
+    ASSERT_EQ(lib.warnings.size(), 3u);
+    EXPECT_EQ(lib.warnings[0], "m.mtl:1: 'kd' before the first newmtl was skipped");
+}
+
+TEST(Obj, ReadsTheCorpus) {
+    MESHPREP_REQUIRE_SHARED(shared);
+    struct Expected {
+        const char* file;
+        std::size_t positions, faces;
+    };
+    // Statement counts of the files (grep -c '^v ', '^f ').
+    for (const Expected& e :
+         {Expected{"stanford-bunny.obj", 35947, 69451}, Expected{"beast.obj", 32311, 32364},
+          Expected{"diablo3_pose/diablo3_pose.obj", 2519, 5022},
+          Expected{"subdiv/catmark_cube_creases1.obj", 8, 6}}) {
+        const auto scene = prep::load_obj(shared / "corpus" / e.file);
+        ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
+        EXPECT_EQ(scene->meshes[0].vertex_count(), e.positions) << e.file;
+        EXPECT_EQ(scene->meshes[0].face_count(), e.faces) << e.file;
+    }
+}
+
+}  // namespace
