@@ -46,8 +46,10 @@ struct TextureRef {
 enum class AlphaMode : std::uint8_t { opaque, mask, blend };
 enum class NormalMapSpace : std::uint8_t { tangent, object };
 
-// Blinn-Phong parameters, linear colour. Metallic-roughness files keep their parameters too;
-// `diffuse`, `specular` and `shininess` are then derived from them (docs/conventions.md).
+// Blinn-Phong parameters, linear colour. In a metallic-roughness material `diffuse` is the base
+// colour and `diffuse_map` its map; the renderer derives diffuse, specular and shininess from
+// metallic and roughness at each pixel (docs/conventions.md), so `specular` and `shininess` are not
+// read.
 struct Material {
     std::string name;
     glm::vec3 ambient{1.0f};  // multiplies the ambient light (times diffuse colour)

@@ -1,0 +1,99 @@
+// Drawing a prepared scene: a plan first (what will be done and why), then the picture.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "prep/image.h"
+#include "prep/prepare.h"
+#include "prep/result.h"
+#include "rast/view.h"
+
+namespace rast {
+
+enum class Shading : std::uint8_t { flat, gouraud, phong, normal_mapped };
+enum class Cull : std::uint8_t {
+    by_material,
+    back,
+    front,
+    none
+};  // by_material: back, unless double-sided
+enum class TextureFilter : std::uint8_t { nearest, bilinear, trilinear };
+
+inline constexpr std::uint32_t max_picture_extent = 32768;
+
+// What is asked for. Unset choices are made by plan().
+struct RenderRequest {
+    std::uint32_t width = 1024, height = 768;
+    Shading shading = Shading::normal_mapped;
+    std::optional<View> view;  // unset: the scene's camera, else the whole scene
+    std::optional<std::vector<LightInstance>> lights;  // unset: the scene's, else three lights
+    Cull cull = Cull::by_material;
+    TextureFilter filter = TextureFilter::trilinear;
+    glm::vec3 background{0.0f};  // linear
+    bool textures = true;        // false: material colours only
+    bool keep_depth = false;     // Frame::depth
+    bool keep_ids = false;       // Frame::triangle and Frame::instance
+    int threads = 0;             // 0: all cores; the picture does not depend on it
+};
+
+struct PlanStep {
+    std::string name;  // "vertex lighting", "normal maps", "mip levels", …
+    bool run = false;
+    std::string reason;  // tied to scene data
+};
+
+struct RenderPlan {         // a value; made by plan(), obeyed by render()
+    RenderRequest request;  // with every choice made
+    View view;
+    std::vector<LightInstance> lights;
+    std::vector<PlanStep> steps;
+    std::vector<bool> textures_used;    // per Scene::textures entry
+    std::vector<bool> colour_textures;  // of those: decoded from sRGB
+    std::uint64_t triangles = 0;        // instanced
+    std::uint64_t memory_estimate = 0;  // bytes, without textures
+    std::vector<std::string> warnings;
+};
+
+// Pure. Errors: invalid (no extent), limit (larger than max_picture_extent).
+prep::Result<RenderPlan> plan(const prep::PreparedScene& scene, const RenderRequest& request = {});
+
+struct Counters {
+    std::uint64_t triangles = 0;        // submitted
+    std::uint64_t non_finite = 0;       // left out: a vertex is NaN or infinite
+    std::uint64_t degenerate = 0;       // no area on screen
+    std::uint64_t facing_away = 0;      // culled
+    std::uint64_t outside = 0;          // off the picture or behind the near plane
+    std::uint64_t between_samples = 0;  // cover no pixel centre
+    std::uint64_t crossing = 0;         // drawn through homogeneous edges (near plane, guard band)
+    std::uint64_t pixels_shaded = 0;
+};
+
+struct Frame {
+    std::uint32_t width = 0, height = 0;
+    std::vector<glm::vec4> color;         // linear; alpha is 1 where something was drawn
+    std::vector<float> depth;             // reversed z: 1 near, 0 far or empty; when asked for
+    std::vector<std::uint32_t> triangle;  // within the instance's mesh; no_index where empty
+    std::vector<std::uint32_t> instance;  // node; no_index where empty
+    Counters counters;
+    double geometry_ms = 0, raster_ms = 0;  // raster includes shading
+    std::vector<std::string> warnings;
+};
+
+// Errors: none but those of plan(), which made the argument; textures that cannot be read become
+// warnings and the material's plain colour is used.
+prep::Result<Frame> render(const prep::PreparedScene& scene, const RenderPlan& plan);
+
+// sRGB-encoded picture, three channels. `tone_map`: Reinhard's x/(1+x) (2002, eq. 3) per channel;
+// off, colours above 1 are clipped.
+struct ToneOptions {
+    bool tone_map = false;
+    float exposure = 1;
+};
+prep::Image to_srgb(const Frame& frame, const ToneOptions& options = {});
+
+}  // namespace rast

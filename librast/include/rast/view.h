@@ -1,0 +1,76 @@
+// Where a picture is taken from, and how light falls on it.
+//
+// Right-handed; the view looks along −Z of its own space, +Y up. Pixel (0, 0) is the top left one.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <optional>
+#include <vector>
+
+#include "prep/prepare.h"
+
+namespace rast {
+
+struct View {
+    glm::dmat4 world_to_view{1.0};  // rigid: rotation and translation
+    bool perspective = true;
+    double yfov = 0.7;         // radians, perspective
+    double half_height = 1.0;  // world units, orthographic
+    double aspect = 0;         // width / height; 0: the picture's
+    double znear = 0.01;
+    double zfar = 0;  // 0: infinite (perspective only)
+
+    glm::dvec3 eye() const;
+    glm::dvec3 forward() const;
+};
+
+struct LightInstance {
+    prep::LightKind kind = prep::LightKind::directional;
+    glm::dvec3 position{0.0};        // world; point and spot
+    glm::dvec3 direction{0, 0, -1};  // world, unit, the way the light travels; directional and spot
+    glm::vec3 color{1.0f};           // linear, times intensity
+    float range = 0;                 // 0: no limit
+    float inner_cone = 0, outer_cone = 0.785398163f;
+};
+
+// The box of everything that is drawn, in world space; nothing when there is no finite position.
+struct Bounds {
+    glm::dvec3 low{0.0}, high{0.0};
+    glm::dvec3 centre() const { return low * 0.5 + high * 0.5; }
+    double radius() const;  // of the sphere about the centre
+};
+std::optional<Bounds> world_bounds(const prep::PreparedScene& scene);
+
+struct OrbitOptions {
+    double azimuth_degrees = 30, elevation_degrees = 20;  // 0, 0: from +Z, looking along −Z
+    double distance = 0;  // from the centre; 0: so that the bounding sphere just fits
+    double yfov = 0.6;
+    double aspect = 4.0 / 3.0;
+};
+// A perspective view of the whole scene. An empty scene gives a view of the origin from distance 1.
+View orbit_view(const prep::PreparedScene& scene, const OrbitOptions& options = {});
+
+// The view of a camera node (its aspect, or the picture's where it names none).
+View camera_view(const prep::Scene& scene, std::uint32_t camera_node);
+
+// A key, a fill and a rim light that stand with the view, and a little ambient light.
+std::vector<LightInstance> three_light_setup(const View& view);
+
+// The scene's own lights in world space.
+std::vector<LightInstance> scene_lights(const prep::Scene& scene);
+
+// World position → pixel coordinates (x right, y down, in pixels) and depth (reversed z, 1 at the
+// near plane, as in Frame::depth). Nothing in front of the near plane or behind the eye is visible.
+struct Projected {
+    double x = 0, y = 0, depth = 0;
+    bool visible = false;
+};
+Projected project(const View& view, std::uint32_t width, std::uint32_t height,
+                  const glm::dvec3& world);
+
+// Clip-space matrix with reversed z: depth = z / w runs from 1 at the near plane to 0 at the far
+// one.
+glm::dmat4 projection(const View& view, double aspect);
+
+}  // namespace rast

@@ -1,0 +1,160 @@
+#include "texture.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "color.h"
+#include "elementary.h"
+
+namespace rast {
+namespace {
+
+MipTexture::Level base_level(const prep::Image& image, bool colour) {
+    MipTexture::Level level{image.width, image.height, {}};
+    level.texels.resize(std::size_t(image.width) * image.height);
+    // 8-bit files have 256 values: the table saves a pow per channel and changes no bit.
+    float table[256];
+    for (int i = 0; i < 256; ++i) table[i] = srgb_to_linear(float(i) / 255.0f);
+    const auto decode = [&](float x) {
+        if (!colour) return x;
+        const float scaled = x * 255.0f;
+        const int i = int(scaled + 0.5f);
+        return x >= 0 && x <= 1 && float(i) / 255.0f == x ? table[i] : srgb_to_linear(x);
+    };
+    for (std::size_t i = 0; i < level.texels.size(); ++i) {
+        const float* p = image.pixels.data() + i * image.channels;
+        glm::vec4& t = level.texels[i];
+        if (image.channels >= 3)
+            t = {decode(p[0]), decode(p[1]), decode(p[2]), image.channels > 3 ? p[3] : 1.0f};
+        else
+            t = glm::vec4(glm::vec3(decode(p[0])), image.channels == 2 ? p[1] : 1.0f);
+    }
+    return level;
+}
+
+// One axis of the next level: which texels of the finer one a texel covers, with weights. Box
+// filter; odd sizes weigh the shared texels by the part that is covered, so that the mean is kept
+// exactly.
+struct Tap {
+    std::uint32_t first = 0, count = 0;
+    float weight[3] = {0, 0, 0};
+};
+
+std::vector<Tap> taps(std::uint32_t from, std::uint32_t to) {
+    std::vector<Tap> result(to);
+    for (std::uint32_t i = 0; i < to; ++i) {
+        const double begin = double(i) * from / to, end = double(i + 1) * from / to;
+        Tap& tap = result[i];
+        tap.first = std::uint32_t(begin);
+        for (std::uint32_t k = tap.first; k < from && double(k) < end && tap.count < 3; ++k) {
+            const double covered = std::min(end, double(k + 1)) - std::max(begin, double(k));
+            tap.weight[tap.count++] = float(covered / (end - begin));
+        }
+    }
+    return result;
+}
+
+MipTexture::Level next_level(const MipTexture::Level& fine) {
+    MipTexture::Level coarse;
+    coarse.width = std::max(1u, fine.width / 2);
+    coarse.height = std::max(1u, fine.height / 2);
+    coarse.texels.resize(std::size_t(coarse.width) * coarse.height);
+    const std::vector<Tap> across = taps(fine.width, coarse.width);
+    const std::vector<Tap> down = taps(fine.height, coarse.height);
+    for (std::uint32_t y = 0; y < coarse.height; ++y)
+        for (std::uint32_t x = 0; x < coarse.width; ++x) {
+            glm::vec4 sum(0.0f);
+            for (std::uint32_t j = 0; j < down[y].count; ++j)
+                for (std::uint32_t i = 0; i < across[x].count; ++i)
+                    sum += fine.texels[std::size_t(down[y].first + j) * fine.width +
+                                       across[x].first + i] *
+                           (down[y].weight[j] * across[x].weight[i]);
+            coarse.texels[std::size_t(y) * coarse.width + x] = sum;
+        }
+    return coarse;
+}
+
+// Whole texel and the rest, for coordinates of any size (beyond 2^40 texels the rest is lost, and
+// NaN is 0).
+std::int64_t whole(float x) {
+    if (!(std::abs(x) < 1e12f)) return 0;
+    return std::int64_t(std::floor(x));
+}
+
+}  // namespace
+
+std::int64_t wrap_texel(std::int64_t i, std::int64_t size, prep::Wrap wrap) {
+    switch (wrap) {
+        case prep::Wrap::repeat: {
+            const std::int64_t r = i % size;
+            return r < 0 ? r + size : r;
+        }
+        case prep::Wrap::mirror: {
+            std::int64_t r = i % (2 * size);
+            if (r < 0) r += 2 * size;
+            return r < size ? r : 2 * size - 1 - r;
+        }
+        case prep::Wrap::clamp:
+            return std::clamp<std::int64_t>(i, 0, size - 1);
+        case prep::Wrap::border:
+            return i < 0 || i >= size ? -1 : i;
+    }
+    return 0;
+}
+
+MipTexture::MipTexture(const prep::Image& image, const prep::Texture& sampler, bool colour,
+                       bool mipped)
+    : wrap_u_(sampler.wrap_u), wrap_v_(sampler.wrap_v) {
+    levels_.push_back(base_level(image, colour));
+    while (mipped && (levels_.back().width > 1 || levels_.back().height > 1))
+        levels_.push_back(next_level(levels_.back()));
+}
+
+glm::vec4 MipTexture::nearest(const Level& level, const glm::vec2& uv) const {
+    const std::int64_t x = wrap_texel(whole(uv.x * float(level.width)), level.width, wrap_u_);
+    const std::int64_t y = wrap_texel(whole(uv.y * float(level.height)), level.height, wrap_v_);
+    if (x < 0 || y < 0) return glm::vec4(0.0f);
+    return level.texels[std::size_t(y) * level.width + std::size_t(x)];
+}
+
+glm::vec4 MipTexture::bilinear(const Level& level, const glm::vec2& uv) const {
+    const float u = uv.x * float(level.width) - 0.5f, v = uv.y * float(level.height) - 0.5f;
+    const std::int64_t x = whole(u), y = whole(v);
+    const float fx = std::abs(u) < 1e12f ? u - float(x) : 0,
+                fy = std::abs(v) < 1e12f ? v - float(y) : 0;
+    const std::int64_t x0 = wrap_texel(x, level.width, wrap_u_);
+    const std::int64_t x1 = wrap_texel(x + 1, level.width, wrap_u_);
+    const std::int64_t y0 = wrap_texel(y, level.height, wrap_v_);
+    const std::int64_t y1 = wrap_texel(y + 1, level.height, wrap_v_);
+    const auto at = [&](std::int64_t i, std::int64_t j) {
+        return i < 0 || j < 0 ? glm::vec4(0.0f)
+                              : level.texels[std::size_t(j) * level.width + std::size_t(i)];
+    };
+    // a + f·(b − a): a constant texture stays bit-constant.
+    const glm::vec4 a = at(x0, y0), c = at(x0, y1);
+    const glm::vec4 top = a + (at(x1, y0) - a) * fx, bottom = c + (at(x1, y1) - c) * fx;
+    return top + (bottom - top) * fy;
+}
+
+float MipTexture::level_of_detail(const Footprint& f) const {
+    const glm::vec2 size(float(levels_[0].width), float(levels_[0].height));
+    const glm::dvec2 x(f.dx * size), y(f.dy * size);
+    const double longest = std::max(glm::dot(x, x), glm::dot(y, y));
+    if (!(longest > 1)) return 0;  // magnified, or NaN
+    if (!(longest < 1e30)) return float(levels_.size() - 1);
+    return float(0.5 * log_portable(longest) * 1.4426950408889634);
+}
+
+glm::vec4 MipTexture::sample(const glm::vec2& uv, const Footprint& footprint,
+                             TextureFilter filter) const {
+    if (filter == TextureFilter::nearest) return nearest(levels_[0], uv);
+    if (filter == TextureFilter::bilinear || levels_.size() == 1) return bilinear(levels_[0], uv);
+    const float lod = std::min(level_of_detail(footprint), float(levels_.size() - 1));
+    const std::size_t fine = std::size_t(lod);
+    const glm::vec4 a = bilinear(levels_[fine], uv);
+    const float rest = lod - float(fine);
+    if (rest == 0) return a;
+    return a + (bilinear(levels_[fine + 1], uv) - a) * rest;
+}
+
+}  // namespace rast

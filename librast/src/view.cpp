@@ -1,0 +1,183 @@
+#include "rast/view.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace rast {
+namespace {
+
+bool finite(const glm::dvec3& p) {
+    return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
+}
+
+glm::dvec3 safe_unit(const glm::dvec3& v, const glm::dvec3& otherwise) {
+    const double length = glm::length(v);
+    return length > 0 && std::isfinite(length) ? v / length : otherwise;
+}
+
+constexpr double degree = 3.14159265358979323846 / 180;
+
+}  // namespace
+
+glm::dvec3 View::eye() const {
+    // Rigid: the inverse is the transpose.
+    const glm::dmat3 rotation(world_to_view);
+    return -(glm::transpose(rotation) * glm::dvec3(world_to_view[3]));
+}
+
+glm::dvec3 View::forward() const {
+    return -(glm::transpose(glm::dmat3(world_to_view)) * glm::dvec3(0, 0, 1));
+}
+
+double Bounds::radius() const {
+    const glm::dvec3 half = high * 0.5 - low * 0.5;
+    return std::hypot(half.x, half.y, half.z);
+}
+
+std::optional<Bounds> world_bounds(const prep::PreparedScene& prepared) {
+    const std::vector<glm::dmat4> world = prep::world_transforms(prepared.scene);
+    Bounds bounds;
+    bool any = false;
+    for (std::size_t n = 0; n < prepared.scene.nodes.size(); ++n) {
+        const std::uint32_t m = prepared.scene.nodes[n].mesh;
+        if (m == prep::no_index) continue;
+        const prep::VertexMesh& mesh = prepared.meshes[m];
+        for (const glm::vec3& p : mesh.positions) {
+            const glm::dvec3 w(world[n] * glm::dvec4(glm::dvec3(p) + mesh.origin, 1.0));
+            if (!finite(w)) continue;
+            bounds.low = any ? glm::min(bounds.low, w) : w;
+            bounds.high = any ? glm::max(bounds.high, w) : w;
+            any = true;
+        }
+    }
+    if (!any) return std::nullopt;
+    return bounds;
+}
+
+View orbit_view(const prep::PreparedScene& scene, const OrbitOptions& options) {
+    const std::optional<Bounds> bounds = world_bounds(scene);
+    const glm::dvec3 centre = bounds ? bounds->centre() : glm::dvec3(0.0);
+    double radius = bounds ? bounds->radius() : 0.5;
+    if (!(radius > 0)) radius = std::max(0.5, glm::length(centre) * 1e-6);  // a single point
+    const double azimuth = options.azimuth_degrees * degree;
+    const double elevation = options.elevation_degrees * degree;
+    const glm::dvec3 direction(std::sin(azimuth) * std::cos(elevation), std::sin(elevation),
+                               std::cos(azimuth) * std::cos(elevation));
+    View view;
+    view.yfov = options.yfov;
+    const double half =
+        std::min(options.yfov, 2 * std::atan(std::tan(options.yfov / 2) * options.aspect)) / 2;
+    const double distance =
+        options.distance > 0 ? options.distance : 1.05 * radius / std::sin(half);
+    const glm::dvec3 back = safe_unit(direction, {0, 0, 1});
+    const glm::dvec3 up_hint =
+        std::abs(back.y) > 0.999 ? glm::dvec3(0, 0, back.y > 0 ? -1 : 1) : glm::dvec3(0, 1, 0);
+    const glm::dvec3 right = glm::normalize(glm::cross(up_hint, back));
+    const glm::dvec3 up = glm::cross(back, right);
+    const glm::dmat3 rotation = glm::transpose(glm::dmat3(right, up, back));
+    const glm::dvec3 eye = centre + back * distance;
+    view.world_to_view = glm::dmat4(rotation);
+    view.world_to_view[3] = glm::dvec4(-(rotation * eye), 1.0);
+    view.znear = std::max(distance - 1.1 * radius, distance * 1e-3);
+    return view;
+}
+
+View camera_view(const prep::Scene& scene, std::uint32_t camera_node) {
+    const glm::dmat4 world = prep::world_transforms(scene)[camera_node];
+    const prep::Camera& camera = scene.cameras[scene.nodes[camera_node].camera];
+    // Scale and shear have no meaning for a camera: the axes are made orthonormal again.
+    const glm::dvec3 back = safe_unit(glm::dvec3(world[2]), {0, 0, 1});
+    const glm::dvec3 up_axis = safe_unit(glm::dvec3(world[1]), {0, 1, 0});
+    glm::dvec3 right = glm::cross(up_axis, back);
+    right = safe_unit(right, std::abs(back.x) < 0.9 ? glm::cross(glm::dvec3(1, 0, 0), back)
+                                                    : glm::cross(glm::dvec3(0, 1, 0), back));
+    right = glm::normalize(right);
+    const glm::dmat3 rotation = glm::transpose(glm::dmat3(right, glm::cross(back, right), back));
+    View view;
+    view.world_to_view = glm::dmat4(rotation);
+    view.world_to_view[3] = glm::dvec4(-(rotation * glm::dvec3(world[3])), 1.0);
+    view.perspective = camera.perspective;
+    view.yfov = camera.yfov;
+    view.half_height = camera.ymag;
+    view.aspect = camera.perspective ? camera.aspect : camera.xmag / camera.ymag;
+    view.znear = camera.znear;
+    view.zfar = camera.zfar;
+    return view;
+}
+
+std::vector<LightInstance> three_light_setup(const View& view) {
+    const glm::dmat3 to_world = glm::transpose(glm::dmat3(view.world_to_view));
+    const auto directional = [&](const glm::dvec3& from_view, float intensity, glm::vec3 tint) {
+        LightInstance light;
+        light.kind = prep::LightKind::directional;
+        light.direction = to_world * -glm::normalize(from_view);
+        light.color = tint * intensity;
+        return light;
+    };
+    LightInstance ambient;
+    ambient.kind = prep::LightKind::ambient;
+    ambient.color = glm::vec3(0.08f);
+    return {directional({-0.55, 0.65, 0.75}, 0.85f, {1.0f, 0.98f, 0.94f}),
+            directional({0.9, 0.15, 0.6}, 0.28f, {0.9f, 0.95f, 1.0f}),
+            directional({0.3, 0.7, -0.9}, 0.45f, {1.0f, 1.0f, 1.0f}), ambient};
+}
+
+std::vector<LightInstance> scene_lights(const prep::Scene& scene) {
+    const std::vector<glm::dmat4> world = prep::world_transforms(scene);
+    std::vector<LightInstance> lights;
+    for (std::size_t n = 0; n < scene.nodes.size(); ++n) {
+        if (scene.nodes[n].light == prep::no_index) continue;
+        const prep::Light& source = scene.lights[scene.nodes[n].light];
+        LightInstance light;
+        light.kind = source.kind;
+        light.position = glm::dvec3(world[n][3]);
+        light.direction = safe_unit(-glm::dvec3(world[n][2]), {0, 0, -1});
+        light.color = source.color * source.intensity;
+        light.range = source.range;
+        light.inner_cone = source.inner_cone;
+        light.outer_cone = source.outer_cone;
+        lights.push_back(light);
+    }
+    return lights;
+}
+
+glm::dmat4 projection(const View& view, double aspect) {
+    glm::dmat4 p(0.0);
+    const double n = view.znear, f = view.zfar;
+    if (view.perspective) {
+        const double scale = 1.0 / std::tan(view.yfov / 2);
+        p[0][0] = scale / aspect;
+        p[1][1] = scale;
+        p[2][3] = -1;
+        // depth · w = a·z + b with depth 1 at z = −n and 0 at z = −f.
+        if (f > 0 && std::isfinite(f)) {
+            p[2][2] = n / (f - n);
+            p[3][2] = n * f / (f - n);
+        } else {
+            p[3][2] = n;
+        }
+    } else {
+        p[0][0] = 1.0 / (view.half_height * aspect);
+        p[1][1] = 1.0 / view.half_height;
+        p[2][2] = 1.0 / (f - n);
+        p[3][2] = f / (f - n);
+        p[3][3] = 1;
+    }
+    return p;
+}
+
+Projected project(const View& view, std::uint32_t width, std::uint32_t height,
+                  const glm::dvec3& world) {
+    const double aspect = view.aspect > 0 ? view.aspect : double(width) / height;
+    const glm::dvec3 in_view = glm::dmat3(view.world_to_view) * (world - view.eye());
+    const glm::dvec4 clip = projection(view, aspect) * glm::dvec4(in_view, 1.0);
+    Projected result;
+    if (!(clip.w > 0)) return result;
+    result.x = (clip.x / clip.w * 0.5 + 0.5) * width;
+    result.y = (0.5 - clip.y / clip.w * 0.5) * height;
+    result.depth = clip.z / clip.w;
+    result.visible = result.depth <= 1 && result.depth >= 0;
+    return result;
+}
+
+}  // namespace rast
