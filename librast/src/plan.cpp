@@ -1,0 +1,222 @@
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "rast/render.h"
+#include "setup.h"
+
+namespace rast {
+namespace {
+
+using prep::Material;
+using prep::TextureRef;
+
+// What the materials in use bring, over all instances.
+struct Survey {
+    std::set<std::uint32_t> materials;
+    bool default_material = false;
+    std::uint64_t triangles = 0, vertices = 0;
+    bool normals_missing = false, tangents_missing = false;
+};
+
+Survey survey(const prep::PreparedScene& prepared) {
+    Survey s;
+    for (const prep::Node& node : prepared.scene.nodes) {
+        if (node.mesh == prep::no_index) continue;
+        const prep::VertexMesh& mesh = prepared.meshes[node.mesh];
+        s.triangles += mesh.triangle_count();
+        s.vertices += mesh.vertex_count();
+        s.normals_missing |= mesh.triangle_count() > 0 && mesh.normals.empty();
+        for (const prep::VertexMesh::Range& range : mesh.ranges) {
+            if (range.material >= prepared.scene.materials.size()) {
+                s.default_material = true;
+                continue;
+            }
+            s.materials.insert(range.material);
+            const Material& m = prepared.scene.materials[range.material];
+            s.tangents_missing |= bool(m.normal_map) && mesh.tangents.empty() &&
+                                  m.normal_map_space == prep::NormalMapSpace::tangent;
+        }
+    }
+    return s;
+}
+
+class Planner {
+  public:
+    Planner(const prep::PreparedScene& prepared, const RenderRequest& request)
+        : prepared_(prepared), survey_(survey(prepared)) {
+        plan_.request = request;
+        plan_.triangles = survey_.triangles;
+        const std::size_t textures = prepared.scene.textures.size();
+        plan_.textures_used.assign(textures, false);
+        plan_.colour_textures.assign(textures, false);
+    }
+
+    RenderPlan run() {
+        camera();
+        lights();
+        shading();
+        textures();
+        step("culling", plan_.request.cull != Cull::none, cull_reason());
+        step("alpha blending", false,
+             any([](const Material& m) { return m.alpha_mode == prep::AlphaMode::blend; })
+                 ? "blended materials are drawn opaque by this renderer"
+                 : "no material in use is blended");
+        step("alpha mask",
+             any([](const Material& m) { return m.alpha_mode == prep::AlphaMode::mask; }),
+             any([](const Material& m) { return m.alpha_mode == prep::AlphaMode::mask; })
+                 ? "a material in use cuts by alpha"
+                 : "no material in use cuts by alpha");
+        step("depth output", plan_.request.keep_depth,
+             plan_.request.keep_depth ? "asked for" : "nothing reads it");
+        step("triangle numbers output", plan_.request.keep_ids,
+             plan_.request.keep_ids ? "asked for" : "nothing reads them");
+        const std::uint64_t pixels = std::uint64_t(plan_.request.width) * plan_.request.height;
+        plan_.memory_estimate =
+            pixels * (16 + (plan_.request.keep_depth ? 4 : 0) + (plan_.request.keep_ids ? 8 : 0)) +
+            survey_.vertices * 96 + survey_.triangles * sizeof(SetupTriangle);
+        return std::move(plan_);
+    }
+
+  private:
+    void step(std::string name, bool run, std::string reason) {
+        plan_.steps.push_back({std::move(name), run, std::move(reason)});
+    }
+
+    template <class Test>
+    bool any(const Test& test) const {
+        return std::any_of(survey_.materials.begin(), survey_.materials.end(),
+                           [&](std::uint32_t m) { return test(prepared_.scene.materials[m]); });
+    }
+
+    void camera() {
+        const prep::Scene& scene = prepared_.scene;
+        const double aspect = double(plan_.request.width) / plan_.request.height;
+        if (plan_.request.view) {
+            plan_.view = *plan_.request.view;
+            step("camera", true, "the view is given");
+        } else if (scene.active_camera != prep::no_index) {
+            plan_.view = camera_view(scene, scene.active_camera);
+            step("camera", true, "camera '" + scene.nodes[scene.active_camera].name + "'");
+        } else {
+            OrbitOptions orbit;
+            orbit.aspect = aspect;
+            plan_.view = orbit_view(prepared_, orbit);
+            step("camera", true, "the scene has none: the whole of it is framed");
+        }
+        if (!(plan_.view.aspect > 0)) plan_.view.aspect = aspect;
+    }
+
+    void lights() {
+        if (plan_.request.lights) {
+            plan_.lights = *plan_.request.lights;
+            step("lights", !plan_.lights.empty(), std::to_string(plan_.lights.size()) + " given");
+            return;
+        }
+        plan_.lights = scene_lights(prepared_.scene);
+        if (!plan_.lights.empty()) {
+            step("lights", true, "the scene brings " + std::to_string(plan_.lights.size()));
+            return;
+        }
+        plan_.lights = three_light_setup(plan_.view);
+        step("lights", true, "the scene has none: key, fill, rim and ambient light are set up");
+    }
+
+    void shading() {
+        Shading& shading = plan_.request.shading;
+        const bool mapped = any([](const Material& m) { return bool(m.normal_map); });
+        if (shading == Shading::normal_mapped && (!mapped || !plan_.request.textures)) {
+            step("normal maps", false,
+                 mapped ? "textures are switched off: shaded as Phong"
+                        : "no material in use has a normal map: shaded as Phong");
+            shading = Shading::phong;
+        } else {
+            step("normal maps", shading == Shading::normal_mapped,
+                 shading == Shading::normal_mapped ? "a material in use has one"
+                                                   : "the shading asked for does not read them");
+        }
+        if (shading != Shading::flat && survey_.normals_missing) {
+            plan_.warnings.push_back(
+                "some meshes carry no normals: they are shaded by their face normals");
+        }
+        if (shading == Shading::normal_mapped && survey_.tangents_missing)
+            plan_.warnings.push_back(
+                "some normal-mapped meshes carry no tangents: their maps are left out");
+        step("vertex lighting", shading == Shading::gouraud,
+             shading == Shading::gouraud ? "Gouraud: light is computed at vertices"
+                                         : "light is computed at pixels");
+        step("vertex normals", shading != Shading::flat,
+             shading == Shading::flat ? "flat shading uses face normals" : "interpolated");
+    }
+
+    void textures() {
+        bool colour_used = false, data_used = false;
+        const auto use = [&](const TextureRef& ref, bool colour) {
+            if (!ref || ref.texture >= plan_.textures_used.size()) return;
+            plan_.textures_used[ref.texture] = true;
+            if (colour) plan_.colour_textures[ref.texture] = true;
+            (colour ? colour_used : data_used) = true;
+        };
+        if (plan_.request.textures) {
+            for (const std::uint32_t m : survey_.materials) {
+                const Material& material = prepared_.scene.materials[m];
+                use(material.diffuse_map, true);
+                if (!material.unlit) {
+                    if (material.metallic_roughness)
+                        use(material.metallic_roughness_map, false);
+                    else
+                        use(material.specular_map, true);
+                    use(material.occlusion_map, false);
+                    if (plan_.request.shading == Shading::normal_mapped)
+                        use(material.normal_map, false);
+                }
+                use(material.emissive_map, true);
+            }
+        }
+        const bool some = colour_used || data_used;
+        const std::string none =
+            plan_.request.textures ? "no material in use samples a texture" : "switched off";
+        step("textures", some, some ? "sampled by materials in use" : none);
+        step("sRGB decoding", colour_used,
+             colour_used ? "colour textures are stored encoded" : "no colour texture is sampled");
+        const bool mips = some && plan_.request.filter == TextureFilter::trilinear;
+        step("mip levels", mips,
+             mips   ? "trilinear filtering reads them"
+             : some ? "the filter reads the base only"
+                    : none);
+    }
+
+    std::string cull_reason() const {
+        switch (plan_.request.cull) {
+            case Cull::none:
+                return "switched off";
+            case Cull::back:
+                return "back faces are left out";
+            case Cull::front:
+                return "front faces are left out";
+            case Cull::by_material:
+                return "back faces are left out but for double-sided materials";
+        }
+        return {};
+    }
+
+    const prep::PreparedScene& prepared_;
+    Survey survey_;
+    RenderPlan plan_;
+};
+
+}  // namespace
+
+prep::Result<RenderPlan> plan(const prep::PreparedScene& scene, const RenderRequest& request) {
+    if (request.width == 0 || request.height == 0)
+        return prep::Error{prep::ErrorCode::invalid, "the picture has no extent", ""};
+    if (request.width > max_picture_extent || request.height > max_picture_extent)
+        return prep::Error{prep::ErrorCode::limit,
+                           "the picture is larger than " + std::to_string(max_picture_extent) +
+                               " pixels a side, found " + std::to_string(request.width) + "x" +
+                               std::to_string(request.height),
+                           ""};
+    return Planner(scene, request).run();
+}
+
+}  // namespace rast
