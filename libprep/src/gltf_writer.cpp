@@ -1,0 +1,74 @@
+#include <fmt/format.h>
+
+#include <cstring>
+
+#include "gltf_build.h"
+#include "prep/io.h"
+#include "prep/version.h"
+#include "writers.h"
+
+namespace prep::detail {
+namespace {
+
+constexpr std::uint64_t glb_limit = 0xffffffffu;  // a GLB's length is 32-bit
+
+void append_u32(std::vector<std::byte>& out, std::uint32_t value) {
+    for (int k = 0; k < 4; ++k) out.push_back(std::byte(value >> (8 * k)));
+}
+
+}  // namespace
+
+WriteResult write_gltf(const PreparedScene& prepared, const std::filesystem::path& path,
+                       const SaveOptions&) {
+    std::vector<std::string> notes;
+    Json document;
+    document["asset"] = {{"version", "2.0"}, {"generator", fmt::format("meshprep {}", version())}};
+    GltfBuffer buffer(document);
+    build_gltf(prepared, document, buffer, notes);
+    std::vector<std::byte>& binary = buffer.bytes();
+    binary.resize((binary.size() + 3) & ~std::size_t(3));
+
+    const bool glb = path.extension() != ".gltf";
+    if (!binary.empty()) {
+        Json entry{{"byteLength", binary.size()}};
+        std::filesystem::path bin = path.filename();
+        bin.replace_extension(".bin");
+        if (!glb) entry["uri"] = bin.string();
+        document["buffers"] = Json::array({std::move(entry)});
+    }
+    std::string json = document.dump(glb ? -1 : 2, ' ', false, Json::error_handler_t::replace);
+    if (!glb) {
+        json += '\n';
+        if (!binary.empty()) {
+            std::filesystem::path bin = path;
+            bin.replace_extension(".bin");
+            if (auto done = write_file(bin, binary); !done) return std::move(done).error();
+        }
+        if (auto done = write_file(path, std::as_bytes(std::span(json))); !done)
+            return std::move(done).error();
+        return notes;
+    }
+    while (json.size() % 4 != 0) json += ' ';
+    const std::uint64_t total = 12 + 8 + json.size() + (binary.empty() ? 0 : 8 + binary.size());
+    if (total > glb_limit)
+        return Error{ErrorCode::limit, "a GLB file holds at most 4 GiB: write .gltf instead",
+                     path.string()};
+    std::vector<std::byte> out;
+    out.reserve(total);
+    append_u32(out, 0x46546c67);  // "glTF"
+    append_u32(out, 2);
+    append_u32(out, std::uint32_t(total));
+    append_u32(out, std::uint32_t(json.size()));
+    append_u32(out, 0x4e4f534a);  // "JSON"
+    const std::span<const std::byte> text = std::as_bytes(std::span(json));
+    out.insert(out.end(), text.begin(), text.end());
+    if (!binary.empty()) {
+        append_u32(out, std::uint32_t(binary.size()));
+        append_u32(out, 0x004e4942);  // "BIN"
+        out.insert(out.end(), binary.begin(), binary.end());
+    }
+    if (auto done = write_file(path, out); !done) return std::move(done).error();
+    return notes;
+}
+
+}  // namespace prep::detail

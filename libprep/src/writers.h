@@ -1,0 +1,25 @@
+// The writers behind save_scene, one per format. Each returns notes on what the format cannot hold.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "prep/save.h"
+
+namespace prep::detail {
+
+using WriteResult = Result<std::vector<std::string>>;
+
+WriteResult write_gltf(const PreparedScene& prepared, const std::filesystem::path& path,
+                       const SaveOptions& options);
+WriteResult write_obj(const PreparedScene& prepared, const std::filesystem::path& path,
+                      const SaveOptions& options);
+WriteResult write_ply(const PreparedScene& prepared, const std::filesystem::path& path,
+                      const SaveOptions& options);
+WriteResult write_stl(const PreparedScene& prepared, const std::filesystem::path& path,
+                      const SaveOptions& options);
+WriteResult write_off(const PreparedScene& prepared, const std::filesystem::path& path,
+                      const SaveOptions& options);
+
+}  // namespace prep::detail
