@@ -1,0 +1,34 @@
+// PLY, STL and OFF in, by parsers of our own.
+//
+// OpenMesh's readers are not used for these: they drop faces that make an edge non-manifold, round
+// coordinates to float before the offset is known, and trust the counts in a header. These check
+// every count against the bytes that are there before anything is reserved.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+
+#include "prep/result.h"
+#include "prep/scene.h"
+
+namespace prep {
+
+// All give one mesh and one node. `name` is for messages. Errors: syntax, invalid (an index out of
+// range), unsupported, limit; place = "name:line" in text and "name, byte N" in binary files.
+
+// ASCII and both binary orders. Vertex properties x y z, nx ny nz, red green blue alpha (integers
+// are sRGB-encoded 0 … max, floats linear 0 … 1), s t / u v / texture_u texture_v; face lists
+// vertex_indices / vertex_index, per-corner "texcoord" lists; tristrips; edges; other elements and
+// properties are skipped. A file without faces is a point cloud.
+Result<Scene> parse_ply(std::span<const std::byte> bytes, const std::string& name);
+
+// ASCII (several solids, each a part) and binary, told apart by the size that a binary header
+// announces: many binary files begin with "solid". Facet normals are not read: they follow from the
+// corners. Every triangle has vertices of its own.
+Result<Scene> parse_stl(std::span<const std::byte> bytes, const std::string& name);
+
+// OFF with the prefixes ST, C, N and 4 (text); binary OFF is unsupported. Face colours are skipped.
+Result<Scene> parse_off(std::span<const std::byte> bytes, const std::string& name);
+
+}  // namespace prep
