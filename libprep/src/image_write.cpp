@@ -1,0 +1,182 @@
+#include "image_write.h"
+
+#include <OpenImageIO/filesystem.h>
+#include <OpenImageIO/imageio.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cctype>
+#include <cmath>
+#include <exception>
+
+#include "prep/image.h"
+#include "prep/io.h"
+
+namespace prep {
+namespace {
+
+namespace oiio = OIIO;
+
+template <class T>
+std::vector<T> quantise(const std::vector<float>& pixels) {
+    constexpr float top = float(std::numeric_limits<T>::max());
+    std::vector<T> out(pixels.size());
+    for (std::size_t i = 0; i < pixels.size(); ++i) {
+        // Written so that NaN becomes 0.
+        const float v = pixels[i] > 0.0f ? (pixels[i] < 1.0f ? pixels[i] : 1.0f) : 0.0f;
+        out[i] = T(std::lround(v * top));
+    }
+    return out;
+}
+
+oiio::TypeDesc type_of(PixelType type) {
+    switch (type) {
+        case PixelType::u8:
+            return oiio::TypeDesc::UINT8;
+        case PixelType::u16:
+            return oiio::TypeDesc::UINT16;
+        case PixelType::f16:
+            return oiio::TypeDesc::HALF;
+        case PixelType::f32:
+            break;
+    }
+    return oiio::TypeDesc::FLOAT;
+}
+
+Result<void> check(const Image& image, const std::string& place) {
+    if (image.width == 0 || image.height == 0 || image.channels == 0)
+        return Error{ErrorCode::invalid, "the image to write is empty", place};
+    if (image.channels > 4)
+        return Error{ErrorCode::invalid,
+                     "the image to write has " + std::to_string(image.channels) +
+                         " channels; 1 to 4 can be written",
+                     place};
+    if (image.width > max_image_extent || image.height > max_image_extent)
+        return Error{ErrorCode::limit,
+                     "the image to write is larger than " + std::to_string(max_image_extent) +
+                         " pixels in one direction",
+                     place};
+    if (image.pixels.size() != std::size_t(image.width) * image.height * image.channels)
+        return Error{ErrorCode::invalid,
+                     "the image to write has " + std::to_string(image.pixels.size()) +
+                         " values where its size asks for " +
+                         std::to_string(std::size_t(image.width) * image.height * image.channels),
+                     place};
+    return {};
+}
+
+oiio::ImageSpec spec_of(const Image& image, PixelType type) {
+    oiio::ImageSpec spec(int(image.width), int(image.height), int(image.channels), type_of(type));
+    spec.attribute("oiio:ColorSpace", image.srgb ? "sRGB" : "Linear");
+    spec.attribute("oiio:UnassociatedAlpha", 1);
+    // EXR files get the time of writing unless a date is given: the same picture, the same bytes.
+    spec.attribute("DateTime", "1970:01:01 00:00:00");
+    return spec;
+}
+
+Error failed(const std::string& why, const std::string& place) {
+    return {ErrorCode::io,
+            "the image cannot be written: " + (why.empty() ? std::string("no reason given") : why),
+            place};
+}
+
+bool write_pixels(oiio::ImageOutput& output, const Image& image, PixelType type) {
+    // Integers are rounded here, so that the bytes do not depend on the library's version.
+    switch (type) {
+        case PixelType::u8:
+            return output.write_image(oiio::TypeDesc::UINT8,
+                                      quantise<std::uint8_t>(image.pixels).data());
+        case PixelType::u16:
+            return output.write_image(oiio::TypeDesc::UINT16,
+                                      quantise<std::uint16_t>(image.pixels).data());
+        case PixelType::f16:
+        case PixelType::f32:
+            break;
+    }
+    return output.write_image(oiio::TypeDesc::FLOAT, image.pixels.data());
+}
+
+Result<std::vector<std::byte>> encode(const std::string& stand_in, const Image& image,
+                                      PixelType type, const std::string& place) {
+    std::vector<unsigned char> bytes;
+    {
+        oiio::Filesystem::IOVecOutput memory(bytes);
+        auto output = oiio::ImageOutput::create(stand_in);
+        if (!output) return failed(oiio::geterror(), place);
+        output->set_ioproxy(&memory);
+        if (!output->open(stand_in, spec_of(image, type)) || !write_pixels(*output, image, type) ||
+            !output->close())
+            return failed(output->geterror(), place);
+    }
+    const auto* begin = reinterpret_cast<const std::byte*>(bytes.data());
+    return std::vector<std::byte>(begin, begin + bytes.size());
+}
+
+Result<void> save(const std::filesystem::path& path, const Image& image, PixelType type) {
+    const std::string place = path.string();
+    std::string ending = path.extension().string();
+    for (char& c : ending) c = char(std::tolower(static_cast<unsigned char>(c)));
+    if (ending.empty())
+        return Error{ErrorCode::unsupported,
+                     "the image's name has no ending; name it .png, .jpg or .exr", place};
+    if (ending == ".null" || ending == ".term")
+        return Error{ErrorCode::unsupported, "images are not written as '" + ending + "'", place};
+    auto output = oiio::ImageOutput::create("memory" + ending);
+    if (!output) {
+        (void)oiio::geterror();
+        return Error{
+            ErrorCode::unsupported,
+            "no image format is known for the ending '" + ending + "'; use .png, .jpg or .exr",
+            place};
+    }
+    const auto temporary = path.parent_path() / detail::unique_name(path.stem().string(), ending);
+    std::error_code error;
+    if (!output->open(temporary.string(), spec_of(image, type)) ||
+        !write_pixels(*output, image, type) || !output->close()) {
+        const std::string why = output->geterror();
+        std::filesystem::remove(temporary, error);
+        return failed(why, place);
+    }
+    std::filesystem::rename(temporary, path, error);
+    if (!error) return {};
+    const std::string why = error.message();
+    std::filesystem::remove(temporary, error);
+    return failed(why, place);
+}
+
+template <class Body>
+auto guarded(const std::string& place, const Body& body) -> decltype(body()) {
+    try {
+        return body();
+    } catch (const std::bad_alloc&) {
+        throw;
+    } catch (const std::exception& e) {
+        return failed(e.what(), place);
+    }
+}
+
+}  // namespace
+
+namespace detail {
+
+std::string unique_name(const std::string& stem, const std::string& ending) {
+    static std::atomic<unsigned> counter{0};
+    return stem + "." + std::to_string(::getpid()) + "-" + std::to_string(counter++) + ending;
+}
+
+}  // namespace detail
+
+Result<void> save_image(const std::filesystem::path& path, const Image& image, PixelType type) {
+    if (auto checked = check(image, path.string()); !checked) return checked.error();
+    return guarded(path.string(), [&] { return save(path, image, type); });
+}
+
+Result<std::vector<std::byte>> encode_png(const Image& image, PixelType type) {
+    const std::string place = "memory.png";
+    if (auto checked = check(image, place); !checked) return checked.error();
+    if (type == PixelType::f16 || type == PixelType::f32)
+        return Error{ErrorCode::unsupported, "PNG holds 8 or 16 bits a channel, not floats", place};
+    return guarded(place, [&] { return encode(place, image, type, place); });
+}
+
+}  // namespace prep

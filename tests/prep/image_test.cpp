@@ -1,0 +1,237 @@
+#include "prep/image.h"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <limits>
+#include <thread>
+
+#include "prep/io.h"
+#include "prep/scene.h"
+#include "shared_data.h"
+
+namespace {
+
+namespace fs = std::filesystem;
+
+class ImageFiles : public ::testing::Test {
+  protected:
+    void SetUp() override {
+        const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
+        dir_ = fs::temp_directory_path() / ("meshprep-image-test-" + std::string(info->name()));
+        fs::remove_all(dir_);
+        fs::create_directories(dir_);
+    }
+    void TearDown() override { fs::remove_all(dir_); }
+    std::size_t files() const {
+        return std::size_t(std::distance(fs::directory_iterator(dir_), fs::directory_iterator()));
+    }
+    fs::path dir_;
+};
+
+prep::Image gradient(std::uint32_t width, std::uint32_t height, std::uint32_t channels) {
+    prep::Image image{width, height, channels, {}, true};
+    for (std::uint32_t i = 0; i < width * height * channels; ++i)
+        image.pixels.push_back(float(i * 37 % 256) / 255.0f);
+    return image;
+}
+
+using PngRoundTrip = ImageFiles;
+
+TEST_F(PngRoundTrip, KeepsEveryByteForEveryChannelCount) {
+    for (std::uint32_t channels = 1; channels <= 4; ++channels) {
+        const auto image = gradient(17, 5, channels);
+        const auto path = dir_ / "a.png";
+        ASSERT_TRUE(prep::save_image(path, image));
+        const auto back = prep::load_image(path);
+        ASSERT_TRUE(back) << to_string(back.error());
+        EXPECT_EQ(back->width, 17u);
+        EXPECT_EQ(back->height, 5u);
+        ASSERT_EQ(back->channels, channels);
+        for (std::size_t i = 0; i < image.pixels.size(); ++i)
+            ASSERT_EQ(std::lround(back->pixels[i] * 255), std::lround(image.pixels[i] * 255))
+                << "value " << i << ", channels " << channels;
+    }
+    EXPECT_EQ(files(), 1u);
+}
+
+TEST_F(PngRoundTrip, SixteenBitsSurvive) {
+    prep::Image image{2, 1, 1, {1.0f / 65535.0f, 40000.0f / 65535.0f}, false};
+    ASSERT_TRUE(prep::save_image(dir_ / "a.png", image, prep::PixelType::u16));
+    const auto back = prep::load_image(dir_ / "a.png");
+    ASSERT_TRUE(back);
+    EXPECT_EQ(std::lround(back->pixels[0] * 65535), 1);
+    EXPECT_EQ(std::lround(back->pixels[1] * 65535), 40000);
+}
+
+TEST_F(PngRoundTrip, OutOfRangeAndNaNAreClamped) {
+    const float nan = std::numeric_limits<float>::quiet_NaN();
+    const float inf = std::numeric_limits<float>::infinity();
+    prep::Image image{4, 1, 1, {nan, -1.0f, inf, 0.5f}, false};
+    ASSERT_TRUE(prep::save_image(dir_ / "a.png", image));
+    const auto back = prep::load_image(dir_ / "a.png");
+    ASSERT_TRUE(back);
+    EXPECT_EQ(back->pixels[0], 0.0f);
+    EXPECT_EQ(back->pixels[1], 0.0f);
+    EXPECT_EQ(back->pixels[2], 1.0f);
+    EXPECT_EQ(std::lround(back->pixels[3] * 255), 128);
+}
+
+TEST_F(PngRoundTrip, TransparentPixelsKeepTheirColour) {
+    prep::Image image{1, 1, 4, {1.0f, 0.5f, 0.25f, 0.0f}, true};
+    ASSERT_TRUE(prep::save_image(dir_ / "a.png", image));
+    const auto back = prep::load_image(dir_ / "a.png");
+    ASSERT_TRUE(back);
+    EXPECT_EQ(back->pixels[0], 1.0f);
+    EXPECT_EQ(std::lround(back->pixels[1] * 255), 128);
+}
+
+using ExrRoundTrip = ImageFiles;
+
+TEST_F(ExrRoundTrip, FloatsKeepEveryBit) {
+    prep::Image image{3, 2, 3, {}, false};
+    for (int i = 0; i < 18; ++i) image.pixels.push_back(std::ldexp(1.0f / float(i + 3), i - 9));
+    ASSERT_TRUE(prep::save_image(dir_ / "a.exr", image, prep::PixelType::f32));
+    const auto back = prep::load_image(dir_ / "a.exr");
+    ASSERT_TRUE(back) << to_string(back.error());
+    EXPECT_EQ(back->pixels, image.pixels);
+    EXPECT_FALSE(back->srgb);
+}
+
+TEST_F(ExrRoundTrip, FilesAreTheSameASecondLater) {
+    const auto image = gradient(8, 8, 3);
+    ASSERT_TRUE(prep::save_image(dir_ / "a.exr", image, prep::PixelType::f16));
+    std::this_thread::sleep_for(std::chrono::milliseconds(1100));
+    ASSERT_TRUE(prep::save_image(dir_ / "b.exr", image, prep::PixelType::f16));
+    EXPECT_TRUE(*prep::read_file(dir_ / "a.exr") == *prep::read_file(dir_ / "b.exr"));
+}
+
+TEST(EncodePng, IsTheSameASecondLaterAndNamesNoTimeOrHost) {
+    const auto image = gradient(16, 16, 3);
+    const auto a = prep::encode_png(image);
+    std::this_thread::sleep_for(std::chrono::milliseconds(1100));
+    const auto b = prep::encode_png(image);
+    ASSERT_TRUE(a);
+    EXPECT_EQ(*a, *b);
+    const std::string text(reinterpret_cast<const char*>(a->data()), a->size());
+    EXPECT_EQ(text.find("tIME"), std::string::npos);
+    EXPECT_EQ(text.find("Host"), std::string::npos);
+}
+
+TEST(EncodePng, RefusesFloatsAndSizesThatDoNotMatch) {
+    auto image = gradient(4, 4, 3);
+    EXPECT_EQ(prep::encode_png(image, prep::PixelType::f32).error().code,
+              prep::ErrorCode::unsupported);
+    image.pixels.pop_back();
+    EXPECT_EQ(prep::encode_png(image).error().code, prep::ErrorCode::invalid);
+    EXPECT_EQ(prep::encode_png({}).error().code, prep::ErrorCode::invalid);
+}
+
+TEST(DecodeImage, RecognisesTheFormatByItsBytesNotItsName) {
+    const auto bytes = prep::encode_png(gradient(5, 4, 3));
+    ASSERT_TRUE(bytes);
+    for (const char* name : {"texture", "texture.jpg", "texture.png", "images/0"}) {
+        const auto image = prep::decode_image(*bytes, name);
+        ASSERT_TRUE(image) << name << ": " << to_string(image.error());
+        EXPECT_EQ(image->width, 5u);
+        EXPECT_TRUE(image->srgb);
+    }
+}
+
+TEST(DecodeImage, EveryTruncationOfAPngIsAnErrorOrAnImageNeverACrash) {
+    const auto bytes = prep::encode_png(gradient(40, 40, 3));
+    ASSERT_TRUE(bytes);
+    std::size_t errors = 0;
+    for (std::size_t n = 0; n < bytes->size(); n += 7) {
+        const auto image = prep::decode_image(std::span(*bytes).first(n), "cut.png");
+        if (!image) {
+            ++errors;
+            EXPECT_FALSE(image.error().text.empty());
+            EXPECT_EQ(image.error().place, "cut.png");
+        }
+    }
+    // Only the last few bytes (checksum and end mark) can be missing unnoticed.
+    EXPECT_GE(errors, bytes->size() / 7 * 9 / 10);
+}
+
+TEST(DecodeImage, AHeaderThatPromisesTooMuchIsRefusedBeforeAllocation) {
+    auto bytes = prep::encode_png(gradient(4, 4, 3));
+    ASSERT_TRUE(bytes);
+    // Width and height are big-endian at offsets 16 and 20; 0x7000 = 28672 pixels each way.
+    for (std::size_t at : {16, 20}) {
+        (*bytes)[at + 2] = std::byte{0x70};
+        (*bytes)[at + 3] = std::byte{0};
+    }
+    const auto image = prep::decode_image(*bytes, "liar.png");
+    ASSERT_FALSE(image);  // by the checksum of the header, or by its promise
+}
+
+TEST(DecodeImage, GarbageIsAnError) {
+    const std::vector<std::byte> noise(100, std::byte{0x5a});
+    EXPECT_FALSE(prep::decode_image(noise, "noise.tga"));
+    EXPECT_FALSE(prep::decode_image(noise, "noise"));
+    EXPECT_FALSE(prep::decode_image(noise, "noise.null"));
+    EXPECT_FALSE(prep::decode_image({}, "nothing.png"));
+}
+
+using LoadImage = ImageFiles;
+
+TEST_F(LoadImage, MissingFileFolderAndMakeBelieveFormatsAreErrors) {
+    EXPECT_EQ(prep::load_image(dir_ / "missing.png").error().code, prep::ErrorCode::io);
+    EXPECT_EQ(prep::load_image(dir_).error().code, prep::ErrorCode::io);
+    std::ofstream(dir_ / "a.null") << "x";
+    EXPECT_FALSE(prep::load_image(dir_ / "a.null"));
+    EXPECT_EQ(prep::load_image(prep::ImageRef{"nameless", {}, {}, {}}).error().place, "nameless");
+}
+
+TEST_F(LoadImage, EmbeddedBytesWinOverThePath) {
+    const auto bytes = prep::encode_png(gradient(3, 3, 3));
+    prep::ImageRef ref{"embedded", dir_ / "missing.png", *bytes, "image/png"};
+    EXPECT_TRUE(prep::load_image(ref));
+}
+
+using SaveImage = ImageFiles;
+
+TEST_F(SaveImage, FailureLeavesTheOldFileAndNoRubbish) {
+    const auto good = gradient(3, 3, 3);
+    ASSERT_TRUE(prep::save_image(dir_ / "a.png", good));
+    const auto before = *prep::read_file(dir_ / "a.png");
+    auto bad = good;
+    bad.pixels.pop_back();
+    EXPECT_FALSE(prep::save_image(dir_ / "a.png", bad));
+    EXPECT_EQ(*prep::read_file(dir_ / "a.png"), before);
+    EXPECT_EQ(prep::save_image(dir_ / "a.unknown", good).error().code,
+              prep::ErrorCode::unsupported);
+    EXPECT_EQ(prep::save_image(dir_ / "none" / "a.png", good).error().code, prep::ErrorCode::io);
+    EXPECT_EQ(files(), 1u);
+}
+
+TEST_F(SaveImage, CommonEndingsCanBeWrittenAndReadBack) {
+    for (const char* name : {"a.jpg", "a.tga", "a.bmp", "a.tif", "a.hdr", "a.exr"}) {
+        const auto path = dir_ / name;
+        const auto saved = prep::save_image(path, gradient(9, 7, 3));
+        ASSERT_TRUE(saved) << name << ": " << to_string(saved.error());
+        const auto back = prep::load_image(path);
+        ASSERT_TRUE(back) << name << ": " << to_string(back.error());
+        EXPECT_EQ(back->width, 9u) << name;
+        EXPECT_EQ(back->height, 7u) << name;
+    }
+}
+
+TEST(CorpusImages, AllTexturesLoad) {
+    MESHPREP_REQUIRE_SHARED(shared);
+    for (const char* name :
+         {"diablo3_pose/diablo3_pose_nm.tga", "DamagedHelmet/Default_albedo.jpg", "museum.exr",
+          "spiaggia_di_mondello_1k.hdr", "african_head/african_head_spec.tga"}) {
+        const auto image = prep::load_image(shared / "corpus" / name);
+        ASSERT_TRUE(image) << name << ": " << to_string(image.error());
+        EXPECT_GT(image->width, 0u) << name;
+        const bool is_float = std::strstr(name, ".exr") || std::strstr(name, ".hdr");
+        EXPECT_EQ(image->srgb, !is_float) << name;
+    }
+}
+
+}  // namespace
