@@ -1,0 +1,23 @@
+// Formats that other libraries read for us.
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <string>
+
+#include "prep/result.h"
+#include "prep/scene.h"
+
+namespace prep::detail {
+
+// OpenMesh's own OM format, through OpenMesh::IO, after the file's counts were held against its
+// size.
+Result<Scene> load_om(std::span<const std::byte> bytes, const std::filesystem::path& path);
+
+// Whatever Assimp knows (FBX, DAE, 3DS, BLEND, …): meshes, materials, textures, nodes, cameras and
+// lights. Normals stay as authored; nothing is joined, split or triangulated.
+Result<Scene> load_with_assimp(const std::filesystem::path& path);
+// Whether Assimp claims this ending (with its dot, lower case).
+bool assimp_reads(const std::string& extension);
+
+}  // namespace prep::detail

@@ -1,0 +1,329 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <unordered_map>
+
+#include "parallel.h"
+#include "prep/io.h"
+#include "writers.h"
+
+namespace prep::detail {
+namespace {
+
+using Index = std::uint32_t;
+constexpr std::size_t line_grain = 32768;
+
+// Shortest digits that read back as the same value.
+template <class Number>
+void append_number(std::string& out, Number value) {
+    char digits[40];
+    const auto [end, error] = std::to_chars(digits, digits + sizeof digits, value);
+    out.append(digits, end);
+}
+
+void append_index(std::string& out, std::uint64_t value) {
+    char digits[24];
+    const auto [end, error] = std::to_chars(digits, digits + sizeof digits, value);
+    out.append(digits, end);
+}
+
+// Lines for `count` items, formatted in blocks on all threads and joined in order.
+template <class Line>
+void append_lines(std::string& out, std::size_t count, const Line& line) {
+    std::vector<std::string> blocks((count + line_grain - 1) / line_grain);
+    parallel_blocks(count, line_grain, 0, [&](std::size_t begin, std::size_t end) {
+        std::string& block = blocks[begin / line_grain];
+        block.reserve((end - begin) * 32);
+        for (std::size_t i = begin; i < end; ++i) line(block, i);
+    });
+    for (const std::string& block : blocks) out += block;
+}
+
+std::string one_word(std::string name) {
+    std::replace_if(
+        name.begin(), name.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');
+    return name;
+}
+
+class ObjWriter {
+  public:
+    ObjWriter(const PreparedScene& prepared, const std::filesystem::path& path)
+        : scene_(prepared.scene), path_(path) {}
+
+    WriteResult run() {
+        out_ = "# meshprep\n";
+        std::string mtl;
+        if (!scene_.materials.empty()) {
+            mtl = materials();
+            out_ += fmt::format("mtllib {}.mtl\n", path_.stem().string());
+        }
+        const std::vector<glm::dmat4> world = world_transforms(scene_);
+        bool instanced = false, extra = false;
+        std::vector<bool> seen(scene_.meshes.size(), false);
+        for (std::size_t n = 0; n < scene_.nodes.size(); ++n) {
+            extra |= scene_.nodes[n].camera != no_index || scene_.nodes[n].light != no_index ||
+                     scene_.nodes[n].skin != no_index;
+            const Index m = scene_.nodes[n].mesh;
+            if (m == no_index) continue;
+            instanced |= seen[m];
+            seen[m] = true;
+            write_mesh(scene_.meshes[m], world[n]);
+        }
+        if (instanced) note("OBJ has no instances: meshes used twice are written twice");
+        if (extra) note("OBJ holds no cameras, lights or skins: left out");
+        if (!mtl.empty()) {
+            std::filesystem::path mtl_path = path_;
+            mtl_path.replace_extension(".mtl");
+            if (auto done = write_file(mtl_path, std::as_bytes(std::span(mtl))); !done)
+                return std::move(done).error();
+        }
+        if (auto done = write_file(path_, std::as_bytes(std::span(out_))); !done)
+            return std::move(done).error();
+        return std::move(notes_);
+    }
+
+  private:
+    void note(const std::string& text) {
+        if (std::find(notes_.begin(), notes_.end(), text) == notes_.end()) notes_.push_back(text);
+    }
+
+    void write_mesh(const Mesh& mesh, const glm::dmat4& world) {
+        if (!mesh.tangents.empty()) note("OBJ holds no tangents: left out");
+        if (mesh.uvs.size() > 1) note("OBJ holds one UV set: the others are left out");
+        const glm::dmat3 linear(world);
+        const bool moved = world != glm::dmat4(1.0) || mesh.origin != glm::dvec3(0.0);
+        const std::vector<glm::vec4> colors = vertex_colors(mesh);
+        append_lines(out_, mesh.vertex_count(), [&](std::string& out, std::size_t v) {
+            out += 'v';
+            if (moved) {
+                const glm::dvec3 p(world *
+                                   glm::dvec4(glm::dvec3(mesh.positions[v]) + mesh.origin, 1.0));
+                for (int k = 0; k < 3; ++k) out += ' ', append_number(out, p[k]);
+            } else {
+                for (int k = 0; k < 3; ++k) out += ' ', append_number(out, mesh.positions[v][k]);
+            }
+            if (!colors.empty())
+                for (int k = 0; k < 3; ++k) out += ' ', append_number(out, colors[v][k]);
+            out += '\n';
+        });
+        const bool uv = !mesh.uvs.empty() && !mesh.uvs[0].empty(), normals = !mesh.normals.empty();
+        if (uv)
+            append_lines(out_, mesh.uvs[0].values.size(), [&](std::string& out, std::size_t i) {
+                const glm::vec2& t = mesh.uvs[0].values[i];
+                out += "vt ";
+                append_number(out, t.x);
+                out += ' ';
+                // The origin moves from the top left to the bottom left.
+                append_number(out, 1.0 - double(t.y));
+                out += '\n';
+            });
+        if (normals) {
+            const double sign = glm::determinant(linear) < 0 ? -1 : 1;
+            const glm::dmat3 cofactor(glm::cross(linear[1], linear[2]),
+                                      glm::cross(linear[2], linear[0]),
+                                      glm::cross(linear[0], linear[1]));
+            const bool turned = linear != glm::dmat3(1.0);
+            append_lines(out_, mesh.normals.values.size(), [&](std::string& out, std::size_t i) {
+                glm::vec3 n = mesh.normals.values[i];
+                if (turned) {
+                    const glm::dvec3 t = cofactor * glm::dvec3(n) * sign;
+                    const double length = glm::length(t);
+                    if (length > 0) n = glm::vec3(t / length);
+                }
+                out += "vn";
+                for (int k = 0; k < 3; ++k) out += ' ', append_number(out, n[k]);
+                out += '\n';
+            });
+        }
+        faces(mesh, uv, normals);
+        for (std::size_t l = 0; l + 1 < mesh.line_offsets.size(); ++l) {
+            out_ += 'l';
+            for (Index k = mesh.line_offsets[l]; k < mesh.line_offsets[l + 1]; ++k)
+                out_ += fmt::format(" {}", vertex_base_ + mesh.line_vertices[k] + 1);
+            out_ += '\n';
+        }
+        for (const Index v : mesh.points) out_ += fmt::format("p {}\n", vertex_base_ + v + 1);
+        tags(mesh);
+        vertex_base_ += mesh.vertex_count();
+        if (uv) uv_base_ += mesh.uvs[0].values.size();
+        if (normals) normal_base_ += mesh.normals.values.size();
+        face_base_ += mesh.face_count();
+    }
+
+    std::vector<glm::vec4> vertex_colors(const Mesh& mesh) {
+        if (!mesh.vertex_colors.empty()) return mesh.vertex_colors;
+        if (mesh.colors.empty() || mesh.colors[0].empty()) return {};
+        std::vector<glm::vec4> colors(mesh.vertex_count(), glm::vec4(1.0f));
+        bool differ = false;
+        std::vector<bool> set(mesh.vertex_count(), false);
+        for (std::size_t c = 0; c < mesh.corner_count(); ++c) {
+            const Index i = mesh.colors[0].indices[c], v = mesh.corner_vertices[c];
+            if (i == no_index) continue;
+            differ |= set[v] && colors[v] != mesh.colors[0].values[i];
+            colors[v] = mesh.colors[0].values[i];
+            set[v] = true;
+        }
+        if (differ) note("OBJ holds one colour per vertex: corners that differ lost theirs");
+        return colors;
+    }
+
+    // State lines stand where the state changes; runs of faces between them are formatted together.
+    void faces(const Mesh& mesh, bool uv, bool normals) {
+        const auto value = [](const std::vector<Index>& list, std::size_t f, Index otherwise) {
+            return list.empty() ? otherwise : list[f];
+        };
+        Index part = no_index, material = no_index, smoothing = 0;
+        bool first = true;
+        out_ += fmt::format("o {}\n", mesh.name.empty() ? "mesh" : one_word(mesh.name));
+        for (std::size_t f = 0; f < mesh.face_count();) {
+            const Index p = value(mesh.face_parts, f, no_index);
+            const Index m = value(mesh.face_materials, f, no_index);
+            const Index s = value(mesh.face_smoothing, f, 0);
+            if (p != part && p < mesh.parts.size())
+                out_ += fmt::format("g {}\n", one_word(mesh.parts[p]));
+            if (m != material || (first && m < scene_.materials.size()))
+                out_ += fmt::format("usemtl {}\n", m < scene_.materials.size()
+                                                       ? material_name(m)
+                                                       : std::string("default"));
+            if (!mesh.face_smoothing.empty() && (first || s != smoothing))
+                out_ += s ? fmt::format("s {}\n", s) : std::string("s off\n");
+            first = false;
+            part = p;
+            material = m;
+            smoothing = s;
+            std::size_t end = f + 1;
+            while (end < mesh.face_count() && value(mesh.face_parts, end, no_index) == p &&
+                   value(mesh.face_materials, end, no_index) == m &&
+                   value(mesh.face_smoothing, end, 0) == s)
+                ++end;
+            append_lines(out_, end - f, [&](std::string& out, std::size_t i) {
+                face(mesh, f + i, uv, normals, out);
+            });
+            f = end;
+        }
+    }
+
+    void face(const Mesh& mesh, std::size_t f, bool uv, bool normals, std::string& out) const {
+        out += 'f';
+        for (Index c = mesh.face_offsets[f]; c < mesh.face_offsets[f + 1]; ++c) {
+            out += ' ';
+            append_index(out, vertex_base_ + mesh.corner_vertices[c] + 1);
+            const Index t = uv ? mesh.uvs[0].indices[c] : no_index;
+            const Index n = normals ? mesh.normals.indices[c] : no_index;
+            if (t != no_index) out += '/', append_index(out, uv_base_ + t + 1);
+            if (n != no_index) {
+                out += t != no_index ? "/" : "//";
+                append_index(out, normal_base_ + n + 1);
+            }
+        }
+        out += '\n';
+    }
+
+    void tags(const Mesh& mesh) {
+        const SubdivisionTags& tags = mesh.subdivision;
+        for (const EdgeMark& e : tags.creases)
+            out_ += fmt::format("t crease 2/1/0 {} {} {}\n", vertex_base_ + e.v0,
+                                vertex_base_ + e.v1, e.sharpness);
+        for (const VertexMark& v : tags.corners)
+            out_ += fmt::format("t corner 1/1/0 {} {}\n", vertex_base_ + v.vertex, v.sharpness);
+        for (const Index f : tags.holes) out_ += fmt::format("t hole 1/0/0 {}\n", face_base_ + f);
+        if (tags.interpolate_boundary != SubdivisionTags{}.interpolate_boundary)
+            out_ += fmt::format("t interpolateboundary 1/0/0 {}\n", tags.interpolate_boundary);
+        if (tags.face_varying_boundary != SubdivisionTags{}.face_varying_boundary)
+            out_ += fmt::format("t facevaryinginterpolateboundary 1/0/0 {}\n",
+                                tags.face_varying_boundary);
+    }
+
+    std::string material_name(Index m) const {
+        const std::string& name = scene_.materials[m].name;
+        return name.empty() ? fmt::format("material_{}", m) : one_word(name);
+    }
+
+    std::string materials() {
+        std::string mtl = "# meshprep\n";
+        for (Index m = 0; m < scene_.materials.size(); ++m) {
+            const Material& in = scene_.materials[m];
+            mtl += fmt::format("\nnewmtl {}\n", material_name(m));
+            const auto color = [&](const char* word, const glm::vec3& c) {
+                mtl += fmt::format("{} {} {} {}\n", word, c.r, c.g, c.b);
+            };
+            glm::vec3 diffuse(in.diffuse), specular = in.specular;
+            float shininess = in.shininess;
+            if (in.metallic_roughness) {
+                const float alpha = std::max(in.roughness * in.roughness, 0.02f);
+                specular = glm::vec3(0.04f) + (diffuse - glm::vec3(0.04f)) * in.metallic;
+                diffuse *= 1 - in.metallic;
+                shininess = 2 / (alpha * alpha) - 2;
+                note("MTL has no metallic-roughness: written as Blinn-Phong");
+            }
+            color("Ka", in.ambient);
+            color("Kd", diffuse);
+            color("Ks", specular);
+            color("Ke", in.emissive);
+            mtl +=
+                fmt::format("Ns {}\nd {}\nillum {}\n", shininess, in.diffuse.a, in.unlit ? 0 : 2);
+            map(mtl, "map_Kd", in.diffuse_map);
+            map(mtl, "map_Ks", in.specular_map);
+            map(mtl, "map_Ke", in.emissive_map);
+            map(mtl, "norm", in.normal_map);
+            map(mtl, "bump", in.bump_map);
+            map(mtl, "disp", in.displacement_map);
+            if (in.metallic_roughness_map || in.occlusion_map)
+                note("MTL has no metallic-roughness and occlusion maps: left out");
+        }
+        return mtl;
+    }
+
+    void map(std::string& mtl, const char* word, const TextureRef& ref) {
+        if (!ref || ref.texture >= scene_.textures.size()) return;
+        const Index image = scene_.textures[ref.texture].image;
+        if (image >= scene_.images.size()) return;
+        const std::string file = image_file(image);
+        if (file.empty()) return;
+        mtl += word;
+        if (ref.strength != 1) mtl += fmt::format(" -bm {}", ref.strength);
+        if (ref.scale != glm::vec2(1.0f))
+            mtl += fmt::format(" -s {} {} 1", ref.scale.x, ref.scale.y);
+        if (ref.offset != glm::vec2(0.0f))
+            mtl += fmt::format(" -o {} {} 0", ref.offset.x, -ref.offset.y);
+        if (ref.rotation != 0) note("MTL has no texture rotation: left out");
+        mtl += fmt::format(" {}\n", file);
+    }
+
+    // The image's name relative to the output; embedded ones are written beside it.
+    std::string image_file(Index image) {
+        const ImageRef& ref = scene_.images[image];
+        if (ref.bytes.empty()) {
+            std::error_code ec;
+            const auto relative = std::filesystem::relative(
+                ref.path, path_.parent_path().empty() ? "." : path_.parent_path(), ec);
+            return ec || relative.empty() ? ref.path.string() : relative.generic_string();
+        }
+        const auto known = written_.find(image);
+        if (known != written_.end()) return known->second;
+        const bool png = std::to_integer<int>(ref.bytes[0]) == 0x89;
+        const std::string file =
+            fmt::format("{}_image{}.{}", path_.stem().string(), image, png ? "png" : "jpg");
+        const auto done = write_file(path_.parent_path() / file, ref.bytes);
+        if (!done) note("texture '" + file + "' could not be written: " + done.error().text);
+        written_.emplace(image, file);
+        return file;
+    }
+
+    const Scene& scene_;
+    const std::filesystem::path& path_;
+    std::string out_;
+    std::vector<std::string> notes_;
+    std::unordered_map<Index, std::string> written_;
+    std::uint64_t vertex_base_ = 0, uv_base_ = 0, normal_base_ = 0, face_base_ = 0;
+};
+
+}  // namespace
+
+WriteResult write_obj(const PreparedScene& prepared, const std::filesystem::path& path,
+                      const SaveOptions&) {
+    return ObjWriter(prepared, path).run();
+}
+
+}  // namespace prep::detail

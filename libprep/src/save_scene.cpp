@@ -1,0 +1,23 @@
+#include <cctype>
+
+#include "prep/save.h"
+#include "writers.h"
+
+namespace prep {
+
+Result<std::vector<std::string>> save_scene(const PreparedScene& prepared,
+                                            const std::filesystem::path& path,
+                                            const SaveOptions& options) {
+    std::string ending = path.extension().string();
+    for (char& c : ending) c = char(std::tolower(static_cast<unsigned char>(c)));
+    if (ending == ".glb" || ending == ".gltf") return detail::write_gltf(prepared, path, options);
+    if (ending == ".obj") return detail::write_obj(prepared, path, options);
+    if (ending == ".ply") return detail::write_ply(prepared, path, options);
+    if (ending == ".stl") return detail::write_stl(prepared, path, options);
+    if (ending == ".off") return detail::write_off(prepared, path, options);
+    return Error{ErrorCode::unsupported,
+                 "cannot write '" + ending + "': GLB, glTF, OBJ, PLY, STL and OFF are written",
+                 path.string()};
+}
+
+}  // namespace prep
