@@ -69,8 +69,6 @@ oiio::ImageSpec spec_of(const Image& image, PixelType type) {
     oiio::ImageSpec spec(int(image.width), int(image.height), int(image.channels), type_of(type));
     spec.attribute("oiio:ColorSpace", image.srgb ? "sRGB" : "Linear");
     spec.attribute("oiio:UnassociatedAlpha", 1);
-    // EXR files get the time of writing unless a date is given: the same picture, the same bytes.
-    spec.attribute("DateTime", "1970:01:01 00:00:00");
     return spec;
 }
 
@@ -131,8 +129,11 @@ Result<void> save(const std::filesystem::path& path, const Image& image, PixelTy
     }
     const auto temporary = path.parent_path() / detail::unique_name(path.stem().string(), ending);
     std::error_code error;
-    if (!output->open(temporary.string(), spec_of(image, type)) ||
-        !write_pixels(*output, image, type) || !output->close()) {
+    oiio::ImageSpec spec = spec_of(image, type);
+    // EXR files get the time of writing unless a date is given: the same picture, the same bytes.
+    if (ending == ".exr") spec.attribute("DateTime", "1970:01:01 00:00:00");
+    if (!output->open(temporary.string(), spec) || !write_pixels(*output, image, type) ||
+        !output->close()) {
         const std::string why = output->geterror();
         std::filesystem::remove(temporary, error);
         return failed(why, place);
