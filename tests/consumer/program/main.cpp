@@ -1,7 +1,8 @@
-#include <cstdio>
 #include <prep/requirements.h>
 #include <prep/version.h>
 #include <rast/version.h>
+
+#include <cstdio>
 
 int main() {
     prep::Scene scene;
