@@ -14,8 +14,9 @@ float byte_of(double x) {
     return float(std::floor(clamp01(x) * 255 + 0.5) / 255);
 }
 
-std::string png(const TextureSize& size, const ColorFunction& texel) {
+std::string png(const TextureSize& size, const ColorFunction& texel, bool srgb) {
     prep::Image image;
+    image.srgb = srgb;
     image.width = std::uint32_t(size.width);
     image.height = std::uint32_t(size.height);
     image.channels = 3;
@@ -36,16 +37,17 @@ std::string png(const TextureSize& size, const ColorFunction& texel) {
 
 std::string normal_map_png(const TextureSize& size, const HeightFunction& height) {
     const double du = 0.5 / size.width, dv = 0.5 / size.height;
-    return png(size, [&](double u, double v) {
+    const auto normal = [&](double u, double v) {
         const double x = (height(u - du, v) - height(u + du, v)) / (2 * du * size.metres_wide);
         const double y = (height(u, v + dv) - height(u, v - dv)) / (2 * dv * size.metres_high);
         const double length = std::sqrt(x * x + y * y + 1);
         return glm::dvec3(x / length, y / length, 1 / length) * 0.5 + 0.5;
-    });
+    };
+    return png(size, normal, false);
 }
 
 std::string color_png(const TextureSize& size, const ColorFunction& color) {
-    return png(size, color);
+    return png(size, color, true);
 }
 
 }  // namespace samples
