@@ -3,6 +3,7 @@
 #include <string_view>
 
 #include "foreign_files.h"
+#include "prep/gltf.h"
 #include "prep/io.h"
 #include "prep/mesh_files.h"
 #include "prep/obj.h"
@@ -33,6 +34,7 @@ std::string sniff(std::span<const std::byte> bytes) {
 Result<Scene> load_by_ending(const std::string& ending, const std::filesystem::path& path,
                              const LoadOptions& options) {
     if (ending == ".obj") return load_obj(path, options.threads);
+    if (ending == ".gltf" || ending == ".glb" || ending == ".vrm") return load_gltf(path, options);
     const bool ours = ending == ".ply" || ending == ".stl" || ending == ".off" || ending == ".om";
     if (ours) {
         const auto bytes = read_file(path);

@@ -1,0 +1,371 @@
+#include <meshoptimizer.h>
+
+#include <algorithm>
+#include <cstring>
+
+#include "gltf_document.h"
+
+namespace prep {
+namespace detail {
+
+std::size_t component_size(int type) {
+    switch (type) {
+        case 5120:
+        case 5121:
+            return 1;
+        case 5122:
+        case 5123:
+            return 2;
+        case 5125:
+        case 5126:
+            return 4;
+        default:
+            return 0;
+    }
+}
+
+int components_of(const std::string& type) {
+    if (type == "SCALAR") return 1;
+    if (type == "VEC2") return 2;
+    if (type == "VEC3") return 3;
+    if (type == "VEC4" || type == "MAT2") return 4;
+    if (type == "MAT3") return 9;
+    if (type == "MAT4") return 16;
+    return 0;
+}
+
+std::size_t RawAccessor::element_size() const {
+    return component_size(component_type) * std::size_t(width);
+}
+
+namespace {
+
+// Elements that one accessor may have when nothing but zeros stands behind it: without a bufferView
+// its count costs the file nothing.
+constexpr std::uint64_t max_elements = std::uint64_t(1) << 31;
+constexpr std::uint64_t max_unbacked_bytes = std::uint64_t(1) << 30;
+
+// Columns of small matrices start at multiples of four bytes.
+std::size_t padded_matrix_size(const std::string& type, std::size_t component) {
+    if (type == "MAT2" && component == 1) return 8;
+    if (type == "MAT3" && component == 1) return 12;
+    if (type == "MAT3" && component == 2) return 24;
+    return 0;
+}
+
+Error bad(const GltfDocument& d, const std::string& pointer, std::string text) {
+    return {ErrorCode::invalid, std::move(text), d.place(pointer)};
+}
+
+Result<std::vector<std::byte>> decompress(const GltfDocument& d, const Json& extension,
+                                          const std::string& pointer) {
+    const auto buffer = index_member(d, extension, "buffer", pointer, d.buffers.size());
+    if (!buffer) return buffer.error();
+    if (*buffer == no_index) return bad(d, pointer + "/buffer", "the member is missing");
+    const std::vector<std::byte>& bytes = d.buffers[*buffer];
+    const auto offset = whole_member(d, extension, "byteOffset", pointer, 0, bytes.size(), 0);
+    const auto length = whole_member(d, extension, "byteLength", pointer, 1, bytes.size(), {});
+    const auto stride = whole_member(d, extension, "byteStride", pointer, 1, 256, {});
+    const auto count = whole_member(d, extension, "count", pointer, 1, max_elements, {});
+    for (const auto* r : {&offset, &length, &stride, &count})
+        if (!*r) return r->error();
+    if (*offset + *length > bytes.size())
+        return bad(d, pointer + "/byteLength", "the view goes beyond its buffer");
+    // The codec packs at best 16 vertices of a byte column into one header byte pair; 256 times the
+    // input bounds any honest output.
+    if (*count * *stride > *length * 4096 + 4096)
+        return bad(d, pointer + "/count", "more elements than the compressed bytes can hold");
+    std::vector<std::byte> out(*count * *stride);
+    const auto* in = reinterpret_cast<const unsigned char*>(bytes.data() + *offset);
+    const std::string mode = extension.value("mode", std::string());
+    int failed = -1;
+    if (mode == "ATTRIBUTES") {
+        if (*stride % 4 != 0) return bad(d, pointer + "/byteStride", "expected a multiple of 4");
+        failed = meshopt_decodeVertexBuffer(out.data(), *count, *stride, in, *length);
+    } else if (mode == "TRIANGLES" || mode == "INDICES") {
+        if (*stride != 2 && *stride != 4) return bad(d, pointer + "/byteStride", "expected 2 or 4");
+        if (mode == "TRIANGLES" && *count % 3 != 0)
+            return bad(d, pointer + "/count", "expected a multiple of 3");
+        failed = mode == "TRIANGLES"
+                     ? meshopt_decodeIndexBuffer(out.data(), *count, *stride, in, *length)
+                     : meshopt_decodeIndexSequence(out.data(), *count, *stride, in, *length);
+    } else {
+        return bad(d, pointer + "/mode", "expected ATTRIBUTES, TRIANGLES or INDICES");
+    }
+    if (failed) return bad(d, pointer, "the compressed data cannot be decoded");
+    const std::string filter = extension.value("filter", std::string("NONE"));
+    if (filter == "OCTAHEDRAL") {
+        if (*stride != 4 && *stride != 8)
+            return bad(d, pointer + "/byteStride", "expected 4 or 8 with this filter");
+        meshopt_decodeFilterOct(out.data(), *count, *stride);
+    } else if (filter == "QUATERNION") {
+        if (*stride != 8) return bad(d, pointer + "/byteStride", "expected 8 with this filter");
+        meshopt_decodeFilterQuat(out.data(), *count, *stride);
+    } else if (filter == "EXPONENTIAL") {
+        meshopt_decodeFilterExp(out.data(), *count, *stride);
+    } else if (filter != "NONE") {
+        return bad(d, pointer + "/filter", "unknown filter");
+    }
+    return out;
+}
+
+}  // namespace
+
+}  // namespace detail
+
+using namespace detail;
+
+Result<std::span<const std::byte>> GltfDocument::view(std::size_t index) const {
+    const Json& view = json["bufferViews"][index];
+    const std::string pointer = "/bufferViews/" + std::to_string(index);
+    if (const auto known = decompressed_.find(index); known != decompressed_.end())
+        return std::span<const std::byte>(known->second);
+    if (view.contains("extensions") && view["extensions"].is_object() &&
+        view["extensions"].contains("EXT_meshopt_compression") &&
+        view["extensions"]["EXT_meshopt_compression"].is_object()) {
+        Result<std::vector<std::byte>> bytes = Error{};
+        try {
+            bytes = decompress(*this, view["extensions"]["EXT_meshopt_compression"],
+                               pointer + "/extensions/EXT_meshopt_compression");
+        } catch (const Json::exception& e) {
+            bytes = bad(*this, pointer, e.what());
+        }
+        if (!bytes) return std::move(bytes).error();
+        return std::span<const std::byte>(
+            decompressed_.emplace(index, *std::move(bytes)).first->second);
+    }
+    const auto buffer = index_member(*this, view, "buffer", pointer, buffers.size());
+    if (!buffer) return buffer.error();
+    if (*buffer == no_index) return bad(*this, pointer + "/buffer", "the member is missing");
+    const std::vector<std::byte>& bytes = buffers[*buffer];
+    const auto offset = whole_member(*this, view, "byteOffset", pointer, 0, bytes.size(), 0);
+    if (!offset) return offset.error();
+    const auto length = whole_member(*this, view, "byteLength", pointer, 1,
+                                     std::max<std::size_t>(bytes.size(), 1), {});
+    if (!length) return length.error();
+    if (*offset + *length > bytes.size())
+        return bad(*this, pointer + "/byteLength",
+                   "the view ends at byte " + std::to_string(*offset + *length) +
+                       ", its buffer has " + std::to_string(bytes.size()));
+    return std::span<const std::byte>(bytes).subspan(*offset, *length);
+}
+
+namespace {
+
+struct Layout {
+    std::size_t offset = 0, stride = 0, element = 0, component = 0;
+    std::size_t count = 0;
+};
+
+// Copies `count` elements out of a view.
+Result<void> gather(const GltfDocument& d, std::size_t view_index, const Layout& layout,
+                    const std::string& type, const std::string& pointer,
+                    std::vector<std::byte>& out) {
+    const auto bytes = d.view(view_index);
+    if (!bytes) return bytes.error();
+    const std::size_t padded = padded_matrix_size(type, layout.component);
+    const std::size_t source = padded ? padded : layout.element;
+    const std::size_t stride = layout.stride ? layout.stride : source;
+    if (layout.offset > bytes->size() ||
+        (layout.count > 0 &&
+         (bytes->size() - layout.offset < source ||
+          (layout.count - 1) > (bytes->size() - layout.offset - source) / stride)))
+        return bad(d, pointer,
+                   std::to_string(layout.count) + " elements from byte " +
+                       std::to_string(layout.offset) + " with stride " + std::to_string(stride) +
+                       " do not fit the bufferView of " + std::to_string(bytes->size()) + " bytes");
+    out.resize(layout.count * layout.element);
+    const std::byte* from = bytes->data() + layout.offset;
+    if (stride == layout.element && !padded) {
+        std::memcpy(out.data(), from, out.size());
+    } else if (!padded) {
+        for (std::size_t i = 0; i < layout.count; ++i)
+            std::memcpy(out.data() + i * layout.element, from + i * stride, layout.element);
+    } else {
+        const std::size_t rows = type == "MAT2" ? 2 : 3, column = rows * layout.component;
+        for (std::size_t i = 0; i < layout.count; ++i)
+            for (std::size_t c = 0; c < rows; ++c)
+                std::memcpy(out.data() + i * layout.element + c * column,
+                            from + i * stride + c * (padded / rows), column);
+    }
+    return {};
+}
+
+Result<void> apply_sparse(const GltfDocument& d, const Json& sparse, const std::string& type,
+                          const std::string& pointer, RawAccessor& raw) {
+    const std::size_t views = d.json.contains("bufferViews") ? d.json["bufferViews"].size() : 0;
+    const auto count = whole_member(d, sparse, "count", pointer, 1, raw.count, {});
+    if (!count) return count.error();
+    for (const char* key : {"indices", "values"})
+        if (!sparse.contains(key) || !sparse[key].is_object())
+            return bad(d, pointer + "/" + key, "expected an object");
+    const Json &indices = sparse["indices"], &values = sparse["values"];
+    const auto index_type =
+        whole_member(d, indices, "componentType", pointer + "/indices", 5121, 5125, {});
+    if (!index_type) return index_type.error();
+    if (*index_type != 5121 && *index_type != 5123 && *index_type != 5125)
+        return bad(d, pointer + "/indices/componentType", "expected 5121, 5123 or 5125");
+    std::vector<std::byte> index_bytes, value_bytes;
+    for (const bool first : {true, false}) {
+        const Json& part = first ? indices : values;
+        const std::string place = pointer + (first ? "/indices" : "/values");
+        const auto view = index_member(d, part, "bufferView", place, views);
+        if (!view) return view.error();
+        if (*view == no_index) return bad(d, place + "/bufferView", "the member is missing");
+        const auto offset =
+            whole_member(d, part, "byteOffset", place, 0, std::uint64_t(1) << 40, 0);
+        if (!offset) return offset.error();
+        Layout layout;
+        layout.offset = *offset;
+        layout.count = *count;
+        layout.component =
+            first ? component_size(int(*index_type)) : component_size(raw.component_type);
+        layout.element = first ? layout.component : raw.element_size();
+        if (auto done = gather(d, *view, layout, first ? "SCALAR" : type, place,
+                               first ? index_bytes : value_bytes);
+            !done)
+            return done;
+    }
+    const RawAccessor index_raw{int(*index_type), 1, false, *count, std::move(index_bytes)};
+    const std::vector<std::uint32_t> targets = to_indices(index_raw);
+    const std::size_t size = raw.element_size();
+    for (std::size_t i = 0; i < targets.size(); ++i) {
+        if (targets[i] >= raw.count)
+            return bad(d, pointer + "/indices",
+                       "index " + std::to_string(targets[i]) +
+                           " is out of range: the accessor has " + std::to_string(raw.count) +
+                           " elements");
+        if (i > 0 && targets[i] <= targets[i - 1])
+            return bad(d, pointer + "/indices", "the indices must ascend");
+        std::memcpy(raw.bytes.data() + targets[i] * size, value_bytes.data() + i * size, size);
+    }
+    return {};
+}
+
+}  // namespace
+
+Result<RawAccessor> GltfDocument::raw_accessor(std::size_t index) const {
+    const std::string pointer = "/accessors/" + std::to_string(index);
+    const Json& accessor = json["accessors"][index];
+    const std::size_t views = json.contains("bufferViews") ? json["bufferViews"].size() : 0;
+    RawAccessor raw;
+    const auto type_code = whole_member(*this, accessor, "componentType", pointer, 5120, 5126, {});
+    if (!type_code) return type_code.error();
+    raw.component_type = int(*type_code);
+    if (component_size(raw.component_type) == 0)
+        return bad(*this, pointer + "/componentType", "5124 is no component type");
+    if (!accessor.contains("type") || !accessor["type"].is_string())
+        return bad(*this, pointer + "/type", "the member is missing or no string");
+    const std::string type = accessor["type"].get<std::string>();
+    raw.width = components_of(type);
+    if (raw.width == 0) return bad(*this, pointer + "/type", "unknown type '" + type + "'");
+    if (const auto it = accessor.find("normalized"); it != accessor.end()) {
+        if (!it->is_boolean()) return bad(*this, pointer + "/normalized", "expected true or false");
+        raw.normalized = it->get<bool>();
+    }
+    const auto count = whole_member(*this, accessor, "count", pointer, 1, max_elements, {});
+    if (!count) return count.error();
+    raw.count = *count;
+    const auto view = index_member(*this, accessor, "bufferView", pointer, views);
+    if (!view) return view.error();
+    if (*view != no_index) {
+        const auto offset =
+            whole_member(*this, accessor, "byteOffset", pointer, 0, std::uint64_t(1) << 40, 0);
+        if (!offset) return offset.error();
+        const std::string view_pointer = "/bufferViews/" + std::to_string(*view);
+        const auto stride =
+            whole_member(*this, json["bufferViews"][*view], "byteStride", view_pointer, 4, 252, 0);
+        if (!stride) return stride.error();
+        Layout layout{*offset, *stride, raw.element_size(), component_size(raw.component_type),
+                      raw.count};
+        if (layout.offset % layout.component != 0)
+            return bad(*this, pointer + "/byteOffset",
+                       "expected a multiple of " + std::to_string(layout.component));
+        if (layout.stride && layout.stride < layout.element)
+            return bad(*this, view_pointer + "/byteStride",
+                       "smaller than the elements of " + std::to_string(layout.element) + " bytes");
+        if (auto done = gather(*this, *view, layout, type, pointer, raw.bytes); !done)
+            return std::move(done).error();
+    } else {
+        if (raw.count * raw.element_size() > max_unbacked_bytes)
+            return Error{ErrorCode::limit, "an accessor of zeros larger than 1 GiB",
+                         place(pointer + "/count")};
+        raw.bytes.resize(raw.count * raw.element_size());
+    }
+    if (const auto it = accessor.find("sparse"); it != accessor.end()) {
+        if (!it->is_object()) return bad(*this, pointer + "/sparse", "expected an object");
+        if (auto done = apply_sparse(*this, *it, type, pointer + "/sparse", raw); !done)
+            return std::move(done).error();
+    }
+    return raw;
+}
+
+namespace detail {
+
+namespace {
+
+template <class T, class Out, class Map>
+void convert(const RawAccessor& raw, std::vector<Out>& out, const Map& map) {
+    const std::size_t n = raw.bytes.size() / sizeof(T);
+    out.resize(n);
+    for (std::size_t i = 0; i < n; ++i) {
+        T value;
+        std::memcpy(&value, raw.bytes.data() + i * sizeof(T), sizeof(T));
+        out[i] = map(value);
+    }
+}
+
+}  // namespace
+
+std::vector<float> to_floats(const RawAccessor& raw) {
+    std::vector<float> out;
+    const bool n = raw.normalized;
+    const auto scaled = [n](double largest) {
+        return [n, largest](auto v) {
+            return n ? float(std::max(double(v) / largest, -1.0)) : float(v);
+        };
+    };
+    switch (raw.component_type) {
+        case 5120:
+            convert<std::int8_t>(raw, out, scaled(127));
+            break;
+        case 5121:
+            convert<std::uint8_t>(raw, out, scaled(255));
+            break;
+        case 5122:
+            convert<std::int16_t>(raw, out, scaled(32767));
+            break;
+        case 5123:
+            convert<std::uint16_t>(raw, out, scaled(65535));
+            break;
+        case 5125:
+            convert<std::uint32_t>(raw, out, scaled(4294967295.0));
+            break;
+        default:
+            convert<float>(raw, out, [](float v) { return v; });
+            break;
+    }
+    return out;
+}
+
+std::vector<std::uint32_t> to_indices(const RawAccessor& raw) {
+    std::vector<std::uint32_t> out;
+    const auto same = [](auto v) { return std::uint32_t(v); };
+    switch (raw.component_type) {
+        case 5121:
+            convert<std::uint8_t>(raw, out, same);
+            break;
+        case 5123:
+            convert<std::uint16_t>(raw, out, same);
+            break;
+        case 5125:
+            convert<std::uint32_t>(raw, out, same);
+            break;
+        default:
+            break;
+    }
+    return out;
+}
+
+}  // namespace detail
+}  // namespace prep
