@@ -1,8 +1,7 @@
 #include <fmt/format.h>
 
-#include <cstring>
-
 #include "gltf_build.h"
+#include "gltf_rewrite.h"
 #include "prep/io.h"
 #include "prep/version.h"
 #include "writers.h"
@@ -22,10 +21,19 @@ WriteResult write_gltf(const PreparedScene& prepared, const std::filesystem::pat
                        const SaveOptions&) {
     std::vector<std::string> notes;
     Json document;
-    document["asset"] = {{"version", "2.0"}, {"generator", fmt::format("meshprep {}", version())}};
-    GltfBuffer buffer(document);
-    build_gltf(prepared, document, buffer, notes);
-    std::vector<std::byte>& binary = buffer.bytes();
+    std::vector<std::byte> binary;
+    if (prepared.scene.document) {
+        auto rewritten = rewrite_gltf(prepared, notes);
+        if (!rewritten) return std::move(rewritten).error();
+        document = std::move(rewritten->json);
+        binary = std::move(rewritten->binary);
+    } else {
+        document["asset"] = {{"version", "2.0"}};
+        GltfBuffer buffer(document);
+        build_gltf(prepared, document, buffer, notes);
+        binary = std::move(buffer.bytes());
+    }
+    document["asset"]["generator"] = fmt::format("meshprep {}", version());
     binary.resize((binary.size() + 3) & ~std::size_t(3));
 
     const bool glb = path.extension() != ".gltf";

@@ -1,0 +1,547 @@
+#include "gltf_rewrite.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <functional>
+#include <set>
+
+namespace prep::detail {
+namespace {
+
+using Index = std::uint32_t;
+
+// Extensions whose references to accessors and bufferViews are known to refer_to() below, or that
+// have none. Anything else may hold indices that must not be renumbered.
+bool references_known(const std::string& name) {
+    static const std::set<std::string> names{
+        "KHR_mesh_quantization",   "KHR_texture_transform",
+        "KHR_lights_punctual",     "KHR_texture_basisu",
+        "KHR_xmp_json_ld",         "KHR_animation_pointer",
+        "EXT_meshopt_compression", "KHR_draco_mesh_compression",
+        "EXT_texture_webp",        "EXT_mesh_gpu_instancing"};
+    return names.contains(name) || name.starts_with("KHR_materials_");
+}
+
+class Rewriter {
+  public:
+    Rewriter(const PreparedScene& prepared, std::vector<std::string>& notes)
+        : prepared_(prepared), document_(*prepared.scene.document), notes_(notes) {}
+
+    Result<RewrittenGltf> run() {
+        json_ = document_.json;
+        for (Index m = 0; m < prepared_.scene.meshes.size(); ++m)
+            if (auto done = mesh(m); !done) return std::move(done).error();
+        remove_compression();
+        images();
+        if (auto done = pack(); !done) return std::move(done).error();
+        RewrittenGltf out;
+        out.json = std::move(json_);
+        out.binary = std::move(binary_);
+        return out;
+    }
+
+  private:
+    void note_once(const std::string& text) {
+        if (std::find(notes_.begin(), notes_.end(), text) == notes_.end()) notes_.push_back(text);
+    }
+
+    // --- primitives
+    // -------------------------------------------------------------------------------
+
+    Result<void> mesh(Index m) {
+        const std::vector<GltfPrimitive>& primitives = document_.primitives[m];
+        const VertexMesh& mesh = prepared_.meshes[m];
+        for (std::size_t p = 0; p < primitives.size(); ++p) {
+            if (!primitives[p].triangles) continue;
+            // Ranges are per part and material; a primitive has one material.
+            std::vector<Index> indices;
+            for (const VertexMesh::Range& range : mesh.ranges)
+                if (range.part == p)
+                    indices.insert(
+                        indices.end(),
+                        mesh.indices.begin() + std::ptrdiff_t(range.first_triangle) * 3,
+                        mesh.indices.begin() +
+                            std::ptrdiff_t(range.first_triangle + range.triangle_count) * 3);
+            if (indices.empty()) continue;
+            if (auto done = primitive(m, p, std::move(indices)); !done) return done;
+        }
+        return {};
+    }
+
+    static bool finite(const glm::vec3& p) {
+        return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
+    }
+
+    Result<void> primitive(Index m, std::size_t p, std::vector<Index> indices) {
+        const GltfPrimitive& source = document_.primitives[m][p];
+        const VertexMesh& mesh = prepared_.meshes[m];
+        drop_non_finite(mesh, indices);
+        std::vector<Index> used(indices);
+        std::sort(used.begin(), used.end());
+        used.erase(std::unique(used.begin(), used.end()), used.end());
+        for (Index& i : indices)
+            i = Index(std::lower_bound(used.begin(), used.end(), i) - used.begin());
+        std::vector<Index> local(used.size());  // source vertex within the primitive
+        for (std::size_t i = 0; i < used.size(); ++i)
+            local[i] = mesh.source_vertices[used[i]] - source.first_vertex;
+
+        Json& out = json_["meshes"][m]["primitives"][p];
+        if (untouched(out, source, mesh, used, local, indices)) return {};
+
+        const bool had_tangents = out["attributes"].contains("TANGENT");
+        if (auto done = sum_weights(source, out["attributes"]); !done) return done;
+        Json attributes = Json::object();
+        for (const auto& item : out["attributes"].items()) {
+            if (item.key() == "NORMAL" || item.key() == "TANGENT") continue;
+            auto accessor = gathered(source, item.key(), item.value().get<std::size_t>(), local);
+            if (!accessor) return std::move(accessor).error();
+            attributes[item.key()] = *accessor;
+        }
+        if (!mesh.normals.empty()) attributes["NORMAL"] = floats(mesh.normals, used);
+        if (!mesh.tangents.empty() && !mesh.normals.empty() &&
+            (had_tangents || reads_tangents(out)))
+            attributes["TANGENT"] = floats(mesh.tangents, used);
+        out["attributes"] = std::move(attributes);
+        if (out.contains("targets"))
+            for (Json& target : out["targets"])
+                for (auto& item : target.items()) {
+                    auto accessor =
+                        gathered({}, item.key(), item.value().get<std::size_t>(), local);
+                    if (!accessor) return std::move(accessor).error();
+                    item.value() = *accessor;
+                }
+        out["indices"] = index_accessor(indices, used.size());
+        // Strips and fans have become triangles, the default.
+        out.erase("mode");
+        remove_extension(out, "KHR_draco_mesh_compression");
+        return {};
+    }
+
+    // A mesh carries tangents as a whole; primitives whose material has no normal map need none.
+    bool reads_tangents(const Json& primitive) const {
+        if (!primitive.contains("material")) return false;
+        const auto material = primitive["material"].get<std::size_t>();
+        return bool(prepared_.scene.materials[material].normal_map);
+    }
+
+    // --- skin weights
+    // ---------------------------------------------------------------------------------
+
+    // The format wants the weights of a vertex to add up to 1; the tolerance is its validator's.
+    static bool balanced(double sum, int parts) { return std::abs(sum - 1) <= 2e-7 * parts; }
+
+    struct WeightSums {
+        std::vector<double> sums;
+        std::vector<int> parts;  // weights that are not zero
+    };
+
+    Result<WeightSums> weight_sums(const GltfPrimitive& source, const Json& attributes) const {
+        WeightSums result;
+        for (const auto& item : attributes.items()) {
+            if (!item.key().starts_with("WEIGHTS_")) continue;
+            RawAccessor raw;
+            if (const auto draco = source.draco.find(item.key()); draco != source.draco.end()) {
+                raw = draco->second;
+            } else {
+                auto read = document_.raw_accessor(item.value().get<std::size_t>());
+                if (!read) return std::move(read).error();
+                raw = *std::move(read);
+            }
+            const std::vector<float> values = to_floats(raw);
+            result.sums.resize(raw.count, 0);
+            result.parts.resize(raw.count, 0);
+            for (std::size_t i = 0; i < values.size(); ++i) {
+                result.sums[i / std::size_t(raw.width)] += double(values[i]);
+                result.parts[i / std::size_t(raw.width)] += values[i] != 0;
+            }
+        }
+        return result;
+    }
+
+    bool has_unbalanced_weights(const GltfPrimitive& source, const Json& attributes) const {
+        const auto sums = weight_sums(source, attributes);
+        if (!sums) return false;
+        for (std::size_t v = 0; v < sums->sums.size(); ++v)
+            if (sums->parts[v] > 0 && !balanced(sums->sums[v], sums->parts[v])) return true;
+        return false;
+    }
+
+    Result<void> sum_weights(const GltfPrimitive& source, const Json& attributes) {
+        auto sums = weight_sums(source, attributes);
+        if (!sums) return std::move(sums).error();
+        weights_ = *std::move(sums);
+        return {};
+    }
+
+    // Scales float weights that do not add up; integer ones are exact where their writer cared.
+    void balance(RawAccessor& raw) {
+        if (raw.component_type != 5126) return;
+        for (std::size_t v = 0; v < raw.count; ++v) {
+            const double sum = weights_.sums[v];
+            if (weights_.parts[v] == 0 || balanced(sum, weights_.parts[v]) || !(sum > 0) ||
+                !std::isfinite(sum))
+                continue;
+            note_once("skin weights that do not add up to 1 were rescaled");
+            for (int k = 0; k < raw.width; ++k) {
+                std::byte* at =
+                    raw.bytes.data() + (v * std::size_t(raw.width) + std::size_t(k)) * 4;
+                float w;
+                std::memcpy(&w, at, 4);
+                w = float(double(w) / sum);
+                std::memcpy(at, &w, 4);
+            }
+        }
+    }
+
+    // --- helpers of primitive()
+    // -------------------------------------------------------------------------
+
+    void drop_non_finite(const VertexMesh& mesh, std::vector<Index>& indices) {
+        std::size_t kept = 0;
+        for (std::size_t i = 0; i < indices.size(); i += 3) {
+            if (!finite(mesh.positions[indices[i]]) || !finite(mesh.positions[indices[i + 1]]) ||
+                !finite(mesh.positions[indices[i + 2]]))
+                continue;
+            for (int k = 0; k < 3; ++k) indices[kept++] = indices[i + std::size_t(k)];
+        }
+        if (kept != indices.size()) {
+            note_once("triangles with a position that is not finite were left out");
+            indices.resize(kept);
+        }
+    }
+
+    // Same vertices in the same order, the same triangles, the same normals and tangents: the
+    // primitive's accessors stay.
+    bool untouched(const Json& out, const GltfPrimitive& source, const VertexMesh& mesh,
+                   const std::vector<Index>& used, const std::vector<Index>& local,
+                   const std::vector<Index>& indices) const {
+        if (!source.draco.empty() || used.size() != source.vertex_count) return false;
+        for (std::size_t i = 0; i < local.size(); ++i)
+            if (local[i] != i) return false;
+        if (out.value("mode", 4) != 4) return false;
+        const Json& attributes = out["attributes"];
+        if (has_unbalanced_weights(source, attributes)) return false;
+        if (attributes.contains("NORMAL") != !mesh.normals.empty() ||
+            (!mesh.tangents.empty() && reads_tangents(out) && !attributes.contains("TANGENT")) ||
+            (mesh.tangents.empty() && attributes.contains("TANGENT")))
+            return false;
+        if (out.contains("indices")) {
+            const auto raw = document_.raw_accessor(out["indices"].get<std::size_t>());
+            if (!raw || to_indices(*raw) != indices) return false;
+        } else {
+            for (std::size_t i = 0; i < indices.size(); ++i)
+                if (indices[i] != i) return false;
+        }
+        return same_values(attributes, "NORMAL", 3, mesh.normals, used) &&
+               same_values(attributes, "TANGENT", 4, mesh.tangents, used);
+    }
+
+    template <class T>
+    bool same_values(const Json& attributes, const char* semantic, std::size_t width,
+                     const std::vector<T>& values, const std::vector<Index>& used) const {
+        if (values.empty() || !attributes.contains(semantic)) return true;
+        const auto raw = document_.raw_accessor(attributes[semantic].get<std::size_t>());
+        if (!raw) return false;
+        const std::vector<float> before = to_floats(*raw);
+        if (before.size() != used.size() * width) return false;
+        for (std::size_t i = 0; i < used.size(); ++i)
+            if (std::memcmp(&values[used[i]], &before[i * width], width * sizeof(float)) != 0)
+                return false;
+        return true;
+    }
+
+    // An accessor's elements for the given source vertices, in the accessor's own type.
+    Result<std::size_t> gathered(const GltfPrimitive& source, const std::string& semantic,
+                                 std::size_t accessor, const std::vector<Index>& local) {
+        RawAccessor raw;
+        if (const auto draco = source.draco.find(semantic); draco != source.draco.end()) {
+            raw = draco->second;
+        } else {
+            auto read = document_.raw_accessor(accessor);
+            if (!read) return std::move(read).error();
+            raw = *std::move(read);
+        }
+        if (semantic.starts_with("WEIGHTS_")) balance(raw);
+        const std::size_t size = raw.element_size();
+        const std::size_t stride = (size + 3) & ~std::size_t(3);  // vertex attributes are aligned
+        std::vector<std::byte> bytes(local.size() * stride);
+        for (std::size_t i = 0; i < local.size(); ++i)
+            std::memcpy(bytes.data() + i * stride, raw.bytes.data() + local[i] * size, size);
+        Json out = document_.json["accessors"][accessor];
+        for (const char* key : {"bufferView", "byteOffset", "sparse", "min", "max"}) out.erase(key);
+        const bool bounded =
+            document_.json["accessors"][accessor].contains("min") || semantic == "POSITION";
+        out["bufferView"] = new_view(std::move(bytes), 34962, stride == size ? 0 : stride);
+        out["count"] = local.size();
+        if (bounded) set_bounds(raw, local, out);
+        return new_accessor(std::move(out));
+    }
+
+    static void set_bounds(const RawAccessor& raw, const std::vector<Index>& local, Json& out) {
+        // Bounds are of the stored numbers, not of what normalisation makes of them.
+        RawAccessor plain = raw;
+        plain.normalized = false;
+        const std::vector<float> values = to_floats(plain);
+        Json low = Json::array(), high = Json::array();
+        for (int k = 0; k < raw.width; ++k) {
+            float least = values[local[0] * std::size_t(raw.width) + std::size_t(k)], most = least;
+            for (const Index v : local) {
+                const float x = values[v * std::size_t(raw.width) + std::size_t(k)];
+                least = std::min(least, x);
+                most = std::max(most, x);
+            }
+            if (raw.component_type == 5126) {
+                low.push_back(least);
+                high.push_back(most);
+            } else {
+                low.push_back(std::int64_t(least));
+                high.push_back(std::int64_t(most));
+            }
+        }
+        out["min"] = std::move(low);
+        out["max"] = std::move(high);
+    }
+
+    template <class T>
+    std::size_t floats(const std::vector<T>& values, const std::vector<Index>& used) {
+        std::vector<std::byte> bytes(used.size() * sizeof(T));
+        for (std::size_t i = 0; i < used.size(); ++i)
+            std::memcpy(bytes.data() + i * sizeof(T), &values[used[i]], sizeof(T));
+        return new_accessor(Json{{"bufferView", new_view(std::move(bytes), 34962, 0)},
+                                 {"componentType", 5126},
+                                 {"count", used.size()},
+                                 {"type", sizeof(T) == 12 ? "VEC3" : "VEC4"}});
+    }
+
+    std::size_t index_accessor(const std::vector<Index>& indices, std::size_t vertices) {
+        const bool narrow = vertices <= 65535;  // the type's largest value is primitive restart
+        std::vector<std::byte> bytes(indices.size() * (narrow ? 2 : 4));
+        for (std::size_t i = 0; i < indices.size(); ++i) {
+            const std::uint16_t small = std::uint16_t(indices[i]);
+            if (narrow)
+                std::memcpy(bytes.data() + 2 * i, &small, 2);
+            else
+                std::memcpy(bytes.data() + 4 * i, &indices[i], 4);
+        }
+        return new_accessor(Json{{"bufferView", new_view(std::move(bytes), 34963, 0)},
+                                 {"componentType", narrow ? 5123 : 5125},
+                                 {"count", indices.size()},
+                                 {"type", "SCALAR"}});
+    }
+
+    // New views and accessors stand behind the file's own; their bytes are kept apart.
+    std::size_t new_view(std::vector<std::byte> bytes, int target, std::size_t stride) {
+        Json view{{"buffer", 0}, {"byteLength", bytes.size()}};
+        if (stride) view["byteStride"] = stride;
+        if (target) view["target"] = target;
+        Json& list = json_["bufferViews"];
+        new_bytes_.emplace(list.size(), std::move(bytes));
+        list.push_back(std::move(view));
+        return list.size() - 1;
+    }
+    std::size_t new_accessor(Json accessor) {
+        Json& list = json_["accessors"];
+        list.push_back(std::move(accessor));
+        return list.size() - 1;
+    }
+
+    // --- compression and images
+    // --------------------------------------------------------------------
+
+    static void remove_extension(Json& object, const char* name) {
+        const auto it = object.find("extensions");
+        if (it == object.end() || !it->is_object()) return;
+        it->erase(name);
+        if (it->empty()) object.erase("extensions");
+    }
+
+    void remove_compression() {
+        for (const char* name : {"EXT_meshopt_compression", "KHR_draco_mesh_compression"})
+            for (const char* list : {"extensionsUsed", "extensionsRequired"}) {
+                const auto it = json_.find(list);
+                if (it == json_.end() || !it->is_array()) continue;
+                it->erase(std::remove(it->begin(), it->end(), Json(name)), it->end());
+                if (it->empty()) json_.erase(list);
+            }
+        if (json_.contains("bufferViews"))
+            for (Json& view : json_["bufferViews"])
+                remove_extension(view, "EXT_meshopt_compression");
+    }
+
+    static const char* mime_of(const std::vector<std::byte>& bytes) {
+        const auto starts = [&](std::string_view magic, std::size_t at = 0) {
+            return bytes.size() >= at + magic.size() &&
+                   std::memcmp(bytes.data() + at, magic.data(), magic.size()) == 0;
+        };
+        if (starts("\x89PNG")) return "image/png";
+        if (starts("\xff\xd8\xff")) return "image/jpeg";
+        if (starts("RIFF") && starts("WEBP", 8)) return "image/webp";
+        if (starts("\xabKTX 20\xbb")) return "image/ktx2";
+        return nullptr;
+    }
+
+    // Pictures beside the source would be lost to an output elsewhere: they move into the buffer.
+    void images() {
+        const auto list = json_.find("images");
+        if (list == json_.end()) return;
+        for (std::size_t i = 0; i < list->size() && i < prepared_.scene.images.size(); ++i) {
+            Json& image = (*list)[i];
+            if (!image.contains("uri")) continue;
+            const std::vector<std::byte>& bytes = prepared_.scene.images[i].bytes;
+            const char* mime = mime_of(bytes);
+            if (!mime) {
+                note_once("image " + std::to_string(i) +
+                          " could not be read: the output still names its file");
+                continue;
+            }
+            const std::string uri = image["uri"].get<std::string>();
+            if (!image.contains("name") && !uri.starts_with("data:")) image["name"] = uri;
+            image.erase("uri");
+            image["mimeType"] = mime;
+            image["bufferView"] = new_view(bytes, 0, 0);
+        }
+    }
+
+    // --- packing
+    // -------------------------------------------------------------------------------------
+
+    using Visit = std::function<void(Json& index)>;
+
+    static void visit_member(Json& object, const char* key, const Visit& visit) {
+        if (!object.is_object()) return;
+        const auto it = object.find(key);
+        if (it != object.end() && it->is_number_integer()) visit(*it);
+    }
+    static void visit_members(Json& object, const Visit& visit) {
+        if (!object.is_object()) return;
+        for (auto& item : object.items())
+            if (item.value().is_number_integer()) visit(item.value());
+    }
+    Json* member(Json& object, const char* key) const {
+        if (!object.is_object()) return nullptr;
+        const auto it = object.find(key);
+        return it == object.end() ? nullptr : &*it;
+    }
+    template <class Each>
+    void each(Json& object, const char* key, const Each& body) const {
+        if (Json* list = member(object, key); list && list->is_array())
+            for (Json& item : *list) body(item);
+    }
+
+    void visit_accessors(const Visit& visit) {
+        each(json_, "meshes", [&](Json& mesh) {
+            each(mesh, "primitives", [&](Json& primitive) {
+                if (Json* attributes = member(primitive, "attributes"))
+                    visit_members(*attributes, visit);
+                visit_member(primitive, "indices", visit);
+                each(primitive, "targets", [&](Json& target) { visit_members(target, visit); });
+            });
+        });
+        each(json_, "animations", [&](Json& animation) {
+            each(animation, "samplers", [&](Json& sampler) {
+                visit_member(sampler, "input", visit);
+                visit_member(sampler, "output", visit);
+            });
+        });
+        each(json_, "skins", [&](Json& skin) { visit_member(skin, "inverseBindMatrices", visit); });
+        each(json_, "nodes", [&](Json& node) {
+            Json* extensions = member(node, "extensions");
+            Json* instancing =
+                extensions ? member(*extensions, "EXT_mesh_gpu_instancing") : nullptr;
+            if (!instancing) return;
+            if (Json* attributes = member(*instancing, "attributes"))
+                visit_members(*attributes, visit);
+        });
+    }
+
+    void visit_views(const Visit& visit) {
+        each(json_, "accessors", [&](Json& accessor) {
+            visit_member(accessor, "bufferView", visit);
+            if (Json* sparse = member(accessor, "sparse")) {
+                if (Json* indices = member(*sparse, "indices"))
+                    visit_member(*indices, "bufferView", visit);
+                if (Json* values = member(*sparse, "values"))
+                    visit_member(*values, "bufferView", visit);
+            }
+        });
+        each(json_, "images", [&](Json& image) { visit_member(image, "bufferView", visit); });
+    }
+
+    // Keeps the entries of a list that `visit_all` reaches and renumbers the references.
+    template <class VisitAll>
+    std::vector<std::size_t> compact(const char* key, bool keep_all, const VisitAll& visit_all) {
+        std::vector<std::size_t> kept;
+        const auto list = json_.find(key);
+        if (list == json_.end() || !list->is_array()) return kept;
+        std::vector<bool> used(list->size(), keep_all);
+        visit_all([&](Json& index) {
+            const auto i = index.get<std::uint64_t>();
+            if (i < used.size()) used[i] = true;
+        });
+        std::vector<std::size_t> renumbered(list->size(), 0);
+        Json out = Json::array();
+        for (std::size_t i = 0; i < list->size(); ++i) {
+            if (!used[i]) continue;
+            renumbered[i] = kept.size();
+            kept.push_back(i);
+            out.push_back(std::move((*list)[i]));
+        }
+        if (out.empty())
+            json_.erase(key);
+        else
+            *list = std::move(out);
+        visit_all([&](Json& index) {
+            const auto i = index.get<std::uint64_t>();
+            if (i < renumbered.size()) index = renumbered[i];
+        });
+        return kept;
+    }
+
+    Result<void> pack() {
+        bool keep_all = false;
+        for (const char* list : {"extensionsUsed", "extensionsRequired"})
+            if (Json* names = member(json_, list); names && names->is_array())
+                for (const Json& name : *names)
+                    keep_all |= !name.is_string() || !references_known(name.get<std::string>());
+        if (keep_all)
+            note_once("an extension is in use that may refer to any data: none was dropped");
+        compact("accessors", keep_all, [&](const Visit& v) { visit_accessors(v); });
+        const std::vector<std::size_t> views =
+            compact("bufferViews", keep_all, [&](const Visit& v) { visit_views(v); });
+        for (std::size_t v = 0; v < views.size(); ++v) {
+            Json& view = json_["bufferViews"][v];
+            std::span<const std::byte> bytes;
+            if (const auto made = new_bytes_.find(views[v]); made != new_bytes_.end()) {
+                bytes = made->second;
+            } else {
+                const auto read = document_.view(views[v]);
+                if (!read) return read.error();
+                bytes = *read;
+            }
+            binary_.resize((binary_.size() + 3) & ~std::size_t(3));
+            view["buffer"] = 0;
+            view["byteOffset"] = binary_.size();
+            view["byteLength"] = bytes.size();
+            binary_.insert(binary_.end(), bytes.begin(), bytes.end());
+        }
+        json_.erase("buffers");
+        return {};
+    }
+
+    const PreparedScene& prepared_;
+    const GltfDocument& document_;
+    std::vector<std::string>& notes_;
+    Json json_;
+    WeightSums weights_;                                       // of the primitive at hand
+    std::map<std::size_t, std::vector<std::byte>> new_bytes_;  // by bufferView
+    std::vector<std::byte> binary_;
+};
+
+}  // namespace
+
+Result<RewrittenGltf> rewrite_gltf(const PreparedScene& prepared, std::vector<std::string>& notes) {
+    return Rewriter(prepared, notes).run();
+}
+
+}  // namespace prep::detail
