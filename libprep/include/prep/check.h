@@ -65,7 +65,8 @@ struct MeshSummary {
     bool closed = false;                // there are faces, and no edge is open
     bool manifold = false;              // no non-manifold edge or vertex
     bool oriented = false;              // no edge of mixed orientation
-    std::int64_t euler = 0;             // points − edges + faces
+    // Vertices − edges + faces; where surfaces only touch in a point, each counts its own vertex.
+    std::int64_t euler = 0;
     // Sum over components, where closed, manifold and oriented; −1 elsewhere.
     std::int64_t genus = -1;
     // Of the finite vertices that anything uses, origin added; both zero where there is none.
