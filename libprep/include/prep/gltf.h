@@ -5,8 +5,9 @@
 // Here every error names a JSON pointer, and what is not understood goes back as it came.
 //
 // Read: all primitive modes, sparse accessors, KHR_mesh_quantization, KHR_texture_transform,
-// KHR_lights_punctual, KHR_materials_unlit, KHR_materials_specular, KHR_materials_emissive_strength,
-// EXT_meshopt_compression, KHR_draco_mesh_compression, EXT_texture_webp.
+// KHR_lights_punctual, KHR_materials_unlit, KHR_materials_specular,
+// KHR_materials_emissive_strength, EXT_meshopt_compression, KHR_draco_mesh_compression,
+// EXT_texture_webp.
 #pragma once
 
 #include <cstddef>
@@ -26,8 +27,8 @@ struct GltfOptions {
 };
 
 // GLB or JSON, told apart by the first bytes. One Mesh per glTF mesh: its primitives are parts, so
-// that normals can be smooth across them. Errors: io (a buffer file), syntax, invalid, unsupported (a
-// required extension), limit; place = "name#/json/pointer".
+// that normals can be smooth across them. Errors: io (a buffer file), syntax, invalid, unsupported
+// (a required extension), limit; place = "name#/json/pointer".
 Result<Scene> parse_gltf(std::span<const std::byte> bytes, const GltfOptions& options = {});
 Result<Scene> load_gltf(const std::filesystem::path& path, const LoadOptions& options = {});
 
