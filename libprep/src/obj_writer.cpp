@@ -251,10 +251,10 @@ class ObjWriter {
             glm::vec3 diffuse(in.diffuse), specular = in.specular;
             float shininess = in.shininess;
             if (in.metallic_roughness) {
-                const float alpha = std::max(in.roughness * in.roughness, 0.02f);
-                specular = glm::vec3(0.04f) + (diffuse - glm::vec3(0.04f)) * in.metallic;
-                diffuse *= 1 - in.metallic;
-                shininess = 2 / (alpha * alpha) - 2;
+                const BlinnPhong derived = blinn_phong(diffuse, in.metallic, in.roughness);
+                diffuse = derived.diffuse;
+                specular = glm::min(derived.specular, glm::vec3(1.0f));  // all that MTL allows
+                shininess = derived.shininess;
                 note("MTL has no metallic-roughness: written as Blinn-Phong");
             }
             color("Ka", in.ambient);

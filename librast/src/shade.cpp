@@ -30,18 +30,6 @@ glm::vec2 transformed(const prep::TextureRef& ref, const glm::vec2& uv, bool dir
     return direction ? p : p + ref.offset;
 }
 
-// Metallic-roughness as Blinn-Phong: Fresnel reflectance of 4 % or the metal's own colour, and the
-// exponent whose lobe has the same width, 2/α² − 2 with α = roughness² (Karis 2013).
-struct Lobe {
-    glm::vec3 diffuse, specular;
-    float shininess;
-};
-Lobe from_metallic_roughness(const glm::vec3& base, float metallic, float roughness) {
-    const float alpha = std::max(roughness * roughness, 0.02f);
-    return {base * (1 - metallic), glm::vec3(0.04f) + (base - glm::vec3(0.04f)) * metallic,
-            2 / (alpha * alpha) - 2};
-}
-
 }  // namespace
 
 struct Shader::Point {
@@ -95,7 +83,7 @@ void Shader::light_vertices(Instance& instance) const {
         const prep::Material& material = scene_.scene.materials[m];
         const float s =
             material.metallic_roughness
-                ? from_metallic_roughness(glm::vec3(0.0f), material.metallic, material.roughness)
+                ? prep::blinn_phong(glm::vec3(0.0f), material.metallic, material.roughness)
                       .shininess
                 : material.shininess;
         for (int k = 0; k < 3; ++k) shininess[instance.mesh->indices[3 * t + k]] = s;
@@ -182,11 +170,11 @@ glm::vec4 Shader::shade(const Instance& instance, const SetupTriangle& triangle,
         material.emissive * glm::vec3(sample(material.emissive_map, point, glm::vec4(1.0f)));
     if (material.unlit) return {glm::vec3(base) + emissive, 1.0f};
 
-    Lobe lobe{glm::vec3(base), material.specular, material.shininess};
+    prep::BlinnPhong lobe{glm::vec3(base), material.specular, material.shininess};
     if (material.metallic_roughness) {
         const glm::vec4 mr = sample(material.metallic_roughness_map, point, glm::vec4(1.0f));
-        lobe = from_metallic_roughness(glm::vec3(base), material.metallic * mr.b,
-                                       material.roughness * mr.g);
+        lobe =
+            prep::blinn_phong(glm::vec3(base), material.metallic * mr.b, material.roughness * mr.g);
     } else {
         lobe.specular *= glm::vec3(sample(material.specular_map, point, glm::vec4(1.0f)));
     }

@@ -39,8 +39,10 @@ double distance(const Segment& s, const Point& p) {
     return length(p - (s.a + ab * t)) - mix(s.radius_a, s.radius_b, t);
 }
 
+constexpr int joints = 10;  // segments of an arm
+
 std::vector<Segment> arms() {
-    constexpr int count = 8, joints = 10;
+    constexpr int count = 8;
     std::vector<Segment> segments;
     for (int arm = 0; arm < count; ++arm) {
         const double angle = 2 * pi * (arm + 0.5) / count;
@@ -53,8 +55,8 @@ std::vector<Segment> arms() {
             const double height = 0.30 * (1 - t) * (1 - t) + (0.10 + 0.28 * lift) * t * t * t +
                                   0.05 * sine(4 * pi * t + arm);
             const Point here{reach * cosine(turn), height, reach * sine(turn)};
-            const double radius = mix(0.17, 0.065, t);
-            if (j > 0) segments.push_back({last, here, mix(0.17, 0.065, t - 1.0 / joints), radius});
+            const double radius = mix(0.15, 0.085, t);
+            if (j > 0) segments.push_back({last, here, mix(0.15, 0.085, t - 1.0 / joints), radius});
             last = here;
         }
     }
@@ -69,11 +71,17 @@ struct Octopus {
         const Point head{p.x, (p.y - 0.78) * 0.86, p.z + 0.06};
         double d = length(head) - 0.44;
         d = fuse(d, length(p - Point(0, 0.36, 0)) - 0.27, 0.20);
-        double all_arms = 10;
-        for (const Segment& limb : limbs) all_arms = fuse(all_arms, distance(limb, p), 0.06);
+        // Webs between the arms, but no thickening along one.
+        double all_arms = 10, arm = 10;
+        for (std::size_t i = 0; i < limbs.size(); ++i) {
+            arm = fuse(arm, distance(limbs[i], p), 0.04);
+            if (i % joints != joints - 1) continue;
+            all_arms = fuse(all_arms, arm, 0.22);
+            arm = 10;
+        }
         d = fuse(d, all_arms, 0.16);
         for (const double sign : {-1.0, 1.0})
-            d = fuse(d, length(p - Point(sign * 0.20, 0.66, 0.30)) - 0.105, 0.05);
+            d = fuse(d, length(p - Point(sign * 0.20, 0.68, 0.32)) - 0.115, 0.10);
         return d;
     }
 };
@@ -161,6 +169,20 @@ Surface surface_nets(const Field& field, const Point& low, double cell, const gl
                     if (!inside_a) std::swap(corner[1], corner[3]);
                     surface.quads.insert(surface.quads.end(), corner, corner + 4);
                 }
+
+    // Even the quads out: to the mean of the neighbours, then back onto the surface.
+    for (int round = 0; round < 4; ++round) {
+        std::vector<Point> sum(surface.vertices.size(), Point(0));
+        std::vector<int> count(surface.vertices.size(), 0);
+        for (std::size_t i = 0; i < surface.quads.size(); ++i) {
+            const std::uint32_t v = surface.quads[i];
+            const std::uint32_t next = surface.quads[i % 4 == 3 ? i - 3 : i + 1];
+            sum[v] = sum[v] + surface.vertices[next];
+            ++count[v];
+        }
+        for (std::size_t v = 0; v < sum.size(); ++v)
+            surface.vertices[v] = move_onto(sum[v] / double(count[v]));
+    }
     return surface;
 }
 
@@ -172,7 +194,7 @@ void append_little_endian(std::string& bytes, std::uint32_t value) {
 
 std::vector<File> octopus() {
     const Surface surface =
-        surface_nets(Octopus{}, Point(-1.624, -0.28, -1.624), 0.058, glm::ivec3(56, 28, 56));
+        surface_nets(Octopus{}, Point(-1.60, -0.28, -1.60), 0.058, glm::ivec3(56, 28, 56));
     std::string ply =
         "ply\nformat binary_little_endian 1.0\n"
         "comment An octopus; made by samples/generate_samples.\n"

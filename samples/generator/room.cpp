@@ -196,9 +196,9 @@ std::vector<File> room() {
             "\"extensions\":{\"KHR_lights_punctual\":{\"light\":" + std::to_string(index) + "}}",
             position, rotation);
     };
-    light("lamp", "\"type\":\"point\",\"color\":[1,0.86,0.68],\"intensity\":4", {1.9, 1.9, 1.2},
+    light("lamp", "\"type\":\"point\",\"color\":[1,0.86,0.68],\"intensity\":1.9", {1.9, 1.9, 1.2},
           {0, 0, 0, 1});
-    light("window", "\"type\":\"directional\",\"color\":[0.75,0.85,1],\"intensity\":1.2", {},
+    light("window", "\"type\":\"directional\",\"color\":[0.75,0.85,1],\"intensity\":0.45", {},
           turned(0.65, -0.6));
     const int camera = gltf.camera(
         "\"name\":\"corner\",\"type\":\"perspective\",\"perspective\":{\"yfov\":0.8,"

@@ -26,7 +26,7 @@ glm::dvec3 front_point(double s, double t) {
 
 // What the texture shows at (u, v): u from the middle line to the rim, v from the top down.
 struct Pattern {
-    double rim, rivet, ring, stripe;  // each 0…1
+    double rim, rivet, ring, stripe, dent;  // each 0…1
 };
 
 Pattern pattern(double u, double v) {
@@ -45,12 +45,14 @@ Pattern pattern(double u, double v) {
     const double wave = slant - std::floor(slant);
     const double outside = smooth_step(0.44, 0.46, from_boss) * (1 - p.rim);
     p.stripe = smooth_step(0.28, 0.34, wave) * (1 - smooth_step(0.66, 0.72, wave)) * outside;
+    // Hammered iron on the boss.
+    p.dent = (1 - smooth_step(0.33, 0.36, from_boss)) * periodic_noise(x * 14, y * 14 + 40, 64, 7);
     return p;
 }
 
 double height(double u, double v) {
     const Pattern p = pattern(u, v);
-    return 0.012 * p.rim + 0.014 * p.rivet + 0.012 * p.ring + 0.007 * p.stripe;
+    return 0.016 * p.rim + 0.018 * p.rivet + 0.014 * p.ring + 0.016 * p.stripe + 0.006 * p.dent;
 }
 
 glm::dvec3 color(double u, double v) {
