@@ -1,0 +1,10 @@
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "prep/mesh_files.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    (void)prep::parse_ply(std::as_bytes(std::span(data, size)), "fuzz.ply");
+    return 0;
+}
