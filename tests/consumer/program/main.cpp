@@ -1,14 +1,18 @@
-#include <prep/requirements.h>
+#include <prep/io.h>
+#include <prep/prepare.h>
 #include <prep/version.h>
+#include <rast/render.h>
 #include <rast/version.h>
 
 #include <cstdio>
 
-int main() {
-    prep::Scene scene;
-    scene.meshes.emplace_back().positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
-    scene.meshes[0].corner_vertices = {0, 1, 2};
-    scene.meshes[0].face_offsets = {0, 3};
-    std::printf("prep %s, rast %s: %s\n", prep::version().data(), rast::version().data(),
-                prep::requirements(scene)[0].normals.reason.c_str());
+int main(int, char** argv) {
+    auto scene = prep::load_scene(argv[1]);
+    if (!scene) return std::puts(to_string(scene.error()).c_str()), 1;
+    const auto prepared = prep::prepare(std::move(*scene));
+    const auto frame = rast::render(*prepared, *rast::plan(*prepared));
+    std::printf("prep %s, rast %s: %zu vertices from %zu, %s\n", prep::version().data(),
+                rast::version().data(), prepared->meshes[0].vertex_count(),
+                prepared->scene.meshes[0].vertex_count(),
+                frame->counters.pixels_shaded > 10000 ? "drawn" : "nothing drawn");
 }
