@@ -15,6 +15,7 @@ glm::dvec3 safe_unit(const glm::dvec3& v, const glm::dvec3& otherwise) {
     return length > 0 && std::isfinite(length) ? v / length : otherwise;
 }
 
+constexpr double margin = 1.08;  // of the picture's half extent, around what is framed
 constexpr double degree = 3.14159265358979323846 / 180;
 
 }  // namespace
@@ -65,20 +66,31 @@ View orbit_view(const prep::PreparedScene& scene, const OrbitOptions& options) {
                                std::cos(azimuth) * std::cos(elevation));
     View view;
     view.yfov = options.yfov;
-    const double half =
-        std::min(options.yfov, 2 * std::atan(std::tan(options.yfov / 2) * options.aspect)) / 2;
-    const double distance =
-        options.distance > 0 ? options.distance : 1.05 * radius / std::sin(half);
     const glm::dvec3 back = safe_unit(direction, {0, 0, 1});
     const glm::dvec3 up_hint =
         std::abs(back.y) > 0.999 ? glm::dvec3(0, 0, back.y > 0 ? -1 : 1) : glm::dvec3(0, 1, 0);
     const glm::dvec3 right = glm::normalize(glm::cross(up_hint, back));
     const glm::dvec3 up = glm::cross(back, right);
     const glm::dmat3 rotation = glm::transpose(glm::dmat3(right, up, back));
+
+    // The nearest distance from which all corners of the box are inside the frustum, with a margin.
+    const double tangent_v = std::tan(options.yfov / 2), tangent_h = tangent_v * options.aspect;
+    const glm::dvec3 half = bounds ? bounds->high * 0.5 - bounds->low * 0.5 : glm::dvec3(0.0);
+    double fitting = 0, nearest = 0;
+    for (int corner = 0; corner < 8; ++corner) {
+        const glm::dvec3 p =
+            rotation * glm::dvec3(corner & 1 ? half.x : -half.x, corner & 2 ? half.y : -half.y,
+                                  corner & 4 ? half.z : -half.z);
+        fitting = std::max({fitting, p.z + margin * std::abs(p.x) / tangent_h,
+                            p.z + margin * std::abs(p.y) / tangent_v});
+        nearest = std::max(nearest, p.z);
+    }
+    if (!(fitting > 0)) fitting = radius / std::sin(std::atan(std::min(tangent_h, tangent_v)));
+    const double distance = options.distance > 0 ? options.distance : fitting;
     const glm::dvec3 eye = centre + back * distance;
     view.world_to_view = glm::dmat4(rotation);
     view.world_to_view[3] = glm::dvec4(-(rotation * eye), 1.0);
-    view.znear = std::max(distance - 1.1 * radius, distance * 1e-3);
+    view.znear = std::max(0.99 * (distance - nearest), distance * 1e-3);
     return view;
 }
 

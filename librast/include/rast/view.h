@@ -44,7 +44,7 @@ std::optional<Bounds> world_bounds(const prep::PreparedScene& scene);
 
 struct OrbitOptions {
     double azimuth_degrees = 30, elevation_degrees = 20;  // 0, 0: from +Z, looking along −Z
-    double distance = 0;  // from the centre; 0: so that the bounding sphere just fits
+    double distance = 0;  // from the centre of the box; 0: as near as all of the box fits in
     double yfov = 0.6;
     double aspect = 4.0 / 3.0;
 };

@@ -1,0 +1,84 @@
+#include "rast/view.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace {
+
+// A scene of the eight corners of a box, as points.
+prep::PreparedScene box_scene(const glm::dvec3& centre, const glm::vec3& half) {
+    prep::PreparedScene scene;
+    scene.scene.meshes.resize(1);
+    scene.meshes.resize(1);
+    scene.meshes[0].origin = centre;
+    for (int i = 0; i < 8; ++i)
+        scene.meshes[0].positions.push_back(
+            half * glm::vec3(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1));
+    prep::instance_unused_meshes(scene.scene);
+    return scene;
+}
+
+class OrbitView : public testing::TestWithParam<double> {};
+
+TEST_P(OrbitView, FramesTheWholeBoxTightlyAtAnyScaleAndPlace) {
+    const double scale = GetParam();
+    for (const glm::dvec3 centre : {glm::dvec3(0), glm::dvec3(3, -5, 7) * scale * 1e6}) {
+        const auto scene =
+            box_scene(centre, glm::vec3(float(scale), float(2 * scale), float(0.5 * scale)));
+        for (const double azimuth : {0.0, 37.0, 180.0})
+            for (const double elevation : {-90.0, 0.0, 25.0, 90.0}) {
+                rast::OrbitOptions options;
+                options.azimuth_degrees = azimuth;
+                options.elevation_degrees = elevation;
+                options.aspect = 4.0 / 3.0;
+                const rast::View view = rast::orbit_view(scene, options);
+                double reach = 0;  // of the picture's half extents
+                for (const glm::vec3& p : scene.meshes[0].positions) {
+                    const auto at = rast::project(view, 400, 300, centre + glm::dvec3(p));
+                    ASSERT_TRUE(at.visible) << azimuth << " " << elevation;
+                    reach =
+                        std::max({reach, std::abs(at.x - 200) / 200, std::abs(at.y - 150) / 150});
+                }
+                EXPECT_LE(reach, 1.0);
+                EXPECT_GT(reach, 0.9);  // the margin is 8 % of the half extent
+            }
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(Scales, OrbitView, testing::Values(1e-30, 1e-6, 1.0, 1e6, 1e30));
+
+TEST(View, EmptySceneGivesAFiniteView) {
+    const rast::View view = rast::orbit_view({});
+    EXPECT_TRUE(std::isfinite(view.eye().z));
+    EXPECT_GT(view.znear, 0);
+}
+
+TEST(View, ProjectionRunsFromOneAtTheNearPlaneToZero) {
+    rast::View view;
+    view.znear = 0.5;
+    EXPECT_DOUBLE_EQ(rast::project(view, 100, 100, {0, 0, -0.5}).depth, 1.0);
+    EXPECT_DOUBLE_EQ(rast::project(view, 100, 100, {0, 0, -5}).depth, 0.1);
+    view.zfar = 5;
+    EXPECT_NEAR(rast::project(view, 100, 100, {0, 0, -5}).depth, 0.0, 1e-15);
+    EXPECT_FALSE(rast::project(view, 100, 100, {0, 0, 1}).visible);
+    const auto centre = rast::project(view, 100, 80, {0, 0, -2});
+    EXPECT_DOUBLE_EQ(centre.x, 50);
+    EXPECT_DOUBLE_EQ(centre.y, 40);
+}
+
+TEST(View, CameraLooksAlongItsNodesNegativeZ) {
+    prep::Scene scene;
+    scene.cameras.resize(1);
+    prep::Node node;
+    node.camera = 0;
+    node.transform[3] = glm::dvec4(1, 2, 3, 1);
+    node.transform[0] *= 5.0;  // scale means nothing to a camera
+    scene.nodes.push_back(node);
+    const rast::View view = rast::camera_view(scene, 0);
+    EXPECT_EQ(view.eye(), glm::dvec3(1, 2, 3));
+    EXPECT_EQ(view.forward(), glm::dvec3(0, 0, -1));
+}
+
+}  // namespace
