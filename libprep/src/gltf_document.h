@@ -32,10 +32,20 @@ struct RawAccessor {
 std::size_t component_size(int component_type);  // 0: no such type
 int components_of(const std::string& type);      // 0: no such type
 
+// Bytes of one element in a bufferView: matrices of small components have padded columns.
+std::size_t stored_size(const std::string& type, int component_type);
+constexpr std::uint64_t max_elements = std::uint64_t(1) << 31;  // of an accessor
+
 // Where one primitive's vertices went in its Mesh.
 struct GltfPrimitive {
-    std::uint32_t first_vertex = 0, vertex_count = 0;
+    std::uint32_t first_vertex = 0, vertex_count = 0;  // in the Mesh
     bool triangles = false;
+    // The accessors' element behind each of these vertices, ascending; empty: vertex i is element
+    // i. Primitives that share their accessors with others keep only what they use.
+    std::vector<std::uint32_t> elements;
+    std::uint32_t element_of(std::uint32_t vertex) const {
+        return elements.empty() ? vertex : elements[vertex];
+    }
     // Attributes (by semantic) that KHR_draco_mesh_compression held; accessors say nothing of them.
     std::map<std::string, RawAccessor> draco;
 };
@@ -45,7 +55,10 @@ struct GltfPrimitive {
 class GltfDocument {
   public:
     detail::Json json;
-    std::vector<std::vector<std::byte>> buffers;
+    // The bytes of each buffer, cut to its byteLength; or why they are not there, which matters
+    // only once something refers to them.
+    std::vector<Result<std::vector<std::byte>>> buffers;
+    std::uint64_t input_bytes = 0;  // of the file and its buffers
     std::filesystem::path directory;
     std::string name;
     std::vector<std::vector<detail::GltfPrimitive>> primitives;  // per mesh
@@ -55,6 +68,7 @@ class GltfDocument {
 
     // The bytes of a bufferView, decompressed if need be; kept for the next call.
     Result<std::span<const std::byte>> view(std::size_t index) const;
+    // Only after check_structure(). Errors: the data are not there, or cannot be decompressed.
     Result<detail::RawAccessor> raw_accessor(std::size_t index) const;
 
   private:
@@ -66,7 +80,8 @@ namespace detail {
 // Container, JSON, buffers; the structure below is not looked at yet.
 Result<GltfDocument> open_gltf(std::span<const std::byte> bytes, const GltfOptions& options);
 
-// Bytes behind a URI: data: or a file beside the document. Errors: io, syntax, unsupported.
+// Bytes behind a URI: data: or a regular file, by a path relative to the document's folder.
+// Errors: io (also where there is no folder), syntax, unsupported (other schemes).
 Result<std::vector<std::byte>> resolve_uri(const GltfDocument& document, const std::string& uri,
                                            const std::string& pointer);
 
@@ -86,6 +101,11 @@ Result<std::uint32_t> index_member(const GltfDocument& document, const Json& obj
 Result<std::uint64_t> whole_member(const GltfDocument& document, const Json& object,
                                    const char* key, const std::string& pointer, std::uint64_t low,
                                    std::uint64_t high, std::optional<std::uint64_t> otherwise);
+// The same for a value that is there already.
+Result<std::uint32_t> index_value(const GltfDocument& document, const Json& value,
+                                  const std::string& pointer, std::size_t size);
+// A key as part of a JSON pointer: ~ and / escaped.
+std::string pointer_key(std::string_view key);
 // The array under a top-level key; empty where it is absent. Errors: invalid, when it is none or
 // has members that are no objects.
 Result<const Json*> top_array(const GltfDocument& document, const char* key);

@@ -7,12 +7,16 @@
 
 #include "gltf_document.h"
 #include "gltf_materials.h"
+#include "gltf_meshes.h"
+#include "gltf_structure.h"
 
 namespace prep {
 namespace {
 
 using namespace detail;
 using Index = std::uint32_t;
+
+constexpr double widest_yfov = 3.1;  // at π a picture would have no edge
 
 // What a file may require and still be read in full.
 const std::set<std::string>& supported_extensions() {
@@ -49,8 +53,10 @@ class Reader {
              {"accessors", "bufferViews", "meshes", "nodes", "scenes", "materials", "textures",
               "images", "samplers", "cameras", "skins", "animations"})
             if (auto list = top_array(d_, key); !list) return list.error();
+        if (auto done = check_structure(d_); !done) return std::move(done).error();
         if (auto done = read_gltf_materials(d_, scene_); !done) return std::move(done).error();
-        if (auto done = meshes(); !done) return std::move(done).error();
+        if (auto done = read_gltf_meshes(*document_, scene_, joints_); !done)
+            return std::move(done).error();
         if (auto done = cameras(); !done) return std::move(done).error();
         if (auto done = lights(); !done) return std::move(done).error();
         if (auto done = nodes(); !done) return std::move(done).error();
@@ -89,288 +95,6 @@ class Reader {
                            ErrorCode::unsupported);
         }
         return {};
-    }
-
-    // An attribute's values: from Draco where it has them, else from the accessor.
-    Result<RawAccessor> attribute(const GltfPrimitive& primitive, const std::string& semantic,
-                                  Index accessor) const {
-        const auto known = primitive.draco.find(semantic);
-        if (known != primitive.draco.end()) return known->second;
-        return d_.raw_accessor(accessor);
-    }
-
-    Result<void> meshes() {
-        const Json* list = *top_array(d_, "meshes");
-        for (std::size_t m = 0; m < list->size(); ++m) {
-            const Json& in = (*list)[m];
-            const std::string pointer = "/meshes/" + std::to_string(m);
-            scene_.meshes.emplace_back();
-            scene_.meshes.back().name = name_of(in);
-            document_->primitives.emplace_back();
-            const auto primitives = in.find("primitives");
-            if (primitives == in.end() || !primitives->is_array() || primitives->empty())
-                return bad(pointer + "/primitives", "expected a list with at least one primitive");
-            for (std::size_t p = 0; p < primitives->size(); ++p)
-                if (auto done = primitive((*primitives)[p], p,
-                                          pointer + "/primitives/" + std::to_string(p));
-                    !done)
-                    return done;
-            finish_layers(scene_.meshes.back());
-        }
-        return {};
-    }
-
-    Result<void> primitive(const Json& in, std::size_t number, const std::string& pointer) {
-        Mesh& mesh = scene_.meshes.back();
-        if (!in.is_object()) return bad(pointer, "expected an object");
-        const auto attributes = in.find("attributes");
-        if (attributes == in.end() || !attributes->is_object() || attributes->empty())
-            return bad(pointer + "/attributes", "expected an object with at least one attribute");
-        GltfPrimitive out;
-        out.first_vertex = Index(mesh.positions.size());
-        const auto mode = whole_member(d_, in, "mode", pointer, 0, 6, 4);
-        if (!mode) return mode.error();
-        out.triangles = *mode >= 4;
-        const auto material = index_member(d_, in, "material", pointer, size_of("materials"));
-        if (!material) return material.error();
-
-        std::optional<std::vector<Index>> draco_indices;
-        if (in.contains("extensions") && in["extensions"].is_object() &&
-            in["extensions"].contains("KHR_draco_mesh_compression")) {
-            auto decoded = decode_draco(d_, in, pointer, out.draco);
-            if (!decoded) return std::move(decoded).error();
-            draco_indices = *std::move(decoded);
-        }
-        if (auto done = read_attributes(*attributes, pointer + "/attributes", out, mesh); !done)
-            return done;
-        if (auto done = check_targets(in, pointer, out); !done) return done;
-
-        std::vector<Index> indices;
-        if (draco_indices) {
-            indices = *std::move(draco_indices);
-        } else if (in.contains("indices")) {
-            const auto accessor = index_member(d_, in, "indices", pointer, size_of("accessors"));
-            if (!accessor) return accessor.error();
-            const auto raw = d_.raw_accessor(*accessor);
-            if (!raw) return raw.error();
-            const std::string place = "/accessors/" + std::to_string(*accessor);
-            if (raw->width != 1 || raw->component_type == 5126 || raw->component_type == 5120 ||
-                raw->component_type == 5122)
-                return bad(place, "indices must be unsigned whole scalars");
-            indices = to_indices(*raw);
-        } else {
-            indices.resize(out.vertex_count);
-            for (Index i = 0; i < out.vertex_count; ++i) indices[i] = i;
-        }
-        for (std::size_t i = 0; i < indices.size(); ++i)
-            if (indices[i] >= out.vertex_count)
-                return bad(pointer + "/indices",
-                           "index " + std::to_string(indices[i]) + " (number " + std::to_string(i) +
-                               ") is out of range: the primitive has " +
-                               std::to_string(out.vertex_count) + " vertices");
-        if (out.vertex_count > 0) add_elements(int(*mode), indices, out.first_vertex, mesh);
-        const std::size_t faces = mesh.face_count();
-        mesh.face_materials.resize(faces, *material);
-        mesh.face_parts.resize(faces, Index(number));
-        mesh.parts.resize(number + 1);
-        document_->primitives.back().push_back(std::move(out));
-        return {};
-    }
-
-    // Layers grow by this primitive's vertices; a vertex without the attribute is marked, and
-    // finish_layers() makes "no value" of it.
-    template <class T>
-    struct Growing {
-        std::vector<T> values;
-        std::vector<bool> has;
-        void append(std::size_t first, const std::vector<T>& more) {
-            values.resize(first, T(0.0f));
-            has.resize(first, false);
-            values.insert(values.end(), more.begin(), more.end());
-            has.resize(values.size(), true);
-        }
-    };
-
-    template <class T>
-    static std::vector<T> elements(const std::vector<float>& floats, int width) {
-        std::vector<T> out(floats.size() / std::size_t(width));
-        for (std::size_t i = 0; i < out.size(); ++i)
-            for (int k = 0; k < std::min(width, T::length()); ++k)
-                out[i][k] = floats[i * std::size_t(width) + std::size_t(k)];
-        return out;
-    }
-
-    Result<void> read_attributes(const Json& attributes, const std::string& pointer,
-                                 GltfPrimitive& out, Mesh& mesh) {
-        // Positions first: they say how many vertices there are.
-        std::optional<std::size_t> count;
-        for (const bool positions : {true, false})
-            for (const auto& item : attributes.items()) {
-                const std::string& semantic = item.key();
-                if ((semantic == "POSITION") != positions) continue;
-                const std::string place = pointer + "/" + semantic;
-                const auto accessor =
-                    index_member(d_, attributes, semantic.c_str(), pointer, size_of("accessors"));
-                if (!accessor) return accessor.error();
-                auto raw = attribute(out, semantic, *accessor);
-                if (!raw) return std::move(raw).error();
-                if (!count) count = raw->count;
-                if (raw->count != *count)
-                    return bad(place, "has " + std::to_string(raw->count) +
-                                          " elements, other attributes have " +
-                                          std::to_string(*count));
-                if (auto done = use_attribute(semantic, *raw, place, out.first_vertex, mesh); !done)
-                    return done;
-            }
-        const bool has_positions = attributes.contains("POSITION");
-        if (!has_positions)
-            scene_.warnings.push_back(d_.place(pointer) + ": no positions: nothing to draw");
-        if (mesh.positions.size() + *count >= no_index)
-            return bad(pointer, "more than 2^32 - 2 vertices", ErrorCode::limit);
-        out.vertex_count = has_positions ? Index(*count) : 0;
-        return {};
-    }
-
-    Result<void> use_attribute(const std::string& semantic, const RawAccessor& raw,
-                               const std::string& place, std::size_t first, Mesh& mesh) {
-        const auto wants = [&](int low, int high) -> Result<void> {
-            if (raw.width < low || raw.width > high)
-                return bad(place, semantic + " needs " + std::to_string(low) +
-                                      (high > low ? " or " + std::to_string(high) : "") +
-                                      " components, found " + std::to_string(raw.width));
-            if (raw.component_type == 5125)
-                return bad(place, semantic + " cannot be of unsigned 32-bit type");
-            return {};
-        };
-        const auto set_number = [&](const char* prefix) -> std::optional<std::size_t> {
-            if (!semantic.starts_with(prefix)) return std::nullopt;
-            const std::string digits = semantic.substr(std::string_view(prefix).size());
-            if (digits.empty() || digits.size() > 2 ||
-                digits.find_first_not_of("0123456789") != std::string::npos)
-                return std::nullopt;
-            return std::size_t(std::stoul(digits));
-        };
-        if (semantic == "POSITION") {
-            if (auto done = wants(3, 3); !done) return done;
-            const auto values = elements<glm::vec3>(to_floats(raw), 3);
-            mesh.positions.insert(mesh.positions.end(), values.begin(), values.end());
-        } else if (semantic == "NORMAL") {
-            if (auto done = wants(3, 3); !done) return done;
-            normals_.append(first, elements<glm::vec3>(to_floats(raw), 3));
-        } else if (semantic == "TANGENT") {
-            if (auto done = wants(4, 4); !done) return done;
-            tangents_.append(first, elements<glm::vec4>(to_floats(raw), 4));
-        } else if (const auto uv = set_number("TEXCOORD_")) {
-            if (auto done = wants(2, 2); !done) return done;
-            if (uvs_.size() <= *uv) uvs_.resize(*uv + 1);
-            uvs_[*uv].append(first, elements<glm::vec2>(to_floats(raw), 2));
-        } else if (const auto color = set_number("COLOR_")) {
-            if (auto done = wants(3, 4); !done) return done;
-            if (colors_.size() <= *color) colors_.resize(*color + 1);
-            auto values = elements<glm::vec4>(to_floats(raw), raw.width);
-            if (raw.width == 3)
-                for (glm::vec4& c : values) c.a = 1;
-            colors_[*color].append(first, values);
-        }
-        return {};
-    }
-
-    Result<void> check_targets(const Json& in, const std::string& pointer,
-                               const GltfPrimitive& out) const {
-        const auto targets = in.find("targets");
-        if (targets == in.end()) return {};
-        if (!targets->is_array()) return bad(pointer + "/targets", "expected an array");
-        for (std::size_t t = 0; t < targets->size(); ++t) {
-            const std::string place = pointer + "/targets/" + std::to_string(t);
-            if (!(*targets)[t].is_object()) return bad(place, "expected an object");
-            for (const auto& item : (*targets)[t].items()) {
-                const auto accessor = index_member(d_, (*targets)[t], item.key().c_str(), place,
-                                                   size_of("accessors"));
-                if (!accessor) return accessor.error();
-                const auto raw = d_.raw_accessor(*accessor);
-                if (!raw) return raw.error();
-                if (raw->count != out.vertex_count && out.vertex_count > 0)
-                    return bad(place + "/" + item.key(), "has " + std::to_string(raw->count) +
-                                                             " elements, the primitive has " +
-                                                             std::to_string(out.vertex_count) +
-                                                             " vertices");
-            }
-        }
-        return {};
-    }
-
-    static void add_elements(int mode, const std::vector<Index>& indices, Index base, Mesh& mesh) {
-        const std::size_t n = indices.size();
-        const auto face = [&](Index a, Index b, Index c) {
-            for (const Index v : {a, b, c}) mesh.corner_vertices.push_back(base + v);
-            mesh.face_offsets.push_back(Index(mesh.corner_vertices.size()));
-        };
-        const auto line = [&](std::size_t first, std::size_t last, bool closed) {
-            if (last - first < 2) return;
-            for (std::size_t i = first; i < last; ++i)
-                mesh.line_vertices.push_back(base + indices[i]);
-            if (closed) mesh.line_vertices.push_back(base + indices[first]);
-            mesh.line_offsets.push_back(Index(mesh.line_vertices.size()));
-        };
-        switch (mode) {
-            case 0:
-                for (const Index v : indices) mesh.points.push_back(base + v);
-                break;
-            case 1:
-                for (std::size_t i = 0; i + 1 < n; i += 2) line(i, i + 2, false);
-                break;
-            case 2:
-                line(0, n, true);
-                break;
-            case 3:
-                line(0, n, false);
-                break;
-            case 4:
-                for (std::size_t i = 0; i + 2 < n; i += 3)
-                    face(indices[i], indices[i + 1], indices[i + 2]);
-                break;
-            case 5:  // the order of the specification: the first vertex stays the provoking one
-                for (std::size_t i = 0; i + 2 < n; ++i)
-                    face(indices[i], indices[i + 1 + i % 2], indices[i + 2 - i % 2]);
-                break;
-            case 6:
-                for (std::size_t i = 0; i + 2 < n; ++i)
-                    face(indices[i + 1], indices[i + 2], indices[0]);
-                break;
-            default:
-                break;
-        }
-    }
-
-    template <class T>
-    static void finish_layer(Growing<T>& growing, const Mesh& mesh, CornerLayer<T>& layer) {
-        if (!growing.values.empty() && mesh.corner_count() > 0) {
-            growing.values.resize(mesh.vertex_count(), T(0.0f));
-            growing.has.resize(mesh.vertex_count(), false);
-            layer.indices.resize(mesh.corner_count());
-            for (std::size_t c = 0; c < mesh.corner_count(); ++c) {
-                const Index v = mesh.corner_vertices[c];
-                layer.indices[c] = growing.has[v] ? v : no_index;
-            }
-            layer.values = std::move(growing.values);
-        }
-        growing = {};
-    }
-
-    void finish_layers(Mesh& mesh) {
-        finish_layer(normals_, mesh, mesh.normals);
-        finish_layer(tangents_, mesh, mesh.tangents);
-        mesh.uvs.resize(uvs_.size());
-        for (std::size_t s = 0; s < uvs_.size(); ++s) finish_layer(uvs_[s], mesh, mesh.uvs[s]);
-        if (!colors_.empty() && mesh.corner_count() == 0 && !colors_[0].values.empty()) {
-            colors_[0].values.resize(mesh.vertex_count(), glm::vec4(1.0f));
-            mesh.vertex_colors = colors_[0].values;
-        }
-        mesh.colors.resize(mesh.corner_count() > 0 ? colors_.size() : 0);
-        for (std::size_t s = 0; s < mesh.colors.size(); ++s)
-            finish_layer(colors_[s], mesh, mesh.colors[s]);
-        uvs_.clear();
-        colors_.clear();
     }
 
     // A number member; `otherwise` where it is absent.
@@ -432,7 +156,11 @@ class Reader {
                 if (auto r = take("aspectRatio", 0.0, out.aspect, 1e-9); !r) return r;
                 if (auto r = take("znear", {}, out.znear, 1e-30); !r) return r;
                 if (auto r = take("zfar", 0.0, out.zfar, 1e-30); !r) return r;
-                if (out.yfov >= 3.14159) return bad(place + "/yfov", "must be below π");
+                if (out.yfov > widest_yfov) {
+                    scene_.warnings.push_back(d_.place(place) +
+                                              "/yfov: π or more: drawn with a little less");
+                    out.yfov = widest_yfov;
+                }
                 if (lens->contains("zfar") && out.zfar <= out.znear)
                     return bad(place + "/zfar", "must be greater than znear");
             } else {
@@ -501,6 +229,11 @@ class Reader {
     Result<void> node_transform(const Json& in, const std::string& pointer, Node& out) const {
         double m[16], t[3] = {0, 0, 0}, r[4] = {0, 0, 0, 1}, s[3] = {1, 1, 1};
         if (in.contains("matrix")) {
+            for (const char* key : {"translation", "rotation", "scale"})
+                if (in.contains(key))
+                    return bad(pointer + "/matrix",
+                               std::string("the node has a matrix and a ") + key +
+                                   ": which of them holds cannot be known; remove one");
             if (auto done = numbers(in, "matrix", pointer, 16, m); !done) return done;
             for (int c = 0; c < 4; ++c)
                 for (int k = 0; k < 4; ++k) out.transform[c][k] = m[4 * c + k];
@@ -551,11 +284,9 @@ class Reader {
             if (!children->is_array()) return bad(pointer + "/children", "expected an array");
             for (std::size_t c = 0; c < children->size(); ++c) {
                 const std::string place = pointer + "/children/" + std::to_string(c);
-                if (!(*children)[c].is_number_unsigned() ||
-                    (*children)[c].get<std::uint64_t>() >= list->size())
-                    return bad(place, "expected the index of a node, found " +
-                                          (*children)[c].dump().substr(0, 40));
-                Node& child = scene_.nodes[(*children)[c].get<std::size_t>()];
+                const auto index = index_value(d_, (*children)[c], place, list->size());
+                if (!index) return index.error();
+                Node& child = scene_.nodes[*index];
                 if (child.parent != no_index)
                     return bad(place,
                                "the node has another parent: " + std::to_string(child.parent));
@@ -593,11 +324,11 @@ class Reader {
             if (joints == in.end() || !joints->is_array() || joints->empty())
                 return bad(pointer + "/joints", "expected a list with at least one node");
             for (std::size_t j = 0; j < joints->size(); ++j) {
-                if (!(*joints)[j].is_number_unsigned() ||
-                    (*joints)[j].get<std::uint64_t>() >= scene_.nodes.size())
-                    return bad(pointer + "/joints/" + std::to_string(j),
-                               "expected the index of a node");
-                out.joints.push_back((*joints)[j].get<Index>());
+                const auto node =
+                    index_value(d_, (*joints)[j], pointer + "/joints/" + std::to_string(j),
+                                scene_.nodes.size());
+                if (!node) return node.error();
+                out.joints.push_back(*node);
             }
             const auto accessor =
                 index_member(d_, in, "inverseBindMatrices", pointer, size_of("accessors"));
@@ -620,46 +351,83 @@ class Reader {
             }
             scene_.skins.push_back(std::move(out));
         }
+        return check_joints();
+    }
+
+    // The joints that a mesh uses, against those that its nodes' skins have.
+    Result<void> check_joints() const {
+        const Json* list = *top_array(d_, "nodes");
+        for (std::size_t n = 0; n < list->size(); ++n) {
+            const Index mesh = scene_.nodes[n].mesh, skin = scene_.nodes[n].skin;
+            if (mesh == no_index || skin == no_index) continue;
+            for (const GltfJoints& used : joints_[mesh])
+                if (used.largest >= scene_.skins[skin].joints.size())
+                    return bad(used.pointer, "joint " + std::to_string(used.largest) +
+                                                 " is used, but skin " + std::to_string(skin) +
+                                                 " of node " + std::to_string(n) + " has " +
+                                                 std::to_string(scene_.skins[skin].joints.size()));
+        }
         return {};
     }
 
-    // Animations are carried, not played: only what would break their writing back is looked at.
+    // Animations are carried, not played: references and types are looked at, values are not.
     Result<void> animations() {
         const Json* list = *top_array(d_, "animations");
         for (std::size_t a = 0; a < list->size(); ++a) {
             const Json& in = (*list)[a];
             const std::string pointer = "/animations/" + std::to_string(a);
-            for (const char* key : {"samplers", "channels"})
+            for (const char* key : {"samplers", "channels"}) {
                 if (!in.contains(key) || !in[key].is_array() || in[key].empty())
                     return bad(pointer + "/" + key, "expected a list with at least one entry");
-            for (std::size_t s = 0; s < in["samplers"].size(); ++s) {
-                const Json& sampler = in["samplers"][s];
-                const std::string place = pointer + "/samplers/" + std::to_string(s);
-                if (!sampler.is_object()) return bad(place, "expected an object");
-                for (const char* key : {"input", "output"}) {
-                    const auto accessor =
-                        index_member(d_, sampler, key, place, size_of("accessors"));
-                    if (!accessor) return accessor.error();
-                    if (*accessor == no_index)
-                        return bad(place + "/" + key, "the member is missing");
-                    if (const auto raw = d_.raw_accessor(*accessor); !raw) return raw.error();
+                for (std::size_t i = 0; i < in[key].size(); ++i) {
+                    const std::string place = pointer + "/" + key + "/" + std::to_string(i);
+                    if (!in[key][i].is_object()) return bad(place, "expected an object");
+                    auto done = key[0] == 's' ? animation_sampler(in[key][i], place)
+                                              : animation_channel(in, in[key][i], place);
+                    if (!done) return done;
                 }
             }
-            for (std::size_t c = 0; c < in["channels"].size(); ++c) {
-                const Json& channel = in["channels"][c];
-                const std::string place = pointer + "/channels/" + std::to_string(c);
-                if (!channel.is_object()) return bad(place, "expected an object");
-                const auto sampler =
-                    index_member(d_, channel, "sampler", place, in["samplers"].size());
-                if (!sampler) return sampler.error();
-                if (!channel.contains("target") || !channel["target"].is_object())
-                    return bad(place + "/target", "expected an object");
-                if (auto node = index_member(d_, channel["target"], "node", place + "/target",
-                                             scene_.nodes.size());
-                    !node)
-                    return node.error();
-            }
         }
+        return {};
+    }
+
+    Result<void> animation_sampler(const Json& sampler, const std::string& pointer) const {
+        for (const char* key : {"input", "output"}) {
+            const auto accessor = index_member(d_, sampler, key, pointer, size_of("accessors"));
+            if (!accessor) return accessor.error();
+            if (*accessor == no_index) return bad(pointer + "/" + key, "the member is missing");
+        }
+        const Json& input = d_.json["accessors"][sampler["input"].get<std::size_t>()];
+        if (input["type"] != "SCALAR" || input["componentType"] != 5126)
+            return bad(pointer + "/input", "the key times must be float scalars");
+        return {};
+    }
+
+    Result<void> animation_channel(const Json& animation, const Json& channel,
+                                   const std::string& pointer) const {
+        const Json& samplers = animation["samplers"];
+        const auto sampler = index_member(d_, channel, "sampler", pointer, samplers.size());
+        if (!sampler) return sampler.error();
+        if (*sampler == no_index) return bad(pointer + "/sampler", "the member is missing");
+        const auto target = channel.find("target");
+        if (target == channel.end() || !target->is_object())
+            return bad(pointer + "/target", "expected an object");
+        if (auto node = index_member(d_, *target, "node", pointer + "/target", scene_.nodes.size());
+            !node)
+            return node.error();
+        const auto path = target->find("path");
+        if (path == target->end() || !path->is_string())
+            return bad(pointer + "/target/path", "expected a string");
+        const std::string name = path->get<std::string>();
+        const char* type = name == "translation" || name == "scale" ? "VEC3"
+                           : name == "rotation"                     ? "VEC4"
+                           : name == "weights"                      ? "SCALAR"
+                                                                    : nullptr;
+        const std::size_t output = samplers[*sampler]["output"].get<std::size_t>();
+        if (type && d_.json["accessors"][output]["type"] != type)
+            return bad(pointer + "/sampler", "a " + name + " needs values of type " + type +
+                                                 ", accessor " + std::to_string(output) + " has " +
+                                                 d_.json["accessors"][output]["type"].dump());
         return {};
     }
 
@@ -673,18 +441,21 @@ class Reader {
                 return done;
         if (list->empty()) return {};
         const Json& scene = (*list)[*chosen == no_index ? 0 : *chosen];
-        std::vector<bool> root(scene_.nodes.size(), false), drawn(scene_.nodes.size(), false);
+        constexpr std::uint8_t unknown = 0, hidden = 1, shown = 2;
+        std::vector<std::uint8_t> state(scene_.nodes.size(), unknown);
         if (scene.contains("nodes"))
-            for (const Json& n : scene["nodes"]) root[n.get<std::size_t>()] = true;
-        for (Index n = 0; n < scene_.nodes.size(); ++n)
-            for (Index k = n; k != no_index; k = scene_.nodes[k].parent)
-                if (root[k]) {
-                    drawn[n] = true;
-                    break;
-                }
+            for (const Json& n : scene["nodes"]) state[n.get<std::size_t>()] = shown;
+        std::vector<Index> path;  // each node is walked over once, however deep the tree
+        for (Index n = 0; n < scene_.nodes.size(); ++n) {
+            Index k = n;
+            for (; k != no_index && state[k] == unknown; k = scene_.nodes[k].parent)
+                path.push_back(k);
+            for (const Index p : path) state[p] = k == no_index ? hidden : state[k];
+            path.clear();
+        }
         for (Index n = 0; n < scene_.nodes.size(); ++n) {
             Node& node = scene_.nodes[n];
-            if (!drawn[n]) node.mesh = node.light = node.camera = no_index;
+            if (state[n] != shown) node.mesh = node.light = node.camera = no_index;
             if (node.camera != no_index && scene_.active_camera == no_index)
                 scene_.active_camera = n;
         }
@@ -697,11 +468,9 @@ class Reader {
         if (!nodes->is_array()) return bad(pointer + "/nodes", "expected an array");
         for (std::size_t i = 0; i < nodes->size(); ++i) {
             const std::string place = pointer + "/nodes/" + std::to_string(i);
-            if (!(*nodes)[i].is_number_unsigned() ||
-                (*nodes)[i].get<std::uint64_t>() >= scene_.nodes.size())
-                return bad(place, "expected the index of a node");
-            if (scene_.nodes[(*nodes)[i].get<std::size_t>()].parent != no_index)
-                return bad(place, "the node is not a root");
+            const auto node = index_value(d_, (*nodes)[i], place, scene_.nodes.size());
+            if (!node) return node.error();
+            if (scene_.nodes[*node].parent != no_index) return bad(place, "the node is not a root");
         }
         return {};
     }
@@ -709,10 +478,7 @@ class Reader {
     const GltfDocument& d_;
     std::shared_ptr<GltfDocument> document_;
     Scene scene_;
-    Growing<glm::vec3> normals_;
-    Growing<glm::vec4> tangents_;
-    std::vector<Growing<glm::vec2>> uvs_;
-    std::vector<Growing<glm::vec4>> colors_;
+    std::vector<std::vector<GltfJoints>> joints_;  // per mesh
 };
 
 }  // namespace
