@@ -132,7 +132,7 @@ Result<Image> decode(std::span<const std::byte> bytes, const std::string& name) 
     // Only the ending matters to the library: nothing is looked up on the disk.
     std::string ending = std::filesystem::path(name).extension().string();
     if (const std::string_view sniffed = sniff(bytes); !sniffed.empty())
-        ending = "." + std::string(sniffed);
+        ending = std::string(".").append(sniffed);
     if (ending.empty())
         return Error{ErrorCode::unsupported,
                      "the image's format is not recognised from its first bytes, and its name has "
@@ -214,7 +214,7 @@ Result<Image> load_image(const ImageRef& ref) {
         std::string name = ref.name;
         if (std::filesystem::path(name).extension().empty() && ref.mime_type.size() > 6 &&
             ref.mime_type.starts_with("image/"))
-            name += "." + ref.mime_type.substr(6);
+            name.append(".").append(ref.mime_type, 6);
         return decode_image(ref.bytes, name);
     }
     if (!ref.path.empty()) return load_image(ref.path);
