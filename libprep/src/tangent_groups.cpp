@@ -1,395 +1,379 @@
 #include "tangent_groups.h"
 
+#include <hwy/highway.h>
+
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "parallel.h"
 #include "tangent_math.h"
+#include "tangent_subgroups.h"
 
 namespace prep::detail {
 namespace {
 
 using Index = std::uint32_t;
-constexpr std::size_t vertex_grain = 8192;
-// Up to this many triangles at a vertex neighbours are searched one by one, above it by sorting.
-constexpr std::size_t small_star = 24;
+using Star = std::span<const Index>;
+// Positions per block of work, about 0.5 ms.
+constexpr std::size_t position_grain = 8192;
 
-// Triangle corners (3·triangle + k) by welded vertex, ascending, good triangles only.
-struct Stars {
-    std::vector<Index> offsets, members;
-    std::span<const Index> of(Index vertex) const {
-        return {members.data() + offsets[vertex], offsets[vertex + 1] - offsets[vertex]};
-    }
-};
-
-Stars build_stars(const TangentMesh& mesh) {
-    Stars stars;
-    stars.offsets.assign(std::size_t(mesh.welded_count) + 1, 0);
-    for (std::size_t k = 0; k < 3 * mesh.good; ++k)
-        ++stars.offsets[mesh.welded[mesh.corners[k]] + 1];
-    for (std::size_t v = 0; v < mesh.welded_count; ++v) stars.offsets[v + 1] += stars.offsets[v];
-    stars.members.resize(3 * mesh.good);
-    std::vector<Index> cursor(stars.offsets.begin(), stars.offsets.end() - 1);
-    for (Index k = 0; k < 3 * mesh.good; ++k)
-        stars.members[cursor[mesh.welded[mesh.corners[k]]]++] = k;
-    return stars;
-}
-
-inline Index next_of(Index k) {
-    return k % 3 == 2 ? k - 2 : k + 1;
-}
-inline Index previous_of(Index k) {
-    return k % 3 == 0 ? k + 2 : k - 1;
-}
-
-// Step 5 at one vertex: for each member its neighbours over the edge leaving and the edge entering
-// the vertex, as positions in the star. Over one edge the n-th triangle that leaves meets the n-th
-// that enters: lower triangle numbers pair first.
-class Neighbours {
+// Stars that triangles which group with anything touch, grouped in the mesh's triangle order.
+class EntangledStars {
   public:
-    void find(const TangentMesh& mesh, std::span<const Index> star) {
-        const std::size_t n = star.size();
-        leaving_.assign(n, no_index);
-        entering_.assign(n, no_index);
-        next_.resize(n);
-        previous_.resize(n);
-        for (std::size_t i = 0; i < n; ++i) {
-            next_[i] = mesh.welded[mesh.corners[next_of(star[i])]];
-            previous_[i] = mesh.welded[mesh.corners[previous_of(star[i])]];
-        }
-        if (n <= small_star)
-            search();
-        else
-            sort();
+    EntangledStars(const TangentTriangles& triangles, const Terms& terms, const TangentStars& stars,
+                   const EdgeOverrides& overrides, int threads)
+        : terms_(terms), stars_(stars) {
+        if (terms.counts.anything == 0) return;
+        collect(threads);
+        find_neighbours(overrides, threads);
+        flood_all(triangles.count);
     }
-    Index leaving(std::size_t i) const { return leaving_[i]; }
-    Index entering(std::size_t i) const { return entering_[i]; }
+
+    bool empty() const { return firsts_.empty(); }
+    // The first star that begins at or behind a place in TangentStars::members.
+    std::size_t at(Index place) const {
+        return std::size_t(std::lower_bound(firsts_.begin(), firsts_.end(), place) -
+                           firsts_.begin());
+    }
+    bool is(std::size_t star, Star members) const {
+        return star < firsts_.size() && stars_.members.data() + firsts_[star] == members.data();
+    }
+    // The group of each member of the star, or no_index; numbered in the order in which they began.
+    std::span<const Index> groups(std::size_t star) const {
+        return {groups_.data() + starts_[star], starts_[star + 1] - starts_[star]};
+    }
 
   private:
-    void link(std::size_t leaves, std::size_t enters) {
-        leaving_[leaves] = Index(enters);
-        entering_[enters] = Index(leaves);
+    void collect(int threads) {
+        const std::size_t blocks = (stars_.positions + position_grain - 1) / position_grain;
+        std::vector<std::vector<Star>> found(blocks);
+        parallel_blocks(stars_.positions, position_grain, threads,
+                        [&](std::size_t begin, std::size_t end) {
+                            auto& list = found[begin / position_grain];
+                            stars_.for_each(begin, end, [&](Star star) {
+                                const auto anything = [&](Index m) {
+                                    return (terms_.flags(m >> 2) & group_with_anything) != 0;
+                                };
+                                if (std::any_of(star.begin(), star.end(), anything))
+                                    list.push_back(star);
+                            });
+                        });
+        starts_.push_back(0);
+        for (const auto& list : found) {
+            for (const Star star : list) {
+                firsts_.push_back(Index(star.data() - stars_.members.data()));
+                starts_.push_back(starts_.back() + star.size());
+            }
+        }
     }
-    void search() {
-        const std::size_t n = next_.size();
-        for (std::size_t i = 0; i < n; ++i) {
-            for (std::size_t j = 0; j < n; ++j) {
-                if (previous_[j] == next_[i] && entering_[j] == no_index) {
-                    link(i, j);
-                    break;
+
+    Star members(std::size_t star) const {
+        return {stars_.members.data() + firsts_[star], starts_[star + 1] - starts_[star]};
+    }
+
+    void find_neighbours(const EdgeOverrides& overrides, int threads) {
+        leaving_.resize(starts_.back());
+        entering_.resize(starts_.back());
+        parallel_blocks(firsts_.size(), 1024, threads, [&](std::size_t begin, std::size_t end) {
+            Neighbours neighbours;
+            for (std::size_t s = begin; s < end; ++s) {
+                const Star star = members(s);
+                neighbours.find(stars_, star, overrides);
+                for (std::size_t i = 0; i < star.size(); ++i) {
+                    leaving_[starts_[s] + i] = neighbours.leaving(i);
+                    entering_[starts_[s] + i] = neighbours.entering(i);
                 }
             }
-        }
+        });
     }
-    void sort() {
-        const std::size_t n = next_.size();
-        const auto order_by = [n](const std::vector<Index>& key, std::vector<Index>& order) {
-            order.resize(n);
-            for (std::size_t i = 0; i < n; ++i) order[i] = Index(i);
-            std::sort(order.begin(), order.end(),
-                      [&](Index a, Index b) { return key[a] != key[b] ? key[a] < key[b] : a < b; });
+
+    void flood_all(std::size_t triangles) {
+        struct Start {
+            Index member, star, place;
         };
-        order_by(next_, by_next_);
-        order_by(previous_, by_previous_);
-        for (std::size_t i = 0, j = 0; i < n && j < n;) {
-            const Index a = next_[by_next_[i]], b = previous_[by_previous_[j]];
-            if (a < b) {
-                ++i;
-            } else if (b < a) {
-                ++j;
-            } else {
-                link(by_next_[i++], by_previous_[j++]);
-            }
+        std::vector<Start> starts;
+        for (std::size_t s = 0; s < firsts_.size(); ++s) {
+            const Star star = members(s);
+            for (std::size_t i = 0; i < star.size(); ++i)
+                if (!(terms_.flags(star[i] >> 2) & group_with_anything))
+                    starts.push_back({star[i], Index(s), Index(i)});
         }
+        std::sort(starts.begin(), starts.end(),
+                  [](const Start& a, const Start& b) { return a.member < b.member; });
+        orientation_.resize(triangles);
+        for (std::size_t t = 0; t < triangles; ++t)
+            orientation_[t] = (terms_.flags(t) & orientation_preserving) ? 1 : 0;
+        claimed_.assign(triangles, 0);
+        groups_.assign(starts_.back(), no_index);
+        std::vector<Index> group_count(firsts_.size(), 0);
+        for (const Start& start : starts)
+            if (groups_[starts_[start.star] + start.place] == no_index)
+                flood(start.star, start.place, group_count[start.star]++);
     }
 
-    std::vector<Index> leaving_, entering_, next_, previous_, by_next_, by_previous_;
-};
-
-// Step 6 at one vertex. Groups are numbered in the order in which their first triangle comes.
-class Grouper {
-  public:
-    // group[i] stays as it is where a member is grouped already (no_index: not yet).
-    // `start` decides which members may start a group; claims() says what orientations were taken
-    // by triangles that group with anything.
-    static void flood(const TangentMesh& mesh, std::span<const Index> star,
-                      const Neighbours& neighbours, std::size_t first, Index group,
-                      std::vector<std::uint8_t>& orientation, std::vector<std::uint8_t>& claimed,
-                      Index* groups, std::vector<Index>& stack) {
-        const std::uint8_t wanted = orientation[star[first] / 3];
-        groups[first] = group;
-        claimed[star[first] / 3] = 1;
-        stack.clear();
+    void flood(std::size_t star_index, Index first, Index group) {
+        const Star star = members(star_index);
+        const std::size_t base = starts_[star_index];
+        const std::uint8_t wanted = orientation_[star[first] >> 2];
+        groups_[base + first] = group;
+        claimed_[star[first] >> 2] = 1;
+        stack_.clear();
         // Depth first, over the leaving edge before the entering one.
-        const auto push = [&](std::size_t i) {
-            if (neighbours.entering(i) != no_index) stack.push_back(neighbours.entering(i));
-            if (neighbours.leaving(i) != no_index) stack.push_back(neighbours.leaving(i));
+        const auto push = [&](Index i) {
+            if (entering_[base + i] != no_index) stack_.push_back(entering_[base + i]);
+            if (leaving_[base + i] != no_index) stack_.push_back(leaving_[base + i]);
         };
         push(first);
-        while (!stack.empty()) {
-            const Index i = stack.back();
-            stack.pop_back();
-            if (groups[i] != no_index) continue;
-            const Index t = star[i] / 3;
-            if ((mesh.flags[t] & group_with_anything) && !claimed[t]) orientation[t] = wanted;
-            if (orientation[t] != wanted) continue;
-            groups[i] = group;
-            claimed[t] = 1;
+        while (!stack_.empty()) {
+            const Index i = stack_.back();
+            stack_.pop_back();
+            if (groups_[base + i] != no_index) continue;
+            const Index t = star[i] >> 2;
+            if ((terms_.flags(t) & group_with_anything) && !claimed_[t]) orientation_[t] = wanted;
+            if (orientation_[t] != wanted) continue;
+            groups_[base + i] = group;
+            claimed_[t] = 1;
             push(i);
         }
     }
+
+    const Terms& terms_;
+    const TangentStars& stars_;
+    std::vector<Index> firsts_;        // per entangled star: its place in TangentStars::members
+    std::vector<std::size_t> starts_;  // and where its entries start in the following
+    std::vector<Index> leaving_, entering_, groups_;
+    std::vector<std::uint8_t> orientation_, claimed_;
+    std::vector<Index> stack_;
 };
 
-// Step 7: the tangents of one group.
-class Evaluator {
+// Groups and evaluates star after star of one block.
+class StarWorker {
   public:
-    Evaluator(const TangentInput& input, const TangentMesh& mesh, const TangentOptions& options)
-        : read_{input},
-          mesh_(mesh),
-          threshold_(float(std::cos(options.angular_threshold))),
-          full_(mesh.any_quad) {}
+    StarWorker(const CornerReader& read, const TangentTriangles& triangles, const Terms& terms,
+               const TangentStars& stars, const EdgeOverrides& overrides,
+               const EntangledStars& entangled, const GroupOptions& options,
+               std::span<Index> corner_values)
+        : read_(read),
+          triangles_(triangles),
+          terms_(terms),
+          stars_(stars),
+          overrides_(overrides),
+          entangled_(entangled),
+          options_(options),
+          corner_values_(corner_values),
+          subgroups_(read, triangles, terms, options.angular_threshold, options.bounded_effort),
+          opposites_only_(std::cos(options.angular_threshold) <= -0.9999) {}
 
     struct Block {
         std::vector<glm::vec4> values;
-        std::vector<GroupFrame> frames;
+        std::vector<Index> suspects;
     };
 
-    // members: triangle corners of one group, ascending.
-    void evaluate(std::span<const Index> members, bool preserving, Block& block,
-                  Index* corner_values) {
-        normal_ = read_.normal(mesh_.corners[members[0]]);
-        const std::size_t n = members.size();
-        s_.resize(n);
-        t_.resize(n);
-        for (std::size_t i = 0; i < n; ++i) {
-            const TriangleFrame& frame = mesh_.frames[members[i] / 3];
-            s_[i] = mikk::projected(normal_, frame.s);
-            t_[i] = mikk::projected(normal_, frame.t);
-        }
-        const float sign = preserving ? 1.0f : -1.0f;
-        if (all_together(members)) {
-            all_.resize(n);
-            for (std::size_t i = 0; i < n; ++i) all_[i] = Index(i);
-            const Index value = sum(members, all_, sign, block);
-            for (const Index k : members) corner_values[k] = value;
-            return;
-        }
-        split_by_angle(members, sign, block, corner_values);
+    // base: the index of the block's first value.
+    void run(std::size_t begin, std::size_t end, Index base, Block& block) {
+        block_ = &block;
+        base_ = base;
+        std::size_t next_entangled = entangled_.empty() ? 0 : entangled_.at(stars_.offsets[begin]);
+        stars_.for_each(begin, end, [&](Star star) {
+            if (!entangled_.empty() && entangled_.is(next_entangled, star)) {
+                const std::span<const Index> groups = entangled_.groups(next_entangled++);
+                groups_.assign(groups.begin(), groups.end());
+                evaluate_groups(star);
+            } else if (!evaluate_fan(star)) {
+                find_groups(star);
+                evaluate_groups(star);
+            }
+        });
     }
 
   private:
-    bool stay(std::span<const Index> members, std::size_t i, std::size_t j) const {
-        const Index a = members[i] / 3, b = members[j] / 3;
-        if ((mesh_.flags[a] | mesh_.flags[b]) & group_with_anything) return true;
-        if (mesh_.faces[a] == mesh_.faces[b]) return true;
-        return mikk::dot(s_[i], s_[j]) > threshold_ && mikk::dot(t_[i], t_[j]) > threshold_;
+    void set(Index member, Index value) {
+        corner_values_[3 * std::size_t(member >> 2) + (member & 3)] = value;
     }
 
-    // Quick sufficient test: all within 89.4° of the first (dot > 0.01) are within 178.8° of each
-    // other, far from the antipodal pairs that a threshold of −1 parts.
-    bool all_together(std::span<const Index> members) const {
-        if (threshold_ > -0.9999f) {
-            return members.size() == 1;
+    Index add(const glm::vec3& tangent, float sign) {
+        block_->values.push_back(glm::vec4(tangent, sign * options_.positive));
+        return base_ + Index(block_->values.size() - 1);
+    }
+
+    // The usual star: one group of healthy triangles whose S and T share a half-space, so that the
+    // terms only need to be summed. false: something else.
+    bool evaluate_fan(Star star) {
+        namespace hn = hwy::HWY_NAMESPACE;
+        const std::size_t count = star.size();
+        if (count > most_fan_members || !opposites_only_ || !overrides_.empty()) return false;
+        alignas(16) Index next[most_fan_members], previous[most_fan_members];
+        glm::vec3 sum(0.0f);
+        std::uint32_t all = ~0u, any = 0;
+        for (std::size_t i = 0; i < count; ++i) {
+            const Index m = star[i], k = m & 3;
+            const CornerTerm& term = terms_.at(m >> 2, k);
+            const Index* vertices = stars_.vertices.data() + 3 * std::size_t(m >> 2);
+            next[i] = vertices[k == 2 ? 0 : k + 1];
+            previous[i] = vertices[k == 0 ? 2 : k - 1];
+            sum.x += term.x;
+            sum.y += term.y;
+            sum.z += term.z;
+            all &= term.code;
+            any |= term.code;
         }
-        for (std::size_t i = 1; i < members.size(); ++i) {
-            if (!(mikk::dot(s_[0], s_[i]) > 0.01f && mikk::dot(t_[0], t_[i]) > 0.01f)) return false;
-        }
+        if (((all ^ any) & orientation_preserving) || (any & group_with_anything)) return false;
+        if (count > 1 &&
+            (!(all & s_directions) || !(all & t_directions) || !is_fan(next, previous, count)))
+            return false;
+        const Index value =
+            add(mikk::normalized_or_zero(sum), (any & orientation_preserving) ? 1.0f : -1.0f);
+        for (const Index m : star) set(m, value);
+        if (options_.review) review(star, block_->values.back());
         return true;
     }
 
-    void split_by_angle(std::span<const Index> members, float sign, Block& block,
-                        Index* corner_values) {
-        const std::size_t n = members.size();
-        lists_.clear();
-        std::vector<Index> list_values;
-        for (std::size_t i = 0; i < n; ++i) {
-            list_.clear();
-            for (std::size_t j = 0; j < n; ++j)
-                if (stay(members, i, j)) list_.push_back(Index(j));
-            const auto known = std::find(lists_.begin(), lists_.end(), list_);
-            if (known == lists_.end()) {
-                lists_.push_back(list_);
-                list_values.push_back(sum(members, list_, sign, block));
-                corner_values[members[i]] = list_values.back();
-            } else {
-                corner_values[members[i]] = list_values[std::size_t(known - lists_.begin())];
+    // Step 6 where no triangle groups with anything.
+    void find_groups(Star star) {
+        neighbours_.find(stars_, star, overrides_);
+        groups_.assign(star.size(), no_index);
+        Index count = 0;
+        for (std::size_t i = 0; i < star.size(); ++i) {
+            if (groups_[i] != no_index) continue;
+            groups_[i] = count;
+            stack_.assign(1, Index(i));
+            while (!stack_.empty()) {
+                const Index m = stack_.back();
+                stack_.pop_back();
+                for (const Index other : {neighbours_.leaving(m), neighbours_.entering(m)}) {
+                    if (other == no_index || groups_[other] != no_index) continue;
+                    if ((terms_.flags(star[other] >> 2) ^ terms_.flags(star[i] >> 2)) &
+                        orientation_preserving)
+                        continue;
+                    groups_[other] = count;
+                    stack_.push_back(other);
+                }
+            }
+            ++count;
+        }
+    }
+
+    // Every group of groups_, then the averages of quads.
+    void evaluate_groups(Star star) {
+        order_.clear();
+        for (Index i = 0; i < star.size(); ++i) {
+            if (groups_[i] != no_index)
+                order_.push_back(i);
+            else if (options_.review)
+                block_->suspects.push_back(star[i]);
+        }
+        std::stable_sort(order_.begin(), order_.end(),
+                         [&](Index a, Index b) { return groups_[a] < groups_[b]; });
+        frames_.clear();
+        const std::size_t first_value = block_->values.size();
+        star_values_.assign(star.size(), no_index);
+        for (std::size_t i = 0; i < order_.size();) {
+            const Index group = groups_[order_[i]];
+            const std::size_t first = i;
+            members_.clear();
+            float sign = -1.0f;
+            for (; i < order_.size() && groups_[order_[i]] == group; ++i) {
+                const Index m = star[order_[i]];
+                members_.push_back(m);
+                // Triangles that group with anything have the orientation of those that do not.
+                const std::uint32_t flags = terms_.flags(m >> 2);
+                if (!(flags & group_with_anything) && (flags & orientation_preserving)) sign = 1.0f;
+            }
+            const std::size_t known = frames_.size();
+            subgroups_.evaluate(members_, frames_, results_);
+            for (std::size_t f = known; f < frames_.size(); ++f) add(frames_[f].s, sign);
+            for (std::size_t k = first; k < i; ++k) {
+                const Index value = base_ + Index(first_value) + results_[k - first];
+                star_values_[order_[k]] = value;
+                set(star[order_[k]], value);
+                if (options_.review)
+                    review(Star(&star[order_[k]], 1), block_->values[value - base_]);
             }
         }
+        if (triangles_.any_quad && frames_.size() > 1) average_quads(star, first_value);
     }
 
-    Index sum(std::span<const Index> members, const std::vector<Index>& list, float sign,
-              Block& block) const {
-        GroupFrame total{glm::vec3(0.0f), glm::vec3(0.0f), 0, 0};
-        float angle_sum = 0;
-        for (const Index i : list) {
-            const Index k = members[i], triangle = k / 3;
-            if (mesh_.flags[triangle] & group_with_anything) continue;
-            const float angle = corner_angle(k);
-            total.s += mikk::scaled(angle, s_[i]);
-            if (!full_) continue;
-            total.t += mikk::scaled(angle, t_[i]);
-            total.s_length += angle * mesh_.frames[triangle].s_length;
-            total.t_length += angle * mesh_.frames[triangle].t_length;
-            angle_sum += angle;
-        }
-        if (mikk::not_zero(total.s)) total.s = mikk::normalized(total.s);
-        block.values.push_back(glm::vec4(total.s, sign));
-        if (full_) {
-            if (mikk::not_zero(total.t)) total.t = mikk::normalized(total.t);
-            if (angle_sum > 0) {
-                total.s_length /= angle_sum;
-                total.t_length /= angle_sum;
+    // Step 8: a quad's corner that both halves meet.
+    void average_quads(Star star, std::size_t first_value) {
+        for (std::size_t i = 0; i + 1 < star.size(); ++i) {
+            const Index a = star[i], b = star[i + 1];
+            if (!(terms_.flags(a >> 2) & quad_first) || (b >> 2) != (a >> 2) + 1) continue;
+            if (triangles_.corner(a >> 2, a & 3) != triangles_.corner(b >> 2, b & 3)) continue;
+            const Index x = star_values_[i], y = star_values_[i + 1];
+            if (x == no_index || y == no_index || x == y) continue;
+            Index value = std::max(x, y);
+            if (std::memcmp(&frames_[x - base_ - first_value], &frames_[y - base_ - first_value],
+                            sizeof(GroupFrame)) != 0) {
+                const glm::vec3 sum =
+                    glm::vec3(block_->values[x - base_]) + glm::vec3(block_->values[y - base_]);
+                // A half that groups with anything can have another orientation: the group that
+                // came later has the last word.
+                const float w = block_->values[value - base_].w;
+                value = add(mikk::normalized_or_zero(sum), w * options_.positive);
             }
-            block.frames.push_back(total);
+            set(a, value);
+            set(b, value);
+            if (options_.review) review(star.subspan(i, 2), block_->values[value - base_]);
         }
-        return Index(block.values.size() - 1);
     }
 
-    float corner_angle(Index k) const {
-        const glm::vec3 p = read_.position(mesh_.corners[k]);
-        const glm::vec3 a =
-            mikk::projected(normal_, read_.position(mesh_.corners[previous_of(k)]) - p);
-        const glm::vec3 b = mikk::projected(normal_, read_.position(mesh_.corners[next_of(k)]) - p);
-        float cosine = mikk::dot(a, b);
-        cosine = cosine > 1.0f ? 1.0f : cosine < -1.0f ? -1.0f : cosine;
-        return float(std::acos(double(cosine)));
+    // The caller looks at suspects again, exactly.
+    void review(Star members, const glm::vec4& value) {
+        const glm::vec3 n = read_.normal(triangles_.corner(members[0] >> 2, members[0] & 3));
+        const glm::vec3 t(value);
+        const float length2 = mikk::dot(t, t), along = mikk::dot(n, t);
+        if (std::abs(length2 - 1.0f) <= 1e-6f && std::abs(along) <= 5e-7f) return;
+        block_->suspects.insert(block_->suspects.end(), members.begin(), members.end());
     }
 
-    CornerReader read_;
-    const TangentMesh& mesh_;
-    float threshold_;
-    bool full_;
-    glm::vec3 normal_{0.0f};
-    std::vector<glm::vec3> s_, t_;
-    std::vector<Index> all_, list_;
-    std::vector<std::vector<Index>> lists_;
-};
-
-struct Scratch {
-    Neighbours neighbours;
-    std::vector<Index> groups, stack, members;
+    const CornerReader& read_;
+    const TangentTriangles& triangles_;
+    const Terms& terms_;
+    const TangentStars& stars_;
+    const EdgeOverrides& overrides_;
+    const EntangledStars& entangled_;
+    const GroupOptions& options_;
+    std::span<Index> corner_values_;
+    SubgroupEvaluator subgroups_;
+    bool opposites_only_;
+    Block* block_ = nullptr;
+    Index base_ = 0;
+    Neighbours neighbours_;
+    std::vector<Index> groups_, stack_, order_, members_, results_, star_values_;
+    std::vector<GroupFrame> frames_;
 };
 
 }  // namespace
 
-GroupTangents group_tangents(const TangentInput& input, const TangentMesh& mesh,
-                             const TangentOptions& options) {
-    const Stars stars = build_stars(mesh);
-    const std::size_t corners = 3 * mesh.good;
-    std::vector<std::uint8_t> orientation(mesh.good), claimed(mesh.good, 0);
-    for (std::size_t t = 0; t < mesh.good; ++t)
-        orientation[t] = mesh.flags[t] & orientation_preserving;
-
-    // Vertices with a triangle that groups with anything, in the mesh's triangle order.
-    std::vector<std::uint8_t> entangled(mesh.welded_count, 0);
-    bool any_entangled = false;
-    for (std::size_t k = 0; k < corners; ++k)
-        if (mesh.flags[k / 3] & group_with_anything) {
-            entangled[mesh.welded[mesh.corners[k]]] = 1;
-            any_entangled = true;
-        }
-    std::vector<Index> corner_groups(any_entangled ? corners : 0, no_index);
-    if (any_entangled) {
-        Scratch scratch;
-        std::vector<Index> group_count(mesh.welded_count, 0);
-        for (Index k = 0; k < corners; ++k) {
-            const Index vertex = mesh.welded[mesh.corners[k]];
-            if (!entangled[vertex] || corner_groups[k] != no_index ||
-                (mesh.flags[k / 3] & group_with_anything))
-                continue;
-            const std::span<const Index> star = stars.of(vertex);
-            scratch.neighbours.find(mesh, star);
-            scratch.groups.resize(star.size());
-            for (std::size_t i = 0; i < star.size(); ++i)
-                scratch.groups[i] = corner_groups[star[i]];
-            const std::size_t first =
-                std::size_t(std::lower_bound(star.begin(), star.end(), k) - star.begin());
-            Grouper::flood(mesh, star, scratch.neighbours, first, group_count[vertex]++,
-                           orientation, claimed, scratch.groups.data(), scratch.stack);
-            for (std::size_t i = 0; i < star.size(); ++i)
-                corner_groups[star[i]] = scratch.groups[i];
-        }
-    }
-
-    GroupTangents result;
-    result.corner_values.assign(corners, no_index);
-    std::vector<Evaluator::Block> blocks((mesh.welded_count + vertex_grain - 1) / vertex_grain);
-    parallel_blocks(
-        mesh.welded_count, vertex_grain, options.threads, [&](std::size_t begin, std::size_t end) {
-            Evaluator evaluator(input, mesh, options);
-            Evaluator::Block& block = blocks[begin / vertex_grain];
-            Scratch scratch;
-            for (std::size_t v = begin; v < end; ++v) {
-                const std::span<const Index> star = stars.of(Index(v));
-                std::vector<Index>& groups = scratch.groups;
-                groups.assign(star.size(), no_index);
-                Index group_count = 0;
-                if (entangled[v]) {
-                    for (std::size_t i = 0; i < star.size(); ++i) {
-                        groups[i] = corner_groups[star[i]];
-                        if (groups[i] != no_index)
-                            group_count = std::max(group_count, groups[i] + 1);
-                    }
-                } else {
-                    // Alone at this vertex: nobody claims anything, so `claimed` is not touched in
-                    // a way that others read.
-                    scratch.neighbours.find(mesh, star);
-                    for (std::size_t i = 0; i < star.size(); ++i) {
-                        if (groups[i] != no_index) continue;
-                        groups[i] = group_count;
-                        scratch.stack.assign(1, Index(i));
-                        while (!scratch.stack.empty()) {
-                            const Index m = scratch.stack.back();
-                            scratch.stack.pop_back();
-                            for (const Index other :
-                                 {scratch.neighbours.leaving(m), scratch.neighbours.entering(m)}) {
-                                if (other == no_index || groups[other] != no_index ||
-                                    orientation[star[other] / 3] != orientation[star[i] / 3])
-                                    continue;
-                                groups[other] = group_count;
-                                scratch.stack.push_back(other);
-                            }
-                        }
-                        ++group_count;
-                    }
-                }
-                if (group_count == 1 &&
-                    std::find(groups.begin(), groups.end(), no_index) == groups.end()) {
-                    evaluator.evaluate(star, orientation[star[0] / 3] != 0, block,
-                                       result.corner_values.data());
-                    continue;
-                }
-                // Members by group, in one stable pass over a sorted order.
-                std::vector<Index>& order = scratch.stack;
-                order.clear();
-                for (std::size_t i = 0; i < star.size(); ++i)
-                    if (groups[i] != no_index) order.push_back(Index(i));
-                std::stable_sort(order.begin(), order.end(),
-                                 [&](Index a, Index b) { return groups[a] < groups[b]; });
-                for (std::size_t i = 0; i < order.size();) {
-                    scratch.members.clear();
-                    const Index group = groups[order[i]];
-                    const bool preserving = orientation[star[order[i]] / 3] != 0;
-                    for (; i < order.size() && groups[order[i]] == group; ++i)
-                        scratch.members.push_back(star[order[i]]);
-                    evaluator.evaluate(scratch.members, preserving, block,
-                                       result.corner_values.data());
-                }
-            }
-        });
-
-    std::vector<Index> bases(blocks.size() + 1, 0);
-    for (std::size_t b = 0; b < blocks.size(); ++b)
-        bases[b + 1] = bases[b] + Index(blocks[b].values.size());
-    for (const Evaluator::Block& block : blocks) {
-        result.values.insert(result.values.end(), block.values.begin(), block.values.end());
-        result.frames.insert(result.frames.end(), block.frames.begin(), block.frames.end());
-    }
-    parallel_blocks(mesh.welded_count, vertex_grain, options.threads,
+GroupTangents group_tangents(const CornerReader& read, const TangentTriangles& triangles,
+                             const Terms& terms, const TangentStars& stars,
+                             const EdgeOverrides& overrides, const GroupOptions& options,
+                             std::span<Index> corner_values) {
+    const EntangledStars entangled(triangles, terms, stars, overrides, options.threads);
+    const std::size_t blocks = (stars.positions + position_grain - 1) / position_grain;
+    std::vector<StarWorker::Block> results(blocks);
+    parallel_blocks(stars.positions, position_grain, options.threads,
                     [&](std::size_t begin, std::size_t end) {
-                        const Index base = bases[begin / vertex_grain];
+                        StarWorker worker(read, triangles, terms, stars, overrides, entangled,
+                                          options, corner_values);
+                        worker.run(begin, end, 0, results[begin / position_grain]);
+                    });
+    GroupTangents result;
+    std::vector<Index> bases(blocks + 1, 0);
+    for (std::size_t b = 0; b < blocks; ++b)
+        bases[b + 1] = bases[b] + Index(results[b].values.size());
+    result.values.reserve(bases[blocks] + 1);
+    for (const StarWorker::Block& block : results) {
+        result.values.insert(result.values.end(), block.values.begin(), block.values.end());
+        result.suspects.insert(result.suspects.end(), block.suspects.begin(), block.suspects.end());
+    }
+    parallel_blocks(stars.positions, position_grain, options.threads,
+                    [&](std::size_t begin, std::size_t end) {
+                        const Index base = bases[begin / position_grain];
                         for (Index i = stars.offsets[begin]; i < stars.offsets[end]; ++i) {
-                            Index& value = result.corner_values[stars.members[i]];
+                            const Index m = stars.members[i];
+                            Index& value = corner_values[3 * std::size_t(m >> 2) + (m & 3)];
                             if (value != no_index) value += base;
                         }
                     });

@@ -1,33 +1,41 @@
-// MikkTSpace's groups and their tangents: steps 5 to 7, vertex by vertex.
+// MikkTSpace's groups and their tangents: steps 5 to 8, vertex by vertex.
 //
-// A group lies at one welded vertex, and whether two triangles are neighbours over an edge at that
-// vertex can be told from the triangles around it alone. So every vertex is independent of the
-// others, but for triangles that group with anything: those take the orientation of the group that
-// reaches them first, in triangle order over the whole mesh. Vertices that such triangles touch are
-// grouped in that order beforehand; all others in parallel.
+// Every welded vertex is independent of the others, but for triangles that group with anything:
+// those take the orientation of the group that reaches them first, in triangle order over the whole
+// mesh. Vertices that such triangles touch are grouped in that order beforehand; all others in
+// parallel.
 #pragma once
 
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <vector>
 
-#include "prep/tangents.h"
-#include "tangent_mesh.h"
+#include "tangent_neighbours.h"
+#include "tangent_stars.h"
 
 namespace prep::detail {
 
-struct GroupFrame {  // what two results are compared by when the halves of a quad are averaged
-    glm::vec3 s, t;
-    float s_length, t_length;
-};
-
 struct GroupTangents {
-    std::vector<glm::vec4> values;   // tangent and the definition's sign
-    std::vector<GroupFrame> frames;  // parallel to values where the mesh has quads, else empty
-    std::vector<std::uint32_t> corner_values;  // per good triangle corner: into values, or no_index
+    // Tangent and w.
+    std::vector<glm::vec4> values;
+    // Triangle corners (as in TangentStars::members) whose value may be no frame, and those that no
+    // group reached; ascending by vertex. Only where `review` is set.
+    std::vector<std::uint32_t> suspects;
 };
 
-GroupTangents group_tangents(const TangentInput& input, const TangentMesh& mesh,
-                             const TangentOptions& options);
+struct GroupOptions {
+    double angular_threshold = 0;
+    float positive = 1;           // w where the definition's sign is +1
+    bool review = false;          // look for values that are no frames
+    bool bounded_effort = false;  // large stars in O(k log k), not with the definition's bits
+    int threads = 0;
+};
+
+// corner_values: three per triangle, into values; no_index where no group reached the corner (also
+// for degenerate triangles).
+GroupTangents group_tangents(const CornerReader& read, const TangentTriangles& triangles,
+                             const Terms& terms, const TangentStars& stars,
+                             const EdgeOverrides& overrides, const GroupOptions& options,
+                             std::span<std::uint32_t> corner_values);
 
 }  // namespace prep::detail

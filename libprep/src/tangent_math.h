@@ -2,11 +2,13 @@
 // be contracted, reassociated or replaced by reciprocal estimates: bits depend on it.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <glm/glm.hpp>
 #include <limits>
 
-namespace prep::detail::mikk {
+namespace prep::detail {
+namespace mikk {
 
 // "Zero" is up to the smallest normal float.
 inline bool not_zero(float x) {
@@ -30,10 +32,35 @@ inline glm::vec3 scaled(float s, const glm::vec3& v) {
 inline glm::vec3 normalized(const glm::vec3& v) {
     return scaled(1.0f / length(v), v);
 }
+inline glm::vec3 normalized_or_zero(const glm::vec3& v) {
+    return not_zero(v) ? normalized(v) : v;
+}
 // On the plane of n, then unit where that is possible.
 inline glm::vec3 projected(const glm::vec3& n, const glm::vec3& v) {
-    const glm::vec3 p = v - scaled(dot(n, v), n);
-    return not_zero(p) ? normalized(p) : p;
+    return normalized_or_zero(v - scaled(dot(n, v), n));
+}
+// The weight of a triangle at its corner p, between its edges to `a` and to `b`.
+inline float corner_angle(const glm::vec3& n, const glm::vec3& p, const glm::vec3& a,
+                          const glm::vec3& b) {
+    const float cosine = dot(projected(n, a - p), projected(n, b - p));
+    const float clamped = cosine > 1.0f ? 1.0f : cosine < -1.0f ? -1.0f : cosine;
+    return float(std::acos(double(clamped)));
 }
 
-}  // namespace prep::detail::mikk
+}  // namespace mikk
+
+// Normals up to 0.1 % from unit are used as they are (text files often keep four digits); others
+// are made unit first, because projecting on the plane of a normal of length 2 mirrors.
+inline bool far_from_unit(const glm::vec3& n) {
+    return !(std::abs(mikk::length_squared(n) - 1.0f) <= 2e-3f);
+}
+// Zero and non-finite ones stay what they are.
+inline glm::vec3 unit_normal(const glm::vec3& n) {
+    if (!far_from_unit(n)) return n;
+    const glm::dvec3 d(n);
+    const double largest = std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)});
+    if (!(largest > 0) || !std::isfinite(largest)) return n;
+    return glm::vec3(glm::normalize(d / largest));
+}
+
+}  // namespace prep::detail

@@ -1,0 +1,301 @@
+// The vector form of terms_scalar (tangent_terms.cpp): the same operations in the same order on
+// many triangles at once, so the same bits. Multiplications and additions stay separate, square
+// roots and quotients are true ones.
+#include "tangent_terms.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "simd/tangent_kernels.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include <cmath>
+#include <limits>
+
+HWY_BEFORE_NAMESPACE();
+namespace prep::detail::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+using Floats = hn::ScalableTag<float>;
+using Doubles = hn::ScalableTag<double>;
+using F = hn::Vec<Floats>;
+using D = hn::Vec<Doubles>;
+using Mask = hn::Mask<Floats>;
+
+struct Vec3 {
+    F x, y, z;
+};
+struct Vec2 {
+    F x, y;
+};
+
+HWY_INLINE F zero() {
+    return hn::Zero(Floats());
+}
+HWY_INLINE F set(float x) {
+    return hn::Set(Floats(), x);
+}
+HWY_INLINE Vec3 operator_sub(const Vec3& a, const Vec3& b) {
+    return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)};
+}
+HWY_INLINE Vec3 scaled(F s, const Vec3& v) {
+    return {hn::Mul(s, v.x), hn::Mul(s, v.y), hn::Mul(s, v.z)};
+}
+HWY_INLINE F dot(const Vec3& a, const Vec3& b) {
+    return hn::Add(hn::Add(hn::Mul(a.x, b.x), hn::Mul(a.y, b.y)), hn::Mul(a.z, b.z));
+}
+HWY_INLINE Mask not_zero(F x) {
+    return hn::Gt(hn::Abs(x), set(std::numeric_limits<float>::min()));
+}
+HWY_INLINE Mask not_zero(const Vec3& v) {
+    return hn::Or(hn::Or(not_zero(v.x), not_zero(v.y)), not_zero(v.z));
+}
+HWY_INLINE Vec3 off_normal(const Vec3& n, const Vec3& v) {
+    return operator_sub(v, scaled(dot(n, v), n));
+}
+HWY_INLINE Vec3 normalized_or_zero(const Vec3& v) {
+    const F inverse = hn::Div(set(1.0f), hn::Sqrt(dot(v, v)));
+    const Mask m = not_zero(v);
+    const Vec3 unit = scaled(inverse, v);
+    return {hn::IfThenElse(m, unit.x, v.x), hn::IfThenElse(m, unit.y, v.y),
+            hn::IfThenElse(m, unit.z, v.z)};
+}
+
+// acos in double to 4e-14 of its value: asin(z)/z = 1 + z² P(z²) for z² ≤ 1/4, P of degree 9 (a
+// Chebyshev fit, 1.5e-14 of the quotient), z = |x| or, above 1/2, √((1 − |x|)/2).
+HWY_INLINE D approximate_acos(D x) {
+    const Doubles d;
+    const auto c = [&](double value) { return hn::Set(d, value); };
+    const D ax = hn::Abs(x);
+    const auto big = hn::Gt(ax, c(0.5));
+    const D y = hn::IfThenElse(big, hn::Mul(hn::Sub(c(1.0), ax), c(0.5)), hn::Mul(x, x));
+    const D z = hn::IfThenElse(big, hn::Sqrt(y), ax);
+    const D y2 = hn::Mul(y, y), y4 = hn::Mul(y2, y2);
+    const D p01 = hn::MulAdd(y, c(0x1.33333335a9cd6p-4), c(0x1.5555555554f05p-3));
+    const D p23 = hn::MulAdd(y, c(0x1.f1c81c59ea536p-6), c(0x1.6db6d8e71341bp-5));
+    const D p45 = hn::MulAdd(y, c(0x1.1dc2ef640046fp-6), c(0x1.6e72146fda29ep-6));
+    const D p67 = hn::MulAdd(y, c(0x1.00d47e7966d94p-6), c(0x1.b02442413f6b9p-7));
+    const D p89 = hn::MulAdd(y, c(0x1.c93a92d53b4f2p-6), c(-0x1.815314c864b10p-9));
+    const D p03 = hn::MulAdd(y2, p23, p01), p47 = hn::MulAdd(y2, p67, p45);
+    const D p49 = hn::MulAdd(y4, p89, p47);
+    const D p = hn::MulAdd(y4, p49, p03);
+    const D s = hn::MulAdd(hn::Mul(z, y), p, z);  // asin(z)
+    constexpr double pi = 3.14159265358979323846;
+    const D twice = hn::Add(s, s);
+    const D from_big = hn::IfThenElse(hn::Lt(x, hn::Zero(d)), hn::Sub(c(pi), twice), twice);
+    return hn::IfThenElse(big, from_big, hn::Sub(c(0.5 * pi), hn::CopySign(s, x)));
+}
+
+// Is the value within 2^12 of its last places of the midpoint between two floats? Only there can
+// an error of 200 of them (4e-14) change what it rounds to.
+HWY_INLINE auto near_midpoint(D value) {
+    const hn::RebindToSigned<Doubles> di;
+    const auto low = hn::And(hn::BitCast(di, value), hn::Set(di, 0x1fffffff));
+    const auto off = hn::Abs(hn::Sub(low, hn::Set(di, 0x10000000)));
+    return hn::Lt(off, hn::Set(di, 0x1000));
+}
+
+// float(acos(double(x))) with the C library's bits, for x in [−1, 1]; NaN for NaN.
+HWY_INLINE F acos_rounded(F x) {
+    const Floats df;
+    const hn::Half<Floats> dh;
+    const Doubles dd;
+    const D low = approximate_acos(hn::PromoteTo(dd, hn::LowerHalf(dh, x)));
+    const D high = approximate_acos(hn::PromoteTo(dd, hn::UpperHalf(dh, x)));
+    const F result = hn::Combine(df, hn::DemoteTo(dh, high), hn::DemoteTo(dh, low));
+    const auto doubtful =
+        hn::Or(hn::VecFromMask(hn::RebindToSigned<Doubles>(), near_midpoint(low)),
+               hn::VecFromMask(hn::RebindToSigned<Doubles>(), near_midpoint(high)));
+    if (HWY_LIKELY(hn::AllTrue(hn::RebindToSigned<Doubles>(),
+                               hn::Eq(doubtful, hn::Zero(hn::RebindToSigned<Doubles>())))))
+        return result;
+    HWY_ALIGN float values[hn::MaxLanes(df)];
+    hn::Store(x, df, values);
+    for (float& value : values) value = float(std::acos(double(value)));
+    return hn::Load(df, values);
+}
+
+HWY_INLINE F corner_angle(const Vec3& n, const Vec3& to_previous, const Vec3& to_next) {
+    const F cosine = dot(normalized_or_zero(off_normal(n, to_previous)),
+                         normalized_or_zero(off_normal(n, to_next)));
+    const F one = set(1.0f), minus_one = set(-1.0f);
+    const F clamped = hn::IfThenElse(hn::Gt(cosine, one), one,
+                                     hn::IfThenElse(hn::Lt(cosine, minus_one), minus_one, cosine));
+    return acos_rounded(clamped);
+}
+
+using Codes = hn::Vec<hn::RebindToUnsigned<Floats>>;
+
+HWY_INLINE Codes bits_where(Mask m, std::uint32_t bits) {
+    const hn::RebindToUnsigned<Floats> du;
+    return hn::IfThenElseZero(hn::RebindMask(du, m), hn::Set(du, bits));
+}
+
+HWY_INLINE Codes directions(const Vec3& v, std::uint32_t first_bit) {
+    const hn::RebindToUnsigned<Floats> du;
+    const F length2 = dot(v, v);
+    const Mask usable = hn::And(hn::Gt(length2, set(1e-20f)), hn::Lt(length2, set(1e20f)));
+    const F bound = hn::Mul(set(0.0025f), length2), minus_bound = hn::Neg(bound);
+    Codes bits = hn::Zero(du);
+    const F components[3] = {v.x, v.y, v.z};
+    for (int k = 0; k < 3; ++k) {
+        const F square = hn::Mul(components[k], hn::Abs(components[k]));
+        bits = hn::Or(bits, bits_where(hn::Gt(square, bound), first_bit << k));
+        bits = hn::Or(bits, bits_where(hn::Lt(square, minus_bound), first_bit << (k + 3)));
+    }
+    return hn::IfThenElseZero(hn::RebindMask(du, usable), bits);
+}
+
+HWY_INLINE Mask equal(const Vec3& a, const Vec3& b) {
+    return hn::And(hn::And(hn::Eq(a.x, b.x), hn::Eq(a.y, b.y)), hn::Eq(a.z, b.z));
+}
+
+TermBlockResult terms(const TermBlock& block, std::size_t count, bool check_unit,
+                      CornerTerm* const planes[3]) {
+    const Floats df;
+    const hn::RebindToUnsigned<Floats> du;
+    const std::size_t lanes = hn::Lanes(df);
+    TermBlockResult result;
+    Mask far_from_unit = hn::MaskFromVec(zero()), nan = far_from_unit;
+    for (std::size_t i = 0; i < count; i += lanes) {
+        const auto load3 = [&](const float(*from)[TermBlock::size]) {
+            return Vec3{hn::Load(df, from[0] + i), hn::Load(df, from[1] + i),
+                        hn::Load(df, from[2] + i)};
+        };
+        const Vec3 p[3] = {load3(block.p[0]), load3(block.p[1]), load3(block.p[2])};
+        const auto load2 = [&](const float(*from)[TermBlock::size]) {
+            return Vec2{hn::Load(df, from[0] + i), hn::Load(df, from[1] + i)};
+        };
+        const Vec2 uv[3] = {load2(block.uv[0]), load2(block.uv[1]), load2(block.uv[2])};
+        const Mask inside = hn::FirstN(df, count - i);
+
+        const Vec3 d1 = operator_sub(p[1], p[0]), d2 = operator_sub(p[2], p[0]);
+        const F ax = hn::Sub(uv[1].x, uv[0].x), ay = hn::Sub(uv[1].y, uv[0].y);
+        const F bx = hn::Sub(uv[2].x, uv[0].x), by = hn::Sub(uv[2].y, uv[0].y);
+        const F area2 = hn::Sub(hn::Mul(ax, by), hn::Mul(ay, bx));
+        const Mask preserving = hn::Gt(area2, zero());
+        const Mask has_area = not_zero(area2);
+        const Vec3 raw_s = operator_sub(scaled(by, d1), scaled(ay, d2));
+        const Vec3 minus_t1 = scaled(hn::Neg(bx), d1), plus_t2 = scaled(ax, d2);
+        const Vec3 raw_t = {hn::Add(minus_t1.x, plus_t2.x), hn::Add(minus_t1.y, plus_t2.y),
+                            hn::Add(minus_t1.z, plus_t2.z)};
+        const F magnitude = hn::Abs(area2);
+        const F sign = hn::IfThenElse(preserving, set(1.0f), set(-1.0f));
+        const F s_length = hn::Sqrt(dot(raw_s, raw_s)), t_length = hn::Sqrt(dot(raw_t, raw_t));
+        const Mask s_set = not_zero(s_length), t_set = not_zero(t_length);
+        const F s_scale = hn::Div(sign, s_length), t_scale = hn::Div(sign, t_length);
+        const Vec3 long_s = scaled(s_scale, raw_s), long_t = scaled(t_scale, raw_t);
+        const Vec3 s = {hn::IfThenElseZero(s_set, long_s.x), hn::IfThenElseZero(s_set, long_s.y),
+                        hn::IfThenElseZero(s_set, long_s.z)};
+        const Vec3 t = {hn::IfThenElseZero(t_set, long_t.x), hn::IfThenElseZero(t_set, long_t.y),
+                        hn::IfThenElseZero(t_set, long_t.z)};
+        const Mask healthy = hn::And(has_area, hn::And(not_zero(hn::Div(s_length, magnitude)),
+                                                       not_zero(hn::Div(t_length, magnitude))));
+        const Mask degenerate =
+            hn::Or(equal(p[0], p[1]), hn::Or(equal(p[0], p[2]), equal(p[1], p[2])));
+        const Mask adds = hn::AndNot(degenerate, healthy);
+
+        Codes flags = bits_where(preserving, orientation_preserving);
+        flags = hn::Or(flags, bits_where(hn::Not(healthy), group_with_anything));
+        flags = hn::Or(flags, bits_where(degenerate, degenerate_triangle));
+        result.counts.degenerate += hn::CountTrue(df, hn::And(inside, degenerate));
+        result.counts.anything +=
+            hn::CountTrue(df, hn::And(inside, hn::AndNot(degenerate, hn::Not(healthy))));
+        result.counts.mirrored += hn::CountTrue(df, hn::And(inside, hn::AndNot(preserving, adds)));
+        const F uv_sum = hn::Add(hn::Add(hn::Add(uv[0].x, uv[0].y), hn::Add(uv[1].x, uv[1].y)),
+                                 hn::Add(uv[2].x, uv[2].y));
+        Mask lane_nan = hn::IsNaN(uv_sum);
+
+        const Vec3 d12 = operator_sub(p[2], p[1]);
+        const Vec3 edges[3][2] = {
+            {d2, d1},
+            {operator_sub(p[0], p[1]), d12},
+            {operator_sub(p[1], p[2]), operator_sub(p[0], p[2])},
+        };
+        const F minus_zero = set(-0.0f);
+        for (int k = 0; k < 3; ++k) {
+            const Vec3 n = load3(block.n[k]);
+            if (check_unit) {
+                const F off = hn::Abs(hn::Sub(dot(n, n), set(1.0f)));
+                far_from_unit = hn::Or(far_from_unit, hn::AndNot(hn::Le(off, set(2e-3f)), inside));
+            }
+            const F angle = corner_angle(n, edges[k][0], edges[k][1]);
+            lane_nan = hn::Or(lane_nan, hn::IsNaN(angle));
+            const Vec3 on_s = off_normal(n, s);
+            const Vec3 weighted = scaled(angle, normalized_or_zero(on_s));
+            const Codes own = hn::Or(directions(on_s, 1), directions(off_normal(n, t), 1u << 6));
+            const Codes code = hn::Or(
+                flags, hn::IfThenElse(hn::RebindMask(du, adds), own,
+                                      hn::Set(du, std::uint32_t(s_directions | t_directions))));
+            hn::StoreInterleaved4(hn::IfThenElse(adds, weighted.x, minus_zero),
+                                  hn::IfThenElse(adds, weighted.y, minus_zero),
+                                  hn::IfThenElse(adds, weighted.z, minus_zero),
+                                  hn::BitCast(df, code), df, &planes[k][i].x);
+        }
+        nan = hn::Or(nan, hn::And(inside, lane_nan));
+    }
+    result.far_from_unit = !hn::AllFalse(df, far_from_unit);
+    result.counts.nan = !hn::AllFalse(df, nan);
+    return result;
+}
+
+}  // namespace prep::detail::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace prep {
+namespace detail {
+namespace {
+
+// What this build has kernels for and this machine can run.
+std::int64_t usable_targets() {
+    return HWY_TARGETS & hwy::SupportedTargets();
+}
+
+}  // namespace
+
+TermKernel term_kernel(SimdLevel level) {
+    const std::int64_t usable = usable_targets();
+    (void)usable;
+    const bool any = level == SimdLevel::automatic;
+#if HWY_TARGETS & HWY_AVX3
+    if ((any || level == SimdLevel::avx512) && (usable & HWY_AVX3)) return N_AVX3::terms;
+#endif
+#if HWY_TARGETS & HWY_AVX2
+    if ((any || level == SimdLevel::avx2) && (usable & HWY_AVX2)) return N_AVX2::terms;
+#endif
+#if HWY_TARGETS & HWY_SSE4
+    if ((any || level == SimdLevel::sse4) && (usable & HWY_SSE4)) return N_SSE4::terms;
+#endif
+    return terms_scalar;
+}
+
+}  // namespace detail
+
+bool simd_available(SimdLevel level) {
+    switch (level) {
+        case SimdLevel::automatic:
+        case SimdLevel::scalar:
+            return true;
+        default:
+            return detail::term_kernel(level) != detail::terms_scalar;
+    }
+}
+
+std::string_view to_string(SimdLevel level) {
+    switch (level) {
+        case SimdLevel::automatic:
+            return "automatic";
+        case SimdLevel::scalar:
+            return "scalar";
+        case SimdLevel::sse4:
+            return "sse4";
+        case SimdLevel::avx2:
+            return "avx2";
+        case SimdLevel::avx512:
+            return "avx512";
+    }
+    return "?";
+}
+
+}  // namespace prep
+#endif

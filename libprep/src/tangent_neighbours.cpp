@@ -1,0 +1,140 @@
+#include "tangent_neighbours.h"
+
+#include <hwy/highway.h>
+
+#include <algorithm>
+
+namespace prep::detail {
+namespace {
+
+using Index = std::uint32_t;
+// Up to this many triangles at a vertex neighbours are searched one by one, above it by sorting.
+constexpr std::size_t small_star = 24;
+
+}  // namespace
+
+const EdgeOverrides::Entry* EdgeOverrides::find(Index half_edge) const {
+    const auto at =
+        std::lower_bound(entries.begin(), entries.end(), half_edge,
+                         [](const Entry& e, Index wanted) { return e.half_edge < wanted; });
+    return at != entries.end() && at->half_edge == half_edge ? &*at : nullptr;
+}
+
+void Neighbours::find(const TangentStars& stars, std::span<const Index> star,
+                      const EdgeOverrides& overrides) {
+    const std::size_t n = star.size();
+    leaving_.assign(n, no_index);
+    entering_.assign(n, no_index);
+    next_.resize(n);
+    previous_.resize(n);
+    for (std::size_t i = 0; i < n; ++i) {
+        next_[i] = stars.vertex(next_corner(star[i]));
+        previous_[i] = stars.vertex(previous_corner(star[i]));
+    }
+    if (n <= small_star)
+        search();
+    else
+        sort();
+    if (!overrides.empty() && std::binary_search(overrides.vertices.begin(),
+                                                 overrides.vertices.end(), stars.vertex(star[0])))
+        apply(star, overrides);
+}
+
+void Neighbours::link(std::size_t leaves, std::size_t enters) {
+    leaving_[leaves] = Index(enters);
+    entering_[enters] = Index(leaves);
+}
+
+void Neighbours::search() {
+    const std::size_t n = next_.size();
+    for (std::size_t i = 0; i < n; ++i) {
+        for (std::size_t j = 0; j < n; ++j) {
+            if (previous_[j] == next_[i] && entering_[j] == no_index) {
+                link(i, j);
+                break;
+            }
+        }
+    }
+}
+
+void Neighbours::sort() {
+    const std::size_t n = next_.size();
+    const auto order_by = [n](const std::vector<Index>& key, std::vector<Index>& order) {
+        order.resize(n);
+        for (std::size_t i = 0; i < n; ++i) order[i] = Index(i);
+        std::sort(order.begin(), order.end(),
+                  [&](Index a, Index b) { return key[a] != key[b] ? key[a] < key[b] : a < b; });
+    };
+    order_by(next_, by_next_);
+    order_by(previous_, by_previous_);
+    for (std::size_t i = 0, j = 0; i < n && j < n;) {
+        const Index a = next_[by_next_[i]], b = previous_[by_previous_[j]];
+        if (a < b) {
+            ++i;
+        } else if (b < a) {
+            ++j;
+        } else {
+            link(by_next_[i++], by_previous_[j++]);
+        }
+    }
+}
+
+void Neighbours::apply(std::span<const Index> star, const EdgeOverrides& overrides) {
+    const auto place = [&](Index member) {
+        return Index(std::lower_bound(star.begin(), star.end(), member) - star.begin());
+    };
+    for (std::size_t i = 0; i < star.size(); ++i) {
+        if (const auto* e = overrides.find(star[i]))
+            leaving_[i] = e->mate == no_index ? no_index : place(next_corner(e->mate));
+        if (const auto* e = overrides.find(previous_corner(star[i])))
+            entering_[i] = e->mate == no_index ? no_index : place(e->mate);
+    }
+}
+
+bool is_fan(Index* next, Index* previous, std::size_t count) {
+    namespace hn = hwy::HWY_NAMESPACE;
+    const hn::CappedTag<Index, 4> d;
+    constexpr std::size_t lanes = hn::MaxLanes(d);
+    // Sentinels that nothing equals: vertices are below no_index.
+    const std::size_t padded = (count + 3) / 4 * 4;
+    for (std::size_t i = count; i < padded; ++i) next[i] = no_index;
+
+    // successor[i]: the last j whose edge enters from where i's leaves to; `count` if there is
+    // none.
+    alignas(16) Index successor[most_fan_members];
+    auto ambiguous = hn::Zero(d);
+    for (std::size_t i = 0; i < padded; i += lanes) {
+        const auto wanted = hn::LoadU(d, next + i);
+        auto found = hn::Set(d, Index(count)), matches = hn::Zero(d);
+        for (std::size_t j = 0; j < count; ++j) {
+            const auto equal = hn::Eq(wanted, hn::Set(d, previous[j]));
+            found = hn::IfThenElse(equal, hn::Set(d, Index(j)), found);
+            matches = hn::Sub(matches, hn::VecFromMask(d, equal));
+        }
+        ambiguous = hn::Or(ambiguous, hn::ShiftRight<1>(matches));
+        hn::Store(found, d, successor + i);
+    }
+    if (!hn::AllTrue(d, hn::Eq(ambiguous, hn::Zero(d)))) return false;
+
+    // A walk that comes back to the first member after `count` steps has met each member once.
+    Index at = 0;
+    std::size_t steps = 0;
+    do {
+        at = successor[at];
+        ++steps;
+    } while (at != 0 && at != count && steps < count);
+    if (at == 0) return steps == count;
+    if (at != count) return false;
+    // An open fan: `steps` members from the first one on, the others must lead to it.
+    Index predecessor[most_fan_members];
+    std::fill_n(predecessor, count, no_index);
+    for (Index i = 0; i < count; ++i) {
+        if (successor[i] == count) continue;
+        if (predecessor[successor[i]] != no_index) return false;
+        predecessor[successor[i]] = i;
+    }
+    for (at = predecessor[0]; at != no_index && steps < count; at = predecessor[at]) ++steps;
+    return steps == count && at == no_index;
+}
+
+}  // namespace prep::detail

@@ -1,0 +1,66 @@
+// The triangles around each welded vertex: step 2 of the definition, and what step 5 needs.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "scratch_buffer.h"
+#include "tangent_terms.h"
+
+namespace prep::detail {
+
+// A triangle's corner: four times the triangle plus 0, 1 or 2.
+inline std::uint32_t next_corner(std::uint32_t member) {
+    return (member & 3) == 2 ? member - 2 : member + 1;
+}
+inline std::uint32_t previous_corner(std::uint32_t member) {
+    return (member & 3) == 0 ? member + 2 : member - 1;
+}
+
+// Triangle corners by position; a position whose corners differ in normal or UV is several welded
+// vertices ("split"), one behind the other in its range. Degenerate triangles are left out.
+struct TangentStars {
+    // Positions + 1. Position v's members are members[offsets[v]] … members[offsets[v + 1] − 1], by
+    // welded vertex (in the order of their first members), ascending within one.
+    ScratchBuffer<std::uint32_t> offsets;
+    ScratchBuffer<std::uint32_t> members;
+    std::size_t positions = 0;
+
+    // The name of a triangle corner's welded vertex: equal for corners of one, different for
+    // others. For all but later parts of split positions it is the position (the lowest equal one).
+    std::uint32_t vertex(std::uint32_t member) const {
+        return vertices[3 * std::size_t(member >> 2) + (member & 3)];
+    }
+    std::span<const std::uint32_t> vertices;  // three per triangle
+
+    // Calls body(members) for every welded vertex of positions [begin, end).
+    template <class Body>
+    void for_each(std::size_t begin, std::size_t end, const Body& body) const {
+        for (std::size_t v = begin; v < end; ++v) {
+            std::uint32_t first = offsets[v];
+            const std::uint32_t last = offsets[v + 1];
+            if (first == last) continue;
+            if (!split[v]) {
+                body(std::span(members.data() + first, last - first));
+                continue;
+            }
+            while (first < last) {
+                const std::uint32_t name = vertex(members[first]);
+                std::uint32_t stop = first + 1;
+                while (stop < last && vertex(members[stop]) == name) ++stop;
+                body(std::span(members.data() + first, stop - first));
+                first = stop;
+            }
+        }
+    }
+
+    ScratchBuffer<std::uint8_t> split;  // per position
+    ScratchBuffer<std::uint32_t> own_vertices;
+};
+
+// `lowest`: see equal_positions (tangent_weld.h).
+TangentStars tangent_stars(const CornerReader& read, const TangentTriangles& triangles,
+                           const Terms& terms, std::span<const std::uint32_t> lowest, int threads);
+
+}  // namespace prep::detail

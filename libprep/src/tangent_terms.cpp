@@ -1,0 +1,211 @@
+#include "tangent_terms.h"
+
+#include <atomic>
+#include <mutex>
+
+#include "parallel.h"
+#include "tangent_math.h"
+
+namespace prep::detail {
+namespace {
+
+using Index = std::uint32_t;
+// A multiple of TermBlock::size, about 1 ms of work.
+constexpr std::size_t triangle_grain = 128 * TermBlock::size;
+
+// See TermCode. Below the first bound squares lose their precision; above the second they overflow.
+std::uint32_t directions(const glm::vec3& v) {
+    const float length2 = mikk::length_squared(v);
+    if (!(length2 > 1e-20f && length2 < 1e20f)) return 0;
+    const float bound = 0.0025f * length2;
+    std::uint32_t bits = 0;
+    for (int k = 0; k < 3; ++k) {
+        const float square = v[k] * std::abs(v[k]);
+        bits |= (square > bound ? 1u : 0u) << k | (square < -bound ? 1u : 0u) << (k + 3);
+    }
+    return bits;
+}
+
+glm::vec3 off_normal(const glm::vec3& n, const glm::vec3& v) {
+    return v - mikk::scaled(mikk::dot(n, v), n);
+}
+
+void stage(const CornerReader& read, const TangentTriangles& triangles, std::size_t first,
+           std::size_t count, TermBlock& block) {
+    for (std::size_t i = 0; i < count; ++i) {
+        for (std::size_t k = 0; k < 3; ++k) {
+            const Index corner = read.source(triangles.corner(first + i, k));
+            const glm::vec3& p = read.in.positions[read.in.corner_vertices[corner]];
+            for (int d = 0; d < 3; ++d) block.p[k][d][i] = p[d];
+            const Index n = read.in.normals.indices[corner];
+            const Index t = read.in.uv.indices[corner];
+            if (n == no_index || t == no_index) {
+                const glm::vec3 normal = read.normal(corner);
+                const glm::vec2 uv = read.uv(corner);
+                for (int d = 0; d < 3; ++d) block.n[k][d][i] = normal[d];
+                for (int d = 0; d < 2; ++d) block.uv[k][d][i] = uv[d];
+            } else {
+                const glm::vec3& normal = read.in.normals.values[n];
+                const glm::vec2& uv = read.in.uv.values[t];
+                for (int d = 0; d < 3; ++d) block.n[k][d][i] = normal[d];
+                for (int d = 0; d < 2; ++d) block.uv[k][d][i] = uv[d];
+            }
+        }
+    }
+}
+
+void make_normals_unit(std::size_t count, TermBlock& block) {
+    for (auto& corner : block.n) {
+        for (std::size_t i = 0; i < count; ++i) {
+            const glm::vec3 n = unit_normal({corner[0][i], corner[1][i], corner[2][i]});
+            for (int d = 0; d < 3; ++d) corner[d][i] = n[d];
+        }
+    }
+}
+
+float uv_area2(const CornerReader& read, const TangentTriangles& triangles, std::size_t t) {
+    const glm::vec2 t0 = read.uv(triangles.corner(t, 0));
+    const glm::vec2 a = read.uv(triangles.corner(t, 1)) - t0;
+    const glm::vec2 b = read.uv(triangles.corner(t, 2)) - t0;
+    return a.x * b.y - a.y * b.x;
+}
+
+// The halves of a quad must agree on their orientation: the one of the larger UV area decides.
+void settle_quads(const CornerReader& read, const TangentTriangles& triangles, Terms& terms) {
+    const auto set = [&](std::size_t t, std::uint32_t keep, std::uint32_t bits) {
+        for (auto& plane : terms.planes) plane[t].code = (plane[t].code & keep) | bits;
+    };
+    for (std::size_t t = 0; t < triangles.count; ++t) {
+        if (triangles.halves[t] == 0) continue;
+        set(t, ~0u, triangles.halves[t] == 1 ? quad_first : quad_second);
+        if (triangles.halves[t] == 1) continue;
+        const std::uint32_t first = terms.flags(t - 1), second = terms.flags(t);
+        if ((first ^ second) & degenerate_triangle) {
+            set(t - 1, ~0u, half_degenerate_quad);
+            set(t, ~0u, half_degenerate_quad);
+        }
+        if ((first | second) & degenerate_triangle) continue;
+        if (((first ^ second) & orientation_preserving) == 0) continue;
+        const bool first_decides =
+            (second & group_with_anything) ||
+            std::abs(uv_area2(read, triangles, t - 1)) >= std::abs(uv_area2(read, triangles, t));
+        const std::uint32_t orientation = (first_decides ? first : second) & orientation_preserving;
+        set(t - 1, ~std::uint32_t(orientation_preserving), orientation);
+        set(t, ~std::uint32_t(orientation_preserving), orientation);
+    }
+}
+
+}  // namespace
+
+TriangleFrame triangle_frame(const glm::vec3 p[3], const glm::vec2 uv[3]) {
+    TriangleFrame frame;
+    const glm::vec3 d1 = p[1] - p[0], d2 = p[2] - p[0];
+    const glm::vec2 a = uv[1] - uv[0], b = uv[2] - uv[0];
+    const float area2 = a.x * b.y - a.y * b.x;
+    frame.preserving = area2 > 0;
+    if (!mikk::not_zero(area2)) return frame;
+    const glm::vec3 s = mikk::scaled(b.y, d1) - mikk::scaled(a.y, d2);
+    const glm::vec3 t = mikk::scaled(-b.x, d1) + mikk::scaled(a.x, d2);
+    const float magnitude = std::abs(area2), sign = area2 > 0 ? 1.0f : -1.0f;
+    const float s_length = mikk::length(s), t_length = mikk::length(t);
+    if (mikk::not_zero(s_length)) frame.s = mikk::scaled(sign / s_length, s);
+    if (mikk::not_zero(t_length)) frame.t = mikk::scaled(sign / t_length, t);
+    frame.s_length = s_length / magnitude;
+    frame.t_length = t_length / magnitude;
+    frame.healthy = mikk::not_zero(frame.s_length) && mikk::not_zero(frame.t_length);
+    return frame;
+}
+
+TriangleFrame triangle_frame(const CornerReader& read, const TangentTriangles& triangles,
+                             std::size_t triangle) {
+    glm::vec3 p[3];
+    glm::vec2 uv[3];
+    for (std::size_t k = 0; k < 3; ++k) {
+        p[k] = read.position(triangles.corner(triangle, k));
+        uv[k] = read.uv(triangles.corner(triangle, k));
+    }
+    return triangle_frame(p, uv);
+}
+
+TermBlockResult terms_scalar(const TermBlock& block, std::size_t count, bool check_unit,
+                             CornerTerm* const planes[3]) {
+    TermBlockResult result;
+    for (std::size_t i = 0; i < count; ++i) {
+        glm::vec3 p[3], n[3];
+        glm::vec2 uv[3];
+        for (int k = 0; k < 3; ++k) {
+            p[k] = {block.p[k][0][i], block.p[k][1][i], block.p[k][2][i]};
+            n[k] = {block.n[k][0][i], block.n[k][1][i], block.n[k][2][i]};
+            uv[k] = {block.uv[k][0][i], block.uv[k][1][i]};
+            if (check_unit && far_from_unit(n[k])) result.far_from_unit = true;
+        }
+        const TriangleFrame frame = triangle_frame(p, uv);
+        std::uint32_t flags = frame.preserving ? orientation_preserving : 0u;
+        if (!frame.healthy) flags |= group_with_anything;
+        if (p[0] == p[1] || p[0] == p[2] || p[1] == p[2]) {
+            flags |= degenerate_triangle;
+            ++result.counts.degenerate;
+        } else if (!frame.healthy) {
+            ++result.counts.anything;
+        } else if (!frame.preserving) {
+            ++result.counts.mirrored;
+        }
+        bool nan = std::isnan(uv[0].x + uv[0].y + uv[1].x + uv[1].y + uv[2].x + uv[2].y);
+        for (int k = 0; k < 3; ++k) {
+            CornerTerm& term = planes[k][i];
+            const float angle = mikk::corner_angle(n[k], p[k], p[(k + 2) % 3], p[(k + 1) % 3]);
+            nan |= std::isnan(angle);
+            if (flags & (group_with_anything | degenerate_triangle)) {
+                term = {-0.0f, -0.0f, -0.0f, flags | s_directions | t_directions};
+                continue;
+            }
+            const glm::vec3 s = off_normal(n[k], frame.s);
+            const glm::vec3 weighted = mikk::scaled(angle, mikk::normalized_or_zero(s));
+            term = {weighted.x, weighted.y, weighted.z,
+                    flags | directions(s) | directions(off_normal(n[k], frame.t)) << 6};
+        }
+        result.counts.nan |= nan;
+    }
+    return result;
+}
+
+Terms compute_terms(const CornerReader& read, const TangentTriangles& triangles,
+                    const TangentOptions& options) {
+    Terms terms;
+    // Kernels write whole vectors.
+    const std::size_t padded =
+        (triangles.count + TermBlock::size - 1) / TermBlock::size * TermBlock::size;
+    for (auto& plane : terms.planes) plane = ScratchBuffer<CornerTerm>(padded);
+    const TermKernel kernel = term_kernel(options.simd);
+    const bool check_unit = options.mode == TangentMode::mikktspace;
+    std::mutex merging;
+    parallel_blocks(triangles.count, triangle_grain, options.threads,
+                    [&](std::size_t begin, std::size_t end) {
+                        TermBlock block{};
+                        TermCounts counts;
+                        for (std::size_t t = begin; t < end; t += TermBlock::size) {
+                            const std::size_t count = std::min(TermBlock::size, end - t);
+                            stage(read, triangles, t, count, block);
+                            CornerTerm* const planes[3] = {&terms.planes[0][t], &terms.planes[1][t],
+                                                           &terms.planes[2][t]};
+                            TermBlockResult done = kernel(block, count, check_unit, planes);
+                            if (done.far_from_unit) {
+                                make_normals_unit(count, block);
+                                done = kernel(block, count, false, planes);
+                            }
+                            counts.mirrored += done.counts.mirrored;
+                            counts.anything += done.counts.anything;
+                            counts.degenerate += done.counts.degenerate;
+                            counts.nan |= done.counts.nan;
+                        }
+                        const std::lock_guard lock(merging);
+                        terms.counts.mirrored += counts.mirrored;
+                        terms.counts.anything += counts.anything;
+                        terms.counts.degenerate += counts.degenerate;
+                        terms.counts.nan |= counts.nan;
+                    });
+    if (!triangles.halves.empty()) settle_quads(read, triangles, terms);
+    return terms;
+}
+
+}  // namespace prep::detail

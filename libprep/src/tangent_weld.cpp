@@ -1,0 +1,109 @@
+#include "tangent_weld.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <utility>
+
+#include "parallel.h"
+#include "prep/mesh.h"
+#include "scratch_buffer.h"
+
+namespace prep::detail {
+namespace {
+
+using Index = std::uint32_t;
+constexpr std::size_t position_grain = 32768;
+// Positions per part: its table (twice as many entries of 8 bytes) stays in the first-level cache.
+constexpr std::size_t part_size = 1024;
+constexpr std::size_t most_parts = 2048;
+
+struct Entry {
+    Index hash, position;
+};
+
+// Adding 0 turns −0 into 0 and changes nothing else.
+std::uint64_t hash_of(const glm::vec3& p) {
+    const auto x = std::bit_cast<Index>(p.x + 0.0f), y = std::bit_cast<Index>(p.y + 0.0f),
+               z = std::bit_cast<Index>(p.z + 0.0f);
+    std::uint64_t h = (std::uint64_t(x) << 32 | y) * 0x9e3779b97f4a7c15u;
+    h ^= h >> 32;
+    h = (h + z) * 0xd6e8feb86659fd93u;
+    h ^= h >> 32;
+    return h * 0xd6e8feb86659fd93u;  // the upper bits depend on everything
+}
+
+bool is_number(const glm::vec3& p) {
+    return !(std::isnan(p.x) || std::isnan(p.y) || std::isnan(p.z));
+}
+
+}  // namespace
+
+std::vector<Index> equal_positions(std::span<const glm::vec3> positions, int threads) {
+    const std::size_t n = positions.size();
+    if (n < 2) return {};
+    const int part_bits =
+        std::countr_zero(std::min(most_parts, std::bit_ceil((n + part_size - 1) / part_size)));
+    const std::size_t parts = std::size_t(1) << part_bits;
+    const std::size_t blocks = (n + position_grain - 1) / position_grain;
+    const auto part_of = [&](Index hash) { return part_bits == 0 ? 0 : hash >> (32 - part_bits); };
+
+    // A stable sort by part: blocks in order within a part.
+    ScratchBuffer<Index> hashes(n);
+    std::vector<Index> starts(parts * blocks + 1, 0);
+    parallel_blocks(n, position_grain, threads, [&](std::size_t begin, std::size_t end) {
+        std::vector<Index> counts(parts, 0);
+        for (std::size_t i = begin; i < end; ++i) {
+            hashes[i] = Index(hash_of(positions[i]) >> 32);
+            ++counts[part_of(hashes[i])];
+        }
+        const std::size_t block = begin / position_grain;
+        for (std::size_t p = 0; p < parts; ++p) starts[p * blocks + block] = counts[p];
+    });
+    Index total = 0;
+    for (Index& start : starts) start = std::exchange(total, total + start);
+    ScratchBuffer<Entry> entries(n);
+    parallel_blocks(n, position_grain, threads, [&](std::size_t begin, std::size_t end) {
+        const std::size_t block = begin / position_grain;
+        std::vector<Index> cursors(parts);
+        for (std::size_t p = 0; p < parts; ++p) cursors[p] = starts[p * blocks + block];
+        for (std::size_t i = begin; i < end; ++i)
+            entries[cursors[part_of(hashes[i])]++] = {hashes[i], Index(i)};
+    });
+
+    std::vector<std::vector<Entry>> equals(parts);  // {lowest, equal to it}
+    parallel_blocks(parts, 16, threads, [&](std::size_t first, std::size_t last) {
+        std::vector<Entry> table;
+        for (std::size_t p = first; p < last; ++p) {
+            const Index begin = starts[p * blocks], end = starts[(p + 1) * blocks];
+            const std::size_t capacity = std::bit_ceil(std::size_t(end - begin) * 2 + 1);
+            table.assign(capacity, {0, no_index});
+            for (Index e = begin; e < end; ++e) {
+                const Entry entry = entries[e];
+                std::size_t slot = entry.hash & (capacity - 1);
+                for (;; slot = (slot + 1) & (capacity - 1)) {
+                    if (table[slot].position == no_index) {
+                        if (is_number(positions[entry.position])) table[slot] = entry;
+                        break;
+                    }
+                    if (table[slot].hash == entry.hash &&
+                        positions[table[slot].position] == positions[entry.position]) {
+                        equals[p].push_back({table[slot].position, entry.position});
+                        break;
+                    }
+                }
+            }
+        }
+    });
+
+    bool any = false;
+    for (const auto& list : equals) any |= !list.empty();
+    if (!any) return {};
+    std::vector<Index> lowest(n);
+    for (Index i = 0; i < n; ++i) lowest[i] = i;
+    for (const auto& list : equals)
+        for (const Entry& e : list) lowest[e.position] = e.hash;
+    return lowest;
+}
+
+}  // namespace prep::detail

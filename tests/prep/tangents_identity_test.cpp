@@ -1,0 +1,123 @@
+// The same bytes whatever the threads, the instruction set and the way the input is indexed.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+
+#include "corner_soup.h"
+
+namespace {
+
+using prep::SimdLevel;
+using prep::TangentMode;
+using test::CornerSoup;
+
+// A wavy grid with a UV seam, a mirrored half and a patch without UVs: everything that smooth
+// meshes have, over several blocks of work.
+CornerSoup wavy_grid(int n) {
+    const auto vertex = [&](int i, int j, bool mirrored, CornerSoup& soup) {
+        const float x = float(i) / float(n), y = float(j) / float(n);
+        const float a = 9 * x, b = 7 * y;
+        glm::vec3 normal(-0.9f * std::cos(a) * std::cos(b), 0.7f * std::sin(a) * std::sin(b), 1.0f);
+        normal = normal / std::sqrt(normal.x * normal.x + normal.y * normal.y + 1.0f);
+        glm::vec2 uv(mirrored ? 1 - x : x, y);
+        if (i > n / 5 && i < n / 4 && j > n / 5 && j < n / 4) uv = glm::vec2(0.25f);
+        soup.add({x, y, 0.1f * std::sin(a) * std::cos(b)}, normal, uv);
+    };
+    CornerSoup soup;
+    for (int i = 0; i < n; ++i) {
+        for (int j = 0; j < n; ++j) {
+            const bool mirrored = i >= n / 2;
+            vertex(i, j, mirrored, soup);
+            vertex(i + 1, j, mirrored, soup);
+            vertex(i + 1, j + 1, mirrored, soup);
+            soup.end_face();
+            vertex(i, j, mirrored, soup);
+            vertex(i + 1, j + 1, mirrored, soup);
+            vertex(i, j + 1, mirrored, soup);
+            soup.end_face();
+        }
+    }
+    return soup;
+}
+
+void expect_same(const prep::CornerTangents& got, const prep::CornerTangents& want) {
+    ASSERT_EQ(got.tangents.indices, want.tangents.indices);
+    ASSERT_EQ(got.tangents.values.size(), want.tangents.values.size());
+    EXPECT_EQ(std::memcmp(got.tangents.values.data(), want.tangents.values.data(),
+                          sizeof(glm::vec4) * got.tangents.values.size()),
+              0);
+    ASSERT_EQ(got.fallbacks.size(), want.fallbacks.size());
+    for (std::size_t i = 0; i < got.fallbacks.size(); ++i) {
+        EXPECT_EQ(got.fallbacks[i].corner, want.fallbacks[i].corner);
+        EXPECT_EQ(got.fallbacks[i].fault, want.fallbacks[i].fault);
+        EXPECT_EQ(got.fallbacks[i].source, want.fallbacks[i].source);
+    }
+    EXPECT_EQ(got.mirrored_triangles, want.mirrored_triangles);
+    EXPECT_EQ(got.degenerate_triangles, want.degenerate_triangles);
+}
+
+void expect_same_corners(const prep::CornerTangents& got, const prep::CornerTangents& want) {
+    const auto a = test::flattened(got), b = test::flattened(want);
+    ASSERT_EQ(a.size(), b.size());
+    for (std::size_t c = 0; c < a.size(); ++c)
+        ASSERT_EQ(std::memcmp(&a[c], &b[c], sizeof a[c]), 0) << "corner " << c;
+}
+
+prep::CornerTangents tangents(const prep::TangentInput& input, TangentMode mode, int threads,
+                              SimdLevel simd) {
+    prep::TangentOptions options;
+    options.mode = mode;
+    options.threads = threads;
+    options.simd = simd;
+    auto result = prep::corner_tangents(input, options);
+    EXPECT_TRUE(result.has_value());
+    return *std::move(result);
+}
+
+TEST(TangentsIdentity, SameForAnyThreadCountAndInstructionSet) {
+    const CornerSoup soup = wavy_grid(110);
+    const auto indexed = test::share_values(soup);
+    for (const TangentMode mode :
+         {TangentMode::mikktspace, TangentMode::definition, TangentMode::mikktspace_exact}) {
+        const auto want = tangents(soup.input(), mode, 1, SimdLevel::scalar);
+        const auto want_indexed = tangents(indexed.input(), mode, 1, SimdLevel::scalar);
+        expect_same_corners(want_indexed, want);
+        for (const SimdLevel simd : {SimdLevel::scalar, SimdLevel::sse4, SimdLevel::avx2,
+                                     SimdLevel::avx512, SimdLevel::automatic}) {
+            SCOPED_TRACE(to_string(simd));
+            if (!prep::simd_available(simd)) continue;
+            for (const int threads : {1, 2, 3, 8, 0}) {
+                SCOPED_TRACE(threads);
+                expect_same(tangents(soup.input(), mode, threads, simd), want);
+                expect_same(tangents(indexed.input(), mode, threads, simd), want_indexed);
+            }
+        }
+    }
+}
+
+TEST(TangentsIdentity, SameOnHostileSoups) {
+    for (std::uint32_t seed = 0; seed < 600; ++seed) {
+        SCOPED_TRACE("seed " + std::to_string(seed));
+        std::mt19937 random(seed);
+        test::HostileOptions hostile;
+        hostile.quads = seed & 1;
+        hostile.minus_zeros = seed & 2;
+        hostile.nans = seed & 4;
+        hostile.odd_scales = seed & 8;
+        const CornerSoup soup = test::hostile_soup(random, hostile);
+        const auto indexed = test::share_values(soup);
+        for (const TangentMode mode : {TangentMode::mikktspace, TangentMode::definition}) {
+            const auto want = tangents(soup.input(), mode, 1, SimdLevel::scalar);
+            for (const SimdLevel simd : {SimdLevel::sse4, SimdLevel::avx2, SimdLevel::avx512}) {
+                if (prep::simd_available(simd))
+                    expect_same(tangents(soup.input(), mode, 2, simd), want);
+            }
+            if (!hostile.nans)
+                expect_same_corners(tangents(indexed.input(), mode, 2, SimdLevel::automatic), want);
+            if (testing::Test::HasFailure()) return;
+        }
+    }
+}
+
+}  // namespace
