@@ -7,6 +7,7 @@
 #include "prep/io.h"
 #include "prep/mesh_files.h"
 #include "prep/obj.h"
+#include "prep/scene_json.h"
 
 namespace prep {
 namespace {
@@ -44,6 +45,11 @@ Result<Scene> load_by_ending(const std::string& ending, const std::filesystem::p
         if (ending == ".stl") return parse_stl(*bytes, name);
         if (ending == ".off") return parse_off(*bytes, name);
         return detail::load_om(*bytes, path);
+    }
+    if (ending == ".json") {
+        auto loaded = load_scene_json(path, options);
+        if (!loaded) return loaded.error();
+        return std::move(loaded->scene);
     }
     if (detail::assimp_reads(ending)) return detail::load_with_assimp(path);
     return Error{ErrorCode::unsupported,
