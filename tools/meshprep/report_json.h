@@ -1,0 +1,31 @@
+// The JSON forms that several subcommands print.
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "prep/findings.h"
+#include "prep/prepare.h"
+#include "prep/result.h"
+
+namespace meshprep {
+
+using Json = nlohmann::ordered_json;
+
+// {"code": "syntax", "text": …, "place": …}
+Json to_json(const prep::Error& error);
+Json to_json(const prep::Finding& finding, const prep::Scene& scene);
+Json to_json(const prep::StageReport& stage);
+Json to_json(const prep::SplitCounts& splits);
+
+// The document's head: command and version.
+Json json_head(const char* command);
+// Strings from files may hold bytes that are not UTF-8: they are replaced, never an error.
+std::string json_text(const Json& json);
+
+const char* severity_name(prep::Severity severity);
+const char* place_name(prep::PlaceKind kind);
+
+// The reasons that occur, in words, with their counts.
+std::vector<std::pair<const char*, std::uint64_t>> split_list(const prep::SplitCounts& splits);
+
+}  // namespace meshprep
