@@ -1,0 +1,129 @@
+#include "command_runner.h"
+
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <numbers>
+#include <sstream>
+
+extern char** environ;
+
+namespace test {
+
+Ran run_command(const std::vector<std::string>& arguments) {
+    const TemporaryDirectory directory;
+    const std::string out = (directory / "out").string(), err = (directory / "err").string();
+    std::vector<char*> argv;
+    std::string binary = MESHPREP_COMMAND;
+    argv.push_back(binary.data());
+    std::vector<std::string> copies = arguments;
+    for (std::string& argument : copies) argv.push_back(argument.data());
+    argv.push_back(nullptr);
+    posix_spawn_file_actions_t actions;
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0);
+    posix_spawn_file_actions_addopen(&actions, 1, out.c_str(), O_WRONLY | O_CREAT, 0600);
+    posix_spawn_file_actions_addopen(&actions, 2, err.c_str(), O_WRONLY | O_CREAT, 0600);
+    pid_t pid = 0;
+    Ran ran;
+    if (posix_spawn(&pid, binary.c_str(), &actions, nullptr, argv.data(), environ) == 0) {
+        int status = 0;
+        waitpid(pid, &status, 0);
+        ran.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+    }
+    posix_spawn_file_actions_destroy(&actions);
+    ran.out = read_text(out);
+    ran.err = read_text(err);
+    return ran;
+}
+
+TemporaryDirectory::TemporaryDirectory() {
+    std::string pattern = (std::filesystem::temp_directory_path() / "meshprep-XXXXXX").string();
+    if (mkdtemp(pattern.data())) path_ = pattern;
+}
+
+TemporaryDirectory::~TemporaryDirectory() {
+    std::error_code ec;
+    if (!path_.empty()) std::filesystem::remove_all(path_, ec);
+}
+
+std::vector<std::string> TemporaryDirectory::names() const {
+    std::vector<std::string> names;
+    for (const auto& entry : std::filesystem::directory_iterator(path_))
+        names.push_back(entry.path().filename().string());
+    std::sort(names.begin(), names.end());
+    return names;
+}
+
+void write_text(const std::filesystem::path& path, const std::string& text) {
+    std::ofstream(path, std::ios::binary) << text;
+}
+
+std::string read_text(const std::filesystem::path& path) {
+    std::ifstream in(path, std::ios::binary);
+    std::ostringstream text;
+    text << in.rdbuf();
+    return text.str();
+}
+
+namespace {
+
+constexpr const char* cube_vertices =
+    "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n";
+constexpr int cube_faces[6][4] = {{4, 3, 2, 1}, {5, 6, 7, 8}, {1, 2, 6, 5},
+                                  {2, 3, 7, 6}, {3, 4, 8, 7}, {4, 1, 5, 8}};
+
+}  // namespace
+
+std::string cube_obj() {
+    std::ostringstream text;
+    text << cube_vertices;
+    for (const auto& f : cube_faces)
+        text << "f " << f[0] << ' ' << f[1] << ' ' << f[2] << ' ' << f[3] << '\n';
+    return text.str();
+}
+
+std::string textured_cube_obj() {
+    std::ostringstream text;
+    text << cube_vertices << "vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n";
+    for (const auto& f : cube_faces)
+        text << "f " << f[0] << "/1 " << f[1] << "/2 " << f[2] << "/3 " << f[3] << "/4\n";
+    return text.str();
+}
+
+std::string sphere_obj(int segments, int rings) {
+    std::ostringstream text;
+    text.precision(9);
+    for (int j = 0; j <= rings; ++j) {
+        for (int i = 0; i <= segments; ++i) {
+            const double a = 2 * std::numbers::pi * (i % segments) / segments;
+            const double b = std::numbers::pi * j / rings;
+            const double r = j == 0 || j == rings ? 0 : std::sin(b);
+            text << "v " << r * std::cos(a) << ' ' << std::cos(b) << ' ' << -r * std::sin(a)
+                 << "\nvt " << double(i) / segments << ' ' << 1 - double(j) / rings << '\n';
+        }
+    }
+    const auto at = [&](int i, int j) {
+        // The seam's and the poles' vertices are shared; their UVs are not.
+        const int v = j == 0       ? 0
+                      : j == rings ? rings * (segments + 1)
+                                   : j * (segments + 1) + i % segments;
+        return std::to_string(v + 1) + "/" + std::to_string(j * (segments + 1) + i + 1);
+    };
+    for (int j = 0; j < rings; ++j)
+        for (int i = 0; i < segments; ++i) {
+            text << "f " << at(i, j) << ' ' << at(i, j + 1);
+            if (j + 1 < rings) text << ' ' << at(i + 1, j + 1);
+            if (j > 0) text << ' ' << at(i + 1, j);
+            text << '\n';
+        }
+    return text.str();
+}
+
+}  // namespace test

@@ -1,0 +1,337 @@
+// The command from outside: exit codes, streams, files.
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "command_runner.h"
+#include "prep/io.h"
+#include "shared_data.h"
+
+namespace {
+
+using test::read_text;
+using test::run_command;
+using test::TemporaryDirectory;
+using test::write_text;
+
+TEST(Command, HelpAndVersionGoToStandardOutput) {
+    const test::Ran help = run_command({"--help"});
+    EXPECT_EQ(help.exit_code, 0);
+    EXPECT_NE(help.out.find("prepare"), std::string::npos);
+    EXPECT_EQ(help.err, "");
+    for (const char* name : {"prepare", "inspect", "render", "validate", "diff"}) {
+        const test::Ran sub = run_command({name, "--help"});
+        EXPECT_EQ(sub.exit_code, 0) << name;
+        EXPECT_NE(sub.out.find("Examples:"), std::string::npos) << name;
+        EXPECT_NE(sub.out.find("--json"), std::string::npos) << name;
+        EXPECT_NE(sub.out.find("--threads"), std::string::npos) << name;
+        EXPECT_NE(sub.out.find("--quiet"), std::string::npos) << name;
+    }
+    const test::Ran version = run_command({"--version"});
+    EXPECT_EQ(version.exit_code, 0);
+    EXPECT_EQ(version.out.rfind("meshprep ", 0), 0u);
+    EXPECT_NE(version.out.find("OpenImageIO"), std::string::npos);
+    EXPECT_NE(version.out.find("Apache-2.0"), std::string::npos);
+}
+
+TEST(Command, UsageErrorsExitTwo) {
+    const TemporaryDirectory dir;
+    write_text(dir / "cube.obj", test::cube_obj());
+    const std::string cube = (dir / "cube.obj").string();
+    const std::vector<std::vector<std::string>> wrong = {
+        {},
+        {"bake"},
+        {"prepare"},
+        {"prepare", cube},
+        {"prepare", cube, "-o", "x.glb", "--weight", "heavy"},
+        {"prepare", cube, "-o", "x.glb", "--hard-angle", "200"},
+        {"prepare", cube, "-o", "x.glb", "--hard-angle", "sixty"},
+        {"prepare", cube, "-o", "x.glb", "--hard-borders", "uv,edges"},
+        {"prepare", cube, "-o", "x.glb", "--in-place"},
+        {"prepare", cube, "-o", (dir / "x.fbx").string()},
+        {"prepare", cube, "-o", (dir / "x").string()},
+        {"prepare", cube, "-o", cube},
+        {"render", cube},
+        {"render", cube, "-o", "x.png", "--size", "0x10"},
+        {"render", cube, "-o", "x.png", "--size", "10x"},
+        {"render", cube, "-o", "x.png", "--camera", "10,99"},
+        {"render", cube, "-o", "x.png", "--background", "red"},
+        {"render", cube, "-o", "x.png", "--light", "1"},
+        {"validate", cube},
+        {"inspect"},
+        {"diff", cube},
+        {"inspect", cube, "--threads", "-1"},
+    };
+    for (const auto& arguments : wrong) {
+        const test::Ran ran = run_command(arguments);
+        std::string line;
+        for (const std::string& a : arguments) line += a + " ";
+        EXPECT_EQ(ran.exit_code, 2) << line;
+        EXPECT_EQ(ran.out, "") << line;
+        EXPECT_NE(ran.err, "") << line;
+    }
+    EXPECT_EQ(dir.names(), std::vector<std::string>{"cube.obj"});
+}
+
+TEST(Command, MissingInputsExitOneAndSaySo) {
+    const TemporaryDirectory dir;
+    const std::string none = (dir / "none.obj").string();
+    for (const std::vector<std::string>& arguments :
+         std::vector<std::vector<std::string>>{{"prepare", none, "-o", (dir / "x.glb").string()},
+                                               {"inspect", none},
+                                               {"render", none, "-o", (dir / "x.png").string()},
+                                               {"validate", none, "-o", (dir / "sheets").string()},
+                                               {"diff", none, none}}) {
+        const test::Ran ran = run_command(arguments);
+        EXPECT_EQ(ran.exit_code, 1) << arguments[0];
+        EXPECT_NE(ran.err.find(none), std::string::npos) << arguments[0] << ran.err;
+        EXPECT_EQ(ran.out, "") << arguments[0];
+    }
+    EXPECT_TRUE(dir.names().empty());
+}
+
+TEST(Command, MissingOutputDirectoryIsNamed) {
+    const TemporaryDirectory dir;
+    write_text(dir / "cube.obj", test::cube_obj());
+    const std::string cube = (dir / "cube.obj").string();
+    const std::string nowhere = (dir / "no").string();
+    for (const std::vector<std::string>& arguments :
+         std::vector<std::vector<std::string>>{{"prepare", cube, "-o", nowhere + "/x.glb"},
+                                               {"prepare", cube, "-o", nowhere + "/sub/"},
+                                               {"render", cube, "-o", nowhere + "/x.png"},
+                                               {"validate", cube, "-o", nowhere + "/sub"}}) {
+        const test::Ran ran = run_command(arguments);
+        EXPECT_EQ(ran.exit_code, 1) << arguments[0];
+        EXPECT_NE(ran.err.find("'" + nowhere + "' is not there"), std::string::npos) << ran.err;
+    }
+    EXPECT_EQ(dir.names(), std::vector<std::string>{"cube.obj"});
+}
+
+TEST(Prepare, CountsBeforeAndAfterAreThoseOfTheFiles) {
+    const TemporaryDirectory dir;
+    write_text(dir / "cube.obj", test::cube_obj());
+    const test::Ran ran = run_command(
+        {"prepare", (dir / "cube.obj").string(), "-o", (dir / "cube.glb").string(), "--json"});
+    ASSERT_EQ(ran.exit_code, 0) << ran.err;
+    const nlohmann::json json = ran.json();
+    ASSERT_TRUE(json.is_object());
+    EXPECT_EQ(json["command"], "prepare");
+    const nlohmann::json& file = json["files"][0];
+    EXPECT_EQ(file["status"], "ok");
+    EXPECT_EQ(file["before"]["vertices"], 8);
+    EXPECT_EQ(file["before"]["faces"], 6);
+    // A 90° cube at 60°: every corner splits in three, 16 more vertices than before.
+    EXPECT_EQ(file["after"]["vertices"], 24);
+    EXPECT_EQ(file["after"]["triangles"], 12);
+    EXPECT_EQ(file["splits"]["hard_edge"], 16);
+    EXPECT_EQ(file["gltf_after"]["meshes"], 1);
+    // What was written is what is said.
+    const prep::Result<prep::Scene> written = prep::load_scene(dir / "cube.glb");
+    ASSERT_TRUE(written);
+    ASSERT_EQ(written->meshes.size(), 1u);
+    EXPECT_EQ(written->meshes[0].vertex_count(), 24u);
+    EXPECT_EQ(written->meshes[0].face_count(), 12u);
+}
+
+TEST(Prepare, OptionsReachTheStages) {
+    const TemporaryDirectory dir;
+    write_text(dir / "cube.obj", test::cube_obj());
+    const auto vertices = [&](const std::vector<std::string>& extra) {
+        std::vector<std::string> arguments = {"prepare", (dir / "cube.obj").string(), "-o",
+                                              (dir / "cube.glb").string(), "--json"};
+        arguments.insert(arguments.end(), extra.begin(), extra.end());
+        return run_command(arguments).json()["files"][0]["after"]["vertices"].get<int>();
+    };
+    EXPECT_EQ(vertices({}), 24);
+    EXPECT_EQ(vertices({"--hard-angle", "off"}), 8);
+    EXPECT_EQ(vertices({"--hard-angle", "90"}), 8);  // exactly at the threshold stays smooth
+    EXPECT_EQ(vertices({"--hard-angle", "89.99"}), 24);
+}
+
+TEST(Prepare, ExplainTellsEveryStageWithItsReason) {
+    const TemporaryDirectory dir;
+    write_text(dir / "cube.obj", test::cube_obj());
+    const test::Ran ran = run_command(
+        {"prepare", (dir / "cube.obj").string(), "-o", (dir / "cube.ply").string(), "--explain"});
+    ASSERT_EQ(ran.exit_code, 0) << ran.err;
+    EXPECT_NE(ran.out.find("normals"), std::string::npos);
+    EXPECT_NE(ran.out.find("skipped"), std::string::npos);
+    EXPECT_NE(ran.out.find("no material in use has a tangent-space normal map"), std::string::npos);
+    EXPECT_NE(ran.out.find(" ms"), std::string::npos);
+}
+
+TEST(Prepare, OneBadFileStopsNoOther) {
+    const TemporaryDirectory dir;
+    write_text(dir / "a.obj", test::cube_obj());
+    write_text(dir / "b.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n");
+    write_text(dir / "c.obj", test::sphere_obj(8, 4));
+    const test::Ran ran =
+        run_command({"prepare", (dir / "a.obj").string(), (dir / "b.obj").string(),
+                     (dir / "c.obj").string(), "-o", (dir / "out").string()});
+    EXPECT_EQ(ran.exit_code, 1);
+    EXPECT_NE(ran.err.find("b.obj:4"), std::string::npos) << ran.err;
+    EXPECT_NE(ran.out.find("3 files: 2 ok, 1 failed"), std::string::npos) << ran.out;
+    EXPECT_TRUE(std::filesystem::exists(dir / "out/a.glb"));
+    EXPECT_FALSE(std::filesystem::exists(dir / "out/b.glb"));
+    EXPECT_TRUE(std::filesystem::exists(dir / "out/c.glb"));
+}
+
+TEST(Prepare, NamesThatCollideAreFoundBeforeAnythingIsWritten) {
+    const TemporaryDirectory dir;
+    std::filesystem::create_directory(dir / "sub");
+    write_text(dir / "a.obj", test::cube_obj());
+    write_text(dir / "sub/a.obj", test::cube_obj());
+    const test::Ran ran = run_command({"prepare", (dir / "a.obj").string(),
+                                       (dir / "sub/a.obj").string(), "-o", (dir / "out").string()});
+    EXPECT_EQ(ran.exit_code, 2);
+    EXPECT_NE(ran.err.find("two inputs would be written to this file"), std::string::npos);
+    EXPECT_FALSE(std::filesystem::exists(dir / "out"));
+}
+
+TEST(Prepare, DirectoriesKeepTheirTreeWithRecursive) {
+    const TemporaryDirectory dir;
+    std::filesystem::create_directories(dir / "in/sub/deep");
+    write_text(dir / "in/a.obj", test::cube_obj());
+    write_text(dir / "in/sub/a.obj", test::cube_obj());
+    write_text(dir / "in/sub/deep/b.obj", test::cube_obj());
+    write_text(dir / "in/readme.txt", "no mesh");
+    ASSERT_EQ(
+        run_command({"prepare", (dir / "in").string(), "-o", (dir / "flat").string()}).exit_code,
+        0);
+    EXPECT_TRUE(std::filesystem::exists(dir / "flat/a.glb"));
+    EXPECT_FALSE(std::filesystem::exists(dir / "flat/sub"));
+    ASSERT_EQ(run_command({"prepare", (dir / "in").string(), "-r", "-o", (dir / "tree").string(),
+                           "--format", "ply"})
+                  .exit_code,
+              0);
+    for (const char* name : {"a.ply", "sub/a.ply", "sub/deep/b.ply"})
+        EXPECT_TRUE(std::filesystem::exists(dir / (std::string("tree/") + name))) << name;
+}
+
+TEST(Prepare, AFailedRunLeavesTheOldFileAsItWas) {
+    const TemporaryDirectory dir;
+    write_text(dir / "bad.obj", "v 0 0 0\nf 1 2 3\n");
+    write_text(dir / "old.glb", "the old file");
+    const test::Ran ran =
+        run_command({"prepare", (dir / "bad.obj").string(), "-o", (dir / "old.glb").string()});
+    EXPECT_EQ(ran.exit_code, 1);
+    EXPECT_EQ(read_text(dir / "old.glb"), "the old file");
+    EXPECT_EQ(dir.names(), (std::vector<std::string>{"bad.obj", "old.glb"}));
+}
+
+TEST(Prepare, AnUnwritableDirectoryIsAnErrorAndLeavesNothing) {
+    if (::geteuid() == 0) GTEST_SKIP() << "the superuser may write anywhere";
+    const TemporaryDirectory dir;
+    write_text(dir / "cube.obj", test::cube_obj());
+    std::filesystem::create_directory(dir / "locked");
+    ::chmod((dir / "locked").c_str(), 0500);
+    const test::Ran ran = run_command(
+        {"prepare", (dir / "cube.obj").string(), "-o", (dir / "locked/cube.glb").string()});
+    EXPECT_EQ(ran.exit_code, 1);
+    EXPECT_TRUE(std::filesystem::is_empty(dir / "locked"));
+    ::chmod((dir / "locked").c_str(), 0700);
+}
+
+TEST(Prepare, WritesOverItsInputOnlyInPlace) {
+    const TemporaryDirectory dir;
+    write_text(dir / "cube.obj", test::cube_obj());
+    const std::string path = (dir / "cube.obj").string();
+    EXPECT_EQ(
+        run_command({"prepare", path, "-o", dir.path().string(), "--format", "obj"}).exit_code, 2);
+    EXPECT_EQ(read_text(dir / "cube.obj"), test::cube_obj());
+    EXPECT_EQ(run_command({"prepare", path, "--in-place"}).exit_code, 0);
+    EXPECT_NE(read_text(dir / "cube.obj").find("vn "), std::string::npos);
+}
+
+TEST(Prepare, KeepsExistingOutputWithNoOverwrite) {
+    const TemporaryDirectory dir;
+    write_text(dir / "cube.obj", test::cube_obj());
+    write_text(dir / "cube.glb", "the old file");
+    EXPECT_EQ(run_command({"prepare", (dir / "cube.obj").string(), "-o",
+                           (dir / "cube.glb").string(), "--no-overwrite"})
+                  .exit_code,
+              1);
+    EXPECT_EQ(read_text(dir / "cube.glb"), "the old file");
+}
+
+TEST(Prepare, QuietSaysNothingButErrors) {
+    const TemporaryDirectory dir;
+    write_text(dir / "cube.obj", test::cube_obj());
+    const test::Ran good = run_command(
+        {"prepare", (dir / "cube.obj").string(), "-o", (dir / "cube.glb").string(), "--quiet"});
+    EXPECT_EQ(good.exit_code, 0);
+    EXPECT_EQ(good.out + good.err, "");
+    const test::Ran bad = run_command(
+        {"prepare", (dir / "none.obj").string(), "-o", (dir / "x.glb").string(), "--quiet"});
+    EXPECT_EQ(bad.exit_code, 1);
+    EXPECT_EQ(bad.out, "");
+    EXPECT_NE(bad.err, "");
+}
+
+TEST(Prepare, WritesTheSameBytesForAnyThreadCount) {
+    const TemporaryDirectory dir;
+    write_text(dir / "ball.obj", test::sphere_obj(48, 24));
+    std::string first;
+    for (const char* threads : {"1", "2", "3", "8"}) {
+        ASSERT_EQ(
+            run_command({"prepare", (dir / "ball.obj").string(), "-o", (dir / "ball.glb").string(),
+                         "--tangents", "mikktspace", "--threads", threads})
+                .exit_code,
+            0);
+        const std::string bytes = read_text(dir / "ball.glb");
+        ASSERT_FALSE(bytes.empty());
+        if (first.empty()) first = bytes;
+        EXPECT_EQ(bytes, first) << threads;
+    }
+}
+
+TEST(Inspect, TellsContentAndFindings) {
+    const TemporaryDirectory dir;
+    write_text(dir / "cube.obj", test::cube_obj());
+    const test::Ran ran = run_command({"inspect", (dir / "cube.obj").string(), "--json"});
+    ASSERT_EQ(ran.exit_code, 0) << ran.err;
+    const nlohmann::json file = ran.json()["files"][0];
+    EXPECT_EQ(file["meshes"][0]["quads"], 6);
+    EXPECT_EQ(file["meshes"][0]["closed"], true);
+    EXPECT_EQ(file["meshes"][0]["genus"], 0);
+    EXPECT_EQ(file["meshes"][0]["volume"], 1.0);
+    EXPECT_TRUE(file["findings"].empty()) << file["findings"].dump();
+}
+
+TEST(Inspect, StrictFailsOnWarnings) {
+    const TemporaryDirectory dir;
+    // Three faces on one edge.
+    write_text(dir / "fan.obj",
+               "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 -1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\nf 1 2 5\n");
+    const std::string path = (dir / "fan.obj").string();
+    const test::Ran lenient = run_command({"inspect", path});
+    EXPECT_EQ(lenient.exit_code, 0);
+    EXPECT_NE(lenient.out.find("non-manifold-edge"), std::string::npos) << lenient.out;
+    EXPECT_EQ(run_command({"inspect", path, "--strict", "--quiet"}).exit_code, 1);
+    write_text(dir / "cube.obj", test::cube_obj());
+    EXPECT_EQ(run_command({"inspect", (dir / "cube.obj").string(), "--strict"}).exit_code, 0);
+}
+
+TEST(Json, IsValidOnSuccessAndOnFailure) {
+    const TemporaryDirectory dir;
+    write_text(dir / "cube.obj", test::cube_obj());
+    write_text(dir / "bad\xff.obj", "v 0 0 0\nf 1 2 3\n");
+    const std::string cube = (dir / "cube.obj").string(), bad = (dir / "bad\xff.obj").string();
+    const std::string none = (dir / "none.obj").string();
+    for (const std::string& input : {cube, bad, none}) {
+        for (std::vector<std::string> arguments : std::vector<std::vector<std::string>>{
+                 {"prepare", input, "-o", (dir / "x.glb").string()},
+                 {"inspect", input},
+                 {"render", input, "-o", (dir / "x.png").string(), "--size", "32x32"},
+                 {"validate", input, "-o", (dir / "sheets").string(), "--panel", "64"},
+                 {"diff", input, (dir / "x.glb").string()}}) {
+            arguments.push_back("--json");
+            const test::Ran ran = run_command(arguments);
+            const nlohmann::json json = ran.json();
+            EXPECT_TRUE(json.is_object()) << arguments[0] << " " << input << "\n" << ran.out;
+            EXPECT_EQ(json.value("command", ""), arguments[0]);
+        }
+    }
+}
+
+}  // namespace
