@@ -14,6 +14,12 @@ std::string commas(std::uint64_t value) {
     return digits;
 }
 
+struct Kind {
+    std::string name;
+    prep::Severity severity = prep::Severity::info;
+    std::uint64_t count = 0;
+};
+
 std::string yes(bool value) {
     return value ? "yes" : "no";
 }
@@ -24,6 +30,15 @@ std::string small(double value) {
 }
 
 }  // namespace
+
+bool mirrored_uv(const prep::VertexMesh& mesh, std::size_t t) {
+    if (mesh.uvs.empty()) return false;
+    const std::vector<glm::vec2>& uv = mesh.uvs.front();
+    const std::uint32_t* i = &mesh.indices[3 * t];
+    const glm::dvec2 a(uv[i[0]]), b = glm::dvec2(uv[i[1]]) - a, c = glm::dvec2(uv[i[2]]) - a;
+    // The UV origin is top left: readable text runs clockwise there.
+    return b.x * c.y > b.y * c.x;
+}
 
 AttributeQuality measure_attributes(const std::vector<prep::VertexMesh>& meshes) {
     constexpr double degrees = 57.29577951308232;
@@ -47,7 +62,7 @@ AttributeQuality measure_attributes(const std::vector<prep::VertexMesh>& meshes)
         }
         for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
             const std::uint32_t* i = &mesh.indices[3 * t];
-            if (!mesh.tangents.empty()) q.mirrored_triangles += mesh.tangents[i[0]].w < 0;
+            q.mirrored_triangles += mirrored_uv(mesh, t);
             if (mesh.normals.empty()) continue;
             const glm::dvec3 a(mesh.positions[i[0]]);
             const glm::dvec3 cross = glm::cross(glm::dvec3(mesh.positions[i[1]]) - a,
@@ -171,16 +186,26 @@ std::vector<FigureGroup> make_figures(const prep::PreparedScene& prepared,
 
 FigureGroup findings_group(const std::vector<prep::Finding>& findings, std::size_t most) {
     FigureGroup group{"Findings", {}};
-    std::vector<const prep::Finding*> sorted;
-    for (const prep::Finding& f : findings) sorted.push_back(&f);
-    std::stable_sort(sorted.begin(), sorted.end(),
-                     [](const auto* a, const auto* b) { return a->severity > b->severity; });
-    for (const prep::Finding* f : sorted) {
+    // One line a kind: a page may cover several meshes.
+    std::vector<Kind> kinds;
+    for (const prep::Finding& f : findings) {
+        const auto same = std::find_if(kinds.begin(), kinds.end(), [&f](const Kind& kind) {
+            return kind.name == f.kind && kind.severity == f.severity;
+        });
+        if (same != kinds.end())
+            same->count += f.count;
+        else
+            kinds.push_back({f.kind, f.severity, f.count});
+    }
+    std::stable_sort(kinds.begin(), kinds.end(),
+                     [](const Kind& a, const Kind& b) { return a.severity > b.severity; });
+    for (const Kind& kind : kinds) {
         if (group.figures.size() == most) {
-            group.figures.push_back({"and more", commas(sorted.size() - most)});
+            group.figures.push_back({"and more", commas(kinds.size() - most)});
             break;
         }
-        group.figures.push_back({f->kind, commas(f->count), f->severity != prep::Severity::info});
+        group.figures.push_back(
+            {kind.name, commas(kind.count), kind.severity != prep::Severity::info});
     }
     if (group.figures.empty()) group.figures.push_back({"nothing odd", ""});
     return group;

@@ -20,6 +20,8 @@ struct AttributeQuality {
     double orthogonality_error = 0;   // largest |n · t|
     std::uint64_t mirrored_triangles = 0, triangles = 0;
 };
+// Whether the texture appears mirrored on triangle `t`, by the area of its first UV set.
+bool mirrored_uv(const prep::VertexMesh& mesh, std::size_t t);
 AttributeQuality measure_attributes(const std::vector<prep::VertexMesh>& meshes);
 
 // Groups "Mesh", "Vertices", "Normals and tangents", "Time"; `summaries` and `prepared` cover the

@@ -8,6 +8,7 @@
 #include <map>
 
 #include "report/edges.h"
+#include "report/figures.h"
 #include "report/overlay.h"
 #include "report/shot.h"
 #include "report/test_patterns.h"
@@ -185,7 +186,7 @@ class Maker {
     }
 
     Step shadings() {
-        const Material grey = neutral(0.55f, 0.35f);
+        const Material grey = neutral(0.40f, 0.9f);
         dress(grey, false);
         Result<Shot> flat = shoot(rast::Shading::flat);
         if (!flat) return flat.error();
@@ -337,10 +338,12 @@ class Maker {
         for (prep::VertexMesh& mesh : scene_.meshes) {
             if (mesh.tangents.empty()) continue;
             auto& tint = mesh.colors.emplace_back(mesh.vertex_count(), glm::vec4(1));
-            for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
-                if (mesh.tangents[v].w < 0) tint[v] = glm::vec4(0.55f, 0.72f, 1.0f, 1.0f);
-            for (std::size_t t = 0; t < mesh.triangle_count(); ++t)
-                mirrored += mesh.tangents[mesh.indices[3 * t]].w < 0;
+            for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
+                if (!mirrored_uv(mesh, t)) continue;
+                ++mirrored;
+                for (int k = 0; k < 3; ++k)
+                    tint[mesh.indices[3 * t + k]] = glm::vec4(0.55f, 0.72f, 1.0f, 1.0f);
+            }
         }
         Result<Shot> shot = shoot(rast::Shading::phong);
         for (prep::VertexMesh& mesh : scene_.meshes) mesh.colors.clear();
