@@ -6,6 +6,7 @@
 #include "authored_normals.h"
 #include "prep/split.h"
 #include "prep/topology.h"
+#include "share_vertices.h"
 
 namespace prep {
 namespace {
@@ -60,8 +61,8 @@ class StageLog {
     std::vector<Entry> entries_;
 };
 
-// Formats that index by vertex (and soups) repeat a point for every seam: adjacency then needs the
-// weld. A file that indexes attributes apart from positions says itself which points are one.
+// Formats that index by vertex repeat a point for every seam: adjacency then needs the weld. A file
+// that indexes attributes apart from positions says itself which points are one.
 bool indexed_by_vertex(const Mesh& mesh) {
     const auto follows = [&](const std::vector<std::uint32_t>& indices) {
         return !indices.empty() &&
@@ -70,13 +71,7 @@ bool indexed_by_vertex(const Mesh& mesh) {
     if (follows(mesh.normals.indices) || follows(mesh.tangents.indices)) return true;
     for (const auto& uv : mesh.uvs)
         if (follows(uv.indices)) return true;
-    if (mesh.corner_count() > mesh.vertex_count()) return false;
-    std::vector<bool> used(mesh.vertex_count(), false);
-    for (const std::uint32_t v : mesh.corner_vertices) {
-        if (used[v]) return false;
-        used[v] = true;
-    }
-    return mesh.corner_count() > 0;
+    return detail::is_soup(mesh);
 }
 
 class Preparer {
@@ -88,6 +83,14 @@ class Preparer {
         const MeshRequirements& need = out_.requirements[index];
         geometry_ = {};
         bool normals_changed = false;
+        // What is rewritten in place keeps its vertices: skins and morph targets count on them.
+        if (options_.weld != WeldMode::none && !out_.scene.document && detail::is_soup(mesh)) {
+            geometry_.shared = log_.run(
+                "weld", "every corner has a vertex of its own: those at one point are shared", [&] {
+                    detail::share_equal_vertices(mesh, options_.threads);
+                    return true;
+                });
+        }
         if (auto done = prepare_normals(index, mesh, need, normals_changed); !done)
             return std::move(done).error();
         if (auto done = prepare_tangents(index, mesh, need, normals_changed); !done)
@@ -109,6 +112,7 @@ class Preparer {
         std::optional<FaceNormals> faces;
         std::optional<Topology> topology;
         std::optional<HardEdges> hard;
+        bool shared = false;  // equal positions share a vertex already
     };
 
     void add_finding(std::uint32_t mesh, std::string kind, Severity severity, std::uint64_t count,
@@ -137,14 +141,15 @@ class Preparer {
 
     Result<CornerNormals> compute_normals(const Mesh& mesh, const std::string& reason) {
         const MeshView view(mesh);
-        const bool weld = options_.weld == WeldMode::exact ||
-                          (options_.weld == WeldMode::automatic && indexed_by_vertex(mesh));
+        const bool weld = !geometry_.shared &&
+                          (options_.weld == WeldMode::exact ||
+                           (options_.weld == WeldMode::automatic && indexed_by_vertex(mesh)));
         std::vector<std::uint32_t> welded;
         if (weld) {
             welded =
                 log_.run("weld", "vertices are repeated at seams: equal positions are one point",
                          [&] { return weld_exact(view.positions, options_.threads); });
-        } else {
+        } else if (!geometry_.shared) {
             log_.skipped("weld", options_.weld == WeldMode::none
                                      ? "switched off"
                                      : "the file indexes positions apart from attributes");
@@ -172,7 +177,8 @@ class Preparer {
     }
 
     void skip_normals(const std::string& reason) {
-        for (const char* stage : {"weld", "topology", "face normals", "hard edges", "normals"})
+        if (!geometry_.shared) log_.skipped("weld", reason);
+        for (const char* stage : {"topology", "face normals", "hard edges", "normals"})
             log_.skipped(stage, reason);
     }
 

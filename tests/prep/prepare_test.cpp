@@ -176,7 +176,7 @@ TEST(Prepare, NewNormalsMakeAuthoredTangentsStale) {
     EXPECT_EQ(count(*result, "stale-tangent"), 24u);
 }
 
-TEST(Prepare, SoupIsWeldedForAdjacencyOnly) {
+TEST(Prepare, SoupSharesItsVertices) {
     prep::Mesh mesh = cube(), soup;
     for (std::uint32_t c = 0; c < 24; ++c) {
         soup.positions.push_back(mesh.positions[mesh.corner_vertices[c]]);
@@ -188,9 +188,21 @@ TEST(Prepare, SoupIsWeldedForAdjacencyOnly) {
     const auto result = prep::prepare(scene_of(soup), options);
     ASSERT_TRUE(result.has_value());
     EXPECT_TRUE(stage(*result, "weld").run);
+    EXPECT_EQ(result->meshes[0].vertex_count(), 8u);
     const float third = float(1 / std::sqrt(3.0));
     for (std::size_t v = 0; v < result->meshes[0].vertex_count(); ++v)
         EXPECT_EQ(result->meshes[0].normals[v], result->meshes[0].positions[v] * third);
+}
+
+TEST(Prepare, SoupKeepsItsVerticesWhereWeldingIsOff) {
+    prep::Mesh mesh;
+    mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+    mesh.corner_vertices = {0, 1, 2, 3, 4, 5};
+    mesh.face_offsets = {0, 3, 6};
+    EXPECT_EQ(prep::prepare(scene_of(mesh))->meshes[0].vertex_count(), 4u);
+    prep::PrepareOptions options;
+    options.weld = prep::WeldMode::none;
+    EXPECT_EQ(prep::prepare(scene_of(mesh), options)->meshes[0].vertex_count(), 6u);
 }
 
 TEST(Prepare, TwoSidedSheetStaysTwoSurfaces) {

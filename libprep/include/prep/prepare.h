@@ -27,10 +27,12 @@ enum class Authored : std::uint8_t {
 };
 
 enum class WeldMode : std::uint8_t {
-    automatic,  // exact for soups and vertex-indexed formats (STL, glTF, PLY, …), none where the
-                // file indexes positions apart from attributes (OBJ, OFF)
+    automatic,  // exact for vertex-indexed formats (glTF, PLY, …), none where the file indexes
+                // positions apart from attributes (OBJ, OFF)
     none,
     exact,  // equal positions (−0 equals 0) are one vertex for adjacency
+    // But with `none`: where no corner shares a vertex (STL, soups; not glTF, whose skins and morph
+    // targets count on its vertices), those at equal positions are made one for good.
 };
 
 struct PrepareOptions {
