@@ -1,0 +1,263 @@
+#include "prep/topology.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <limits>
+#include <map>
+
+#include "shapes.h"
+
+namespace {
+
+using prep::EdgeKind;
+using prep::Mesh;
+using prep::MeshView;
+using prep::no_index;
+using prep::Topology;
+using Indices = std::vector<std::uint32_t>;
+
+Topology topology_of(const Mesh& mesh, bool weld = false, int threads = 0) {
+    const MeshView view(mesh);
+    return prep::build_topology(view, weld ? prep::weld_exact(view.positions, threads) : Indices{},
+                                threads);
+}
+
+std::size_t count(const Topology& t, EdgeKind kind) {
+    return std::size_t(std::count(t.kinds.begin(), t.kinds.end(), kind));
+}
+
+// Every opposite is mutual, joins the same two points in the other direction, and only interior
+// edges have one.
+void expect_consistent(const Mesh& mesh, const Topology& t) {
+    for (std::uint32_t c = 0; c < mesh.corner_count(); ++c) {
+        const std::uint32_t o = t.opposite[c];
+        ASSERT_EQ(o != no_index, t.kinds[c] == EdgeKind::interior) << c;
+        if (o == no_index) continue;
+        EXPECT_EQ(t.opposite[o], c);
+        const auto point = [&](std::uint32_t k) { return t.welded[mesh.corner_vertices[k]]; };
+        EXPECT_EQ(point(c), point(prep::next_corner(mesh.face_offsets, t.corner_faces[o], o)));
+        EXPECT_EQ(point(o), point(prep::next_corner(mesh.face_offsets, t.corner_faces[c], c)));
+    }
+    ASSERT_EQ(t.point_offsets.size(), mesh.vertex_count() + 1);
+    Indices seen;
+    for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v)
+        for (std::uint32_t i = t.point_offsets[v]; i < t.point_offsets[v + 1]; ++i) {
+            EXPECT_EQ(t.welded[mesh.corner_vertices[t.point_corners[i]]], v);
+            if (i > t.point_offsets[v]) {
+                EXPECT_LT(t.point_corners[i - 1], t.point_corners[i]);
+            }
+            seen.push_back(t.point_corners[i]);
+        }
+    std::sort(seen.begin(), seen.end());
+    ASSERT_EQ(seen.size(), mesh.corner_count());
+    for (std::uint32_t c = 0; c < seen.size(); ++c) EXPECT_EQ(seen[c], c);
+}
+
+TEST(Weld, FindsTheLowestEqualVertex) {
+    const float nan = std::numeric_limits<float>::quiet_NaN();
+    const std::vector<glm::vec3> positions{{1, 2, 3},   {0.0f, 0, 1}, {1, 2, 3}, {-0.0f, -0.0f, 1},
+                                           {nan, 0, 0}, {nan, 0, 0},  {1, 2, 3}, {3, 2, 1}};
+    EXPECT_EQ(prep::weld_exact(positions), (Indices{0, 1, 0, 1, 4, 5, 0, 7}));
+    EXPECT_EQ(prep::weld_exact({}), Indices{});
+}
+
+TEST(Weld, IsExact) {
+    const float x = 1.0f, y = std::nextafter(x, 2.0f);
+    const std::vector<glm::vec3> positions{{x, 0, 0}, {y, 0, 0}, {1e-45f, 0, 0}, {0, 0, 0}};
+    EXPECT_EQ(prep::weld_exact(positions), (Indices{0, 1, 2, 3}));
+}
+
+TEST(Weld, AgreesWithASortOnRandomPointsForAnyThreadCount) {
+    std::mt19937_64 random(1);
+    std::uniform_int_distribution<int> coordinate(-20, 20);
+    std::vector<glm::vec3> positions(200'000);
+    for (auto& p : positions) p = {coordinate(random), coordinate(random), coordinate(random)};
+    std::map<std::array<float, 3>, std::uint32_t> first;
+    Indices expected;
+    for (std::uint32_t v = 0; v < positions.size(); ++v) {
+        const glm::vec3& p = positions[v];
+        expected.push_back(
+            first.try_emplace({p.x + 0.0f, p.y + 0.0f, p.z + 0.0f}, v).first->second);
+    }
+    for (const int threads : {1, 2, 3, 8})
+        EXPECT_EQ(prep::weld_exact(positions, threads), expected);
+}
+
+TEST(Weld, ManyNanVerticesTakeLinearTime) {
+    const float nan = std::numeric_limits<float>::quiet_NaN();
+    const std::vector<glm::vec3> positions(500'000, glm::vec3(nan));
+    const auto start = std::chrono::steady_clock::now();
+    const Indices welded = prep::weld_exact(positions);
+    // Quadratic probing of equal hashes would take minutes.
+    EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(10));
+    EXPECT_EQ(welded.back(), 499'999u);
+}
+
+TEST(Topology, EmptyMesh) {
+    const Topology t = topology_of(Mesh{});
+    EXPECT_TRUE(t.opposite.empty());
+    EXPECT_EQ(t.point_offsets, Indices{0});
+}
+
+TEST(Topology, OneTriangleIsAllBorder) {
+    const Mesh mesh = shapes::polygon({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}});
+    const Topology t = topology_of(mesh);
+    EXPECT_EQ(count(t, EdgeKind::border), 3u);
+    expect_consistent(mesh, t);
+}
+
+TEST(Topology, CubeIsClosed) {
+    const Mesh mesh = shapes::cube();
+    const Topology t = topology_of(mesh);
+    EXPECT_EQ(count(t, EdgeKind::interior), 24u);
+    EXPECT_EQ(t.point_corners.size(), 24u);
+    EXPECT_EQ(t.corner_faces[23], 5u);
+    expect_consistent(mesh, t);
+}
+
+TEST(Topology, WeldedSoupHasTheSameEdges) {
+    const Mesh soup = shapes::soup(shapes::cube());
+    EXPECT_EQ(count(topology_of(soup), EdgeKind::border), 24u);
+    const Topology t = topology_of(soup, true);
+    EXPECT_EQ(t.opposite, topology_of(shapes::cube()).opposite);
+    expect_consistent(soup, t);
+}
+
+TEST(Topology, ThreeFacesOnAnEdgeAreNonManifold) {
+    for (const bool alternating : {false, true})
+        for (const std::uint32_t faces : {3u, 4u, 64u}) {
+            const Mesh mesh = shapes::book(faces, alternating);
+            const Topology t = topology_of(mesh);
+            EXPECT_EQ(count(t, EdgeKind::non_manifold), faces);
+            EXPECT_EQ(count(t, EdgeKind::border), 2 * faces);
+            expect_consistent(mesh, t);
+        }
+}
+
+TEST(Topology, TwoFacesOfTheSameDirectionAreInconsistent) {
+    const Topology t = topology_of(shapes::book(2, false));
+    EXPECT_EQ(count(t, EdgeKind::inconsistent), 2u);
+    EXPECT_EQ(t.opposite[0], no_index);
+}
+
+TEST(Topology, MoebiusStripHasOneInconsistentEdge) {
+    const Mesh mesh = shapes::moebius(10);
+    const Topology t = topology_of(mesh);
+    EXPECT_EQ(count(t, EdgeKind::inconsistent), 2u);
+    EXPECT_EQ(count(t, EdgeKind::interior), 18u);
+    EXPECT_EQ(count(t, EdgeKind::border), 20u);
+    expect_consistent(mesh, t);
+}
+
+TEST(Topology, FileVerticesPairBeforeWeldedOnes) {
+    // Two coincident sheets back to back, each with vertices of its own: every sheet's inner edge
+    // stays its own, the rims meet.
+    Mesh front = shapes::grid(2, 1), back = front;
+    for (std::uint32_t f = 0; f < 2; ++f)
+        std::reverse(back.corner_vertices.begin() + 4 * f,
+                     back.corner_vertices.begin() + 4 * f + 4);
+    const Mesh mesh = shapes::joined(front, back);
+    const Topology t = topology_of(mesh, true);
+    EXPECT_EQ(count(t, EdgeKind::interior), 16u);
+    for (std::uint32_t c = 0; c < 8; ++c)
+        if (t.corner_faces[t.opposite[c]] < 2) {
+            EXPECT_NE(t.corner_faces[t.opposite[c]], c / 4);
+        }
+    EXPECT_LT(t.opposite[1], 8u);  // face 0's edge to face 1
+    EXPECT_GE(t.opposite[0], 8u);  // a rim edge
+    expect_consistent(mesh, t);
+}
+
+TEST(Topology, EmptyTriangleBetweenTwoFacesIsASlitNotAnObstacle) {
+    // 0–1 is used by a face on either side and there and back by the empty triangle (0, 1, 1).
+    const Mesh mesh = shapes::mesh_of({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, -1, 0}},
+                                      {{0, 1, 2}, {1, 0, 3}, {0, 1, 1}});
+    const Topology t = topology_of(mesh);
+    expect_consistent(mesh, t);
+    EXPECT_EQ(t.corner_faces[t.opposite[0]], 2u);
+    EXPECT_EQ(t.corner_faces[t.opposite[3]], 2u);
+    EXPECT_EQ(t.kinds[7], EdgeKind::degenerate);
+    EXPECT_EQ(count(t, EdgeKind::non_manifold), 0u);
+}
+
+TEST(Topology, ManyEmptyTrianglesFormAChain) {
+    shapes::Faces faces{{0, 1, 2}, {1, 0, 3}};
+    for (int i = 0; i < 5; ++i) faces.push_back({1, 0, 0});
+    const Mesh mesh = shapes::mesh_of({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, -1, 0}}, faces);
+    const Topology t = topology_of(mesh);
+    expect_consistent(mesh, t);
+    EXPECT_EQ(count(t, EdgeKind::non_manifold), 0u);
+    EXPECT_EQ(count(t, EdgeKind::degenerate), 5u);
+    EXPECT_EQ(count(t, EdgeKind::interior), 12u);
+    // From face 0 over the chain, entering by one side and leaving by the other, to face 1.
+    std::uint32_t c = t.opposite[0];
+    int empty = 0;
+    while (t.corner_faces[c] >= 2 && empty < 10) {
+        ++empty;
+        do c = prep::next_corner(mesh.face_offsets, t.corner_faces[c], c);
+        while (t.kinds[c] == EdgeKind::degenerate);
+        c = t.opposite[c];
+    }
+    EXPECT_EQ(empty, 5);
+    EXPECT_EQ(t.corner_faces[c], 1u);
+}
+
+TEST(Topology, FaceOfOnePointIsAllDegenerate) {
+    const Mesh mesh = shapes::mesh_of({{0, 0, 0}}, {{0, 0, 0}});
+    const Topology t = topology_of(mesh);
+    EXPECT_EQ(count(t, EdgeKind::degenerate), 3u);
+    expect_consistent(mesh, t);
+}
+
+TEST(Topology, NanPositionsWeldWithNothing) {
+    Mesh mesh = shapes::soup(shapes::cube());
+    for (auto& p : mesh.positions) p.x = std::numeric_limits<float>::quiet_NaN();
+    EXPECT_EQ(count(topology_of(mesh, true), EdgeKind::border), 24u);
+}
+
+TEST(Topology, RandomTrianglesAreConsistentForAnyThreadCount) {
+    for (std::uint64_t seed = 0; seed < 20; ++seed) {
+        SCOPED_TRACE(seed);
+        std::mt19937_64 random(seed);
+        const Mesh mesh = shapes::random_triangles(3 + seed * 5, 200, random);
+        expect_consistent(mesh, topology_of(mesh));
+    }
+    std::mt19937_64 random(99);
+    const Mesh large = shapes::random_triangles(50'000, 100'000, random);
+    const Topology one = topology_of(large, true, 1);
+    for (const int threads : {2, 3, 8}) {
+        const Topology many = topology_of(large, true, threads);
+        EXPECT_EQ(one.opposite, many.opposite);
+        EXPECT_EQ(one.kinds, many.kinds);
+        EXPECT_EQ(one.point_corners, many.point_corners);
+        EXPECT_EQ(one.point_offsets, many.point_offsets);
+    }
+}
+
+TEST(Topology, PermutedFacesAndVerticesGiveThePermutedAdjacency) {
+    std::mt19937_64 random(5);
+    const Mesh mesh = shapes::torus(20, 10);
+    const Topology t = topology_of(mesh);
+    const Indices order = shapes::random_order(mesh.face_count(), random);
+    const Indices numbers = shapes::random_order(mesh.vertex_count(), random);
+    const Mesh other = shapes::with_vertex_order(shapes::with_face_order(mesh, order), numbers);
+    const Topology u = topology_of(other);
+    for (std::uint32_t f = 0; f < order.size(); ++f)
+        for (std::uint32_t k = 0; k < 4; ++k) {
+            const std::uint32_t o = u.opposite[4 * f + k];
+            EXPECT_EQ(4 * order[o / 4] + o % 4, t.opposite[4 * order[f] + k]);
+        }
+}
+
+TEST(Topology, ValenceOfHundredThousandIsFast) {
+    const Mesh mesh = shapes::fan(100'000);
+    const auto start = std::chrono::steady_clock::now();
+    const Topology t = topology_of(mesh);
+    // Milliseconds; comparing all pairs around the middle would take half a minute.
+    EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(5));
+    EXPECT_EQ(count(t, EdgeKind::interior), 200'000u);
+}
+
+}  // namespace
