@@ -96,7 +96,7 @@ class AdjacencyCheck {
     void find_vertices() {
         const Mesh& mesh = context_.mesh;
         std::vector<Index> fan_of(mesh.corner_count(), no_index), corners;
-        const FanWalker walker(context_.view, topology_);
+        const FanWalker walker(PolygonSteps{offsets_, topology_.corner_faces}, topology_);
         Index fans = 0;
         for (Index c = 0; c < mesh.corner_count(); ++c) {
             if (fan_of[c] != no_index) continue;

@@ -1,14 +1,18 @@
-// a·b − c·d with (nearly) one rounding, without needing fused multiply-add hardware: results must
-// be the same on every machine.
+// Error-free transformations and a·b − c·d with (nearly) one rounding, without needing fused
+// multiply-add hardware: results must be the same on every machine.
 #pragma once
 
 #include <glm/glm.hpp>
 
 namespace prep::detail {
 
+// x = high + low, |low| at most half an ulp of high: unique for a given x.
 struct TwoDoubles {
     double high, low;
 };
+inline bool operator==(const TwoDoubles& a, const TwoDoubles& b) {
+    return a.high == b.high && a.low == b.low;
+}
 
 // Exact product as an unevaluated sum (Dekker 1971, with Veltkamp's splitting). No overflow while
 // |a|, |b| < 2^996; exact unless the low part underflows (|a·b| < 2^-969).
@@ -27,24 +31,17 @@ inline TwoDoubles two_sum(double a, double b) {  // Knuth 1969
     return {s, (a - (s - bb)) + (b - bb)};
 }
 
-// Relative error at most 2^-52 (two roundings of nearly exact parts).
-inline double difference_of_products(double a, double b, double c, double d) {
+inline TwoDoubles difference_of_products_parts(double a, double b, double c, double d) {
     const TwoDoubles ab = two_product(a, b), cd = two_product(c, d);
+    if (ab == cd) return {0, 0};
     const TwoDoubles high = two_sum(ab.high, -cd.high);
-    return high.high + (high.low + (ab.low - cd.low));
+    return two_sum(high.high, high.low + (ab.low - cd.low));
 }
 
-inline bool fits_float(const glm::dvec3& v) {
-    return double(float(v.x)) == v.x && double(float(v.y)) == v.y && double(float(v.z)) == v.z;
-}
-
-// Cross product, each component with a relative error of at most 2^-52. Products of two floats are
-// exact in double, so the common case needs no splitting.
-inline glm::dvec3 accurate_cross(const glm::dvec3& a, const glm::dvec3& b) {
-    if (fits_float(a) && fits_float(b))
-        return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-    return {difference_of_products(a.y, b.z, a.z, b.y), difference_of_products(a.z, b.x, a.x, b.z),
-            difference_of_products(a.x, b.y, a.y, b.x)};
+// Error at most 2^-53 of the result plus 2^-103 of the larger product; zero where the exact value
+// is.
+inline double difference_of_products(double a, double b, double c, double d) {
+    return difference_of_products_parts(a, b, c, d).high;
 }
 
 }  // namespace prep::detail

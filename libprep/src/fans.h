@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "corner_steps.h"
 #include "prep/mesh.h"
 #include "prep/topology.h"
 
@@ -12,11 +13,11 @@ namespace prep::detail {
 
 // A corner's fan: the corners at its point that can be reached over edges of two faces, hard ones
 // excepted where `hard` (one byte per half-edge, not zero: hard) is given.
+template <class Steps>
 class FanWalker {
   public:
-    FanWalker(const MeshView& mesh, const Topology& topology,
-              std::span<const std::uint8_t> hard = {})
-        : face_offsets_(mesh.face_offsets), topology_(topology), hard_(hard) {}
+    FanWalker(const Steps& steps, const Topology& topology, std::span<const std::uint8_t> hard = {})
+        : steps_(steps), topology_(topology), hard_(hard) {}
 
     // All corners of the fan that `start` is in, each once, in no particular order. O(fan).
     void collect(std::uint32_t start, std::vector<std::uint32_t>& corners) const {
@@ -33,25 +34,23 @@ class FanWalker {
     // The next corner at the same point, over the edge that leaves this one; no_index at the fan's
     // end. A degenerate edge leads to its other end, which is the same point.
     std::uint32_t across_outgoing(std::uint32_t c) const {
-        const std::uint32_t face = topology_.corner_faces[c];
-        if (topology_.kinds[c] == EdgeKind::degenerate) return next_corner(face_offsets_, face, c);
         const std::uint32_t other = topology_.opposite[c];
-        if (other == no_index || is_hard(c)) return no_index;
-        return next_corner(face_offsets_, topology_.corner_faces[other], other);
+        if (other == no_index)
+            return topology_.kinds[c] == EdgeKind::degenerate ? steps_.next(c) : no_index;
+        return is_hard(c) ? no_index : steps_.next(other);
     }
     std::uint32_t across_incoming(std::uint32_t c) const {
-        const std::uint32_t face = topology_.corner_faces[c];
-        const std::uint32_t incoming = previous_corner(face_offsets_, face, c);
-        if (topology_.kinds[incoming] == EdgeKind::degenerate) return incoming;
+        const std::uint32_t incoming = steps_.previous(c);
         const std::uint32_t other = topology_.opposite[incoming];
-        if (other == no_index || is_hard(incoming)) return no_index;
-        return other;
+        if (other == no_index)
+            return topology_.kinds[incoming] == EdgeKind::degenerate ? incoming : no_index;
+        return is_hard(incoming) ? no_index : other;
     }
 
   private:
     bool is_hard(std::uint32_t c) const { return !hard_.empty() && hard_[c] != 0; }
 
-    std::span<const std::uint32_t> face_offsets_;
+    Steps steps_;
     const Topology& topology_;
     std::span<const std::uint8_t> hard_;
 };

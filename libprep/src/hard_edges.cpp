@@ -4,8 +4,10 @@
 #include <atomic>
 #include <cmath>
 
+#include "area_vector.h"
 #include "exact_normals.h"
 #include "parallel.h"
+#include "stand_in_faces.h"
 
 namespace prep {
 namespace {
@@ -37,12 +39,15 @@ class Decider {
         if (options.angle_degrees) threshold_ = detail::threshold_of(*options.angle_degrees);
         if (options.marks) marks_ = marked_edges(mesh, topology);
         grouped_ = options.smoothing_groups && !mesh.face_smoothing.empty();
+        stand_ins_ = detail::stand_in_faces(mesh, topology, faces);
     }
 
     // Reasons of a half-edge with an opposite. `exact` counts decisions that the filter left open.
     std::uint8_t interior(Index corner, std::uint64_t& exact) const {
         const Index other = topology_.opposite[corner];
         const Index f = topology_.corner_faces[corner], g = topology_.corner_faces[other];
+        if (faces_.states[f] == FaceState::non_finite || faces_.states[g] == FaceState::non_finite)
+            return hard_border;
         std::uint8_t reasons = hard_none;
         bool use_angle = options_.angle_degrees.has_value();
         if (grouped_) {
@@ -79,20 +84,32 @@ class Decider {
     }
 
     bool turn_exceeds(Index f, Index g, std::uint64_t& exact) const {
-        if (faces_.states[f] != FaceState::regular || faces_.states[g] != FaceState::regular)
-            return false;
-        const glm::dvec3 &a = faces_.area_vectors[f], &b = faces_.area_vectors[g];
-        const double la = glm::length(a), lb = glm::length(b);
-        const double product = la * lb;
-        const double gap = glm::dot(a, b) - threshold_.cosine.cosine * product;
-        // Rounding of the dot product and of the lengths: under 8 ulps of |a||b|; the area vectors'
-        // own errors enter once through the dot product and once through the lengths.
-        const double error =
-            8 * 0x1p-52 * product + 2 * (faces_.errors[f] * lb + faces_.errors[g] * la);
-        if (gap < -error) return true;
-        if (gap > error) return false;
+        if (!stand_ins_.empty()) {
+            f = stand_ins_[f];
+            g = stand_ins_[g];
+            if (f == g || f == no_index || g == no_index) return false;
+        }
+        const Verdict verdict =
+            judge(faces_.area_vectors[f], faces_.area_vectors[g], faces_.relative_error);
+        if (verdict != Verdict::open) return verdict == Verdict::exceeds;
+        if (faces_.relative_error > accurate_face_error) {
+            const Verdict closer =
+                judge(detail::accurate_area_vector(mesh_, f),
+                      detail::accurate_area_vector(mesh_, g), accurate_face_error);
+            if (closer != Verdict::open) return closer == Verdict::exceeds;
+        }
         ++exact;
         return detail::exact_turn_exceeds(mesh_, f, g, threshold_);
+    }
+
+    enum class Verdict { exceeds, stays, open };
+    Verdict judge(const glm::dvec3& a, const glm::dvec3& b, double relative_error) const {
+        const double product = glm::length(a) * glm::length(b);
+        const double gap = glm::dot(a, b) - threshold_.cosine.cosine * product;
+        // Rounding of the dot product, the lengths and the cosine: under 8 ulps of |a||b|; the
+        // vectors' own errors enter through the dot product and through the lengths.
+        const double error = (8 * 0x1p-52 + 5 * relative_error) * product;
+        return gap < -error ? Verdict::exceeds : gap > error ? Verdict::stays : Verdict::open;
     }
 
     bool is_marked(Index corner) const {
@@ -121,6 +138,7 @@ class Decider {
     const HardEdgeOptions& options_;
     detail::Threshold threshold_;
     std::vector<std::uint64_t> marks_;
+    std::vector<Index> stand_ins_;
     bool grouped_ = false;
 };
 

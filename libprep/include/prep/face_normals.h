@@ -10,9 +10,9 @@
 namespace prep {
 
 enum class Precision : std::uint8_t {
-    fast,      // float arithmetic
-    accurate,  // double, scaled by powers of two, compensated
-    exact,     // exact rationals (CGAL), rounded once: slow, the oracle
+    fast,      // float, vectorised, doubles where floats would lose too much
+    accurate,  // double, compensated where plain doubles would lose too much
+    exact,     // exact rationals and 256-bit floats, rounded once: slow, the oracle
 };
 
 enum class FaceState : std::uint8_t {
@@ -27,16 +27,25 @@ struct FaceNormals {
     // Per face: normal direction with the length of twice the area (for planar faces); zero where
     // the state is not regular.
     std::vector<glm::dvec3> area_vectors;
-    std::vector<double> errors;  // per face: bound on the length of area_vectors' error
     std::vector<FaceState> states;
+    // Bound on |error of the area vector| / |area vector|, the same for every regular face.
+    double relative_error = 0;
 };
 
+// Relative errors of the area vectors, which also bound the normals' angular errors in radians.
+// Measured by FaceNormals.ErrorsStayBelowTheirBounds.
+inline constexpr double fast_face_error = 0x1p-16;
+inline constexpr double accurate_face_error = 0x1p-45;
+inline constexpr double exact_face_error = 0x1p-52;
+
 // Newell's sum about the face's first corner (Sutherland et al. 1974): exact for non-planar
-// polygons and independent of the start corner up to rounding. `accurate` evaluates each difference
-// of products with one rounding: where the edge differences fit a float the products are exact,
-// elsewhere they are split (Dekker 1971), so that the error of a triangle is at most 2⁻⁵² of its
-// length, needles included. `fast` uses float: 1e-6 rad on well-shaped triangles, unbounded on
-// needles. O(corners); the same bits for any thread count.
+// polygons and independent of the start corner up to rounding.
+//
+// Each face is computed in the cheapest arithmetic whose error bound, evaluated on the face itself,
+// meets the precision's bound: floats (`fast` only), doubles, doubles with error-free
+// transformations (Dekker 1971, Knuth 1969), exact rationals (CGAL). Needles and polygons whose
+// area nearly cancels thus cost more, never accuracy. Whether a face's area is zero is decided
+// exactly. O(corners); the same bits for any thread count and instruction set.
 FaceNormals face_normals(const MeshView& mesh, Precision precision = Precision::accurate,
                          int threads = 0);
 

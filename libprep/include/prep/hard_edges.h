@@ -51,8 +51,11 @@ struct HardEdges {
     std::uint64_t exact_decisions = 0;  // how often the filter could not tell
 };
 
-// Errors: invalid (threshold outside 0 … 180 or not a number). Degenerate and non-finite faces have
-// no normal: their edges are smooth as far as the angle goes. O(edges).
+// Errors: invalid (threshold outside 0 … 180 or not a number). A face of zero area is a slit: it
+// goes by the normal of the face across its longest edge, so that the faces on its sides are
+// compared with each other; where there is none, its edges are smooth as far as the angle goes. A
+// face with a position that is not finite counts as missing: its edges are borders. O(edges); the
+// same for any order of faces, vertices or threads.
 Result<HardEdges> hard_edges(const MeshView& mesh, const Topology& topology,
                              const FaceNormals& faces, const HardEdgeOptions& options = {});
 
