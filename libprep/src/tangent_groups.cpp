@@ -202,7 +202,8 @@ class StarWorker {
     bool evaluate_fan(Star star) {
         namespace hn = hwy::HWY_NAMESPACE;
         const std::size_t count = star.size();
-        if (count > most_fan_members || !opposites_only_ || !overrides_.empty()) return false;
+        if (count > most_fan_members || !opposites_only_ || overrides_.touch(stars_, star))
+            return false;
         alignas(16) Index next[most_fan_members], previous[most_fan_members];
         glm::vec3 sum(0.0f);
         std::uint32_t all = ~0u, any = 0;

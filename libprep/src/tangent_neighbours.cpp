@@ -35,9 +35,7 @@ void Neighbours::find(const TangentStars& stars, std::span<const Index> star,
         search();
     else
         sort();
-    if (!overrides.empty() && std::binary_search(overrides.vertices.begin(),
-                                                 overrides.vertices.end(), stars.vertex(star[0])))
-        apply(star, overrides);
+    if (overrides.touch(stars, star)) apply(star, overrides);
 }
 
 void Neighbours::link(std::size_t leaves, std::size_t enters) {

@@ -5,6 +5,7 @@
 // that enters it (lower triangle numbers pair first, each side once).
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -23,6 +24,10 @@ struct EdgeOverrides {
     std::vector<std::uint32_t> vertices;  // the welded vertices at their ends, ascending
     bool empty() const { return entries.empty(); }
     const Entry* find(std::uint32_t half_edge) const;
+    bool touch(const TangentStars& stars, std::span<const std::uint32_t> star) const {
+        return !entries.empty() &&
+               std::binary_search(vertices.begin(), vertices.end(), stars.vertex(star[0]));
+    }
 };
 
 class Neighbours {

@@ -7,6 +7,7 @@
 #include "tangent_degenerate.h"
 #include "tangent_fallback.h"
 #include "tangent_groups.h"
+#include "tangent_reference.h"
 #include "tangent_weld.h"
 
 namespace prep {
@@ -60,16 +61,25 @@ class Run {
 
     CornerTangents operator()() {
         triangles_ = detail::tangent_triangles(in_, robust_, options_.threads);
+        const bool as_reference = options_.mode == TangentMode::mikktspace_exact;
+        std::vector<Index> representatives;
+        if (as_reference) {
+            representatives = detail::reference_representatives(in_, triangles_);
+            read_.representatives = representatives;
+        }
         terms_ = detail::compute_terms(read_, triangles_, options_);
         const detail::TangentStars stars =
             detail::tangent_stars(read_, triangles_, terms_, shared_.lowest, options_.threads);
-        make_tangents(stars);
+        detail::EdgeOverrides overrides;
+        if (as_reference)
+            overrides = detail::reference_pairs(representatives, triangles_, terms_, stars);
+        make_tangents(stars, overrides);
         count_triangles();
         return std::move(result_);
     }
 
   private:
-    void make_tangents(const detail::TangentStars& stars) {
+    void make_tangents(const detail::TangentStars& stars, const detail::EdgeOverrides& overrides) {
         std::vector<Index>& indices = result_.tangents.indices;
         indices.reserve(in_.corner_vertices.size());
         detail::advise_large_pages(indices.data(), indices.capacity() * sizeof(Index));
@@ -83,7 +93,7 @@ class Run {
         std::vector<Index> corner_values;
         if (!triangles_.implicit()) corner_values.assign(3 * triangles_.count, no_index);
         detail::GroupTangents groups =
-            detail::group_tangents(read_, triangles_, terms_, stars, {}, options,
+            detail::group_tangents(read_, triangles_, terms_, stars, overrides, options,
                                    triangles_.implicit() ? indices : corner_values);
         result_.tangents.values = std::move(groups.values);
         for (std::size_t i = 0; i < corner_values.size(); ++i) {

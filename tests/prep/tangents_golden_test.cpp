@@ -52,4 +52,9 @@ TEST(TangentsGolden, DefinitionMatchesEveryBit) {
     expect_golden(shared, prep::TangentMode::definition, ".fix");
 }
 
+TEST(TangentsGolden, ExactModeMatchesEveryBitOfTheReference) {
+    MESHPREP_REQUIRE_SHARED(shared);
+    expect_golden(shared, prep::TangentMode::mikktspace_exact, ".tan");
+}
+
 }  // namespace

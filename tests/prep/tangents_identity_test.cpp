@@ -107,7 +107,8 @@ TEST(TangentsIdentity, SameOnHostileSoups) {
         hostile.odd_scales = seed & 8;
         const CornerSoup soup = test::hostile_soup(random, hostile);
         const auto indexed = test::share_values(soup);
-        for (const TangentMode mode : {TangentMode::mikktspace, TangentMode::definition}) {
+        for (const TangentMode mode :
+             {TangentMode::mikktspace, TangentMode::definition, TangentMode::mikktspace_exact}) {
             const auto want = tangents(soup.input(), mode, 1, SimdLevel::scalar);
             for (const SimdLevel simd : {SimdLevel::sse4, SimdLevel::avx2, SimdLevel::avx512}) {
                 if (prep::simd_available(simd))
