@@ -324,7 +324,8 @@ class StarWorker {
         const glm::vec3 n = read_.normal(triangles_.corner(members[0] >> 2, members[0] & 3));
         const glm::vec3 t(value);
         const float length2 = mikk::dot(t, t), along = mikk::dot(n, t);
-        if (std::abs(length2 - 1.0f) <= 1e-6f && std::abs(along) <= 5e-7f) return;
+        const bool has_normal = mikk::dot(n, n) > 0.5f;
+        if (has_normal && std::abs(length2 - 1.0f) <= 1e-6f && std::abs(along) <= 5e-7f) return;
         block_->suspects.insert(block_->suspects.end(), members.begin(), members.end());
     }
 
