@@ -91,7 +91,7 @@ void set_depth_plane(std::span<const ScreenVertex> vertices, std::int64_t area, 
     t.depth = d[0];
     t.depth_dx = (d1 * y2 - d2 * y1) * scale;
     t.depth_dy = (d2 * x1 - d1 * x2) * scale;
-    t.depth_min = std::max(0.0f, float(std::min({d[0], d[1], d[2]})));
+    t.depth_min = float(std::min({d[0], d[1], d[2]}));  // below 0: beyond the far plane
     t.depth_max = std::min(1.0f, float(std::max({d[0], d[1], d[2]})));
 }
 

@@ -125,7 +125,8 @@ void visit_coverage(std::span<const ScreenVertex> vertices, const SetupTriangle&
         for (std::int32_t x = x0; x <= x1; ++x) {
             if ((v0 | v1 | v2) >= 0) {
                 const float depth = float(row + t.depth_dx * (x + 0.5 - anchor_x));
-                visit(x, y, std::min(std::max(depth, t.depth_min), t.depth_max));
+                const float kept = std::min(std::max(depth, t.depth_min), t.depth_max);
+                if (kept >= 0) visit(x, y, kept);
             }
             v0 += e[0].a;
             v1 += e[1].a;
