@@ -4,6 +4,7 @@
 #include <chrono>
 
 #include "authored_normals.h"
+#include "authored_tangents.h"
 #include "prep/split.h"
 #include "prep/topology.h"
 #include "share_vertices.h"
@@ -13,6 +14,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 using detail::NormalReview;
+using detail::TangentReview;
 
 // Collects, over all meshes, whether a stage ran, the first reason given for running or skipping
 // it, and its time.
@@ -276,29 +278,90 @@ class Preparer {
             }
             return {};
         }
+        const MeshView view(mesh, need.tangent_uv_set);
         std::string reason = need.tangents.reason;
-        if (!mesh.tangents.empty() && options_.tangents != Authored::replace) {
-            if (!normals_changed) {
+        const bool authored = !mesh.tangents.empty() && options_.tangents != Authored::replace;
+        const bool repair = options_.tangents == Authored::repair;
+        if (authored && !repair) {
+            if (normals_changed) {
+                reason = "the normals changed, so the file's own tangents no longer fit";
+                return replace_tangents(index, mesh, view, reason, false);
+            }
+            const TangentReview review = detail::review_tangents(view, mesh.tangents, nullptr);
+            if (!review.any(detail::tangent_unusable)) {
                 log_.skipped("tangents", "the file's own tangents are kept");
+                report_review(index, review, detail::tangent_unusable);
+                if (review.any(detail::tangent_non_unit))
+                    mesh.tangents = detail::merge_tangents(mesh.tangents, review,
+                                                           detail::tangent_unusable, nullptr);
                 return {};
             }
-            reason = "the normals changed, so the file's own tangents no longer fit";
+            reason = "some authored tangents are missing or unusable";
+        } else if (authored) {
+            reason = "authored tangents are held against them";
         }
-        const MeshView view(mesh, need.tangent_uv_set);
+        return replace_tangents(index, mesh, view, reason, authored);
+    }
+
+    // Everywhere, or (surgical) where the file's own are bad.
+    Result<void> replace_tangents(std::uint32_t index, Mesh& mesh, const MeshView& view,
+                                  const std::string& reason, bool surgical) {
         TangentOptions tangent_options = options_.tangent;
         tangent_options.threads = options_.threads;
         auto tangents = log_.run("tangents", reason, [&] {
             return corner_tangents(TangentInput(view), tangent_options);
         });
         if (!tangents) return std::move(tangents).error();
+        TangentReview review;
+        unsigned replace = 0xff;
+        if (surgical) {
+            const bool repair = options_.tangents == Authored::repair;
+            if (!repair) replace = detail::tangent_unusable;
+            review = detail::review_tangents(view, mesh.tangents, repair ? &*tangents : nullptr);
+            report_review(index, review, replace);
+        }
+        std::uint64_t fallbacks = 0;
         std::vector<std::uint32_t> places;
-        for (const auto& fallback : tangents->fallbacks)
+        for (const auto& fallback : tangents->fallbacks) {
+            if (surgical && !(review.faults[fallback.corner] & replace)) continue;
+            ++fallbacks;
             if (places.size() < Finding::max_places) places.push_back(fallback.corner);
-        add_finding(index, "tangent-fallback", Severity::info, tangents->fallbacks.size(),
-                    std::move(places),
+        }
+        add_finding(index, "tangent-fallback", Severity::info, fallbacks, std::move(places),
                     "MikkTSpace defines no tangent at these corners: they got an orthonormal one");
-        mesh.tangents = std::move(tangents->tangents);
+        mesh.tangents =
+            surgical ? detail::merge_tangents(mesh.tangents, review, replace, &tangents->tangents)
+                     : std::move(tangents->tangents);
         return {};
+    }
+
+    void report_review(std::uint32_t index, const TangentReview& review, unsigned replaced) {
+        struct Kind {
+            const char *name, *what, *kept;
+        };
+        static constexpr Kind kinds[detail::tangent_fault_kinds] = {
+            {"missing-tangent", "corners without a tangent got a computed one", ""},
+            {"non-finite-tangent", "authored tangents that are not finite were replaced", ""},
+            {"zero-tangent", "authored tangents of length zero were replaced", ""},
+            {"tangent-without-sign", "authored tangents whose w is no sign were replaced", ""},
+            {"non-unit-tangent", "authored tangents that are not unit were replaced",
+             "authored tangents that are not unit were rescaled"},
+            {"tangent-off-plane", "authored tangents out of their normal's plane were replaced",
+             "authored tangents are out of their normal's plane: kept, repairing replaces them"},
+            {"tangent-against-uvs", "authored tangents that contradict the UVs were replaced", ""},
+        };
+        for (unsigned k = 0; k < detail::tangent_fault_kinds; ++k) {
+            if (review.counts[k] == 0) continue;
+            std::vector<std::uint32_t> places;
+            for (std::uint32_t c = 0; c < review.faults.size(); ++c) {
+                if (!(review.faults[c] >> k & 1u)) continue;
+                places.push_back(c);
+                if (places.size() == Finding::max_places) break;
+            }
+            add_finding(index, kinds[k].name, k == 0 ? Severity::info : Severity::warning,
+                        review.counts[k], std::move(places),
+                        (replaced >> k & 1u) ? kinds[k].what : kinds[k].kept);
+        }
     }
 
     void count_splits(const VertexMesh& mesh) {

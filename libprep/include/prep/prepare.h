@@ -21,9 +21,12 @@ namespace prep {
 
 // What happens to authored normals or tangents (those that the file brings).
 enum class Authored : std::uint8_t {
-    keep,     // kept where the file has them, computed where it does not
+    keep,     // kept where the file has them, computed where it does not or they are no direction
     replace,  // computed everywhere
-    repair,   // kept but where they are zero, non-finite, non-unit or against their face
+    // Kept, but for the bad ones: zero, non-finite or non-unit; normals against their face;
+    // tangents out of their normal's plane (by over 1.1°) or against the UVs (by over 60°, or of
+    // other sign).
+    repair,
 };
 
 enum class WeldMode : std::uint8_t {

@@ -1,0 +1,48 @@
+// What the file's own tangents are worth, corner by corner, and how computed ones take their place.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "prep/mesh.h"
+#include "prep/tangents.h"
+
+namespace prep::detail {
+
+enum TangentReviewFault : std::uint8_t {  // bits
+    tangent_missing = 1,
+    tangent_non_finite = 2,
+    tangent_zero = 4,
+    tangent_no_sign = 8,       // w is nearer to 0 than to ±1
+    tangent_non_unit = 16,     // length off by more than unit_tolerance, or w clear but not ±1
+    tangent_off_plane = 32,    // its sine out of the normal's plane is more than plane_tolerance
+    tangent_against_uvs = 64,  // more than 60° from the UVs' direction, or of the other sign
+};
+inline constexpr int tangent_fault_kinds = 7;
+// Without these there is no frame at all.
+inline constexpr unsigned tangent_unusable =
+    tangent_missing | tangent_non_finite | tangent_zero | tangent_no_sign;
+
+// 1.1°: normals and tangents that were stored as signed bytes are each up to 0.4° off.
+inline constexpr double plane_tolerance = 0.02;
+
+struct TangentReview {
+    std::vector<std::uint8_t> faults;  // per corner: bits of TangentReviewFault
+    std::array<std::uint64_t, tangent_fault_kinds> counts{};  // corners, per bit
+    bool any(unsigned bits) const;
+};
+
+// `mesh` with the normals that the tangents are to go with. Against UVs is only judged where
+// `computed` is given, and there only at corners whose UVs have a gradient.
+TangentReview review_tangents(const MeshView& mesh, const CornerLayer<glm::vec4>& authored,
+                              const CornerTangents* computed);
+
+// Authored tangents with computed ones at the corners whose faults intersect `replace`; all other
+// corners keep their bits, but where only the length or the size of w is off: that is put right.
+// `computed` may be null when none is replaced.
+CornerLayer<glm::vec4> merge_tangents(const CornerLayer<glm::vec4>& authored,
+                                      const TangentReview& review, unsigned replace,
+                                      const CornerLayer<glm::vec4>* computed);
+
+}  // namespace prep::detail
