@@ -30,11 +30,16 @@ class Rewriter {
 
     Result<RewrittenGltf> run() {
         json_ = document_.json;
+        // Made first: a new key moves its siblings, and references to them are held below. pack()
+        // takes away what stays empty.
+        for (const char* list : {"accessors", "bufferViews"})
+            if (!json_.contains(list)) json_[list] = Json::array();
         for (Index m = 0; m < prepared_.scene.meshes.size(); ++m)
             if (auto done = mesh(m); !done) return std::move(done).error();
         remove_compression();
         images();
         if (auto done = pack(); !done) return std::move(done).error();
+        remove_empty_lists();
         RewrittenGltf out;
         out.json = std::move(json_);
         out.binary = std::move(binary_);
@@ -263,16 +268,20 @@ class Rewriter {
             raw = *std::move(read);
         }
         if (semantic.starts_with("WEIGHTS_")) balance(raw);
-        const std::size_t size = raw.element_size();
-        const std::size_t stride = (size + 3) & ~std::size_t(3);  // vertex attributes are aligned
-        std::vector<std::byte> bytes(local.size() * stride);
-        for (std::size_t i = 0; i < local.size(); ++i)
-            std::memcpy(bytes.data() + i * stride, raw.bytes.data() + local[i] * size, size);
         Json out = document_.json["accessors"][accessor];
+        const bool implied = !source.draco.contains(semantic) && !out.contains("bufferView") &&
+                             !out.contains("sparse");  // zeros, of which the file stores none
         for (const char* key : {"bufferView", "byteOffset", "sparse", "min", "max"}) out.erase(key);
         const bool bounded =
             document_.json["accessors"][accessor].contains("min") || semantic == "POSITION";
-        out["bufferView"] = new_view(std::move(bytes), 34962, stride == size ? 0 : stride);
+        if (!implied) {
+            const std::size_t size = raw.element_size();
+            const std::size_t stride = (size + 3) & ~std::size_t(3);  // vertex data is aligned
+            std::vector<std::byte> bytes(local.size() * stride);
+            for (std::size_t i = 0; i < local.size(); ++i)
+                std::memcpy(bytes.data() + i * stride, raw.bytes.data() + local[i] * size, size);
+            out["bufferView"] = new_view(std::move(bytes), 34962, stride == size ? 0 : stride);
+        }
         out["count"] = local.size();
         if (bounded) set_bounds(raw, local, out);
         return new_accessor(std::move(out));
@@ -529,6 +538,22 @@ class Rewriter {
         return {};
     }
 
+    // glTF forbids empty lists; they say what an absent one says.
+    void remove_empty_lists() {
+        std::vector<std::string> empty;
+        for (const auto& item : json_.items())
+            if (item.value().is_array() && item.value().empty()) empty.push_back(item.key());
+        for (const std::string& key : empty) json_.erase(key);
+        if (Json* nodes = member(json_, "nodes"))
+            for (Json& node : *nodes)
+                if (const Json* children = member(node, "children"); children && children->empty())
+                    node.erase("children");
+        if (Json* scenes = member(json_, "scenes"))
+            for (Json& scene : *scenes)
+                if (const Json* nodes = member(scene, "nodes"); nodes && nodes->empty())
+                    scene.erase("nodes");
+    }
+
     const PreparedScene& prepared_;
     const GltfDocument& document_;
     std::vector<std::string>& notes_;
@@ -541,7 +566,14 @@ class Rewriter {
 }  // namespace
 
 Result<RewrittenGltf> rewrite_gltf(const PreparedScene& prepared, std::vector<std::string>& notes) {
-    return Rewriter(prepared, notes).run();
+    try {
+        return Rewriter(prepared, notes).run();
+    } catch (const Json::exception& e) {
+        // Where the reader let something through that it carries without knowing it.
+        return Error{ErrorCode::invalid,
+                     std::string("the glTF document contradicts itself: ") + e.what(),
+                     {}};
+    }
 }
 
 }  // namespace prep::detail

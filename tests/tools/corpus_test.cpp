@@ -1,5 +1,6 @@
-// Every mesh file of the shared corpus through `meshprep prepare` to GLB (glTF files also to .gltf),
-// judged by the official validator: no errors, and nothing that the input had may be missing.
+// Every mesh file of the shared corpus through `meshprep prepare` to GLB (glTF files also to
+// .gltf), judged by the official validator: no errors, and nothing that the input had may be
+// missing.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -40,6 +41,17 @@ std::vector<fs::path> mesh_files(const fs::path& corpus) {
     return out;
 }
 
+// `list`: {"name", "input", "output", "before"} of each file, as validate_gltf.mjs reads it.
+void judge(const fs::path& validator, const test::TemporaryDirectory& dir,
+           const nlohmann::json& list) {
+    test::write_text(dir / "list.json", list.dump());
+    const fs::path script = test::source_dir() / "tests/tools/validate_gltf.mjs";
+    std::cout.flush();
+    const std::string command = "node '" + script.string() + "' '" + validator.string() + "' '" +
+                                (dir / "list.json").string() + "' 2>&1";
+    EXPECT_EQ(std::system(command.c_str()), 0) << "the judge's complaints stand above";
+}
+
 TEST(Corpus, EveryMeshBecomesValidGltfAndNothingIsLost) {
     MESHPREP_REQUIRE_SHARED(shared);
     MESHPREP_REQUIRE_NPM(validator, "gltf-validator");
@@ -70,12 +82,52 @@ TEST(Corpus, EveryMeshBecomesValidGltfAndNothingIsLost) {
         }
     }
     EXPECT_GE(list.size(), 70u);
-    test::write_text(dir / "list.json", list.dump());
-    const fs::path script = test::source_dir() / "tests/tools/validate_gltf.mjs";
-    std::cout.flush();
-    const std::string command = "node '" + script.string() + "' '" + validator.string() + "' '" +
-                                (dir / "list.json").string() + "' 2>&1";
-    EXPECT_EQ(std::system(command.c_str()), 0) << "the judge's complaints stand above";
+    judge(validator, dir, list);
+}
+
+// The validator's own test files: what is invalid is refused with its place or carried, never a
+// crash; what the validator finds no error in is converted to a file it finds no error in.
+TEST(Corpus, TheValidatorsFilesAreRefusedWithTheirPlaceOrConverted) {
+    MESHPREP_REQUIRE_SHARED(shared);
+    MESHPREP_REQUIRE_NPM(validator, "gltf-validator");
+    const test::TemporaryDirectory dir;
+    const fs::path root = shared / "corpus" / "gltf-validator";
+    std::vector<fs::path> files;
+    for (const auto& entry : fs::recursive_directory_iterator(root))
+        if (is_gltf(entry.path())) files.push_back(entry.path());
+    std::sort(files.begin(), files.end());
+    EXPECT_GE(files.size(), 130u);
+    nlohmann::json list = nlohmann::json::array();
+    std::size_t refused = 0, converted = 0;
+    for (const fs::path& file : files) {
+        const std::string name = fs::relative(file, root).generic_string();
+        SCOPED_TRACE(name);
+        std::string flat = name + ".glb";
+        std::replace(flat.begin(), flat.end(), '/', '-');
+        const test::Ran ran =
+            test::run_command({"prepare", file.string(), "-o", (dir / flat).string()});
+        const auto report =
+            nlohmann::json::parse(test::read_text(file.string() + ".report.json"), nullptr, false);
+        ASSERT_TRUE(report.is_object());
+        const bool valid = report.at("issues").at("numErrors") == 0;
+        if (ran.exit_code == 1) {
+            ++refused;
+            // Valid, but it asks for a reader of glTF 2.1.
+            const bool too_new = name == "asset/min_version_valid.gltf";
+            EXPECT_TRUE(!valid || too_new) << "refused without cause: " << ran.err;
+            EXPECT_NE(ran.err.find(file.filename().string()), std::string::npos) << ran.err;
+            EXPECT_FALSE(fs::exists(dir / flat)) << "half an output";
+            continue;
+        }
+        ASSERT_EQ(ran.exit_code, 0) << ran.err;
+        ++converted;
+        if (!valid) continue;
+        list.push_back(
+            {{"name", name}, {"input", file.string()}, {"output", (dir / flat).string()}});
+    }
+    std::cout << files.size() << " files: " << refused << " refused, " << converted
+              << " converted, of these " << list.size() << " without an error of the validator\n";
+    judge(validator, dir, list);
 }
 
 }  // namespace
