@@ -46,7 +46,8 @@ class EarClipper {
             previous_[i] = i == 0 ? n - 1 : i - 1;
         }
         reflex_.resize(n);
-        for (Index i = 0; i < n; ++i) set_reflex(i);
+        spike_.resize(n);
+        for (Index i = 0; i < n; ++i) classify(i);
         for (Index i = 0; i < n; ++i)
             if (reflex_[i]) reflex_list_.push_back(i);
     }
@@ -55,7 +56,8 @@ class EarClipper {
         Index left = Index(points_.size()), i = 0, failures = 0;
         while (left > 3) {
             const bool give_up = work_ > work_limit;
-            if (give_up || is_ear(i)) {
+            // A spike encloses nothing, but hides what its neighbours enclose.
+            if (give_up || spike_[i] || is_ear(i)) {
                 i = clip(i);
                 --left;
                 failures = 0;
@@ -78,7 +80,24 @@ class EarClipper {
     int orient(Index a, Index b, Index c) const {
         return detail::orient2d(points_[a], points_[b], points_[c]);
     }
-    void set_reflex(Index i) { reflex_[i] = turn(i) <= 0; }
+    void classify(Index i) {
+        const int sign = turn(i);
+        reflex_[i] = sign <= 0;
+        spike_[i] = sign == 0 && turns_back(i);
+    }
+    // For a corner of no turn: whether the next side runs back along the last one, or one of them
+    // has no length.
+    bool turns_back(Index i) const {
+        const glm::vec2 &a = points_[previous_[i]], &b = points_[i], &c = points_[next_[i]];
+        if (a == b || b == c) return true;
+        return a.x != b.x ? (a.x < b.x) != (b.x < c.x) : (a.y < b.y) != (b.y < c.y);
+    }
+    // Whether a side at r, which lies where the corner b of the triangle a, b, c does, leaves into
+    // the triangle.
+    bool enters(Index r, Index a, Index b, Index c) const {
+        const auto inside = [&](Index k) { return orient(b, c, k) > 0 && orient(a, b, k) > 0; };
+        return inside(previous_[r]) || inside(next_[r]);
+    }
 
     bool is_ear(Index i) {
         if (reflex_[i]) return false;
@@ -97,7 +116,14 @@ class EarClipper {
             const glm::vec2& p = points_[r];
             if (p.x < low.x || p.x > high.x || p.y < low.y || p.y > high.y) continue;
             if (r == a || r == b || r == c) continue;
-            if (p == points_[a] || p == points_[b] || p == points_[c]) continue;
+            // Polygons may touch themselves, or reach a hole by a bridge.
+            if (p == points_[a] || p == points_[b] || p == points_[c]) {
+                if (p == points_[a]   ? enters(r, c, a, b)
+                    : p == points_[b] ? enters(r, a, b, c)
+                                      : enters(r, b, c, a))
+                    return false;
+                continue;
+            }
             if (orient(a, b, r) >= 0 && orient(b, c, r) >= 0 && orient(c, a, r) >= 0) return false;
         }
         return true;
@@ -115,7 +141,7 @@ class EarClipper {
         // it can, and then it joins the list.
         for (const Index k : {a, c}) {
             const bool was = reflex_[k];
-            set_reflex(k);
+            classify(k);
             if (reflex_[k] && !was) reflex_list_.push_back(k);
         }
         return next_[c];
@@ -131,7 +157,7 @@ class EarClipper {
     Index first_corner_;
     Index* out_;
     std::vector<Index> next_, previous_, reflex_list_;
-    std::vector<char> reflex_;
+    std::vector<char> reflex_, spike_;
     std::size_t work_ = 0;
 };
 
