@@ -81,6 +81,28 @@ TEST(HardEdges, CubeIsHardAtSixtyAndSmoothExactlyAtNinety) {
     for (const unsigned r : hard_of(shapes::cube()).reasons) EXPECT_EQ(r, prep::hard_angle);
 }
 
+TEST(HardEdges, OneTriangleIsAllBorder) {
+    const HardEdges hard = hard_of(shapes::polygon({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}));
+    EXPECT_EQ(hard.reasons, std::vector<std::uint8_t>(3, prep::hard_border));
+    EXPECT_EQ(hard.hard_count, 0u);
+}
+
+TEST(HardEdges, CylinderIsHardAroundItsCaps) {
+    for (const std::uint32_t segments : {8u, 16u, 100u}) {
+        const Mesh mesh = shapes::cylinder(segments);
+        EXPECT_EQ(hard_of(mesh, at_angle(60)).hard_count, 2 * segments);
+        EXPECT_EQ(hard_of(mesh, at_angle(90)).hard_count, 0u);
+        const double turn = 360.0 / segments;
+        EXPECT_EQ(hard_of(mesh, at_angle(turn - 0.01)).hard_count, 3 * segments);
+        EXPECT_EQ(hard_of(mesh, at_angle(turn + 0.01)).hard_count, 2 * segments);
+    }
+}
+
+TEST(HardEdges, BowTieHasTheEdgesOfTwoTetrahedra) {
+    EXPECT_EQ(hard_of(shapes::bow_tie()).hard_count, 12u);
+    EXPECT_EQ(hard_of(shapes::bow_tie(), at_angle(180)).hard_count, 0u);
+}
+
 TEST(HardEdges, AngleOutOfRangeIsAnError) {
     for (const double bad : {-1.0, 180.5, std::numeric_limits<double>::quiet_NaN()}) {
         const Mesh mesh = shapes::cube();
