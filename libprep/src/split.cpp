@@ -101,10 +101,12 @@ class Attributes {
                 add(SplitReason::authored_normal);
                 continue;
             }
-            // Computed normals differ because of the edges at either corner.
-            const std::uint8_t around = edge_reasons(first) | edge_reasons(c);
+            // Computed normals differ because of the edges at either corner; a border only where
+            // there is nothing else.
+            const unsigned around =
+                unsigned(edge_reasons(first) | edge_reasons(c)) & ~unsigned(hard_border);
             if (around & hard_smoothing_group) add(SplitReason::smoothing_group);
-            if ((around & ~unsigned(hard_smoothing_group)) || !around) add(SplitReason::hard_edge);
+            if (around != hard_smoothing_group) add(SplitReason::hard_edge);
         }
         for (const auto& l : uvs_)
             if (!l.same(first, c)) add(SplitReason::uv_seam);
