@@ -4,9 +4,9 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cstdio>
 #include <cstring>
 
+#include "file_set.h"
 #include "prep/io.h"
 
 namespace prep {
@@ -64,28 +64,9 @@ Result<std::vector<std::byte>> read_file(const std::filesystem::path& path) {
 }
 
 Result<void> write_file(const std::filesystem::path& path, std::span<const std::byte> bytes) {
-    std::string temporary = path.string() + ".XXXXXX";
-    const int fd = ::mkstemp(temporary.data());
-    if (fd < 0)
-        return Error{ErrorCode::io, "cannot create a file here: " + reason(), path.string()};
-    std::size_t done = 0;
-    bool good = true;
-    while (good && done < bytes.size()) {
-        const ssize_t n = ::write(fd, bytes.data() + done, bytes.size() - done);
-        if (n < 0 && errno == EINTR) continue;
-        good = n > 0;
-        if (good) done += std::size_t(n);
-    }
-    // mkstemp makes files that only their owner may read; give the rights that a plain open would.
-    const mode_t mask = ::umask(0);
-    ::umask(mask);
-    good = good && ::fchmod(fd, 0666 & ~mask) == 0;
-    good = ::close(fd) == 0 && good;
-    good = good && std::rename(temporary.c_str(), path.c_str()) == 0;
-    if (good) return {};
-    const std::string why = reason();
-    ::unlink(temporary.c_str());
-    return Error{ErrorCode::io, "cannot write the file: " + why, path.string()};
+    detail::FileSet files;
+    if (auto done = files.add(path, bytes); !done) return done;
+    return files.commit();
 }
 
 }  // namespace prep

@@ -1,8 +1,8 @@
 #include <fmt/format.h>
 
+#include "file_set.h"
 #include "gltf_build.h"
 #include "gltf_rewrite.h"
-#include "prep/io.h"
 #include "prep/version.h"
 #include "writers.h"
 
@@ -47,13 +47,15 @@ WriteResult write_gltf(const PreparedScene& prepared, const std::filesystem::pat
     std::string json = document.dump(glb ? -1 : 2, ' ', false, Json::error_handler_t::replace);
     if (!glb) {
         json += '\n';
+        FileSet files;
         if (!binary.empty()) {
             std::filesystem::path bin = path;
             bin.replace_extension(".bin");
-            if (auto done = write_file(bin, binary); !done) return std::move(done).error();
+            if (auto done = files.add(bin, binary); !done) return std::move(done).error();
         }
-        if (auto done = write_file(path, std::as_bytes(std::span(json))); !done)
+        if (auto done = files.add(path, std::as_bytes(std::span(json))); !done)
             return std::move(done).error();
+        if (auto done = files.commit(); !done) return std::move(done).error();
         return notes;
     }
     while (json.size() % 4 != 0) json += ' ';
@@ -61,21 +63,21 @@ WriteResult write_gltf(const PreparedScene& prepared, const std::filesystem::pat
     if (total > glb_limit)
         return Error{ErrorCode::limit, "a GLB file holds at most 4 GiB: write .gltf instead",
                      path.string()};
-    std::vector<std::byte> out;
-    out.reserve(total);
-    append_u32(out, 0x46546c67);  // "glTF"
-    append_u32(out, 2);
-    append_u32(out, std::uint32_t(total));
-    append_u32(out, std::uint32_t(json.size()));
-    append_u32(out, 0x4e4f534a);  // "JSON"
-    const std::span<const std::byte> text = std::as_bytes(std::span(json));
-    out.insert(out.end(), text.begin(), text.end());
+    std::vector<std::byte> head, middle;
+    append_u32(head, 0x46546c67);  // "glTF"
+    append_u32(head, 2);
+    append_u32(head, std::uint32_t(total));
+    append_u32(head, std::uint32_t(json.size()));
+    append_u32(head, 0x4e4f534a);  // "JSON"
     if (!binary.empty()) {
-        append_u32(out, std::uint32_t(binary.size()));
-        append_u32(out, 0x004e4942);  // "BIN"
-        out.insert(out.end(), binary.begin(), binary.end());
+        append_u32(middle, std::uint32_t(binary.size()));
+        append_u32(middle, 0x004e4942);  // "BIN"
     }
-    if (auto done = write_file(path, out); !done) return std::move(done).error();
+    const std::span<const std::byte> parts[] = {head, std::as_bytes(std::span(json)), middle,
+                                                binary};
+    FileSet files;
+    if (auto done = files.add(path, parts); !done) return std::move(done).error();
+    if (auto done = files.commit(); !done) return std::move(done).error();
     return notes;
 }
 

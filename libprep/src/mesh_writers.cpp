@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "prep/io.h"
+#include "srgb.h"
 #include "writers.h"
 
 namespace prep::detail {
@@ -58,8 +59,9 @@ void append_mesh(const PreparedScene& prepared, Index mesh_index, const glm::dma
     };
     flat.moved |= moved;
     for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
-        const glm::dvec3 p = glm::dvec3(mesh.positions[v]) + mesh.origin;
-        flat.positions.push_back(moved ? glm::dvec3(world * glm::dvec4(p, 1.0)) : p);
+        const glm::dvec3 p(mesh.positions[v]);
+        // Adding an origin of zero would turn −0 into 0.
+        flat.positions.push_back(moved ? glm::dvec3(world * glm::dvec4(p + mesh.origin, 1.0)) : p);
         const auto at = [&](const auto& list, const auto& otherwise) {
             return v < list.size() ? list[v] : otherwise;
         };
@@ -106,8 +108,7 @@ Flat flatten(const PreparedScene& prepared, const char* format, std::vector<std:
 
 unsigned char encoded(float linear) {
     const double x = std::clamp(double(linear), 0.0, 1.0);
-    const double s = x <= 0.0031308 ? x * 12.92 : 1.055 * std::pow(x, 1 / 2.4) - 0.055;
-    return static_cast<unsigned char>(std::lround(s * 255));
+    return static_cast<unsigned char>(std::lround(linear_to_srgb(x) * 255));
 }
 
 Result<void> check_count(std::size_t count, const std::filesystem::path& path) {
@@ -163,6 +164,8 @@ WriteResult write_ply(const PreparedScene& prepared, const std::filesystem::path
     const Flat flat = flatten(prepared, "PLY", notes);
     if (auto done = check_count(flat.corner_vertices.size(), path); !done)
         return std::move(done).error();
+    if (flat.positions.size() > 0x7fffffff)
+        return Error{ErrorCode::limit, "PLY's vertex indices end at 2^31 - 1", path.string()};
     const char* coordinate = flat.moved ? "double" : "float";
     std::string out =
         fmt::format("ply\nformat {} 1.0\ncomment meshprep\nelement vertex {}\n",
@@ -175,7 +178,13 @@ WriteResult write_ply(const PreparedScene& prepared, const std::filesystem::path
     };
     floats(flat.has_normals, {"nx", "ny", "nz"});
     floats(flat.has_tangents, {"tx", "ty", "tz", "tw"});
-    floats(flat.has_uvs, {"s", "t"});
+    // 1 − t as a float loses bits that a reader needs to come back to t.
+    const bool uv_doubles = std::any_of(flat.uvs.begin(), flat.uvs.end(), [](const glm::vec2& uv) {
+        return float(1.0 - double(float(1.0 - double(uv.y)))) != uv.y;
+    });
+    if (flat.has_uvs)
+        for (const char* name : {"s", "t"})
+            out += fmt::format("property {} {}\n", uv_doubles ? "double" : "float", name);
     if (flat.has_colors)
         for (const char* name : {"red", "green", "blue", "alpha"})
             out += fmt::format("property uchar {}\n", name);
@@ -203,8 +212,13 @@ WriteResult write_ply(const PreparedScene& prepared, const std::filesystem::path
         for (int k = 0; flat.has_normals && k < 3; ++k) to.put(flat.normals[v][k]);
         for (int k = 0; flat.has_tangents && k < 4; ++k) to.put(flat.tangents[v][k]);
         if (flat.has_uvs) {
-            to.put(flat.uvs[v].x);
-            to.put(float(1.0 - double(flat.uvs[v].y)));
+            const glm::dvec2 uv(flat.uvs[v].x, 1.0 - double(flat.uvs[v].y));
+            for (int k = 0; k < 2; ++k) {
+                if (uv_doubles)
+                    to.put(uv[k]);
+                else
+                    to.put(float(uv[k]));
+            }
         }
         if (flat.has_colors) {
             for (int k = 0; k < 3; ++k) to.put(encoded(flat.colors[v][k]));
@@ -236,6 +250,8 @@ WriteResult write_stl(const PreparedScene& prepared, const std::filesystem::path
     std::vector<std::string> notes;
     const Flat flat = flatten(prepared, "STL", notes);
     if (flat.has_uvs) note_once(notes, "STL holds no UVs: left out");
+    if (flat.has_colors) note_once(notes, "STL holds no colours: left out");
+    if (flat.moved) note_once(notes, "STL holds floats: coordinates were rounded to them");
     if (flat.has_normals) note_once(notes, "STL holds facet normals only: vertex normals left out");
     if (!flat.lines.empty()) note_once(notes, "STL holds no lines: left out");
     const std::size_t facets = flat.triangles.size() / 3;
@@ -284,11 +300,10 @@ WriteResult write_off(const PreparedScene& prepared, const std::filesystem::path
     std::vector<std::string> notes;
     const Flat flat = flatten(prepared, "OFF", notes);
     if (flat.has_tangents) note_once(notes, "OFF holds no tangents: left out");
-    if (flat.has_colors) note_once(notes, "vertex colours are not written to OFF: left out");
     const std::size_t faces = flat.face_offsets.size() - 1;
-    std::string out =
-        fmt::format("{}{}OFF\n{} {} 0\n", flat.has_uvs ? "ST" : "", flat.has_normals ? "N" : "",
-                    flat.positions.size(), faces + flat.lines.size() / 2);
+    std::string out = fmt::format("{}{}{}OFF\n{} {} 0\n", flat.has_uvs ? "ST" : "",
+                                  flat.has_colors ? "C" : "", flat.has_normals ? "N" : "",
+                                  flat.positions.size(), faces + flat.lines.size() / 2);
     for (std::size_t v = 0; v < flat.positions.size(); ++v) {
         for (int k = 0; k < 3; ++k) {
             if (k) out += ' ';
@@ -299,6 +314,13 @@ WriteResult write_off(const PreparedScene& prepared, const std::filesystem::path
         }
         for (int k = 0; flat.has_normals && k < 3; ++k)
             out += ' ', append_number(out, flat.normals[v][k]);
+        for (int k = 0; flat.has_colors && k < 4; ++k) {
+            out += ' ';
+            const std::size_t begin = out.size();
+            append_number(out, flat.colors[v][k]);
+            // Integers would mean 0 … 255.
+            if (out.find_first_of(".en", begin) == std::string::npos) out += ".0";
+        }
         if (flat.has_uvs) {
             out += ' ';
             append_number(out, flat.uvs[v].x);

@@ -2,10 +2,11 @@
 
 #include <algorithm>
 #include <charconv>
+#include <optional>
 #include <unordered_map>
 
+#include "file_set.h"
 #include "parallel.h"
-#include "prep/io.h"
 #include "writers.h"
 
 namespace prep::detail {
@@ -60,6 +61,7 @@ class ObjWriter {
         }
         const std::vector<glm::dmat4> world = world_transforms(scene_);
         bool instanced = false, extra = false;
+        for (const Node& node : scene_.nodes) meshes_ += node.mesh != no_index;
         std::vector<bool> seen(scene_.meshes.size(), false);
         for (std::size_t n = 0; n < scene_.nodes.size(); ++n) {
             extra |= scene_.nodes[n].camera != no_index || scene_.nodes[n].light != no_index ||
@@ -75,11 +77,13 @@ class ObjWriter {
         if (!mtl.empty()) {
             std::filesystem::path mtl_path = path_;
             mtl_path.replace_extension(".mtl");
-            if (auto done = write_file(mtl_path, std::as_bytes(std::span(mtl))); !done)
+            if (auto done = files_.add(mtl_path, std::as_bytes(std::span(mtl))); !done)
                 return std::move(done).error();
         }
-        if (auto done = write_file(path_, std::as_bytes(std::span(out_))); !done)
+        if (failure_) return std::move(*failure_);
+        if (auto done = files_.add(path_, std::as_bytes(std::span(out_))); !done)
             return std::move(done).error();
+        if (auto done = files_.commit(); !done) return std::move(done).error();
         return std::move(notes_);
     }
 
@@ -173,25 +177,18 @@ class ObjWriter {
         const auto value = [](const std::vector<Index>& list, std::size_t f, Index otherwise) {
             return list.empty() ? otherwise : list[f];
         };
-        Index part = no_index, material = no_index, smoothing = 0;
-        bool first = true;
-        out_ += fmt::format("o {}\n", mesh.name.empty() ? "mesh" : one_word(mesh.name));
         for (std::size_t f = 0; f < mesh.face_count();) {
             const Index p = value(mesh.face_parts, f, no_index);
             const Index m = value(mesh.face_materials, f, no_index);
             const Index s = value(mesh.face_smoothing, f, 0);
-            if (p != part && p < mesh.parts.size())
-                out_ += fmt::format("g {}\n", one_word(mesh.parts[p]));
-            if (m != material || (first && m < scene_.materials.size()))
+            part(mesh, p);
+            if (m != material_)
                 out_ += fmt::format("usemtl {}\n", m < scene_.materials.size()
                                                        ? material_name(m)
                                                        : std::string("default"));
-            if (!mesh.face_smoothing.empty() && (first || s != smoothing))
-                out_ += s ? fmt::format("s {}\n", s) : std::string("s off\n");
-            first = false;
-            part = p;
-            material = m;
-            smoothing = s;
+            if (s != smoothing_) out_ += s ? fmt::format("s {}\n", s) : std::string("s off\n");
+            material_ = m;
+            smoothing_ = s;
             std::size_t end = f + 1;
             while (end < mesh.face_count() && value(mesh.face_parts, end, no_index) == p &&
                    value(mesh.face_materials, end, no_index) == m &&
@@ -202,6 +199,26 @@ class ObjWriter {
             });
             f = end;
         }
+    }
+
+    // What the reader joins as "object/group" is taken apart again. Of several meshes each is an
+    // object.
+    void part(const Mesh& mesh, Index p) {
+        std::string object, group = p < mesh.parts.size() ? one_word(mesh.parts[p]) : "";
+        if (meshes_ > 1) {
+            object = mesh.name.empty() ? "mesh" : one_word(mesh.name);
+        } else {
+            const std::size_t slash = group.find('/');
+            object = group.substr(0, slash);
+            group.erase(0, slash == std::string::npos ? group.size() : slash + 1);
+        }
+        if (object != object_) {
+            out_ += fmt::format("o {}\n", object);
+            group_.clear();
+        }
+        if (group != group_) out_ += fmt::format("g {}\n", group);
+        object_ = object;
+        group_ = group;
     }
 
     void face(const Mesh& mesh, std::size_t f, bool uv, bool normals, std::string& out) const {
@@ -305,8 +322,8 @@ class ObjWriter {
         const bool png = std::to_integer<int>(ref.bytes[0]) == 0x89;
         const std::string file =
             fmt::format("{}_image{}.{}", path_.stem().string(), image, png ? "png" : "jpg");
-        const auto done = write_file(path_.parent_path() / file, ref.bytes);
-        if (!done) note("texture '" + file + "' could not be written: " + done.error().text);
+        if (auto done = files_.add(path_.parent_path() / file, ref.bytes); !done && !failure_)
+            failure_ = std::move(done).error();
         written_.emplace(image, file);
         return file;
     }
@@ -315,7 +332,13 @@ class ObjWriter {
     const std::filesystem::path& path_;
     std::string out_;
     std::vector<std::string> notes_;
+    FileSet files_;
+    std::optional<Error> failure_;
     std::unordered_map<Index, std::string> written_;
+    // The state that the lines written so far leave a reader in.
+    std::string object_, group_;
+    Index material_ = no_index, smoothing_ = 0;
+    std::size_t meshes_ = 0;
     std::uint64_t vertex_base_ = 0, uv_base_ = 0, normal_base_ = 0, face_base_ = 0;
 };
 

@@ -1,7 +1,8 @@
-#include <cmath>
+#include <algorithm>
 
 #include "prep/io.h"
 #include "prep/mesh_files.h"
+#include "srgb.h"
 #include "text_scan.h"
 
 namespace prep {
@@ -141,15 +142,22 @@ class OffParser {
     }
 
     void color(LineScanner& scan) {
-        // Up to four numbers: integers are 0 … 255, others 0 … 1.
+        // Three or four numbers, then the two of ST: all integers are 0 … 255, others 0 … 1.
+        int words = 0;
+        for (LineScanner probe = scan; !probe.at_end(); probe.word()) ++words;
+        const int most = std::clamp(words - (header_.st ? 2 : 0), 0, 4);
         double c[4] = {1, 1, 1, 1};
         int count = 0;
-        const std::string_view rest = LineScanner(scan).rest();
-        const bool integers = rest.find('.') == std::string_view::npos;
-        const int most = header_.st ? 3 : 4;
-        while (count < most && !scan.at_end() && scan.number(c[count])) ++count;
-        for (int k = 0; k < count; ++k)
-            if (integers) c[k] /= 255;
+        bool integers = true;
+        while (count < most) {
+            LineScanner probe = scan;
+            if (!scan.number(c[count])) break;
+            integers =
+                integers && probe.word().find_first_not_of("+0123456789") == std::string_view::npos;
+            ++count;
+        }
+        for (int k = 0; integers && k < count; ++k)
+            c[k] = k < 3 ? detail::srgb_to_linear(c[k] / 255) : c[k] / 255;
         colors_.push_back(glm::vec4(glm::dvec4(c[0], c[1], c[2], c[3])));
     }
 
@@ -199,6 +207,11 @@ class OffParser {
             scene_.warnings.push_back(name_ + ": " + std::to_string(short_faces) +
                                       " faces with fewer than two corners were dropped");
         if (face_colors) scene_.warnings.push_back(name_ + ": colours of faces were skipped");
+        if (mesh.face_count() == 0) {  // nothing to hang normals and UVs on
+            if (mesh.line_vertices.empty())
+                for (std::uint32_t v = 0; v < mesh.positions.size(); ++v) mesh.points.push_back(v);
+            return {};
+        }
         if (header_.n) {
             mesh.normals.values = std::move(normals_);
             mesh.normals.indices = mesh.corner_vertices;

@@ -7,6 +7,7 @@
 #include "ply_header.h"
 #include "prep/io.h"
 #include "prep/mesh_files.h"
+#include "srgb.h"
 #include "text_scan.h"
 
 namespace prep {
@@ -23,7 +24,12 @@ class Values {
     bool next(PlyType type, double& value) {
         return encoding_ == PlyEncoding::ascii ? next_text(value) : next_binary(type, value);
     }
-    std::size_t offset() const { return at_; }
+    // Where the last value stood: ":line" in text, ", byte N" behind it in binary files.
+    std::string place() const {
+        if (encoding_ != PlyEncoding::ascii) return ", byte " + std::to_string(at_);
+        const auto* data = reinterpret_cast<const char*>(bytes_.data());
+        return ":" + std::to_string(1 + std::count(data, data + at_, '\n'));
+    }
     std::size_t left() const { return bytes_.size() - at_; }
     bool skip(std::size_t bytes) {
         if (bytes > left()) return false;
@@ -141,8 +147,7 @@ double largest_of(PlyType type) {
 
 float linear(double x, PlyType type) {
     if (type == PlyType::f32 || type == PlyType::f64) return float(x);
-    const double s = std::clamp(x / largest_of(type), 0.0, 1.0);
-    return float(s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4));
+    return float(srgb_to_linear(std::clamp(x / largest_of(type), 0.0, 1.0)));
 }
 
 class PlyParser {
@@ -169,7 +174,7 @@ class PlyParser {
 
   private:
     Error fail(const std::string& what, ErrorCode code = ErrorCode::syntax) const {
-        return {code, what, name_ + ", byte " + std::to_string(values_.offset())};
+        return {code, what, name_ + values_.place()};
     }
     Error cut_short(const PlyElement& element, std::uint64_t done) const {
         return fail("the file ends or is malformed in " + element.name + " " +
@@ -234,6 +239,8 @@ class PlyParser {
             }
         }
         if (!has[px] || !has[py] || !has[pz]) return fail("vertices without x, y and z");
+        if (have_vertices_) return fail("a second element \"vertex\"");
+        have_vertices_ = true;
         has_normals_ = has[nx] && has[ny] && has[nz];
         has_colors_ = has[red] && has[green] && has[blue];
         has_uvs_ = has[tu] && has[tv];
@@ -321,6 +328,7 @@ class PlyParser {
 
     // Strips in one list; a negative index begins a new one.
     Result<void> strips(const PlyElement& element, Mesh& mesh) {
+        if (element.properties.empty()) return {};
         for (std::uint64_t i = 0; i < element.count; ++i)
             for (const PlyProperty& p : element.properties) {
                 if (!p.list || (p.name != "vertex_indices" && p.name != "vertex_index")) {
@@ -417,7 +425,7 @@ class PlyParser {
     std::vector<glm::vec4> colors_;
     std::vector<std::uint32_t> corner_uv_indices_;
     std::array<PlyType, slot_count> types_{};
-    bool has_normals_ = false, has_colors_ = false, has_uvs_ = false;
+    bool have_vertices_ = false, has_normals_ = false, has_colors_ = false, has_uvs_ = false;
     std::uint64_t short_faces_ = 0;
 };
 

@@ -83,6 +83,7 @@ Result<Scene> parse_ascii(std::string_view text, const std::string& name) {
         if (word == "solid") {
             part_names.push_back(std::string(scan.rest()));
         } else if (word == "facet") {
+            if (facet) return fail("a facet inside a facet", content);
             facet = true;
             in_facet = 0;
         } else if (word == "vertex") {
@@ -123,13 +124,15 @@ Result<Scene> parse_stl(std::span<const std::byte> bytes, const std::string& nam
     const std::size_t begin = text.find_first_not_of(" \t\r\n");
     const bool says_solid = begin != std::string_view::npos &&
                             (text.substr(begin, 5) == "solid" || text.substr(begin, 5) == "SOLID");
+    // Text has no zero bytes; a binary header that begins with "solid" is followed by some.
+    const bool text_like = says_solid && text.find('\0') == std::string_view::npos;
     if (bytes.size() >= header_size) {
         std::uint32_t count;
         std::memcpy(&count, bytes.data() + 80, 4);
         const std::size_t room = (bytes.size() - header_size) / facet_size;
         const bool exact = bytes.size() == header_size + std::size_t(count) * facet_size;
-        if (exact || (!says_solid && count <= room)) return parse_binary(bytes, name, count);
-        if (!says_solid)
+        if (exact || (!text_like && count <= room)) return parse_binary(bytes, name, count);
+        if (!text_like)
             return Error{ErrorCode::syntax,
                          "the header announces " + std::to_string(count) +
                              " facets, but there is room for " + std::to_string(room) +

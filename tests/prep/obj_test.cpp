@@ -131,9 +131,10 @@ TEST(Obj, FarOffDecimalCoordinatesAreCentred) {
     const auto scene = parse("v 5000000.1 0 0\nv 5000001.1 0 0\nv 5000000.1 1 0\nf 1 2 3\n");
     ASSERT_TRUE(scene.has_value());
     const prep::Mesh& m = scene->meshes[0];
-    EXPECT_DOUBLE_EQ(m.origin.x, 5000000.6);
-    EXPECT_NEAR(m.positions[0].x, -0.5, 1e-8);
-    EXPECT_NEAR(m.positions[1].x, 0.5, 1e-8);
+    // The centre is 5000000.6; the diagonal √2, so the grid is 1/16.
+    EXPECT_EQ(m.origin.x, 5000000.625);
+    EXPECT_NEAR(m.positions[0].x, -0.525, 3e-8);  // a float's half ulp at 0.525
+    EXPECT_NEAR(m.positions[1].x, 0.475, 3e-8);
 }
 
 TEST(Obj, FarOffFloatCoordinatesKeepTheirBits) {

@@ -33,9 +33,11 @@ Result<std::vector<std::byte>> read_file(const std::filesystem::path& path);
 Result<void> write_file(const std::filesystem::path& path, std::span<const std::byte> bytes);
 
 // Positions parsed in double → mesh.positions (float, about mesh.origin). The origin is the centre
-// of the bounding box when its distance from zero is more than 8× the box's diagonal and at least
-// one coordinate is not exactly a float that survives unharmed; otherwise zero, so that float input
-// keeps its exact bits. Non-finite coordinates do not take part in the box and are kept.
+// of the bounding box, rounded to a power of two of 1/32 to 1/16 of the box's diagonal (so that
+// writing and reading again keeps every bit), when its distance from zero is more than 8× the box's
+// diagonal and at least one coordinate is not exactly a float that survives unharmed; otherwise
+// zero, so that float input keeps its exact bits. Non-finite coordinates do not take part in the
+// box and are kept.
 void set_positions(Mesh& mesh, std::span<const glm::dvec3> positions);
 
 }  // namespace prep

@@ -1,0 +1,45 @@
+// Several output files that appear together or not at all.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "prep/result.h"
+
+namespace prep::detail {
+
+// Files are staged under temporary names beside their targets, then renamed by commit(). What was
+// not committed is removed again by the destructor; a commit that fails half way puts the old files
+// back. Targets that are no regular files (devices, pipes) are written in place, by commit(), last.
+class FileSet {
+  public:
+    FileSet() = default;
+    ~FileSet();
+    FileSet(const FileSet&) = delete;
+    FileSet& operator=(const FileSet&) = delete;
+
+    // Writes `parts`, one after the other, under a temporary name. Errors: io.
+    Result<void> add(const std::filesystem::path& path,
+                     std::span<const std::span<const std::byte>> parts);
+    Result<void> add(const std::filesystem::path& path, std::span<const std::byte> bytes) {
+        return add(path, std::span<const std::span<const std::byte>>(&bytes, 1));
+    }
+    // Errors: io; then no target has changed.
+    Result<void> commit();
+
+  private:
+    struct File {
+        std::filesystem::path path;
+        std::string staged, backup;  // empty where there is none
+        std::vector<std::byte> direct;
+        bool in_place = false;
+    };
+    void undo(std::size_t renamed);
+
+    std::vector<File> files_;
+};
+
+}  // namespace prep::detail

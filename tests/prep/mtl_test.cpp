@@ -1,0 +1,154 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+
+#include "invariants.h"
+#include "mesh_files.h"
+#include "prep/obj.h"
+#include "prep/save.h"
+
+namespace {
+
+prep::MtlLibrary parse(const std::string& text) {
+    return prep::parse_mtl(text, "m.mtl", "textures");
+}
+
+TEST(MtlFile, EmptyAndCommentsOnlyGiveNothing) {
+    for (const char* text : {"", "\n\n", "# nothing\r\n", "\xef\xbb\xbf# a byte order mark\n"}) {
+        const auto lib = parse(text);
+        EXPECT_TRUE(lib.materials.empty());
+        EXPECT_TRUE(lib.warnings.empty());
+    }
+}
+
+TEST(MtlFile, WordsAreReadInAnyCaseAndMaterialsStartAfresh) {
+    const auto lib = parse("NewMtl one\r\nKD 1 0 0\r\nNS 10\r\nnewmtl two\r\nkd 0 1 0\r\n");
+    ASSERT_EQ(lib.materials.size(), 2u);
+    EXPECT_EQ(lib.materials[0].diffuse, glm::vec4(1, 0, 0, 1));
+    EXPECT_EQ(lib.materials[1].diffuse, glm::vec4(0, 1, 0, 1));
+    EXPECT_EQ(lib.materials[1].shininess, prep::Material{}.shininess);
+    EXPECT_EQ(lib.materials[0].specular, glm::vec3(0));  // what is not said does not shine
+}
+
+TEST(MtlFile, OpacityAndTransparency) {
+    const auto lib = parse(
+        "newmtl a\nTr 0.25\nnewmtl b\nd 0.5\nTr 0.9\nnewmtl c\nTr 0.9\nd 0.5\nnewmtl d\nd -halo "
+        "0.25\nnewmtl e\nd 7\nnewmtl f\nd 0.5\nd 1\n");
+    ASSERT_EQ(lib.materials.size(), 6u);
+    EXPECT_EQ(lib.materials[0].diffuse.a, 0.75f);
+    EXPECT_EQ(lib.materials[1].diffuse.a, 0.5f);
+    EXPECT_EQ(lib.materials[2].diffuse.a, 0.5f);
+    EXPECT_EQ(lib.materials[3].diffuse.a, 0.25f);
+    EXPECT_EQ(lib.materials[4].diffuse.a, 1.0f);
+    EXPECT_EQ(lib.materials[5].alpha_mode, prep::AlphaMode::opaque);
+}
+
+TEST(MtlFile, IlluminationModels) {
+    const auto lib = parse(
+        "newmtl a\nKs 1 1 1\nillum 0\nnewmtl b\nKs 1 1 1\nillum 1\nnewmtl c\nKs 1 1 1\nillum 2\n");
+    EXPECT_TRUE(lib.materials[0].unlit);
+    EXPECT_EQ(lib.materials[1].specular, glm::vec3(0));
+    EXPECT_EQ(lib.materials[2].specular, glm::vec3(1));
+}
+
+TEST(MtlFile, MapOptionsEndWhereTheFileNameBegins) {
+    const auto lib = parse(
+        "newmtl a\nmap_Kd -clamp on -mm 0 1 -blendu on -texres 512 -o 0.5 tex 1.png\n"
+        "map_Ks -s 2 2 2 -imfchan r sub\\dir\\spec.png\nmap_Ke -t 1 2 3 glow.png\n"
+        "disp -bm 0.25 height.png\nnorm n.png\n");
+    const prep::Material& m = lib.materials[0];
+    const auto image = [&](const prep::TextureRef& ref) {
+        return lib.images[lib.textures[ref.texture].image];
+    };
+    EXPECT_EQ(image(m.diffuse_map).name, "tex 1.png");
+    EXPECT_EQ(lib.textures[m.diffuse_map.texture].wrap_u, prep::Wrap::clamp);
+    EXPECT_EQ(m.diffuse_map.offset, glm::vec2(0.5f, 0));
+    EXPECT_EQ(image(m.specular_map).name, "sub/dir/spec.png");
+    EXPECT_EQ(image(m.specular_map).path, std::filesystem::path("textures/sub/dir/spec.png"));
+    EXPECT_EQ(m.specular_map.scale, glm::vec2(2));
+    EXPECT_EQ(image(m.emissive_map).name, "glow.png");
+    EXPECT_EQ(m.displacement_map.strength, 0.25f);
+    EXPECT_EQ(image(m.normal_map).name, "n.png");
+}
+
+TEST(MtlFile, OneImageIsKeptOnceAndMissingOnesAreNamedOnce) {
+    const test::TempDir dir;
+    test::write_text(dir / "there.png", "x");
+    const auto lib = prep::parse_mtl(
+        "newmtl a\nmap_Kd there.png\nmap_Ks gone.png\nnewmtl b\nmap_Kd ./there.png\nmap_Ks "
+        "gone.png\nmap_Ke -clamp on gone.png\n",
+        "m.mtl", dir.path());
+    EXPECT_EQ(lib.images.size(), 2u);
+    EXPECT_EQ(lib.textures.size(), 3u);  // gone.png repeated and clamped
+    EXPECT_EQ(lib.warnings, (std::vector<std::string>{"m.mtl:3: texture 'gone.png' is missing"}));
+}
+
+TEST(MtlFile, WarningsNameTheLineAndAreNotEndless) {
+    const auto lib =
+        parse("newmtl a\nKd nan 0 0\nKd 1 2\nNs many\nmap_Kd -s\nmap_Kd -bm x tex.png\n");
+    EXPECT_EQ(lib.warnings[0], "m.mtl:2: expected a number; the statement was skipped");
+    EXPECT_EQ(lib.warnings[1], "m.mtl:3: expected a number; the statement was skipped");
+    EXPECT_EQ(lib.warnings[2], "m.mtl:4: expected a number; the statement was skipped");
+    EXPECT_EQ(lib.warnings[3], "m.mtl:5: option -s lacks its argument");
+    EXPECT_EQ(lib.materials[0].diffuse, prep::Material{}.diffuse);
+    std::string flood;
+    for (int i = 0; i < 1000; ++i) flood += "Kd x\n";
+    EXPECT_EQ(parse("newmtl a\n" + flood).warnings.size(), 20u);
+}
+
+TEST(MtlFile, LibrariesAreFoundBesideTheObj) {
+    const test::TempDir dir;
+    test::write_text(dir / "my look.mtl", "newmtl red\nKd 1 0 0\nmap_Kd -s 2 2 red.png\n");
+    test::write_text(dir / "blue.mtl", "newmtl blue\nKd 0 0 1\nmap_Kd blue.png\n");
+    test::write_text(dir / "a.obj",
+                     "mtllib my look.mtl\nmtllib blue.mtl gone.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\n"
+                     "usemtl blue\nf 1 2 3\nusemtl red\nf 1 2 3\nusemtl green\nf 1 2 3\n");
+    const auto scene = prep::load_obj(dir / "a.obj");
+    ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
+    EXPECT_EQ(test::broken_promise(*scene), "");
+    ASSERT_EQ(scene->materials.size(), 3u);
+    EXPECT_EQ(scene->materials[0].name, "red");
+    EXPECT_EQ(scene->meshes[0].face_materials, (std::vector<std::uint32_t>{1, 0, 2}));
+    const prep::Material& blue = scene->materials[1];
+    EXPECT_EQ(scene->images[scene->textures[blue.diffuse_map.texture].image].name, "blue.png");
+    EXPECT_NE(std::find(scene->warnings.begin(), scene->warnings.end(),
+                        "material library 'gone.mtl' cannot be read: its materials get the default "
+                        "look"),
+              scene->warnings.end());
+}
+
+TEST(MtlFile, WrittenMaterialsReadBack) {
+    const test::TempDir dir;
+    test::write_text(dir / "in.mtl",
+                     "newmtl a b\nKa 0.1 0.2 0.3\nKd 0.3 0.5 0.7\nKs 0.25 0.5 1\nKe 0 2 0\nNs 333\n"
+                     "d 0.125\nmap_Kd -s 2 3 1 -o 0.5 0.25 0 tex 1.png\nnorm -bm 0.5 n.png\n"
+                     "newmtl flat\nKd 1 1 1\nillum 0\n");
+    test::write_text(dir / "in.obj",
+                     "mtllib in.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a b\nf 1 2 3\nusemtl "
+                     "flat\nf 3 2 1\n");
+    const auto first = prep::load_obj(dir / "in.obj");
+    ASSERT_TRUE(first.has_value());
+    const auto saved = prep::save_scene(test::untouched(*first), dir / "out.obj");
+    ASSERT_TRUE(saved.has_value()) << prep::to_string(saved.error());
+    const auto again = prep::load_obj(dir / "out.obj");
+    ASSERT_TRUE(again.has_value()) << prep::to_string(again.error());
+    ASSERT_EQ(again->materials.size(), 2u);
+    const prep::Material &m = first->materials[0], &n = again->materials[0];
+    EXPECT_EQ(n.name, m.name);
+    EXPECT_EQ(n.ambient, m.ambient);
+    EXPECT_EQ(n.diffuse, m.diffuse);
+    EXPECT_EQ(n.specular, m.specular);
+    EXPECT_EQ(n.emissive, m.emissive);
+    EXPECT_EQ(n.shininess, m.shininess);
+    EXPECT_EQ(n.alpha_mode, m.alpha_mode);
+    EXPECT_EQ(n.diffuse_map.scale, m.diffuse_map.scale);
+    EXPECT_EQ(n.diffuse_map.offset, m.diffuse_map.offset);
+    EXPECT_EQ(n.normal_map.strength, m.normal_map.strength);
+    EXPECT_EQ(again->images[again->textures[n.diffuse_map.texture].image].path,
+              (dir / "tex 1.png").lexically_normal());
+    EXPECT_TRUE(again->materials[1].unlit);
+    EXPECT_EQ(again->meshes[0].face_materials, first->meshes[0].face_materials);
+}
+
+}  // namespace

@@ -1,0 +1,170 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+
+#include "invariants.h"
+#include "mesh_files.h"
+#include "prep/io.h"
+#include "prep/mesh_files.h"
+#include "prep/save.h"
+#include "shapes.h"
+
+namespace {
+
+prep::Result<prep::Scene> parse(const std::string& text) {
+    auto scene = prep::parse_off(std::as_bytes(std::span(text.data(), text.size())), "test.off");
+    if (scene) {
+        EXPECT_EQ(test::broken_promise(*scene), "");
+    }
+    return scene;
+}
+
+std::string error_of(const std::string& text) {
+    const auto result = parse(text);
+    return result ? "no error" : prep::to_string(result.error());
+}
+
+TEST(Off, ReadsPolygonsCommentsAndCarriageReturns) {
+    const auto scene = parse(
+        "OFF # a comment\r\n\r\n# another\r\n5 2 0\r\n0 0 0\r\n1 0 0\r\n1 1 0\r\n0 1 0\r\n9 9 9\r\n"
+        "4 0 1 2 3\r\n3 0 1 4 # last\r\n");
+    ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
+    const prep::Mesh& m = scene->meshes[0];
+    EXPECT_EQ(m.face_offsets, (std::vector<std::uint32_t>{0, 4, 7}));
+    EXPECT_EQ(m.corner_vertices[6], 4u);
+}
+
+TEST(Off, CountsMayStandInTheFirstLineAndTheWordMayBeMissing) {
+    for (const char* begin : {"OFF 3 1 0\n", "3 1 0\n", "3 1\n", "OFF\n3 1\n"}) {
+        const auto scene = parse(std::string(begin) + "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
+        ASSERT_TRUE(scene.has_value()) << begin << prep::to_string(scene.error());
+        EXPECT_EQ(scene->meshes[0].face_count(), 1u);
+    }
+}
+
+TEST(Off, EveryPrefixTogether) {
+    // Geomview's order: position, w, normal, colour, texture.
+    const auto scene = parse(
+        "STCN4OFF\n3 1 0\n2 4 6 2 0 0 1 0.5 0 0 1 0.25 0.25\n1 0 0 1 0 0 1 0 1 0 0.5 1 0\n"
+        "0 1 0 1 0 0 1 0 0 1.0 0 1\n3 0 1 2\n");
+    ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
+    const prep::Mesh& m = scene->meshes[0];
+    EXPECT_EQ(m.positions[0], glm::vec3(1, 2, 3));
+    EXPECT_EQ(m.normals.values[0], glm::vec3(0, 0, 1));
+    EXPECT_EQ(m.colors[0].values[0], glm::vec4(0.5f, 0, 0, 1));
+    EXPECT_EQ(m.colors[0].values[1], glm::vec4(0, 1, 0, 0.5f));
+    EXPECT_EQ(m.colors[0].values[2], glm::vec4(0, 0, 1, 1));  // three components
+    EXPECT_EQ(m.uvs[0].values[0], glm::vec2(0.25f, 0.75f));
+    EXPECT_EQ(m.uvs[0].values[2], glm::vec2(0, 0));
+}
+
+TEST(Off, IntegerColoursAreBytesEvenBesideFractionalUvs) {
+    const auto scene = parse(
+        "STCOFF\n3 1 0\n0 0 0 255 0 188 0.5 0.5\n1 0 0 0 255 0 255 0.5 0.5\n0 1 0 0 0 255 0.5 "
+        "0.5\n3 0 1 2\n");
+    ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
+    const auto& colors = scene->meshes[0].colors[0].values;
+    EXPECT_EQ(colors[0].r, 1.0f);
+    EXPECT_NEAR(colors[0].b, 0.5, 0.004);  // sRGB: 188/255 is a half to within a byte's step
+    EXPECT_EQ(colors[1], glm::vec4(0, 1, 0, 1));
+    EXPECT_EQ(scene->meshes[0].uvs[0].values[2], glm::vec2(0.5f));
+}
+
+TEST(Off, SegmentsPointCloudsAndFaceColours) {
+    const auto scene = parse("OFF\n3 3 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2 255 0 0\n2 0 1\n1 2\n");
+    ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
+    EXPECT_EQ(scene->meshes[0].line_vertices, (std::vector<std::uint32_t>{0, 1}));
+    EXPECT_EQ(scene->warnings, (std::vector<std::string>{
+                                   "test.off: 1 faces with fewer than two corners were dropped",
+                                   "test.off: colours of faces were skipped"}));
+    const auto cloud = parse("NOFF\n2 0 0\n0 0 0 0 0 1\n1 0 0 0 0 1\n");
+    ASSERT_TRUE(cloud.has_value());
+    EXPECT_EQ(cloud->meshes[0].points, (std::vector<std::uint32_t>{0, 1}));
+    EXPECT_TRUE(cloud->meshes[0].normals.empty());
+    const auto nothing = parse("OFF\n0 0 0\n");
+    ASSERT_TRUE(nothing.has_value());
+    EXPECT_EQ(nothing->meshes[0].vertex_count(), 0u);
+}
+
+TEST(Off, ErrorsNameTheLine) {
+    EXPECT_EQ(error_of(""), "test.off:0: the file is empty");
+    EXPECT_EQ(error_of("OFF\n"), "test.off:1: the file ends after its first line");
+    EXPECT_EQ(error_of("nOFF\n3\n"),
+              "test.off:1: only the prefixes ST, C, N and 4 of OFF are supported in 'nOFF'");
+    EXPECT_EQ(error_of("OFF BINARY\n"),
+              "test.off:1: binary OFF is not supported: save it as text in 'OFF BINARY'");
+    EXPECT_EQ(error_of("OFF\n3 x 0\n"),
+              "test.off:2: expected OFF and the numbers of vertices, faces and edges in '3 x 0'");
+    EXPECT_EQ(error_of("OFF\n-3 1 0\n"),
+              "test.off:2: expected OFF and the numbers of vertices, faces and edges in '-3 1 0'");
+    EXPECT_EQ(error_of("OFF\n2 0 0\n0 0 0\n0 0 0 0\n").substr(0, 8), "no error");
+    EXPECT_EQ(error_of("OFF\n2 0 0\n0 0 0\n0 zero 0\n"),
+              "test.off:4: expected coordinates in '0 zero 0'");
+    EXPECT_EQ(error_of("OFF\n2 0 0\n0 0 0 0 0 0\n"),
+              "test.off:3: the file ends after 1 of 2 vertices");
+    const std::string mesh = "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n";
+    EXPECT_EQ(error_of(mesh), "test.off:5: the file ends after 0 of 1 faces");
+    EXPECT_EQ(error_of(mesh + "3 0 1 3\n"),
+              "test.off:6: vertex index 3 is out of range: the file has 3 in '3 0 1 3'");
+    EXPECT_EQ(error_of(mesh + "3 0 1 -1\n"),
+              "test.off:6: vertex index -1 is out of range: the file has 3 in '3 0 1 -1'");
+    EXPECT_EQ(error_of(mesh + "3 0 1\n"), "test.off:6: expected 3 vertex indices in '3 0 1'");
+    EXPECT_EQ(error_of(mesh + "-3 0 1 2\n"),
+              "test.off:6: expected a number of corners in '-3 0 1 2'");
+    EXPECT_EQ(error_of("STOFF\n1 0 0\n0 0 0 0.5\n"),
+              "test.off:3: expected texture coordinates in '0 0 0 0.5'");
+}
+
+TEST(Off, CountsThatTheFileHasNoRoomForAreRefusedAtOnce) {
+    for (const char* counts : {"4000000000 0 0", "0 4000000000 0", "9223372036854775807 0 0"})
+        EXPECT_NE(error_of("OFF\n" + std::string(counts) + "\n0 0 0\n")
+                      .find("test.off:2: the header announces"),
+                  std::string::npos)
+            << counts;
+    EXPECT_NE(error_of("OFF\n99999999999999999999 0 0\n").find("test.off:2: expected OFF"),
+              std::string::npos);
+    EXPECT_EQ(error_of("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n9223372036854775807 0 1 2\n"),
+              "test.off:6: expected 9223372036854775807 vertex indices in '9223372036854775807 0 1 "
+              "2'");
+}
+
+TEST(Off, RoundTripKeepsEveryBit) {
+    prep::Scene original;
+    prep::Mesh mesh = shapes::mesh_of(
+        {{0.1f, -0.0f, 1e-42f}, {3.4e38f, 0, 1}, {1, 1, 1}, {0, 1, -7.25f}, {5, 5, 5}},
+        {{0, 1, 2, 3}, {4, 2, 1}, {0, 1, 2, 3, 4}, {1, 1, 2}});
+    for (int v = 0; v < 5; ++v) mesh.normals.values.push_back({float(v) / 3, 1, 0});
+    mesh.uvs.emplace_back();
+    mesh.colors.emplace_back();
+    for (int v = 0; v < 5; ++v) {
+        mesh.uvs[0].values.push_back({float(v) / 7, float(v) / 11});
+        mesh.colors[0].values.push_back({1, float(v) / 5, 0, v == 2 ? 1.0f : float(v) / 3});
+    }
+    mesh.normals.indices = mesh.uvs[0].indices = mesh.colors[0].indices = mesh.corner_vertices;
+    original.meshes.push_back(std::move(mesh));
+    prep::instance_unused_meshes(original);
+    const test::TempDir dir;
+    const auto first = dir / "first.off", second = dir / "second.off";
+    ASSERT_TRUE(prep::save_scene(test::untouched(original), first).has_value());
+    const auto once = prep::load_scene(first);
+    ASSERT_TRUE(once.has_value()) << prep::to_string(once.error());
+    EXPECT_EQ(test::corner_difference(original.meshes[0], once->meshes[0]), "");
+    ASSERT_TRUE(prep::save_scene(test::untouched(*once), second).has_value());
+    EXPECT_EQ(test::file_text(first), test::file_text(second));
+}
+
+TEST(Off, RoundTripFarFromTheOriginKeepsEveryBit) {
+    const auto scene = parse(
+        "OFF\n4 1 0\n5000000.1 -3000000.7 10.3\n5000001.1 -3000000.7 10.3\n5000001.1 -3000001.9 "
+        "10.3\n5000000.123456789 -3000001.7 11.3\n4 0 1 2 3\n");
+    ASSERT_TRUE(scene.has_value());
+    EXPECT_NE(scene->meshes[0].origin, glm::dvec3(0.0));
+    const test::TempDir dir;
+    ASSERT_TRUE(prep::save_scene(test::untouched(*scene), dir / "far.off").has_value());
+    const auto again = prep::load_scene(dir / "far.off");
+    ASSERT_TRUE(again.has_value()) << prep::to_string(again.error());
+    EXPECT_EQ(test::exact_difference(scene->meshes[0], again->meshes[0]), "");
+}
+
+}  // namespace

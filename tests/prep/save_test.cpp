@@ -1,0 +1,239 @@
+#include "prep/save.h"
+
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <string>
+
+#include "invariants.h"
+#include "mesh_files.h"
+#include "prep/io.h"
+#include "prep/obj.h"
+#include "shapes.h"
+#include "shared_data.h"
+
+namespace {
+
+namespace fs = std::filesystem;
+
+std::span<const std::byte> bytes_of(const std::string& text) {
+    return std::as_bytes(std::span(text.data(), text.size()));
+}
+
+prep::Scene parse(const std::string& text) {
+    prep::ObjOptions options;
+    options.name = "test.obj";
+    auto scene = prep::parse_obj(bytes_of(text), options);
+    if (!scene) ADD_FAILURE() << prep::to_string(scene.error());
+    return scene ? std::move(*scene) : prep::Scene{};
+}
+
+prep::Scene triangle() {
+    return parse("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+}
+
+// Saved as OBJ and loaded again: the mesh must be the same in every list, and so must the file the
+// second time.
+void expect_obj_round_trip(const std::string& text) {
+    const prep::Scene scene = parse(text);
+    const test::TempDir dir;
+    const auto saved = prep::save_scene(test::untouched(scene), dir / "test.obj");
+    ASSERT_TRUE(saved.has_value()) << prep::to_string(saved.error());
+    const auto again = prep::load_scene(dir / "test.obj");
+    ASSERT_TRUE(again.has_value()) << prep::to_string(again.error());
+    EXPECT_EQ(test::broken_promise(*again), "");
+    EXPECT_EQ(test::exact_difference(scene.meshes[0], again->meshes[0]), "")
+        << test::file_text(dir / "test.obj");
+    const std::string first = test::file_text(dir / "test.obj");
+    ASSERT_TRUE(prep::save_scene(test::untouched(*again), dir / "test.obj").has_value());
+    EXPECT_EQ(test::file_text(dir / "test.obj"), first);
+}
+
+TEST(WriteFile, ReplacesWholeAndLeavesNothingBeside) {
+    const test::TempDir dir;
+    test::write_text(dir / "a", "old");
+    fs::permissions(dir / "a", fs::perms::owner_read | fs::perms::owner_write);
+    ASSERT_TRUE(prep::write_file(dir / "a", bytes_of("new text")).has_value());
+    EXPECT_EQ(test::file_text(dir / "a"), "new text");
+    EXPECT_EQ(fs::status(dir / "a").permissions(), fs::perms::owner_read | fs::perms::owner_write);
+    ASSERT_TRUE(prep::write_file(dir / "b", {}).has_value());
+    EXPECT_EQ(dir.names(), (std::vector<std::string>{"a", "b"}));
+}
+
+TEST(WriteFile, ErrorsNameTheFile) {
+    const test::TempDir dir;
+    const auto nowhere = prep::write_file(dir / "no", bytes_of("x"));
+    ASSERT_TRUE(nowhere.has_value());
+    const auto missing = prep::write_file(dir / "gone/file.ply", bytes_of("x"));
+    ASSERT_FALSE(missing.has_value());
+    EXPECT_EQ(prep::to_string(missing.error()),
+              (dir / "gone/file.ply").string() +
+                  ": cannot create a file here: No such file or directory");
+    fs::create_directory(dir / "folder");
+    const auto folder = prep::write_file(dir / "folder", bytes_of("x"));
+    ASSERT_FALSE(folder.has_value());
+    EXPECT_EQ(folder.error().text, "cannot write the file: this is a directory");
+    EXPECT_EQ(dir.names(), (std::vector<std::string>{"folder", "no"}));
+}
+
+TEST(WriteFile, DevicesAreWrittenNotReplaced) {
+    if (!fs::is_character_file("/dev/full")) GTEST_SKIP() << "there is no /dev/full";
+    ASSERT_TRUE(prep::write_file("/dev/null", bytes_of("x")).has_value());
+    EXPECT_TRUE(fs::is_character_file("/dev/null"));
+    const auto full = prep::write_file("/dev/full", bytes_of("x"));
+    ASSERT_FALSE(full.has_value());
+    EXPECT_EQ(full.error().text, "cannot write the file: No space left on device");
+    EXPECT_TRUE(fs::is_character_file("/dev/full"));
+}
+
+TEST(ReadFile, ErrorsNameTheFile) {
+    const test::TempDir dir;
+    const auto missing = prep::read_file(dir / "gone");
+    ASSERT_FALSE(missing.has_value());
+    EXPECT_EQ(prep::to_string(missing.error()),
+              (dir / "gone").string() + ": cannot open the file: No such file or directory");
+    const auto folder = prep::read_file(dir.path());
+    ASSERT_FALSE(folder.has_value());
+    EXPECT_EQ(folder.error().text, "this is a directory; name a file");
+}
+
+TEST(Save, UnknownEndingIsUnsupported) {
+    const auto saved = prep::save_scene(test::untouched(triangle()), "x.fbx");
+    ASSERT_FALSE(saved.has_value());
+    EXPECT_EQ(prep::to_string(saved.error()),
+              "x.fbx: cannot write '.fbx': GLB, glTF, OBJ, PLY, STL and OFF are written");
+}
+
+TEST(Save, EveryFormatWritesAndReadsAnEmptySceneAndATriangle) {
+    const test::TempDir dir;
+    for (const char* ending : {".obj", ".ply", ".stl", ".off", ".glb", ".gltf", ".OBJ", ".PLY"}) {
+        for (const bool empty : {true, false}) {
+            prep::Scene scene = empty ? parse("") : triangle();
+            const fs::path path = dir / (std::string("x") + ending);
+            const auto saved = prep::save_scene(test::untouched(scene), path);
+            ASSERT_TRUE(saved.has_value()) << ending << prep::to_string(saved.error());
+            const auto again = prep::load_scene(path);
+            ASSERT_TRUE(again.has_value()) << ending << prep::to_string(again.error());
+            EXPECT_EQ(test::broken_promise(*again), "") << ending;
+            std::size_t faces = 0;
+            for (const auto& mesh : again->meshes) faces += mesh.face_count();
+            EXPECT_EQ(faces, empty ? 0u : 1u) << ending;
+        }
+    }
+}
+
+TEST(Save, AFailedWriteLeavesTheOldFilesAsTheyWere) {
+    const test::TempDir dir;
+    // The second file of each pair cannot be written: its name is a folder's.
+    fs::create_directory(dir / "a.gltf");
+    test::write_text(dir / "a.bin", "old");
+    auto saved = prep::save_scene(test::untouched(triangle()), dir / "a.gltf");
+    ASSERT_FALSE(saved.has_value());
+    EXPECT_EQ(saved.error().code, prep::ErrorCode::io);
+    EXPECT_EQ(test::file_text(dir / "a.bin"), "old");
+
+    prep::Scene with_material = triangle();
+    with_material.materials.emplace_back();
+    fs::create_directory(dir / "b.obj");
+    test::write_text(dir / "b.mtl", "old");
+    saved = prep::save_scene(test::untouched(with_material), dir / "b.obj");
+    ASSERT_FALSE(saved.has_value());
+    EXPECT_EQ(test::file_text(dir / "b.mtl"), "old");
+
+    fs::create_directory(dir / "c.mtl");
+    test::write_text(dir / "c.obj", "old");
+    saved = prep::save_scene(test::untouched(with_material), dir / "c.obj");
+    ASSERT_FALSE(saved.has_value());
+    EXPECT_EQ(test::file_text(dir / "c.obj"), "old");
+    EXPECT_EQ(dir.names(),
+              (std::vector<std::string>{"a.bin", "a.gltf", "b.mtl", "b.obj", "c.mtl", "c.obj"}));
+}
+
+TEST(Save, GltfAndItsBinaryAppearTogether) {
+    const test::TempDir dir;
+    ASSERT_TRUE(prep::save_scene(test::untouched(triangle()), dir / "a.gltf").has_value());
+    EXPECT_EQ(dir.names(), (std::vector<std::string>{"a.bin", "a.gltf"}));
+    const auto again = prep::load_scene(dir / "a.gltf");
+    ASSERT_TRUE(again.has_value()) << prep::to_string(again.error());
+    EXPECT_EQ(again->meshes[0].face_count(), 1u);
+}
+
+TEST(Save, NotesSayWhatTheFormatCannotHold) {
+    prep::Scene scene = parse("v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvn 0 0 1\nf 1/1/1 2/1/1 3/1/1\n");
+    scene.materials.emplace_back();
+    const test::TempDir dir;
+    const auto notes = prep::save_scene(test::untouched(scene), dir / "a.stl");
+    ASSERT_TRUE(notes.has_value());
+    EXPECT_EQ(*notes, (std::vector<std::string>{
+                          "STL holds no materials: left out", "STL holds no UVs: left out",
+                          "STL holds facet normals only: vertex normals left out"}));
+}
+
+TEST(ObjRoundTrip, PolygonsNegativeIndicesAndPartialAttributes) {
+    expect_obj_round_trip(
+        "v 0.1 -0 1e-42\nv 3.4e38 0 0\nv 1 1 0\nv 0 1 0\nv 0.5 2 0\nv nan inf 0\n"
+        "vt 0.1 0.3\nvt 0.7 1e-9\nvt -3.5 12.25\nvn 0.6 0.8 0\nvn 0 0 -1\n"
+        "f -6 -5 -4 -3 -2\nf 1/1 2/2 3/3\nf 1//1 2//2 3//-1\nf 1/1/1 2/-1/-1 4/3/2\nf 1 1 2\n"
+        "l 1 2 3\nl 4 5\np 5\np 6\n");
+}
+
+TEST(ObjRoundTrip, SmoothingGroupsMaterialsAndParts) {
+    expect_obj_round_trip(
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\no body\ns 1\nf 1 2 3\ng lid\ns off\nf 1 2 3\ns 7\n"
+        "f 3 2 1\ng a/b c\nf 1 2 3\no other\nf 1 2 3\n");
+}
+
+TEST(ObjRoundTrip, SubdivisionTags) {
+    expect_obj_round_trip(
+        "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 2 2 0\nf 1 2 3 4\nf 4 3 5\n"
+        "t crease 3/2/0 0 1 2 5.0 0.1\nt corner 1/1/0 3 2.5\nt hole 1/0/0 1\n"
+        "t interpolateboundary 1/0/0 2\nt facevaryinginterpolateboundary 1/0/0 3\n");
+}
+
+TEST(ObjRoundTrip, Colours) {
+    expect_obj_round_trip(
+        "v 0 0 0 0.1 0.2 0.3\nv 1 0 0 1 0 0.7\nv 0 1 0 0 0 1\nf 1 2 3\nf 3 2 1\n");
+    expect_obj_round_trip("v 0 0 0 0.1 0.2 0.3\nv 1 0 0 1 0 0.7\np 1\np 2\n");
+}
+
+TEST(ObjRoundTrip, FarFromTheOrigin) {
+    expect_obj_round_trip(
+        "v 5000000.1 -3000000.7 10.3\nv 5000001.1 -3000000.7 10.3\nv 5000001.1 -3000001.9 10.3\n"
+        "v 5000000.123456789 -3000001.7 11.3\nf 1 2 3 4\n");
+}
+
+TEST(Save, LargeMeshesReadBackWhole) {
+    // Of several blocks, so that the writers have some to join.
+    prep::Scene scene;
+    scene.meshes.push_back(shapes::torus(300, 300));
+    prep::instance_unused_meshes(scene);
+    const test::TempDir dir;
+    const auto prepared = test::untouched(scene);
+    for (const char* ending : {".obj", ".ply", ".glb"}) {
+        const auto a = dir / (std::string("a") + ending), b = dir / (std::string("b") + ending);
+        ASSERT_TRUE(prep::save_scene(prepared, a).has_value());
+        ASSERT_TRUE(prep::save_scene(prepared, b).has_value());
+        EXPECT_EQ(test::file_text(a), test::file_text(b));
+        const auto again = prep::load_scene(a);
+        ASSERT_TRUE(again.has_value());
+        if (std::string(ending) != ".glb") {
+            EXPECT_EQ(test::exact_difference(scene.meshes[0], again->meshes[0]), "") << ending;
+        }
+    }
+}
+
+TEST(ObjRoundTrip, Corpus) {
+    MESHPREP_REQUIRE_SHARED(shared);
+    for (const char* name : {"beast.obj", "spider/spider.obj", "suzanne.obj", "beetle.obj",
+                             "subdiv/catmark_cube_creases1.obj", "tower_holes.obj"}) {
+        auto scene = prep::load_scene(shared / "corpus" / name);
+        ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
+        const test::TempDir dir;
+        ASSERT_TRUE(prep::save_scene(test::untouched(*scene), dir / "out.obj").has_value());
+        const auto again = prep::load_scene(dir / "out.obj");
+        ASSERT_TRUE(again.has_value()) << prep::to_string(again.error());
+        EXPECT_EQ(test::exact_difference(scene->meshes[0], again->meshes[0]), "") << name;
+    }
+}
+
+}  // namespace

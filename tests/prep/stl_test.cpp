@@ -1,0 +1,185 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <string>
+
+#include "invariants.h"
+#include "mesh_files.h"
+#include "prep/io.h"
+#include "prep/mesh_files.h"
+#include "prep/save.h"
+#include "shapes.h"
+
+namespace {
+
+prep::Result<prep::Scene> parse(const std::string& text) {
+    auto scene = prep::parse_stl(std::as_bytes(std::span(text.data(), text.size())), "test.stl");
+    if (scene) {
+        EXPECT_EQ(test::broken_promise(*scene), "");
+    }
+    return scene;
+}
+
+std::string error_of(const std::string& text) {
+    const auto result = parse(text);
+    return result ? "no error" : prep::to_string(result.error());
+}
+
+template <class T>
+void put(std::string& out, T value) {
+    char raw[sizeof value];
+    std::memcpy(raw, &value, sizeof value);
+    out.append(raw, sizeof value);
+}
+
+std::string binary(std::uint32_t announced, std::uint32_t facets, const std::string& title = "") {
+    std::string out = title;
+    out.resize(80, ' ');
+    put(out, announced);
+    for (std::uint32_t f = 0; f < facets; ++f) {
+        for (int k = 0; k < 3; ++k) put(out, 0.0f);
+        for (int k = 0; k < 9; ++k) put(out, float(f * 9) + float(k) + 0.1f);
+        put(out, std::uint16_t(0xabcd));
+    }
+    return out;
+}
+
+const std::string facet =
+    "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\n"
+    "endfacet\n";
+
+TEST(Stl, EmptySolidsOfBothKinds) {
+    for (const std::string& text :
+         {std::string("solid nothing\nendsolid nothing\n"), binary(0, 0)}) {
+        const auto scene = parse(text);
+        ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
+        EXPECT_EQ(scene->meshes[0].face_count(), 0u);
+    }
+}
+
+TEST(Stl, BinaryKeepsEveryBit) {
+    const auto scene = parse(binary(2, 2));
+    ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
+    const prep::Mesh& m = scene->meshes[0];
+    ASSERT_EQ(m.face_count(), 2u);
+    EXPECT_EQ(m.positions[0], glm::vec3(0.1f, 1.1f, 2.1f));
+    EXPECT_EQ(m.positions[5], glm::vec3(9 + 6.1f, 9 + 7.1f, 9 + 8.1f));
+    EXPECT_TRUE(m.normals.empty());
+}
+
+TEST(Stl, ABinaryFileMayBeginWithSolid) {
+    EXPECT_EQ(parse(binary(1, 1, "solid made by a CAD system"))->meshes[0].face_count(), 1u);
+    // Even with bytes after the last facet, or with a cut-short end.
+    const auto longer = parse(binary(1, 1, "solid x") + "tail");
+    ASSERT_TRUE(longer.has_value()) << prep::to_string(longer.error());
+    EXPECT_EQ(longer->meshes[0].face_count(), 1u);
+    EXPECT_EQ(longer->warnings[0], "test.stl: 4 bytes after the last facet were ignored");
+    EXPECT_EQ(error_of(binary(3, 2, "solid x")),
+              "test.stl, byte 80: the header announces 3 facets, but there is room for 2: the file "
+              "is cut short or not STL");
+}
+
+TEST(Stl, TextWithSeveralSolidsBecomesParts) {
+    const auto scene = parse("solid lid\r\n" + facet + facet + "endsolid lid\nSOLID big box\n" +
+                             facet + "endsolid\n");
+    ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
+    const prep::Mesh& m = scene->meshes[0];
+    EXPECT_EQ(m.parts, (std::vector<std::string>{"lid", "big box"}));
+    EXPECT_EQ(m.face_parts, (std::vector<std::uint32_t>{0, 0, 1}));
+    EXPECT_EQ(m.vertex_count(), 9u);  // nothing is shared
+}
+
+TEST(Stl, FacetsWithoutThreeCornersAreDropped) {
+    const auto scene = parse(
+        "solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nendloop\nendfacet\n"
+        "facet normal 0 0 1\nvertex 0 0 0\nvertex 1 0 0\nvertex 1 1 0\nvertex 0 1 0\nendfacet\n" +
+        facet + "endsolid\n");
+    ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
+    EXPECT_EQ(scene->meshes[0].face_count(), 1u);
+    EXPECT_EQ(scene->warnings[0], "test.stl: 2 facets without exactly three corners were dropped");
+}
+
+TEST(Stl, NanIsKept) {
+    const auto scene = parse(
+        "solid\nfacet normal nan nan nan\nouter loop\nvertex nan 0 0\nvertex 1 inf 0\nvertex 0 1 "
+        "0\nendloop\nendfacet\nendsolid\n");
+    ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
+    EXPECT_TRUE(std::isnan(scene->meshes[0].positions[0].x));
+    EXPECT_EQ(scene->meshes[0].positions[1].y, std::numeric_limits<float>::infinity());
+}
+
+TEST(Stl, ErrorsNameThePlace) {
+    EXPECT_EQ(error_of(""),
+              "test.stl: neither \"solid\" at the beginning nor a binary header of 84 bytes: not "
+              "STL");
+    EXPECT_EQ(error_of("solid\nfacet\nvertex 1 2\n"),
+              "test.stl:3: expected three coordinates in 'vertex 1 2'");
+    EXPECT_EQ(error_of("solid\nfacet\nvertex 1 2 x\n"),
+              "test.stl:3: expected three coordinates in 'vertex 1 2 x'");
+    EXPECT_EQ(error_of("solid\nvertex 1 2 3\n"),
+              "test.stl:2: a vertex outside a facet in 'vertex 1 2 3'");
+    EXPECT_EQ(error_of("solid\nendfacet\n"),
+              "test.stl:2: an endfacet without its facet in 'endfacet'");
+    EXPECT_EQ(error_of("solid\nfacet\nvertex 0 0 0\nfacet\n"),
+              "test.stl:4: a facet inside a facet in 'facet'");
+    EXPECT_EQ(error_of("solid\nfacet\nvertex 0 0 0\n"),
+              "test.stl:3: the file ends inside a facet in ''");
+    EXPECT_EQ(
+        error_of("solid\nvertices\n"),
+        "test.stl:2: expected solid, facet, outer loop, vertex, endloop, endfacet or endsolid "
+        "in 'vertices'");
+}
+
+TEST(Stl, CountsThatTheFileHasNoRoomForAreRefusedAtOnce) {
+    EXPECT_EQ(error_of(binary(0xffffffff, 1)),
+              "test.stl, byte 80: the header announces 4294967295 facets, but there is room for 1: "
+              "the file is cut short or not STL");
+    const std::string whole = binary(2, 2);
+    for (std::size_t n = 0; n < whole.size(); ++n)
+        EXPECT_FALSE(parse(whole.substr(0, n)).has_value()) << n;
+}
+
+TEST(Stl, RoundTripKeepsEveryBitInTextAndBytes) {
+    std::string text = "solid\n";
+    const char* numbers[] = {"0.1", "-0.0", "1e-42", "3.4e38",     "1", "2.5",
+                             "-7",  "1e-3", "0.3",   "123456.789", "5", "16777217"};
+    for (int f = 0; f < 12; ++f) {
+        text += "facet normal 0 0 0\nouter loop\n";
+        for (int k = 0; k < 3; ++k)
+            text += std::string("vertex ") + numbers[(f + k) % 12] + " " +
+                    numbers[(f * 5 + k) % 12] + " " + numbers[(f * 7 + 3 * k) % 12] + "\n";
+        text += "endloop\nendfacet\n";
+    }
+    const auto original = parse(text + "endsolid\n");
+    ASSERT_TRUE(original.has_value()) << prep::to_string(original.error());
+    const test::TempDir dir;
+    for (const bool ascii : {false, true}) {
+        prep::SaveOptions options;
+        options.ascii = ascii;
+        const auto first = dir / "first.stl", second = dir / "second.stl";
+        ASSERT_TRUE(prep::save_scene(test::untouched(*original), first, options).has_value());
+        const auto once = prep::load_scene(first);
+        ASSERT_TRUE(once.has_value()) << prep::to_string(once.error());
+        EXPECT_EQ(test::exact_difference(original->meshes[0], once->meshes[0]), "");
+        ASSERT_TRUE(prep::save_scene(test::untouched(*once), second, options).has_value());
+        EXPECT_EQ(test::file_text(first), test::file_text(second));
+    }
+}
+
+TEST(Stl, WrittenFacetNormalsAreUnitAndCounterClockwise) {
+    prep::Scene scene;
+    scene.meshes.push_back(shapes::mesh_of({{0, 0, 0}, {1e-20f, 0, 0}, {0, 1e-20f, 0}, {0, 0, 0}},
+                                           {{0, 1, 2}, {0, 1, 3}}));
+    prep::instance_unused_meshes(scene);
+    const test::TempDir dir;
+    prep::SaveOptions options;
+    options.ascii = true;
+    ASSERT_TRUE(prep::save_scene(test::untouched(scene), dir / "tiny.stl", options).has_value());
+    const std::string text = test::file_text(dir / "tiny.stl");
+    EXPECT_NE(text.find("facet normal 0 0 1\n"), std::string::npos) << text;
+    EXPECT_NE(text.find("facet normal 0 0 0\n"), std::string::npos) << text;  // degenerate
+}
+
+}  // namespace
