@@ -1,13 +1,16 @@
 #include <cstddef>
 #include <cstdint>
+#include <cstdlib>
 #include <span>
 
+#include "invariants.h"
 #include "prep/obj.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     prep::ObjOptions options;
     options.read_materials = false;  // no files
     options.threads = 1;
-    (void)prep::parse_obj(std::as_bytes(std::span(data, size)), options);
+    const auto scene = prep::parse_obj(std::as_bytes(std::span(data, size)), options);
+    if (scene && !test::broken_promise(*scene).empty()) std::abort();
     return 0;
 }

@@ -1,10 +1,13 @@
 #include <cstddef>
 #include <cstdint>
+#include <cstdlib>
 #include <span>
 
+#include "invariants.h"
 #include "prep/mesh_files.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-    (void)prep::parse_stl(std::as_bytes(std::span(data, size)), "fuzz.stl");
+    const auto scene = prep::parse_stl(std::as_bytes(std::span(data, size)), "fuzz.stl");
+    if (scene && !test::broken_promise(*scene).empty()) std::abort();
     return 0;
 }

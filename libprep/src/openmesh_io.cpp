@@ -1,10 +1,10 @@
 #include <OpenMesh/Core/IO/MeshIO.hh>
 #include <OpenMesh/Core/Mesh/PolyMesh_ArrayKernelT.hh>
-#include <cstring>
 #include <exception>
 #include <sstream>
 
 #include "foreign_files.h"
+#include "om_structure.h"
 #include "prep/io.h"
 
 namespace prep::detail {
@@ -16,18 +16,23 @@ struct DoubleTraits : OpenMesh::DefaultTraits {
 };
 using HalfEdgeMesh = OpenMesh::PolyMesh_ArrayKernelT<DoubleTraits>;
 
-// OpenMesh reserves what the header announces: it is held against the file's size first. A vertex
-// takes 12 bytes (three floats), a face at least one.
-std::string header_problem(std::span<const std::byte> bytes) {
-    if (bytes.size() < 16) return "the file is shorter than an OM header";
-    const auto at = [&](std::size_t i) { return std::to_integer<unsigned char>(bytes[i]); };
-    if (at(0) != 'O' || at(1) != 'M') return "expected \"OM\" at the beginning: not an OM file";
-    std::uint32_t counts[3];
-    std::memcpy(counts, bytes.data() + 4, sizeof counts);
-    if (counts[0] > bytes.size() / 12 || counts[1] > bytes.size() || counts[2] > bytes.size())
-        return "the header announces " + std::to_string(counts[0]) + " vertices and " +
-               std::to_string(counts[1]) + " faces, more than the file has room for";
-    return {};
+// Whether the half-edges form closed loops of at least three, each round one face or none: what
+// the circulators take for granted. Indices are in range by now.
+bool loops_close(const HalfEdgeMesh& mesh) {
+    for (const auto h : mesh.halfedges()) {
+        const auto next = mesh.next_halfedge_handle(h);
+        if (!mesh.is_valid_handle(next) || mesh.prev_halfedge_handle(next) != h ||
+            mesh.face_handle(next) != mesh.face_handle(h) ||
+            mesh.from_vertex_handle(next) != mesh.to_vertex_handle(h))
+            return false;
+    }
+    for (const auto f : mesh.faces()) {
+        const auto h = mesh.halfedge_handle(f);
+        if (!mesh.is_valid_handle(h) || mesh.face_handle(h) != f) return false;
+        const auto second = mesh.next_halfedge_handle(h);
+        if (second == h || mesh.next_halfedge_handle(second) == h) return false;
+    }
+    return true;
 }
 
 Mesh convert(HalfEdgeMesh& from, const std::string& name, const OpenMesh::IO::Options& has) {
@@ -66,8 +71,8 @@ Mesh convert(HalfEdgeMesh& from, const std::string& name, const OpenMesh::IO::Op
 }  // namespace
 
 Result<Scene> load_om(std::span<const std::byte> bytes, const std::filesystem::path& path) {
-    if (std::string problem = header_problem(bytes); !problem.empty())
-        return Error{ErrorCode::syntax, problem, path.string()};
+    const std::string name = path.filename().string();
+    if (auto checked = check_om_structure(bytes, name); !checked) return std::move(checked).error();
     try {
         HalfEdgeMesh mesh;
         mesh.request_vertex_normals();
@@ -87,17 +92,16 @@ Result<Scene> load_om(std::span<const std::byte> bytes, const std::filesystem::p
         omout().enable();
         if (!good || !stream.good())
             return Error{ErrorCode::syntax,
-                         "OpenMesh cannot read the file: it is cut short or broken", path.string()};
-        for (const auto h : mesh.halfedges())
-            if (!mesh.is_valid_handle(mesh.to_vertex_handle(h)))
-                return Error{ErrorCode::invalid, "a vertex index is out of range", path.string()};
+                         "OpenMesh cannot read the file: it is cut short or broken", name};
+        if (!loops_close(mesh))
+            return Error{ErrorCode::invalid, "the half-edges do not form closed faces", name};
         Scene scene;
-        scene.name = path.filename().string();
+        scene.name = name;
         scene.meshes.push_back(convert(mesh, path.stem().string(), options));
         instance_unused_meshes(scene);
         return scene;
     } catch (const std::exception& e) {
-        return Error{ErrorCode::syntax, std::string("OpenMesh: ") + e.what(), path.string()};
+        return Error{ErrorCode::syntax, std::string("OpenMesh: ") + e.what(), name};
     }
 }
 

@@ -1,8 +1,10 @@
 // PLY, STL and OFF in, by parsers of our own.
 //
-// OpenMesh's readers are not used for these: they drop faces that make an edge non-manifold, round
-// coordinates to float before the offset is known, and trust the counts in a header. These check
-// every count against the bytes that are there before anything is reserved.
+// OpenMesh 9's readers are not used for these. Measured: they give faces that make an edge
+// non-manifold copies of their vertices and keep no map back, drop faces with a repeated or missing
+// vertex, round coordinates to float even for a mesh of doubles, reserve what a header announces
+// (262 MB for 23 bytes of OFF), and call a file that ends too early a success. These say what the
+// file says and hold every count against the bytes that are there before anything is reserved.
 #pragma once
 
 #include <cstddef>

@@ -1,0 +1,13 @@
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <span>
+
+#include "foreign_files.h"
+#include "invariants.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    const auto scene = prep::detail::load_om(std::as_bytes(std::span(data, size)), "fuzz.om");
+    if (scene && !test::broken_promise(*scene).empty()) std::abort();
+    return 0;
+}

@@ -1,0 +1,18 @@
+// OM files before OpenMesh sees them: its reader takes counts, sizes and half-edges as they come.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+
+#include "prep/result.h"
+
+namespace prep::detail {
+
+// Walks the chunks of an OM file (version 2, what OpenMesh 6 and later write; little-endian) and
+// holds every size against the bytes that are there and every half-edge, vertex and face index
+// against the counts in the header. Chunks of unknown kind are refused. O(bytes).
+// Errors: syntax, invalid, unsupported; place = "name, byte N".
+Result<void> check_om_structure(std::span<const std::byte> bytes, const std::string& name);
+
+}  // namespace prep::detail

@@ -1,0 +1,187 @@
+// load_scene: which reader gets a file, what is refused before any reader, and the whole corpus
+// against the counts of its list.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <limits>
+#include <set>
+#include <string>
+
+#include "invariants.h"
+#include "mesh_files.h"
+#include "prep/io.h"
+#include "shared_data.h"
+
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string error_of(const fs::path& path) {
+    const auto scene = prep::load_scene(path);
+    return scene ? "no error" : scene.error().text;
+}
+
+const char* const obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+const char* const off = "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+const char* const stl =
+    "solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\n"
+    "endfacet\nendsolid\n";
+const char* const ply =
+    "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float "
+    "z\n"
+    "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n"
+    "3 0 1 2\n";
+
+TEST(LoadScene, EndingsInAnyCase) {
+    const test::TempDir dir;
+    const std::pair<const char*, const char*> files[] = {
+        {"a.obj", obj}, {"a.OBJ", obj}, {"b.Off", off}, {"c.STL", stl}, {"d.pLy", ply}};
+    for (const auto& [name, text] : files) {
+        test::write_text(dir / name, text);
+        const auto scene = prep::load_scene(dir / name);
+        ASSERT_TRUE(scene.has_value()) << name << prep::to_string(scene.error());
+        EXPECT_EQ(scene->meshes[0].face_count(), 1u);
+        EXPECT_EQ(scene->source, dir / name);
+        EXPECT_EQ(scene->nodes.size(), 1u);
+    }
+}
+
+TEST(LoadScene, UnknownEndingsAreReadByTheirFirstBytes) {
+    const test::TempDir dir;
+    int n = 0;
+    for (const char* text : {obj, off, stl, ply}) {
+        for (const char* ending : {"", ".dat"}) {
+            const fs::path path = dir / ("file" + std::to_string(n++) + ending);
+            test::write_text(path, text);
+            const auto scene = prep::load_scene(path);
+            ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
+            EXPECT_EQ(scene->meshes[0].face_count(), 1u);
+        }
+    }
+    test::write_text(dir / "x.dat", "neither this nor that");
+    EXPECT_EQ(error_of(dir / "x.dat"),
+              "unknown file type '.dat': OBJ, PLY, STL, OFF, OM, glTF, GLB, JSON scenes and the "
+              "formats of Assimp (FBX, DAE, 3DS, …) are read");
+}
+
+TEST(LoadScene, WhatIsNoFileIsRefused) {
+    const test::TempDir dir;
+    test::write_text(dir / "empty.ply", "");
+    EXPECT_EQ(error_of(dir / "empty.ply"), "the file is empty");
+    EXPECT_EQ(error_of(dir.path()), "this is a directory; name a file");
+    EXPECT_EQ(error_of(dir / "gone.obj"), "no such file");
+    const auto missing = prep::load_scene(dir / "gone.obj");
+    EXPECT_EQ(missing.error().place, (dir / "gone.obj").string());
+}
+
+TEST(LoadScene, TheWrongEndingIsAnErrorThatSaysWhatWasExpected) {
+    const test::TempDir dir;
+    test::write_text(dir / "a.ply", obj);
+    EXPECT_EQ(error_of(dir / "a.ply"), "expected \"ply\": not a PLY file in 'v 0 0 0'");
+    test::write_text(dir / "a.stl", obj);
+    EXPECT_EQ(error_of(dir / "a.stl"),
+              "neither \"solid\" at the beginning nor a binary header of 84 bytes: not STL");
+    test::write_text(dir / "a.off", ply);
+    EXPECT_EQ(error_of(dir / "a.off"),
+              "expected OFF and the numbers of vertices, faces and edges in 'ply'");
+    test::write_text(dir / "a.om", ply);
+    EXPECT_EQ(error_of(dir / "a.om"), "expected \"OM\" at the beginning: not an OM file");
+}
+
+TEST(SetPositions, OriginOnlyWhereFloatsWouldLoseDigits) {
+    prep::Mesh mesh;
+    const glm::dvec3 near[] = {{0.1, 0.2, 0.3}, {1.1, 0.2, 0.3}};
+    prep::set_positions(mesh, near);
+    EXPECT_EQ(mesh.origin, glm::dvec3(0.0));
+    EXPECT_EQ(mesh.positions[0], glm::vec3(0.1f, 0.2f, 0.3f));
+    const glm::dvec3 far_floats[] = {{5e6, 0, 0}, {5e6 + 1, 0, 0}};
+    prep::set_positions(mesh, far_floats);
+    EXPECT_EQ(mesh.origin, glm::dvec3(0.0));
+    const glm::dvec3 far[] = {{1e9 + 0.1, 0, 0}, {1e9 + 1.1, 0, 0}};
+    prep::set_positions(mesh, far);
+    EXPECT_EQ(mesh.origin, glm::dvec3(1e9 + 0.625, 0, 0));  // on the grid of 1/16
+    // The error of a coordinate is a float's rounding at the mesh's size, not at its distance.
+    EXPECT_NEAR(mesh.origin.x + double(mesh.positions[0].x), 1e9 + 0.1, 1e-7);
+    EXPECT_EQ(mesh.origin.x + double(mesh.positions[1].x), 1e9 + 1.1);
+}
+
+TEST(SetPositions, ExtremesStayFinite) {
+    const double largest = std::numeric_limits<double>::max(), nan = std::nan("");
+    prep::Mesh mesh;
+    const glm::dvec3 huge[] = {{largest, largest, largest}, {-largest, 0.1, 0}};
+    prep::set_positions(mesh, huge);
+    EXPECT_TRUE(std::isfinite(mesh.origin.x));
+    const glm::dvec3 far[] = {{largest, 0.1, 0}, {largest * (1 - 1e-9), 0.1, 0}};
+    prep::set_positions(mesh, far);
+    EXPECT_TRUE(std::isfinite(mesh.origin.x));
+    const glm::dvec3 tiny[] = {{1e-300, 0, 0}, {1.00001e-300, 0, 0}};
+    prep::set_positions(mesh, tiny);
+    EXPECT_TRUE(std::isfinite(mesh.origin.x));
+    const glm::dvec3 point[] = {{0.1, 0.2, 0.3}};
+    prep::set_positions(mesh, point);
+    EXPECT_EQ(mesh.origin + glm::dvec3(mesh.positions[0]), point[0]);
+    const glm::dvec3 broken[] = {{nan, 0, 0}, {1e9 + 0.1, 0, 0}, {1e9 + 1.3, 0, 0}};
+    prep::set_positions(mesh, broken);
+    EXPECT_TRUE(std::isnan(mesh.positions[0].x));
+    EXPECT_GT(mesh.origin.x, 9e8);
+    prep::set_positions(mesh, {});
+    EXPECT_TRUE(mesh.positions.empty());
+}
+
+// "{v: 3932, f: 7880, …}" → 3932 for "v"; −1 where it is not said.
+long measured(const std::string& text, const std::string& key) {
+    for (const char* before : {"{", ", "}) {
+        const std::size_t at = text.find(before + key + ": ");
+        if (at != std::string::npos)
+            return std::atol(text.c_str() + at + std::string(before).size() + key.size() + 2);
+    }
+    return -1;
+}
+
+TEST(LoadScene, TheCorpusHasTheCountsOfItsList) {
+    MESHPREP_REQUIRE_SHARED(shared);
+    std::ifstream list(shared / "corpus/MANIFEST.tsv");
+    std::string line;
+    std::getline(list, line);
+    int checked = 0;
+    while (std::getline(list, line)) {
+        const std::string file = line.substr(0, line.find('\t'));
+        std::string ending = fs::path(file).extension().string();
+        for (char& c : ending) c = char(std::tolower(static_cast<unsigned char>(c)));
+        if (ending != ".obj" && ending != ".ply" && ending != ".stl" && ending != ".off") continue;
+        const auto scene = prep::load_scene(shared / "corpus" / file);
+        ASSERT_TRUE(scene.has_value()) << file << ": " << prep::to_string(scene.error());
+        EXPECT_EQ(test::broken_promise(*scene), "") << file;
+        const std::string counts = line.substr(line.rfind('\t') + 1);
+        const long vertices = measured(counts, "v"), triangles = measured(counts, "f");
+        if (vertices < 0 || triangles < 0) continue;
+        const prep::Mesh& mesh = scene->meshes[0];
+        // The list counts triangles and the different positions.
+        EXPECT_EQ(long(mesh.corner_count() - 2 * mesh.face_count()), triangles) << file;
+        std::set<std::array<float, 3>> different;
+        for (const glm::vec3& p : mesh.positions) different.insert({p.x, p.y, p.z});
+        EXPECT_EQ(long(different.size()), vertices) << file;
+        const long quads = measured(counts, "quads");
+        if (quads >= 0) {
+            long found = 0;
+            for (std::size_t f = 0; f < mesh.face_count(); ++f)
+                found += mesh.face_offsets[f + 1] - mesh.face_offsets[f] == 4;
+            EXPECT_EQ(found, quads) << file;
+        }
+        const long uvs = measured(counts, "vt");
+        if (uvs > 0) {
+            EXPECT_EQ(long(mesh.uvs.at(0).values.size()), uvs) << file;
+        }
+        const long normals = measured(counts, "vn");
+        if (normals > 0) {
+            EXPECT_EQ(long(mesh.normals.values.size()), normals) << file;
+        }
+        ++checked;
+    }
+    EXPECT_GE(checked, 20);
+}
+
+}  // namespace
