@@ -163,7 +163,9 @@ TEST(LoadScene, TheCorpusHasTheCountsOfItsList) {
         EXPECT_EQ(long(mesh.corner_count() - 2 * mesh.face_count()), triangles) << file;
         std::set<std::array<float, 3>> different;
         for (const glm::vec3& p : mesh.positions) different.insert({p.x, p.y, p.z});
-        EXPECT_EQ(long(different.size()), vertices) << file;
+        // Two vertices of this one are one when rounded to float.
+        const bool close = file == "openscad-nonmanifold-crash.obj";
+        EXPECT_EQ(long(different.size()), vertices - (close ? 1 : 0)) << file;
         const long quads = measured(counts, "quads");
         if (quads >= 0) {
             long found = 0;
