@@ -27,12 +27,16 @@ std::vector<ShadingLight> shading_lights(std::span<const LightInstance> lights,
 }
 
 float specular_power(const glm::vec3& normal, const glm::vec3& half, float shininess) {
-    const double cosine = glm::dot(glm::dvec3(normal), glm::dvec3(half));
-    if (cosine <= 0) return shininess == 0 ? 1.0f : 0.0f;
-    const glm::dvec3 cross = glm::cross(glm::dvec3(normal), glm::dvec3(half));
-    const double sine2 = std::min(glm::dot(cross, cross), 1.0);
-    if (sine2 >= 1) return shininess == 0 ? 1.0f : 0.0f;
-    return float(exp_portable(0.5 * double(shininess) * log1m_portable(sine2)));
+    const glm::dvec3 n(normal), h(half);
+    const double cosine = glm::dot(n, h);
+    if (!(cosine > 0)) return shininess == 0 ? 1.0f : 0.0f;
+    // Unit in float is not unit: the lengths' 1e-7 would come out multiplied by the logarithm.
+    const double lengths2 = glm::dot(n, n) * glm::dot(h, h);
+    const glm::dvec3 cross = glm::cross(n, h);
+    const double sine2 = glm::dot(cross, cross) / lengths2;
+    const double logarithm =
+        sine2 < 0.5 ? log1m_portable(sine2) : log_portable(cosine * cosine / lengths2);
+    return float(exp_portable(0.5 * double(shininess) * logarithm));
 }
 
 LightSum illuminate(std::span<const ShadingLight> lights, const glm::vec3& position,

@@ -32,7 +32,7 @@ LightSum illuminate(std::span<const ShadingLight> lights, const glm::vec3& posit
                     const glm::vec3& normal, const glm::vec3& to_eye, float shininess);
 
 // (n·h)^shininess from sin² = |n×h|²: near a highlight's centre 1 − (n·h)² would cancel. 0^0 is 1.
-// Relative error below 1e-6 up to shininess 1e5 (Lighting.SpecularPowerAgainstLongDouble).
+// Relative error below 1e-6 up to shininess 1e5 (SpecularPower.KeepsItsDigitsUpToSharpHighlights).
 float specular_power(const glm::vec3& normal, const glm::vec3& half, float shininess);
 
 }  // namespace rast

@@ -27,6 +27,14 @@ double milliseconds_since(Clock::time_point start) {
     return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
+// Scaled so that its largest element is 1: squares and products then stay in float's range.
+glm::dmat3 of_order_one(const glm::dmat3& m) {
+    double largest = 0;
+    for (int c = 0; c < 3; ++c)
+        for (int r = 0; r < 3; ++r) largest = std::max(largest, std::abs(m[c][r]));
+    return largest > 0 && std::isfinite(largest) ? m / largest : m;
+}
+
 Instance transform(const prep::PreparedScene& prepared, const RenderPlan& plan, std::uint32_t node,
                    const glm::dmat4& world, const glm::dmat4& to_clip) {
     Instance in;
@@ -41,7 +49,8 @@ Instance transform(const prep::PreparedScene& prepared, const RenderPlan& plan, 
                               glm::cross(linear[0], linear[1]));
     const double determinant = glm::dot(linear[0], cofactor[0]);
     in.handedness = determinant < 0 ? -1.0f : 1.0f;
-    in.linear = glm::mat3(linear);
+    const glm::dmat3 normal_matrix = of_order_one(cofactor) * double(in.handedness);
+    in.normal_matrix = glm::mat3(normal_matrix);
     const glm::dmat3 rotation(plan.view.world_to_view);
 
     const std::size_t n = mesh.vertex_count();
@@ -64,8 +73,7 @@ Instance transform(const prep::PreparedScene& prepared, const RenderPlan& plan, 
             // Cofactor form of the inverse transpose: defined for singular transforms too; the sign
             // undoes the flip that a mirror puts into cofactors.
             if (normals)
-                in.normals[v] =
-                    glm::vec3(unit(cofactor * glm::dvec3(mesh.normals[v]) * double(in.handedness)));
+                in.normals[v] = glm::vec3(unit(normal_matrix * glm::dvec3(mesh.normals[v])));
             if (tangents)
                 in.tangents[v] =
                     glm::vec4(glm::vec3(unit(linear * glm::dvec3(glm::vec3(mesh.tangents[v])))),
@@ -192,8 +200,17 @@ class Renderer {
             const std::uint32_t m = prepared_.scene.nodes[n].mesh;
             if (m == prep::no_index || prepared_.meshes[m].triangle_count() == 0) continue;
             instances_.push_back(transform(prepared_, plan_, n, world[n], to_clip));
-            if (plan_.request.shading == Shading::gouraud) shader.light_vertices(instances_.back());
+            if (plan_.request.shading == Shading::gouraud)
+                shader.light_vertices(instances_.back(), back_faces_visible());
         }
+    }
+
+    bool back_faces_visible() const {
+        const auto& materials = prepared_.scene.materials;
+        return plan_.request.cull == Cull::none || plan_.request.cull == Cull::front ||
+               (plan_.request.cull == Cull::by_material &&
+                std::any_of(materials.begin(), materials.end(),
+                            [](const prep::Material& m) { return m.double_sided; }));
     }
 
     void set_up() {

@@ -70,9 +70,10 @@ glm::vec4 Shader::sample(const prep::TextureRef& ref, const Point& point,
     return texture->sample(transformed(ref, uv, false), footprint, plan_.request.filter);
 }
 
-void Shader::light_vertices(Instance& instance) const {
+void Shader::light_vertices(Instance& instance, bool two_sided) const {
     const std::size_t n = instance.positions.size();
     instance.lit.assign(n, {});
+    if (two_sided) instance.lit_behind.assign(n, {});
     if (instance.normals.empty()) return;
     // A vertex can carry materials of different shininess only if parts were not split; prepare()
     // splits them, so the first triangle's material speaks for the vertex.
@@ -92,6 +93,9 @@ void Shader::light_vertices(Instance& instance) const {
         const glm::vec3 p = instance.positions[v];
         const glm::vec3 to_eye = perspective_ ? unit_or(-p, backward_) : backward_;
         instance.lit[v] = illuminate(lights_, p, instance.normals[v], to_eye, shininess[v]);
+        if (two_sided)
+            instance.lit_behind[v] =
+                illuminate(lights_, p, -instance.normals[v], to_eye, shininess[v]);
     }
 }
 
@@ -127,7 +131,7 @@ glm::vec3 Shader::mapped_normal(const Point& point, const glm::vec3& geometric,
     if (point.material.normal_map_flip_green) m.y = -m.y;
     glm::vec3 world;
     if (object_space) {
-        world = in.linear * m;
+        world = in.normal_matrix * m;
     } else {
         m.x *= map.strength;
         m.y *= map.strength;
@@ -187,7 +191,8 @@ glm::vec4 Shader::shade(const Instance& instance, const SetupTriangle& triangle,
     LightSum light;
     if (plan_.request.shading == Shading::gouraud && !instance.lit.empty() &&
         !instance.normals.empty()) {
-        const LightSum &l0 = instance.lit[v[0]], &l1 = instance.lit[v[1]], &l2 = instance.lit[v[2]];
+        const std::vector<LightSum>& lit = triangle.back ? instance.lit_behind : instance.lit;
+        const LightSum &l0 = lit[v[0]], &l1 = lit[v[1]], &l2 = lit[v[2]];
         light.ambient = l0.ambient;
         light.diffuse = mix3(l0.diffuse, l1.diffuse, l2.diffuse, point.b.value);
         light.specular = mix3(l0.specular, l1.specular, l2.specular, point.b.value);

@@ -18,12 +18,12 @@ struct Instance {
     std::uint32_t node = 0;
     const prep::VertexMesh* mesh = nullptr;
     float handedness = 1;              // −1: the transform mirrors
-    glm::mat3 linear{1.0f};            // of the transform, for object-space normal maps
+    glm::mat3 normal_matrix{1.0f};     // cofactors, of order one
     std::vector<ScreenVertex> screen;  // one per vertex
     std::vector<glm::vec3> positions, normals;
     std::vector<glm::vec4> tangents;
-    std::vector<LightSum> lit;            // Gouraud
-    std::vector<std::uint32_t> range_of;  // per triangle: its range
+    std::vector<LightSum> lit, lit_behind;  // Gouraud; on the front side, on the back
+    std::vector<std::uint32_t> range_of;    // per triangle: its range
 };
 
 struct Textures {
@@ -34,8 +34,8 @@ class Shader {
   public:
     Shader(const prep::PreparedScene& scene, const RenderPlan& plan, const Textures& textures);
 
-    // Fills Instance::lit, for Gouraud shading.
-    void light_vertices(Instance& instance) const;
+    // Fills Instance::lit and, where back faces can be seen, lit_behind: for Gouraud shading.
+    void light_vertices(Instance& instance, bool two_sided) const;
 
     // Linear colour and alpha at a pixel centre; alpha below zero means cut away by the mask.
     glm::vec4 shade(const Instance& instance, const SetupTriangle& triangle, std::int32_t x,

@@ -1,0 +1,332 @@
+// Wrapping, filters, mip levels, sRGB and the elementary functions, against direct computation.
+#include "texture.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "color.h"
+#include "elementary.h"
+#include "lighting.h"
+#include "rast/render.h"
+
+namespace {
+
+using prep::Wrap;
+using rast::Footprint;
+using rast::MipTexture;
+using rast::TextureFilter;
+
+constexpr Wrap every_wrap[] = {Wrap::repeat, Wrap::mirror, Wrap::clamp, Wrap::border};
+
+prep::Image random_image(std::uint32_t width, std::uint32_t height, std::uint64_t seed) {
+    std::mt19937_64 random(seed);
+    prep::Image image{width, height, 4, {}};
+    for (std::uint32_t i = 0; i < width * height * 4; ++i)
+        image.pixels.push_back(float(random() % 256) / 255.0f);
+    return image;
+}
+
+MipTexture texture_of(const prep::Image& image, Wrap u, Wrap v, bool mipped = false,
+                      bool colour = false) {
+    prep::Texture sampler;
+    sampler.wrap_u = u;
+    sampler.wrap_v = v;
+    return MipTexture(image, sampler, colour, mipped);
+}
+
+// A texel of the endless plane, by walking there.
+std::int64_t walked(std::int64_t i, std::int64_t size, Wrap wrap) {
+    if (wrap == Wrap::border) return i < 0 || i >= size ? -1 : i;
+    if (wrap == Wrap::clamp) return i < 0 ? 0 : i >= size ? size - 1 : i;
+    std::int64_t at = 0;
+    int step = 1;
+    for (std::int64_t k = 0; k < std::abs(i); ++k) {
+        const bool forward = i > 0;
+        if (wrap == Wrap::repeat) {
+            at = forward ? (at + 1 == size ? 0 : at + 1) : (at == 0 ? size - 1 : at - 1);
+        } else {
+            // Mirrored: the edge texel comes twice. Going left from texel 0 starts with it.
+            if (!forward && k == 0) continue;
+            if (at + step < 0 || at + step >= size)
+                step = -step;
+            else
+                at += step;
+        }
+    }
+    return at;
+}
+
+glm::dvec4 texel(const prep::Image& image, std::int64_t x, std::int64_t y, Wrap u, Wrap v) {
+    const std::int64_t i = walked(x, image.width, u), j = walked(y, image.height, v);
+    if (i < 0 || j < 0) return glm::dvec4(0.0);
+    const float* p = image.at(std::uint32_t(i), std::uint32_t(j));
+    return {p[0], p[1], p[2], p[3]};
+}
+
+double distance(const glm::vec4& a, const glm::dvec4& b) {
+    const glm::dvec4 d = glm::abs(glm::dvec4(a) - b);
+    return std::max({d.x, d.y, d.z, d.w});
+}
+
+TEST(Wrap, FollowsTheDefinitionFarOutside) {
+    for (const Wrap wrap : every_wrap)
+        for (const std::int64_t size : {1, 2, 3, 7})
+            for (std::int64_t i = -40; i <= 40; ++i)
+                EXPECT_EQ(rast::wrap_texel(i, size, wrap), walked(i, size, wrap))
+                    << int(wrap) << " " << size << " " << i;
+}
+
+TEST(Filter, NearestAndBilinearEqualDirectComputation) {
+    std::mt19937_64 random(1);
+    std::uniform_real_distribution<float> coordinate(-3, 3);
+    for (const glm::uvec2 size : {glm::uvec2(1, 1), {2, 5}, {16, 16}, {7, 3}}) {
+        const prep::Image image = random_image(size.x, size.y, size.x);
+        for (const Wrap u : every_wrap)
+            for (const Wrap v : every_wrap) {
+                const MipTexture texture = texture_of(image, u, v);
+                for (int n = 0; n < 500; ++n) {
+                    const glm::vec2 uv(coordinate(random), coordinate(random));
+                    const double x = double(uv.x) * size.x, y = double(uv.y) * size.y;
+                    // Where the float product cannot land on another texel.
+                    if (std::abs(x - std::round(x)) > 1e-5 && std::abs(y - std::round(y)) > 1e-5) {
+                        ASSERT_EQ(distance(texture.sample(uv, {}, TextureFilter::nearest),
+                                           texel(image, std::int64_t(std::floor(x)),
+                                                 std::int64_t(std::floor(y)), u, v)),
+                                  0.0);
+                    }
+                    const double left = std::floor(x - 0.5), top = std::floor(y - 0.5);
+                    const double fx = x - 0.5 - left, fy = y - 0.5 - top;
+                    const auto at = [&](int i, int j) {
+                        return texel(image, std::int64_t(left) + i, std::int64_t(top) + j, u, v);
+                    };
+                    const glm::dvec4 expected = (at(0, 0) * (1 - fx) + at(1, 0) * fx) * (1 - fy) +
+                                                (at(0, 1) * (1 - fx) + at(1, 1) * fx) * fy;
+                    // The texel coordinate is rounded once: 48 · 2^-24 texels of a slope below 1,
+                    // in both directions, and a few roundings.
+                    ASSERT_LT(distance(texture.sample(uv, {}, TextureFilter::bilinear), expected),
+                              1e-5);
+                }
+            }
+    }
+}
+
+// The mean of the texels under a coarse one, by exact areas.
+glm::dvec4 area_mean(const std::vector<glm::dvec4>& texels, std::uint32_t width,
+                     std::uint32_t height, double x0, double x1, double y0, double y1) {
+    glm::dvec4 sum(0.0);
+    for (std::uint32_t y = 0; y < height; ++y)
+        for (std::uint32_t x = 0; x < width; ++x) {
+            const double w = std::max(0.0, std::min(x1, x + 1.0) - std::max(x0, double(x)));
+            const double h = std::max(0.0, std::min(y1, y + 1.0) - std::max(y0, double(y)));
+            sum += texels[y * width + x] * (w * h);
+        }
+    return sum / ((x1 - x0) * (y1 - y0));
+}
+
+TEST(MipLevels, AreMeansByArea) {
+    for (const glm::uvec2 size : {glm::uvec2(8, 8), {16, 2}, {5, 7}, {13, 1}, {1, 1}}) {
+        const prep::Image image = random_image(size.x, size.y, 7);
+        const MipTexture texture = texture_of(image, Wrap::clamp, Wrap::clamp, true);
+        std::vector<glm::dvec4> fine;
+        for (std::uint32_t y = 0; y < size.y; ++y)
+            for (std::uint32_t x = 0; x < size.x; ++x)
+                fine.push_back(texel(image, x, y, Wrap::clamp, Wrap::clamp));
+        std::uint32_t width = size.x, height = size.y;
+        EXPECT_EQ(texture.level_count(),
+                  1 + std::uint32_t(std::floor(std::log2(std::max(width, height)))));
+        for (std::uint32_t l = 1; l < texture.level_count(); ++l) {
+            const std::uint32_t w = std::max(1u, width / 2), h = std::max(1u, height / 2);
+            ASSERT_EQ(texture.level(l).width, w);
+            ASSERT_EQ(texture.level(l).height, h);
+            std::vector<glm::dvec4> coarse;
+            for (std::uint32_t y = 0; y < h; ++y)
+                for (std::uint32_t x = 0; x < w; ++x) {
+                    coarse.push_back(area_mean(fine, width, height, double(x) * width / w,
+                                               double(x + 1) * width / w, double(y) * height / h,
+                                               double(y + 1) * height / h));
+                    ASSERT_LT(distance(texture.level(l).texels[y * w + x], coarse.back()), 1e-6);
+                }
+            fine = std::move(coarse);
+            width = w;
+            height = h;
+        }
+    }
+}
+
+TEST(Filter, LevelOfDetailIsTheLongerSideOfTheFootprint) {
+    const MipTexture texture =
+        texture_of(random_image(64, 32, 1), Wrap::repeat, Wrap::repeat, true);
+    std::mt19937_64 random(2);
+    std::uniform_real_distribution<double> exponent(-12, 3), angle(0, 2 * std::numbers::pi);
+    for (int n = 0; n < 2000; ++n) {
+        const auto vector = [&] {
+            const double length = std::exp2(exponent(random)), a = angle(random);
+            return glm::vec2(float(length * std::cos(a)), float(length * std::sin(a)));
+        };
+        const Footprint footprint{vector(), vector()};
+        const auto texels = [](const glm::vec2& d) {
+            return std::hypot(double(d.x) * 64, double(d.y) * 32);
+        };
+        const double longest = std::max(texels(footprint.dx), texels(footprint.dy));
+        // Vulkan asks for 2 fractional bits at least; float keeps 20.
+        ASSERT_NEAR(texture.level_of_detail(footprint), std::max(0.0, std::log2(longest)), 1e-5);
+    }
+    EXPECT_EQ(texture.level_of_detail({}), 0);
+    EXPECT_EQ(texture.level_of_detail({{NAN, 0}, {0, 0}}), 0);
+    EXPECT_EQ(texture.level_of_detail({{INFINITY, 0}, {0, 0}}), 6);
+}
+
+TEST(Filter, TrilinearMixesTheTwoLevelsByTheFraction) {
+    const MipTexture texture =
+        texture_of(random_image(32, 32, 3), Wrap::repeat, Wrap::mirror, true);
+    std::mt19937_64 random(4);
+    std::uniform_real_distribution<float> coordinate(-2, 2);
+    for (int n = 0; n < 2000; ++n) {
+        const glm::vec2 uv(coordinate(random), coordinate(random));
+        const double lod = 6.0 * n / 2000;  // 5 is the last level
+        const Footprint footprint{{float(std::exp2(lod) / 32), 0}, {0, 0}};
+        const double kept = std::min(lod, 5.0), fraction = kept - std::floor(kept);
+        const auto bilinear_of = [&](std::uint32_t l) {
+            const auto& level = texture.level(std::min(l, 5u));
+            const double x = double(uv.x) * level.width - 0.5,
+                         y = double(uv.y) * level.height - 0.5;
+            const double fx = x - std::floor(x), fy = y - std::floor(y);
+            const auto at = [&](int i, int j) {
+                return glm::dvec4(level.texels[std::size_t(walked(std::int64_t(std::floor(y)) + j,
+                                                                  level.height, Wrap::mirror)) *
+                                                   level.width +
+                                               std::size_t(walked(std::int64_t(std::floor(x)) + i,
+                                                                  level.width, Wrap::repeat))]);
+            };
+            return (at(0, 0) * (1 - fx) + at(1, 0) * fx) * (1 - fy) +
+                   (at(0, 1) * (1 - fx) + at(1, 1) * fx) * fy;
+        };
+        const std::uint32_t fine = std::uint32_t(kept);
+        const glm::dvec4 expected =
+            bilinear_of(fine) * (1 - fraction) + bilinear_of(fine + 1) * fraction;
+        // Roundings of the coordinate (64 · 2^-24 texels) and of the level (1e-6).
+        ASSERT_LT(distance(texture.sample(uv, footprint, TextureFilter::trilinear), expected),
+                  2e-5);
+    }
+}
+
+TEST(Filter, ConstantTexturesStayBitConstant) {
+    prep::Image image{13, 5, 3, {}};
+    for (int i = 0; i < 65; ++i) image.pixels.insert(image.pixels.end(), {0.1f, 0.7f, 0.3f});
+    const MipTexture texture = texture_of(image, Wrap::repeat, Wrap::clamp);
+    std::mt19937_64 random(5);
+    std::uniform_real_distribution<float> coordinate(-20, 20);
+    for (int n = 0; n < 2000; ++n)
+        ASSERT_EQ(
+            texture.sample({coordinate(random), coordinate(random)}, {}, TextureFilter::bilinear),
+            glm::vec4(0.1f, 0.7f, 0.3f, 1));
+}
+
+TEST(Filter, HostileCoordinatesAreHarmless) {
+    const MipTexture texture = texture_of(random_image(8, 8, 6), Wrap::repeat, Wrap::mirror, true);
+    for (const float bad : {NAN, INFINITY, -INFINITY, 1e30f, -1e30f, 1e-40f})
+        for (const TextureFilter filter :
+             {TextureFilter::nearest, TextureFilter::bilinear, TextureFilter::trilinear}) {
+            const glm::vec4 c = texture.sample({bad, -bad}, {{bad, 0}, {0, bad}}, filter);
+            for (int k = 0; k < 4; ++k) EXPECT_TRUE(c[k] >= 0 && c[k] <= 1);
+        }
+}
+
+// ------------------------------------------------------------------------------------------- sRGB
+
+long double decoded(long double x) {
+    return x <= 0.04045L ? x / 12.92L : std::pow((x + 0.055L) / 1.055L, 2.4L);
+}
+
+TEST(Srgb, DecodesEveryCodeAndEncodesItBack) {
+    for (int code = 0; code < 256; ++code) {
+        const float x = float(code) / 255.0f;
+        const float linear = rast::srgb_to_linear(x);
+        ASSERT_NEAR(linear, double(decoded(x)), 1e-7) << code;
+        ASSERT_EQ(std::lround(rast::linear_to_srgb(linear) * 255.0f), code);
+    }
+    EXPECT_EQ(rast::linear_to_srgb(NAN), 0);
+    EXPECT_EQ(rast::linear_to_srgb(-1), 0);
+    EXPECT_EQ(rast::linear_to_srgb(7), 1);
+}
+
+TEST(Srgb, ColoursAreAveragedInLinearLightAndDataIsNot) {
+    prep::Image checker{2, 2, 3, {}};
+    for (const float x : {0.0f, 1.0f, 1.0f, 0.0f})
+        checker.pixels.insert(checker.pixels.end(), {x, x, 0.5f});
+    const MipTexture colour = texture_of(checker, Wrap::repeat, Wrap::repeat, true, true);
+    EXPECT_FLOAT_EQ(colour.level(1).texels[0].r, 0.5f);
+    EXPECT_NEAR(colour.level(1).texels[0].b, double(decoded(0.5L)), 1e-7);
+    EXPECT_NEAR(rast::linear_to_srgb(colour.level(1).texels[0].r), 0.735357, 1e-5);
+    const MipTexture data = texture_of(checker, Wrap::repeat, Wrap::repeat, true, false);
+    EXPECT_EQ(data.level(1).texels[0].b, 0.5f);
+}
+
+TEST(Srgb, PicturesAreEncodedAndToneMappedOnlyWhenAsked) {
+    rast::Frame frame;
+    frame.width = 3;
+    frame.height = 1;
+    frame.color = {glm::vec4(0.5f), glm::vec4(4.0f), glm::vec4(-1.0f)};
+    const prep::Image plain = rast::to_srgb(frame);
+    EXPECT_NEAR(plain.pixels[0], 0.735357, 1e-5);
+    EXPECT_EQ(plain.pixels[3], 1);
+    EXPECT_EQ(plain.pixels[6], 0);
+    rast::ToneOptions tone;
+    tone.tone_map = true;
+    EXPECT_FLOAT_EQ(rast::to_srgb(frame, tone).pixels[3], rast::linear_to_srgb(0.8f));
+}
+
+// ---------------------------------------------------------------------------- elementary functions
+
+TEST(Elementary, LogAndExpKeepThirteenDigits) {
+    std::mt19937_64 random(8);
+    std::uniform_real_distribution<double> exponent(-300, 300), argument(-700, 700);
+    for (int n = 0; n < 100000; ++n) {
+        const double x = std::pow(10.0, exponent(random));
+        const long double expected = std::log((long double)x);
+        ASSERT_NEAR(rast::log_portable(x), double(expected),
+                    std::max(1e-13 * std::abs(double(expected)), 1e-15));
+        const double y = argument(random);
+        const double e = double(std::exp((long double)y));
+        ASSERT_NEAR(rast::exp_portable(y), e, 1e-13 * e);
+    }
+}
+
+TEST(SpecularPower, KeepsItsDigitsUpToSharpHighlights) {
+    std::mt19937_64 random(9);
+    std::uniform_real_distribution<double> value(-1, 1), exponent(-7, 0), power(0, 5);
+    double worst = 0;
+    for (int n = 0; n < 100000; ++n) {
+        const glm::vec3 normal = glm::normalize(
+            glm::vec3(float(value(random)), float(value(random)), float(value(random))));
+        const float tilt = float(std::pow(10.0, exponent(random)));
+        const glm::vec3 half =
+            glm::normalize(normal + tilt * glm::vec3(float(value(random)), float(value(random)),
+                                                     float(value(random))));
+        const float shininess = float(std::pow(10.0, power(random)));
+        using Wide = glm::vec<3, long double>;
+        const Wide a(normal), b(half);
+        // Of the directions: unit in float is not unit.
+        const long double aa = glm::dot(a, a), bb = glm::dot(b, b), ab = glm::dot(a, b);
+        if (ab <= 0) continue;
+        const Wide c = glm::cross(a, b);
+        const long double sine2 = glm::dot(c, c) / (aa * bb);
+        const double expected =
+            double(std::exp(0.5L * (long double)shininess * std::log1p(-sine2)));
+        if (expected < 1e-30) continue;
+        worst = std::max(
+            worst, std::abs(rast::specular_power(normal, half, shininess) - expected) / expected);
+    }
+    std::printf("worst relative error %.2g\n", worst);
+    // Computed in double; only the result is rounded to float, 6e-8.
+    EXPECT_LT(worst, 1e-6);
+    EXPECT_EQ(rast::specular_power({0, 0, 1}, {1, 0, 0}, 0), 1.0f);  // 0^0
+    EXPECT_EQ(rast::specular_power({0, 0, 1}, {0, 0, -1}, 5), 0.0f);
+    EXPECT_EQ(rast::specular_power({0, 0, 1}, {0, 0, 1}, 1e5f), 1.0f);
+}
+
+}  // namespace
