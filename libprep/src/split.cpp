@@ -4,14 +4,17 @@
 #include <cstring>
 #include <unordered_map>
 
+#include "corner_steps.h"
 #include "parallel.h"
 #include "prep/triangulate.h"
+#include "vertex_corners.h"
 
 namespace prep {
 namespace {
 
 using Index = std::uint32_t;
 constexpr std::size_t vertex_grain = 8192;
+constexpr std::size_t triangle_grain = 65536;
 // Up to this many copies of one vertex are searched one by one, beyond it by hash: a flat-shaded
 // pole of valence 100,000 stays linear.
 constexpr std::size_t linear_search_limit = 12;
@@ -62,7 +65,8 @@ class Attributes {
             !uniform_parts()) {
             groups_apart_ = true;
         }
-        if (groups_apart_ || hard) {
+        triangles_ = detail::all_triangles(MeshView(mesh));
+        if ((groups_apart_ || hard) && !triangles_) {
             corner_faces_.resize(mesh.corner_count());
             for (Index f = 0; f < mesh.face_count(); ++f)
                 for (Index c = mesh.face_offsets[f]; c < mesh.face_offsets[f + 1]; ++c)
@@ -132,19 +136,20 @@ class Attributes {
     }
     bool same_group(Index a, Index b) const {
         if (!groups_apart_) return true;
-        const Index f = corner_faces_[a], g = corner_faces_[b];
+        const Index f = face_of(a), g = face_of(b);
         return (mesh_.face_parts.empty() || mesh_.face_parts[f] == mesh_.face_parts[g]) &&
                (mesh_.face_materials.empty() || mesh_.face_materials[f] == mesh_.face_materials[g]);
     }
+    Index face_of(Index c) const { return triangles_ ? c / 3 : corner_faces_[c]; }
     std::uint8_t edge_reasons(Index c) const {
-        const Index f = corner_faces_[c];
+        const Index f = face_of(c);
         const Index begin = mesh_.face_offsets[f], end = mesh_.face_offsets[f + 1];
         return hard_->reasons[c] | hard_->reasons[c == begin ? end - 1 : c - 1];
     }
 
     const Mesh& mesh_;
     const HardEdges* hard_;
-    bool groups_apart_ = false;
+    bool groups_apart_ = false, triangles_ = false;
     std::vector<Layer<glm::vec3>> normals_;
     std::vector<Layer<glm::vec4>> tangents_;
     std::vector<Layer<glm::vec2>> uvs_;
@@ -152,101 +157,129 @@ class Attributes {
     std::vector<Index> corner_faces_;
 };
 
-// Corners by source vertex, ascending.
-struct VertexCorners {
-    std::vector<Index> offsets, corners;
-};
-
-VertexCorners corners_by_vertex(const Mesh& mesh) {
-    VertexCorners result;
-    result.offsets.assign(mesh.vertex_count() + 1, 0);
-    for (const Index v : mesh.corner_vertices) ++result.offsets[v + 1];
-    for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
-        result.offsets[v + 1] += result.offsets[v];
-    result.corners.resize(mesh.corner_count());
-    std::vector<Index> cursor(result.offsets.begin(), result.offsets.end() - 1);
-    for (Index c = 0; c < mesh.corner_count(); ++c)
-        result.corners[cursor[mesh.corner_vertices[c]]++] = c;
-    return result;
-}
-
 struct Block {                         // the vertices made from one block of source vertices
     std::vector<Index> first_corners;  // no_index: a vertex that only lines or points use
     std::vector<Index> sources;
     std::vector<SplitReasons> reasons;
 };
 
-void split_vertex(Index v, std::span<const Index> corners, const Attributes& attributes,
-                  Block& block, std::vector<Index>& corner_out) {
-    const std::size_t first_copy = block.first_corners.size();
-    std::unordered_multimap<std::uint64_t, Index> by_hash;
-    for (const Index c : corners) {
-        Index found = no_index;
-        const std::size_t copies = block.first_corners.size() - first_copy;
-        const bool hashed = copies > linear_search_limit;
-        if (!hashed) {
-            for (std::size_t k = first_copy; k < block.first_corners.size(); ++k)
-                if (attributes.same(block.first_corners[k], c)) {
-                    found = Index(k);
-                    break;
-                }
-        } else {
-            if (by_hash.empty())
-                for (std::size_t k = first_copy; k < block.first_corners.size(); ++k)
-                    by_hash.emplace(attributes.hash(block.first_corners[k]), Index(k));
-            const auto [begin, end] = by_hash.equal_range(attributes.hash(c));
-            for (auto it = begin; it != end; ++it)
-                if (attributes.same(block.first_corners[it->second], c)) found = it->second;
+class VertexSplitter {
+  public:
+    VertexSplitter(const Attributes& attributes, Block& block, std::vector<Index>& corner_out)
+        : attributes_(attributes), block_(block), corner_out_(corner_out) {}
+
+    // `corner_out` gets numbers within the block.
+    void split(Index v, std::span<const Index> corners) {
+        first_copy_ = block_.first_corners.size();
+        if (!by_hash_.empty()) by_hash_.clear();
+        for (const Index c : corners) {
+            const bool hashed = block_.first_corners.size() - first_copy_ > linear_search_limit;
+            Index found = hashed ? find_by_hash(c) : find(c);
+            if (found == no_index) {
+                found = Index(block_.first_corners.size());
+                block_.reasons.push_back(
+                    found == first_copy_
+                        ? SplitReasons(0)
+                        : attributes_.reasons(block_.first_corners[first_copy_], c));
+                block_.first_corners.push_back(c);
+                block_.sources.push_back(v);
+                if (hashed) by_hash_.emplace(attributes_.hash(c), found);
+            }
+            corner_out_[c] = found;
         }
-        if (found == no_index) {
-            found = Index(block.first_corners.size());
-            const SplitReasons why = copies == 0
-                                         ? SplitReasons(0)
-                                         : attributes.reasons(block.first_corners[first_copy], c);
-            block.first_corners.push_back(c);
-            block.sources.push_back(v);
-            block.reasons.push_back(why);
-            if (hashed) by_hash.emplace(attributes.hash(c), found);
-        }
-        corner_out[c] = found;
     }
-}
+
+  private:
+    Index find(Index c) const {
+        for (std::size_t k = first_copy_; k < block_.first_corners.size(); ++k)
+            if (attributes_.same(block_.first_corners[k], c)) return Index(k);
+        return no_index;
+    }
+    Index find_by_hash(Index c) {
+        if (by_hash_.empty())
+            for (std::size_t k = first_copy_; k < block_.first_corners.size(); ++k)
+                by_hash_.emplace(attributes_.hash(block_.first_corners[k]), Index(k));
+        const auto [begin, end] = by_hash_.equal_range(attributes_.hash(c));
+        for (auto it = begin; it != end; ++it)
+            if (attributes_.same(block_.first_corners[it->second], c)) return it->second;
+        return no_index;
+    }
+
+    const Attributes& attributes_;
+    Block& block_;
+    std::vector<Index>& corner_out_;
+    std::size_t first_copy_ = 0;
+    std::unordered_multimap<std::uint64_t, Index> by_hash_;
+};
 
 // Triangles sorted by (part, material), source order within.
-void sort_into_ranges(const Mesh& mesh, const Triangulation& cut, VertexMesh& out) {
-    const std::size_t triangles = cut.triangle_faces.size();
-    const auto key_of = [&](Index face) {
-        const Index part = mesh.face_parts.empty() ? no_index : mesh.face_parts[face];
-        const Index material = mesh.face_materials.empty() ? no_index : mesh.face_materials[face];
+class RangeMaker {
+  public:
+    RangeMaker(const Mesh& mesh, int threads, VertexMesh& out)
+        : mesh_(mesh), threads_(threads), out_(out) {}
+
+    void run() {
+        const MeshView view(mesh_);
+        triangles_ = view.corner_count() - 2 * view.face_count();
+        if (!detail::all_triangles(view)) cut_ = triangulate(view, threads_);
+        out_.indices.resize(triangles_ * 3);
+        out_.triangle_faces.resize(triangles_);
+        const std::vector<Index> order = sorted_order();
+        const bool whole = cut_.corners.empty();
+        detail::parallel_blocks(
+            triangles_, triangle_grain, threads_, [&](std::size_t begin, std::size_t end) {
+                for (std::size_t t = begin; t < end; ++t) {
+                    const std::size_t s = order.empty() ? t : order[t];
+                    out_.triangle_faces[t] = face(s);
+                    for (std::size_t k = 3 * t, c = 3 * s; c < 3 * s + 3; ++k, ++c)
+                        out_.indices[k] = out_.corner_vertices[whole ? c : cut_.corners[c]];
+                }
+            });
+        if (triangles_ == 0) return;
+        if (!keyed()) {
+            out_.ranges.push_back({0, Index(triangles_), no_index, no_index});
+            return;
+        }
+        for (std::size_t t = 0; t < triangles_; ++t) {
+            const std::uint64_t key = key_of(out_.triangle_faces[t]);
+            const Index part = Index(key >> 32), material = Index(key);
+            if (out_.ranges.empty() || out_.ranges.back().part != part ||
+                out_.ranges.back().material != material)
+                out_.ranges.push_back({Index(t), 0, material, part});
+            ++out_.ranges.back().triangle_count;
+        }
+    }
+
+  private:
+    Index face(std::size_t t) const {
+        return cut_.corners.empty() ? Index(t) : cut_.triangle_faces[t];
+    }
+    bool keyed() const { return !mesh_.face_parts.empty() || !mesh_.face_materials.empty(); }
+    std::uint64_t key_of(Index f) const {
+        const Index part = mesh_.face_parts.empty() ? no_index : mesh_.face_parts[f];
+        const Index material = mesh_.face_materials.empty() ? no_index : mesh_.face_materials[f];
         return std::uint64_t(part) << 32 | material;
-    };
-    out.indices.resize(triangles * 3);
-    out.triangle_faces.resize(triangles);
-    std::vector<Index> order;
-    bool sorted = true;
-    for (std::size_t t = 1; t < triangles && sorted; ++t)
-        sorted = key_of(cut.triangle_faces[t - 1]) <= key_of(cut.triangle_faces[t]);
-    if (!sorted) {
-        order.resize(triangles);
-        for (Index t = 0; t < triangles; ++t) order[t] = t;
-        std::stable_sort(order.begin(), order.end(), [&](Index a, Index b) {
-            return key_of(cut.triangle_faces[a]) < key_of(cut.triangle_faces[b]);
-        });
     }
-    for (std::size_t t = 0; t < triangles; ++t) {
-        const std::size_t s = sorted ? t : order[t];
-        const Index face = cut.triangle_faces[s];
-        out.triangle_faces[t] = face;
-        for (int k = 0; k < 3; ++k)
-            out.indices[3 * t + k] = out.corner_vertices[cut.corners[3 * s + k]];
-        const std::uint64_t key = key_of(face);
-        const Index part = Index(key >> 32), material = Index(key);
-        if (out.ranges.empty() || out.ranges.back().part != part ||
-            out.ranges.back().material != material)
-            out.ranges.push_back({Index(t), 0, material, part});
-        ++out.ranges.back().triangle_count;
+    // Empty where the source order is the right one.
+    std::vector<Index> sorted_order() const {
+        if (!keyed()) return {};
+        bool sorted = true;
+        for (std::size_t t = 1; t < triangles_ && sorted; ++t)
+            sorted = key_of(face(t - 1)) <= key_of(face(t));
+        if (sorted) return {};
+        std::vector<Index> order(triangles_);
+        for (Index t = 0; t < triangles_; ++t) order[t] = t;
+        std::stable_sort(order.begin(), order.end(),
+                         [&](Index a, Index b) { return key_of(face(a)) < key_of(face(b)); });
+        return order;
     }
-}
+
+    const Mesh& mesh_;
+    int threads_;
+    VertexMesh& out_;
+    std::size_t triangles_ = 0;
+    Triangulation cut_;  // empty where every face is a triangle
+};
 
 }  // namespace
 
@@ -257,7 +290,8 @@ Result<VertexMesh> split(const Mesh& mesh, const HardEdges* hard, const SplitOpt
                      "more than 2^32 - 2 corners and vertices: cut the mesh into pieces",
                      mesh.name};
     const Attributes attributes(mesh, hard, options.parts_apart);
-    const VertexCorners at = corners_by_vertex(mesh);
+    const detail::VertexCorners at =
+        detail::corners_by_vertex(mesh.corner_vertices, sources, options.threads);
     std::vector<bool> loose(sources, false);
     for (const Index v : mesh.line_vertices) loose[v] = true;
     for (const Index v : mesh.points) loose[v] = true;
@@ -269,11 +303,16 @@ Result<VertexMesh> split(const Mesh& mesh, const HardEdges* hard, const SplitOpt
     detail::parallel_blocks(
         sources, vertex_grain, options.threads, [&](std::size_t begin, std::size_t end) {
             Block& block = blocks[begin / vertex_grain];
+            const std::size_t likely = (end - begin) + (end - begin) / 8;
+            block.first_corners.reserve(likely);
+            block.sources.reserve(likely);
+            block.reasons.reserve(likely);
+            VertexSplitter splitter(attributes, block, out.corner_vertices);
             for (std::size_t v = begin; v < end; ++v) {
                 const std::span<const Index> corners(at.corners.data() + at.offsets[v],
                                                      at.offsets[v + 1] - at.offsets[v]);
                 if (!corners.empty()) {
-                    split_vertex(Index(v), corners, attributes, block, out.corner_vertices);
+                    splitter.split(Index(v), corners);
                 } else if (loose[v]) {
                     block.first_corners.push_back(no_index);
                     block.sources.push_back(Index(v));
@@ -285,6 +324,12 @@ Result<VertexMesh> split(const Mesh& mesh, const HardEdges* hard, const SplitOpt
     std::vector<Index> bases(blocks.size() + 1, 0);
     for (std::size_t b = 0; b < blocks.size(); ++b)
         bases[b + 1] = bases[b] + Index(blocks[b].sources.size());
+    detail::parallel_blocks(mesh.corner_count(), 3 * triangle_grain, options.threads,
+                            [&](std::size_t begin, std::size_t end) {
+                                for (std::size_t c = begin; c < end; ++c)
+                                    out.corner_vertices[c] +=
+                                        bases[mesh.corner_vertices[c] / vertex_grain];
+                            });
     const std::size_t vertices = bases.back();
     out.positions.resize(vertices);
     out.source_vertices.resize(vertices);
@@ -303,11 +348,9 @@ Result<VertexMesh> split(const Mesh& mesh, const HardEdges* hard, const SplitOpt
     const Layer<glm::vec3> normals(mesh.normals, missing_normal);
     const Layer<glm::vec4> tangents(mesh.tangents, missing_tangent);
     detail::parallel_blocks(
-        sources, vertex_grain, options.threads, [&](std::size_t begin, std::size_t end) {
+        sources, vertex_grain, options.threads, [&](std::size_t begin, std::size_t) {
             const Block& block = blocks[begin / vertex_grain];
             const Index base = bases[begin / vertex_grain];
-            for (Index k = at.offsets[begin]; k < at.offsets[end]; ++k)
-                out.corner_vertices[at.corners[k]] += base;
             for (std::size_t k = 0; k < block.sources.size(); ++k) {
                 const std::size_t i = base + k;
                 const Index c = block.first_corners[k], v = block.sources[k];
@@ -330,7 +373,7 @@ Result<VertexMesh> split(const Mesh& mesh, const HardEdges* hard, const SplitOpt
             }
         });
 
-    sort_into_ranges(mesh, triangulate(MeshView(mesh), options.threads), out);
+    RangeMaker(mesh, options.threads, out).run();
 
     if (!mesh.line_vertices.empty() || !mesh.points.empty()) {
         std::vector<Index> first_vertex(sources, no_index);
