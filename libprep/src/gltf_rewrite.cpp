@@ -92,7 +92,7 @@ class Rewriter {
             local[i] = mesh.source_vertices[used[i]] - source.first_vertex;
 
         Json& out = json_["meshes"][m]["primitives"][p];
-        if (untouched(out, source, mesh, used, local, indices)) return {};
+        if (untouched(m, out, source, mesh, used, local, indices)) return {};
 
         const bool had_tangents = out["attributes"].contains("TANGENT");
         if (auto done = sum_weights(source, out["attributes"]); !done) return done;
@@ -105,7 +105,7 @@ class Rewriter {
         }
         if (!mesh.normals.empty()) attributes["NORMAL"] = floats(mesh.normals, used);
         if (!mesh.tangents.empty() && !mesh.normals.empty() &&
-            (had_tangents || reads_tangents(out)))
+            (had_tangents || wants_tangents(m, out)))
             attributes["TANGENT"] = floats(mesh.tangents, used);
         out["attributes"] = std::move(attributes);
         if (out.contains("targets"))
@@ -123,8 +123,11 @@ class Rewriter {
         return {};
     }
 
-    // A mesh carries tangents as a whole; primitives whose material has no normal map need none.
-    bool reads_tangents(const Json& primitive) const {
+    // A mesh carries tangents as a whole; primitives whose material has no normal map need none,
+    // unless they were asked for.
+    bool wants_tangents(std::size_t m, const Json& primitive) const {
+        if (m < prepared_.requirements.size() && prepared_.requirements[m].tangents.asked)
+            return true;
         if (!primitive.contains("material")) return false;
         const auto material = primitive["material"].get<std::size_t>();
         return bool(prepared_.scene.materials[material].normal_map);
@@ -218,9 +221,9 @@ class Rewriter {
 
     // Same vertices in the same order, the same triangles, the same normals and tangents: the
     // primitive's accessors stay.
-    bool untouched(const Json& out, const GltfPrimitive& source, const VertexMesh& mesh,
-                   const std::vector<Index>& used, const std::vector<Index>& local,
-                   const std::vector<Index>& indices) const {
+    bool untouched(std::size_t m, const Json& out, const GltfPrimitive& source,
+                   const VertexMesh& mesh, const std::vector<Index>& used,
+                   const std::vector<Index>& local, const std::vector<Index>& indices) const {
         if (!source.draco.empty() || used.size() != source.vertex_count) return false;
         for (std::size_t i = 0; i < local.size(); ++i)
             if (local[i] != i) return false;
@@ -228,7 +231,7 @@ class Rewriter {
         const Json& attributes = out["attributes"];
         if (has_unbalanced_weights(source, attributes)) return false;
         if (attributes.contains("NORMAL") != !mesh.normals.empty() ||
-            (!mesh.tangents.empty() && reads_tangents(out) && !attributes.contains("TANGENT")) ||
+            (!mesh.tangents.empty() && wants_tangents(m, out) && !attributes.contains("TANGENT")) ||
             (mesh.tangents.empty() && attributes.contains("TANGENT")))
             return false;
         if (out.contains("indices")) {

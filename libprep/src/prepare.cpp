@@ -343,10 +343,10 @@ class Preparer {
             {"missing-tangent", "corners without a tangent got a computed one", ""},
             {"non-finite-tangent", "authored tangents that are not finite were replaced", ""},
             {"zero-tangent", "authored tangents of length zero were replaced", ""},
-            {"tangent-without-sign", "authored tangents whose w is no sign were replaced", ""},
+            {"tangent-sign", "authored tangents whose w is no sign were replaced", ""},
             {"non-unit-tangent", "authored tangents that are not unit were replaced",
              "authored tangents that are not unit were rescaled"},
-            {"tangent-off-plane", "authored tangents out of their normal's plane were replaced",
+            {"non-orthogonal-tangent", "authored tangents out of their normal's plane were replaced",
              "authored tangents are out of their normal's plane: kept, repairing replaces them"},
             {"tangent-against-uvs", "authored tangents that contradict the UVs were replaced", ""},
         };

@@ -124,6 +124,7 @@ std::vector<MeshRequirements> requirements(const Scene& scene, const Request& re
         } else {
             r.tangents = {false, "no material in use has a tangent-space normal map"};
         }
+        r.tangents.asked = r.tangents.needed && request.tangents == Request::Level::always;
         // A tangent frame is built about the normal.
         if (r.tangents.needed && !r.normals.needed) {
             if (request.normals == Request::Level::never && mesh.normals.empty())

@@ -63,9 +63,9 @@ struct Fault {
 
 const Fault faults[] = {
     {3, "non-finite-tangent", {nan, 0, 0, 1}},     {20, "zero-tangent", {0, 0, 0, 1}},
-    {41, "tangent-without-sign", {1, 0, 0, 0}},    {62, "non-unit-tangent", {2, 0, 0, 1}},
+    {41, "tangent-sign", {1, 0, 0, 0}},    {62, "non-unit-tangent", {2, 0, 0, 1}},
     {63, "non-unit-tangent", {0, 0, 0.25f, 1}},  // and out of the plane
-    {80, "tangent-off-plane", {0.6f, 0, 0.8f, 1}}, {95, "tangent-against-uvs", {0, 1, 0, 1}},
+    {80, "non-orthogonal-tangent", {0.6f, 0, 0.8f, 1}}, {95, "tangent-against-uvs", {0, 1, 0, 1}},
     {101, "tangent-against-uvs", {1, 0, 0, -1}},
 };
 
@@ -124,9 +124,9 @@ TEST(AuthoredTangents, RepairSaysWhichAndWhy) {
     expect("missing-tangent", {130});
     expect("non-finite-tangent", {3});
     expect("zero-tangent", {20});
-    expect("tangent-without-sign", {41});
+    expect("tangent-sign", {41});
     expect("non-unit-tangent", {62, 63});
-    expect("tangent-off-plane", {63, 80});
+    expect("non-orthogonal-tangent", {63, 80});
     expect("tangent-against-uvs", {63, 95, 101});  // 63 points along the normal
     EXPECT_EQ(finding(out, "tangent-fallback"), nullptr);
 }
@@ -146,8 +146,8 @@ TEST(AuthoredTangents, KeepReplacesTheUnusableAlone) {
         else
             EXPECT_TRUE(same(got, own)) << "corner " << c;
     }
-    ASSERT_NE(finding(out, "tangent-off-plane"), nullptr);
-    EXPECT_NE(finding(out, "tangent-off-plane")->text.find("kept"), std::string::npos);
+    ASSERT_NE(finding(out, "non-orthogonal-tangent"), nullptr);
+    EXPECT_NE(finding(out, "non-orthogonal-tangent")->text.find("kept"), std::string::npos);
     EXPECT_EQ(finding(out, "tangent-against-uvs"), nullptr);
 }
 

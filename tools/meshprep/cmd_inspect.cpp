@@ -3,6 +3,7 @@
 #include <set>
 
 #include "meshprep/commands.h"
+#include "meshprep/conventions_text.h"
 #include "meshprep/counts.h"
 #include "meshprep/file_list.h"
 #include "meshprep/findings_text.h"
@@ -147,8 +148,8 @@ Json scene_json(const prep::Scene& scene) {
 }
 
 void print_file(const std::filesystem::path& path, const prep::Scene& scene,
-                const prep::SceneCheck& check, const Counts& gltf, const InspectCommand& command,
-                Console& console) {
+                const prep::SceneCheck& check, const SceneConventions& conventions,
+                const Counts& gltf, const InspectCommand& command, Console& console) {
     const CommonOptions& common = command.common;
     const auto say = [&](const std::string& line) { console.result(common, line); };
     std::error_code ec;
@@ -186,6 +187,7 @@ void print_file(const std::filesystem::path& path, const prep::Scene& scene,
             say(fmt::format("  {}: {}", name_or(scene.materials[m].name, "material", m),
                             fmt::join(maps, ", ")));
     }
+    for (const std::string& line : conventions_text(conventions, scene)) say("  " + line);
     std::vector<std::string> names;
     for (const prep::Mesh& mesh : scene.meshes) names.push_back(mesh.name);
     if (check.findings.empty()) {
@@ -219,7 +221,8 @@ int run_inspect(const InspectCommand& command, Console& console) {
         const Counts gltf = count_gltf_file(path);
         for (const std::string& text : scene->warnings)
             console.warning(command.common, path.string() + ": " + text);
-        print_file(path, *scene, check, gltf, command, console);
+        const SceneConventions conventions = scene_conventions(*scene, command.common.threads);
+        print_file(path, *scene, check, conventions, gltf, command, console);
         for (const prep::Finding& f : check.findings)
             strict_failed |= f.severity != prep::Severity::info;
         if (!command.common.json) continue;
@@ -230,6 +233,7 @@ int run_inspect(const InspectCommand& command, Console& console) {
         for (std::size_t m = 0; m < scene->meshes.size(); ++m)
             file["meshes"].push_back(mesh_json(scene->meshes[m], check.meshes[m]));
         file["materials"] = scene_json(*scene);
+        file["conventions"] = to_json(conventions, *scene);
         file["findings"] = Json::array();
         for (const prep::Finding& f : check.findings)
             file["findings"].push_back(to_json(f, *scene));

@@ -18,6 +18,7 @@ struct Request {
 struct Need {
     bool needed = false;
     std::string reason;  // names the scene data that decided: "material 'brick' has a normal map"
+    bool asked = false;  // the request asks for it, whatever the scene calls for
 };
 
 struct MeshRequirements {  // one per Scene::meshes entry

@@ -1,0 +1,230 @@
+// What a mesh's own tangents and its normal map say about how they were made.
+#include "prep/tangent_conventions.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "prep/io.h"
+#include "prep/prepare.h"
+#include "shapes.h"
+#include "shared_data.h"
+
+namespace {
+
+using prep::GreenDirection;
+using prep::Image;
+using prep::TangentMethod;
+using prep::TangentSign;
+
+// Heights with bumps of several sizes, as the normals that glTF asks for: green up.
+Image bumpy_map(std::uint32_t size, double strength) {
+    std::mt19937 random(3);
+    std::uniform_real_distribution<double> anywhere(0, 1);
+    std::vector<double> heights(std::size_t(size) * size, 0.0);
+    for (int bump = 0; bump < 60; ++bump) {
+        const double cx = anywhere(random) * size, cy = anywhere(random) * size;
+        const double radius = (0.02 + 0.06 * anywhere(random)) * size;
+        for (std::uint32_t y = 0; y < size; ++y)
+            for (std::uint32_t x = 0; x < size; ++x) {
+                const double dx = (x - cx) / radius, dy = (y - cy) / radius;
+                heights[std::size_t(y) * size + x] += radius * std::exp(-dx * dx - dy * dy);
+            }
+    }
+    Image map{size, size, 3, {}, false};
+    for (std::uint32_t y = 0; y < size; ++y) {
+        for (std::uint32_t x = 0; x < size; ++x) {
+            const auto height = [&](std::uint32_t i, std::uint32_t j) {
+                return heights[std::size_t(std::min(j, size - 1)) * size + std::min(i, size - 1)];
+            };
+            const double right = strength * (height(x + 1, y) - height(x, y));
+            const double down = strength * (height(x, y + 1) - height(x, y));
+            const double length = std::sqrt(right * right + down * down + 1);
+            for (const double n : {-right / length, down / length, 1 / length})
+                map.pixels.push_back(float(std::round((n * 0.5 + 0.5) * 255) / 255));
+        }
+    }
+    return map;
+}
+
+Image flipped_green(Image map) {
+    for (std::size_t i = 1; i < map.pixels.size(); i += map.channels)
+        map.pixels[i] = 1 - map.pixels[i];
+    return map;
+}
+
+TEST(GreenChannel, TellsUpFromDown) {
+    for (const double strength : {0.1, 0.5, 1.5}) {
+        const Image up = bumpy_map(128, strength);
+        const auto told = prep::green_channel(up), other = prep::green_channel(flipped_green(up));
+        EXPECT_EQ(int(told.direction), int(GreenDirection::up)) << strength;
+        EXPECT_EQ(int(other.direction), int(GreenDirection::down)) << strength;
+        EXPECT_GT(told.correlation, 0.8) << strength;
+        EXPECT_NEAR(told.correlation, -other.correlation, 0.01) << strength;
+    }
+}
+
+TEST(GreenChannel, LeavesOpenWhatIsNotThere) {
+    Image flat{64, 64, 3, {}, false};
+    for (int i = 0; i < 64 * 64; ++i) flat.pixels.insert(flat.pixels.end(), {0.5f, 0.5f, 1.0f});
+    EXPECT_EQ(int(prep::green_channel(flat).direction), int(GreenDirection::undecided));
+
+    // Ridges along an axis look the same either way.
+    Image ridges = flat;
+    for (std::size_t i = 0; i < 64 * 64; ++i)
+        ridges.pixels[3 * i] = 0.5f + 0.3f * std::sin(0.7f * float(i % 64));
+    EXPECT_EQ(int(prep::green_channel(ridges).direction), int(GreenDirection::undecided));
+
+    std::mt19937 random(5);
+    Image noise = flat;
+    for (std::size_t i = 0; i < noise.pixels.size(); ++i)
+        if (i % 3 != 2) noise.pixels[i] = 0.5f + 0.2f * (float(random() % 1000) / 1000 - 0.5f);
+    EXPECT_EQ(int(prep::green_channel(noise).direction), int(GreenDirection::undecided));
+
+    Image broken = bumpy_map(32, 0.5);
+    for (float& value : broken.pixels) value = std::numeric_limits<float>::quiet_NaN();
+    EXPECT_EQ(int(prep::green_channel(broken).direction), int(GreenDirection::undecided));
+    EXPECT_EQ(int(prep::green_channel(Image()).direction), int(GreenDirection::undecided));
+    const Image grey{4, 4, 1, std::vector<float>(16, 0.5f), false};
+    EXPECT_EQ(int(prep::green_channel(grey).direction), int(GreenDirection::undecided));
+}
+
+double covariance(const std::vector<double>& a, const std::vector<double>& b) {
+    double sum = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) sum += a[i] * b[i];
+    return sum;
+}
+
+// Which way green points is plain where the heights are at hand.
+TEST(GreenChannel, AgreesWithTheHeightsBesideTheMap) {
+    MESHPREP_REQUIRE_SHARED(shared);
+    const struct {
+        const char *normals, *heights;
+    } pairs[] = {
+        {"floor_tiles/floor_tiles_normalmap.jpg", "floor_tiles/floor_tiles_bumpmap.png"},
+        {"seaside-rocks01/seaside-rocks01-normal.jpg",
+         "seaside-rocks01/seaside-rocks01-height.jpg"},
+        {"parallax_cube/cube_normal.png", "parallax_cube/cube_depth.png"},
+    };
+    for (const auto& pair : pairs) {
+        SCOPED_TRACE(pair.normals);
+        const auto map = prep::load_image(shared / "corpus" / pair.normals);
+        const auto heights = prep::load_image(shared / "corpus" / pair.heights);
+        ASSERT_TRUE(map.has_value() && heights.has_value());
+        const auto height = [&](std::uint32_t x, std::uint32_t y) {
+            return double(
+                *heights->at(x * heights->width / map->width, y * heights->height / map->height));
+        };
+        std::vector<double> red, green, falls_right, rises_down;
+        for (std::uint32_t y = 8; y + 8 < map->height; y += 2) {
+            for (std::uint32_t x = 8; x + 8 < map->width; x += 2) {
+                red.push_back(2.0 * double(map->at(x, y)[0]) - 1);
+                green.push_back(2.0 * double(map->at(x, y)[1]) - 1);
+                falls_right.push_back(height(x - 4, y) - height(x + 4, y));
+                rises_down.push_back(height(x, y + 4) - height(x, y - 4));
+            }
+        }
+        // A map of depths turns both signs round.
+        const bool up = covariance(red, falls_right) * covariance(green, rises_down) > 0;
+        EXPECT_EQ(int(prep::green_channel(*map).direction),
+                  int(up ? GreenDirection::up : GreenDirection::down));
+    }
+}
+
+prep::Mesh sphere_with_tangents() {
+    prep::Mesh mesh = shapes::uv_sphere(24, 12);
+    mesh.normals.values = mesh.positions;
+    mesh.normals.indices = mesh.corner_vertices;
+    prep::CornerLayer<glm::vec2>& uv = mesh.uvs.emplace_back();
+    for (const glm::vec3& p : mesh.positions) {
+        // From one side and from the other: mirrored halves.
+        uv.values.push_back({0.5f + 0.4f * p.x, 0.5f - 0.4f * p.y});
+    }
+    uv.indices = mesh.corner_vertices;
+    auto tangents = prep::corner_tangents(prep::TangentInput(prep::MeshView(mesh)));
+    EXPECT_TRUE(tangents.has_value());
+    mesh.tangents = tangents->tangents;
+    return mesh;
+}
+
+// Each about its normal.
+void turn(prep::Mesh& mesh, double degrees) {
+    prep::CornerLayer<glm::vec4> turned;
+    for (std::uint32_t c = 0; c < mesh.corner_count(); ++c) {
+        const glm::vec4 t = mesh.tangents.values[mesh.tangents.indices[c]];
+        const glm::dvec3 n(mesh.normals.values[mesh.normals.indices[c]]), d(t);
+        const double a = degrees * 3.14159265358979 / 180 * (c % 2 ? 1 : -1);
+        turned.values.push_back(
+            glm::vec4(glm::vec3(std::cos(a) * d + std::sin(a) * glm::cross(n, d)), t.w));
+        turned.indices.push_back(c);
+    }
+    mesh.tangents = turned;
+}
+
+TEST(TangentConventions, KnowsItsOwn) {
+    const auto told = prep::tangent_conventions(sphere_with_tangents());
+    EXPECT_EQ(int(told.method), int(TangentMethod::mikktspace));
+    EXPECT_EQ(int(told.sign), int(TangentSign::as_gltf));
+    EXPECT_GT(told.compared, 800u);
+    EXPECT_EQ(told.identical, told.compared);
+    EXPECT_EQ(told.same_sign, told.compared);
+    EXPECT_EQ(told.largest_degrees, 0.0);
+}
+
+TEST(TangentConventions, ToleratesBytesAndNoMore) {
+    const struct {
+        double degrees;
+        TangentMethod method;
+    } cases[] = {{0.7, TangentMethod::mikktspace},
+                 {1.5, TangentMethod::similar},
+                 {4.5, TangentMethod::similar},
+                 {6, TangentMethod::other},
+                 {90, TangentMethod::other}};
+    for (const auto& c : cases) {
+        prep::Mesh mesh = sphere_with_tangents();
+        turn(mesh, c.degrees);
+        const auto told = prep::tangent_conventions(mesh);
+        EXPECT_EQ(int(told.method), int(c.method)) << c.degrees;
+        EXPECT_NEAR(told.median_degrees, c.degrees, 1e-3);
+        EXPECT_EQ(int(told.sign), int(TangentSign::as_gltf)) << c.degrees;
+    }
+}
+
+TEST(TangentConventions, SeesInvertedAndMixedSigns) {
+    prep::Mesh mesh = sphere_with_tangents();
+    for (glm::vec4& t : mesh.tangents.values) t.w = -t.w;
+    const auto inverted = prep::tangent_conventions(mesh);
+    EXPECT_EQ(int(inverted.sign), int(TangentSign::inverted));
+    EXPECT_EQ(inverted.same_sign, 0u);
+    EXPECT_EQ(int(inverted.method), int(TangentMethod::mikktspace));
+    // All of one sign, though half of the surface is mirrored.
+    for (glm::vec4& t : mesh.tangents.values) t.w = 1;
+    EXPECT_EQ(int(prep::tangent_conventions(mesh).sign), int(TangentSign::mixed));
+}
+
+TEST(TangentConventions, SeesTangentsTheOtherWayRound) {
+    prep::Mesh mesh = sphere_with_tangents();
+    turn(mesh, 180);
+    const auto told = prep::tangent_conventions(mesh);
+    EXPECT_EQ(told.opposite, told.compared);
+    EXPECT_EQ(int(told.method), int(TangentMethod::other));
+}
+
+TEST(TangentConventions, LeavesOpenWhatIsNotThere) {
+    EXPECT_EQ(prep::tangent_conventions(prep::Mesh()).compared, 0u);
+    prep::Mesh mesh = sphere_with_tangents();
+    mesh.uvs.clear();
+    EXPECT_EQ(int(prep::tangent_conventions(mesh).method), int(TangentMethod::undecided));
+    mesh = sphere_with_tangents();
+    EXPECT_EQ(prep::tangent_conventions(mesh, 5).compared, 0u);
+    mesh.tangents.values.assign(mesh.tangents.values.size(),
+                                glm::vec4(std::numeric_limits<float>::quiet_NaN()));
+    EXPECT_EQ(prep::tangent_conventions(mesh).compared, 0u);
+    mesh = sphere_with_tangents();
+    mesh.uvs[0].values.assign(mesh.uvs[0].values.size(), glm::vec2(0));
+    EXPECT_EQ(prep::tangent_conventions(mesh).compared, 0u);
+}
+
+}  // namespace
