@@ -55,6 +55,7 @@ struct CornerNormals {
 // Measured by the tests of Stability.
 inline constexpr double fast_normal_error = 0x1p-14;      // 3.5e-3°
 inline constexpr double accurate_normal_error = 0x1p-36;  // 8.4e-10°
+inline constexpr double exact_normal_error = 0x1p-50;     // 5.1e-14°
 
 // Never NaN, always unit. Sums do not depend on the order of faces, vertices or threads: permuting
 // the input permutes the output and changes no bit.

@@ -1,0 +1,146 @@
+// Corner normals of every precision against the true ones, on every hard case.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iomanip>
+#include <iostream>
+
+#include "hard_cases.h"
+#include "normal_oracle.h"
+#include "prep/corner_normals.h"
+
+namespace {
+
+using prep::CornerNormals;
+using prep::Mesh;
+using prep::MeshView;
+using prep::NormalWeight;
+using prep::Precision;
+
+constexpr double degrees = 180 / 3.141592653589793;
+// Rounding three components of a unit vector to float: √3 · 2⁻²⁵ (half an ulp below 1), and the
+// oracle's own conversion.
+constexpr double rounding = 5.2e-8;
+
+double bound_of(Precision precision) {
+    return precision == Precision::fast       ? prep::fast_normal_error
+           : precision == Precision::accurate ? prep::accurate_normal_error
+                                              : prep::exact_normal_error;
+}
+
+CornerNormals normals_of(const Mesh& mesh, NormalWeight weight, Precision precision) {
+    const MeshView view(mesh);
+    const prep::Topology topology = prep::build_topology(view);
+    const prep::FaceNormals faces = prep::face_normals(view, precision);
+    prep::HardEdgeOptions edges;
+    edges.angle_degrees.reset();
+    const auto hard = prep::hard_edges(view, topology, faces, edges);
+    prep::NormalOptions options;
+    options.weight = weight;
+    options.precision = precision;
+    options.keep_doubles = true;
+    return *prep::corner_normals(view, topology, faces, *hard, options);
+}
+
+// Corners by fan; some hundred of them, and always the largest.
+std::vector<std::vector<std::uint32_t>> fans_of(const CornerNormals& normals) {
+    std::vector<std::vector<std::uint32_t>> fans(normals.normals.values.size());
+    for (std::uint32_t c = 0; c < normals.normals.indices.size(); ++c)
+        fans[normals.normals.indices[c]].push_back(c);
+    const std::size_t stride = 1 + fans.size() / 100;
+    std::size_t largest = 0;
+    for (std::size_t i = 0; i < fans.size(); ++i)
+        if (fans[i].size() > fans[largest].size()) largest = i;
+    for (std::size_t i = 0; i < fans.size(); ++i)
+        if (i % stride != 0 && i != largest) fans[i].clear();
+    return fans;
+}
+
+struct Worst {
+    double before = 0, after = 0;  // of rounding to float
+    int undetermined = 0;
+};
+
+class Stability : public testing::Test {
+  protected:
+    // Holds one mesh against the truth, for all weights and precisions.
+    void check(const hard_cases::Case& hard_case) {
+        SCOPED_TRACE(hard_case.axis + " " + std::to_string(hard_case.value));
+        const exact::NormalOracle oracle(hard_case.mesh);
+        const auto fans =
+            fans_of(normals_of(hard_case.mesh, NormalWeight::area, Precision::accurate));
+        std::vector<std::array<exact::NormalSum, exact::weight_count>> truths(fans.size());
+        std::vector<char> has_angles(fans.size());
+        for (std::size_t i = 0; i < fans.size(); ++i) {
+            has_angles[i] = fans[i].size() <= 100;
+            if (!fans[i].empty()) truths[i] = oracle.sums(fans[i], has_angles[i]);
+        }
+        for (const Precision precision : {Precision::fast, Precision::accurate, Precision::exact}) {
+            // Thousands of needless rationals.
+            if (precision == Precision::exact && fans.size() > 20'000) continue;
+            Worst worst;
+            for (std::size_t w = 0; w < exact::weight_count; ++w) {
+                const CornerNormals normals =
+                    normals_of(hard_case.mesh, NormalWeight(w), precision);
+                ASSERT_EQ(normals.normals.values.size(), fans.size());
+                const bool by_angle = NormalWeight(w) == NormalWeight::angle ||
+                                      NormalWeight(w) == NormalWeight::area_angle;
+                for (std::size_t i = 0; i < fans.size(); ++i) {
+                    const glm::vec3 value = normals.normals.values[i];
+                    EXPECT_NEAR(glm::length(glm::dvec3(value)), 1.0, 1e-7);
+                    if (fans[i].empty() || (by_angle && !has_angles[i])) continue;
+                    const exact::NormalSum& truth = truths[i][w];
+                    const bool flagged =
+                        std::any_of(normals.fallbacks.begin(), normals.fallbacks.end(),
+                                    [&](const auto& f) { return f.corner == fans[i].front(); });
+                    EXPECT_EQ(flagged, !truth.determined) << "weight " << w << " fan " << i;
+                    if (!truth.determined) {
+                        ++worst.undetermined;
+                        continue;
+                    }
+                    worst.before =
+                        std::max(worst.before, exact::angle_between(truth, normals.doubles[i]));
+                    worst.after =
+                        std::max(worst.after, exact::angle_between(truth, glm::dvec3(value)));
+                }
+            }
+            EXPECT_LE(worst.before, bound_of(precision)) << int(precision);
+            EXPECT_LE(worst.after, bound_of(precision) + rounding) << int(precision);
+            static constexpr const char* names[] = {"fast", "accurate", "exact"};
+            std::cout << std::left << std::setw(16) << hard_case.axis << std::setw(9)
+                      << hard_case.value << std::setw(9) << names[int(precision)]
+                      << std::setprecision(2) << std::setw(9) << worst.before * degrees
+                      << std::setw(9) << worst.after * degrees << worst.undetermined
+                      << " undetermined\n";
+        }
+    }
+
+    void check_axis(const std::string& axis) {
+        int found = 0;
+        for (const hard_cases::Case& c : hard_cases::all())
+            if (c.axis.starts_with(axis)) {
+                check(c);
+                ++found;
+            }
+        EXPECT_GT(found, 5);
+    }
+};
+
+TEST_F(Stability, Scales) {
+    check_axis("scale");
+}
+TEST_F(Stability, Offsets) {
+    check_axis("offset");
+}
+TEST_F(Stability, AspectRatios) {
+    check_axis("aspect");
+}
+TEST_F(Stability, Valences) {
+    check_axis("valence");
+}
+TEST_F(Stability, CancellingSums) {
+    check_axis("thickness");
+}
+
+}  // namespace

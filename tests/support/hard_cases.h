@@ -1,0 +1,20 @@
+// Meshes on which normals are hard to compute: scales, offsets, aspect ratios, valences, sums that
+// cancel. The same on every run.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "prep/mesh.h"
+
+namespace hard_cases {
+
+struct Case {
+    std::string axis;  // "scale", "offset", …
+    double value;
+    prep::Mesh mesh;
+};
+
+std::vector<Case> all();
+
+}  // namespace hard_cases
