@@ -43,12 +43,12 @@ CornerNormals normals_of(const Mesh& mesh, NormalWeight weight, Precision precis
     return *prep::corner_normals(view, topology, faces, *hard, options);
 }
 
-// Corners by fan; some hundred of them, and always the largest.
+// Corners by fan; some dozens of them, and always the largest.
 std::vector<std::vector<std::uint32_t>> fans_of(const CornerNormals& normals) {
     std::vector<std::vector<std::uint32_t>> fans(normals.normals.values.size());
     for (std::uint32_t c = 0; c < normals.normals.indices.size(); ++c)
         fans[normals.normals.indices[c]].push_back(c);
-    const std::size_t stride = 1 + fans.size() / 100;
+    const std::size_t stride = 1 + fans.size() / 40;
     std::size_t largest = 0;
     for (std::size_t i = 0; i < fans.size(); ++i)
         if (fans[i].size() > fans[largest].size()) largest = i;
@@ -73,14 +73,18 @@ class Stability : public testing::Test {
         std::vector<std::array<exact::NormalSum, exact::weight_count>> truths(fans.size());
         std::vector<char> has_angles(fans.size());
         for (std::size_t i = 0; i < fans.size(); ++i) {
-            has_angles[i] = fans[i].size() <= 100;
+            has_angles[i] = fans[i].size() <= 30;
             if (!fans[i].empty()) truths[i] = oracle.sums(fans[i], has_angles[i]);
         }
         for (const Precision precision : {Precision::fast, Precision::accurate, Precision::exact}) {
-            // Thousands of needless rationals.
-            if (precision == Precision::exact && fans.size() > 20'000) continue;
+            const bool slow = precision == Precision::exact;
+            if (slow && fans.size() > 2000) continue;  // seconds of rationals
             Worst worst;
             for (std::size_t w = 0; w < exact::weight_count; ++w) {
+                // One weight that is rational and one that is not.
+                if (slow && NormalWeight(w) != NormalWeight::area &&
+                    NormalWeight(w) != NormalWeight::angle)
+                    continue;
                 const CornerNormals normals =
                     normals_of(hard_case.mesh, NormalWeight(w), precision);
                 ASSERT_EQ(normals.normals.values.size(), fans.size());
