@@ -3,7 +3,7 @@
 #include <set>
 
 #include "rast/render.h"
-#include "setup.h"
+#include "tile.h"
 
 namespace rast {
 namespace {
@@ -74,7 +74,8 @@ class Planner {
         const std::uint64_t pixels = std::uint64_t(plan_.request.width) * plan_.request.height;
         plan_.memory_estimate =
             pixels * (16 + (plan_.request.keep_depth ? 4 : 0) + (plan_.request.keep_ids ? 8 : 0)) +
-            survey_.vertices * 96 + survey_.triangles * sizeof(SetupTriangle);
+            survey_.vertices * sizeof(detail::VertexRecord) +
+            survey_.triangles * (sizeof(detail::SetupTriangle) + 4);
         return std::move(plan_);
     }
 

@@ -1,120 +1,30 @@
 #include "rast/render.h"
 
+#include <tbb/enumerable_thread_specific.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 
 #include "color.h"
-#include "parallel.h"
+#include "parallel_tiles.h"
+#include "samples.h"
 #include "setup.h"
-#include "shade.h"
-#include "texture.h"
+#include "shading_inputs.h"
 
 namespace rast {
+
+using namespace detail;
+
 namespace {
 
 using Clock = std::chrono::steady_clock;
-using prep::detail::parallel_blocks;
 
-constexpr std::size_t vertex_grain = 8192;
-// Sort-middle: triangles are set up and binned in chunks of this many; a tile replays the chunks in
-// submission order, so that equal depths are decided alike on any number of threads.
-constexpr std::size_t chunk_size = 4096;
-constexpr std::int32_t tile_size =
-    64;  // depth and triangle numbers of a tile: 32 KiB, one L1 cache
+// Vertices that one task takes: large enough to hide the cost of a task.
+constexpr std::size_t vertex_grain = 16384;
 
 double milliseconds_since(Clock::time_point start) {
     return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
-
-// Scaled so that its largest element is 1: squares and products then stay in float's range.
-glm::dmat3 of_order_one(const glm::dmat3& m) {
-    double largest = 0;
-    for (int c = 0; c < 3; ++c)
-        for (int r = 0; r < 3; ++r) largest = std::max(largest, std::abs(m[c][r]));
-    return largest > 0 && std::isfinite(largest) ? m / largest : m;
-}
-
-Instance transform(const prep::PreparedScene& prepared, const RenderPlan& plan, std::uint32_t node,
-                   const glm::dmat4& world, const glm::dmat4& to_clip) {
-    Instance in;
-    in.node = node;
-    in.mesh = &prepared.meshes[prepared.scene.nodes[node].mesh];
-    const prep::VertexMesh& mesh = *in.mesh;
-    const glm::dvec3 eye = plan.view.eye();
-    const glm::dmat3 linear(world);
-    // The mesh's origin and the world's offset meet the eye in double; only what is left is float.
-    const glm::dvec3 offset = linear * mesh.origin + glm::dvec3(world[3]) - eye;
-    const glm::dmat3 cofactor(glm::cross(linear[1], linear[2]), glm::cross(linear[2], linear[0]),
-                              glm::cross(linear[0], linear[1]));
-    const double determinant = glm::dot(linear[0], cofactor[0]);
-    in.handedness = determinant < 0 ? -1.0f : 1.0f;
-    const glm::dmat3 normal_matrix = of_order_one(cofactor) * double(in.handedness);
-    in.normal_matrix = glm::mat3(normal_matrix);
-    const glm::dmat3 rotation(plan.view.world_to_view);
-
-    const std::size_t n = mesh.vertex_count();
-    in.screen.resize(n);
-    in.positions.resize(n);
-    const bool normals = plan.request.shading != Shading::flat && !mesh.normals.empty();
-    const bool tangents = plan.request.shading == Shading::normal_mapped && !mesh.tangents.empty();
-    if (normals) in.normals.resize(n);
-    if (tangents) in.tangents.resize(n);
-    const auto unit = [](const glm::dvec3& v) {
-        const double length = glm::length(v);
-        return length > 0 ? v / length : v;
-    };
-    parallel_blocks(n, vertex_grain, plan.request.threads, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t v = begin; v < end; ++v) {
-            const glm::dvec3 relative = linear * glm::dvec3(mesh.positions[v]) + offset;
-            in.screen[v] = screen_vertex(to_clip * glm::dvec4(rotation * relative, 1.0),
-                                         plan.request.width, plan.request.height);
-            in.positions[v] = glm::vec3(relative);
-            // Cofactor form of the inverse transpose: defined for singular transforms too; the sign
-            // undoes the flip that a mirror puts into cofactors.
-            if (normals)
-                in.normals[v] = glm::vec3(unit(normal_matrix * glm::dvec3(mesh.normals[v])));
-            if (tangents)
-                in.tangents[v] =
-                    glm::vec4(glm::vec3(unit(linear * glm::dvec3(glm::vec3(mesh.tangents[v])))),
-                              mesh.tangents[v].w);
-        }
-    });
-    in.range_of.resize(mesh.triangle_count());
-    for (std::uint32_t r = 0; r < mesh.ranges.size(); ++r)
-        std::fill_n(in.range_of.begin() + mesh.ranges[r].first_triangle,
-                    mesh.ranges[r].triangle_count, r);
-    return in;
-}
-
-struct Chunk {
-    std::vector<SetupTriangle> triangles;
-    std::vector<std::uint32_t> tile_offsets;  // tiles + 1
-    std::vector<std::uint32_t> tile_triangles;
-    Counters counters;
-};
-
-struct Tiling {
-    std::uint32_t across = 0, down = 0;
-    std::size_t count() const { return std::size_t(across) * down; }
-};
-
-void bin(const Tiling& tiling, Chunk& chunk) {
-    const auto each_tile = [&](const SetupTriangle& t, const auto& visit) {
-        for (std::int32_t y = t.min_y / tile_size; y <= t.max_y / tile_size; ++y)
-            for (std::int32_t x = t.min_x / tile_size; x <= t.max_x / tile_size; ++x)
-                visit(std::size_t(y) * tiling.across + std::size_t(x));
-    };
-    chunk.tile_offsets.assign(tiling.count() + 1, 0);
-    for (const SetupTriangle& t : chunk.triangles)
-        each_tile(t, [&](std::size_t tile) { ++chunk.tile_offsets[tile + 1]; });
-    for (std::size_t i = 0; i < tiling.count(); ++i)
-        chunk.tile_offsets[i + 1] += chunk.tile_offsets[i];
-    chunk.tile_triangles.resize(chunk.tile_offsets.back());
-    std::vector<std::uint32_t> cursor(chunk.tile_offsets.begin(), chunk.tile_offsets.end() - 1);
-    for (std::uint32_t i = 0; i < chunk.triangles.size(); ++i)
-        each_tile(chunk.triangles[i],
-                  [&](std::size_t tile) { chunk.tile_triangles[cursor[tile]++] = i; });
 }
 
 CullSide cull_side(const RenderPlan& plan, const prep::PreparedScene& prepared,
@@ -145,31 +55,61 @@ void add(Counters& to, const Counters& from) {
     to.pixels_shaded += from.pixels_shaded;
 }
 
+// A run of one chunk's entries that reach one tile.
+struct TileWork {
+    std::uint32_t chunk = 0, begin = 0, end = 0;
+};
+
+// A point to be shaded, and how much of its pixel it stands for.
+struct Fragment {
+    std::uint32_t id = 0;
+    std::uint16_t pixel = 0, samples = 0;
+};
+
+// What one thread keeps while it goes from tile to tile.
+struct TileScratch {
+    std::vector<TileSamples> samples;
+    std::vector<Fragment> fragments, sorted;
+    std::vector<std::uint32_t> draw_counts;  // per draw, all zero between tiles
+    std::vector<std::uint32_t> draws;        // those of this tile
+    std::vector<std::int32_t> x, y;
+    std::vector<std::uint32_t> ids;
+    std::vector<float> colors[3];
+};
+
 class Renderer {
   public:
     Renderer(const prep::PreparedScene& prepared, const RenderPlan& plan)
-        : prepared_(prepared), plan_(plan) {
+        : prepared_(prepared),
+          plan_(plan),
+          kernels_(kernels_for(plan.request.simd)),
+          threads_(plan.request.threads),
+          offsets_(sample_offsets(plan.request.samples)) {
         frame_.width = plan.request.width;
         frame_.height = plan.request.height;
-        tiling_.across = (frame_.width + tile_size - 1) / tile_size;
-        tiling_.down = (frame_.height + tile_size - 1) / tile_size;
+        window_.width = std::int32_t(frame_.width);
+        window_.height = std::int32_t(frame_.height);
+        window_.first_x = (1 - window_.width) * (subpixels / 2);
+        window_.first_y = (1 - window_.height) * (subpixels / 2);
+        window_.tiles_x = (window_.width + tile_size - 1) / tile_size;
+        window_.tiles_y = (window_.height + tile_size - 1) / tile_size;
     }
 
     Frame run() {
         const Clock::time_point start = Clock::now();
         frame_.warnings = plan_.warnings;
         load_textures();
-        const Shader shader(prepared_, plan_, textures_);
-        geometry(shader);
+        transform();
+        make_draws();
         set_up();
         frame_.geometry_ms = milliseconds_since(start);
         const Clock::time_point raster_start = Clock::now();
         allocate();
-        std::vector<std::uint64_t> shaded(tiling_.count(), 0);
-        parallel_blocks(
-            tiling_.count(), 1, plan_.request.threads,
-            [&](std::size_t tile, std::size_t) { shaded[tile] = draw_tile(tile, shader); });
-        for (const Chunk& chunk : chunks_) add(frame_.counters, chunk.counters);
+        std::vector<std::uint64_t> shaded(window_.tile_count(), 0);
+        parallel_items(window_.tile_count(), threads_, [&](std::size_t tile) {
+            shaded[tile] = draw_tile(std::uint32_t(tile), scratch_.local());
+        });
+        for (const TriangleChunk& chunk : chunks_) add(frame_.counters, chunk.counters);
         for (const std::uint64_t n : shaded) frame_.counters.pixels_shaded += n;
         frame_.raster_ms = milliseconds_since(raster_start);
         return std::move(frame_);
@@ -178,7 +118,7 @@ class Renderer {
   private:
     void load_textures() {
         const prep::Scene& scene = prepared_.scene;
-        textures_.by_index.resize(scene.textures.size());
+        textures_.resize(scene.textures.size());
         for (std::size_t t = 0; t < scene.textures.size(); ++t) {
             const prep::Texture& texture = scene.textures[t];
             if (!plan_.textures_used[t] || texture.image >= scene.images.size()) continue;
@@ -187,57 +127,91 @@ class Renderer {
                 frame_.warnings.push_back("texture left out: " + prep::to_string(image.error()));
                 continue;
             }
-            textures_.by_index[t] =
+            textures_[t] =
                 std::make_unique<MipTexture>(*image, texture, plan_.colour_textures[t],
                                              plan_.request.filter == TextureFilter::trilinear);
         }
     }
 
-    void geometry(const Shader& shader) {
+    void transform() {
         const std::vector<glm::dmat4> world = prep::world_transforms(prepared_.scene);
-        const glm::dmat4 to_clip = projection(plan_.view, plan_.view.aspect);
         for (std::uint32_t n = 0; n < prepared_.scene.nodes.size(); ++n) {
             const std::uint32_t m = prepared_.scene.nodes[n].mesh;
             if (m == prep::no_index || prepared_.meshes[m].triangle_count() == 0) continue;
-            instances_.push_back(transform(prepared_, plan_, n, world[n], to_clip));
-            if (plan_.request.shading == Shading::gouraud)
-                shader.light_vertices(instances_.back(), back_faces_visible());
+            instances_.emplace_back(prepared_.meshes[m], n, world[n], plan_.view, frame_.width,
+                                    frame_.height);
         }
+        struct Block {
+            std::size_t instance, begin, end;
+        };
+        std::vector<Block> blocks;
+        for (std::size_t i = 0; i < instances_.size(); ++i)
+            for (std::size_t v = 0, n = instances_[i].mesh().vertex_count(); v < n;
+                 v += vertex_grain)
+                blocks.push_back({i, v, std::min(n, v + vertex_grain)});
+        parallel_items(blocks.size(), threads_, [&](std::size_t b) {
+            instances_[blocks[b].instance].transform(kernels_, blocks[b].begin, blocks[b].end);
+        });
     }
 
-    bool back_faces_visible() const {
-        const auto& materials = prepared_.scene.materials;
-        return plan_.request.cull == Cull::none || plan_.request.cull == Cull::front ||
-               (plan_.request.cull == Cull::by_material &&
-                std::any_of(materials.begin(), materials.end(),
-                            [](const prep::Material& m) { return m.double_sided; }));
+    void make_draws() {
+        set_up_frame(plan_, inputs_);
+        std::uint32_t id = 0;
+        for (std::uint32_t i = 0; i < instances_.size(); ++i)
+            for (const prep::VertexMesh::Range& range : instances_[i].mesh().ranges) {
+                if (range.triangle_count == 0) continue;
+                draws_.push_back({i, range.material, range.first_triangle, range.triangle_count});
+                shade_draws_.push_back(
+                    shade_draw(plan_, prepared_, draws_.back(), instances_[i], textures_));
+                shade_draws_.back().first_id = id;
+                for (std::uint32_t t = 0; t < range.triangle_count; t += chunk_triangles) {
+                    TriangleChunk& chunk = chunks_.emplace_back();
+                    chunk.draw = std::uint32_t(draws_.size() - 1);
+                    chunk.first_triangle = range.first_triangle + t;
+                    chunk.count = std::min(chunk_triangles, range.triangle_count - t);
+                    chunk.first_id = id + t;
+                }
+                id += range.triangle_count;
+            }
+        if (plan_.request.shading == Shading::gouraud)
+            for (std::size_t d = 0; d < draws_.size(); ++d) light_vertices(d);
+    }
+
+    void light_vertices(std::size_t d) {
+        ShadeDraw& draw = shade_draws_[d];
+        RenderInstance& instance = instances_[draws_[d].instance];
+        if (draw.normals == nullptr || draw.unlit) return;
+        instance.vertex_light.resize(instance.mesh().vertex_count() * vertex_light_floats);
+        std::vector<std::uint32_t> vertices(
+            draw.indices + std::size_t(draw.first_triangle) * 3,
+            draw.indices + (std::size_t(draw.first_triangle) + draw.triangle_count) * 3);
+        std::sort(vertices.begin(), vertices.end());
+        vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+        const std::size_t blocks = (vertices.size() + vertex_grain - 1) / vertex_grain;
+        parallel_items(blocks, threads_, [&](std::size_t b) {
+            const std::size_t begin = b * vertex_grain;
+            kernels_.light_vertices(draw, inputs_.frame, vertices.data() + begin,
+                                    std::min(vertex_grain, vertices.size() - begin),
+                                    instance.vertex_light.data());
+        });
+        draw.vertex_light = instance.vertex_light.data();
     }
 
     void set_up() {
-        struct Work {
-            std::uint32_t instance;
-            std::size_t begin, end;
-        };
-        std::vector<Work> work;
-        for (std::uint32_t i = 0; i < instances_.size(); ++i)
-            for (std::size_t t = 0; t < instances_[i].mesh->triangle_count(); t += chunk_size)
-                work.push_back(
-                    {i, t, std::min(t + chunk_size, instances_[i].mesh->triangle_count())});
-        chunks_.resize(work.size());
-        parallel_blocks(work.size(), 1, plan_.request.threads, [&](std::size_t w, std::size_t) {
-            const Instance& in = instances_[work[w].instance];
-            Chunk& chunk = chunks_[w];
-            const SetupContext context{frame_.width, frame_.height, work[w].instance,
-                                       in.handedness < 0};
-            for (std::size_t t = work[w].begin; t < work[w].end; ++t) {
-                const std::uint32_t* i = &in.mesh->indices[3 * t];
-                const CullSide side =
-                    cull_side(plan_, prepared_, in.mesh->ranges[in.range_of[t]].material);
-                set_up_triangle(in.screen, {i[0], i[1], i[2]}, std::uint32_t(t), side, context,
-                                chunk.triangles, chunk.counters);
-            }
-            bin(tiling_, chunk);
+        parallel_items(chunks_.size(), threads_, [&](std::size_t c) {
+            TriangleChunk& chunk = chunks_[c];
+            const Draw& draw = draws_[chunk.draw];
+            const RenderInstance& instance = instances_[draw.instance];
+            const DrawGeometry geometry{&instance, instance.records.data(),
+                                        instance.mesh().indices.data(), instance.mirrored(),
+                                        cull_side(plan_, prepared_, draw.material)};
+            set_up_chunk(geometry, window_, offsets_.size() > 1, kernels_, bin_scratch_.local(),
+                         chunk);
         });
+        tile_work_.resize(window_.tile_count());
+        for (std::uint32_t c = 0; c < chunks_.size(); ++c)
+            for (const TileSlice& slice : chunks_[c].slices)
+                tile_work_[slice.tile].push_back({c, slice.begin, slice.end});
     }
 
     void allocate() {
@@ -250,56 +224,183 @@ class Renderer {
         }
     }
 
-    std::uint64_t draw_tile(std::size_t tile, const Shader& shader) {
-        const std::int32_t x0 = std::int32_t(tile % tiling_.across) * tile_size;
-        const std::int32_t y0 = std::int32_t(tile / tiling_.across) * tile_size;
-        const std::int32_t x1 = std::min(x0 + tile_size, std::int32_t(frame_.width)) - 1;
-        const std::int32_t y1 = std::min(y0 + tile_size, std::int32_t(frame_.height)) - 1;
-        float depth[tile_size * tile_size];
-        const SetupTriangle* visible[tile_size * tile_size];
-        std::fill(std::begin(depth), std::end(depth), -1.0f);
-        std::fill(std::begin(visible), std::end(visible), nullptr);
-        for (const Chunk& chunk : chunks_) {
-            for (std::uint32_t k = chunk.tile_offsets[tile]; k < chunk.tile_offsets[tile + 1];
-                 ++k) {
-                const SetupTriangle& t = chunk.triangles[chunk.tile_triangles[k]];
-                const Instance& in = instances_[t.instance];
-                const bool masked = shader.masked(in, t);
-                visit_coverage(in.screen, t, x0, y0, x1, y1,
-                               [&](std::int32_t x, std::int32_t y, float d) {
-                                   const int at = (y - y0) * tile_size + (x - x0);
-                                   if (!(d > depth[at])) return;
-                                   if (masked && !shader.covered(in, t, x, y)) return;
-                                   depth[at] = d;
-                                   visible[at] = &t;
-                               });
+    TilePlace place_of(std::uint32_t tile) const {
+        const std::int32_t x = std::int32_t(tile) % window_.tiles_x * tile_size;
+        const std::int32_t y = std::int32_t(tile) / window_.tiles_x * tile_size;
+        return {window_.first_x + x * subpixels, window_.first_y + y * subpixels,
+                std::min(tile_size, window_.width - x), std::min(tile_size, window_.height - y)};
+    }
+
+    void raster(std::uint32_t tile, const TilePlace& centre, TileScratch& scratch) const {
+        scratch.samples.resize(offsets_.size());
+        for (std::size_t s = 0; s < offsets_.size(); ++s) {
+            TileSamples& samples = scratch.samples[s];
+            samples.clear();
+            TilePlace place = centre;
+            place.x += offsets_[s].x;
+            place.y += offsets_[s].y;
+            for (const TileWork& work : tile_work_[tile]) {
+                const TriangleChunk& chunk = chunks_[work.chunk];
+                const ShadeDraw& draw = shade_draws_[chunk.draw];
+                const ShadeDraw* masked = draw.masked ? &draw : nullptr;
+                for (std::uint32_t i = work.begin; i < work.end;) {
+                    std::uint32_t end = i;
+                    while (end < work.end && !(chunk.order[end] & order_crossing)) ++end;
+                    kernels_.raster(samples.depth.data(), samples.id.data(), place,
+                                    chunk.triangles.data(), chunk.order.data() + i, end - i,
+                                    masked);
+                    for (i = end; i < work.end && (chunk.order[i] & order_crossing); ++i)
+                        raster_crossing(samples.depth.data(), samples.id.data(), place,
+                                        chunk.crossing[chunk.order[i] & ~order_crossing], masked,
+                                        kernels_);
+                }
             }
         }
-        std::uint64_t shaded = 0;
-        for (std::int32_t y = y0; y <= y1; ++y)
-            for (std::int32_t x = x0; x <= x1; ++x) {
-                const int at = (y - y0) * tile_size + (x - x0);
-                const SetupTriangle* t = visible[at];
-                if (!t) continue;
-                const std::size_t pixel = std::size_t(y) * frame_.width + std::size_t(x);
-                frame_.color[pixel] = shader.shade(instances_[t->instance], *t, x, y);
-                if (plan_.request.keep_depth) frame_.depth[pixel] = depth[at];
-                if (plan_.request.keep_ids) {
-                    frame_.triangle[pixel] = t->triangle;
-                    frame_.instance[pixel] = instances_[t->instance].node;
+    }
+
+    std::uint32_t draw_of(std::uint32_t id) const {
+        const std::uint32_t number = id & ~id_back_face;
+        const auto after =
+            std::upper_bound(shade_draws_.begin(), shade_draws_.end(), number,
+                             [](std::uint32_t n, const ShadeDraw& d) { return n < d.first_id; });
+        return std::uint32_t(after - shade_draws_.begin()) - 1;
+    }
+
+    // The triangles of every pixel, each once, in the order of its samples.
+    void collect(const TilePlace& place, TileScratch& scratch) const {
+        scratch.fragments.clear();
+        const std::size_t count = scratch.samples.size();
+        for (std::int32_t y = 0; y < place.height; ++y)
+            for (std::int32_t x = 0; x < place.width; ++x) {
+                const std::size_t at = std::size_t(y) * tile_size + std::size_t(x);
+                const std::size_t first = scratch.fragments.size();
+                for (std::size_t s = 0; s < count; ++s) {
+                    const std::uint32_t id = scratch.samples[s].id[at];
+                    if (id == id_none) continue;
+                    std::size_t f = first;
+                    while (f < scratch.fragments.size() && scratch.fragments[f].id != id) ++f;
+                    if (f == scratch.fragments.size())
+                        scratch.fragments.push_back({id, std::uint16_t(at), 0});
+                    ++scratch.fragments[f].samples;
                 }
-                ++shaded;
             }
-        return shaded;
+    }
+
+    // Fragments by draw, in tile order within each.
+    void sort_by_draw(TileScratch& scratch) const {
+        scratch.draws.clear();
+        scratch.draw_counts.resize(shade_draws_.size(), 0);
+        for (const Fragment& f : scratch.fragments) {
+            const std::uint32_t d = draw_of(f.id);
+            if (scratch.draw_counts[d]++ == 0) scratch.draws.push_back(d);
+        }
+        scratch.sorted.resize(scratch.fragments.size());
+        std::uint32_t begin = 0;
+        for (const std::uint32_t d : scratch.draws) {
+            const std::uint32_t count = scratch.draw_counts[d];
+            scratch.draw_counts[d] = begin;
+            begin += count;
+        }
+        for (const Fragment& f : scratch.fragments)
+            scratch.sorted[scratch.draw_counts[draw_of(f.id)]++] = f;
+    }
+
+    void shade(const TilePlace& place, TileScratch& scratch) const {
+        sort_by_draw(scratch);
+        std::uint32_t begin = 0;
+        for (const std::uint32_t d : scratch.draws) {
+            const std::uint32_t end = scratch.draw_counts[d], count = end - begin;
+            scratch.draw_counts[d] = 0;
+            // Lanes past the end repeat the last point.
+            const std::size_t padded = count + std::size_t(tile_padding);
+            scratch.x.resize(padded);
+            scratch.y.resize(padded);
+            scratch.ids.resize(padded);
+            for (std::vector<float>& plane : scratch.colors) plane.resize(padded);
+            for (std::size_t k = 0; k < padded; ++k) {
+                const Fragment& f = scratch.sorted[begin + std::min<std::size_t>(k, count - 1)];
+                scratch.x[k] = place.x + f.pixel % tile_size * subpixels;
+                scratch.y[k] = place.y + f.pixel / tile_size * subpixels;
+                scratch.ids[k] = f.id;
+            }
+            ShadeTask task{scratch.x.data(), scratch.y.data(), scratch.ids.data(), count, {}};
+            for (int c = 0; c < 3; ++c) task.out[c] = scratch.colors[c].data();
+            kernels_.shade(shade_draws_[d], inputs_.frame, task);
+            blend(place, scratch, begin, count);
+            begin = end;
+        }
+    }
+
+    // Adds the fragments of one draw to their pixels, weighed by their samples.
+    void blend(const TilePlace& place, const TileScratch& scratch, std::uint32_t begin,
+               std::uint32_t count) const {
+        const std::size_t left = std::size_t((place.x - window_.first_x) >> subpixel_bits);
+        const std::size_t top = std::size_t((place.y - window_.first_y) >> subpixel_bits);
+        const float share = 1.0f / float(offsets_.size());
+        for (std::uint32_t k = 0; k < count; ++k) {
+            const Fragment& f = scratch.sorted[begin + k];
+            const glm::vec4 color(scratch.colors[0][k], scratch.colors[1][k], scratch.colors[2][k],
+                                  1.0f);
+            glm::vec4& pixel =
+                frame_
+                    .color[(top + f.pixel / tile_size) * frame_.width + left + f.pixel % tile_size];
+            if (f.samples == offsets_.size()) {
+                pixel = color;
+                continue;
+            }
+            const float weight = float(f.samples) * share;
+            const glm::vec4 background(plan_.request.background, 0.0f);
+            pixel += (color - background) * weight;
+        }
+    }
+
+    void write_buffers(const TilePlace& place, const TileScratch& scratch) const {
+        if (!plan_.request.keep_depth && !plan_.request.keep_ids) return;
+        const std::size_t left = std::size_t((place.x - window_.first_x) >> subpixel_bits);
+        const std::size_t top = std::size_t((place.y - window_.first_y) >> subpixel_bits);
+        const TileSamples& samples = scratch.samples[0];
+        for (std::int32_t y = 0; y < place.height; ++y)
+            for (std::int32_t x = 0; x < place.width; ++x) {
+                const std::size_t at = std::size_t(y) * tile_size + std::size_t(x);
+                const std::uint32_t id = samples.id[at];
+                if (id == id_none) continue;
+                const std::size_t pixel =
+                    (top + std::size_t(y)) * frame_.width + left + std::size_t(x);
+                if (plan_.request.keep_depth) frame_.depth[pixel] = samples.depth[at];
+                if (!plan_.request.keep_ids) continue;
+                const std::uint32_t d = draw_of(id);
+                frame_.triangle[pixel] = (id & ~id_back_face) - shade_draws_[d].first_id +
+                                         shade_draws_[d].first_triangle;
+                frame_.instance[pixel] = instances_[draws_[d].instance].node();
+            }
+    }
+
+    std::uint64_t draw_tile(std::uint32_t tile, TileScratch& scratch) const {
+        if (tile_work_[tile].empty()) return 0;
+        const TilePlace place = place_of(tile);
+        raster(tile, place, scratch);
+        collect(place, scratch);
+        shade(place, scratch);
+        write_buffers(place, scratch);
+        return scratch.fragments.size();
     }
 
     const prep::PreparedScene& prepared_;
     const RenderPlan& plan_;
-    Frame frame_;
-    Tiling tiling_;
-    Textures textures_;
-    std::vector<Instance> instances_;
-    std::vector<Chunk> chunks_;
+    const Kernels& kernels_;
+    int threads_;
+    std::vector<SampleOffset> offsets_;
+    Window window_;
+    mutable Frame frame_;  // tiles write to pixels of their own
+    TextureSet textures_;
+    FrameInputs inputs_;
+    std::vector<RenderInstance> instances_;
+    std::vector<Draw> draws_;
+    std::vector<ShadeDraw> shade_draws_;
+    std::vector<TriangleChunk> chunks_;
+    std::vector<std::vector<TileWork>> tile_work_;
+    tbb::enumerable_thread_specific<BinScratch> bin_scratch_;
+    tbb::enumerable_thread_specific<TileScratch> scratch_;
 };
 
 }  // namespace

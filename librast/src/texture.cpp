@@ -157,4 +157,10 @@ glm::vec4 MipTexture::sample(const glm::vec2& uv, const Footprint& footprint,
     return a + (bilinear(levels_[fine + 1], uv) - a) * rest;
 }
 
+void sample_texture(const MipTexture& texture, TextureFilter filter, const float at[6],
+                    float out[4]) {
+    const glm::vec4 c = texture.sample({at[0], at[1]}, {{at[2], at[3]}, {at[4], at[5]}}, filter);
+    for (int k = 0; k < 4; ++k) out[k] = c[k];
+}
+
 }  // namespace rast

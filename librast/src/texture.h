@@ -43,6 +43,10 @@ class MipTexture {
     prep::Wrap wrap_u_, wrap_v_;
 };
 
+// For the kernels: at = u, v, then their change per pixel right (u, v) and down (u, v).
+void sample_texture(const MipTexture& texture, TextureFilter filter, const float at[6],
+                    float out[4]);
+
 // Texel index in [0, size) for a texel coordinate of any size; −1 for border (Wrap::border
 // outside).
 std::int64_t wrap_texel(std::int64_t i, std::int64_t size, prep::Wrap wrap);

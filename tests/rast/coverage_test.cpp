@@ -7,16 +7,32 @@
 #include <glm/gtc/quaternion.hpp>
 #include <map>
 #include <numbers>
+#include <optional>
 #include <random>
 
+#include "instance.h"
+#include "samples.h"
 #include "setup.h"
 #include "shapes.h"
 
 namespace {
 
 using Wide = __int128;
-using rast::ScreenVertex;
+using prep::SimdLevel;
+using rast::detail::CullSide;
+using rast::detail::SampleOffset;
+using rast::detail::ScreenVertex;
 using Triangle = std::array<std::uint32_t, 3>;
+
+// Vertices that are given, not transformed.
+class Given final : public rast::detail::VertexSource {
+  public:
+    explicit Given(const std::vector<ScreenVertex>& vertices) : vertices_(vertices) {}
+    ScreenVertex homogeneous(std::uint32_t vertex) const override { return vertices_[vertex]; }
+
+  private:
+    const std::vector<ScreenVertex>& vertices_;
+};
 
 struct Hits {
     std::uint32_t width, height;
@@ -28,34 +44,99 @@ struct Hits {
     }
 };
 
+struct HitOptions {
+    SimdLevel level = SimdLevel::automatic;
+    CullSide cull = CullSide::none;
+    std::optional<SampleOffset> offset;  // set: one of several samples of a pixel
+};
+
+// Each triangle is set up and drawn alone, so that none hides another.
 Hits count_hits(const std::vector<ScreenVertex>& vertices, const std::vector<Triangle>& triangles,
-                std::uint32_t width, std::uint32_t height,
-                rast::CullSide cull = rast::CullSide::none) {
+                std::uint32_t width, std::uint32_t height, const HitOptions& options = {}) {
+    using namespace rast::detail;
+    const Kernels& kernels = kernels_for(options.level);
     Hits hits{width, height, {}, {}, {}, {}};
     const std::size_t pixels = std::size_t(width) * height;
     hits.front.assign(pixels, 0);
     hits.back.assign(pixels, 0);
     hits.nearest.assign(pixels, -1.0f);
-    std::vector<rast::SetupTriangle> ready;
-    for (std::size_t t = 0; t < triangles.size(); ++t)
-        rast::set_up_triangle(vertices, triangles[t], std::uint32_t(t), cull,
-                              {width, height, 0, false}, ready, hits.counters);
-    for (const rast::SetupTriangle& t : ready)
-        rast::visit_coverage(vertices, t, 0, 0, std::int32_t(width) - 1, std::int32_t(height) - 1,
-                             [&](std::int32_t x, std::int32_t y, float depth) {
-                                 const std::size_t i = std::size_t(y) * width + std::size_t(x);
-                                 ++(t.back ? hits.back : hits.front)[i];
-                                 hits.nearest[i] = std::max(hits.nearest[i], depth);
-                             });
+    const Given source(vertices);
+    std::vector<VertexRecord> records;
+    for (const ScreenVertex& v : vertices) records.push_back(record_of(v));
+    Window window;
+    window.width = std::int32_t(width);
+    window.height = std::int32_t(height);
+    window.first_x = (1 - window.width) * 128;
+    window.first_y = (1 - window.height) * 128;
+    window.tiles_x = (window.width + tile_size - 1) / tile_size;
+    window.tiles_y = (window.height + tile_size - 1) / tile_size;
+    BinScratch scratch;
+    TriangleChunk chunk;
+    chunk.count = 1;
+    TileSamples samples;
+    samples.clear();
+    const DrawGeometry geometry{&source, records.data(), triangles.data()->data(), false,
+                                options.cull};
+    for (std::size_t t = 0; t < triangles.size(); ++t) {
+        chunk.first_triangle = std::uint32_t(t);
+        set_up_chunk(geometry, window, options.offset.has_value(), kernels, scratch, chunk);
+        const rast::Counters& c = chunk.counters;
+        hits.counters.non_finite += c.non_finite;
+        hits.counters.degenerate += c.degenerate;
+        hits.counters.facing_away += c.facing_away;
+        hits.counters.outside += c.outside;
+        hits.counters.between_samples += c.between_samples;
+        hits.counters.crossing += c.crossing;
+        for (const TileSlice& slice : chunk.slices) {
+            const std::int32_t x0 = std::int32_t(slice.tile) % window.tiles_x * tile_size;
+            const std::int32_t y0 = std::int32_t(slice.tile) / window.tiles_x * tile_size;
+            TilePlace place{window.first_x + x0 * 256, window.first_y + y0 * 256,
+                            std::min(tile_size, window.width - x0),
+                            std::min(tile_size, window.height - y0)};
+            if (options.offset) {
+                place.x += options.offset->x;
+                place.y += options.offset->y;
+            }
+            // Only the triangle's box is looked at and emptied again.
+            std::int32_t i0 = 0, j0 = 0, i1 = place.width - 1, j1 = place.height - 1;
+            if (!(chunk.order[slice.begin] & order_crossing)) {
+                const SetupTriangle& s = chunk.triangles[0];
+                const auto [low_x, high_x] = std::minmax({s.x[0], s.x[1], s.x[2]});
+                const auto [low_y, high_y] = std::minmax({s.y[0], s.y[1], s.y[2]});
+                i0 = std::clamp((low_x - place.x) / 256 - 2, 0, i1);
+                j0 = std::clamp((low_y - place.y) / 256 - 2, 0, j1);
+                i1 = std::clamp((high_x - place.x) / 256 + 2, 0, i1);
+                j1 = std::clamp((high_y - place.y) / 256 + 2, 0, j1);
+            }
+            if (chunk.order[slice.begin] & order_crossing)
+                raster_crossing(samples.depth.data(), samples.id.data(), place, chunk.crossing[0],
+                                nullptr, kernels);
+            else
+                kernels.raster(samples.depth.data(), samples.id.data(), place,
+                               chunk.triangles.data(), &chunk.order[slice.begin], 1, nullptr);
+            for (std::int32_t y = j0; y <= j1; ++y)
+                for (std::int32_t x = i0; x <= i1; ++x) {
+                    const std::size_t at = std::size_t(y) * tile_size + std::size_t(x);
+                    if (samples.id[at] == id_none) continue;
+                    const std::size_t i = std::size_t(y0 + y) * width + std::size_t(x0 + x);
+                    ++(samples.id[at] & id_back_face ? hits.back : hits.front)[i];
+                    hits.nearest[i] = std::max(hits.nearest[i], samples.depth[at]);
+                    samples.id[at] = id_none;
+                    samples.depth[at] = -1.0f;
+                }
+        }
+    }
+    // Nothing was drawn outside those boxes.
+    EXPECT_EQ(std::count(samples.id.begin(), samples.id.end(), id_none),
+              std::ptrdiff_t(samples.id.size()));
     return hits;
 }
 
-// A vertex at (x, y) 1/256 pixels, seen at homogeneous w.
+// A vertex at (x, y) 1/256 pixels from the top left corner, seen at homogeneous w.
 ScreenVertex vertex_at(std::int64_t x, std::int64_t y, std::uint32_t width, std::uint32_t height,
                        double w = 1, double depth = 0.5) {
-    const double px = double(x) / 256, py = double(y) / 256;
-    return rast::screen_vertex({(2 * px / width - 1) * w, (1 - 2 * py / height) * w, depth * w, w},
-                               width, height);
+    return {(double(x) / 256 - width * 0.5) * w, (double(y) / 256 - height * 0.5) * w, depth * w,
+            w};
 }
 
 struct Point {
@@ -130,7 +211,11 @@ std::int64_t random_coordinate(std::mt19937_64& random, std::uint32_t extent) {
 TEST(Coverage, EqualsExactIntegersOnRandomTriangles) {
     std::mt19937_64 random(1);
     constexpr std::uint32_t extent = 24;
-    constexpr std::int64_t far = 16383 * 256;  // just inside the guard band
+    constexpr std::int64_t far = 16370 * 256;  // just inside the guard band
+    std::vector<SimdLevel> levels;
+    for (const SimdLevel level :
+         {SimdLevel::scalar, SimdLevel::sse4, SimdLevel::avx2, SimdLevel::avx512})
+        if (prep::simd_available(level)) levels.push_back(level);
     std::uint64_t wrong = 0, covered = 0, slivers = 0;
     for (int n = 0; n < 60000; ++n) {
         Point p[3];
@@ -167,11 +252,13 @@ TEST(Coverage, EqualsExactIntegersOnRandomTriangles) {
         std::vector<ScreenVertex> vertices;
         for (const Point& q : p) {
             vertices.push_back(vertex_at(q.x, q.y, extent, extent));
-            ASSERT_TRUE(vertices.back().snapped);
-            ASSERT_EQ(vertices.back().sx, q.x);
-            ASSERT_EQ(vertices.back().sy, q.y);
+            const auto record = rast::detail::record_of(vertices.back());
+            ASSERT_EQ(record.x, q.x - std::int64_t(extent) * 128);
+            ASSERT_EQ(record.y, q.y - std::int64_t(extent) * 128);
         }
-        const Hits hits = count_hits(vertices, {{0, 1, 2}}, extent, extent);
+        HitOptions options;
+        options.level = levels[std::size_t(n / 5) % levels.size()];
+        const Hits hits = count_hits(vertices, {{0, 1, 2}}, extent, extent, options);
         // y runs down: what turns clockwise on the screen has a positive determinant.
         const bool back = orientation(p[0], p[1], p[2]) > 0;
         for (std::uint32_t y = 0; y < extent; ++y)
@@ -206,9 +293,9 @@ TEST(Coverage, NonFiniteVerticesAreCountedAndDrawNothing) {
         for (int component = 0; component < 4; ++component) {
             std::vector<ScreenVertex> vertices;
             for (int i = 0; i < 3; ++i) {
-                glm::dvec4 clip(i == 1 ? 3 : -1, i == 2 ? 3 : -1, 0.5, 1);
-                if (i == 1) clip[component] = bad;
-                vertices.push_back(rast::screen_vertex(clip, 16, 16));
+                glm::dvec4 p(i == 1 ? 30 : -10, i == 2 ? 30 : -10, 0.5, 1);
+                if (i == 1) p[component] = bad;
+                vertices.push_back({p.x, p.y, p.z, p.w});
             }
             const Hits hits = count_hits(vertices, {{0, 1, 2}}, 16, 16);
             EXPECT_EQ(hits.counters.non_finite, 1u);
@@ -410,7 +497,10 @@ TEST(Coverage, TriangulatedRectanglesCoverEverySampleOnce) {
             std::vector<Triangle> wound = mesh.triangles;
             if (turned)
                 for (Triangle& t : wound) std::swap(t[1], t[2]);
-            const Hits hits = count_hits(vertices, wound, extent, extent);
+            HitOptions options;
+            const auto offsets = rast::detail::sample_offsets(1 << (n % 5));
+            if (offsets.size() > 1) options.offset = offsets[std::size_t(n) % offsets.size()];
+            const Hits hits = count_hits(vertices, wound, extent, extent, options);
             for (std::uint32_t y = 0; y < extent; ++y)
                 for (std::uint32_t x = 0; x < extent; ++x) {
                     // The picture's own edge may lie on the rectangle's.
@@ -445,10 +535,11 @@ std::vector<ScreenVertex> seen_from(const Eye& eye, const std::vector<glm::vec3>
                                     std::uint32_t extent) {
     std::vector<ScreenVertex> out;
     const glm::dmat4 to_clip = rast::projection(eye.view, 1.0);
-    for (const glm::vec3& p : positions)
-        out.push_back(rast::screen_vertex(
-            to_clip * glm::dvec4(eye.rotation * (glm::dvec3(p) - eye.position), 1.0), extent,
-            extent));
+    for (const glm::vec3& p : positions) {
+        const glm::dvec4 clip =
+            to_clip * glm::dvec4(eye.rotation * (glm::dvec3(p) - eye.position), 1.0);
+        out.push_back({clip.x * 0.5 * extent, clip.y * -0.5 * extent, clip.z, clip.w});
+    }
     return out;
 }
 
@@ -499,7 +590,10 @@ TEST(Coverage, ClosedMeshesHaveAsManyFrontHitsAsBackHits) {
             std::vector<Triangle> triangles = triangles_of(mesh);
             if (turned)
                 for (Triangle& t : triangles) std::swap(t[1], t[2]);
-            const Hits hits = count_hits(vertices, triangles, extent, extent);
+            HitOptions options;
+            const auto offsets = rast::detail::sample_offsets(1 << (n % 5));
+            if (offsets.size() > 1) options.offset = offsets[std::size_t(n) % offsets.size()];
+            const Hits hits = count_hits(vertices, triangles, extent, extent, options);
             ASSERT_EQ(hits.counters.crossing, 0u);
             for (std::size_t i = 0; i < hits.front.size(); ++i) {
                 ASSERT_EQ(hits.front[i], hits.back[i]) << n << ": " << i;
@@ -656,13 +750,48 @@ TEST(Coverage, WindingDecidesTheSideAndCulling) {
     const std::vector<ScreenVertex> vertices{vertex_at(0, 0, 16, 16), vertex_at(0, 4096, 16, 16),
                                              vertex_at(4096, 0, 16, 16)};
     // Down, then right: counter-clockwise to the eye.
-    const Hits front = count_hits(vertices, {{0, 1, 2}}, 16, 16, rast::CullSide::back);
+    HitOptions drop_back, drop_front;
+    drop_back.cull = CullSide::back;
+    drop_front.cull = CullSide::front;
+    const Hits front = count_hits(vertices, {{0, 1, 2}}, 16, 16, drop_back);
     EXPECT_EQ(front.counters.facing_away, 0u);
     EXPECT_EQ(front.at(2, 2, false), 1);
-    EXPECT_EQ(count_hits(vertices, {{0, 1, 2}}, 16, 16, rast::CullSide::front).counters.facing_away,
-              1u);
-    EXPECT_EQ(count_hits(vertices, {{0, 2, 1}}, 16, 16, rast::CullSide::back).counters.facing_away,
-              1u);
+    EXPECT_EQ(count_hits(vertices, {{0, 1, 2}}, 16, 16, drop_front).counters.facing_away, 1u);
+    EXPECT_EQ(count_hits(vertices, {{0, 2, 1}}, 16, 16, drop_back).counters.facing_away, 1u);
+}
+
+// The records that the kernels make are those of the doubles behind them, on every level.
+TEST(Coverage, TransformedVerticesAreTheirDoublesRounded) {
+    std::mt19937_64 random(9);
+    std::normal_distribution<float> normal;
+    prep::VertexMesh mesh;
+    for (int i = 0; i < 1003; ++i)
+        mesh.positions.push_back({3 * normal(random), 3 * normal(random), 3 * normal(random)});
+    mesh.positions[17].y = NAN;
+    mesh.positions[500].z = INFINITY;
+    rast::View view;
+    view.znear = 0.1;
+    view.world_to_view[3] = glm::dvec4(0, 0, -2, 1);
+    rast::detail::RenderInstance instance(mesh, 0, glm::dmat4(1.0), view, 640, 480);
+    std::size_t unsnapped = 0;
+    for (const SimdLevel level :
+         {SimdLevel::scalar, SimdLevel::sse4, SimdLevel::avx2, SimdLevel::avx512}) {
+        if (!prep::simd_available(level)) continue;
+        instance.records.assign(mesh.vertex_count(), {});
+        instance.transform(rast::detail::kernels_for(level), 0, mesh.vertex_count());
+        for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v) {
+            const auto expected = rast::detail::record_of(instance.homogeneous(v));
+            ASSERT_EQ(instance.records[v].x, expected.x) << v;
+            ASSERT_EQ(instance.records[v].y, expected.y) << v;
+            if (expected.x == rast::detail::mark_non_finite) continue;
+            ASSERT_EQ(instance.records[v].w, expected.w) << v;
+            ASSERT_EQ(instance.records[v].depth, expected.depth) << v;
+            unsnapped += expected.x == rast::detail::mark_unsnapped;
+        }
+        EXPECT_EQ(instance.records[17].x, rast::detail::mark_non_finite);
+        EXPECT_EQ(instance.records[500].x, rast::detail::mark_non_finite);
+    }
+    EXPECT_GT(unsnapped, 100u);
 }
 
 }  // namespace

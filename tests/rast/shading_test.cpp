@@ -623,7 +623,7 @@ bool same_bytes(const rast::Frame& a, const rast::Frame& b) {
            a.triangle == b.triangle && a.instance == b.instance;
 }
 
-TEST(Rendering, GivesTheSameBytesOnAnyNumberOfThreads) {
+TEST(Rendering, GivesTheSameBytesOnAnyThreadsAndInstructions) {
     prep::Material material;
     material.normal_map.texture = 0;
     prep::VertexMesh mesh = test::sphere(400, 200);
@@ -647,11 +647,23 @@ TEST(Rendering, GivesTheSameBytesOnAnyNumberOfThreads) {
         request.height = 217;
         request.shading = shading;
         request.keep_depth = request.keep_ids = true;
-        request.threads = 1;
-        const rast::Frame one = test::draw(scene, request);
-        for (const int threads : {2, 8}) {
-            request.threads = threads;
-            EXPECT_TRUE(same_bytes(one, test::draw(scene, request))) << threads;
+        for (const int samples : {1, 4}) {
+            request.samples = samples;
+            request.threads = 1;
+            request.simd = prep::SimdLevel::scalar;
+            const rast::Frame one = test::draw(scene, request);
+            EXPECT_GT(one.counters.pixels_shaded, 1000u);
+            for (const int threads : {2, 8}) {
+                request.threads = threads;
+                EXPECT_TRUE(same_bytes(one, test::draw(scene, request))) << threads;
+            }
+            for (const prep::SimdLevel level :
+                 {prep::SimdLevel::sse4, prep::SimdLevel::avx2, prep::SimdLevel::avx512}) {
+                if (!prep::simd_available(level)) continue;
+                request.simd = level;
+                EXPECT_TRUE(same_bytes(one, test::draw(scene, request)))
+                    << prep::to_string(level) << " " << int(shading) << " " << samples;
+            }
         }
     }
 }

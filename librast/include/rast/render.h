@@ -11,6 +11,7 @@
 #include "prep/image.h"
 #include "prep/prepare.h"
 #include "prep/result.h"
+#include "prep/simd.h"
 #include "rast/view.h"
 
 namespace rast {
@@ -38,7 +39,9 @@ struct RenderRequest {
     bool textures = true;        // false: material colours only
     bool keep_depth = false;     // Frame::depth
     bool keep_ids = false;       // Frame::triangle and Frame::instance
+    int samples = 1;             // per pixel: 1, 2, 4, 8 or 16
     int threads = 0;             // 0: all cores; the picture does not depend on it
+    prep::SimdLevel simd = prep::SimdLevel::automatic;  // nor on this
 };
 
 struct PlanStep {

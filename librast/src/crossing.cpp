@@ -1,0 +1,173 @@
+#include "crossing.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace rast::detail {
+namespace {
+
+bool snapped(const VertexRecord& v) {
+    return v.x > first_valid;
+}
+
+double determinant(const ScreenVertex& a, const ScreenVertex& b, const ScreenVertex& c) {
+    return a.x * (b.y * c.w - b.w * c.y) - a.y * (b.x * c.w - b.w * c.x) +
+           a.w * (b.x * c.y - b.y * c.x);
+}
+
+// The part of the triangle that is in front of the near plane, as a box in pixels.
+bool visible_box(const std::array<ScreenVertex, 3>& v, CrossingTriangle& out) {
+    out.low_x = out.low_y = INFINITY;
+    out.high_x = out.high_y = -INFINITY;
+    bool any = false;
+    const auto add = [&](double x, double y, double w) {
+        if (!(w > 0)) return false;
+        out.low_x = std::min(out.low_x, x / w);
+        out.high_x = std::max(out.high_x, x / w);
+        out.low_y = std::min(out.low_y, y / w);
+        out.high_y = std::max(out.high_y, y / w);
+        any = true;
+        return true;
+    };
+    for (std::size_t i = 0; i < 3; ++i) {
+        const ScreenVertex &a = v[i], &b = v[(i + 1) % 3];
+        const double da = a.w - a.z, db = b.w - b.z;  // ≥ 0: in front of the near plane
+        if (da >= 0 && !add(a.x, a.y, a.w)) return false;
+        if ((da >= 0) != (db >= 0)) {
+            const double s = da / (da - db);
+            if (!add(a.x + s * (b.x - a.x), a.y + s * (b.y - a.y), a.w + s * (b.w - a.w)))
+                return false;
+        }
+    }
+    return any;
+}
+
+CrossingEdge edge_between(const VertexRecord& from, const VertexRecord& to,
+                          const ScreenVertex& from_full, const ScreenVertex& to_full) {
+    CrossingEdge e;
+    const auto along = [&](const VertexRecord& start, double dx, double dy, double sign) {
+        e.px = double(start.x) / subpixels;
+        e.py = double(start.y) / subpixels;
+        e.nx = sign * -dy;
+        e.ny = sign * dx;
+    };
+    if (snapped(from) && snapped(to)) {
+        along(from, double(to.x - from.x) / subpixels, double(to.y - from.y) / subpixels, 1);
+        e.weight = from_full.w * to_full.w;
+    } else if (snapped(from) || snapped(to)) {
+        const bool forward = snapped(from);
+        const VertexRecord& start = forward ? from : to;
+        const ScreenVertex& other = forward ? to_full : from_full;
+        const double x = double(start.x) / subpixels, y = double(start.y) / subpixels;
+        along(start, other.x - x * other.w, other.y - y * other.w, forward ? 1 : -1);
+        e.weight = forward ? from_full.w : to_full.w;
+    } else {
+        e.nx = from_full.y * to_full.w - from_full.w * to_full.y;
+        e.ny = from_full.w * to_full.x - from_full.x * to_full.w;
+        e.constant = from_full.x * to_full.y - from_full.y * to_full.x;
+    }
+    e.inclusive = e.nx > 0 || (e.nx == 0 && e.ny > 0);
+    return e;
+}
+
+}  // namespace
+
+VertexRecord record_of(const ScreenVertex& v) {
+    VertexRecord r;
+    r.w = float(v.w);
+    r.depth = float(v.z / v.w);
+    if (!std::isfinite(v.x) || !std::isfinite(v.y) || !std::isfinite(v.z) || !std::isfinite(v.w)) {
+        r.x = mark_non_finite;
+        return r;
+    }
+    const double reach = guard_band * v.w;
+    r.x = mark_unsnapped;
+    if (v.w > 0 && v.z <= v.w && v.x < reach && -reach < v.x && v.y < reach && -reach < v.y) {
+        r.x = std::int32_t(std::floor(v.x / v.w * subpixels + 0.5));
+        r.y = std::int32_t(std::floor(v.y / v.w * subpixels + 0.5));
+    }
+    return r;
+}
+
+CrossingOutcome set_up_crossing(const VertexSource& source, const VertexRecord* records,
+                                const std::uint32_t corners[3], CrossingTriangle& out) {
+    std::array<std::uint32_t, 3> order{corners[0], corners[1], corners[2]};
+    std::array<ScreenVertex, 3> v;
+    bool in_front = false;
+    for (std::size_t i = 0; i < 3; ++i) {
+        v[i] = source.homogeneous(order[i]);
+        in_front = in_front || v[i].w - v[i].z >= 0;
+    }
+    if (!in_front) return CrossingOutcome::outside;
+    const double det = determinant(v[0], v[1], v[2]);
+    if (!(det != 0)) return CrossingOutcome::degenerate;
+    out.turned = det < 0;
+    if (out.turned) {
+        std::swap(order[1], order[2]);
+        std::swap(v[1], v[2]);
+    }
+    if (!visible_box(v, out)) return CrossingOutcome::outside;
+    for (std::size_t i = 0; i < 3; ++i) {
+        const std::size_t a = (i + 1) % 3, b = (i + 2) % 3;
+        out.edges[i] = edge_between(records[order[a]], records[order[b]], v[a], v[b]);
+        out.w[i] = v[i].w;
+        out.z[i] = v[i].z;
+    }
+    return CrossingOutcome::drawn;
+}
+
+void raster_crossing(float* depths, std::uint32_t* ids, const TilePlace& place,
+                     const CrossingTriangle& t, const ShadeDraw* masked, const Kernels& kernels) {
+    const double left = double(place.x) / subpixels, top = double(place.y) / subpixels;
+    // One pixel more on each side pays for the rounding of the box's corners.
+    const auto pixel = [](double v, std::int32_t extent) {
+        return std::int32_t(std::clamp(v, -1.0, double(extent)));
+    };
+    const std::int32_t i0 = std::max(pixel(std::floor(t.low_x - left) - 1, place.width), 0);
+    const std::int32_t j0 = std::max(pixel(std::floor(t.low_y - top) - 1, place.height), 0);
+    const std::int32_t i1 =
+        std::min(pixel(std::ceil(t.high_x - left) + 1, place.width), place.width - 1);
+    const std::int32_t j1 =
+        std::min(pixel(std::ceil(t.high_y - top) + 1, place.height), place.height - 1);
+    for (std::int32_t j = j0; j <= j1; ++j)
+        for (std::int32_t i = i0; i <= i1; ++i) {
+            const double x = double(place.x + i * subpixels) / subpixels;
+            const double y = double(place.y + j * subpixels) / subpixels;
+            double w = 0, z = 0;
+            bool inside = true;
+            for (std::size_t k = 0; k < 3; ++k) {
+                const double value = t.edges[k].value(x, y);
+                inside = inside && t.edges[k].inside(value);
+                const double weight = value * t.edges[k].weight;
+                w += weight * t.w[k];
+                z += weight * t.z[k];
+            }
+            if (!inside) continue;
+            const double depth = z / w;
+            if (!(depth >= 0 && depth <= 1)) continue;
+            const std::size_t at = std::size_t(j) * tile_size + std::size_t(i);
+            if (!(float(depth) > depths[at])) continue;
+            if (masked != nullptr &&
+                !kernels.covers(*masked, place.x + i * subpixels, place.y + j * subpixels, t.id))
+                continue;
+            depths[at] = float(depth);
+            ids[at] = t.id;
+        }
+}
+
+void crossing_weights(const VertexSource& source, const VertexRecord* records,
+                      const std::uint32_t corners[3], double x, double y, double out[9]) {
+    CrossingTriangle t;
+    for (int k = 0; k < 9; ++k) out[k] = 0;
+    out[0] = 1;
+    if (set_up_crossing(source, records, corners, t) != CrossingOutcome::drawn) return;
+    for (std::size_t i = 0; i < 3; ++i) {
+        const std::size_t k = t.turned && i > 0 ? 3 - i : i;
+        const CrossingEdge& e = t.edges[i];
+        out[k] = e.value(x, y) * e.weight;
+        out[3 + k] = e.nx * e.weight;
+        out[6 + k] = e.ny * e.weight;
+    }
+}
+
+}  // namespace rast::detail

@@ -1,0 +1,68 @@
+// Triangles with a corner behind the near plane or beyond the guard band: drawn through homogeneous
+// edge functions, without clipping.
+//
+// Watertight by construction: how an edge is evaluated depends on its two vertices only, so both
+// triangles that share it partition the samples alike. Two snapped ends: their exact line and the
+// top-left rule, as everywhere else. One: the line from the snapped end towards the other in
+// homogeneous double, so that all lines at a snapped vertex pass through it exactly. None: the
+// homogeneous cross product, which IEEE arithmetic negates exactly when its operands are swapped.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+
+#include "simd/kernels.h"
+
+namespace rast::detail {
+
+// Homogeneous, in pixels from the picture's centre: (x·w, y·w, depth·w, w).
+struct ScreenVertex {
+    double x = 0, y = 0, z = 0, w = 0;
+};
+
+// Where the doubles behind vertex records come from, for the few triangles that need them.
+class VertexSource {
+  public:
+    virtual ~VertexSource() = default;
+    virtual ScreenVertex homogeneous(std::uint32_t vertex) const = 0;
+};
+
+// The record of a vertex, as the transform kernel makes it.
+VertexRecord record_of(const ScreenVertex& vertex);
+
+// value(x, y) > 0 inside, in pixels; `weight` makes it the homogeneous edge function.
+struct CrossingEdge {
+    double nx = 0, ny = 0, px = 0, py = 0, constant = 0, weight = 1;
+    bool inclusive = false;
+    double value(double x, double y) const { return nx * (x - px) + ny * (y - py) + constant; }
+    bool inside(double value_here) const {
+        return value_here > 0 || (inclusive && value_here == 0);
+    }
+};
+
+struct CrossingTriangle {
+    std::array<CrossingEdge, 3> edges;  // edge i is opposite to corner i; turned to be positive
+    std::array<double, 3> w, z;
+    bool turned = false;                                  // corners 1 and 2 were swapped for that
+    double low_x = 0, low_y = 0, high_x = 0, high_y = 0;  // box of the visible part
+    std::uint32_t id = 0;
+};
+
+enum class CrossingOutcome : std::uint8_t { drawn, outside, degenerate };
+
+// `out.id` is not set; `out.turned` tells the winding: not turned means clockwise on the screen.
+CrossingOutcome set_up_crossing(const VertexSource& source, const VertexRecord* records,
+                                const std::uint32_t corners[3], CrossingTriangle& out);
+
+// As Kernels::raster, for one triangle. Depth outside 0…1 is not drawn.
+void raster_crossing(float* depth, std::uint32_t* id, const TilePlace& place,
+                     const CrossingTriangle& triangle, const ShadeDraw* masked,
+                     const Kernels& kernels);
+
+// Weights of the three corners at a point, not normalised, then their derivatives per pixel along x
+// and y. Perspective-correct weights are the first three over their sum.
+void crossing_weights(const VertexSource& source, const VertexRecord* records,
+                      const std::uint32_t corners[3], double x, double y, double out[9]);
+
+}  // namespace rast::detail

@@ -1,0 +1,142 @@
+#include "shading_inputs.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace rast::detail {
+namespace {
+
+void copy3(const glm::dvec3& from, float to[3]) {
+    for (int k = 0; k < 3; ++k) to[k] = float(from[k]);
+}
+
+BoundMap bind(const RenderPlan& plan, const prep::TextureRef& ref, const prep::VertexMesh& mesh,
+              const TextureSet& textures) {
+    BoundMap bound;
+    if (!ref || !plan.request.textures || ref.texture >= textures.size()) return bound;
+    if (!textures[ref.texture] || ref.uv_set >= mesh.uvs.size() || mesh.uvs[ref.uv_set].empty())
+        return bound;
+    bound.texture = textures[ref.texture].get();
+    bound.uv = &mesh.uvs[ref.uv_set][0].x;
+    // KHR_texture_transform: offset + rotation · scale · uv.
+    const double c = std::cos(double(ref.rotation)), s = std::sin(double(ref.rotation));
+    bound.matrix[0] = float(c * ref.scale.x);
+    bound.matrix[1] = float(s * ref.scale.y);
+    bound.matrix[2] = float(-s * ref.scale.x);
+    bound.matrix[3] = float(c * ref.scale.y);
+    bound.offset[0] = ref.offset.x;
+    bound.offset[1] = ref.offset.y;
+    bound.strength = ref.strength;
+    bound.filter = plan.request.filter;
+    return bound;
+}
+
+}  // namespace
+
+void set_up_frame(const RenderPlan& plan, FrameInputs& out) {
+    ShadeFrame& frame = out.frame;
+    frame = {};
+    out.lights.clear();
+    frame.perspective = plan.view.perspective;
+    const glm::dmat3 to_world = glm::transpose(glm::dmat3(plan.view.world_to_view));
+    copy3(to_world[2], frame.to_eye[0]);
+    if (plan.view.perspective) {
+        const double tangent = std::tan(plan.view.yfov / 2);
+        const double aspect = plan.view.aspect > 0
+                                  ? plan.view.aspect
+                                  : double(plan.request.width) / plan.request.height;
+        copy3(to_world[0] * (-tangent * aspect * 2 / plan.request.width), frame.to_eye[1]);
+        copy3(to_world[1] * (tangent * 2 / plan.request.height), frame.to_eye[2]);
+    }
+    const glm::dvec3 eye = plan.view.eye();
+    glm::dvec3 ambient(0);
+    for (const LightInstance& light : plan.lights) {
+        if (light.kind == prep::LightKind::ambient) {
+            ambient += glm::dvec3(light.color);
+            continue;
+        }
+        ShadeLight s;
+        s.kind = light.kind;
+        copy3(-light.direction, s.to_light);
+        copy3(light.position - eye, s.position);
+        copy3(glm::dvec3(light.color), s.color);
+        if (light.kind != prep::LightKind::directional) {
+            frame.needs_position = true;
+            if (light.range > 0) s.inv_range = 1 / light.range;
+        }
+        if (light.kind == prep::LightKind::spot) {
+            // KHR_lights_punctual's falloff between the cones.
+            const double outer = std::cos(double(light.outer_cone));
+            const double scale = 1 / std::max(0.001, std::cos(double(light.inner_cone)) - outer);
+            s.cone_scale = float(scale);
+            s.cone_offset = float(-outer * scale);
+        }
+        out.lights.push_back(s);
+    }
+    copy3(ambient, frame.ambient);
+    frame.lights = out.lights.data();
+    frame.light_count = out.lights.size();
+}
+
+ShadeDraw shade_draw(const RenderPlan& plan, const prep::PreparedScene& scene, const Draw& draw,
+                     const RenderInstance& instance, const TextureSet& textures) {
+    static const prep::Material plain;
+    const prep::VertexMesh& mesh = instance.mesh();
+    const prep::Material& material =
+        draw.material < scene.scene.materials.size() ? scene.scene.materials[draw.material] : plain;
+    ShadeDraw s;
+    s.source_vertices = &instance;
+    s.indices = mesh.indices.data();
+    s.records = instance.records.data();
+    s.positions = &mesh.positions[0].x;
+    if (!mesh.normals.empty()) s.normals = &mesh.normals[0].x;
+    if (!mesh.tangents.empty()) s.tangents = &mesh.tangents[0].x;
+    if (!mesh.colors.empty()) s.colors = &mesh.colors[0][0].x;
+    s.first_triangle = draw.first_triangle;
+    s.triangle_count = draw.triangle_count;
+    s.masked = material.alpha_mode == prep::AlphaMode::mask;
+    s.unlit = material.unlit;
+    for (int r = 0; r < 3; ++r) {
+        for (int c = 0; c < 3; ++c)
+            s.normal_matrix[r * 3 + c] = float(instance.normal_matrix()[c][r]);
+        for (int c = 0; c < 4; ++c) s.from_eye[r][c] = float(instance.from_eye()[c][r]);
+    }
+    copy3(glm::dvec3(material.ambient), s.ambient);
+    for (int k = 0; k < 4; ++k) s.diffuse[k] = material.diffuse[k];
+    copy3(glm::dvec3(material.specular), s.specular);
+    copy3(glm::dvec3(material.emissive), s.emissive);
+    // The map, where there is one, is applied per pixel; vertices get the factors.
+    const float shininess =
+        material.metallic_roughness
+            ? prep::blinn_phong(glm::vec3(0), material.metallic, material.roughness).shininess
+            : material.shininess;
+    s.shininess = std::max(shininess, 0.0f);
+    s.alpha_cutoff = material.alpha_cutoff;
+    s.flip_green = material.normal_map_flip_green;
+    s.diffuse_map = bind(plan, material.diffuse_map, mesh, textures);
+    s.emissive_map = bind(plan, material.emissive_map, mesh, textures);
+    if (material.unlit) return s;
+    s.metallic_roughness = material.metallic_roughness;
+    s.metallic = material.metallic;
+    s.roughness = material.roughness;
+    if (material.metallic_roughness)
+        s.metallic_roughness_map = bind(plan, material.metallic_roughness_map, mesh, textures);
+    else
+        s.specular_map = bind(plan, material.specular_map, mesh, textures);
+    s.occlusion_map = bind(plan, material.occlusion_map, mesh, textures);
+    s.source = plan.request.shading == Shading::flat || s.normals == nullptr
+                   ? NormalSource::face
+                   : NormalSource::interpolated;
+    if (plan.request.shading != Shading::normal_mapped || s.normals == nullptr) return s;
+    s.normal_map = bind(plan, material.normal_map, mesh, textures);
+    if (!s.normal_map) return s;
+    if (material.normal_map_space == prep::NormalMapSpace::object)
+        s.source = NormalSource::object_map;
+    else if (s.tangents != nullptr)
+        s.source = NormalSource::tangent_map;
+    else
+        s.normal_map = {};
+    return s;
+}
+
+}  // namespace rast::detail

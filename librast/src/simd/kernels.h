@@ -1,0 +1,136 @@
+// The inner loops of the rasterizer as a table of functions, one table per instruction set. The
+// scalar table is the reference; every other table gives the same bits.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "prep/scene.h"
+#include "prep/simd.h"
+#include "texture.h"
+#include "tile.h"
+
+namespace rast::detail {
+
+class VertexSource;
+
+// Vertices `begin` … `end` through the rows of a homogeneous matrix (x·w, y·w in pixels from the
+// centre, depth·w, w).
+struct TransformTask {
+    const float* positions = nullptr;
+    double rows[4][4] = {};
+    VertexRecord* out = nullptr;
+};
+
+// Which triangles of a run are worth setting up.
+struct CullTask {
+    const VertexRecord* records = nullptr;
+    const std::uint32_t* indices = nullptr;  // three per triangle
+    std::uint32_t count = 0;                 // at most chunk_triangles
+    bool mirrored = false, drop_back = false, drop_front = false;
+    bool every_touched_pixel = false;  // more than one sample per pixel
+    Window window;
+};
+struct CullCounts {
+    std::uint32_t non_finite = 0, degenerate = 0, facing_away = 0, outside = 0, between_samples = 0;
+};
+
+enum class NormalSource : std::uint8_t { none, face, interpolated, tangent_map, object_map };
+
+// A texture map of a draw: the sampler, the UV layer, and uv' = offset + matrix · uv.
+struct BoundMap {
+    const MipTexture* texture = nullptr;
+    const float* uv = nullptr;       // two per vertex; nullptr: no map
+    float matrix[4] = {1, 0, 0, 1};  // row by row
+    float offset[2] = {0, 0};
+    float strength = 1;
+    TextureFilter filter = TextureFilter::trilinear;
+    explicit operator bool() const { return uv != nullptr; }
+};
+
+struct ShadeLight {
+    prep::LightKind kind = prep::LightKind::directional;
+    float to_light[3] = {};  // directional and spot: unit, against the way it shines
+    float position[3] = {};  // point, spot: from the eye, world axes
+    float color[3] = {};
+    float inv_range = 0;                    // 0: no limit
+    float cone_scale = 0, cone_offset = 1;  // spot: attenuation = clamp(cos · scale + offset)²
+};
+
+// What all draws of a picture share.
+struct ShadeFrame {
+    // From a surface towards the eye, not normalised: at[0] + x · at[1] + y · at[2], world axes,
+    // x and y in pixels from the picture's centre.
+    float to_eye[3][3] = {};
+    bool perspective = true;
+    float ambient[3] = {};
+    const ShadeLight* lights = nullptr;
+    std::size_t light_count = 0;
+    bool needs_position = false;  // some light is at a place
+};
+
+// Floats per vertex of Gouraud light: diffuse and specular, on the front, then on the back.
+inline constexpr std::size_t vertex_light_floats = 12;
+
+// What the pixels of one draw need.
+struct ShadeDraw {
+    const VertexSource* source_vertices = nullptr;
+    const std::uint32_t* indices = nullptr;  // of the mesh
+    const VertexRecord* records = nullptr;
+    const float* positions = nullptr;
+    const float* normals = nullptr;
+    const float* tangents = nullptr;
+    const float* colors = nullptr;
+    const float* vertex_light = nullptr;  // Gouraud
+    std::uint32_t first_id = 0, first_triangle = 0, triangle_count = 0;
+    NormalSource source = NormalSource::interpolated;
+    bool masked = false, unlit = false, metallic_roughness = false;
+    float metallic = 0, roughness = 1;
+    float normal_matrix[9] = {};  // row by row
+    float from_eye[3][4] = {};    // rows: mesh position → position from the eye, world axes
+    float ambient[3] = {}, diffuse[4] = {}, specular[3] = {}, emissive[3] = {};
+    float shininess = 0, alpha_cutoff = 0;
+    bool flip_green = false;
+    BoundMap diffuse_map, specular_map, emissive_map, occlusion_map, normal_map;
+    BoundMap metallic_roughness_map;
+    bool textured() const {
+        return diffuse_map || specular_map || emissive_map || occlusion_map || normal_map ||
+               metallic_roughness_map;
+    }
+};
+
+// Points of one draw, with their triangles; both arrays are readable up to the lane count past the
+// end.
+struct ShadeTask {
+    const std::int32_t* x = nullptr;  // 1/256 pixels from the centre
+    const std::int32_t* y = nullptr;
+    const std::uint32_t* ids = nullptr;
+    std::size_t count = 0;
+    float* out[3] = {};  // red, green, blue; writable up to the lane count past the end
+};
+
+struct Kernels {
+    void (*transform)(const TransformTask& task, std::size_t begin, std::size_t end);
+    // Numbers within the run to `survivors` (readable and writable up to chunk_triangles).
+    std::uint32_t (*cull)(const CullTask& task, std::uint16_t* survivors, CullCounts& counts);
+    // Draws triangles[order[…]] into the tile, in this order. `masked` is null or the draw whose
+    // alpha decides.
+    void (*raster)(float* depth, std::uint32_t* id, const TilePlace& place,
+                   const SetupTriangle* triangles, const std::uint32_t* order, std::size_t count,
+                   const ShadeDraw* masked);
+    void (*shade)(const ShadeDraw& draw, const ShadeFrame& frame, const ShadeTask& task);
+    // Gouraud: the listed vertices; out has vertex_light_floats for every vertex of the mesh.
+    void (*light_vertices)(const ShadeDraw& draw, const ShadeFrame& frame,
+                           const std::uint32_t* vertices, std::size_t count, float* out);
+    // Whether the alpha mask lets one point stand.
+    bool (*covers)(const ShadeDraw& draw, std::int32_t x, std::int32_t y, std::uint32_t id);
+    // out = (cos)^shininess for angles given by their squared sine and cosine; for tests.
+    void (*specular_powers)(const float* sine2, const float* cosine2, float shininess,
+                            std::size_t count, float* out);
+};
+
+const Kernels& scalar_kernels();
+// Those of the level, or the best that this machine and this build have below it.
+const Kernels& kernels_for(prep::SimdLevel level);
+
+}  // namespace rast::detail

@@ -1,0 +1,26 @@
+#include "crossing.h"
+#include "simd/kernels.h"
+#include "simd/lanes_scalar.h"
+
+namespace rast::detail {
+namespace {
+
+using namespace rast::detail::scalar_lanes;
+
+// In the order in which they use each other.
+// clang-format off
+#include "simd/transform-inl.h"
+#include "simd/math-inl.h"
+#include "simd/shade-inl.h"
+#include "simd/raster-inl.h"
+// clang-format on
+
+}  // namespace
+
+const Kernels& scalar_kernels() {
+    static constexpr Kernels table{transform,      cull,   raster,         shade,
+                                   light_vertices, covers, specular_powers};
+    return table;
+}
+
+}  // namespace rast::detail

@@ -1,0 +1,249 @@
+// The names of lanes_scalar.h for 4, 8 or 16 lanes, by Highway.
+// Included once per instruction set, inside its namespace.
+
+namespace hn = hwy::HWY_NAMESPACE;
+using Floats = hn::ScalableTag<float>;
+using Ints = hn::RebindToSigned<Floats>;
+using Unsigned = hn::RebindToUnsigned<Floats>;
+using Doubles = hn::RepartitionToWide<Floats>;
+using HalfFloats = hn::Half<Floats>;
+using HalfInts = hn::Half<Ints>;
+using MF = hn::Mask<Floats>;
+
+inline constexpr int lane_count = int(hn::MaxLanes(Floats()));
+
+struct F {
+    hn::Vec<Floats> v;
+};
+struct I {
+    hn::Vec<Ints> v;
+};
+struct D {
+    hn::Vec<Doubles> low, high;
+};
+struct M {
+    MF v;
+};
+
+HWY_INLINE F set(float v) {
+    return {hn::Set(Floats(), v)};
+}
+HWY_INLINE I set(std::int32_t v) {
+    return {hn::Set(Ints(), v)};
+}
+HWY_INLINE I iota() {
+    return {hn::Iota(Ints(), 0)};
+}
+HWY_INLINE D set_double(double v) {
+    const auto x = hn::Set(Doubles(), v);
+    return {x, x};
+}
+
+HWY_INLINE F operator+(F a, F b) {
+    return {hn::Add(a.v, b.v)};
+}
+HWY_INLINE F operator-(F a, F b) {
+    return {hn::Sub(a.v, b.v)};
+}
+HWY_INLINE F operator*(F a, F b) {
+    return {hn::Mul(a.v, b.v)};
+}
+HWY_INLINE F operator/(F a, F b) {
+    return {hn::Div(a.v, b.v)};
+}
+HWY_INLINE F operator-(F a) {
+    return {hn::Neg(a.v)};
+}
+HWY_INLINE M operator<(F a, F b) {
+    return {hn::Lt(a.v, b.v)};
+}
+HWY_INLINE M operator>(F a, F b) {
+    return {hn::Gt(a.v, b.v)};
+}
+HWY_INLINE M operator<=(F a, F b) {
+    return {hn::Le(a.v, b.v)};
+}
+HWY_INLINE M operator>=(F a, F b) {
+    return {hn::Ge(a.v, b.v)};
+}
+HWY_INLINE M operator==(F a, F b) {
+    return {hn::Eq(a.v, b.v)};
+}
+
+HWY_INLINE D operator+(D a, D b) {
+    return {hn::Add(a.low, b.low), hn::Add(a.high, b.high)};
+}
+HWY_INLINE D operator-(D a, D b) {
+    return {hn::Sub(a.low, b.low), hn::Sub(a.high, b.high)};
+}
+HWY_INLINE D operator*(D a, D b) {
+    return {hn::Mul(a.low, b.low), hn::Mul(a.high, b.high)};
+}
+HWY_INLINE D operator/(D a, D b) {
+    return {hn::Div(a.low, b.low), hn::Div(a.high, b.high)};
+}
+HWY_INLINE D min(D a, D b) {
+    return {hn::Min(a.low, b.low), hn::Min(a.high, b.high)};
+}
+HWY_INLINE D max(D a, D b) {
+    return {hn::Max(a.low, b.low), hn::Max(a.high, b.high)};
+}
+HWY_INLINE D floor(D a) {
+    return {hn::Floor(a.low), hn::Floor(a.high)};
+}
+HWY_INLINE D to_double(F a) {
+    return {hn::PromoteTo(Doubles(), hn::LowerHalf(HalfFloats(), a.v)),
+            hn::PromoteTo(Doubles(), hn::UpperHalf(HalfFloats(), a.v))};
+}
+HWY_INLINE D to_double(I a) {
+    return {hn::PromoteTo(Doubles(), hn::LowerHalf(HalfInts(), a.v)),
+            hn::PromoteTo(Doubles(), hn::UpperHalf(HalfInts(), a.v))};
+}
+HWY_INLINE F to_float(D a) {
+    return {hn::Combine(Floats(), hn::DemoteTo(HalfFloats(), a.high),
+                        hn::DemoteTo(HalfFloats(), a.low))};
+}
+HWY_INLINE I to_int(D a) {
+    return {hn::Combine(Ints(), hn::DemoteTo(HalfInts(), a.high), hn::DemoteTo(HalfInts(), a.low))};
+}
+HWY_INLINE I less(D a, D b) {
+    const auto one = hn::Set(Doubles(), 1.0);
+    return to_int(D{hn::IfThenElseZero(hn::Lt(a.low, b.low), one),
+                    hn::IfThenElseZero(hn::Lt(a.high, b.high), one)});
+}
+
+HWY_INLINE I operator+(I a, I b) {
+    return {hn::Add(a.v, b.v)};
+}
+HWY_INLINE I operator-(I a, I b) {
+    return {hn::Sub(a.v, b.v)};
+}
+HWY_INLINE I operator*(I a, I b) {
+    return {hn::Mul(a.v, b.v)};
+}
+HWY_INLINE I operator&(I a, I b) {
+    return {hn::And(a.v, b.v)};
+}
+HWY_INLINE I operator|(I a, I b) {
+    return {hn::Or(a.v, b.v)};
+}
+HWY_INLINE M operator<(I a, I b) {
+    return {hn::RebindMask(Floats(), hn::Lt(a.v, b.v))};
+}
+HWY_INLINE M operator>(I a, I b) {
+    return {hn::RebindMask(Floats(), hn::Gt(a.v, b.v))};
+}
+HWY_INLINE M operator==(I a, I b) {
+    return {hn::RebindMask(Floats(), hn::Eq(a.v, b.v))};
+}
+template <int n>
+HWY_INLINE I shift_left(I a) {
+    return {hn::ShiftLeft<n>(a.v)};
+}
+template <int n>
+HWY_INLINE I shift_right(I a) {
+    return {hn::ShiftRight<n>(a.v)};
+}
+
+HWY_INLINE M operator&(M a, M b) {
+    return {hn::And(a.v, b.v)};
+}
+HWY_INLINE M operator|(M a, M b) {
+    return {hn::Or(a.v, b.v)};
+}
+HWY_INLINE M operator!(M a) {
+    return {hn::Not(a.v)};
+}
+HWY_INLINE bool any(M a) {
+    return !hn::AllFalse(Floats(), a.v);
+}
+HWY_INLINE bool all(M a) {
+    return hn::AllTrue(Floats(), a.v);
+}
+HWY_INLINE std::uint32_t bits_of(M a) {
+    std::uint8_t bytes[8] = {};
+    hn::StoreMaskBits(Floats(), a.v, bytes);
+    return std::uint32_t(bytes[0]) | std::uint32_t(bytes[1]) << 8;
+}
+
+HWY_INLINE F select(M m, F yes, F no) {
+    return {hn::IfThenElse(m.v, yes.v, no.v)};
+}
+HWY_INLINE I min(I a, I b) {
+    return {hn::Min(a.v, b.v)};
+}
+HWY_INLINE I max(I a, I b) {
+    return {hn::Max(a.v, b.v)};
+}
+HWY_INLINE I select(M m, I yes, I no) {
+    return {hn::IfThenElse(hn::RebindMask(Ints(), m.v), yes.v, no.v)};
+}
+HWY_INLINE F min(F a, F b) {
+    return {hn::Min(a.v, b.v)};
+}
+HWY_INLINE F max(F a, F b) {
+    return {hn::Max(a.v, b.v)};
+}
+HWY_INLINE F abs(F a) {
+    return {hn::Abs(a.v)};
+}
+HWY_INLINE F sqrt(F a) {
+    return {hn::Sqrt(a.v)};
+}
+HWY_INLINE F floor(F a) {
+    return {hn::Floor(a.v)};
+}
+HWY_INLINE F to_float(I a) {
+    return {hn::ConvertTo(Floats(), a.v)};
+}
+HWY_INLINE I to_int(F a) {
+    return {hn::ConvertTo(Ints(), a.v)};
+}
+HWY_INLINE I bits(F a) {
+    return {hn::BitCast(Ints(), a.v)};
+}
+HWY_INLINE F from_bits(I a) {
+    return {hn::BitCast(Floats(), a.v)};
+}
+
+HWY_INLINE F load(const float* p) {
+    return {hn::LoadU(Floats(), p)};
+}
+HWY_INLINE I load(const std::int32_t* p) {
+    return {hn::LoadU(Ints(), p)};
+}
+HWY_INLINE I load(const std::uint32_t* p) {
+    return {hn::BitCast(Ints(), hn::LoadU(Unsigned(), p))};
+}
+HWY_INLINE I load(const std::uint16_t* p) {
+    const hn::Rebind<std::uint16_t, Ints> d;
+    return {hn::PromoteTo(Ints(), hn::LoadU(d, p))};
+}
+HWY_INLINE D load(const double* p) {
+    return {hn::LoadU(Doubles(), p), hn::LoadU(Doubles(), p + lane_count / 2)};
+}
+HWY_INLINE void store(D a, double* p) {
+    hn::StoreU(a.low, Doubles(), p);
+    hn::StoreU(a.high, Doubles(), p + lane_count / 2);
+}
+HWY_INLINE void store(F a, float* p) {
+    hn::StoreU(a.v, Floats(), p);
+}
+HWY_INLINE void store(I a, std::int32_t* p) {
+    hn::StoreU(a.v, Ints(), p);
+}
+HWY_INLINE void store(I a, std::uint32_t* p) {
+    hn::StoreU(hn::BitCast(Unsigned(), a.v), Unsigned(), p);
+}
+HWY_INLINE F gather(const float* p, I index) {
+    return {hn::GatherIndex(Floats(), p, index.v)};
+}
+HWY_INLINE I gather(const std::int32_t* p, I index) {
+    return {hn::GatherIndex(Ints(), p, index.v)};
+}
+HWY_INLINE I gather(const std::uint32_t* p, I index) {
+    return {hn::BitCast(Ints(), hn::GatherIndex(Unsigned(), p, index.v))};
+}
+HWY_INLINE void load3(const float* p, F& x, F& y, F& z) {
+    hn::LoadInterleaved3(Floats(), p, x.v, y.v, z.v);
+}

@@ -1,0 +1,254 @@
+// One lane, in plain C++: what every vector kernel means. The kernels (*-inl.h) are written once
+// against these names; lanes_highway-inl.h gives the same names to 4, 8 or 16 lanes. Each operation
+// is a single IEEE operation, so that all of them give the same bits.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+
+namespace rast::detail::scalar_lanes {
+
+inline constexpr int lane_count = 1;
+
+struct F {
+    float v;
+};
+struct I {
+    std::int32_t v;
+};
+struct D {  // as many lanes as F
+    double v;
+};
+struct M {
+    bool v;
+};
+
+inline F set(float v) {
+    return {v};
+}
+inline I set(std::int32_t v) {
+    return {v};
+}
+inline I iota() {
+    return {0};
+}
+
+inline D set_double(double v) {
+    return {v};
+}
+
+inline F operator+(F a, F b) {
+    return {a.v + b.v};
+}
+inline F operator-(F a, F b) {
+    return {a.v - b.v};
+}
+inline F operator*(F a, F b) {
+    return {a.v * b.v};
+}
+inline F operator/(F a, F b) {
+    return {a.v / b.v};
+}
+inline F operator-(F a) {
+    return {-a.v};
+}
+inline M operator<(F a, F b) {
+    return {a.v < b.v};
+}
+inline M operator>(F a, F b) {
+    return {a.v > b.v};
+}
+inline M operator<=(F a, F b) {
+    return {a.v <= b.v};
+}
+inline M operator>=(F a, F b) {
+    return {a.v >= b.v};
+}
+inline M operator==(F a, F b) {
+    return {a.v == b.v};
+}
+
+inline D operator+(D a, D b) {
+    return {a.v + b.v};
+}
+inline D operator-(D a, D b) {
+    return {a.v - b.v};
+}
+inline D operator*(D a, D b) {
+    return {a.v * b.v};
+}
+inline D operator/(D a, D b) {
+    return {a.v / b.v};
+}
+// 1 where a < b, else 0.
+inline I less(D a, D b) {
+    return {a.v < b.v ? 1 : 0};
+}
+inline D min(D a, D b) {
+    return {a.v < b.v ? a.v : b.v};
+}
+inline D max(D a, D b) {
+    return {a.v > b.v ? a.v : b.v};
+}
+inline D floor(D a) {
+    return {std::floor(a.v)};
+}
+inline D to_double(F a) {
+    return {double(a.v)};
+}
+inline D to_double(I a) {
+    return {double(a.v)};
+}
+inline F to_float(D a) {
+    return {float(a.v)};
+}
+// Towards zero. Precondition: |a| < 2^31.
+inline I to_int(D a) {
+    return {std::int32_t(a.v)};
+}
+
+// Wraps around, as vector units do.
+inline I operator+(I a, I b) {
+    return {std::int32_t(std::uint32_t(a.v) + std::uint32_t(b.v))};
+}
+inline I operator-(I a, I b) {
+    return {std::int32_t(std::uint32_t(a.v) - std::uint32_t(b.v))};
+}
+inline I operator*(I a, I b) {
+    return {std::int32_t(std::uint32_t(a.v) * std::uint32_t(b.v))};
+}
+inline I operator&(I a, I b) {
+    return {a.v & b.v};
+}
+inline I operator|(I a, I b) {
+    return {a.v | b.v};
+}
+inline M operator<(I a, I b) {
+    return {a.v < b.v};
+}
+inline M operator>(I a, I b) {
+    return {a.v > b.v};
+}
+inline M operator==(I a, I b) {
+    return {a.v == b.v};
+}
+template <int n>
+I shift_left(I a) {
+    return {std::int32_t(std::uint32_t(a.v) << n)};
+}
+template <int n>
+I shift_right(I a) {  // arithmetic
+    return {a.v >> n};
+}
+
+inline M operator&(M a, M b) {
+    return {a.v && b.v};
+}
+inline M operator|(M a, M b) {
+    return {a.v || b.v};
+}
+inline M operator!(M a) {
+    return {!a.v};
+}
+inline bool any(M a) {
+    return a.v;
+}
+inline bool all(M a) {
+    return a.v;
+}
+// Bit i is lane i.
+inline std::uint32_t bits_of(M a) {
+    return a.v ? 1u : 0u;
+}
+
+inline F select(M m, F yes, F no) {
+    return m.v ? yes : no;
+}
+inline I min(I a, I b) {
+    return {a.v < b.v ? a.v : b.v};
+}
+inline I max(I a, I b) {
+    return {a.v > b.v ? a.v : b.v};
+}
+inline I select(M m, I yes, I no) {
+    return m.v ? yes : no;
+}
+// The second operand where they do not compare (NaN, or zeros of different sign).
+inline F min(F a, F b) {
+    return {a.v < b.v ? a.v : b.v};
+}
+inline F max(F a, F b) {
+    return {a.v > b.v ? a.v : b.v};
+}
+inline F abs(F a) {
+    return {std::fabs(a.v)};
+}
+inline F sqrt(F a) {
+    return {std::sqrt(a.v)};
+}
+inline F floor(F a) {
+    return {std::floor(a.v)};
+}
+inline F to_float(I a) {
+    return {float(a.v)};
+}
+// Towards zero. Precondition: |a| < 2^31.
+inline I to_int(F a) {
+    return {std::int32_t(a.v)};
+}
+inline I bits(F a) {
+    I out;
+    std::memcpy(&out.v, &a.v, 4);
+    return out;
+}
+inline F from_bits(I a) {
+    F out;
+    std::memcpy(&out.v, &a.v, 4);
+    return out;
+}
+
+inline F load(const float* p) {
+    return {*p};
+}
+inline I load(const std::int32_t* p) {
+    return {*p};
+}
+inline I load(const std::uint32_t* p) {
+    return {std::int32_t(*p)};
+}
+inline I load(const std::uint16_t* p) {
+    return {std::int32_t(*p)};
+}
+inline D load(const double* p) {
+    return {*p};
+}
+inline void store(D a, double* p) {
+    *p = a.v;
+}
+inline void store(F a, float* p) {
+    *p = a.v;
+}
+inline void store(I a, std::int32_t* p) {
+    *p = a.v;
+}
+inline void store(I a, std::uint32_t* p) {
+    *p = std::uint32_t(a.v);
+}
+inline F gather(const float* p, I index) {
+    return {p[index.v]};
+}
+inline I gather(const std::int32_t* p, I index) {
+    return {p[index.v]};
+}
+inline I gather(const std::uint32_t* p, I index) {
+    return {std::int32_t(p[index.v])};
+}
+// Three floats of each lane, one lane after the other.
+inline void load3(const float* p, F& x, F& y, F& z) {
+    x.v = p[0];
+    y.v = p[1];
+    z.v = p[2];
+}
+
+}  // namespace rast::detail::scalar_lanes

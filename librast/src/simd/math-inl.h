@@ -1,0 +1,63 @@
+// Logarithms and powers with the same bits on every instruction set.
+// Included once per instruction set, inside the namespace that has its lanes.
+
+// m = f · 2^e with f in [½, 1). Precondition: m is positive, normal and finite.
+struct Parts {
+    F fraction, exponent;
+};
+inline Parts split_exponent(F m) {
+    const I b = bits(m);
+    return {from_bits((b & set(0x007fffff)) | set(0x3f000000)),
+            to_float(shift_right<23>(b) - set(126))};
+}
+
+// log2(1 + f) for f in [−½, 0] by the series of the inverse hyperbolic tangent:
+// log(1 + f) = 2 artanh(f / (2 + f)), |f / (2 + f)| ≤ 1/3; the first term left out is below 4e-9.
+inline F log2_one_plus(F f) {
+    const F t = f / (set(2.0f) + f);
+    const F s = t * t;
+    F p = set(2.0f / 15.0f);
+    p = p * s + set(2.0f / 13.0f);
+    p = p * s + set(2.0f / 11.0f);
+    p = p * s + set(2.0f / 9.0f);
+    p = p * s + set(2.0f / 7.0f);
+    p = p * s + set(2.0f / 5.0f);
+    p = p * s + set(2.0f / 3.0f);
+    p = p * s + set(2.0f);
+    return p * t * set(1.44269504088896341f);
+}
+
+// Precondition as for split_exponent. Absolute error below 2e-7 + 1 ulp of the result.
+inline F log2(F m) {
+    const Parts parts = split_exponent(m);
+    return parts.exponent + log2_one_plus(parts.fraction - set(1.0f));
+}
+
+// 2^y for y ≤ 0; 0 below −126 (the result would be denormal). Relative error below 3e-7.
+inline F exp2_negative(F y) {
+    const F kept = max(y, set(-126.0f));
+    const F whole = floor(kept + set(0.5f));
+    const F f = kept - whole;   // −½ … ½
+    F p = set(1.52527338e-5f);  // ln2^7 / 7!
+    p = p * f + set(1.54035304e-4f);
+    p = p * f + set(1.33335581e-3f);
+    p = p * f + set(9.61812911e-3f);
+    p = p * f + set(5.55041087e-2f);
+    p = p * f + set(2.40226507e-1f);
+    p = p * f + set(6.93147181e-1f);
+    p = p * f + set(1.0f);
+    const F scale = from_bits(shift_left<23>(to_int(whole) + set(127)));
+    return select(y < set(-126.0f), set(0.0f), p * scale);
+}
+
+// (cos)^shininess for the angle whose squared sine and squared cosine are given, each with its own
+// full relative precision: near the highlight's centre the power is taken from the sine, because
+// the cosine has lost its digits there (Kahan's advice for log1p). 0^0 is 1.
+inline F specular_power(F sine2, F cosine2, F shininess) {
+    const F c = max(cosine2, set(1.0e-37f));
+    const Parts parts = split_exponent(min(c, set(0.99999994f)));
+    const M close = sine2 < set(0.5f);
+    const F f = select(close, -sine2, parts.fraction - set(1.0f));
+    const F e = select(close, set(0.0f), parts.exponent);
+    return exp2_negative((e + log2_one_plus(f)) * (set(0.5f) * shininess));
+}

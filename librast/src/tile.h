@@ -1,0 +1,74 @@
+// The fixed sizes of the pipeline and the records that pass between its stages.
+//
+// Screen coordinates are pixels from the picture's centre, x right, y down. Snapped ones have 8
+// sub-pixel bits, at most guard_band pixels from the centre: 22 bits, which float holds exactly.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace rast::detail {
+
+inline constexpr int subpixel_bits = 8;
+inline constexpr std::int32_t subpixels = 1 << subpixel_bits;
+
+// Twice this is the largest picture; differences of snapped coordinates stay below 2^23 and edge
+// functions below 2^47: far inside 64 bits, and exact in double.
+inline constexpr double guard_band = 16384;
+
+inline constexpr std::int32_t tile_size = 64;
+inline constexpr std::int32_t tile_pixels = tile_size * tile_size;
+// The widest vector load may start at a tile's last pixel.
+inline constexpr std::int32_t tile_padding = 16;
+
+// Triangles that are set up and binned together: their records stay in a core's second-level cache
+// while the bins are written.
+inline constexpr std::uint32_t chunk_triangles = 4096;
+
+// A vertex on the screen, as the kernels read it.
+struct VertexRecord {
+    std::int32_t x = 0, y = 0;  // snapped, in 1/256 pixels; or x is one of the marks below
+    float w = 0;                // homogeneous
+    float depth = 0;            // reversed: 1 at the near plane
+};
+// Behind the near plane or beyond the guard band: only edge equations from double help.
+inline constexpr std::int32_t mark_unsnapped = INT32_MIN;
+inline constexpr std::int32_t mark_non_finite = INT32_MIN + 1;
+inline constexpr std::int32_t first_valid = -(1 << 30);  // every snapped coordinate is above
+
+inline constexpr std::uint32_t id_back_face = 0x80000000u;
+inline constexpr std::uint32_t id_none = 0xFFFFFFFFu;
+
+// A triangle with area on the sub-pixel grid, turned so that its edge functions are positive
+// inside.
+struct SetupTriangle {
+    std::int32_t x[3], y[3];  // in 1/256 pixels
+    float z0, dzdx, dzdy;     // depth plane through the first vertex, per pixel
+    float z_low, z_high;      // the corners' range: depth never leaves it; below 0: beyond the far
+                              // plane, not drawn
+    std::uint32_t id;         // triangle number, id_back_face set on back faces
+};
+
+// The part of the picture that is drawn.
+struct Window {
+    std::int32_t width = 0, height = 0;
+    std::int32_t first_x = 0, first_y = 0;  // centre of its pixel (0, 0), in 1/256 pixels
+    std::int32_t tiles_x = 0, tiles_y = 0;
+    std::uint32_t tile_count() const { return std::uint32_t(tiles_x) * std::uint32_t(tiles_y); }
+};
+
+// Where a tile's samples lie.
+struct TilePlace {
+    std::int32_t x = 0, y = 0;  // sample of its first pixel, in 1/256 pixels
+    std::int32_t width = tile_size, height = tile_size;
+};
+
+// Depth and triangle of one sample per pixel, row by row.
+struct TileSamples {
+    std::vector<float> depth;       // −1: nothing yet
+    std::vector<std::uint32_t> id;  // id_none: nothing yet
+    void clear();
+};
+
+}  // namespace rast::detail
