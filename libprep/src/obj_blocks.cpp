@@ -3,41 +3,198 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <memory>
+#include <mutex>
 
+#include "digits.h"
+#include "parallel.h"
 #include "text_scan.h"
 
 namespace prep::detail {
 namespace {
 
-// Small enough that two threads share a 10 MB file evenly, large enough that merging costs nothing.
-constexpr std::size_t block_size = std::size_t(1) << 21;
+// Small enough that a block's text and indices stay in a core's cache and two threads share a
+// 10 MB file evenly; large enough that merging costs nothing.
+constexpr std::size_t block_size = std::size_t(1) << 20;
 
-class BlockParser {
+// What a thread parses into, block after block: memory that has been touched is not given back
+// before all is done. A corner takes at least two characters, so nothing needs to grow.
+struct Scratch {
+    std::unique_ptr<char[]> text;
+    std::unique_ptr<ObjIndex[]> v, t, n;
+    std::size_t capacity = 0;
+
+    void reserve(std::size_t bytes) {
+        if (bytes <= capacity) return;
+        capacity = bytes;
+        // Not set to zero: memory that is not used is not touched.
+        text.reset(new char[bytes + padding]);
+        for (auto* list : {&v, &t, &n}) list->reset(new ObjIndex[bytes / 2 + 1]);
+    }
+    // A line end behind the last line, and what digit_run() may look at.
+    static constexpr std::size_t padding = 32;
+};
+
+class ScratchPool {
   public:
-    BlockParser(std::string_view text, ObjBlock& block) : text_(text), block_(block) {}
-
-    void run() {
-        block_.positions.reserve(text_.size() / 96);
-        const char* at = text_.data();
-        const char* const end = at + text_.size();
-        while (at != end && !block_.failure) {
-            const char* line_end = find_line_end(at, end);
-            const char* next = line_end == end ? end : line_end + 1;
-            ++block_.lines;
-            line_number_ = block_.lines;
-            const char* last = line_end;
-            if (last != at && last[-1] == '\r') --last;
-            if (last != at && last[-1] == '\\') {
-                next = join_continued(at, end);
-                statement(joined_.data(), joined_.data() + joined_.size());
-            } else {
-                statement(at, last);
-            }
-            at = next;
-        }
+    std::unique_ptr<Scratch> take() {
+        const std::lock_guard lock(mutex_);
+        if (free_.empty()) return std::make_unique<Scratch>();
+        auto scratch = std::move(free_.back());
+        free_.pop_back();
+        return scratch;
+    }
+    void give(std::unique_ptr<Scratch> scratch) {
+        const std::lock_guard lock(mutex_);
+        free_.push_back(std::move(scratch));
     }
 
   private:
+    std::mutex mutex_;
+    std::vector<std::unique_ptr<Scratch>> free_;
+};
+
+class BlockParser {
+  public:
+    BlockParser(Scratch& scratch, std::size_t size, const glm::dvec3& origin, ObjBlock& block)
+        : scratch_(scratch), size_(size), origin_(origin), block_(block) {}
+
+    void run() {
+        std::memset(scratch_.text.get() + size_, 0, Scratch::padding);
+        scratch_.text[size_] = '\n';
+        const char* at = scratch_.text.get();
+        const char* const end = at + size_;
+        // Lines of one kind come together; memory that is only reserved costs nothing.
+        if (size_ > 1 && at[0] == 'v') {
+            if (at[1] == ' ') block_.positions.reserve(size_ / 24);
+            if (at[1] == 't') block_.uvs.reserve(size_ / 20);
+            if (at[1] == 'n') block_.normals.reserve(size_ / 24);
+        }
+        while (at < end && !block_.failure) {
+            line_number_ = ++block_.lines;
+            if (!usual(at)) at = any_line(at, end);
+        }
+        take_corners();
+    }
+
+  private:
+    // Lines as nearly all are, read without looking for their ends first. False, with nothing
+    // changed, for all others.
+    bool usual(const char*& at) {
+        switch (at[0]) {
+            case 'f':
+                return at[1] == ' ' && usual_face(at);
+            case 'v':
+                if (at[1] == ' ') return usual_position(at);
+                if (at[1] == 't' && at[2] == ' ') return usual_texture(at);
+                if (at[1] == 'n' && at[2] == ' ') return usual_normal(at);
+                return false;
+            default:
+                return false;
+        }
+    }
+
+    static bool line_ends(const char*& at) {
+        while (*at == ' ') ++at;
+        if (at[0] == '\r' && at[1] == '\n') ++at;
+        if (*at != '\n') return false;
+        ++at;
+        return true;
+    }
+
+    template <int count>
+    static bool usual_numbers(const char*& at, double (&x)[count]) {
+        for (double& value : x) {
+            if (*at != ' ') return false;
+            while (*at == ' ') ++at;
+            if (!plain_decimal(at, value)) return false;
+        }
+        return line_ends(at);
+    }
+
+    bool usual_position(const char*& at) {
+        const char* p = at + 1;
+        double x[3];
+        if (!usual_numbers(p, x)) return false;
+        at = p;
+        add_position({x[0], x[1], x[2]});
+        if (!block_.colors.empty()) block_.colors.push_back(glm::vec4(1.0f));
+        return true;
+    }
+
+    bool usual_texture(const char*& at) {
+        const char* p = at + 2;
+        double x[2];
+        if (!usual_numbers(p, x)) return false;
+        at = p;
+        block_.uvs.push_back({float(x[0]), float(1.0 - x[1])});
+        return true;
+    }
+
+    bool usual_normal(const char*& at) {
+        const char* p = at + 2;
+        double x[3];
+        if (!usual_numbers(p, x)) return false;
+        at = p;
+        block_.normals.push_back({float(x[0]), float(x[1]), float(x[2])});
+        return true;
+    }
+
+    // Positive indices, blanks between them, at least three corners.
+    bool usual_face(const char*& at) {
+        ObjIndex* const v = scratch_.v.get();
+        ObjIndex* const t = scratch_.t.get();
+        ObjIndex* const n = scratch_.n.get();
+        std::size_t corner = corners_;
+        std::uint32_t any_t = 0, any_n = 0;
+        const char* p = at + 1;
+        for (;;) {
+            const bool blank = *p == ' ';
+            if (line_ends(p)) break;
+            const std::uint32_t index = blank ? positive_integer(p, max_obj_index) : 0;
+            if (index == 0) return false;
+            std::uint32_t texture = 0, normal = 0;
+            if (*p == '/') {
+                ++p;
+                if (*p != '/' && (texture = positive_integer(p, max_obj_index)) == 0) return false;
+                if (*p == '/' && (normal = positive_integer(++p, max_obj_index)) == 0) return false;
+            }
+            v[corner] = ObjIndex(index);
+            t[corner] = ObjIndex(texture);
+            n[corner] = ObjIndex(normal);
+            any_t |= texture;
+            any_n |= normal;
+            ++corner;
+        }
+        if (corner - corners_ < 3) return false;
+        block_.faces.close(std::uint32_t(corner - corners_), line_number_);
+        corners_ = corner;
+        any_t_ |= any_t != 0;
+        any_n_ |= any_n != 0;
+        at = p;
+        return true;
+    }
+
+    void take_corners() {
+        ObjElements& faces = block_.faces;
+        faces.v.assign(scratch_.v.get(), scratch_.v.get() + corners_);
+        if (any_t_) faces.t.assign(scratch_.t.get(), scratch_.t.get() + corners_);
+        if (any_n_) faces.n.assign(scratch_.n.get(), scratch_.n.get() + corners_);
+    }
+
+    const char* any_line(const char* at, const char* end) {
+        const char* line_end = find_line_end(at, end);
+        const char* last = line_end;
+        if (last != at && last[-1] == '\r') --last;
+        if (last != at && last[-1] == '\\') {
+            const char* next = join_continued(at, end);
+            statement(joined_.data(), joined_.data() + joined_.size());
+            return next;
+        }
+        statement(at, last);
+        return line_end == end ? end : line_end + 1;
+    }
+
     static const char* find_line_end(const char* at, const char* end) {
         const void* found = std::memchr(at, '\n', std::size_t(end - at));
         return found ? static_cast<const char*>(found) : end;
@@ -74,7 +231,7 @@ class BlockParser {
         if (word == "v") return position(scan, begin, end);
         if (word == "vt") return texture(scan, begin, end);
         if (word == "vn") return normal(scan, begin, end);
-        if (word == "f" || word == "fo") return element(scan, begin, end, block_.faces, 3);
+        if (word == "f" || word == "fo") return face(scan, begin, end);
         if (word == "l") return element(scan, begin, end, block_.polylines, 2);
         if (word == "p") return element(scan, begin, end, block_.points, 1);
         if (word == "usemtl") return event(ObjEvent::Kind::material, scan);
@@ -125,7 +282,7 @@ class BlockParser {
         // 3: xyz, 4: xyzw, 6: xyz rgb, 7: xyzw rgb. Rational weights divide.
         if ((count == 4 || count == 7) && x[3] != 0 && x[3] != 1) p /= x[3];
         note_finite(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z));
-        block_.positions.push_back(p);
+        add_position(p);
         if (count >= 6) {
             const double* c = x + (count == 7 ? 4 : 3);
             block_.colors.resize(block_.positions.size() - 1, glm::vec4(1.0f));
@@ -133,6 +290,11 @@ class BlockParser {
         } else if (!block_.colors.empty()) {
             block_.colors.push_back(glm::vec4(1.0f));
         }
+    }
+
+    void add_position(const glm::dvec3& p) {
+        block_.bounds.add(p);
+        block_.positions.push_back(glm::vec3(p - origin_));
     }
 
     void texture(LineScanner& scan, const char* begin, const char* end) {
@@ -159,12 +321,16 @@ class BlockParser {
         return true;
     }
 
-    void element(LineScanner& scan, const char* begin, const char* end, ObjElements& to,
-                 std::size_t least) {
-        const std::size_t first = to.corners.size();
+    struct Corner {
+        ObjIndex v = 0, t = 0, n = 0;
+    };
+
+    // The line's corners into line_corners_; false after a failure or a drop.
+    bool corners(LineScanner& scan, const char* begin, const char* end, std::size_t least) {
+        line_corners_.clear();
         while (!scan.at_end()) {
             if (scan.peek() == '#') break;
-            ObjCorner corner;
+            Corner corner;
             bool good = index(scan, block_.positions.size(), corner.v);
             if (good && scan.peek() == '/') {
                 scan.advance();
@@ -176,25 +342,44 @@ class BlockParser {
                         good = index(scan, block_.normals.size(), corner.n);
                 }
             }
-            if (!good || (scan.peek() != '\0' && !is_blank(scan.peek())))
-                return fail(
+            if (!good || (scan.peek() != '\0' && !is_blank(scan.peek()))) {
+                fail(
                     "expected v, v/vt, v//vn or v/vt/vn with indices from 1 to 2^30 - 1 "
                     "(or negative, counting back)",
                     begin, end);
-            to.corners.push_back(corner);
+                return false;
+            }
+            line_corners_.push_back(corner);
         }
-        if (to.corners.size() - first < least) {
-            to.corners.resize(first);
-            if (block_.short_faces++ == 0) block_.short_face_line = line_number_;
-            return;
+        if (line_corners_.size() >= least) return true;
+        if (block_.short_faces++ == 0) block_.short_face_line = line_number_;
+        return false;
+    }
+
+    void face(LineScanner& scan, const char* begin, const char* end) {
+        if (!corners(scan, begin, end, 3)) return;
+        for (const Corner& corner : line_corners_) {
+            scratch_.v[corners_] = corner.v;
+            scratch_.t[corners_] = corner.t;
+            scratch_.n[corners_] = corner.n;
+            ++corners_;
+            any_t_ |= corner.t != 0;
+            any_n_ |= corner.n != 0;
+            block_.faces.relative |= corner.v < 0 || corner.t < 0 || corner.n < 0;
         }
-        to.ends.push_back(std::uint32_t(to.corners.size()));
-        to.lines.push_back(line_number_);
+        block_.faces.close(std::uint32_t(line_corners_.size()), line_number_);
+    }
+
+    void element(LineScanner& scan, const char* begin, const char* end, ObjElements& to,
+                 std::size_t least) {
+        if (!corners(scan, begin, end, least)) return;
+        for (const Corner& corner : line_corners_) to.v.push_back(corner.v);
+        to.close(std::uint32_t(line_corners_.size()), line_number_);
     }
 
     void event(ObjEvent::Kind kind, LineScanner& scan) {
-        block_.events.push_back({kind, std::uint32_t(block_.faces.ends.size()), line_number_,
-                                 std::string(scan.rest()), 0});
+        block_.events.push_back(
+            {kind, block_.faces.count, line_number_, std::string(scan.rest()), 0});
     }
 
     void smoothing(LineScanner& scan, const char* begin, const char* end) {
@@ -208,42 +393,93 @@ class BlockParser {
             if (error != std::errc{} || after != word.data() + word.size())
                 return fail("expected a smoothing group number, on or off", begin, end);
         }
-        block_.events.push_back({ObjEvent::Kind::smoothing,
-                                 std::uint32_t(block_.faces.ends.size()),
-                                 line_number_,
-                                 {},
-                                 group});
+        block_.events.push_back(
+            {ObjEvent::Kind::smoothing, block_.faces.count, line_number_, {}, group});
     }
 
-    std::string_view text_;
+    Scratch& scratch_;
+    std::size_t size_;
+    glm::dvec3 origin_;
     ObjBlock& block_;
     std::uint32_t line_number_ = 0;
+    std::size_t corners_ = 0;  // of faces, in the scratch
+    bool any_t_ = false, any_n_ = false;
     std::string joined_;
+    std::vector<Corner> line_corners_;
 };
 
-}  // namespace
-
-std::vector<std::size_t> obj_block_starts(std::string_view text) {
+// Where each block begins: behind the first line end after a multiple of the block size that no
+// continuation joins to the next line. One more than there are blocks. Empty when reading failed.
+std::vector<std::size_t> block_starts(const ObjSource& source) {
+    constexpr std::size_t piece = 4096;
+    const std::size_t size = source.size();
+    char text[piece + 2];
     std::vector<std::size_t> starts{0};
-    for (;;) {
-        const std::size_t at = starts.back() + block_size;
-        std::size_t line_end = at < text.size() ? text.find('\n', at) : std::string_view::npos;
-        while (line_end != std::string_view::npos) {
-            std::size_t last = line_end;
-            if (last > 0 && text[last - 1] == '\r') --last;
-            if (last == 0 || text[last - 1] != '\\') break;
-            line_end = text.find('\n', line_end + 1);
-        }
-        if (line_end == std::string_view::npos || line_end + 1 >= text.size()) break;
-        starts.push_back(line_end + 1);
+    if (size >= 3) {
+        if (!source.read(0, 3, text)) return {};
+        if (std::string_view(text, 3) == "\xef\xbb\xbf") starts[0] = 3;  // byte order mark
     }
+    for (std::size_t at = starts[0] + block_size; at < size;) {
+        // Two characters more in front, to see a continuation.
+        const std::size_t from = at - 2, to = std::min(size, at + piece);
+        if (!source.read(from, to, text)) return {};
+        std::size_t found = 0;
+        for (std::size_t i = 2; i < to - from && !found; ++i) {
+            if (text[i] != '\n') continue;
+            const char before = text[i - 1] == '\r' ? text[i - 2] : text[i - 1];
+            if (before != '\\') found = from + i + 1;
+        }
+        if (found == 0) {
+            at = to;
+        } else {
+            if (found < size) starts.push_back(found);
+            at = found + block_size;
+        }
+    }
+    starts.push_back(size);
     return starts;
 }
 
-ObjBlock parse_obj_block(std::string_view text) {
-    ObjBlock block;
-    BlockParser(text, block).run();
-    return block;
+}  // namespace
+
+std::uint32_t ObjElements::line_of_corner(std::size_t corner) const {
+    std::size_t element = 0;
+    for (std::size_t r = 0; r < sizes.size(); ++r) {
+        const std::size_t end = r + 1 < sizes.size() ? sizes[r + 1].element : count;
+        const std::size_t corners = (end - sizes[r].element) * sizes[r].value;
+        if (corner < corners) {
+            element = sizes[r].element + corner / sizes[r].value;
+            break;
+        }
+        corner -= corners;
+    }
+    const auto after =
+        std::upper_bound(lines.begin(), lines.end(), element,
+                         [](std::size_t e, const Run& run) { return e < run.element; });
+    const Run& run = after[-1];
+    return run.value + std::uint32_t(element - run.element);
+}
+
+Result<std::vector<ObjBlock>> parse_obj_blocks(const ObjSource& source, const std::string& name,
+                                               int threads, const glm::dvec3& origin) {
+    const Error unreadable{ErrorCode::io, "cannot read the file to its end", name};
+    const std::vector<std::size_t> starts = block_starts(source);
+    if (starts.empty()) return unreadable;
+    std::vector<ObjBlock> blocks(starts.size() - 1);
+    std::vector<char> unread(blocks.size(), 0);
+    ScratchPool pool;
+    parallel_blocks(blocks.size(), 1, threads, [&](std::size_t b, std::size_t) {
+        const std::size_t size = starts[b + 1] - starts[b];
+        auto scratch = pool.take();
+        scratch->reserve(std::max(size, block_size + block_size / 16));
+        if (source.read(starts[b], starts[b + 1], scratch->text.get()))
+            BlockParser(*scratch, size, origin, blocks[b]).run();
+        else
+            unread[b] = 1;
+        pool.give(std::move(scratch));
+    });
+    if (std::find(unread.begin(), unread.end(), 1) != unread.end()) return unreadable;
+    return blocks;
 }
 
 }  // namespace prep::detail

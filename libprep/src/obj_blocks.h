@@ -6,10 +6,12 @@
 #include <glm/glm.hpp>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
+#include "obj_source.h"
 #include "prep/mesh.h"
+#include "prep/result.h"
+#include "rebase.h"
 
 namespace prep::detail {
 
@@ -19,10 +21,6 @@ namespace prep::detail {
 using ObjIndex = std::int32_t;
 inline constexpr std::int32_t relative_bias = 1 << 30;
 inline constexpr std::int64_t max_obj_index = (std::int64_t(1) << 30) - 1;
-
-struct ObjCorner {
-    ObjIndex v = 0, t = 0, n = 0;
-};
 
 struct ObjEvent {  // a change of state, before the block's face number `face`
     enum class Kind : std::uint8_t { material, group, object, smoothing, library };
@@ -37,15 +35,31 @@ struct ObjTag {  // a subdivision tag line, read when all counts are known
     std::string text;
 };
 
-struct ObjElements {  // faces or polylines
-    std::vector<ObjCorner> corners;
-    std::vector<std::uint32_t> ends;   // after each element's last corner
-    std::vector<std::uint32_t> lines;  // where each stands, from 1 in this block
+// Faces, polylines or points. `t` and `n` are empty when no corner has any.
+struct ObjElements {
+    struct Run {  // from this element on, until the next run
+        std::uint32_t element;
+        std::uint32_t value;
+    };
+    std::vector<ObjIndex> v, t, n;
+    std::vector<Run> sizes;  // corners of each element
+    std::vector<Run> lines;  // line of the first; each of the others stands on the next line
+    std::uint32_t count = 0;
+    bool relative = false;  // whether any index is
+
+    void close(std::uint32_t corners, std::uint32_t line) {
+        if (sizes.empty() || sizes.back().value != corners) sizes.push_back({count, corners});
+        if (lines.empty() || lines.back().value + (count - lines.back().element) != line)
+            lines.push_back({count, line});
+        ++count;
+    }
+    std::uint32_t line_of_corner(std::size_t corner) const;
 };
 
 struct ObjBlock {
-    std::vector<glm::dvec3> positions;
-    std::vector<glm::vec4> colors;  // empty, or one per position (white where it has none)
+    std::vector<glm::vec3> positions;  // about the origin that parsing was given
+    PositionBounds bounds;             // of the coordinates as written
+    std::vector<glm::vec4> colors;     // empty, or one per position (white where it has none)
     std::vector<glm::vec2> uvs;
     std::vector<glm::vec3> normals;
     ObjElements faces, polylines, points;
@@ -65,10 +79,10 @@ struct ObjBlock {
     std::optional<Failure> failure;  // the first; parsing of the block ends there
 };
 
-// Block boundaries: a multiple of the block size moved to behind the next line end that no
-// continuation joins. Never depends on the number of threads.
-std::vector<std::size_t> obj_block_starts(std::string_view text);
-
-ObjBlock parse_obj_block(std::string_view text);
+// Cuts the text into blocks and parses each. The cuts depend on the text's size and line ends
+// alone, never on the number of threads. Errors: io (`name` is the place).
+Result<std::vector<ObjBlock>> parse_obj_blocks(const ObjSource& source, const std::string& name,
+                                               int threads,
+                                               const glm::dvec3& origin = glm::dvec3(0.0));
 
 }  // namespace prep::detail

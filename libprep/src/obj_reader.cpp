@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <optional>
 #include <unordered_map>
 
 #include "obj_blocks.h"
@@ -20,8 +21,8 @@ struct Counts {
 
 class Assembler {
   public:
-    Assembler(std::vector<ObjBlock> blocks, const ObjOptions& options)
-        : blocks_(std::move(blocks)), options_(options) {}
+    Assembler(std::vector<ObjBlock> blocks, const glm::dvec3& origin, const ObjOptions& options)
+        : blocks_(std::move(blocks)), origin_(origin), options_(options) {}
 
     Result<Scene> run() {
         if (auto done = count(); !done) return std::move(done).error();
@@ -29,6 +30,7 @@ class Assembler {
         scene_.meshes.emplace_back();
         mesh_ = &scene_.meshes.back();
         mesh_->name = std::filesystem::path(options_.name).stem().string();
+        make_room();
         vertices();
         if (auto done = faces(); !done) return std::move(done).error();
         if (auto done = polylines(); !done) return std::move(done).error();
@@ -57,9 +59,9 @@ class Assembler {
                 return error_at(base.lines + block.failure->line, block.failure->text,
                                 ErrorCode::syntax);
             bases_[b + 1] = {
-                base.positions + block.positions.size(),   base.uvs + block.uvs.size(),
-                base.normals + block.normals.size(),       base.faces + block.faces.ends.size(),
-                base.corners + block.faces.corners.size(), base.lines + block.lines};
+                base.positions + block.positions.size(), base.uvs + block.uvs.size(),
+                base.normals + block.normals.size(),     base.faces + block.faces.count,
+                base.corners + block.faces.v.size(),     base.lines + block.lines};
         }
         const Counts& total = bases_.back();
         const std::size_t limit = std::size_t(relative_bias);
@@ -71,22 +73,42 @@ class Assembler {
         return {};
     }
 
-    void vertices() {
+    static bool any(const std::vector<ObjBlock>& blocks, std::vector<ObjIndex> ObjElements::*list) {
+        return std::any_of(blocks.begin(), blocks.end(),
+                           [&](const ObjBlock& block) { return !(block.faces.*list).empty(); });
+    }
+
+    // All lists at their full size. Memory is first touched here: each list on a thread of its own.
+    void make_room() {
         const Counts& total = bases_.back();
-        std::vector<glm::dvec3> positions(total.positions);
-        scene_.meshes[0].uvs.clear();
-        uvs_.resize(total.uvs);
-        mesh_->normals.values.resize(total.normals);
+        const bool uv = any(blocks_, &ObjElements::t), normals = any(blocks_, &ObjElements::n);
+        if (uv) mesh_->uvs.resize(1);
+        parallel_blocks(7, 1, options_.threads, [&](std::size_t list, std::size_t) {
+            if (list == 0) mesh_->corner_vertices.resize(total.corners);
+            if (list == 1 && uv) mesh_->uvs[0].indices.resize(total.corners);
+            if (list == 2 && normals) mesh_->normals.indices.resize(total.corners);
+            if (list == 3) mesh_->positions.resize(total.positions);
+            if (list == 4) mesh_->face_offsets.resize(total.faces + 1);
+            if (list == 5 && uv) mesh_->uvs[0].values.resize(total.uvs);
+            if (list == 6 && normals) mesh_->normals.values.resize(total.normals);
+        });
+    }
+
+    void vertices() {
+        mesh_->origin = origin_;
+        const bool uv = !mesh_->uvs.empty(), normals = !mesh_->normals.indices.empty();
         parallel_blocks(blocks_.size(), 1, options_.threads, [&](std::size_t b, std::size_t) {
             const ObjBlock& block = blocks_[b];
             const Counts& base = bases_[b];
             std::copy(block.positions.begin(), block.positions.end(),
-                      positions.begin() + std::ptrdiff_t(base.positions));
-            std::copy(block.uvs.begin(), block.uvs.end(), uvs_.begin() + std::ptrdiff_t(base.uvs));
-            std::copy(block.normals.begin(), block.normals.end(),
-                      mesh_->normals.values.begin() + std::ptrdiff_t(base.normals));
+                      mesh_->positions.begin() + std::ptrdiff_t(base.positions));
+            if (uv)
+                std::copy(block.uvs.begin(), block.uvs.end(),
+                          mesh_->uvs[0].values.begin() + std::ptrdiff_t(base.uvs));
+            if (normals)
+                std::copy(block.normals.begin(), block.normals.end(),
+                          mesh_->normals.values.begin() + std::ptrdiff_t(base.normals));
         });
-        set_positions(*mesh_, positions);
     }
 
     // The 0-based index into all the file's elements; false when there is no such element.
@@ -102,70 +124,70 @@ class Assembler {
         return true;
     }
 
-    struct BadIndex {  // the first in a block
-        bool found = false;
-        std::size_t line = 0;
-        std::string text;
-    };
+    // One block's indices of one kind, absent ones (an empty list) included. Returns the first
+    // corner whose index is out of range, or their number.
+    static std::size_t resolve_list(const std::vector<ObjIndex>& from, bool relative,
+                                    std::size_t base, std::size_t total, std::size_t corners,
+                                    Index* to) {
+        if (from.empty()) {
+            std::fill(to, to + corners, no_index);
+            return corners;
+        }
+        if (!relative) {
+            // 0 becomes no_index by itself; it is over any total, so that it needs the second look.
+            bool doubtful = false;
+            for (std::size_t c = 0; c < corners; ++c) {
+                to[c] = Index(from[c]) - 1;
+                doubtful |= to[c] >= total;
+            }
+            if (!doubtful) return corners;
+        }
+        for (std::size_t c = 0; c < corners; ++c)
+            if (!resolve(from[c], base, total, to[c])) return c;
+        return corners;
+    }
 
-    void report(BadIndex& bad, std::size_t block, const ObjElements& elements, std::size_t corner,
-                const char* what, ObjIndex raw, std::size_t base, std::size_t total) const {
-        const std::size_t element =
-            std::size_t(std::upper_bound(elements.ends.begin(), elements.ends.end(), corner) -
-                        elements.ends.begin());
-        bad.found = true;
-        bad.line = line_of(block, elements.lines[element]);
+    Error out_of_range(std::size_t block, const ObjElements& elements, std::size_t corner,
+                       const char* what, ObjIndex raw, std::size_t base, std::size_t total) const {
         const std::int64_t written =
             raw > 0 ? raw : std::int64_t(base) - (std::int64_t(raw) + relative_bias) + 1;
-        bad.text = std::string(what) + " index " + std::to_string(written) +
-                   " is out of range: the file has " + std::to_string(total);
+        return error_at(line_of(block, elements.line_of_corner(corner)),
+                        std::string(what) + " index " + std::to_string(written) +
+                            " is out of range: the file has " + std::to_string(total));
     }
 
     Result<void> faces() {
         const Counts& total = bases_.back();
-        mesh_->face_offsets.resize(total.faces + 1);
-        mesh_->corner_vertices.resize(total.corners);
-        std::vector<Index> uv_indices(total.corners), normal_indices(total.corners);
-        std::vector<BadIndex> bad(blocks_.size());
-        std::vector<char> has_uv(blocks_.size(), 0), has_normal(blocks_.size(), 0);
+        std::vector<std::optional<Error>> bad(blocks_.size());
         parallel_blocks(blocks_.size(), 1, options_.threads, [&](std::size_t b, std::size_t) {
             const ObjElements& faces = blocks_[b].faces;
             const Counts& base = bases_[b];
-            for (std::size_t f = 0; f < faces.ends.size(); ++f)
-                mesh_->face_offsets[base.faces + f + 1] = Index(base.corners + faces.ends[f]);
-            for (std::size_t c = 0; c < faces.corners.size(); ++c) {
-                const ObjCorner& corner = faces.corners[c];
-                const std::size_t to = base.corners + c;
-                const auto take = [&](ObjIndex raw, std::size_t local, std::size_t all, Index& out,
-                                      const char* what) {
-                    if (resolve(raw, local, all, out)) return true;
-                    report(bad[b], b, faces, c, what, raw, local, all);
-                    return false;
-                };
-                if (!take(corner.v, base.positions, total.positions, mesh_->corner_vertices[to],
-                          "vertex") ||
-                    !take(corner.t, base.uvs, total.uvs, uv_indices[to], "texture coordinate") ||
-                    !take(corner.n, base.normals, total.normals, normal_indices[to], "normal"))
-                    return;
-                has_uv[b] |= corner.t != 0;
-                has_normal[b] |= corner.n != 0;
+            Index end = Index(base.corners);
+            Index* offset = mesh_->face_offsets.data() + base.faces + 1;
+            for (std::size_t r = 0; r < faces.sizes.size(); ++r) {
+                const Index until =
+                    r + 1 < faces.sizes.size() ? faces.sizes[r + 1].element : faces.count;
+                for (Index f = faces.sizes[r].element; f < until; ++f)
+                    *offset++ = end += faces.sizes[r].value;
             }
+            const std::size_t corners = faces.v.size();
+            std::size_t first = corners;
+            const auto take = [&](const std::vector<ObjIndex>& from, std::vector<Index>& to,
+                                  std::size_t local, std::size_t all, const char* what) {
+                if (to.empty()) return;
+                const std::size_t c = resolve_list(from, faces.relative, local, all, corners,
+                                                   to.data() + base.corners);
+                if (c >= first) return;  // the file's first error is the one to name
+                first = c;
+                bad[b] = out_of_range(b, faces, c, what, from[c], local, all);
+            };
+            take(faces.v, mesh_->corner_vertices, base.positions, total.positions, "vertex");
+            if (!mesh_->uvs.empty())
+                take(faces.t, mesh_->uvs[0].indices, base.uvs, total.uvs, "texture coordinate");
+            take(faces.n, mesh_->normals.indices, base.normals, total.normals, "normal");
         });
-        for (const BadIndex& first : bad)
-            if (first.found) return error_at(first.line, first.text);
-        const auto any = [](const std::vector<char>& flags) {
-            return std::find(flags.begin(), flags.end(), 1) != flags.end();
-        };
-        if (any(has_uv)) {
-            mesh_->uvs.emplace_back();
-            mesh_->uvs[0].values = std::move(uvs_);
-            mesh_->uvs[0].indices = std::move(uv_indices);
-        }
-        if (any(has_normal)) {
-            mesh_->normals.indices = std::move(normal_indices);
-        } else {
-            mesh_->normals = {};
-        }
+        for (std::optional<Error>& first : bad)
+            if (first) return std::move(*first);
         return {};
     }
 
@@ -174,20 +196,22 @@ class Assembler {
         for (std::size_t b = 0; b < blocks_.size(); ++b) {
             for (const bool lines : {true, false}) {
                 const ObjElements& elements = lines ? blocks_[b].polylines : blocks_[b].points;
-                for (std::size_t c = 0; c < elements.corners.size(); ++c) {
+                for (std::size_t c = 0; c < elements.v.size(); ++c) {
                     Index v = no_index;
-                    if (!resolve(elements.corners[c].v, bases_[b].positions, total, v)) {
-                        BadIndex bad;
-                        report(bad, b, elements, c, "vertex", elements.corners[c].v,
-                               bases_[b].positions, total);
-                        return error_at(bad.line, bad.text);
-                    }
+                    if (!resolve(elements.v[c], bases_[b].positions, total, v))
+                        return out_of_range(b, elements, c, "vertex", elements.v[c],
+                                            bases_[b].positions, total);
                     (lines ? mesh_->line_vertices : mesh_->points).push_back(v);
                 }
                 if (!lines) continue;
-                const Index base = mesh_->line_offsets.back();
-                for (const std::uint32_t end : elements.ends)
-                    mesh_->line_offsets.push_back(base + end);
+                for (std::size_t r = 0; r < elements.sizes.size(); ++r) {
+                    const Index until = r + 1 < elements.sizes.size()
+                                            ? elements.sizes[r + 1].element
+                                            : elements.count;
+                    for (Index l = elements.sizes[r].element; l < until; ++l)
+                        mesh_->line_offsets.push_back(mesh_->line_offsets.back() +
+                                                      elements.sizes[r].value);
+                }
             }
         }
         return {};
@@ -396,37 +420,45 @@ class Assembler {
     }
 
     std::vector<ObjBlock> blocks_;
+    glm::dvec3 origin_;
     const ObjOptions& options_;
     std::vector<Counts> bases_;
-    std::vector<glm::vec2> uvs_;
     Scene scene_;
     Mesh* mesh_ = nullptr;
     std::unordered_map<std::string, Index> materials_, parts_;
     bool missing_library_ = false;
 };
 
+Result<Scene> read_obj(const ObjSource& source, const ObjOptions& options) {
+    auto blocks = parse_obj_blocks(source, options.name, options.threads);
+    if (!blocks) return std::move(blocks).error();
+    PositionBounds bounds;
+    for (const ObjBlock& block : *blocks) bounds.add(block.bounds);
+    const glm::dvec3 origin = bounds.origin();
+    if (origin != glm::dvec3(0.0)) {
+        // Far from zero, which is rare: once more, now with the place that floats are about. To
+        // keep every coordinate in double until that is known would cost all other files more.
+        blocks = parse_obj_blocks(source, options.name, options.threads, origin);
+        if (!blocks) return std::move(blocks).error();
+    }
+    return Assembler(*std::move(blocks), origin, options).run();
+}
+
 }  // namespace
 
 Result<Scene> parse_obj(std::span<const std::byte> bytes, const ObjOptions& options) {
-    std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-    if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);  // byte order mark
-    const std::vector<std::size_t> starts = obj_block_starts(text);
-    std::vector<ObjBlock> blocks(starts.size());
-    parallel_blocks(blocks.size(), 1, options.threads, [&](std::size_t b, std::size_t) {
-        const std::size_t end = b + 1 < starts.size() ? starts[b + 1] : text.size();
-        blocks[b] = parse_obj_block(text.substr(starts[b], end - starts[b]));
-    });
-    return Assembler(std::move(blocks), options).run();
+    return read_obj(ObjMemory({reinterpret_cast<const char*>(bytes.data()), bytes.size()}),
+                    options);
 }
 
 Result<Scene> load_obj(const std::filesystem::path& path, int threads) {
-    const auto bytes = read_file(path);
-    if (!bytes) return bytes.error();
+    ObjFile file;
+    if (auto opened = file.open(path); !opened) return std::move(opened).error();
     ObjOptions options;
     options.name = path.filename().string();
     options.directory = path.parent_path();
     options.threads = threads;
-    auto scene = parse_obj(*bytes, options);
+    auto scene = read_obj(file, options);
     if (scene) scene->source = path;
     return scene;
 }
