@@ -22,7 +22,7 @@ class Walker {
     Walker(std::span<const std::byte> bytes, const std::string& name)
         : bytes_(bytes), name_(name) {}
 
-    Result<void> run() {
+    Result<std::string> run() {
         if (bytes_.size() < 16) return fail("the file is shorter than an OM header");
         if (byte(0) != 'O' || byte(1) != 'M')
             return fail("expected \"OM\" at the beginning: not an OM file");
@@ -43,15 +43,22 @@ class Walker {
                         std::to_string(faces_) + " faces and " + std::to_string(edges_) +
                         " edges, more than the file has room for");
         at_ = 16;
+        keep(0, at_);
         while (left() >= 2) {
             const std::size_t begin = at_;
             const unsigned head = unsigned(byte(at_)) | unsigned(byte(at_ + 1)) << 8;
             at_ += 2;
-            if ((head >> 2 & 7) == sentinel) return complete();
+            if ((head >> 2 & 7) == sentinel) {
+                if (auto done = complete(); !done) return std::move(done).error();
+                keep(begin, at_);
+                return std::move(kept_);
+            }
+            kind_ = Kind::other;
             if (auto done = chunk(head); !done) {
                 at_ = begin;
                 return fail(std::move(done).error().text);
             }
+            if (kind_ == Kind::mesh) keep(begin, at_);
         }
         return fail("the file ends without its last chunk: it is cut short");
     }
@@ -68,6 +75,10 @@ class Walker {
         return {ErrorCode::syntax, std::move(text), name_ + ", byte " + std::to_string(at_)};
     }
 
+    void keep(std::size_t begin, std::size_t end) {
+        kept_.append(reinterpret_cast<const char*>(bytes_.data()) + begin, end - begin);
+    }
+
     Result<void> complete() const {
         if (vertices_ > 0 && !have_positions_) return fail("the file has no positions");
         if (edges_ > 0 && !have_halfedges_) return fail("the file has no half-edges");
@@ -79,7 +90,8 @@ class Walker {
         const unsigned entity = head >> 2 & 7, type = head >> 5 & 15, dim = (head >> 11 & 7) + 1;
         const unsigned bits = head >> 14 & 3;
         const bool floats = head >> 10 & 1;
-        if (head >> 1 & 1) {  // named: 16-bit length and characters
+        const bool named = head >> 1 & 1;
+        if (named) {  // 16-bit length and characters
             if (left() < 2) return fail("a chunk's name is cut short");
             const std::size_t length = std::size_t(byte(at_)) | std::size_t(byte(at_ + 1)) << 8;
             if (length > 256 || left() - 2 < length) return fail("a chunk's name is cut short");
@@ -111,6 +123,9 @@ class Walker {
             size = number(at_);
             at_ += 4;
         } else if (type == topology) {
+            if (named || dim != (entity == halfedges ? 3u : 1u))
+                return fail("connectivity of an unknown kind");
+            kind_ = Kind::mesh;
             return connect(entity, count, std::size_t(1) << bits);
         } else if (type == positions || type == normals || type == texcoords) {
             const bool known = entity == vertices || (entity == faces && type == normals) ||
@@ -119,6 +134,7 @@ class Walker {
                 return fail("positions, normals and texture coordinates of an unknown kind");
             if (type == positions && have_positions_) return fail("positions a second time");
             have_positions_ |= type == positions;
+            if (entity == vertices && !named) kind_ = Kind::mesh;
             size = count * dim * (std::uint64_t(4) << bits);
         } else if (type == status || type == color) {
             if (type == color && (dim < 3 || dim > 4)) return fail("colours of an unknown kind");
@@ -168,8 +184,12 @@ class Walker {
         return {};
     }
 
+    enum class Kind { other, mesh };
+
     std::span<const std::byte> bytes_;
     const std::string& name_;
+    std::string kept_;
+    Kind kind_ = Kind::other;  // of the chunk being read
     std::size_t at_ = 0;
     std::uint64_t vertices_ = 0, faces_ = 0, edges_ = 0;
     bool have_positions_ = false, have_halfedges_ = false, have_outgoing_ = false,
@@ -178,7 +198,7 @@ class Walker {
 
 }  // namespace
 
-Result<void> check_om_structure(std::span<const std::byte> bytes, const std::string& name) {
+Result<std::string> checked_om(std::span<const std::byte> bytes, const std::string& name) {
     return Walker(bytes, name).run();
 }
 

@@ -72,7 +72,8 @@ Mesh convert(HalfEdgeMesh& from, const std::string& name, const OpenMesh::IO::Op
 
 Result<Scene> load_om(std::span<const std::byte> bytes, const std::filesystem::path& path) {
     const std::string name = path.filename().string();
-    if (auto checked = check_om_structure(bytes, name); !checked) return std::move(checked).error();
+    auto checked = checked_om(bytes, name);
+    if (!checked) return std::move(checked).error();
     try {
         HalfEdgeMesh mesh;
         mesh.request_vertex_normals();
@@ -80,8 +81,7 @@ Result<Scene> load_om(std::span<const std::byte> bytes, const std::filesystem::p
         OpenMesh::IO::Options options;
         options += OpenMesh::IO::Options::VertexNormal;
         options += OpenMesh::IO::Options::VertexTexCoord;
-        std::istringstream stream(
-            std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
+        std::istringstream stream(*std::move(checked));
         // OpenMesh reports trouble on its own streams; a library stays silent.
         omlog().disable();
         omerr().disable();
