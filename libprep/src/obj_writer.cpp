@@ -1,44 +1,25 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <optional>
 #include <unordered_map>
 
 #include "file_set.h"
-#include "parallel.h"
+#include "number_text.h"
+#include "text_blocks.h"
 #include "writers.h"
 
 namespace prep::detail {
 namespace {
 
 using Index = std::uint32_t;
-constexpr std::size_t line_grain = 32768;
 
-// Shortest digits that read back as the same value.
-template <class Number>
-void append_number(std::string& out, Number value) {
-    char digits[40];
-    const auto [end, error] = std::to_chars(digits, digits + sizeof digits, value);
-    out.append(digits, end);
-}
-
-void append_index(std::string& out, std::uint64_t value) {
-    char digits[24];
-    const auto [end, error] = std::to_chars(digits, digits + sizeof digits, value);
-    out.append(digits, end);
-}
-
-// Lines for `count` items, formatted in blocks on all threads and joined in order.
-template <class Line>
-void append_lines(std::string& out, std::size_t count, const Line& line) {
-    std::vector<std::string> blocks((count + line_grain - 1) / line_grain);
-    parallel_blocks(count, line_grain, 0, [&](std::size_t begin, std::size_t end) {
-        std::string& block = blocks[begin / line_grain];
-        block.reserve((end - begin) * 32);
-        for (std::size_t i = begin; i < end; ++i) line(block, i);
-    });
-    for (const std::string& block : blocks) out += block;
+char* write_floats(char* to, const float* values, int count) {
+    for (int k = 0; k < count; ++k) {
+        *to++ = ' ';
+        to = write_float(to, values[k]);
+    }
+    return to;
 }
 
 std::string one_word(std::string name) {
@@ -53,11 +34,11 @@ class ObjWriter {
         : scene_(prepared.scene), path_(path) {}
 
     WriteResult run() {
-        out_ = "# meshprep\n";
+        text_.text() = "# meshprep\n";
         std::string mtl;
         if (!scene_.materials.empty()) {
             mtl = materials();
-            out_ += fmt::format("mtllib {}.mtl\n", path_.stem().string());
+            text_.text() += fmt::format("mtllib {}.mtl\n", path_.stem().string());
         }
         const std::vector<glm::dmat4> world = world_transforms(scene_);
         bool instanced = false, extra = false;
@@ -81,8 +62,7 @@ class ObjWriter {
                 return std::move(done).error();
         }
         if (failure_) return std::move(*failure_);
-        if (auto done = files_.add(path_, std::as_bytes(std::span(out_))); !done)
-            return std::move(done).error();
+        if (auto done = files_.add(path_, text_.parts()); !done) return std::move(done).error();
         if (auto done = files_.commit(); !done) return std::move(done).error();
         return std::move(notes_);
     }
@@ -98,56 +78,66 @@ class ObjWriter {
         const glm::dmat3 linear(world);
         const bool moved = world != glm::dmat4(1.0) || mesh.origin != glm::dvec3(0.0);
         const std::vector<glm::vec4> colors = vertex_colors(mesh);
-        append_lines(out_, mesh.vertex_count(), [&](std::string& out, std::size_t v) {
-            out += 'v';
+        text_.short_lines(mesh.vertex_count(), 8 * max_number_text, [&](char* to, std::size_t v) {
+            *to++ = 'v';
             if (moved) {
                 const glm::dvec3 p(world *
                                    glm::dvec4(glm::dvec3(mesh.positions[v]) + mesh.origin, 1.0));
-                for (int k = 0; k < 3; ++k) out += ' ', append_number(out, p[k]);
+                for (int k = 0; k < 3; ++k) {
+                    *to++ = ' ';
+                    to = write_double(to, p[k]);
+                }
             } else {
-                for (int k = 0; k < 3; ++k) out += ' ', append_number(out, mesh.positions[v][k]);
+                to = write_floats(to, &mesh.positions[v].x, 3);
             }
-            if (!colors.empty())
-                for (int k = 0; k < 3; ++k) out += ' ', append_number(out, colors[v][k]);
-            out += '\n';
+            if (!colors.empty()) to = write_floats(to, &colors[v].x, 3);
+            *to++ = '\n';
+            return to;
         });
         const bool uv = !mesh.uvs.empty() && !mesh.uvs[0].empty(), normals = !mesh.normals.empty();
         if (uv)
-            append_lines(out_, mesh.uvs[0].values.size(), [&](std::string& out, std::size_t i) {
-                const glm::vec2& t = mesh.uvs[0].values[i];
-                out += "vt ";
-                append_number(out, t.x);
-                out += ' ';
-                // The origin moves from the top left to the bottom left.
-                append_number(out, 1.0 - double(t.y));
-                out += '\n';
-            });
+            text_.short_lines(mesh.uvs[0].values.size(), 4 * max_number_text,
+                              [&](char* to, std::size_t i) {
+                                  const glm::vec2& t = mesh.uvs[0].values[i];
+                                  *to++ = 'v';
+                                  *to++ = 't';
+                                  to = write_floats(to, &t.x, 1);
+                                  *to++ = ' ';
+                                  // The origin moves from the top left to the bottom left.
+                                  to = write_flipped(to, t.y);
+                                  *to++ = '\n';
+                                  return to;
+                              });
         if (normals) {
             const double sign = glm::determinant(linear) < 0 ? -1 : 1;
             const glm::dmat3 cofactor(glm::cross(linear[1], linear[2]),
                                       glm::cross(linear[2], linear[0]),
                                       glm::cross(linear[0], linear[1]));
             const bool turned = linear != glm::dmat3(1.0);
-            append_lines(out_, mesh.normals.values.size(), [&](std::string& out, std::size_t i) {
-                glm::vec3 n = mesh.normals.values[i];
-                if (turned) {
-                    const glm::dvec3 t = cofactor * glm::dvec3(n) * sign;
-                    const double length = glm::length(t);
-                    if (length > 0) n = glm::vec3(t / length);
-                }
-                out += "vn";
-                for (int k = 0; k < 3; ++k) out += ' ', append_number(out, n[k]);
-                out += '\n';
-            });
+            text_.short_lines(mesh.normals.values.size(), 4 * max_number_text,
+                              [&](char* to, std::size_t i) {
+                                  glm::vec3 n = mesh.normals.values[i];
+                                  if (turned) {
+                                      const glm::dvec3 t = cofactor * glm::dvec3(n) * sign;
+                                      const double length = glm::length(t);
+                                      if (length > 0) n = glm::vec3(t / length);
+                                  }
+                                  *to++ = 'v';
+                                  *to++ = 'n';
+                                  to = write_floats(to, &n.x, 3);
+                                  *to++ = '\n';
+                                  return to;
+                              });
         }
         faces(mesh, uv, normals);
         for (std::size_t l = 0; l + 1 < mesh.line_offsets.size(); ++l) {
-            out_ += 'l';
+            text_.text() += 'l';
             for (Index k = mesh.line_offsets[l]; k < mesh.line_offsets[l + 1]; ++k)
-                out_ += fmt::format(" {}", vertex_base_ + mesh.line_vertices[k] + 1);
-            out_ += '\n';
+                text_.text() += fmt::format(" {}", vertex_base_ + mesh.line_vertices[k] + 1);
+            text_.text() += '\n';
         }
-        for (const Index v : mesh.points) out_ += fmt::format("p {}\n", vertex_base_ + v + 1);
+        for (const Index v : mesh.points)
+            text_.text() += fmt::format("p {}\n", vertex_base_ + v + 1);
         tags(mesh);
         vertex_base_ += mesh.vertex_count();
         if (uv) uv_base_ += mesh.uvs[0].values.size();
@@ -183,10 +173,11 @@ class ObjWriter {
             const Index s = value(mesh.face_smoothing, f, 0);
             part(mesh, p);
             if (m != material_)
-                out_ += fmt::format("usemtl {}\n", m < scene_.materials.size()
-                                                       ? material_name(m)
-                                                       : std::string("default"));
-            if (s != smoothing_) out_ += s ? fmt::format("s {}\n", s) : std::string("s off\n");
+                text_.text() += fmt::format("usemtl {}\n", m < scene_.materials.size()
+                                                               ? material_name(m)
+                                                               : std::string("default"));
+            if (s != smoothing_)
+                text_.text() += s ? fmt::format("s {}\n", s) : std::string("s off\n");
             material_ = m;
             smoothing_ = s;
             std::size_t end = f + 1;
@@ -194,9 +185,15 @@ class ObjWriter {
                    value(mesh.face_materials, end, no_index) == m &&
                    value(mesh.face_smoothing, end, 0) == s)
                 ++end;
-            append_lines(out_, end - f, [&](std::string& out, std::size_t i) {
-                face(mesh, f + i, uv, normals, out);
-            });
+            // A corner is three indices of at most 20 digits, and what stands between them.
+            text_.lines(
+                end - f,
+                [&](std::size_t from, std::size_t to) {
+                    return (to - from) * 2 +
+                           (mesh.face_offsets[f + to] - mesh.face_offsets[f + from]) *
+                               std::size_t(64);
+                },
+                [&](char* to, std::size_t i) { return face(mesh, f + i, uv, normals, to); });
             f = end;
         }
     }
@@ -213,43 +210,51 @@ class ObjWriter {
             group.erase(0, slash == std::string::npos ? group.size() : slash + 1);
         }
         if (object != object_) {
-            out_ += fmt::format("o {}\n", object);
+            text_.text() += fmt::format("o {}\n", object);
             group_.clear();
         }
-        if (group != group_) out_ += fmt::format("g {}\n", group);
+        if (group != group_) text_.text() += fmt::format("g {}\n", group);
         object_ = object;
         group_ = group;
     }
 
-    void face(const Mesh& mesh, std::size_t f, bool uv, bool normals, std::string& out) const {
-        out += 'f';
+    char* face(const Mesh& mesh, std::size_t f, bool uv, bool normals, char* to) const {
+        *to++ = 'f';
         for (Index c = mesh.face_offsets[f]; c < mesh.face_offsets[f + 1]; ++c) {
-            out += ' ';
-            append_index(out, vertex_base_ + mesh.corner_vertices[c] + 1);
+            *to++ = ' ';
+            to = write_integer(to, vertex_base_ + mesh.corner_vertices[c] + 1);
             const Index t = uv ? mesh.uvs[0].indices[c] : no_index;
             const Index n = normals ? mesh.normals.indices[c] : no_index;
-            if (t != no_index) out += '/', append_index(out, uv_base_ + t + 1);
+            if (t != no_index) {
+                *to++ = '/';
+                to = write_integer(to, uv_base_ + t + 1);
+            }
             if (n != no_index) {
-                out += t != no_index ? "/" : "//";
-                append_index(out, normal_base_ + n + 1);
+                *to++ = '/';
+                if (t == no_index) *to++ = '/';
+                to = write_integer(to, normal_base_ + n + 1);
             }
         }
-        out += '\n';
+        *to++ = '\n';
+        return to;
     }
 
     void tags(const Mesh& mesh) {
         const SubdivisionTags& tags = mesh.subdivision;
         for (const EdgeMark& e : tags.creases)
-            out_ += fmt::format("t crease 2/1/0 {} {} {}\n", vertex_base_ + e.v0,
-                                vertex_base_ + e.v1, e.sharpness);
+            text_.text() += fmt::format("t crease 2/1/0 {} {} {}\n", vertex_base_ + e.v0,
+                                        vertex_base_ + e.v1, e.sharpness);
         for (const VertexMark& v : tags.corners)
-            out_ += fmt::format("t corner 1/1/0 {} {}\n", vertex_base_ + v.vertex, v.sharpness);
-        for (const Index f : tags.holes) out_ += fmt::format("t hole 1/0/0 {}\n", face_base_ + f);
+            text_.text() +=
+                fmt::format("t corner 1/1/0 {} {}\n", vertex_base_ + v.vertex, v.sharpness);
+        for (const Index f : tags.holes)
+            text_.text() += fmt::format("t hole 1/0/0 {}\n", face_base_ + f);
         if (tags.interpolate_boundary != SubdivisionTags{}.interpolate_boundary)
-            out_ += fmt::format("t interpolateboundary 1/0/0 {}\n", tags.interpolate_boundary);
+            text_.text() +=
+                fmt::format("t interpolateboundary 1/0/0 {}\n", tags.interpolate_boundary);
         if (tags.face_varying_boundary != SubdivisionTags{}.face_varying_boundary)
-            out_ += fmt::format("t facevaryinginterpolateboundary 1/0/0 {}\n",
-                                tags.face_varying_boundary);
+            text_.text() += fmt::format("t facevaryinginterpolateboundary 1/0/0 {}\n",
+                                        tags.face_varying_boundary);
     }
 
     std::string material_name(Index m) const {
@@ -330,7 +335,7 @@ class ObjWriter {
 
     const Scene& scene_;
     const std::filesystem::path& path_;
-    std::string out_;
+    TextBlocks text_;
     std::vector<std::string> notes_;
     FileSet files_;
     std::optional<Error> failure_;
