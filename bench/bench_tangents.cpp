@@ -1,10 +1,16 @@
-// Tangent frames on the bumpy torus: indexed, by vertex and as a soup; one thread and more; growth
-// with the size; a pole of high valence.
+// Tangent frames on the bumpy torus: indexed and as a soup, one thread and two; growth and memory
+// with the size; poles of high valence. bench/compare_tangents sets them beside Blender's and
+// mikktspace's.
+//
+// Counters: ns_per_triangle; bytes_per_triangle, the peak of memory beside input and output.
 #include <benchmark/benchmark.h>
+#include <malloc.h>
 
 #include <cmath>
+#include <fstream>
 #include <map>
 #include <numbers>
+#include <string>
 
 #include "prep/corner_normals.h"
 #include "prep/tangents.h"
@@ -50,44 +56,99 @@ prep::Mesh unshared(const prep::Mesh& mesh) {
     return soup;
 }
 
-void report(benchmark::State& state, std::size_t triangles) {
-    state.counters["Mtri/s"] =
-        benchmark::Counter(double(triangles) / 1e6, benchmark::Counter::kIsIterationInvariantRate);
+// An open disc around one vertex, bumpy, UVs seen from above (every dP/du alike) or around the pole
+// (dP/du in all directions, so that no two opposite triangles share a half-space).
+prep::Mesh pole(Index valence, bool around) {
+    prep::Mesh mesh;
+    mesh.face_offsets = {0};
+    prep::CornerLayer<glm::vec2>& uv = mesh.uvs.emplace_back();
+    mesh.positions = {{0, 0, 0}};
+    uv.values = {{0.5f, 0.5f}};
+    for (Index i = 0; i < valence; ++i) {
+        const double a = 2 * std::numbers::pi * i / valence;
+        const double x = std::cos(a), y = std::sin(a);
+        mesh.positions.push_back({x, y, 0.05 * std::sin(8 * a)});
+        uv.values.push_back(around ? glm::vec2(double(i) / valence, 1)
+                                   : glm::vec2(0.5 + 0.5 * x, 0.5 - 0.5 * y));
+        mesh.corner_vertices.insert(mesh.corner_vertices.end(), {0, i + 1, (i + 1) % valence + 1});
+        mesh.face_offsets.push_back(3 * (i + 1));
+    }
+    mesh.normals.values = {{0, 0, 1}};
+    mesh.normals.indices.assign(mesh.corner_count(), 0);
+    uv.indices = mesh.corner_vertices;
+    return mesh;
 }
 
-void run(benchmark::State& state, const prep::Mesh& mesh, const prep::TangentOptions& options) {
+// A line of /proc/self/status, in bytes.
+double memory(const char* name) {
+    std::ifstream status("/proc/self/status");
+    for (std::string line; std::getline(status, line);)
+        if (line.rfind(name, 0) == 0) return 1024 * std::stod(line.substr(line.find(':') + 1));
+    return 0;
+}
+
+double extra_memory(const prep::TangentInput& input, const prep::TangentOptions& options) {
+    malloc_trim(0);
+    std::ofstream("/proc/self/clear_refs") << 5;  // the peak starts anew
+    const double before = memory("VmRSS");
+    const auto tangents = prep::corner_tangents(input, options);
+    const double peak = memory("VmHWM");
+    return peak - before - double(tangents->tangents.values.size() * sizeof(glm::vec4)) -
+           double(tangents->tangents.indices.size() * sizeof(Index));
+}
+
+void run(benchmark::State& state, const prep::Mesh& mesh, int threads) {
+    prep::TangentOptions options;
+    options.threads = threads;
     const prep::TangentInput input{prep::MeshView(mesh)};
+    const double extra = extra_memory(input, options);
     for (auto _ : state) {
         auto tangents = prep::corner_tangents(input, options);
         benchmark::DoNotOptimize(tangents);
     }
-    report(state, mesh.face_count());
+    const double triangles = double(mesh.face_count());
+    state.counters["bytes_per_triangle"] = extra / triangles;
+    state.counters["ns_per_triangle"] =
+        benchmark::Counter(triangles * 1e-9, benchmark::Counter::kIsIterationInvariantRate |
+                                                 benchmark::Counter::kInvert);
 }
 
 void indexed(benchmark::State& state) {
-    prep::TangentOptions options;
-    options.threads = int(state.range(1));
-    run(state, torus(state.range(0)), options);
+    run(state, torus(state.range(0)), int(state.range(1)));
 }
 
 void soup(benchmark::State& state) {
-    prep::TangentOptions options;
-    options.threads = int(state.range(1));
     const prep::Mesh mesh = unshared(torus(state.range(0)));
-    run(state, mesh, options);
+    run(state, mesh, int(state.range(1)));
 }
 
-BENCHMARK(indexed)
-    ->Args({980'000, 1})
-    ->Args({980'000, 2})
-    ->Unit(benchmark::kMillisecond)
-    ->UseRealTime();
-BENCHMARK(soup)
-    ->Args({980'000, 1})
-    ->Args({980'000, 2})
-    ->Unit(benchmark::kMillisecond)
-    ->UseRealTime();
+void pole_seen_from_above(benchmark::State& state) {
+    run(state, pole(Index(state.range(0)), false), int(state.range(1)));
+}
+
+void pole_with_uvs_around(benchmark::State& state) {
+    run(state, pole(Index(state.range(0)), true), int(state.range(1)));
+}
+
+void sizes(benchmark::internal::Benchmark* benchmark, std::initializer_list<std::int64_t> counts,
+           std::initializer_list<std::int64_t> threads) {
+    benchmark->ArgNames({"triangles", "threads"})->Unit(benchmark::kMillisecond)->UseRealTime();
+    for (const std::int64_t count : counts)
+        for (const std::int64_t t : threads) benchmark->Args({count, t});
+}
+
+BENCHMARK(indexed)->Apply([](auto* b) { sizes(b, {10'000, 100'000, 980'000, 4'000'000}, {1, 2}); });
+BENCHMARK(soup)->Apply([](auto* b) { sizes(b, {980'000}, {1, 2}); });
+BENCHMARK(pole_seen_from_above)->Apply([](auto* b) { sizes(b, {100'000}, {1}); });
+BENCHMARK(pole_with_uvs_around)->Apply([](auto* b) { sizes(b, {100'000}, {1}); });
+// Last: its mesh alone takes 2 GB.
+BENCHMARK(indexed)->Name("indexed_large")->Apply([](auto* b) { sizes(b, {16'000'000}, {1}); });
 
 }  // namespace
 
-BENCHMARK_MAIN();
+int main(int argc, char** argv) {
+    // Freed memory goes back at once: the peaks are each run's own.
+    mallopt(M_MMAP_THRESHOLD, 1 << 16);
+    benchmark::Initialize(&argc, argv);
+    benchmark::RunSpecifiedBenchmarks();
+}

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <optional>
 
 #include "parallel.h"
 #include "tangent_math.h"
@@ -264,8 +265,9 @@ class StarWorker {
             else if (options_.review)
                 block_->suspects.push_back(star[i]);
         }
-        std::stable_sort(order_.begin(), order_.end(),
-                         [&](Index a, Index b) { return groups_[a] < groups_[b]; });
+        const auto earlier = [&](Index a, Index b) { return groups_[a] < groups_[b]; };
+        if (!std::is_sorted(order_.begin(), order_.end(), earlier))
+            std::stable_sort(order_.begin(), order_.end(), earlier);
         frames_.clear();
         const std::size_t first_value = block_->values.size();
         star_values_.assign(star.size(), no_index);
@@ -282,7 +284,12 @@ class StarWorker {
                 if (!(flags & group_with_anything) && (flags & orientation_preserving)) sign = 1.0f;
             }
             const std::size_t known = frames_.size();
-            subgroups_.evaluate(members_, frames_, results_);
+            if (const auto sum = sum_of_terms(members_)) {
+                frames_.push_back({*sum, glm::vec3(0.0f), 0, 0});
+                results_.assign(members_.size(), Index(known));
+            } else {
+                subgroups_.evaluate(members_, frames_, results_);
+            }
             for (std::size_t f = known; f < frames_.size(); ++f) add(frames_[f].s, sign);
             for (std::size_t k = first; k < i; ++k) {
                 const Index value = base_ + Index(first_value) + results_[k - first];
@@ -293,6 +300,24 @@ class StarWorker {
             }
         }
         if (triangles_.any_quad && frames_.size() > 1) average_quads(star, first_value);
+    }
+
+    // The sum of a group whose S and T share a half-space. Frames of quads' halves are compared in
+    // more than their S: those are evaluated in full.
+    std::optional<glm::vec3> sum_of_terms(Star members) const {
+        if (!opposites_only_ || triangles_.any_quad) return std::nullopt;
+        glm::vec3 sum(0.0f);
+        std::uint32_t all = ~0u;
+        for (const Index m : members) {
+            const CornerTerm& term = terms_.at(m >> 2, m & 3);
+            sum.x += term.x;
+            sum.y += term.y;
+            sum.z += term.z;
+            all &= term.code;
+        }
+        const bool together = members.size() == 1 || ((all & s_directions) && (all & t_directions));
+        if (!together) return std::nullopt;
+        return mikk::normalized_or_zero(sum);
     }
 
     // Step 8: a quad's corner that both halves meet.

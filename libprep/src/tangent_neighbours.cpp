@@ -10,6 +10,8 @@ namespace {
 using Index = std::uint32_t;
 // Up to this many triangles at a vertex neighbours are searched one by one, above it by sorting.
 constexpr std::size_t small_star = 24;
+// From this many on by radix: below it the passes over its buckets cost more than comparing.
+constexpr std::size_t radix_star = 2048;
 
 }  // namespace
 
@@ -55,24 +57,40 @@ void Neighbours::search() {
     }
 }
 
+void Neighbours::order_by(const std::vector<Index>& keys, std::vector<std::uint64_t>& order) {
+    const std::size_t n = keys.size();
+    order.resize(n);
+    for (std::size_t i = 0; i < n; ++i) order[i] = std::uint64_t(keys[i]) << 32 | i;
+    if (std::is_sorted(order.begin(), order.end())) return;
+    if (n < radix_star) {
+        std::sort(order.begin(), order.end());
+        return;
+    }
+    // By the keys alone, eleven bits at a time; what is equal stays in order.
+    constexpr int bits = 11;
+    constexpr std::size_t buckets = std::size_t(1) << bits;
+    scratch_.resize(n);
+    for (int shift = 32; shift < 64; shift += bits) {
+        std::size_t starts[buckets + 1] = {};
+        for (const std::uint64_t o : order) ++starts[(o >> shift & (buckets - 1)) + 1];
+        for (std::size_t k = 1; k <= buckets; ++k) starts[k] += starts[k - 1];
+        for (const std::uint64_t o : order) scratch_[starts[o >> shift & (buckets - 1)]++] = o;
+        order.swap(scratch_);
+    }
+}
+
 void Neighbours::sort() {
     const std::size_t n = next_.size();
-    const auto order_by = [n](const std::vector<Index>& key, std::vector<Index>& order) {
-        order.resize(n);
-        for (std::size_t i = 0; i < n; ++i) order[i] = Index(i);
-        std::sort(order.begin(), order.end(),
-                  [&](Index a, Index b) { return key[a] != key[b] ? key[a] < key[b] : a < b; });
-    };
     order_by(next_, by_next_);
     order_by(previous_, by_previous_);
     for (std::size_t i = 0, j = 0; i < n && j < n;) {
-        const Index a = next_[by_next_[i]], b = previous_[by_previous_[j]];
+        const Index a = Index(by_next_[i] >> 32), b = Index(by_previous_[j] >> 32);
         if (a < b) {
             ++i;
         } else if (b < a) {
             ++j;
         } else {
-            link(by_next_[i++], by_previous_[j++]);
+            link(Index(by_next_[i++]), Index(by_previous_[j++]));
         }
     }
 }

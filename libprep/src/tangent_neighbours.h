@@ -43,9 +43,12 @@ class Neighbours {
     void link(std::size_t leaves, std::size_t enters);
     void search();
     void sort();
+    // Pairs of key and index, ascending.
+    void order_by(const std::vector<std::uint32_t>& keys, std::vector<std::uint64_t>& order);
     void apply(std::span<const std::uint32_t> star, const EdgeOverrides& overrides);
 
-    std::vector<std::uint32_t> leaving_, entering_, next_, previous_, by_next_, by_previous_;
+    std::vector<std::uint32_t> leaving_, entering_, next_, previous_;
+    std::vector<std::uint64_t> by_next_, by_previous_, scratch_;
 };
 
 // Quick test for stars of up to `most_fan_members`: is every member reached from the first, over

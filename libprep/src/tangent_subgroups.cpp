@@ -1,7 +1,10 @@
 #include "tangent_subgroups.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <numbers>
+#include <unordered_map>
 
 #include "tangent_math.h"
 
@@ -9,6 +12,13 @@ namespace prep::detail {
 namespace {
 
 using Index = std::uint32_t;
+// Above it comparing all pairs would show: at 1024 it takes about a millisecond.
+constexpr std::size_t most_compared = 1024;
+
+glm::dvec3 unit_or_zero(const glm::dvec3& v) {
+    const double length = glm::length(v);
+    return length > 0 && std::isfinite(length) ? v / length : glm::dvec3(0.0);
+}
 
 }  // namespace
 
@@ -23,6 +33,10 @@ SubgroupEvaluator::SubgroupEvaluator(const CornerReader& read, const TangentTria
 
 void SubgroupEvaluator::evaluate(std::span<const Index> members, std::vector<GroupFrame>& frames,
                                  std::vector<Index>& results) {
+    if (bounded_effort_ && members.size() > most_compared && !lean_one_way(members)) {
+        split_by_arcs(members, frames, results);
+        return;
+    }
     members_.clear();
     for (const Index m : members) {
         const Index triangle = m >> 2;
@@ -75,25 +89,116 @@ bool SubgroupEvaluator::all_together() const {
     return std::all_of(members_.begin(), members_.end(), near);
 }
 
+// Lists are compared by hash, and on equal hashes by asking again: kept, those of a vertex with
+// many triangles would take quadratic memory.
 void SubgroupEvaluator::split_by_angle(std::vector<GroupFrame>& frames,
                                        std::vector<Index>& results) {
     const std::size_t n = members_.size();
-    std::vector<std::vector<Index>> lists;
-    std::vector<Index> list_frames;
+    struct Known {
+        Index member, frame;
+    };
+    std::unordered_multimap<std::uint64_t, Known> lists;
+    const auto same_list = [&](const Member& a, const Member& b) {
+        return std::all_of(members_.begin(), members_.end(),
+                           [&](const Member& m) { return stay(a, m) == stay(b, m); });
+    };
     results.resize(n);
     for (std::size_t i = 0; i < n; ++i) {
         list_.clear();
-        for (std::size_t j = 0; j < n; ++j)
-            if (stay(members_[i], members_[j])) list_.push_back(Index(j));
-        const auto known = std::find(lists.begin(), lists.end(), list_);
-        if (known != lists.end()) {
-            results[i] = list_frames[std::size_t(known - lists.begin())];
+        std::uint64_t hash = 0;
+        for (std::size_t j = 0; j < n; ++j) {
+            if (!stay(members_[i], members_[j])) continue;
+            list_.push_back(Index(j));
+            hash = (std::rotl(hash, 5) ^ j) * 0x9e3779b97f4a7c15u;
+        }
+        const auto [first, last] = lists.equal_range(hash);
+        const auto known = std::find_if(first, last, [&](const auto& entry) {
+            return same_list(members_[i], members_[entry.second.member]);
+        });
+        if (known != last) {
+            results[i] = known->second.frame;
             continue;
         }
         frames.push_back(sum(list_));
-        lists.push_back(list_);
-        list_frames.push_back(Index(frames.size() - 1));
-        results[i] = list_frames.back();
+        results[i] = Index(frames.size() - 1);
+        lists.insert({hash, {Index(i), results[i]}});
+    }
+}
+
+bool SubgroupEvaluator::lean_one_way(std::span<const Index> members) const {
+    if (threshold_ > -0.9999f) return false;
+    std::uint32_t all = ~0u;
+    for (const Index m : members) all &= terms_.at(m >> 2, m & 3).code;
+    return (all & s_directions) && (all & t_directions);
+}
+
+// All members have one normal, so their S lie in a plane: those within the threshold of one are an
+// arc, and its sum a difference of running sums.
+void SubgroupEvaluator::split_by_arcs(std::span<const Index> members,
+                                      std::vector<GroupFrame>& frames,
+                                      std::vector<Index>& results) {
+    const auto term = [&](Index m) {
+        const CornerTerm& t = terms_.at(m >> 2, m & 3);
+        return glm::dvec3(t.x, t.y, t.z);
+    };
+    struct Ray {
+        double angle;
+        Index member;
+    };
+    constexpr double turn = 2 * std::numbers::pi;
+    const glm::dvec3 normal =
+        unit_or_zero(read_.normal(triangles_.corner(members[0] >> 2, members[0] & 3)));
+    std::vector<Ray> rays;
+    rays.reserve(members.size());
+    glm::dvec3 x(0.0), y(0.0);
+    double weights = 0;
+    for (Index i = 0; i < members.size(); ++i) {
+        const glm::dvec3 t = term(members[i]);
+        const double length = glm::length(t);
+        if (!(length > 0) || !std::isfinite(length)) continue;
+        if (rays.empty()) {
+            x = t / length;
+            y = glm::cross(normal, x);
+        }
+        const double angle = std::atan2(glm::dot(t, y), glm::dot(t, x));
+        rays.push_back({angle < 0 ? angle + turn : angle, i});
+        weights += length;
+    }
+    const auto before = [](const Ray& a, const Ray& b) {
+        return a.angle != b.angle ? a.angle < b.angle : a.member < b.member;
+    };
+    if (!std::is_sorted(rays.begin(), rays.end(), before))
+        std::sort(rays.begin(), rays.end(), before);
+    const std::size_t m = rays.size();
+    std::vector<glm::dvec3> sums(m + 1, glm::dvec3(0.0));
+    for (std::size_t i = 0; i < m; ++i) sums[i + 1] = sums[i] + term(members[rays[i].member]);
+    const auto add_frame = [&](const glm::dvec3& total, const glm::dvec3& own) {
+        // What rounding leaves of sums that cancel is no direction.
+        const bool cancels = glm::length(total) <= 1e-9 * weights;
+        frames.push_back({glm::vec3(unit_or_zero(cancels ? own : total)), glm::vec3(0.0f), 0, 0});
+        return Index(frames.size() - 1);
+    };
+    const Index whole = add_frame(sums[m], m > 0 ? term(members[rays[0].member]) : x);
+    results.assign(members.size(), whole);
+    // A cosine of −1 in float is up to 3.5e-4 from half a turn.
+    const double reach = std::min(std::acos(double(threshold_)), std::numbers::pi - 3.5e-4);
+    // The arc about each ray, seen from one turn further on: rays[begin … end) of three turns.
+    const auto angle_of = [&](std::size_t i) { return rays[i % m].angle + double(i / m) * turn; };
+    const auto sum_below = [&](std::size_t i) { return double(i / m) * sums[m] + sums[i % m]; };
+    std::size_t begin = 0, end = 0, last_begin = 0, last_end = 0;
+    for (std::size_t i = 0; i < m; ++i) {
+        const double centre = rays[i].angle + turn;
+        while (angle_of(begin) <= centre - reach) ++begin;
+        while (end < 3 * m && angle_of(end) < centre + reach) ++end;
+        if (end - begin >= m) continue;
+        Index& result = results[rays[i].member];
+        if (i > 0 && begin == last_begin && end == last_end) {
+            result = results[rays[i - 1].member];
+            continue;
+        }
+        result = add_frame(sum_below(end) - sum_below(begin), term(members[rays[i].member]));
+        last_begin = begin;
+        last_end = end;
     }
 }
 

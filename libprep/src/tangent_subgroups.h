@@ -35,7 +35,12 @@ class SubgroupEvaluator {
     bool stay(const Member& a, const Member& b) const;
     bool all_together() const;
     GroupFrame sum(std::span<const std::uint32_t> list) const;
+    // The definition's way, O(k²). bounded_effort: above 1024 members by arcs, O(k log k), in
+    // double and by S alone.
     void split_by_angle(std::vector<GroupFrame>& frames, std::vector<std::uint32_t>& results);
+    void split_by_arcs(std::span<const std::uint32_t> members, std::vector<GroupFrame>& frames,
+                       std::vector<std::uint32_t>& results);
+    bool lean_one_way(std::span<const std::uint32_t> members) const;
 
     CornerReader read_;
     const TangentTriangles& triangles_;

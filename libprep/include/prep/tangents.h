@@ -103,8 +103,8 @@ struct CornerTangents {
 // Mode mikktspace makes every tangent unit and orthogonal to its (unit) normal to 1e-6. It departs
 // from the definition's bits where those are no frame (listed in `fallbacks`), where normals are
 // more than 0.1 % from unit (they are made unit first), and at vertices of more than 1024 triangles
-// whose tangents do not share a half-space (sums in double: the definition's would take quadratic
-// time).
+// whose tangents do not all lean one way along an axis (sums in double, of those whose S are within
+// the threshold: the definition's would take quadratic time, which the other modes do take there).
 //
 // Errors: invalid (a layer is absent or of the wrong size, the threshold out of range), limit (more
 // than 2^30 triangles).
