@@ -5,6 +5,7 @@
 #include "check_stages.h"
 #include "disjoint_sets.h"
 #include "fans.h"
+#include "shells.h"
 
 namespace prep::detail {
 namespace {
@@ -183,73 +184,20 @@ class AdjacencyCheck {
         context_.summary.holes = holes_.count;
     }
 
-    struct Component {
-        bool closed = true;
-        bool finite = true;
-        glm::dvec3 low{0.0}, high{0.0}, reference{0.0};
-        double volume = 0;
-        bool started = false;
-    };
-
     void measure_components() {
         MeshSummary& summary = context_.summary;
-        const Mesh& mesh = context_.mesh;
-        std::vector<Index> roots;
-        std::vector<Index> number(mesh.face_count(), no_index);
-        for (Index f = 0; f < mesh.face_count(); ++f) {
-            const Index root = components_.find(f);
-            if (root == f) {
-                number[f] = Index(roots.size());
-                roots.push_back(f);
-            }
-            number[f] = number[root];
-        }
-        summary.components = roots.size();
-        summary.closed = mesh.face_count() > 0 && open_.count == 0;
+        summary.closed = context_.mesh.face_count() > 0 && open_.count == 0;
         summary.manifold = non_manifold_.count == 0 && bow_ties_.count == 0;
         summary.oriented = mixed_.count == 0;
+        const Shells shells = measure_shells(context_.mesh, topology_, context_.faces, components_);
+        summary.components = shells.count;
         summary.euler =
             std::int64_t(vertices_) - std::int64_t(summary.edges) + std::int64_t(summary.faces);
-        if (summary.closed && summary.manifold && summary.oriented)
+        if (summary.closed && summary.manifold && summary.oriented) {
             summary.genus = std::int64_t(summary.components) - summary.euler / 2;
-
-        std::vector<Component> parts(roots.size());
-        for (Index f = 0; f < mesh.face_count(); ++f) grow(parts[number[f]], f);
-        Places inverted;
-        for (std::size_t i = 0; i < parts.size(); ++i) {
-            if (!parts[i].closed || !parts[i].finite) continue;
-            if (summary.closed && summary.manifold && summary.oriented)
-                summary.volume += parts[i].volume;
-            if (parts[i].volume < 0 && !inside_another(parts, i)) inverted.add(roots[i]);
+            summary.volume = shells.volume;
         }
-        inverted_ = std::move(inverted);
-    }
-
-    void grow(Component& part, Index face) {
-        const Mesh& mesh = context_.mesh;
-        part.finite &= context_.faces.states[face] != FaceState::non_finite;
-        for (Index c = mesh.face_offsets[face]; c < mesh.face_offsets[face + 1]; ++c) {
-            const EdgeKind kind = topology_.kinds[c];
-            part.closed &= kind == EdgeKind::interior || kind == EdgeKind::degenerate;
-            const glm::dvec3 p(mesh.positions[mesh.corner_vertices[c]]);
-            if (!part.started) part.low = part.high = part.reference = p;
-            part.started = true;
-            part.low = glm::min(part.low, p);
-            part.high = glm::max(part.high, p);
-        }
-        const glm::dvec3 first(mesh.positions[mesh.corner_vertices[mesh.face_offsets[face]]]);
-        part.volume += glm::dot(first - part.reference, context_.faces.area_vectors[face]) / 6;
-    }
-
-    // A closed surface turned inside out is a cavity where an outward one is around it.
-    static bool inside_another(const std::vector<Component>& parts, std::size_t i) {
-        for (const Component& o : parts) {
-            if (!o.closed || !o.finite || o.volume <= 0) continue;
-            if (glm::all(glm::lessThan(o.low, parts[i].low)) &&
-                glm::all(glm::lessThan(parts[i].high, o.high)))
-                return true;
-        }
-        return false;
+        for (const Index face : shells.inside_out) inverted_.add(face);
     }
 
     void add_findings() {

@@ -2,18 +2,13 @@
 #include <cmath>
 
 #include "check_stages.h"
+#include "duplicate_faces.h"
 #include "prep/hard_edges.h"
 
 namespace prep::detail {
 namespace {
 
 using Index = std::uint32_t;
-
-std::uint64_t mix(std::uint64_t h) {  // the finaliser of SplitMix64 (Steele et al. 2014)
-    h = (h ^ (h >> 30)) * 0xbf58476d1ce4e5b9u;
-    h = (h ^ (h >> 27)) * 0x94d049bb133111ebu;
-    return h ^ (h >> 31);
-}
 
 bool has_repeated_point(const CheckContext& context, Index begin, Index end,
                         std::vector<Index>& scratch) {
@@ -42,77 +37,6 @@ bool is_planar(const CheckContext& context, Index face, Index begin, Index end) 
     for (Index c = begin; c < end; ++c)
         off = std::max(off, std::abs(glm::dot(at(c) - centre, normal)));
     return off <= tolerance * glm::length(high - low);
-}
-
-// A face's points, starting with the lowest, in the direction that has the lower second one.
-struct Cycle {
-    std::vector<Index> points;
-    Index face = 0;
-    bool reversed = false;
-};
-
-Cycle cycle_of(const CheckContext& context, Index face) {
-    const Index begin = context.mesh.face_offsets[face], end = context.mesh.face_offsets[face + 1];
-    Cycle cycle;
-    cycle.face = face;
-    for (Index c = begin; c < end; ++c) cycle.points.push_back(context.point_of(c));
-    auto& p = cycle.points;
-    std::rotate(p.begin(), std::min_element(p.begin(), p.end()), p.end());
-    cycle.reversed = p.back() < p[1];
-    if (cycle.reversed) std::reverse(p.begin() + 1, p.end());
-    return cycle;
-}
-
-// `candidates`: faces without repeated points. The sum of hashed points finds the few that can be
-// equal; those are compared point by point.
-void find_duplicates(CheckContext& context, const std::vector<Index>& candidates) {
-    struct Key {
-        std::uint64_t hash;
-        Index face;
-        bool operator<(const Key& o) const {
-            return hash != o.hash ? hash < o.hash : face < o.face;
-        }
-    };
-    std::vector<Key> keys;
-    keys.reserve(candidates.size());
-    for (const Index f : candidates) {
-        std::uint64_t hash = 0;
-        for (Index c = context.mesh.face_offsets[f]; c < context.mesh.face_offsets[f + 1]; ++c)
-            hash += mix(context.point_of(c) + 1);
-        keys.push_back({hash, f});
-    }
-    std::sort(keys.begin(), keys.end());
-    std::vector<Index> same, opposite;
-    for (std::size_t i = 0; i < keys.size();) {
-        std::size_t end = i + 1;
-        while (end < keys.size() && keys[end].hash == keys[i].hash) ++end;
-        if (end - i > 1) {
-            std::vector<Cycle> cycles;
-            for (std::size_t k = i; k < end; ++k) cycles.push_back(cycle_of(context, keys[k].face));
-            std::sort(cycles.begin(), cycles.end(), [](const Cycle& a, const Cycle& b) {
-                return a.points != b.points ? a.points < b.points : a.face < b.face;
-            });
-            bool seen[2] = {false, false};
-            for (std::size_t k = 0; k < cycles.size(); ++k) {
-                if (k == 0 || cycles[k].points != cycles[k - 1].points) seen[0] = seen[1] = false;
-                if (seen[cycles[k].reversed])
-                    same.push_back(cycles[k].face);
-                else if (seen[!cycles[k].reversed])
-                    opposite.push_back(cycles[k].face);
-                seen[cycles[k].reversed] = true;
-            }
-        }
-        i = end;
-    }
-    std::sort(same.begin(), same.end());
-    std::sort(opposite.begin(), opposite.end());
-    Places duplicates, opposites;
-    for (const Index f : same) duplicates.add(f);
-    for (const Index f : opposite) opposites.add(f);
-    context.add("duplicate-face", Severity::warning, PlaceKind::face, std::move(duplicates),
-                "an earlier face has the same points in the same direction");
-    context.add("opposite-face", Severity::info, PlaceKind::face, std::move(opposites),
-                "an earlier face has the same points in the other direction");
 }
 
 void find_folds(CheckContext& context) {
@@ -157,7 +81,14 @@ void check_faces(CheckContext& context) {
                 "two corners of the face are at the same point");
     context.add("zero-area-face", Severity::warning, PlaceKind::face, std::move(flat),
                 "the corners differ, but the area is exactly zero");
-    find_duplicates(context, candidates);
+    const DuplicateFaces found = find_duplicate_faces(mesh, context.topology.welded, candidates);
+    Places duplicates, opposites;
+    for (const Index f : found.same) duplicates.add(f);
+    for (const Index f : found.opposite) opposites.add(f);
+    context.add("duplicate-face", Severity::warning, PlaceKind::face, std::move(duplicates),
+                "an earlier face has the same points in the same direction");
+    context.add("opposite-face", Severity::info, PlaceKind::face, std::move(opposites),
+                "an earlier face has the same points in the other direction");
     find_folds(context);
     context.add("non-planar-face", Severity::info, PlaceKind::face, std::move(uneven),
                 "a corner is off the mean plane by more than 1 % of the face's size, so that the "

@@ -88,8 +88,11 @@ class Rewriter {
         for (Index& i : indices)
             i = Index(std::lower_bound(used.begin(), used.end(), i) - used.begin());
         std::vector<Index> local(used.size());  // source vertex within the primitive
-        for (std::size_t i = 0; i < used.size(); ++i)
-            local[i] = mesh.source_vertices[used[i]] - source.first_vertex;
+        const std::vector<Index>& file_vertices = prepared_.scene.meshes[m].file_vertices;
+        for (std::size_t i = 0; i < used.size(); ++i) {
+            const Index v = mesh.source_vertices[used[i]];
+            local[i] = (file_vertices.empty() ? v : file_vertices[v]) - source.first_vertex;
+        }
 
         Json& out = json_["meshes"][m]["primitives"][p];
         if (untouched(m, out, source, mesh, used, local, indices)) return {};

@@ -77,6 +77,9 @@ struct Mesh {
     std::string name;
     glm::dvec3 origin{0.0};                      // positions are relative to this point
     std::vector<glm::vec3> positions;            // one per vertex
+    // Per vertex, the vertex of the file that it comes from; empty: each is itself. For formats
+    // whose other data (skins, morph targets) is by vertex.
+    std::vector<std::uint32_t> file_vertices;
     std::vector<std::uint32_t> face_offsets{0};  // faces + 1
     std::vector<std::uint32_t> corner_vertices;  // one per corner
 
