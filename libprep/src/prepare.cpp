@@ -93,6 +93,7 @@ class Preparer {
                     return true;
                 });
         }
+        if (auto done = repair_mesh(index, mesh); !done) return std::move(done).error();
         if (auto done = prepare_normals(index, mesh, need, normals_changed); !done)
             return std::move(done).error();
         if (auto done = prepare_tangents(index, mesh, need, normals_changed); !done)
@@ -110,6 +111,15 @@ class Preparer {
     std::vector<StageReport> reports() const { return log_.reports(); }
 
   private:
+    Result<void> repair_mesh(std::uint32_t index, Mesh& mesh) {
+        if (!options_.repair.any()) return {};
+        auto log = log_.run("repair", "asked for",
+                            [&] { return repair(mesh, options_.repair, index, options_.threads); });
+        if (!log) return std::move(log).error();
+        out_.repairs.insert(out_.repairs.end(), log->begin(), log->end());
+        return {};
+    }
+
     struct Geometry {  // computed once per mesh, when the first stage asks
         std::optional<FaceNormals> faces;
         std::optional<Topology> topology;
@@ -346,7 +356,8 @@ class Preparer {
             {"tangent-sign", "authored tangents whose w is no sign were replaced", ""},
             {"non-unit-tangent", "authored tangents that are not unit were replaced",
              "authored tangents that are not unit were rescaled"},
-            {"non-orthogonal-tangent", "authored tangents out of their normal's plane were replaced",
+            {"non-orthogonal-tangent",
+             "authored tangents out of their normal's plane were replaced",
              "authored tangents are out of their normal's plane: kept, repairing replaces them"},
             {"tangent-against-uvs", "authored tangents that contradict the UVs were replaced", ""},
         };

@@ -1,5 +1,6 @@
 #include "meshprep/argument_words.h"
 
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 
@@ -87,6 +88,47 @@ void parse_hard_borders(const std::string& text, prep::HardEdgeOptions& hard) {
     }
 }
 
+// "weld=1e-5,degenerate,holes=50", or "all": everything but a tolerance.
+void parse_repair(const std::string& text, prep::RepairOptions& repair) {
+    constexpr std::uint32_t default_hole_edges = 100;
+    std::istringstream in(text);
+    std::string word;
+    while (std::getline(in, word, ',')) {
+        const std::size_t equals = word.find('=');
+        const std::string name = word.substr(0, equals);
+        const bool valued = equals != std::string::npos;
+        const std::vector<double> value =
+            valued ? parse_numbers(word.substr(equals + 1), ',') : std::vector<double>{};
+        const bool known_value = name == "weld" || name == "holes";
+        if (valued && (!known_value || value.size() != 1 || value[0] < 0))
+            usage_error("--repair", "'" + word +
+                                        "': only weld=DISTANCE and holes=EDGES take a value, "
+                                        "not negative");
+        if (valued && name == "holes" && !(value[0] >= 3 && value[0] <= 1000))
+            usage_error("--repair", "'" + word + "': holes of 3 to 1000 edges can be filled");
+        const bool all = name == "all";
+        if (all || name == "weld") repair.weld_tolerance = valued ? value[0] : 0;
+        if (all || name == "degenerate") repair.degenerate_faces = true;
+        if (all || name == "duplicates") repair.duplicate_faces = true;
+        if (all || name == "edges") repair.non_manifold_edges = true;
+        if (all || name == "vertices") repair.non_manifold_vertices = true;
+        if (all || name == "orientation") repair.orientation = true;
+        if (all || name == "outward") repair.outward = true;
+        if (all || name == "holes")
+            repair.hole_edges = valued ? static_cast<std::uint32_t>(value[0]) : default_hole_edges;
+        if (all || name == "isolated") repair.isolated_vertices = true;
+        static constexpr std::string_view names[] = {
+            "all",      "weld",        "degenerate", "duplicates", "edges",
+            "vertices", "orientation", "outward",    "holes",      "isolated"};
+        if (std::find(std::begin(names), std::end(names), name) == std::end(names))
+            usage_error("--repair",
+                        "'" + name +
+                            "' is not one of weld[=DISTANCE], degenerate, "
+                            "duplicates, edges, vertices, orientation, holes[=EDGES], outward, "
+                            "isolated, all");
+    }
+}
+
 void set_tangents(const std::string& word, prep::PrepareOptions& p) {
     using Level = prep::Request::Level;
     p.request.tangents = word == "auto"   ? Level::as_called_for
@@ -125,6 +167,13 @@ void add_preparation_options(CLI::App* app, prep::PrepareOptions& p) {
          {"exact", prep::Precision::exact}},
         [&p](prep::Precision v) { p.normal.precision = v; },
         "Arithmetic of normals: float, compensated double (default) or exact rationals (slow)")
+        ->group(group);
+    app->add_option_function<std::string>(
+           "--repair", [&p](const std::string& text) { parse_repair(text, p.repair); },
+           "Mends before anything else, with a log: weld[=DISTANCE] (default 0: equal positions), "
+           "degenerate faces, duplicates, non-manifold edges and vertices, orientation, "
+           "holes[=EDGES] (of at most 100), outward, isolated vertices; all")
+        ->type_name("LIST")
         ->group(group);
     app->add_option_function<std::string>(
            "--hard-angle", [&p](const std::string& text) { parse_hard_angle(text, p.hard_edges); },

@@ -29,6 +29,7 @@ struct Outcome {
     prep::SplitCounts splits;
     std::vector<prep::StageReport> stages;
     std::vector<prep::Finding> findings;
+    std::vector<prep::RepairStep> repairs;
     std::vector<std::string> mesh_names;
     std::vector<std::string> warnings, notes;
     double read_ms = 0, prepare_ms = 0, write_ms = 0;
@@ -74,6 +75,7 @@ Outcome prepare_file(const Job& job, const PrepareCommand& command, Console& con
     out.splits = prepared->splits;
     out.stages = prepared->stages;
     out.findings = prepared->findings;
+    out.repairs = prepared->repairs;
     for (const prep::Mesh& mesh : prepared->scene.meshes) out.mesh_names.push_back(mesh.name);
 
     show("writing");
@@ -104,6 +106,10 @@ Json outcome_json(const Outcome& o) {
     json["splits"] = to_json(o.splits);
     json["stages"] = Json::array();
     for (const prep::StageReport& stage : o.stages) json["stages"].push_back(to_json(stage));
+    if (!o.repairs.empty()) {
+        json["repairs"] = Json::array();
+        for (const prep::RepairStep& r : o.repairs) json["repairs"].push_back(to_json(r));
+    }
     json["findings"] = Json::array();
     for (const prep::Finding& f : o.findings) {
         Json finding = to_json(f, {});
@@ -169,6 +175,8 @@ void print_details(const Outcome& o, const PrepareCommand& command, Console& con
         for (const std::string& line : align_table(stages, {false, false, true}))
             console.result(common, line);
     }
+    for (const std::string& line : repairs_text(o.repairs, o.mesh_names, 4))
+        console.result(common, line);
     for (const std::string& line : findings_text(o.findings, o.mesh_names, 4))
         console.result(common, line);
     console.result(common, fmt::format("  read {}, prepare {}, write {}", duration(o.read_ms),

@@ -43,4 +43,28 @@ std::vector<std::string> findings_text(const std::vector<prep::Finding>& finding
     return align_table(rows, {false, true, false});
 }
 
+std::vector<std::string> repairs_text(const std::vector<prep::RepairStep>& repairs,
+                                      const std::vector<std::string>& mesh_names,
+                                      std::size_t places) {
+    std::vector<std::vector<std::string>> rows;
+    for (const prep::RepairStep& r : repairs) {
+        prep::Finding where;
+        where.count = r.changed;
+        where.place_kind = r.place_kind;
+        where.places = r.places;
+        std::string text = r.text;
+        if (const std::string named = places_text(where, places); !named.empty())
+            text += " (" + named + ")";
+        std::vector<std::string> row = {"repair", r.step, with_commas(r.changed) + " changed",
+                                        r.left > 0 ? with_commas(r.left) + " left" : ""};
+        if (mesh_names.size() > 1)
+            row.push_back(r.mesh < mesh_names.size() && !mesh_names[r.mesh].empty()
+                              ? mesh_names[r.mesh]
+                              : "mesh " + std::to_string(r.mesh));
+        row.push_back(r.changed > 0 || r.left > 0 ? text : "nothing to do");
+        rows.push_back(std::move(row));
+    }
+    return align_table(rows, {false, false, true, true});
+}
+
 }  // namespace meshprep

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "prep/findings.h"
+#include "prep/repair.h"
 
 namespace meshprep {
 
@@ -16,5 +17,10 @@ std::vector<std::string> findings_text(const std::vector<prep::Finding>& finding
 
 // "faces 3, 17, 20, …".
 std::string places_text(const prep::Finding& finding, std::size_t places);
+
+// "  repair  holes  2 changed  1 left  holes were filled (edges 5, 9)", aligned.
+std::vector<std::string> repairs_text(const std::vector<prep::RepairStep>& repairs,
+                                      const std::vector<std::string>& mesh_names,
+                                      std::size_t places);
 
 }  // namespace meshprep

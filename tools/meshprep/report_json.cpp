@@ -26,6 +26,18 @@ Json to_json(const prep::Finding& finding, const prep::Scene& scene) {
     return json;
 }
 
+Json to_json(const prep::RepairStep& repair) {
+    Json json;
+    json["step"] = repair.step;
+    json["mesh"] = repair.mesh;
+    json["changed"] = repair.changed;
+    json["left"] = repair.left;
+    json["place_kind"] = place_name(repair.place_kind);
+    json["places"] = repair.places;
+    json["text"] = repair.text;
+    return json;
+}
+
 Json to_json(const prep::StageReport& stage) {
     Json json;
     json["stage"] = stage.stage;

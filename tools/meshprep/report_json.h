@@ -15,6 +15,7 @@ using Json = nlohmann::ordered_json;
 Json to_json(const prep::Error& error);
 Json to_json(const prep::Finding& finding, const prep::Scene& scene);
 Json to_json(const prep::StageReport& stage);
+Json to_json(const prep::RepairStep& repair);
 Json to_json(const prep::SplitCounts& splits);
 
 // The document's head: command and version.

@@ -75,8 +75,8 @@ inline bool operator==(const VertexMark& a, const VertexMark& b) {
 // or non-degenerate faces: check() finds those.
 struct Mesh {
     std::string name;
-    glm::dvec3 origin{0.0};                      // positions are relative to this point
-    std::vector<glm::vec3> positions;            // one per vertex
+    glm::dvec3 origin{0.0};            // positions are relative to this point
+    std::vector<glm::vec3> positions;  // one per vertex
     // Per vertex, the vertex of the file that it comes from; empty: each is itself. For formats
     // whose other data (skins, morph targets) is by vertex.
     std::vector<std::uint32_t> file_vertices;

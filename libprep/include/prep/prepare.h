@@ -1,7 +1,8 @@
 // prepare(): the whole pipeline, from a loaded scene to meshes that a renderer can shade.
 //
-// requirements → weld/topology → hard edges → normals → tangents → split. Each stage says whether
-// it ran and why; what no material and no request calls for is not computed.
+// requirements → repair (where asked for) → weld/topology → hard edges → normals → tangents →
+// split. Each stage says whether it ran and why; what no material and no request calls for is not
+// computed.
 #pragma once
 
 #include <cstdint>
@@ -12,6 +13,7 @@
 #include "prep/corner_normals.h"
 #include "prep/findings.h"
 #include "prep/hard_edges.h"
+#include "prep/repair.h"
 #include "prep/requirements.h"
 #include "prep/result.h"
 #include "prep/scene.h"
@@ -40,6 +42,7 @@ enum class WeldMode : std::uint8_t {
 
 struct PrepareOptions {
     Request request;
+    RepairOptions repair;  // off unless asked for
     WeldMode weld = WeldMode::automatic;
     Authored normals = Authored::keep;
     NormalOptions normal;        // weight, precision
@@ -69,6 +72,7 @@ struct PreparedScene {
     std::vector<MeshRequirements> requirements;
     std::vector<StageReport> stages;
     std::vector<Finding> findings;
+    std::vector<RepairStep> repairs;  // by mesh, in the order in which they ran
     SplitCounts splits;
 };
 
