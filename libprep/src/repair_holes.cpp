@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <unordered_set>
 
 #include "prep/face_normals.h"
 #include "repair_steps.h"
@@ -29,6 +30,10 @@ Index next_open(const Mesh& mesh, const Topology& topology, Index c) {
     return no_index;
 }
 
+std::uint64_t edge_key(Index a, Index b) {
+    return std::uint64_t(std::min(a, b)) << 32 | std::max(a, b);
+}
+
 // Twice the area vector of a triangle.
 glm::dvec3 area(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
     return glm::cross(b - a, c - a);
@@ -40,26 +45,29 @@ double angle_between(const glm::dvec3& a, const glm::dvec3& b) {
 
 // The triangulation of a loop of points of least (largest angle to a neighbour, area), by dynamic
 // programming over the sub-polygons i … j (Barequet and Sharir 1995; the weight: Liepa 2003).
-// `rims[i]`: area vector of the face outside edge i → i + 1, in the loop's direction.
+// `taken(i, j)`: there is an edge between these points already, and a second one would make it
+// non-manifold. `rims[i]`: area vector of the face outside edge i → i + 1, in the loop's direction.
+template <class Taken>
 class LoopTriangulation {
   public:
-    LoopTriangulation(const std::vector<glm::dvec3>& points, const std::vector<glm::dvec3>& rims)
-        : points_(points), rims_(rims), n_(points.size()), table_(n_ * n_) {
-        for (std::size_t i = 0; i + 2 < n_; ++i) choose(i, i + 2);
-        for (std::size_t span = 3; span < n_; ++span)
+    LoopTriangulation(const std::vector<glm::dvec3>& points, const std::vector<glm::dvec3>& rims,
+                      const Taken& taken)
+        : points_(points), rims_(rims), taken_(taken), n_(points.size()), table_(n_ * n_) {
+        for (std::size_t span = 2; span < n_; ++span)
             for (std::size_t i = 0; i + span < n_; ++i) choose(i, i + span);
     }
 
-    // Three loop positions each, in the loop's direction. Empty where a triangle has no area.
+    // Three loop positions each, in the loop's direction. Empty where there is no triangulation
+    // without a triangle that has no area or an edge that is taken.
     std::vector<std::size_t> triangles() const {
         std::vector<std::size_t> out;
+        if (!std::isfinite(at(0, n_ - 1).area)) return out;
         std::vector<std::pair<std::size_t, std::size_t>> todo{{0, n_ - 1}};
         while (!todo.empty()) {
             const auto [i, j] = todo.back();
             todo.pop_back();
             if (j - i < 2) continue;
             const std::size_t m = at(i, j).middle;
-            if (!(glm::length(area(points_[i], points_[m], points_[j])) > 0)) return {};
             out.insert(out.end(), {i, m, j});
             todo.emplace_back(m, j);
             todo.emplace_back(i, m);
@@ -84,7 +92,8 @@ class LoopTriangulation {
     void choose(std::size_t i, std::size_t j) {
         Entry best;
         best.angle = best.area = std::numeric_limits<double>::infinity();
-        for (std::size_t m = i + 1; m < j; ++m) {
+        const bool diagonal = i > 0 || j + 1 < n_;
+        for (std::size_t m = i + 1; m < j && !(diagonal && taken_(i, j)); ++m) {
             Entry e;
             e.normal = area(points_[i], points_[m], points_[j]);
             e.middle = m;
@@ -95,7 +104,7 @@ class LoopTriangulation {
             // The last edge of the loop closes it: its rim counts too.
             if (i == 0 && j + 1 == n_)
                 e.angle = std::max(e.angle, angle_between(e.normal, rims_[n_ - 1]));
-            if (!(glm::length(e.normal) > 0)) e.angle = 2 * 3.14159265358979323846;
+            if (!(glm::length(e.normal) > 0)) continue;
             if (e.angle < best.angle || (e.angle == best.angle && e.area < best.area)) best = e;
         }
         table_[i * n_ + j] = best;
@@ -103,6 +112,7 @@ class LoopTriangulation {
 
     const std::vector<glm::dvec3>& points_;
     const std::vector<glm::dvec3>& rims_;
+    const Taken& taken_;
     std::size_t n_;
     std::vector<Entry> table_;
 };
@@ -151,13 +161,19 @@ RepairStep fill_holes(Mesh& mesh, std::uint32_t most_edges, int threads) {
         }
         loops.push_back(std::move(loop));
     }
+    const auto point = [&](Index c) { return topology.welded[mesh.corner_vertices[c]]; };
+    std::unordered_set<std::uint64_t> edges;
+    if (!loops.empty())
+        for (Index c = 0; c < corners; ++c)
+            edges.insert(edge_key(
+                point(c), point(next_corner(mesh.face_offsets, topology.corner_faces[c], c))));
     Places places;
     for (const std::vector<Index>& loop : loops) {
         bool usable = loop.size() >= 3;
         std::vector<Index> met;
         for (const Index c : loop) {
             const Index f = topology.corner_faces[c];
-            met.push_back(topology.welded[mesh.corner_vertices[c]]);
+            met.push_back(point(c));
             usable &= faces.states[f] == FaceState::regular;
             if (!mesh.face_parts.empty())
                 usable &= mesh.face_parts[f] == mesh.face_parts[topology.corner_faces[loop[0]]];
@@ -176,25 +192,30 @@ RepairStep fill_holes(Mesh& mesh, std::uint32_t most_edges, int threads) {
                 rims.push_back(
                     faces.area_vectors[topology.corner_faces[reversed[(i + 1) % reversed.size()]]]);
             }
-            triangles = LoopTriangulation(points, rims).triangles();
+            const auto taken = [&](std::size_t i, std::size_t j) {
+                return edges.contains(edge_key(point(reversed[i]), point(reversed[j])));
+            };
+            triangles = LoopTriangulation(points, rims, taken).triangles();
         }
         if (triangles.empty()) {
             ++step.left;
             continue;
         }
-        for (std::size_t i = 0; i < triangles.size(); i += 3)
-            add_triangle(
-                mesh,
-                {reversed[triangles[i]], reversed[triangles[i + 1]], reversed[triangles[i + 2]]},
-                topology.corner_faces[reversed[triangles[i]]]);
+        for (std::size_t i = 0; i < triangles.size(); i += 3) {
+            const Index at[3] = {reversed[triangles[i]], reversed[triangles[i + 1]],
+                                 reversed[triangles[i + 2]]};
+            for (int k = 0; k < 3; ++k)
+                edges.insert(edge_key(point(at[k]), point(at[(k + 1) % 3])));
+            add_triangle(mesh, at, topology.corner_faces[at[0]]);
+        }
         places.add(loop[0]);
     }
     step.changed = places.count;
     step.places = std::move(places.first);
     if (step.left > 0)
         step.text +=
-            "; left: those of too many edges, of several parts, or that touch themselves or faces "
-            "without area";
+            "; left: those of too many edges, of several parts, that touch themselves or faces "
+            "without area, or that no triangulation fits";
     return step;
 }
 

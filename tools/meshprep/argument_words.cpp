@@ -88,7 +88,7 @@ void parse_hard_borders(const std::string& text, prep::HardEdgeOptions& hard) {
     }
 }
 
-// "weld=1e-5,degenerate,holes=50", or "all": everything but a tolerance.
+// "weld=1e-5,degenerate,holes=50", or "all": everything but welding, which joins what only touches.
 void parse_repair(const std::string& text, prep::RepairOptions& repair) {
     constexpr std::uint32_t default_hole_edges = 100;
     std::istringstream in(text);
@@ -107,7 +107,7 @@ void parse_repair(const std::string& text, prep::RepairOptions& repair) {
         if (valued && name == "holes" && !(value[0] >= 3 && value[0] <= 1000))
             usage_error("--repair", "'" + word + "': holes of 3 to 1000 edges can be filled");
         const bool all = name == "all";
-        if (all || name == "weld") repair.weld_tolerance = valued ? value[0] : 0;
+        if (name == "weld") repair.weld_tolerance = valued ? value[0] : 0;
         if (all || name == "degenerate") repair.degenerate_faces = true;
         if (all || name == "duplicates") repair.duplicate_faces = true;
         if (all || name == "edges") repair.non_manifold_edges = true;
@@ -172,7 +172,7 @@ void add_preparation_options(CLI::App* app, prep::PrepareOptions& p) {
            "--repair", [&p](const std::string& text) { parse_repair(text, p.repair); },
            "Mends before anything else, with a log: weld[=DISTANCE] (default 0: equal positions), "
            "degenerate faces, duplicates, non-manifold edges and vertices, orientation, "
-           "holes[=EDGES] (of at most 100), outward, isolated vertices; all")
+           "holes[=EDGES] (of at most 100), outward, isolated vertices; all: these but weld")
         ->type_name("LIST")
         ->group(group);
     app->add_option_function<std::string>(
