@@ -127,7 +127,7 @@ TangentConventions tangent_conventions(const Mesh& mesh, std::size_t uv_set, int
                                                : TangentMethod::other;
     out.sign = share(out.same_sign) >= 0.9   ? TangentSign::as_gltf
                : share(out.same_sign) <= 0.1 ? TangentSign::inverted
-                                              : TangentSign::mixed;
+                                             : TangentSign::mixed;
     return out;
 }
 

@@ -62,10 +62,13 @@ struct Fault {
 };
 
 const Fault faults[] = {
-    {3, "non-finite-tangent", {nan, 0, 0, 1}},     {20, "zero-tangent", {0, 0, 0, 1}},
-    {41, "tangent-sign", {1, 0, 0, 0}},    {62, "non-unit-tangent", {2, 0, 0, 1}},
+    {3, "non-finite-tangent", {nan, 0, 0, 1}},
+    {20, "zero-tangent", {0, 0, 0, 1}},
+    {41, "tangent-sign", {1, 0, 0, 0}},
+    {62, "non-unit-tangent", {2, 0, 0, 1}},
     {63, "non-unit-tangent", {0, 0, 0.25f, 1}},  // and out of the plane
-    {80, "non-orthogonal-tangent", {0.6f, 0, 0.8f, 1}}, {95, "tangent-against-uvs", {0, 1, 0, 1}},
+    {80, "non-orthogonal-tangent", {0.6f, 0, 0.8f, 1}},
+    {95, "tangent-against-uvs", {0, 1, 0, 1}},
     {101, "tangent-against-uvs", {1, 0, 0, -1}},
 };
 
