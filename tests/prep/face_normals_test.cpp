@@ -1,6 +1,7 @@
 #include "prep/face_normals.h"
 
 #include <gtest/gtest.h>
+#include <hwy/targets.h>
 
 #include <cmath>
 #include <limits>
@@ -176,6 +177,24 @@ TEST(FaceNormals, ThreadsChangeNothing) {
             EXPECT_EQ(one.states, many.states);
         }
     }
+}
+
+TEST(FaceNormals, EveryInstructionSetGivesTheSameBits) {
+    std::mt19937_64 random(15);
+    const Mesh mesh = hostile_triangles(random, 20'000);
+    const prep::FaceNormals best = normals_of(mesh, Precision::fast, 1);
+    int tried = 0;
+    for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
+        hwy::SetSupportedTargetsForTest(target);
+        hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+        EXPECT_EQ(normals_of(mesh, Precision::fast, 1).area_vectors, best.area_vectors)
+            << hwy::TargetName(target);
+        ++tried;
+    }
+    hwy::SetSupportedTargetsForTest(0);
+    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+    EXPECT_GE(tried, 1);
+    RecordProperty("instruction_sets", tried);
 }
 
 }  // namespace
