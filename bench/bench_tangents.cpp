@@ -7,6 +7,7 @@
 #include <malloc.h>
 
 #include <cmath>
+#include <cstdlib>
 #include <fstream>
 #include <map>
 #include <numbers>
@@ -88,11 +89,16 @@ double memory(const char* name) {
 }
 
 double extra_memory(const prep::TangentInput& input, const prep::TangentOptions& options) {
+    // Freed memory goes back at once: the peak is this run's own.
+    mallopt(M_MMAP_THRESHOLD, 1 << 16);
     malloc_trim(0);
     std::ofstream("/proc/self/clear_refs") << 5;  // the peak starts anew
     const double before = memory("VmRSS");
     const auto tangents = prep::corner_tangents(input, options);
     const double peak = memory("VmHWM");
+    // For the timing as in a process that has been at work for a while.
+    mallopt(M_MMAP_THRESHOLD, 32 << 20);
+    mallopt(M_TRIM_THRESHOLD, 1 << 30);
     return peak - before - double(tangents->tangents.values.size() * sizeof(glm::vec4)) -
            double(tangents->tangents.indices.size() * sizeof(Index));
 }
@@ -147,8 +153,10 @@ BENCHMARK(indexed)->Name("indexed_large")->Apply([](auto* b) { sizes(b, {16'000'
 }  // namespace
 
 int main(int argc, char** argv) {
-    // Freed memory goes back at once: the peaks are each run's own.
-    mallopt(M_MMAP_THRESHOLD, 1 << 16);
     benchmark::Initialize(&argc, argv);
+    // Another size of the torus, for compare_tangents.
+    if (const char* triangles = std::getenv("TORUS_TRIANGLES"))
+        sizes(benchmark::RegisterBenchmark("of_any_size", indexed), {std::atoll(triangles)},
+              {1, 2});
     benchmark::RunSpecifiedBenchmarks();
 }
