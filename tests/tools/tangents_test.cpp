@@ -80,6 +80,29 @@ TEST(DiffTangents, MeasuresAnglesAndSigns) {
               1);  // the angles would pass, the signs do not
 }
 
+TEST(TangentAngle, KeepsGradientsApart) {
+    const TemporaryDirectory dir;
+    make_sphere(dir);
+    const std::string bare = (dir / "bare.glb").string(), apart = (dir / "apart.glb").string();
+    const auto prepare = [&](const char* degrees) {
+        return run_command({"prepare", bare, "-o", apart, "--tangents", "mikktspace",
+                            "--tangent-angle", degrees, "--quiet"})
+            .exit_code;
+    };
+    const auto same = [&] {
+        return run_command(
+                   {"diff", "--tangents", (dir / "made.glb").string(), apart, "--tolerance", "0"})
+                   .exit_code == 0;
+    };
+    EXPECT_EQ(prepare("180"), 0);
+    EXPECT_TRUE(same());
+    EXPECT_EQ(prepare("0"), 0);
+    EXPECT_FALSE(same());
+    EXPECT_EQ(prepare("181"), 2);
+    EXPECT_EQ(prepare("-1"), 2);
+    EXPECT_EQ(prepare("nan"), 2);
+}
+
 TEST(InspectTangents, TellsMikktspaceByItsBits) {
     const TemporaryDirectory dir;
     make_sphere(dir);

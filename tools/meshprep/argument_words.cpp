@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <sstream>
 
 namespace meshprep {
@@ -198,6 +199,13 @@ void add_preparation_options(CLI::App* app, prep::PrepareOptions& p) {
         app, "--tangents", modes, [&p](const std::string& word) { set_tangents(word, p); },
         "auto (default): where a material has a normal map; mikktspace: wherever there are UVs; "
         "mikktspace-exact: every bit of the C reference, its zeros included; none")
+        ->group(group);
+    app->add_option_function<double>(
+           "--tangent-angle",
+           [&p](double degrees) { p.tangent.angular_threshold = degrees * std::numbers::pi / 180; },
+           "Gradients that differ by more than this many degrees are not averaged (default 180, as "
+           "bakers have it)")
+        ->type_name("DEG")
         ->group(group);
     add_words<Authored>(
         app, "--authored-tangents", authored, [&p](Authored a) { p.tangents = a; },
