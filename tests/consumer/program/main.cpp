@@ -1,3 +1,4 @@
+#include <prep/image.h>
 #include <prep/io.h>
 #include <prep/prepare.h>
 #include <prep/version.h>
@@ -11,6 +12,9 @@ int main(int, char** argv) {
     if (!scene) return std::puts(to_string(scene.error()).c_str()), 1;
     const auto prepared = prep::prepare(std::move(*scene));
     const auto frame = rast::render(*prepared, *rast::plan(*prepared));
+    // Pictures are a library of their own, which must be found from here.
+    const auto png = prep::encode_png({1, 1, 1, {0.5f}});
+    if (!png) return std::puts(to_string(png.error()).c_str()), 1;
     std::printf("prep %s, rast %s: %zu vertices from %zu, %s\n", prep::version().data(),
                 rast::version().data(), prepared->meshes[0].vertex_count(),
                 prepared->scene.meshes[0].vertex_count(),

@@ -1,5 +1,3 @@
-#include "image_write.h"
-
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 #include <unistd.h>
@@ -11,6 +9,7 @@
 
 #include "prep/image.h"
 #include "prep/io.h"
+#include "unique_name.h"
 
 namespace prep {
 namespace {

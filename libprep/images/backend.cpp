@@ -1,0 +1,18 @@
+#include "image_backend.h"
+
+// The name carries the version, so that a library of another build is never taken for this one's.
+extern "C" __attribute__((visibility("default"))) const prep::detail::ImageBackend*
+MESHPREP_IMAGE_BACKEND() {
+    static const prep::detail::ImageBackend backend{
+        [](const std::filesystem::path& path) { return prep::load_image(path); },
+        [](std::span<const std::byte> bytes, const std::string& name) {
+            return prep::decode_image(bytes, name);
+        },
+        [](const std::filesystem::path& path, const prep::Image& image, prep::PixelType type) {
+            return prep::save_image(path, image, type);
+        },
+        [](const prep::Image& image, prep::PixelType type) {
+            return prep::encode_png(image, type);
+        }};
+    return &backend;
+}
