@@ -15,6 +15,19 @@ void append_u32(std::vector<std::byte>& out, std::uint32_t value) {
     for (int k = 0; k < 4; ++k) out.push_back(std::byte(value >> (8 * k)));
 }
 
+// What the meshes will take in the binary part, so that it need not grow; images come on top.
+std::size_t expected_bytes(const PreparedScene& prepared) {
+    std::size_t bytes = 0;
+    for (const VertexMesh& mesh : prepared.meshes) {
+        const std::size_t floats = 3 + (mesh.normals.empty() ? 0 : 3) +
+                                   (mesh.tangents.empty() ? 0 : 4) + 2 * mesh.uvs.size() +
+                                   4 * mesh.colors.size();
+        bytes += 4 * (floats * mesh.vertex_count() + mesh.indices.size() + mesh.lines.size() +
+                      mesh.points.size());
+    }
+    return bytes + bytes / 64;
+}
+
 }  // namespace
 
 WriteResult write_gltf(const PreparedScene& prepared, const std::filesystem::path& path,
@@ -30,6 +43,7 @@ WriteResult write_gltf(const PreparedScene& prepared, const std::filesystem::pat
     } else {
         document["asset"] = {{"version", "2.0"}};
         GltfBuffer buffer(document);
+        buffer.bytes().reserve(expected_bytes(prepared));
         build_gltf(prepared, document, buffer, notes);
         binary = std::move(buffer.bytes());
     }

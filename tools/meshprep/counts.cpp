@@ -1,6 +1,7 @@
 #include "meshprep/counts.h"
 
 #include <cstring>
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "meshprep/file_list.h"
@@ -15,16 +16,23 @@ void add(Counts& counts, const char* name, std::uint64_t value) {
     counts.figures.emplace_back(name, value);
 }
 
-// The JSON part of a glTF or GLB file.
+// The JSON part of a glTF or GLB file; the binary part, which is the most, is not read.
 std::string gltf_text(const std::filesystem::path& path) {
+    std::ifstream in(path, std::ios::binary);
+    char head[20] = {};
+    if (in.read(head, sizeof head) && std::memcmp(head, "glTF", 4) == 0) {
+        std::uint32_t length = 0;
+        std::memcpy(&length, head + 12, 4);
+        std::error_code ec;
+        const auto size = std::filesystem::file_size(path, ec);
+        if (ec || length > size - sizeof head) return {};
+        std::string text(length, ' ');
+        if (!in.read(text.data(), std::streamsize(length))) return {};
+        return text;
+    }
     const prep::Result<std::vector<std::byte>> bytes = prep::read_file(path);
     if (!bytes) return {};
-    const char* text = reinterpret_cast<const char*>(bytes->data());
-    if (bytes->size() < 20 || std::memcmp(text, "glTF", 4) != 0) return {text, bytes->size()};
-    std::uint32_t length = 0;
-    std::memcpy(&length, text + 12, 4);
-    if (length > bytes->size() - 20) return {};
-    return {text + 20, length};
+    return {reinterpret_cast<const char*>(bytes->data()), bytes->size()};
 }
 
 const Json& member(const Json& object, const char* key) {
