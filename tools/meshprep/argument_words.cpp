@@ -202,7 +202,11 @@ void add_preparation_options(CLI::App* app, prep::PrepareOptions& p) {
         ->group(group);
     app->add_option_function<double>(
            "--tangent-angle",
-           [&p](double degrees) { p.tangent.angular_threshold = degrees * std::numbers::pi / 180; },
+           [&p](double degrees) {
+               if (!(degrees >= 0 && degrees <= 180))
+                   usage_error("--tangent-angle", "not an angle from 0 to 180 degrees");
+               p.tangent.angular_threshold = degrees * std::numbers::pi / 180;
+           },
            "Gradients that differ by more than this many degrees are not averaged (default 180, as "
            "bakers have it)")
         ->type_name("DEG")
