@@ -57,6 +57,11 @@ class Planner {
         lights();
         shading();
         textures();
+        step("multisampling", plan_.request.samples > 1,
+             plan_.request.samples > 1
+                 ? std::to_string(plan_.request.samples) +
+                       " samples a pixel asked for; shaded once per triangle and pixel"
+                 : "one sample a pixel asked for");
         step("culling", plan_.request.cull != Cull::none, cull_reason());
         step("alpha blending", false,
              any([](const Material& m) { return m.alpha_mode == prep::AlphaMode::blend; })
@@ -216,6 +221,11 @@ prep::Result<RenderPlan> plan(const prep::PreparedScene& scene, const RenderRequ
                            "the picture is larger than " + std::to_string(max_picture_extent) +
                                " pixels a side, found " + std::to_string(request.width) + "x" +
                                std::to_string(request.height),
+                           ""};
+    const int samples = request.samples;
+    if (samples != 1 && samples != 2 && samples != 4 && samples != 8 && samples != 16)
+        return prep::Error{prep::ErrorCode::invalid,
+                           "a pixel has 1, 2, 4, 8 or 16 samples, found " + std::to_string(samples),
                            ""};
     return Planner(scene, request).run();
 }

@@ -668,6 +668,83 @@ TEST(Rendering, GivesTheSameBytesOnAnyThreadsAndInstructions) {
     }
 }
 
+// Standard sample positions in sixteenths of a pixel from its corner (Direct3D 11.3, Vulkan 1.3).
+std::vector<glm::ivec2> standard_positions(int samples) {
+    switch (samples) {
+        case 2:
+            return {{12, 12}, {4, 4}};
+        case 4:
+            return {{6, 2}, {14, 6}, {2, 10}, {10, 14}};
+        case 8:
+            return {{9, 5}, {7, 11}, {13, 9}, {5, 3}, {3, 13}, {1, 7}, {11, 15}, {15, 1}};
+        case 16:
+            return {{9, 9},  {7, 5}, {5, 10}, {12, 7}, {3, 6}, {10, 13}, {13, 11}, {11, 3},
+                    {6, 14}, {8, 1}, {4, 2},  {2, 12}, {0, 8}, {15, 4},  {14, 15}, {1, 0}};
+        default:
+            return {{8, 8}};
+    }
+}
+
+TEST(Multisampling, PixelsAreTheShareOfTheirStandardSamples) {
+    std::mt19937_64 random(11);
+    std::size_t partial = 0;
+    for (const int samples : {1, 2, 4, 8, 16})
+        for (int n = 0; n < 20; ++n) {
+            // One unit is a pixel; y up. Corners on the grid of 1/256 pixels, in 1/256.
+            glm::i64vec2 corner[3];
+            for (glm::i64vec2& c : corner)
+                c = {std::int64_t(random() % 8192) - 4096, std::int64_t(random() % 8192) - 4096};
+            const auto side = [](const glm::i64vec2& a, const glm::i64vec2& b,
+                                 const glm::i64vec2& p) {
+                return (b.x - a.x) * (p.y - a.y) - (b.y - a.y) * (p.x - a.x);
+            };
+            if (side(corner[0], corner[1], corner[2]) <= 0) std::swap(corner[1], corner[2]);
+            prep::VertexMesh mesh;
+            for (const glm::i64vec2& c : corner)
+                mesh.positions.push_back({float(c.x) / 256, float(c.y) / 256, 0});
+            mesh.indices = {0, 1, 2};
+            prep::Material material = white();
+            material.unlit = true;
+            rast::RenderRequest request;
+            request.width = request.height = 32;
+            request.samples = samples;
+            request.view = test::flat_view(16);
+            const rast::Frame frame = test::draw(test::scene_of(mesh, material), request);
+            std::uint64_t touched = 0;
+            for (std::uint32_t y = 0; y < 32; ++y)
+                for (std::uint32_t x = 0; x < 32; ++x) {
+                    int inside = 0, on_edge = 0;
+                    for (const glm::ivec2& s : standard_positions(samples)) {
+                        const glm::i64vec2 p(std::int64_t(x) * 256 + s.x * 16 - 4096,
+                                             4096 - std::int64_t(y) * 256 - s.y * 16);
+                        std::int64_t least = side(corner[0], corner[1], p);
+                        least = std::min(least, side(corner[1], corner[2], p));
+                        least = std::min(least, side(corner[2], corner[0], p));
+                        inside += least > 0;
+                        on_edge += least == 0;
+                    }
+                    touched += inside > 0;
+                    if (on_edge > 0) continue;
+                    // Shares of 1/16 are exact.
+                    ASSERT_EQ(frame.color[y * 32 + x], glm::vec4(float(inside) / float(samples)))
+                        << samples << ": " << x << " " << y;
+                    partial += inside > 0 && inside < samples;
+                }
+            // Once per triangle and pixel, however many samples it covers.
+            EXPECT_NEAR(double(frame.counters.pixels_shaded), double(touched), 4);
+        }
+    EXPECT_GT(partial, 1000u);
+}
+
+TEST(Multisampling, OtherCountsAreAnError) {
+    const prep::PreparedScene nothing;
+    for (const int samples : {-1, 0, 3, 5, 32}) {
+        rast::RenderRequest request;
+        request.samples = samples;
+        EXPECT_FALSE(rast::plan(nothing, request)) << samples;
+    }
+}
+
 TEST(Rendering, EmptyAndBrokenScenesGiveTheBackground) {
     rast::RenderRequest request;
     request.width = 8;

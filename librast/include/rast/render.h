@@ -62,7 +62,8 @@ struct RenderPlan {         // a value; made by plan(), obeyed by render()
     std::vector<std::string> warnings;
 };
 
-// Pure. Errors: invalid (no extent), limit (larger than max_picture_extent).
+// Pure. Errors: invalid (no extent; a sample count that is not offered), limit (larger than
+// max_picture_extent).
 prep::Result<RenderPlan> plan(const prep::PreparedScene& scene, const RenderRequest& request = {});
 
 struct Counters {
