@@ -185,10 +185,17 @@ class Planner {
         step("textures", some, some ? "sampled by materials in use" : none);
         step("sRGB decoding", colour_used,
              colour_used ? "colour textures are stored encoded" : "no colour texture is sampled");
-        const bool mips = some && plan_.request.filter == TextureFilter::trilinear;
+        const bool mips = some && plan_.request.filter != TextureFilter::nearest &&
+                          plan_.request.filter != TextureFilter::bilinear &&
+                          plan_.request.filter != TextureFilter::ripmap;
+        const bool rips = some && plan_.request.filter == TextureFilter::ripmap;
         step("mip levels", mips,
-             mips   ? "trilinear filtering reads them"
-             : some ? "the filter reads the base only"
+             mips   ? "the texture filter asked for reads them"
+             : some ? "the filter asked for does not read them"
+                    : none);
+        step("ripmap levels", rips,
+             rips   ? "the texture filter asked for reads them"
+             : some ? "the filter asked for does not read them"
                     : none);
     }
 
@@ -221,6 +228,10 @@ prep::Result<RenderPlan> plan(const prep::PreparedScene& scene, const RenderRequ
                            "the picture is larger than " + std::to_string(max_picture_extent) +
                                " pixels a side, found " + std::to_string(request.width) + "x" +
                                std::to_string(request.height),
+                           ""};
+    if (request.max_anisotropy < 1 || request.max_anisotropy > 16)
+        return prep::Error{prep::ErrorCode::invalid,
+                           "anisotropy is 1 to 16, found " + std::to_string(request.max_anisotropy),
                            ""};
     const int samples = request.samples;
     if (samples != 1 && samples != 2 && samples != 4 && samples != 8 && samples != 16)

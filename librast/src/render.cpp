@@ -127,9 +127,8 @@ class Renderer {
                 frame_.warnings.push_back("texture left out: " + prep::to_string(image.error()));
                 continue;
             }
-            textures_[t] =
-                std::make_unique<MipTexture>(*image, texture, plan_.colour_textures[t],
-                                             plan_.request.filter == TextureFilter::trilinear);
+            textures_[t] = std::make_unique<MipTexture>(*image, texture, plan_.colour_textures[t],
+                                                        levels_for(plan_.request.filter));
         }
     }
 

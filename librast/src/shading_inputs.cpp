@@ -28,6 +28,7 @@ BoundMap bind(const RenderPlan& plan, const prep::TextureRef& ref, const prep::V
     bound.offset[1] = ref.offset.y;
     bound.strength = ref.strength;
     bound.filter = plan.request.filter;
+    bound.most = plan.request.max_anisotropy;
     return bound;
 }
 

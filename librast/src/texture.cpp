@@ -54,10 +54,11 @@ std::vector<Tap> taps(std::uint32_t from, std::uint32_t to) {
     return result;
 }
 
-MipTexture::Level next_level(const MipTexture::Level& fine) {
+// Half the texels along the axes that are asked for.
+MipTexture::Level next_level(const MipTexture::Level& fine, bool halve_x, bool halve_y) {
     MipTexture::Level coarse;
-    coarse.width = std::max(1u, fine.width / 2);
-    coarse.height = std::max(1u, fine.height / 2);
+    coarse.width = halve_x ? std::max(1u, fine.width / 2) : fine.width;
+    coarse.height = halve_y ? std::max(1u, fine.height / 2) : fine.height;
     coarse.texels.resize(std::size_t(coarse.width) * coarse.height);
     const std::vector<Tap> across = taps(fine.width, coarse.width);
     const std::vector<Tap> down = taps(fine.height, coarse.height);
@@ -102,12 +103,37 @@ std::int64_t wrap_texel(std::int64_t i, std::int64_t size, prep::Wrap wrap) {
     return 0;
 }
 
+TextureLevels levels_for(TextureFilter filter) {
+    switch (filter) {
+        case TextureFilter::nearest:
+        case TextureFilter::bilinear:
+            return TextureLevels::base;
+        case TextureFilter::ripmap:
+            return TextureLevels::ripmap;
+        case TextureFilter::bicubic:
+        case TextureFilter::trilinear:
+        case TextureFilter::anisotropic:
+        case TextureFilter::ewa:
+            break;
+    }
+    return TextureLevels::mipmap;
+}
+
 MipTexture::MipTexture(const prep::Image& image, const prep::Texture& sampler, bool colour,
-                       bool mipped)
+                       TextureLevels levels)
     : wrap_u_(sampler.wrap_u), wrap_v_(sampler.wrap_v) {
     levels_.push_back(base_level(image, colour));
-    while (mipped && (levels_.back().width > 1 || levels_.back().height > 1))
-        levels_.push_back(next_level(levels_.back()));
+    if (levels == TextureLevels::mipmap)
+        while (levels_.back().width > 1 || levels_.back().height > 1)
+            levels_.push_back(next_level(levels_.back(), true, true));
+    if (levels == TextureLevels::ripmap) {
+        rip_.push_back(levels_[0]);
+        while (rip_.back().width > 1) rip_.push_back(next_level(rip_.back(), true, false));
+        rip_columns_ = rip_.size();
+        for (std::size_t above = 0; rip_[above].height > 1; above += rip_columns_)
+            for (std::size_t c = 0; c < rip_columns_; ++c)
+                rip_.push_back(next_level(rip_[above + c], false, true));
+    }
 }
 
 glm::vec4 MipTexture::nearest(const Level& level, const glm::vec2& uv) const {
@@ -145,21 +171,10 @@ float MipTexture::level_of_detail(const Footprint& f) const {
     return float(0.5 * log_portable(longest) * 1.4426950408889634);
 }
 
-glm::vec4 MipTexture::sample(const glm::vec2& uv, const Footprint& footprint,
-                             TextureFilter filter) const {
-    if (filter == TextureFilter::nearest) return nearest(levels_[0], uv);
-    if (filter == TextureFilter::bilinear || levels_.size() == 1) return bilinear(levels_[0], uv);
-    const float lod = std::min(level_of_detail(footprint), float(levels_.size() - 1));
-    const std::size_t fine = std::size_t(lod);
-    const glm::vec4 a = bilinear(levels_[fine], uv);
-    const float rest = lod - float(fine);
-    if (rest == 0) return a;
-    return a + (bilinear(levels_[fine + 1], uv) - a) * rest;
-}
-
-void sample_texture(const MipTexture& texture, TextureFilter filter, const float at[6],
+void sample_texture(const MipTexture& texture, TextureFilter filter, int most, const float at[6],
                     float out[4]) {
-    const glm::vec4 c = texture.sample({at[0], at[1]}, {{at[2], at[3]}, {at[4], at[5]}}, filter);
+    const glm::vec4 c =
+        texture.sample({at[0], at[1]}, {{at[2], at[3]}, {at[4], at[5]}}, filter, most);
     for (int k = 0; k < 4; ++k) out[k] = c[k];
 }
 

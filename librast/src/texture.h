@@ -16,15 +16,32 @@ struct Footprint {
     glm::vec2 dx{0.0f}, dy{0.0f};
 };
 
+// What is made of a texture beside its first level: half sizes down to one texel, or every
+// combination of half widths and half heights (four times the memory).
+enum class TextureLevels : std::uint8_t { base, mipmap, ripmap };
+TextureLevels levels_for(TextureFilter filter);
+
 class MipTexture {
   public:
     // `colour`: decode RGB from sRGB before anything is averaged. Missing channels: grey is spread
     // to RGB, alpha is 1.
-    MipTexture(const prep::Image& image, const prep::Texture& sampler, bool colour, bool mipped);
+    MipTexture(const prep::Image& image, const prep::Texture& sampler, bool colour,
+               TextureLevels levels);
 
     // UV origin top left, repeated, mirrored or clamped as the sampler says. NaN coordinates read
     // texel (0, 0).
-    glm::vec4 sample(const glm::vec2& uv, const Footprint& footprint, TextureFilter filter) const;
+    // `most`: probes of the anisotropic filter, and the longest ellipse of EWA, as a ratio of its
+    // sides. Filters:
+    //   bicubic      Keys (1981), a = −½, on the two levels that trilinear reads; overshoots.
+    //   anisotropic  as EXT_texture_filter_anisotropic describes it: trilinear probes along the
+    //                longer side, at the level of that side over their number.
+    //   ewa          Heckbert (1989): Gaussian over the footprint's ellipse, on the two levels that
+    //                the shorter side asks for.
+    //   ripmap       the two levels of either axis, by the larger change of either coordinate.
+    // Footprints of at most a texel are read as by trilinear. A constant texture comes out with its
+    // own bits from all of them (but the mip levels' rounding).
+    glm::vec4 sample(const glm::vec2& uv, const Footprint& footprint, TextureFilter filter,
+                     int most = 8) const;
 
     std::uint32_t level_count() const { return std::uint32_t(levels_.size()); }
     // Level of detail as Vulkan and OpenGL define it: log2 of the longer footprint side in texels.
@@ -37,14 +54,27 @@ class MipTexture {
     const Level& level(std::uint32_t index) const { return levels_[index]; }
 
   private:
+    glm::vec4 texel(const Level& level, std::int64_t x, std::int64_t y) const;
     glm::vec4 nearest(const Level& level, const glm::vec2& uv) const;
     glm::vec4 bilinear(const Level& level, const glm::vec2& uv) const;
+    glm::vec4 bicubic(const Level& level, const glm::vec2& uv) const;
+    glm::vec4 bicubic(const glm::vec2& uv, const Footprint& footprint) const;
+    glm::vec4 anisotropic(const glm::vec2& uv, const Footprint& footprint, int most) const;
+    glm::vec4 ellipse(const Level& level, const glm::vec2& uv, const glm::dvec2& a,
+                      const glm::dvec2& b) const;
+    glm::vec4 ewa(const glm::vec2& uv, const Footprint& footprint, int most) const;
+    glm::vec4 ripmap(const glm::vec2& uv, const Footprint& footprint) const;
+    template <class Read>
+    glm::vec4 between_levels(float lod, const Read& read) const;
+
     std::vector<Level> levels_;
+    std::vector<Level> rip_;  // rows of ever lower height, rip_columns_ widths each
+    std::size_t rip_columns_ = 0;
     prep::Wrap wrap_u_, wrap_v_;
 };
 
 // For the kernels: at = u, v, then their change per pixel right (u, v) and down (u, v).
-void sample_texture(const MipTexture& texture, TextureFilter filter, const float at[6],
+void sample_texture(const MipTexture& texture, TextureFilter filter, int most, const float at[6],
                     float out[4]);
 
 // Texel index in [0, size) for a texel coordinate of any size; −1 for border (Wrap::border

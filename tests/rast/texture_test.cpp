@@ -32,10 +32,11 @@ prep::Image random_image(std::uint32_t width, std::uint32_t height, std::uint64_
 
 MipTexture texture_of(const prep::Image& image, Wrap u, Wrap v, bool mipped = false,
                       bool colour = false) {
+    using rast::TextureLevels;
     prep::Texture sampler;
     sampler.wrap_u = u;
     sampler.wrap_v = v;
-    return MipTexture(image, sampler, colour, mipped);
+    return MipTexture(image, sampler, colour, mipped ? TextureLevels::mipmap : TextureLevels::base);
 }
 
 // A texel of the endless plane, by walking there.
@@ -234,6 +235,207 @@ TEST(Filter, HostileCoordinatesAreHarmless) {
             const glm::vec4 c = texture.sample({bad, -bad}, {{bad, 0}, {0, bad}}, filter);
             for (int k = 0; k < 4; ++k) EXPECT_TRUE(c[k] >= 0 && c[k] <= 1);
         }
+}
+
+constexpr TextureFilter every_filter[] = {TextureFilter::nearest,   TextureFilter::bilinear,
+                                          TextureFilter::trilinear, TextureFilter::bicubic,
+                                          TextureFilter::ripmap,    TextureFilter::anisotropic,
+                                          TextureFilter::ewa};
+
+MipTexture texture_for(const prep::Image& image, TextureFilter filter) {
+    return MipTexture(image, prep::Texture{}, false, rast::levels_for(filter));
+}
+
+TEST(Filter, BicubicIsKeysKernel) {
+    const prep::Image image = random_image(9, 6, 12);
+    const MipTexture texture = texture_for(image, TextureFilter::bicubic);
+    const auto kernel = [](double x) {  // Keys 1981, equation 8 with a = −1/2
+        x = std::abs(x);
+        if (x < 1) return 1.5 * x * x * x - 2.5 * x * x + 1;
+        if (x < 2) return -0.5 * x * x * x + 2.5 * x * x - 4 * x + 2;
+        return 0.0;
+    };
+    std::mt19937_64 random(13);
+    std::uniform_real_distribution<float> coordinate(-1, 2);
+    for (int n = 0; n < 2000; ++n) {
+        const glm::vec2 uv(coordinate(random), coordinate(random));
+        const double x = double(uv.x) * 9 - 0.5, y = double(uv.y) * 6 - 0.5;
+        glm::dvec4 expected(0.0);
+        for (std::int64_t j = std::int64_t(std::floor(y)) - 2; double(j) < y + 3; ++j)
+            for (std::int64_t i = std::int64_t(std::floor(x)) - 2; double(i) < x + 3; ++i)
+                expected += texel(image, i, j, Wrap::repeat, Wrap::repeat) *
+                            (kernel(x - double(i)) * kernel(y - double(j)));
+        ASSERT_LT(distance(texture.sample(uv, {}, TextureFilter::bicubic), expected), 2e-5);
+    }
+}
+
+TEST(Filter, RipmapReadsBoxesAlongTheAxes) {
+    const prep::Image image = random_image(16, 16, 14);
+    const MipTexture texture = texture_for(image, TextureFilter::ripmap);
+    // Four texels wide, one high, and the other way round, on the centres of such boxes.
+    for (int j = 0; j < 16; ++j)
+        for (int i = 0; i < 4; ++i) {
+            glm::dvec4 row(0.0), column(0.0);
+            for (int k = 0; k < 4; ++k) {
+                row += texel(image, 4 * i + k, j, Wrap::repeat, Wrap::repeat) / 4.0;
+                column += texel(image, j, 4 * i + k, Wrap::repeat, Wrap::repeat) / 4.0;
+            }
+            const float along = (4 * float(i) + 2) / 16, across = (float(j) + 0.5f) / 16;
+            ASSERT_LT(distance(texture.sample({along, across}, {{0.25f, 0}, {0, 1.0f / 16}},
+                                              TextureFilter::ripmap),
+                               row),
+                      1e-5);
+            ASSERT_LT(distance(texture.sample({across, along}, {{0, 0.25f}, {1.0f / 16, 0}},
+                                              TextureFilter::ripmap),
+                               column),
+                      1e-5);
+        }
+}
+
+TEST(Filter, EwaIsTheGaussianOverTheEllipse) {
+    const prep::Image image = random_image(64, 64, 15);
+    const MipTexture texture = texture_for(image, TextureFilter::ewa);
+    std::mt19937_64 random(16);
+    std::uniform_real_distribution<double> value(0, 1);
+    for (int n = 0; n < 300; ++n) {
+        const glm::vec2 uv(float(value(random)), float(value(random)));
+        // A short side of at most a texel: the first level alone is read.
+        const double turn = 6.28 * value(random), length = 1.5 + 6 * value(random),
+                     width = length / 8 + (0.95 - length / 8) * value(random);
+        const glm::dvec2 a = glm::dvec2(std::cos(turn), std::sin(turn)) * length,
+                         b = glm::dvec2(-std::sin(turn), std::cos(turn)) * width;
+        const Footprint footprint{glm::vec2(a / 64.0), glm::vec2(b / 64.0)};
+        // The quadratic form is the inverse of J Jᵀ + 1.
+        const double xx = a.x * a.x + b.x * b.x + 1, xy = a.x * a.y + b.x * b.y,
+                     yy = a.y * a.y + b.y * b.y + 1, det = xx * yy - xy * xy;
+        const double u = double(uv.x) * 64 - 0.5, v = double(uv.y) * 64 - 0.5;
+        glm::dvec4 sum(0.0);
+        double total = 0;
+        for (int y = int(v) - 12; y <= int(v) + 13; ++y)
+            for (int x = int(u) - 12; x <= int(u) + 13; ++x) {
+                const double dx = x - u, dy = y - v;
+                const double r2 = (yy * dx * dx - 2 * xy * dx * dy + xx * dy * dy) / det;
+                if (r2 >= 1) continue;
+                const double w = std::exp(-2 * r2) - std::exp(-2.0);
+                sum += texel(image, x, y, Wrap::repeat, Wrap::repeat) * w;
+                total += w;
+            }
+        // The table's steps of 1/256 in r² change a weight by 0.4 % at most, up and down.
+        ASSERT_LT(distance(texture.sample(uv, footprint, TextureFilter::ewa, 8), sum / total),
+                  4e-3);
+    }
+}
+
+// Cost must stay bounded whatever the footprint is: this ends, or it does not.
+TEST(Filter, ExtremeFootprintsAreFiniteAndEndSoon) {
+    const prep::Image image = random_image(64, 16, 17);
+    for (const TextureFilter filter : every_filter) {
+        const MipTexture texture = texture_for(image, filter);
+        for (const float a : {0.0f, 1e-30f, 1e-3f, 1.0f, 1e6f, 1e20f, 3e38f, float(INFINITY), NAN})
+            for (const float b : {0.0f, 1e-30f, 1e-3f, 1.0f, 1e6f, 1e20f, 3e38f, float(NAN)})
+                for (const int most : {1, 2, 16}) {
+                    const glm::vec4 c = texture.sample({0.3f, a}, {{a, b}, {-b, a}}, filter, most);
+                    const glm::vec4 d = texture.sample({b, 0.1f}, {{a, 0}, {b, 0}}, filter, most);
+                    for (int k = 0; k < 4; ++k)
+                        ASSERT_TRUE(std::abs(c[k]) < 2 && std::abs(d[k]) < 2);
+                }
+    }
+}
+
+TEST(Filter, ConstantTexturesKeepTheirEnergyEdgeOn) {
+    prep::Image image{64, 64, 1, std::vector<float>(64 * 64, 0.3f)};
+    std::mt19937_64 random(18);
+    std::uniform_real_distribution<float> coordinate(-20, 20);
+    std::uniform_real_distribution<double> exponent(-9, 3);
+    for (const TextureFilter filter : every_filter) {
+        const MipTexture texture = texture_for(image, filter);
+        for (int n = 0; n < 2000; ++n) {
+            const float a = float(std::exp2(exponent(random))),
+                        b = float(std::exp2(exponent(random)));
+            const float c =
+                texture.sample({coordinate(random), coordinate(random)}, {{a, b}, {b, a}}, filter)
+                    .r;
+            // Mip levels are sums of four products: half an ulp each time.
+            ASSERT_NEAR(c, 0.3f, 6 * 6e-8);
+        }
+    }
+}
+
+// A picture of a texture against 1,024 samples a pixel of its first level.
+struct Quality {
+    double rmse = 0, energy = 0;  // energy: mean over the reference's mean
+};
+template <class Map>
+Quality quality(const prep::Image& image, TextureFilter filter, int most, int extent,
+                const Map& uv_at) {
+    const MipTexture texture = texture_for(image, filter);
+    const MipTexture base = texture_for(image, TextureFilter::nearest);
+    double squared = 0, mean = 0, reference_mean = 0;
+    for (int y = 0; y < extent; ++y)
+        for (int x = 0; x < extent; ++x) {
+            constexpr int grid = 32;
+            double reference = 0;
+            for (int j = 0; j < grid; ++j)
+                for (int i = 0; i < grid; ++i)
+                    reference +=
+                        base.sample(glm::vec2(uv_at(x + (i + 0.5) / grid, y + (j + 0.5) / grid)),
+                                    {}, TextureFilter::bilinear)
+                            .r;
+            reference /= grid * grid;
+            const double h = 1e-3;
+            const glm::dvec2 at = uv_at(x + 0.5, y + 0.5);
+            const Footprint footprint{
+                glm::vec2((uv_at(x + 0.5 + h, y + 0.5) - uv_at(x + 0.5 - h, y + 0.5)) / (2 * h)),
+                glm::vec2((uv_at(x + 0.5, y + 0.5 + h) - uv_at(x + 0.5, y + 0.5 - h)) / (2 * h))};
+            const double value = texture.sample(glm::vec2(at), footprint, filter, most).r;
+            squared += (value - reference) * (value - reference);
+            mean += value;
+            reference_mean += reference;
+        }
+    return {std::sqrt(squared / (extent * extent)), mean / reference_mean};
+}
+
+TEST(Filter, BetterOnesAreCloserToSupersampling) {
+    prep::Image checker{128, 128, 1, {}}, zones{256, 256, 1, {}};
+    for (int y = 0; y < 128; ++y)
+        for (int x = 0; x < 128; ++x) checker.pixels.push_back(float((x / 8 + y / 8) % 2));
+    for (int y = 0; y < 256; ++y)
+        for (int x = 0; x < 256; ++x) {
+            const double dx = x - 127.5, dy = y - 127.5;
+            checker.channels = 1;
+            zones.pixels.push_back(
+                float(0.5 + 0.5 * std::cos((dx * dx + dy * dy) * 3.14159 / 512)));
+        }
+    constexpr int extent = 40;
+    // A floor that recedes to the horizon, turned against the texture; and rings seen from far.
+    const auto floor = [](double x, double y) {
+        const double depth = 14.0 / (y + 1.5), across = (x - extent / 2.0) * depth / 40;
+        return glm::dvec2(0.8 * across + 0.6 * depth, 0.8 * depth - 0.6 * across) * 0.7;
+    };
+    const auto rings = [](double x, double y) { return glm::dvec2(x / extent, y / extent); };
+    struct Row {
+        const char* name;
+        TextureFilter filter;
+        int most;
+        Quality floor, rings;
+    };
+    std::vector<Row> rows{{"nearest", TextureFilter::nearest, 1, {}, {}},
+                          {"bilinear", TextureFilter::bilinear, 1, {}, {}},
+                          {"trilinear", TextureFilter::trilinear, 1, {}, {}},
+                          {"bicubic", TextureFilter::bicubic, 1, {}, {}},
+                          {"ripmap", TextureFilter::ripmap, 1, {}, {}},
+                          {"anisotropic 2", TextureFilter::anisotropic, 2, {}, {}},
+                          {"anisotropic 4", TextureFilter::anisotropic, 4, {}, {}},
+                          {"anisotropic 8", TextureFilter::anisotropic, 8, {}, {}},
+                          {"anisotropic 16", TextureFilter::anisotropic, 16, {}, {}},
+                          {"ewa 16", TextureFilter::ewa, 16, {}, {}}};
+    std::printf("%-15s %10s %8s %10s %8s\n", "", "floor", "energy", "rings", "energy");
+    for (Row& row : rows) {
+        row.floor = quality(checker, row.filter, row.most, extent, floor);
+        row.rings = quality(zones, row.filter, row.most, extent, rings);
+        std::printf("%-15s %10.4f %8.3f %10.4f %8.3f\n", row.name, row.floor.rmse, row.floor.energy,
+                    row.rings.rmse, row.rings.energy);
+    }
 }
 
 // ------------------------------------------------------------------------------------------- sRGB

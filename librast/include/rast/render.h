@@ -23,7 +23,15 @@ enum class Cull : std::uint8_t {
     front,
     none
 };  // by_material: back, unless double-sided
-enum class TextureFilter : std::uint8_t { nearest, bilinear, trilinear };
+enum class TextureFilter : std::uint8_t {
+    nearest,
+    bilinear,
+    trilinear,
+    bicubic,
+    anisotropic,
+    ripmap,
+    ewa
+};
 
 inline constexpr std::uint32_t max_picture_extent = 32768;
 
@@ -35,6 +43,7 @@ struct RenderRequest {
     std::optional<std::vector<LightInstance>> lights;  // unset: the scene's, else three lights
     Cull cull = Cull::by_material;
     TextureFilter filter = TextureFilter::trilinear;
+    int max_anisotropy = 8;      // 1 … 16: anisotropic and EWA filters
     glm::vec3 background{0.0f};  // linear
     bool textures = true;        // false: material colours only
     bool keep_depth = false;     // Frame::depth
@@ -62,8 +71,8 @@ struct RenderPlan {         // a value; made by plan(), obeyed by render()
     std::vector<std::string> warnings;
 };
 
-// Pure. Errors: invalid (no extent; a sample count that is not offered), limit (larger than
-// max_picture_extent).
+// Pure. Errors: invalid (no extent; a sample count or an anisotropy that is not offered), limit
+// (larger than max_picture_extent).
 prep::Result<RenderPlan> plan(const prep::PreparedScene& scene, const RenderRequest& request = {});
 
 struct Counters {

@@ -45,6 +45,7 @@ struct BoundMap {
     float offset[2] = {0, 0};
     float strength = 1;
     TextureFilter filter = TextureFilter::trilinear;
+    int most = 8;  // anisotropy
     explicit operator bool() const { return uv != nullptr; }
 };
 

@@ -175,7 +175,7 @@ inline Texel sample_map(const BoundMap& map, const Surface& s) {
         const float at[6] = {values[0][lane], values[1][lane], values[2][lane],
                              values[3][lane], values[4][lane], values[5][lane]};
         float texel[4];
-        sample_texture(*map.texture, map.filter, at, texel);
+        sample_texture(*map.texture, map.filter, map.most, at, texel);
         for (int c = 0; c < 4; ++c) out[c][lane] = texel[c];
     }
     return {load(out[0]), load(out[1]), load(out[2]), load(out[3])};

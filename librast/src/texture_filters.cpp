@@ -1,0 +1,225 @@
+// Filters that read more than a mip pyramid's bilinear taps.
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "elementary.h"
+#include "texture.h"
+
+namespace rast {
+namespace {
+
+constexpr double log2_of_e = 1.4426950408889634;
+
+double log2_portable(double x) {
+    return log_portable(x) * log2_of_e;
+}
+
+// Whole texel and the rest, for coordinates of any size; NaN is 0.
+std::int64_t whole(float x) {
+    return std::abs(x) < 1e12f ? std::int64_t(std::floor(x)) : 0;
+}
+float rest(float x, std::int64_t i) {
+    return std::abs(x) < 1e12f ? x - float(i) : 0.0f;
+}
+
+// Keys (1981), a = −½: interpolates, exact for quadratics.
+std::array<float, 4> keys_weights(float t) {
+    const float t2 = t * t, t3 = t2 * t;
+    return {-0.5f * t3 + t2 - 0.5f * t, 1.5f * t3 - 2.5f * t2 + 1.0f,
+            -1.5f * t3 + 2.0f * t2 + 0.5f * t, 0.5f * t3 - 0.5f * t2};
+}
+
+// The sides of a footprint in texels of the first level, in double: products of float's extremes
+// overflow float.
+struct Sides {
+    glm::dvec2 major{0.0}, minor{0.0};
+    double major_length = 0, minor_length = 0;
+    bool usable = false;
+};
+Sides sides_of(const Footprint& f, const MipTexture::Level& level) {
+    const glm::dvec2 size(level.width, level.height);
+    Sides s;
+    s.major = glm::dvec2(f.dx) * size;
+    s.minor = glm::dvec2(f.dy) * size;
+    s.major_length = std::sqrt(glm::dot(s.major, s.major));
+    s.minor_length = std::sqrt(glm::dot(s.minor, s.minor));
+    if (s.major_length < s.minor_length) {
+        std::swap(s.major, s.minor);
+        std::swap(s.major_length, s.minor_length);
+    }
+    s.usable = s.major_length < 1e15 && s.minor_length >= 0;
+    return s;
+}
+
+// exp(−2 r²) − exp(−2) over r² in [0, 1): Heckbert's Gaussian, cut off at the ellipse.
+constexpr int weight_entries = 256;
+const std::array<float, weight_entries>& gaussian_weights() {
+    static const std::array<float, weight_entries> table = [] {
+        std::array<float, weight_entries> t{};
+        for (int i = 0; i < weight_entries; ++i)
+            t[std::size_t(i)] =
+                float(exp_portable(-2.0 * (i + 0.5) / weight_entries) - exp_portable(-2.0));
+        return t;
+    }();
+    return table;
+}
+
+}  // namespace
+
+glm::vec4 MipTexture::texel(const Level& level, std::int64_t x, std::int64_t y) const {
+    x = wrap_texel(x, level.width, wrap_u_);
+    y = wrap_texel(y, level.height, wrap_v_);
+    return x < 0 || y < 0 ? glm::vec4(0.0f)
+                          : level.texels[std::size_t(y) * level.width + std::size_t(x)];
+}
+
+glm::vec4 MipTexture::bicubic(const Level& level, const glm::vec2& uv) const {
+    const float u = uv.x * float(level.width) - 0.5f, v = uv.y * float(level.height) - 0.5f;
+    const std::int64_t x = whole(u), y = whole(v);
+    const std::array<float, 4> across = keys_weights(rest(u, x)), down = keys_weights(rest(v, y));
+    // Differences to one texel: a constant texture stays bit-constant.
+    const glm::vec4 base = texel(level, x, y);
+    glm::vec4 sum(0.0f);
+    for (int j = 0; j < 4; ++j) {
+        glm::vec4 row(0.0f);
+        for (int i = 0; i < 4; ++i)
+            row += (texel(level, x + i - 1, y + j - 1) - base) * across[std::size_t(i)];
+        sum += row * down[std::size_t(j)];
+    }
+    return base + sum;
+}
+
+template <class Read>
+glm::vec4 MipTexture::between_levels(float lod, const Read& read) const {
+    lod = std::min(std::max(lod, 0.0f), float(levels_.size() - 1));
+    const std::size_t fine = std::size_t(lod);
+    const glm::vec4 a = read(levels_[fine]);
+    const float part = lod - float(fine);
+    if (part == 0) return a;
+    return a + (read(levels_[fine + 1]) - a) * part;
+}
+
+glm::vec4 MipTexture::bicubic(const glm::vec2& uv, const Footprint& footprint) const {
+    return between_levels(level_of_detail(footprint),
+                          [&](const Level& level) { return bicubic(level, uv); });
+}
+
+glm::vec4 MipTexture::anisotropic(const glm::vec2& uv, const Footprint& footprint, int most) const {
+    const Sides s = sides_of(footprint, levels_[0]);
+    if (!s.usable || !(s.major_length > 1)) return sample(uv, footprint, TextureFilter::trilinear);
+    const double ratio = s.major_length / std::max(s.minor_length, 1e-30);
+    const int probes = int(std::min(std::ceil(ratio), double(std::max(most, 1))));
+    const float lod =
+        float(std::max(0.0, log2_portable(std::max(s.major_length / probes, 1e-300))));
+    const glm::vec2 step =
+        glm::dot(glm::dvec2(footprint.dx) * glm::dvec2(levels_[0].width, levels_[0].height),
+                 glm::dvec2(footprint.dx) * glm::dvec2(levels_[0].width, levels_[0].height)) >=
+                s.major_length * s.major_length
+            ? footprint.dx
+            : footprint.dy;
+    glm::vec4 first(0.0f), sum(0.0f);
+    for (int i = 0; i < probes; ++i) {
+        const glm::vec2 at = uv + step * ((float(i) + 0.5f) / float(probes) - 0.5f);
+        const glm::vec4 probe =
+            between_levels(lod, [&](const Level& level) { return bilinear(level, at); });
+        if (i == 0) first = probe;
+        sum += probe - first;
+    }
+    return first + sum / float(probes);
+}
+
+glm::vec4 MipTexture::ellipse(const Level& level, const glm::vec2& uv, const glm::dvec2& a,
+                              const glm::dvec2& b) const {
+    // Sides in texels of this level; one texel more in each direction keeps the ellipse from
+    // falling between texels (Heckbert 1989, section 3.5.8).
+    const glm::dvec2 scale(double(level.width) / levels_[0].width,
+                           double(level.height) / levels_[0].height);
+    const glm::dvec2 p = a * scale, q = b * scale;
+    double A = p.y * p.y + q.y * q.y + 1, B = -2 * (p.x * p.y + q.x * q.y),
+           C = p.x * p.x + q.x * q.x + 1;
+    const double F = A * C - B * B / 4;  // at least 1: the matrix is identity plus a square
+    A /= F;
+    B /= F;
+    C /= F;
+    const double discriminant = 4 * A * C - B * B;
+    const double reach_y = 2 * std::sqrt(A / discriminant);
+    const double u = std::abs(uv.x) < 1e9f ? double(uv.x) * level.width - 0.5 : 0;
+    const double v = std::abs(uv.y) < 1e9f ? double(uv.y) * level.height - 0.5 : 0;
+    const std::array<float, weight_entries>& weights = gaussian_weights();
+    const glm::vec4 base =
+        texel(level, std::int64_t(std::floor(u + 0.5)), std::int64_t(std::floor(v + 0.5)));
+    glm::vec4 sum(0.0f);
+    float total = 0;
+    for (std::int64_t y = std::int64_t(std::ceil(v - reach_y)); double(y) <= v + reach_y; ++y) {
+        const double dy = double(y) - v;
+        // The row's part of the ellipse: A x² + B x y + C y² < 1.
+        const double root = B * B * dy * dy - 4 * A * (C * dy * dy - 1);
+        if (!(root > 0)) continue;
+        const double middle = u - B * dy / (2 * A), half = std::sqrt(root) / (2 * A);
+        for (std::int64_t x = std::int64_t(std::ceil(middle - half)); double(x) <= middle + half;
+             ++x) {
+            const double dx = double(x) - u;
+            const double r2 = A * dx * dx + B * dx * dy + C * dy * dy;
+            if (!(r2 < 1)) continue;
+            const float w = weights[std::size_t(std::max(r2, 0.0) * weight_entries)];
+            sum += (texel(level, x, y) - base) * w;
+            total += w;
+        }
+    }
+    return total > 0 ? base + sum / total : bilinear(level, uv);
+}
+
+glm::vec4 MipTexture::ewa(const glm::vec2& uv, const Footprint& footprint, int most) const {
+    Sides s = sides_of(footprint, levels_[0]);
+    if (!s.usable || !(s.major_length > 1)) return sample(uv, footprint, TextureFilter::trilinear);
+    // The narrow side is widened where the ellipse would be longer than is paid for.
+    const double least = s.major_length / std::max(most, 1);
+    if (s.minor_length < least) {
+        const double area = s.major.x * s.minor.y - s.major.y * s.minor.x;
+        const glm::dvec2 across = glm::dvec2(-s.major.y, s.major.x) / s.major_length;
+        s.minor = across * (area < 0 ? -least : least);
+        s.minor_length = least;
+    }
+    const float lod = float(std::max(0.0, log2_portable(std::max(s.minor_length, 1e-300))));
+    // On the last level an ellipse would have no largest size.
+    if (!(lod < float(levels_.size() - 1))) return bilinear(levels_.back(), uv);
+    return between_levels(lod,
+                          [&](const Level& level) { return ellipse(level, uv, s.major, s.minor); });
+}
+
+glm::vec4 MipTexture::ripmap(const glm::vec2& uv, const Footprint& f) const {
+    const auto lod = [](float right, float down, std::uint32_t size, std::size_t levels) {
+        const double longest = std::max(std::abs(double(right)), std::abs(double(down))) * size;
+        if (!(longest > 1)) return 0.0f;
+        if (!(longest < 1e15)) return float(levels - 1);
+        return float(std::min(log2_portable(longest), double(levels - 1)));
+    };
+    const float lu = lod(f.dx.x, f.dy.x, levels_[0].width, rip_columns_);
+    const float lv = lod(f.dx.y, f.dy.y, levels_[0].height, rip_.size() / rip_columns_);
+    const std::size_t cu = std::size_t(lu), cv = std::size_t(lv);
+    const float pu = lu - float(cu), pv = lv - float(cv);
+    const auto read = [&](std::size_t column, std::size_t row) {
+        return bilinear(rip_[row * rip_columns_ + column], uv);
+    };
+    const auto across = [&](std::size_t row) {
+        const glm::vec4 a = read(cu, row);
+        return pu == 0 ? a : a + (read(cu + 1, row) - a) * pu;
+    };
+    const glm::vec4 a = across(cv);
+    return pv == 0 ? a : a + (across(cv + 1) - a) * pv;
+}
+
+glm::vec4 MipTexture::sample(const glm::vec2& uv, const Footprint& footprint, TextureFilter filter,
+                             int most) const {
+    if (filter == TextureFilter::nearest) return nearest(levels_[0], uv);
+    if (filter == TextureFilter::ripmap && !rip_.empty()) return ripmap(uv, footprint);
+    if (filter == TextureFilter::bicubic) return bicubic(uv, footprint);
+    if (filter == TextureFilter::bilinear || levels_.size() == 1) return bilinear(levels_[0], uv);
+    if (filter == TextureFilter::anisotropic) return anisotropic(uv, footprint, most);
+    if (filter == TextureFilter::ewa) return ewa(uv, footprint, most);
+    return between_levels(level_of_detail(footprint),
+                          [&](const Level& level) { return bilinear(level, uv); });
+}
+
+}  // namespace rast
