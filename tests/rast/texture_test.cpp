@@ -436,6 +436,24 @@ TEST(Filter, BetterOnesAreCloserToSupersampling) {
         std::printf("%-15s %10.4f %8.3f %10.4f %8.3f\n", row.name, row.floor.rmse, row.floor.energy,
                     row.rings.rmse, row.rings.energy);
     }
+    // In the order of the table; from anisotropic 8 on the last hundredth is the pixel's shape.
+    const auto at = [&](std::size_t row) { return rows[row].floor.rmse; };
+    EXPECT_GT(at(0), at(1));
+    EXPECT_GT(at(1), at(2));
+    EXPECT_GT(at(2), at(4));  // ripmap: nothing for slanted footprints
+    EXPECT_GT(at(4), at(5));
+    EXPECT_GT(at(5), at(6));
+    EXPECT_GT(at(6), at(7));
+    EXPECT_GE(at(7), at(8));
+    EXPECT_LT(at(8), 0.03);
+    // EWA's Gaussian reaches two pixels, the reference is one pixel's box: smoother than that, but
+    // free of trilinear's blur across the floor.
+    EXPECT_LT(at(9), at(4));
+    for (std::size_t row = 2; row < rows.size(); ++row) {
+        EXPECT_LT(rows[row].rings.rmse, rows[1].rings.rmse);
+        EXPECT_NEAR(rows[row].floor.energy, 1, 0.005) << rows[row].name;
+        EXPECT_NEAR(rows[row].rings.energy, 1, 0.005) << rows[row].name;
+    }
 }
 
 // ------------------------------------------------------------------------------------------- sRGB

@@ -143,8 +143,15 @@ CLI::App* define_render(CLI::App& app, RenderCommand& c) {
         sub, "--filter",
         {{"nearest", rast::TextureFilter::nearest},
          {"bilinear", rast::TextureFilter::bilinear},
-         {"trilinear", rast::TextureFilter::trilinear}},
+         {"trilinear", rast::TextureFilter::trilinear},
+         {"bicubic", rast::TextureFilter::bicubic},
+         {"anisotropic", rast::TextureFilter::anisotropic},
+         {"ripmap", rast::TextureFilter::ripmap},
+         {"ewa", rast::TextureFilter::ewa}},
         [&c](rast::TextureFilter v) { c.filter = v; }, "Texture filter (default trilinear)");
+    sub->add_option("--samples", c.samples, "Samples a pixel: 1 (default), 2, 4, 8 or 16")
+        ->check(CLI::IsMember({1, 2, 4, 8, 16}))
+        ->type_name("N");
     add_words<bool>(
         sub, "--tone-map", {{"off", false}, {"reinhard", true}}, [&c](bool on) { c.tone_map = on; },
         "How light above 1 is shown (default off: clipped)");

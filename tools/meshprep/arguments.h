@@ -67,6 +67,7 @@ struct RenderCommand {
     std::optional<glm::vec3> background;  // linear
     std::optional<rast::Cull> cull;
     std::optional<rast::TextureFilter> filter;
+    int samples = 1;
     std::optional<bool> tone_map;
     float exposure = 1;
     bool textures = true;

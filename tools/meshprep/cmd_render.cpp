@@ -163,6 +163,7 @@ Result<rast::RenderRequest> request_of(const RenderCommand& command,
     request.background =
         command.background.value_or(picture.background.value_or(request.background));
     request.textures = command.textures;
+    request.samples = command.samples;
 
     const double aspect = static_cast<double>(request.width) / request.height;
     if (const auto* choice = std::get_if<OrbitChoice>(&command.camera)) {
