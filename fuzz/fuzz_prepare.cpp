@@ -47,6 +47,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         mesh.positions.push_back({x, y, coordinate(in)});
     }
     const bool uvs = choices & 1, normals = choices & 2, groups = choices & 4;
+    const bool tangents = choices >= 72;
     if (uvs) mesh.uvs.resize(1);
     while (!in.empty() && mesh.face_count() < 64) {
         const std::uint32_t corners = 3 + in.below(6);
@@ -63,6 +64,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
                 mesh.normals.values.push_back({x, y, coordinate(in)});
                 mesh.normals.indices.push_back(in.below(16) == 0 ? prep::no_index : corner);
             }
+            if (tangents) {
+                const float x = coordinate(in), y = coordinate(in), z = coordinate(in);
+                mesh.tangents.values.push_back({x, y, z, coordinate(in)});
+                mesh.tangents.indices.push_back(in.below(16) == 0 ? prep::no_index : corner);
+            }
         }
         mesh.face_offsets.push_back(std::uint32_t(mesh.corner_count()));
         if (groups) mesh.face_smoothing.push_back(in.below(4));
@@ -72,6 +78,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     options.request.tangents = prep::Request::Level::always;
     options.normals = prep::Authored(choices / 8 % 3);
     options.weld = prep::WeldMode(choices / 24 % 3);
+    options.tangents = prep::Authored(choices / 72 % 3);
     const auto result = prep::prepare(std::move(scene), options);
     if (!result) return 0;
     // What prepare() promises: unit normals (where it made or mended them) and finite tangents.
