@@ -28,6 +28,7 @@ struct Block {
     std::vector<glm::vec3> values;
     std::vector<glm::dvec3> doubles;
     std::vector<CornerNormals::Fallback> fallbacks;
+    std::uint64_t exact_sums = 0;
 };
 
 template <class Steps>
@@ -57,6 +58,7 @@ class NormalMaker {
         for (const Index c : corners)
             if (faces_.states[steps_.face(c)] == FaceState::regular) finite_.push_back(c);
         if (!finite_.empty()) {
+            ++block.exact_sums;
             const glm::dvec3 exact =
                 detail::exact_corner_sum(mesh_, topology_.corner_faces, finite_, options_.weight);
             if (exact != glm::dvec3(0.0)) return unit(exact);
@@ -222,9 +224,11 @@ Result<CornerNormals> corner_normals(const MeshView& mesh, const Topology& topol
             for (Index i = topology.point_offsets[begin]; i < topology.point_offsets[end]; ++i)
                 indices[topology.point_corners[i]] += base;
         });
-    for (const Block& block : blocks)
+    for (const Block& block : blocks) {
         result.fallbacks.insert(result.fallbacks.end(), block.fallbacks.begin(),
                                 block.fallbacks.end());
+        result.exact_sums += block.exact_sums;
+    }
     std::sort(result.fallbacks.begin(), result.fallbacks.end(),
               [](const auto& a, const auto& b) { return a.corner < b.corner; });
     return result;

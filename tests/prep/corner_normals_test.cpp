@@ -521,6 +521,18 @@ TEST(CornerNormals, PoleOfHundredThousandFaces) {
     }
 }
 
+TEST(CornerNormals, EverydayMeshesNeedNoExactSum) {
+    for (const NormalWeight w : weights)
+        for (const Precision p : {Precision::fast, Precision::accurate}) {
+            EXPECT_EQ(normals_of(shapes::torus(40, 20), {}, weighted(w, p)).exact_sums, 0u);
+            EXPECT_EQ(normals_of(shapes::icosphere(3), {}, weighted(w, p)).exact_sums, 0u);
+            // The two sides of a leaf cancel at all of its corners.
+            const Mesh leaf =
+                shapes::mesh_of({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 1}});
+            EXPECT_EQ(normals_of(leaf, at_angle(180), weighted(w, p)).exact_sums, 3u);
+        }
+}
+
 // ---- Order, threads ----
 
 Mesh hostile_torus(std::mt19937_64& random) {

@@ -48,6 +48,7 @@ struct CornerNormals {
         NormalFallback kind;
     };
     std::vector<Fallback> fallbacks;  // ascending by corner
+    std::uint64_t exact_sums = 0;     // fans whose sum doubles could not tell; all if exact
 };
 
 // Bounds on a normal's angular error before rounding to float, in radians, wherever the input
