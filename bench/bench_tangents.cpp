@@ -138,7 +138,8 @@ void pole_with_uvs_around(benchmark::State& state) {
 
 void sizes(benchmark::internal::Benchmark* benchmark, std::initializer_list<std::int64_t> counts,
            std::initializer_list<std::int64_t> threads) {
-    benchmark->ArgNames({"triangles", "threads"})->Unit(benchmark::kMillisecond)->UseRealTime();
+    benchmark->ArgNames({"triangles", "threads"})->Unit(benchmark::kMillisecond);
+    benchmark->UseRealTime()->MeasureProcessCPUTime();
     for (const std::int64_t count : counts)
         for (const std::int64_t t : threads) benchmark->Args({count, t});
 }
