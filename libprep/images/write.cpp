@@ -64,10 +64,12 @@ Result<void> check(const Image& image, const std::string& place) {
     return {};
 }
 
-oiio::ImageSpec spec_of(const Image& image, PixelType type) {
+oiio::ImageSpec spec_of(const Image& image, PixelType type, const std::string& name) {
     oiio::ImageSpec spec(int(image.width), int(image.height), int(image.channels), type_of(type));
     spec.attribute("oiio:ColorSpace", image.srgb ? "sRGB" : "Linear");
     spec.attribute("oiio:UnassociatedAlpha", 1);
+    // EXR files get the time of writing unless a date is given: the same picture, the same bytes.
+    if (name.ends_with(".exr")) spec.attribute("DateTime", "1970:01:01 00:00:00");
     return spec;
 }
 
@@ -101,8 +103,8 @@ Result<std::vector<std::byte>> encode(const std::string& stand_in, const Image& 
         auto output = oiio::ImageOutput::create(stand_in);
         if (!output) return failed(oiio::geterror(), place);
         output->set_ioproxy(&memory);
-        if (!output->open(stand_in, spec_of(image, type)) || !write_pixels(*output, image, type) ||
-            !output->close())
+        if (!output->open(stand_in, spec_of(image, type, stand_in)) ||
+            !write_pixels(*output, image, type) || !output->close())
             return failed(output->geterror(), place);
     }
     const auto* begin = reinterpret_cast<const std::byte*>(bytes.data());
@@ -126,13 +128,16 @@ Result<void> save(const std::filesystem::path& path, const Image& image, PixelTy
             "no image format is known for the ending '" + ending + "'; use .png, .jpg or .exr",
             place};
     }
+    if (output->supports("ioproxy")) {
+        auto bytes = encode("memory" + ending, image, type, place);
+        if (!bytes) return std::move(bytes).error();
+        return write_file(path, *bytes);
+    }
+    // A few writers only take files.
     const auto temporary = path.parent_path() / detail::unique_name(path.stem().string(), ending);
     std::error_code error;
-    oiio::ImageSpec spec = spec_of(image, type);
-    // EXR files get the time of writing unless a date is given: the same picture, the same bytes.
-    if (ending == ".exr") spec.attribute("DateTime", "1970:01:01 00:00:00");
-    if (!output->open(temporary.string(), spec) || !write_pixels(*output, image, type) ||
-        !output->close()) {
+    if (!output->open(temporary.string(), spec_of(image, type, place)) ||
+        !write_pixels(*output, image, type) || !output->close()) {
         const std::string why = output->geterror();
         std::filesystem::remove(temporary, error);
         return failed(why, place);

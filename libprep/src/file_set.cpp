@@ -8,6 +8,10 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <mutex>
+#include <set>
+
+#include "prep/io.h"
 
 namespace prep::detail {
 namespace {
@@ -16,11 +20,47 @@ Error io_error(const char* what, int number, const std::filesystem::path& path) 
     return {ErrorCode::io, std::string(what) + ": " + std::strerror(number), path.string()};
 }
 
-// A name beside `path` that nothing has. Process and counter make it differ between writers.
+// A name beside `path` that nothing has. Process and counter make it differ between writers; it is
+// short whatever the length of the file's own name.
 std::string unused_name(const std::filesystem::path& path, const char* kind) {
     static std::atomic<unsigned> counter{0};
-    return path.string() + "." + kind + std::to_string(::getpid()) + "-" +
-           std::to_string(counter.fetch_add(1));
+    return (path.parent_path() / (std::string(".meshprep-") + kind + std::to_string(::getpid()) +
+                                  "-" + std::to_string(counter.fetch_add(1))))
+        .string();
+}
+
+// Temporary files that exist now, of all sets of the process: what discard_unfinished_files
+// removes.
+class Staged {
+  public:
+    static Staged& instance() {
+        static Staged* const staged = new Staged;  // never destroyed: signal threads outlive main
+        return *staged;
+    }
+    void add(const std::string& name) {
+        const std::lock_guard lock(mutex_);
+        names_.insert(name);
+    }
+    void remove(const std::string& name) {
+        const std::lock_guard lock(mutex_);
+        names_.erase(name);
+    }
+    std::size_t unlink_all() {
+        const std::lock_guard lock(mutex_);
+        std::size_t removed = 0;
+        for (const std::string& name : names_) removed += ::unlink(name.c_str()) == 0;
+        names_.clear();
+        return removed;
+    }
+
+  private:
+    std::mutex mutex_;
+    std::set<std::string> names_;
+};
+
+bool same_file(const std::filesystem::path& a, const std::filesystem::path& b) {
+    std::error_code ignored;
+    return std::filesystem::equivalent(a, b, ignored);
 }
 
 bool write_all(int fd, std::span<const std::byte> bytes) {
@@ -37,16 +77,39 @@ bool write_all(int fd, std::span<const std::byte> bytes) {
 }  // namespace
 
 FileSet::~FileSet() {
-    for (const File& file : files_)
-        if (!file.staged.empty()) ::unlink(file.staged.c_str());
+    for (const File& file : files_) {
+        if (file.staged.empty()) continue;
+        ::unlink(file.staged.c_str());
+        Staged::instance().remove(file.staged);
+    }
+}
+
+std::optional<Error> FileSet::refusal(const std::filesystem::path& path, bool exists) const {
+    if (!exists) return std::nullopt;
+    if (!rules_.replace)
+        return Error{ErrorCode::io, "the file exists and is not to be replaced", path.string()};
+    if (path == rules_.target) return std::nullopt;
+    for (const std::filesystem::path& source : rules_.spare)
+        if (same_file(path, source))
+            return Error{ErrorCode::io,
+                         "this file was read for the result and would be written over by it; give "
+                         "the output another name",
+                         path.string()};
+    return std::nullopt;
 }
 
 Result<void> FileSet::add(const std::filesystem::path& path,
                           std::span<const std::span<const std::byte>> parts) {
     File file;
     file.path = path;
+    std::error_code no_link;
+    if (std::filesystem::is_symlink(path, no_link)) {
+        std::filesystem::path behind = std::filesystem::weakly_canonical(path, no_link);
+        if (!no_link) file.path = std::move(behind);
+    }
     struct stat old {};
     const bool exists = ::stat(path.c_str(), &old) == 0;
+    if (std::optional<Error> refused = refusal(path, exists)) return std::move(*refused);
     if (exists && S_ISDIR(old.st_mode))
         return Error{ErrorCode::io, "cannot write the file: this is a directory", path.string()};
     if (exists && !S_ISREG(old.st_mode)) {  // renaming over a device would replace the device
@@ -58,8 +121,12 @@ Result<void> FileSet::add(const std::filesystem::path& path,
     }
     int fd = -1;
     do {
-        file.staged = unused_name(path, "tmp");
+        file.staged = unused_name(file.path, "new");
+        Staged::instance().add(file.staged);
         fd = ::open(file.staged.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        const int why = errno;
+        if (fd < 0) Staged::instance().remove(file.staged);
+        errno = why;
     } while (fd < 0 && errno == EEXIST);
     if (fd < 0) return io_error("cannot create a file here", errno, path);
     bool good = true;
@@ -73,6 +140,7 @@ Result<void> FileSet::add(const std::filesystem::path& path,
     }
     if (!good) {
         ::unlink(file.staged.c_str());
+        Staged::instance().remove(file.staged);
         return io_error("cannot write the file", why, path);
     }
     files_.push_back(std::move(file));
@@ -99,14 +167,27 @@ Result<void> FileSet::commit() {
         for (std::size_t j = i + 1; j < files_.size(); ++j) more |= !files_[j].in_place;
         if (more) {
             file.backup = unused_name(file.path, "old");
-            if (::link(file.path.c_str(), file.backup.c_str()) != 0) file.backup.clear();
+            if (::link(file.path.c_str(), file.backup.c_str()) != 0) {
+                // File systems without hard links: the old file steps aside. ENOENT: there is none.
+                if (errno == ENOENT) {
+                    file.backup.clear();
+                } else if (std::rename(file.path.c_str(), file.backup.c_str()) != 0) {
+                    const int why = errno;
+                    file.backup.clear();
+                    undo(i);
+                    return io_error("cannot set the old file aside", why, file.path);
+                }
+            }
         }
         if (std::rename(file.staged.c_str(), file.path.c_str()) != 0) {
             const int why = errno;
+            // Nothing where two names are links to one file.
+            if (!file.backup.empty()) std::rename(file.backup.c_str(), file.path.c_str());
             if (!file.backup.empty()) ::unlink(file.backup.c_str());
             undo(i);
             return io_error("cannot write the file", why, file.path);
         }
+        Staged::instance().remove(file.staged);
         file.staged.clear();
     }
     for (const File& file : files_)
@@ -124,3 +205,11 @@ Result<void> FileSet::commit() {
 }
 
 }  // namespace prep::detail
+
+namespace prep {
+
+std::size_t discard_unfinished_files() {
+    return detail::Staged::instance().unlink_all();
+}
+
+}  // namespace prep

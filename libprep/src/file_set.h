@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -11,12 +12,20 @@
 
 namespace prep::detail {
 
+struct FileSetRules {
+    bool replace = true;                       // files that exist may be replaced
+    std::vector<std::filesystem::path> spare;  // but not these, other than as `target`
+    std::filesystem::path target;
+};
+
 // Files are staged under temporary names beside their targets, then renamed by commit(). What was
 // not committed is removed again by the destructor; a commit that fails half way puts the old files
-// back. Targets that are no regular files (devices, pipes) are written in place, by commit(), last.
+// back. Links are followed: what they point to is replaced. Targets that are no regular files
+// (devices, pipes) are written in place, by commit(), last.
 class FileSet {
   public:
     FileSet() = default;
+    explicit FileSet(FileSetRules rules) : rules_(std::move(rules)) {}
     ~FileSet();
     FileSet(const FileSet&) = delete;
     FileSet& operator=(const FileSet&) = delete;
@@ -37,8 +46,10 @@ class FileSet {
         std::vector<std::byte> direct;
         bool in_place = false;
     };
+    std::optional<Error> refusal(const std::filesystem::path& path, bool exists) const;
     void undo(std::size_t renamed);
 
+    FileSetRules rules_;
     std::vector<File> files_;
 };
 

@@ -202,6 +202,18 @@ Result<std::vector<std::byte>> resolve_uri(const GltfDocument& document, const s
     return bytes;
 }
 
+std::vector<std::filesystem::path> files_of_buffers(const GltfDocument& document) {
+    std::vector<std::filesystem::path> files;
+    const auto list = document.json.find("buffers");
+    if (list == document.json.end() || !list->is_array()) return files;
+    for (const Json& buffer : *list) {
+        if (!buffer.is_object() || !buffer.contains("uri") || !buffer["uri"].is_string()) continue;
+        const auto uri = buffer["uri"].get<std::string>();
+        if (!uri.starts_with("data:")) files.push_back(document.directory / percent_decoded(uri));
+    }
+    return files;
+}
+
 namespace {
 
 Result<void> load_buffers(GltfDocument& document,

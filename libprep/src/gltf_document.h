@@ -80,6 +80,9 @@ namespace detail {
 // Container, JSON, buffers; the structure below is not looked at yet.
 Result<GltfDocument> open_gltf(std::span<const std::byte> bytes, const GltfOptions& options);
 
+// The files that the document's buffers lie in.
+std::vector<std::filesystem::path> files_of_buffers(const GltfDocument& document);
+
 // Bytes behind a URI: data: or a regular file, by a path relative to the document's folder.
 // Errors: io (also where there is no folder), syntax, unsupported (other schemes).
 Result<std::vector<std::byte>> resolve_uri(const GltfDocument& document, const std::string& uri,

@@ -499,9 +499,12 @@ Result<Scene> load_gltf(const std::filesystem::path& path, const LoadOptions&) {
     if (!bytes) return bytes.error();
     GltfOptions options;
     options.name = path.filename().string();
-    options.directory = path.parent_path();
+    // Empty would say that the document did not come from a file.
+    options.directory = path.has_parent_path() ? path.parent_path() : ".";
     auto scene = parse_gltf(*bytes, options);
-    if (scene) scene->source = path;
+    if (!scene) return scene;
+    scene->source = path;
+    scene->libraries = detail::files_of_buffers(*scene->document);
     return scene;
 }
 

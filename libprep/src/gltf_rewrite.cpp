@@ -82,6 +82,16 @@ class Rewriter {
         const GltfPrimitive& source = document_.primitives[m][p];
         const VertexMesh& mesh = prepared_.meshes[m];
         drop_non_finite(mesh, indices);
+        if (indices.empty()) {
+            if (!source.draco.empty())
+                return Error{ErrorCode::unsupported,
+                             "a compressed primitive without a triangle of finite positions cannot "
+                             "be written",
+                             document_.place("/meshes/" + std::to_string(m) + "/primitives/" +
+                                             std::to_string(p))};
+            note_once("primitives without a triangle of finite positions were left as they are");
+            return {};
+        }
         std::vector<Index> used(indices);
         std::sort(used.begin(), used.end());
         used.erase(std::unique(used.begin(), used.end()), used.end());

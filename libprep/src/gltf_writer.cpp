@@ -28,10 +28,24 @@ std::size_t expected_bytes(const PreparedScene& prepared) {
     return bytes + bytes / 64;
 }
 
+// A URI reference to a file of this name (RFC 3986): everything but unreserved characters encoded.
+std::string percent_encoded(const std::string& name) {
+    static constexpr std::string_view plain =
+        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-._~";
+    std::string uri;
+    for (const char c : name) {
+        if (plain.find(c) != std::string_view::npos)
+            uri += c;
+        else
+            uri += fmt::format("%{:02X}", static_cast<unsigned char>(c));
+    }
+    return uri;
+}
+
 }  // namespace
 
 WriteResult write_gltf(const PreparedScene& prepared, const std::filesystem::path& path,
-                       const SaveOptions&) {
+                       const SaveOptions& options) {
     std::vector<std::string> notes;
     Json document;
     std::vector<std::byte> binary;
@@ -55,13 +69,13 @@ WriteResult write_gltf(const PreparedScene& prepared, const std::filesystem::pat
         Json entry{{"byteLength", binary.size()}};
         std::filesystem::path bin = path.filename();
         bin.replace_extension(".bin");
-        if (!glb) entry["uri"] = bin.string();
+        if (!glb) entry["uri"] = percent_encoded(bin.string());
         document["buffers"] = Json::array({std::move(entry)});
     }
     std::string json = document.dump(glb ? -1 : 2, ' ', false, Json::error_handler_t::replace);
     if (!glb) {
         json += '\n';
-        FileSet files;
+        FileSet files(rules_for(prepared, path, options));
         if (!binary.empty()) {
             std::filesystem::path bin = path;
             bin.replace_extension(".bin");
@@ -89,7 +103,7 @@ WriteResult write_gltf(const PreparedScene& prepared, const std::filesystem::pat
     }
     const std::span<const std::byte> parts[] = {head, std::as_bytes(std::span(json)), middle,
                                                 binary};
-    FileSet files;
+    FileSet files(rules_for(prepared, path, options));
     if (auto done = files.add(path, parts); !done) return std::move(done).error();
     if (auto done = files.commit(); !done) return std::move(done).error();
     return notes;

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <string_view>
 
 #include "foreign_files.h"
@@ -59,6 +60,18 @@ Result<Scene> load_by_ending(const std::string& ending, const std::filesystem::p
                  path.string()};
 }
 
+// Decimal coordinates can be finite and yet beyond what a float holds.
+void warn_of_infinities(Scene& scene) {
+    std::uint64_t count = 0;
+    for (const Mesh& mesh : scene.meshes)
+        for (const glm::vec3& p : mesh.positions)
+            count += std::isinf(p.x) || std::isinf(p.y) || std::isinf(p.z);
+    if (count > 0)
+        scene.warnings.push_back(std::to_string(count) +
+                                 (count == 1 ? " vertex is" : " vertices are") +
+                                 " infinite, or beyond the range of float (3.4e38)");
+}
+
 }  // namespace
 
 Result<Scene> load_scene(const std::filesystem::path& path, const LoadOptions& options) {
@@ -81,7 +94,9 @@ Result<Scene> load_scene(const std::filesystem::path& path, const LoadOptions& o
         if (!guess.empty()) ending = guess;
     }
     auto scene = load_by_ending(ending, path, options);
-    if (scene) scene->source = path;
+    if (!scene) return scene;
+    scene->source = path;
+    warn_of_infinities(*scene);
     return scene;
 }
 

@@ -108,10 +108,19 @@ void append_instance(const Instance& instance, bool moved, bool normals, bool ta
                    mesh.colors.empty() ? std::vector<glm::vec4>() : mesh.colors[0],
                    mesh.vertex_count(), glm::vec4(1.0f));
     const Index corner_base = Index(to.corner_vertices.size());
+    const std::size_t first_triangle = to.triangles.size();
     for (const Index v : mesh.corner_vertices) to.corner_vertices.push_back(base + v);
     for (std::size_t f = 1; f < instance.source->face_offsets.size(); ++f)
         to.face_offsets.push_back(corner_base + instance.source->face_offsets[f]);
     for (const Index v : mesh.indices) to.triangles.push_back(base + v);
+    if (sign < 0) {  // a mirror turns the winding: the front stays the front
+        for (std::size_t f = 1; f < instance.source->face_offsets.size(); ++f)
+            std::reverse(
+                to.corner_vertices.begin() + corner_base + instance.source->face_offsets[f - 1] + 1,
+                to.corner_vertices.begin() + corner_base + instance.source->face_offsets[f]);
+        for (std::size_t t = first_triangle; t + 2 < to.triangles.size(); t += 3)
+            std::swap(to.triangles[t + 1], to.triangles[t + 2]);
+    }
     for (const Index v : mesh.lines) to.lines.push_back(base + v);
 }
 
@@ -214,9 +223,9 @@ glm::dvec3 facet_normal(const glm::dvec3& a, const glm::dvec3& b, const glm::dve
     return scaled / glm::length(scaled);
 }
 
-WriteResult finish(const std::filesystem::path& path, TextBlocks& out,
+WriteResult finish(FileSetRules rules, const std::filesystem::path& path, TextBlocks& out,
                    std::vector<std::string> notes) {
-    FileSet files;
+    FileSet files(std::move(rules));
     if (auto done = files.add(path, out.parts()); !done) return std::move(done).error();
     if (auto done = files.commit(); !done) return std::move(done).error();
     return notes;
@@ -317,7 +326,7 @@ WriteResult write_ply(const PreparedScene& prepared, const std::filesystem::path
         to.put(std::int32_t(flat.lines[2 * i + 1]));
         return to.end();
     });
-    return finish(path, out, std::move(notes));
+    return finish(rules_for(prepared, path, options), path, out, std::move(notes));
 }
 
 WriteResult write_stl(const PreparedScene& prepared, const std::filesystem::path& path,
@@ -367,11 +376,11 @@ WriteResult write_stl(const PreparedScene& prepared, const std::filesystem::path
         return options.ascii ? to : write_raw(to, std::uint16_t(0));
     });
     if (options.ascii) out.text() = "endsolid meshprep\n";
-    return finish(path, out, std::move(notes));
+    return finish(rules_for(prepared, path, options), path, out, std::move(notes));
 }
 
 WriteResult write_off(const PreparedScene& prepared, const std::filesystem::path& path,
-                      const SaveOptions&) {
+                      const SaveOptions& options) {
     std::vector<std::string> notes;
     Flat flat;
     flatten(prepared, "OFF", notes, flat);
@@ -426,7 +435,7 @@ WriteResult write_off(const PreparedScene& prepared, const std::filesystem::path
         });
     for (std::size_t i = 0; i < flat.lines.size(); i += 2)
         out.text() += fmt::format("2 {} {}\n", flat.lines[i], flat.lines[i + 1]);
-    return finish(path, out, std::move(notes));
+    return finish(rules_for(prepared, path, options), path, out, std::move(notes));
 }
 
 }  // namespace prep::detail

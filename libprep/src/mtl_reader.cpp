@@ -155,6 +155,7 @@ class MtlParser {
     std::string map(LineScanner& scan, TextureRef& to) {
         TextureRef ref;
         Texture texture;
+        glm::dvec2 up(0.0);
         for (;;) {
             LineScanner probe = scan;
             const std::string option = lower(probe.word());
@@ -176,11 +177,13 @@ class MtlParser {
                 ++have;
             }
             if (have == 0 && arguments > 0) warn("option " + option + " lacks its argument");
-            if (option == "-o") ref.offset = glm::vec2(float(values[0]), float(-values[1]));
+            if (option == "-o") up = glm::dvec2(values[0], values[1]);
             if (option == "-s" && have > 0)
                 ref.scale = glm::vec2(float(values[0]), float(have > 1 ? values[1] : 1.0));
             if (option == "-bm" && have > 0) ref.strength = float(values[0]);
         }
+        // v runs upwards in the file: 1 − v' = s · (1 − v) + o.
+        ref.offset = glm::vec2(float(up.x), float(1 - double(ref.scale.y) - up.y));
         std::string file(scan.rest());
         if (file.empty()) {
             warn("a map without a file name was skipped");

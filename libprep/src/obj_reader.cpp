@@ -345,6 +345,7 @@ class Assembler {
         if (!std::filesystem::is_regular_file(path, ec)) return false;
         const auto bytes = read_file(path);
         if (!bytes) return false;
+        scene_.libraries.push_back(path);
         MtlLibrary lib = parse_mtl({reinterpret_cast<const char*>(bytes->data()), bytes->size()},
                                    name, path.parent_path());
         const Index textures = Index(scene_.textures.size()), images = Index(scene_.images.size());

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <optional>
 #include <unordered_map>
+#include <unordered_set>
 
 #include "file_set.h"
 #include "number_text.h"
@@ -30,13 +31,15 @@ std::string one_word(std::string name) {
 
 class ObjWriter {
   public:
-    ObjWriter(const PreparedScene& prepared, const std::filesystem::path& path)
-        : scene_(prepared.scene), path_(path) {}
+    ObjWriter(const PreparedScene& prepared, const std::filesystem::path& path,
+              const SaveOptions& options)
+        : scene_(prepared.scene), path_(path), files_(rules_for(prepared, path, options)) {}
 
     WriteResult run() {
         text_.text() = "# meshprep\n";
         std::string mtl;
         if (!scene_.materials.empty()) {
+            name_materials();
             mtl = materials();
             text_.text() += fmt::format("mtllib {}.mtl\n", path_.stem().string());
         }
@@ -76,6 +79,7 @@ class ObjWriter {
         if (!mesh.tangents.empty()) note("OBJ holds no tangents: left out");
         if (mesh.uvs.size() > 1) note("OBJ holds one UV set: the others are left out");
         const glm::dmat3 linear(world);
+        mirrored_ = glm::determinant(linear) < 0;
         const bool moved = world != glm::dmat4(1.0) || mesh.origin != glm::dvec3(0.0);
         const std::vector<glm::vec4> colors = vertex_colors(mesh);
         text_.short_lines(mesh.vertex_count(), 8 * max_number_text, [&](char* to, std::size_t v) {
@@ -109,7 +113,7 @@ class ObjWriter {
                                   return to;
                               });
         if (normals) {
-            const double sign = glm::determinant(linear) < 0 ? -1 : 1;
+            const double sign = mirrored_ ? -1 : 1;
             const glm::dmat3 cofactor(glm::cross(linear[1], linear[2]),
                                       glm::cross(linear[2], linear[0]),
                                       glm::cross(linear[0], linear[1]));
@@ -220,7 +224,10 @@ class ObjWriter {
 
     char* face(const Mesh& mesh, std::size_t f, bool uv, bool normals, char* to) const {
         *to++ = 'f';
-        for (Index c = mesh.face_offsets[f]; c < mesh.face_offsets[f + 1]; ++c) {
+        const Index begin = mesh.face_offsets[f], end = mesh.face_offsets[f + 1];
+        for (Index k = begin; k < end; ++k) {
+            // A mirror turns the winding: the front stays the front.
+            const Index c = mirrored_ && k > begin ? begin + end - k : k;
             *to++ = ' ';
             to = write_integer(to, vertex_base_ + mesh.corner_vertices[c] + 1);
             const Index t = uv ? mesh.uvs[0].indices[c] : no_index;
@@ -257,9 +264,27 @@ class ObjWriter {
                                         tags.face_varying_boundary);
     }
 
-    std::string material_name(Index m) const {
-        const std::string& name = scene_.materials[m].name;
-        return name.empty() ? fmt::format("material_{}", m) : one_word(name);
+    const std::string& material_name(Index m) const { return material_names_[m]; }
+
+    // OBJ tells materials apart by name alone.
+    void name_materials() {
+        std::unordered_set<std::string> taken;
+        for (const Material& material : scene_.materials)
+            if (!material.name.empty()) taken.insert(one_word(material.name));
+        std::unordered_set<std::string> used;
+        for (Index m = 0; m < scene_.materials.size(); ++m) {
+            const std::string& own = scene_.materials[m].name;
+            std::string name = own.empty() ? fmt::format("material_{}", m) : one_word(own);
+            if (own.empty() ? taken.contains(name) : used.contains(name)) {
+                const std::string stem = name;
+                for (Index k = 2; taken.contains(name) || used.contains(name); ++k)
+                    name = fmt::format("{}_{}", stem, k);
+                if (!own.empty())
+                    note("OBJ tells materials apart by name: equal ones got a number");
+            }
+            used.insert(name);
+            material_names_.push_back(std::move(name));
+        }
     }
 
     std::string materials() {
@@ -307,8 +332,9 @@ class ObjWriter {
         if (ref.strength != 1) mtl += fmt::format(" -bm {}", ref.strength);
         if (ref.scale != glm::vec2(1.0f))
             mtl += fmt::format(" -s {} {} 1", ref.scale.x, ref.scale.y);
-        if (ref.offset != glm::vec2(0.0f))
-            mtl += fmt::format(" -o {} {} 0", ref.offset.x, -ref.offset.y);
+        // v runs upwards there: 1 − v' = s · (1 − v) + o.
+        const float up = 1 - ref.scale.y - ref.offset.y;
+        if (ref.offset.x != 0 || up != 0) mtl += fmt::format(" -o {} {} 0", ref.offset.x, up);
         if (ref.rotation != 0) note("MTL has no texture rotation: left out");
         mtl += fmt::format(" {}\n", file);
     }
@@ -340,18 +366,20 @@ class ObjWriter {
     FileSet files_;
     std::optional<Error> failure_;
     std::unordered_map<Index, std::string> written_;
+    std::vector<std::string> material_names_;
     // The state that the lines written so far leave a reader in.
     std::string object_, group_;
     Index material_ = no_index, smoothing_ = 0;
     std::size_t meshes_ = 0;
+    bool mirrored_ = false;  // the mesh being written
     std::uint64_t vertex_base_ = 0, uv_base_ = 0, normal_base_ = 0, face_base_ = 0;
 };
 
 }  // namespace
 
 WriteResult write_obj(const PreparedScene& prepared, const std::filesystem::path& path,
-                      const SaveOptions&) {
-    return ObjWriter(prepared, path).run();
+                      const SaveOptions& options) {
+    return ObjWriter(prepared, path, options).run();
 }
 
 }  // namespace prep::detail

@@ -4,6 +4,22 @@
 #include "writers.h"
 
 namespace prep {
+namespace detail {
+
+FileSetRules rules_for(const PreparedScene& prepared, const std::filesystem::path& path,
+                       const SaveOptions& options) {
+    FileSetRules rules;
+    rules.replace = options.replace;
+    rules.target = path;
+    if (options.replace_sources) return rules;
+    rules.spare = prepared.scene.libraries;
+    if (!prepared.scene.source.empty()) rules.spare.push_back(prepared.scene.source);
+    for (const ImageRef& image : prepared.scene.images)
+        if (image.bytes.empty()) rules.spare.push_back(image.path);
+    return rules;
+}
+
+}  // namespace detail
 
 Result<std::vector<std::string>> save_scene(const PreparedScene& prepared,
                                             const std::filesystem::path& path,

@@ -5,11 +5,16 @@
 #include <string>
 #include <vector>
 
+#include "file_set.h"
 #include "prep/save.h"
 
 namespace prep::detail {
 
 using WriteResult = Result<std::vector<std::string>>;
+
+// What an output may replace.
+FileSetRules rules_for(const PreparedScene& prepared, const std::filesystem::path& path,
+                       const SaveOptions& options);
 
 WriteResult write_gltf(const PreparedScene& prepared, const std::filesystem::path& path,
                        const SaveOptions& options);

@@ -5,7 +5,6 @@
 
 #include "meshprep/commands.h"
 #include "meshprep/file_list.h"
-#include "meshprep/interrupt.h"
 #include "meshprep/mesh_diff.h"
 #include "meshprep/report_json.h"
 #include "prep/image.h"
@@ -113,7 +112,6 @@ Result<Verdict> diff_pictures(const DiffCommand& command, Console& console) {
     if (!command.heat_map.empty()) {
         if (const Result<void> parent = require_parent(command.heat_map); !parent)
             return parent.error();
-        const OutputGuard guard(command.heat_map);
         if (const Result<void> saved = prep::save_image(command.heat_map, diff->heat); !saved)
             return saved.error();
     }

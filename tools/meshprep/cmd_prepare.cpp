@@ -7,7 +7,6 @@
 #include "meshprep/counts.h"
 #include "meshprep/file_list.h"
 #include "meshprep/findings_text.h"
-#include "meshprep/interrupt.h"
 #include "meshprep/report_json.h"
 #include "prep/io.h"
 #include "prep/save.h"
@@ -80,9 +79,10 @@ Outcome prepare_file(const Job& job, const PrepareCommand& command, Console& con
 
     show("writing");
     start = Clock::now();
-    const OutputGuard guard(job.output);
-    prep::Result<std::vector<std::string>> notes =
-        prep::save_scene(*prepared, job.output, command.save);
+    prep::SaveOptions save = command.save;
+    save.replace = command.overwrite;
+    save.replace_sources = command.in_place;
+    prep::Result<std::vector<std::string>> notes = prep::save_scene(*prepared, job.output, save);
     out.write_ms = since(start);
     if (!notes) {
         out.error = notes.error();

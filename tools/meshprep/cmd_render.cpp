@@ -6,7 +6,6 @@
 
 #include "meshprep/commands.h"
 #include "meshprep/file_list.h"
-#include "meshprep/interrupt.h"
 #include "meshprep/report_json.h"
 #include "prep/image.h"
 #include "prep/io.h"
@@ -269,7 +268,6 @@ Result<Json> render_file(const RenderCommand& command, Console& console) {
     tone.tone_map =
         command.tone_map.value_or(loaded->picture.tone_map.value_or("off") == "reinhard");
     const bool linear = keeps_float(command.output);
-    const OutputGuard guard(command.output);
     start = Clock::now();
     const Result<void> saved = prep::save_image(
         command.output,

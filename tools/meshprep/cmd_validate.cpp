@@ -6,7 +6,6 @@
 #include "meshprep/commands.h"
 #include "meshprep/file_list.h"
 #include "meshprep/findings_text.h"
-#include "meshprep/interrupt.h"
 #include "meshprep/report_json.h"
 #include "prep/check.h"
 #include "prep/image.h"
@@ -171,7 +170,6 @@ class Validator {
         progress("writing the page");
         const Result<std::string> html = report::html_page(page);
         if (!html) return html.error();
-        const OutputGuard guard(out_.page);
         const Result<void> written = prep::write_file(
             out_.page, std::as_bytes(std::span<const char>(html->data(), html->size())));
         if (!written) return written.error();
@@ -239,7 +237,6 @@ class Validator {
         out_.numbers.push_back(std::move(numbers));
 
         const std::filesystem::path path = command_.output / (stem + ".png");
-        const OutputGuard guard(path);
         const Result<void> saved =
             prep::save_image(path, report::draw_sheet(sheet, command_.panel));
         if (!saved) return saved.error();

@@ -4,75 +4,11 @@
 #include <signal.h>
 #include <unistd.h>
 
-#include <algorithm>
-#include <cctype>
-#include <mutex>
-#include <string>
 #include <thread>
-#include <vector>
+
+#include "prep/io.h"
 
 namespace meshprep {
-namespace {
-
-namespace fs = std::filesystem;
-
-struct Guarded {
-    fs::path output;
-    fs::file_time_type since;
-};
-
-// The one list that the waiting thread and the writing one share.
-struct Shared {
-    std::mutex mutex;
-    std::vector<Guarded> outputs;
-};
-Shared& shared() {
-    static Shared* const instance =
-        new Shared;  // never destroyed: the waiting thread outlives main
-    return *instance;
-}
-
-bool is_temporary_of(const std::string& name, const std::string& stem) {
-    if (name.size() < stem.size() + 9 || name.compare(0, stem.size() + 1, stem + ".") != 0)
-        return false;
-    const std::size_t dot = name.size() - 7;
-    return name[dot] == '.' && dot > stem.size() &&
-           std::all_of(name.begin() + static_cast<std::ptrdiff_t>(dot) + 1, name.end(),
-                       [](unsigned char c) { return std::isalnum(c) != 0; });
-}
-
-}  // namespace
-
-OutputGuard::OutputGuard(const fs::path& output) {
-    const std::lock_guard lock(shared().mutex);
-    // File systems may keep coarser times than the clock: a second of grace.
-    shared().outputs.push_back(
-        {output, fs::file_time_type::clock::now() - std::chrono::seconds(1)});
-}
-
-OutputGuard::~OutputGuard() {
-    const std::lock_guard lock(shared().mutex);
-    shared().outputs.pop_back();
-}
-
-int remove_temporaries() {
-    const std::lock_guard lock(shared().mutex);
-    int removed = 0;
-    for (const Guarded& guarded : shared().outputs) {
-        const fs::path parent =
-            guarded.output.has_parent_path() ? guarded.output.parent_path() : fs::path(".");
-        std::error_code ec;
-        for (fs::directory_iterator it(parent, ec), end; !ec && it != end; it.increment(ec)) {
-            std::error_code entry_ec;
-            if (!it->is_regular_file(entry_ec) ||
-                !is_temporary_of(it->path().filename().string(), guarded.output.stem().string()))
-                continue;
-            if (it->last_write_time(entry_ec) < guarded.since || entry_ec) continue;
-            if (fs::remove(it->path(), entry_ec)) ++removed;
-        }
-    }
-    return removed;
-}
 
 void watch_interrupts() {
     sigset_t signals;
@@ -88,7 +24,7 @@ void watch_interrupts() {
     std::thread([signals] {
         int number = 0;
         if (sigwait(&signals, &number) != 0) return;
-        remove_temporaries();
+        prep::discard_unfinished_files();
         ::_exit(128 + number);
     }).detach();
 }

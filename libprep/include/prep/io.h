@@ -32,6 +32,10 @@ Result<std::vector<std::byte>> read_file(const std::filesystem::path& path);
 // Writes to a temporary name beside `path`, then renames: complete or not at all.
 Result<void> write_file(const std::filesystem::path& path, std::span<const std::byte> bytes);
 
+// Removes the temporary files of writes that are under way in any thread, whose results are then
+// errors: for a process that is told to end. Returns how many there were.
+std::size_t discard_unfinished_files();
+
 // Positions parsed in double → mesh.positions (float, about mesh.origin). The origin is the centre
 // of the bounding box, rounded to a power of two of 1/32 to 1/16 of the box's diagonal (so that
 // writing and reading again keeps every bit), when its distance from zero is more than 8× the box's

@@ -11,7 +11,11 @@
 namespace prep {
 
 struct SaveOptions {
-    bool ascii = false;  // PLY and STL: text instead of binary
+    bool ascii = false;   // PLY and STL: text instead of binary
+    bool replace = true;  // whether files that exist are replaced; else they are an error
+    // Whether files beside the output (.mtl, .bin, images) may replace files that were read for the
+    // scene (its own .mtl, .bin, images); else that is an error.
+    bool replace_sources = false;
 };
 
 // All files of the output (the mesh, .mtl, .bin, copied images) appear complete or not at all.

@@ -110,7 +110,8 @@ struct Skin {
 
 struct Scene {
     std::string name;
-    std::filesystem::path source;  // the file it came from
+    std::filesystem::path source;                  // the file it came from
+    std::vector<std::filesystem::path> libraries;  // other files read with it, but for images
     std::vector<Mesh> meshes;
     std::vector<Node> nodes;
     std::vector<Material> materials;
