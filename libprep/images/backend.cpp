@@ -1,3 +1,4 @@
+#include "encode_image.h"
 #include "image_backend.h"
 
 // The name carries the version, so that a library of another build is never taken for this one's.
@@ -9,7 +10,7 @@ MESHPREP_IMAGE_BACKEND() {
             return prep::decode_image(bytes, name);
         },
         [](const std::filesystem::path& path, const prep::Image& image, prep::PixelType type) {
-            return prep::save_image(path, image, type);
+            return prep::detail::encode_image(path, image, type);
         },
         [](const prep::Image& image, prep::PixelType type) {
             return prep::encode_png(image, type);

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <exception>
 
+#include "encode_image.h"
 #include "prep/image.h"
 #include "prep/io.h"
 #include "unique_name.h"
@@ -111,7 +112,8 @@ Result<std::vector<std::byte>> encode(const std::string& stand_in, const Image& 
     return std::vector<std::byte>(begin, begin + bytes.size());
 }
 
-Result<void> save(const std::filesystem::path& path, const Image& image, PixelType type) {
+Result<std::vector<std::byte>> encode_by_ending(const std::filesystem::path& path,
+                                                const Image& image, PixelType type) {
     const std::string place = path.string();
     std::string ending = path.extension().string();
     for (char& c : ending) c = char(std::tolower(static_cast<unsigned char>(c)));
@@ -128,25 +130,18 @@ Result<void> save(const std::filesystem::path& path, const Image& image, PixelTy
             "no image format is known for the ending '" + ending + "'; use .png, .jpg or .exr",
             place};
     }
-    if (output->supports("ioproxy")) {
-        auto bytes = encode("memory" + ending, image, type, place);
-        if (!bytes) return std::move(bytes).error();
-        return write_file(path, *bytes);
-    }
-    // A few writers only take files.
-    const auto temporary = path.parent_path() / detail::unique_name(path.stem().string(), ending);
+    // Of the writers that take memory, that of TIFF gets it wrong (OpenImageIO 2.4).
+    if (output->supports("ioproxy") && ending != ".tif" && ending != ".tiff")
+        return encode("memory" + ending, image, type, place);
     std::error_code error;
-    if (!output->open(temporary.string(), spec_of(image, type, place)) ||
-        !write_pixels(*output, image, type) || !output->close()) {
-        const std::string why = output->geterror();
-        std::filesystem::remove(temporary, error);
-        return failed(why, place);
-    }
-    std::filesystem::rename(temporary, path, error);
-    if (!error) return {};
-    const std::string why = error.message();
+    const auto temporary =
+        std::filesystem::temp_directory_path(error) / detail::unique_name("meshprep", ending);
+    const bool written = output->open(temporary.string(), spec_of(image, type, place)) &&
+                         write_pixels(*output, image, type) && output->close();
+    auto bytes = written ? read_file(temporary)
+                         : Result<std::vector<std::byte>>(failed(output->geterror(), place));
     std::filesystem::remove(temporary, error);
-    return failed(why, place);
+    return bytes;
 }
 
 template <class Body>
@@ -169,12 +164,13 @@ std::string unique_name(const std::string& stem, const std::string& ending) {
     return stem + "." + std::to_string(::getpid()) + "-" + std::to_string(counter++) + ending;
 }
 
-}  // namespace detail
-
-Result<void> save_image(const std::filesystem::path& path, const Image& image, PixelType type) {
+Result<std::vector<std::byte>> encode_image(const std::filesystem::path& path, const Image& image,
+                                            PixelType type) {
     if (auto checked = check(image, path.string()); !checked) return checked.error();
-    return guarded(path.string(), [&] { return save(path, image, type); });
+    return guarded(path.string(), [&] { return encode_by_ending(path, image, type); });
 }
+
+}  // namespace detail
 
 Result<std::vector<std::byte>> encode_png(const Image& image, PixelType type) {
     const std::string place = "memory.png";

@@ -3,6 +3,8 @@
 #include <dlfcn.h>
 
 #include "image_backend.h"
+#include "prep/io.h"
+#include "prep/io.h"
 #include "prep/scene.h"
 
 // OpenImageIO brings some 250 libraries along, whose loading takes longer than many a conversion of
@@ -84,7 +86,10 @@ Result<Image> load_image(const ImageRef& ref) {
 
 Result<void> save_image(const std::filesystem::path& path, const Image& image, PixelType type) {
     const auto& images = backend();
-    return images ? (*images)->save(path, image, type) : Result<void>(images.error());
+    if (!images) return images.error();
+    const auto bytes = (*images)->encode(path, image, type);
+    if (!bytes) return bytes.error();
+    return write_file(path, *bytes);
 }
 
 Result<std::vector<std::byte>> encode_png(const Image& image, PixelType type) {

@@ -9,7 +9,7 @@ namespace prep::detail {
 struct ImageBackend {
     Result<Image> (*load)(const std::filesystem::path&);
     Result<Image> (*decode)(std::span<const std::byte>, const std::string&);
-    Result<void> (*save)(const std::filesystem::path&, const Image&, PixelType);
+    Result<std::vector<std::byte>> (*encode)(const std::filesystem::path&, const Image&, PixelType);
     Result<std::vector<std::byte>> (*encode_png)(const Image&, PixelType);
 };
 

@@ -186,7 +186,8 @@ TEST(Mtl, ReadsColoursMapsAndOptions) {
     EXPECT_EQ(m.alpha_mode, prep::AlphaMode::blend);
     ASSERT_TRUE(bool(m.diffuse_map));
     EXPECT_EQ(m.diffuse_map.scale, glm::vec2(2, 3));
-    EXPECT_EQ(m.diffuse_map.offset, glm::vec2(0.5f, -0.25f));
+    // v runs upwards in the file: the point v = 1 (ours 0) samples 3 · 1 + 0.25, ours 1 − 3.25.
+    EXPECT_EQ(m.diffuse_map.offset, glm::vec2(0.5f, -2.25f));
     EXPECT_EQ(lib.images[lib.textures[m.diffuse_map.texture].image].name, "my tex.png");
     ASSERT_TRUE(bool(m.normal_map));  // the name says that the bump map is a normal map
     EXPECT_EQ(m.normal_map.strength, 0.7f);

@@ -57,6 +57,8 @@ TEST(Command, UsageErrorsExitTwo) {
         {"render", cube, "-o", "x.png", "--camera", "10,99"},
         {"render", cube, "-o", "x.png", "--background", "red"},
         {"render", cube, "-o", "x.png", "--light", "1"},
+        {"render", cube, "-o", "x.png", "--exposure", "nan"},
+        {"render", cube, "-o", "x.png", "--ambient", "nan"},
         {"validate", cube},
         {"inspect"},
         {"diff", cube},
@@ -71,6 +73,87 @@ TEST(Command, UsageErrorsExitTwo) {
         EXPECT_NE(ran.err, "") << line;
     }
     EXPECT_EQ(dir.names(), std::vector<std::string>{"cube.obj"});
+}
+
+std::string gltf_with_positions(const std::string& base64, const std::string& node) {
+    return R"({"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],"nodes":[)" + node +
+           R"(],"meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],)"
+           R"("accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3",)"
+           R"("min":[0,0,0],"max":[1,1,0]}],"bufferViews":[{"buffer":0,"byteLength":36}],)"
+           R"("buffers":[{"byteLength":36,"uri":"data:application/octet-stream;base64,)" +
+           base64 + R"("}]})";
+}
+
+// (0,0,0) (1,0,0) (0,1,0), and three times NaN.
+const std::string triangle_base64 = "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA";
+const std::string nan_base64 = "AADAfwAAwH8AAMB/AADAfwAAwH8AAMB/AADAfwAAwH8AAMB/";
+
+TEST(Prepare, APrimitiveWithoutAFiniteTriangleStopsNoBatch) {
+    const TemporaryDirectory dir;
+    write_text(dir / "nan.gltf", gltf_with_positions(nan_base64, R"({"mesh":0})"));
+    write_text(dir / "z.obj", test::cube_obj());
+    const test::Ran ran = run_command({"prepare", (dir / "nan.gltf").string(),
+                                       (dir / "z.obj").string(), "-o", (dir / "out").string()});
+    EXPECT_LE(ran.exit_code, 1) << ran.err;
+    EXPECT_TRUE(std::filesystem::exists(dir / "out" / "z.glb"));
+}
+
+TEST(Prepare, MirroredNodesKeepTheirFrontInEveryFormat) {
+    const TemporaryDirectory dir;
+    write_text(dir / "in.gltf",
+               gltf_with_positions(triangle_base64, R"({"mesh":0,"scale":[-1,1,1]})"));
+    for (const char* name : {"o.obj", "o.ply", "o.off", "o.stl"}) {
+        const std::string out = (dir / name).string();
+        ASSERT_EQ(run_command({"prepare", (dir / "in.gltf").string(), "-o", out}).exit_code, 0);
+        const auto scene = prep::load_scene(out);
+        ASSERT_TRUE(scene.has_value()) << name;
+        const prep::Mesh& mesh = scene->meshes.at(0);
+        const auto at = [&mesh](std::size_t c) { return mesh.positions[mesh.corner_vertices[c]]; };
+        EXPECT_GT(glm::cross(at(1) - at(0), at(2) - at(0)).z, 0) << name;
+    }
+}
+
+TEST(Prepare, GltfNamesAreEncodedAndReadBackFromTheirOwnDirectory) {
+    const TemporaryDirectory dir;
+    write_text(dir / "cube.obj", test::cube_obj());
+    const std::string out = (dir / "50%20 off#1.gltf").string();
+    ASSERT_EQ(run_command({"prepare", (dir / "cube.obj").string(), "-o", out}).exit_code, 0);
+    EXPECT_EQ(run_command({"inspect", out}).exit_code, 0);
+    const auto here = std::filesystem::current_path();
+    std::filesystem::current_path(dir.path());
+    const test::Ran bare = run_command({"inspect", "50%20 off#1.gltf"});
+    std::filesystem::current_path(here);
+    EXPECT_EQ(bare.exit_code, 0) << bare.err;
+}
+
+TEST(Prepare, FilesBesideTheOutputAreGuardedToo) {
+    const TemporaryDirectory dir;
+    write_text(dir / "cube.obj", test::cube_obj());
+    write_text(dir / "c.bin", "precious");
+    const std::string cube = (dir / "cube.obj").string();
+    EXPECT_EQ(
+        run_command({"prepare", cube, "-o", (dir / "c.gltf").string(), "--no-overwrite"}).exit_code,
+        1);
+    EXPECT_EQ(read_text(dir / "c.bin"), "precious");
+    EXPECT_FALSE(std::filesystem::exists(dir / "c.gltf"));
+
+    write_text(dir / "lib.mtl", "newmtl red\nKd 1 0 0\n");
+    write_text(dir / "a.obj", "mtllib lib.mtl\nusemtl red\n" + test::cube_obj());
+    const std::string mtl = read_text(dir / "lib.mtl");
+    EXPECT_EQ(run_command({"prepare", (dir / "a.obj").string(), "-o", (dir / "lib.obj").string()})
+                  .exit_code,
+              1);
+    EXPECT_EQ(read_text(dir / "lib.mtl"), mtl);
+}
+
+TEST(Prepare, LinksAreFollowed) {
+    const TemporaryDirectory dir;
+    write_text(dir / "real.obj", test::cube_obj());
+    std::filesystem::create_symlink("real.obj", dir / "link.obj");
+    const std::string link = (dir / "link.obj").string();
+    ASSERT_EQ(run_command({"prepare", link, "--in-place"}).exit_code, 0);
+    EXPECT_TRUE(std::filesystem::is_symlink(dir / "link.obj"));
+    EXPECT_NE(read_text(dir / "real.obj"), test::cube_obj());
 }
 
 TEST(Command, MissingInputsExitOneAndSaySo) {

@@ -46,6 +46,18 @@ glm::vec3 parse_color(const std::string& option, const std::string& text) {
     return {numbers[0], numbers[1], numbers[2]};
 }
 
+CLI::Validator number_from_to(double least, double most) {
+    return CLI::Validator(
+        [least, most](std::string& text) -> std::string {
+            const std::vector<double> numbers = parse_numbers(text, ',');
+            if (numbers.size() == 1 && numbers[0] >= least && numbers[0] <= most) return {};
+            std::ostringstream message;
+            message << "'" << text << "' is not a number from " << least << " to " << most;
+            return message.str();
+        },
+        "");
+}
+
 void add_common_options(CLI::App* app, CommonOptions& common) {
     const std::string group = "Common";
     app->add_flag("--json", common.json, "Results as JSON on standard output")->group(group);

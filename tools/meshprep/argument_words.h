@@ -48,6 +48,9 @@ std::vector<double> parse_numbers(const std::string& text, char separator);
 // #rrggbb (sRGB), R,G,B or one grey (linear) → linear.
 glm::vec3 parse_color(const std::string& option, const std::string& text);
 
+// A number in a range; unlike CLI::Range it lets no NaN through.
+CLI::Validator number_from_to(double least, double most);
+
 void add_common_options(CLI::App* app, CommonOptions& common);
 void add_preparation_options(CLI::App* app, prep::PrepareOptions& options);
 

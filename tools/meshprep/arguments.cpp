@@ -124,7 +124,7 @@ CLI::App* define_render(CLI::App& app, RenderCommand& c) {
         ->expected(1)
         ->take_all();
     sub->add_option("--ambient", c.ambient, "Ambient light beside --light (default 0.1)")
-        ->check(CLI::Range(0.0, 100.0))
+        ->check(number_from_to(0, 100))
         ->type_name("I");
     sub->add_option_function<std::string>(
            "--background",
@@ -156,7 +156,7 @@ CLI::App* define_render(CLI::App& app, RenderCommand& c) {
         sub, "--tone-map", {{"off", false}, {"reinhard", true}}, [&c](bool on) { c.tone_map = on; },
         "How light above 1 is shown (default off: clipped)");
     sub->add_option("--exposure", c.exposure, "Light is multiplied by this (default 1)")
-        ->check(CLI::Range(1e-6, 1e6))
+        ->check(number_from_to(1e-6, 1e6))
         ->type_name("E");
     sub->add_flag_callback(
         "--no-textures", [&c] { c.textures = false; }, "Material colours only");
