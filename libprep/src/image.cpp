@@ -4,7 +4,6 @@
 
 #include "image_backend.h"
 #include "prep/io.h"
-#include "prep/io.h"
 #include "prep/scene.h"
 
 // OpenImageIO brings some 250 libraries along, whose loading takes longer than many a conversion of
