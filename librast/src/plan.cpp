@@ -76,9 +76,22 @@ class Planner {
              plan_.request.keep_depth ? "asked for" : "nothing reads it");
         step("triangle numbers output", plan_.request.keep_ids,
              plan_.request.keep_ids ? "asked for" : "nothing reads them");
-        const std::uint64_t pixels = std::uint64_t(plan_.request.width) * plan_.request.height;
+        const auto output = [&](const char* name, bool kept) {
+            step(name, kept, kept ? "asked for" : "nothing reads it");
+        };
+        output("normal output", plan_.request.keep_normals);
+        output("UV output", plan_.request.keep_uvs);
+        output("barycentric output", plan_.request.keep_barycentrics);
+        output("position output", plan_.request.keep_positions);
+        step("crop", plan_.request.crop.has_value(),
+             plan_.request.crop ? "a part of the picture is asked for" : "the whole picture");
+        const RenderRequest& r = plan_.request;
+        const std::uint64_t pixels = r.crop ? std::uint64_t(r.crop->width) * r.crop->height
+                                            : std::uint64_t(r.width) * r.height;
         plan_.memory_estimate =
-            pixels * (16 + (plan_.request.keep_depth ? 4 : 0) + (plan_.request.keep_ids ? 8 : 0)) +
+            pixels * (16 + (plan_.request.keep_depth ? 4 : 0) + (plan_.request.keep_ids ? 8 : 0) +
+                      (r.keep_normals ? 12 : 0) + (r.keep_uvs ? 8 : 0) +
+                      (r.keep_barycentrics ? 12 : 0) + (r.keep_positions ? 12 : 0)) +
             survey_.vertices * sizeof(detail::VertexRecord) +
             survey_.triangles * (sizeof(detail::SetupTriangle) + 4);
         return std::move(plan_);
@@ -229,6 +242,18 @@ prep::Result<RenderPlan> plan(const prep::PreparedScene& scene, const RenderRequ
                                " pixels a side, found " + std::to_string(request.width) + "x" +
                                std::to_string(request.height),
                            ""};
+    if (request.crop) {
+        const Crop& c = *request.crop;
+        if (c.width == 0 || c.height == 0 || c.x > request.width || c.y > request.height ||
+            c.width > request.width - c.x || c.height > request.height - c.y)
+            return prep::Error{prep::ErrorCode::invalid,
+                               "the crop must be a part of the picture of " +
+                                   std::to_string(request.width) + "x" +
+                                   std::to_string(request.height) + ", found " +
+                                   std::to_string(c.width) + "x" + std::to_string(c.height) +
+                                   " at " + std::to_string(c.x) + ", " + std::to_string(c.y),
+                               ""};
+    }
     if (request.max_anisotropy < 1 || request.max_anisotropy > 16)
         return prep::Error{prep::ErrorCode::invalid,
                            "anisotropy is 1 to 16, found " + std::to_string(request.max_anisotropy),

@@ -3,6 +3,7 @@
 #include <tbb/enumerable_thread_specific.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 
@@ -74,7 +75,7 @@ struct TileScratch {
     std::vector<std::uint32_t> draws;        // those of this tile
     std::vector<std::int32_t> x, y;
     std::vector<std::uint32_t> ids;
-    std::vector<float> colors[3];
+    std::array<std::vector<float>, 11> planes;  // results of the kernels
 };
 
 class Renderer {
@@ -85,12 +86,17 @@ class Renderer {
           kernels_(kernels_for(plan.request.simd)),
           threads_(plan.request.threads),
           offsets_(sample_offsets(plan.request.samples)) {
-        frame_.width = plan.request.width;
-        frame_.height = plan.request.height;
-        window_.width = std::int32_t(frame_.width);
-        window_.height = std::int32_t(frame_.height);
-        window_.first_x = (1 - window_.width) * (subpixels / 2);
-        window_.first_y = (1 - window_.height) * (subpixels / 2);
+        const RenderRequest& request = plan.request;
+        const Crop crop = request.crop.value_or(Crop{0, 0, request.width, request.height});
+        frame_.width = crop.width;
+        frame_.height = crop.height;
+        window_.width = std::int32_t(crop.width);
+        window_.height = std::int32_t(crop.height);
+        const auto first = [](std::uint32_t at, std::uint32_t extent) {
+            return (1 - std::int32_t(extent)) * (subpixels / 2) + std::int32_t(at) * subpixels;
+        };
+        window_.first_x = first(crop.x, request.width);
+        window_.first_y = first(crop.y, request.height);
         window_.tiles_x = (window_.width + tile_size - 1) / tile_size;
         window_.tiles_y = (window_.height + tile_size - 1) / tile_size;
     }
@@ -137,8 +143,8 @@ class Renderer {
         for (std::uint32_t n = 0; n < prepared_.scene.nodes.size(); ++n) {
             const std::uint32_t m = prepared_.scene.nodes[n].mesh;
             if (m == prep::no_index || prepared_.meshes[m].triangle_count() == 0) continue;
-            instances_.emplace_back(prepared_.meshes[m], n, world[n], plan_.view, frame_.width,
-                                    frame_.height);
+            instances_.emplace_back(prepared_.meshes[m], n, world[n], plan_.view,
+                                    plan_.request.width, plan_.request.height);
         }
         struct Block {
             std::size_t instance, begin, end;
@@ -221,6 +227,10 @@ class Renderer {
             frame_.triangle.assign(pixels, prep::no_index);
             frame_.instance.assign(pixels, prep::no_index);
         }
+        if (plan_.request.keep_normals) frame_.normal.assign(pixels, glm::vec3(0.0f));
+        if (plan_.request.keep_uvs) frame_.uv.assign(pixels, glm::vec2(0.0f));
+        if (plan_.request.keep_barycentrics) frame_.barycentric.assign(pixels, glm::vec3(0.0f));
+        if (plan_.request.keep_positions) frame_.position.assign(pixels, glm::vec3(0.0f));
     }
 
     TilePlace place_of(std::uint32_t tile) const {
@@ -265,10 +275,9 @@ class Renderer {
         return std::uint32_t(after - shade_draws_.begin()) - 1;
     }
 
-    // The triangles of every pixel, each once, in the order of its samples.
-    void collect(const TilePlace& place, TileScratch& scratch) const {
+    // The triangles of every pixel's first `count` samples, each once, in the order of the samples.
+    void collect(const TilePlace& place, std::size_t count, TileScratch& scratch) const {
         scratch.fragments.clear();
-        const std::size_t count = scratch.samples.size();
         for (std::int32_t y = 0; y < place.height; ++y)
             for (std::int32_t x = 0; x < place.width; ++x) {
                 const std::size_t at = std::size_t(y) * tile_size + std::size_t(x);
@@ -293,6 +302,8 @@ class Renderer {
             const std::uint32_t d = draw_of(f.id);
             if (scratch.draw_counts[d]++ == 0) scratch.draws.push_back(d);
         }
+        // In an order that does not depend on where the tile lies: it decides the order of sums.
+        std::sort(scratch.draws.begin(), scratch.draws.end());
         scratch.sorted.resize(scratch.fragments.size());
         std::uint32_t begin = 0;
         for (const std::uint32_t d : scratch.draws) {
@@ -304,7 +315,10 @@ class Renderer {
             scratch.sorted[scratch.draw_counts[draw_of(f.id)]++] = f;
     }
 
-    void shade(const TilePlace& place, TileScratch& scratch) const {
+    // Calls visit(draw, first fragment, count) for each draw of the tile, with the points laid out
+    // for the kernels.
+    template <class Visit>
+    void each_draw(const TilePlace& place, TileScratch& scratch, const Visit& visit) const {
         sort_by_draw(scratch);
         std::uint32_t begin = 0;
         for (const std::uint32_t d : scratch.draws) {
@@ -315,34 +329,78 @@ class Renderer {
             scratch.x.resize(padded);
             scratch.y.resize(padded);
             scratch.ids.resize(padded);
-            for (std::vector<float>& plane : scratch.colors) plane.resize(padded);
+            for (std::vector<float>& plane : scratch.planes) plane.resize(padded);
             for (std::size_t k = 0; k < padded; ++k) {
                 const Fragment& f = scratch.sorted[begin + std::min<std::size_t>(k, count - 1)];
                 scratch.x[k] = place.x + f.pixel % tile_size * subpixels;
                 scratch.y[k] = place.y + f.pixel / tile_size * subpixels;
                 scratch.ids[k] = f.id;
             }
-            ShadeTask task{scratch.x.data(), scratch.y.data(), scratch.ids.data(), count, {}};
-            for (int c = 0; c < 3; ++c) task.out[c] = scratch.colors[c].data();
-            kernels_.shade(shade_draws_[d], inputs_.frame, task);
-            blend(place, scratch, begin, count);
+            visit(d, begin, count);
             begin = end;
         }
+    }
+
+    std::size_t pixel_of(const TilePlace& place, const Fragment& f) const {
+        const std::size_t left = std::size_t((place.x - window_.first_x) >> subpixel_bits);
+        const std::size_t top = std::size_t((place.y - window_.first_y) >> subpixel_bits);
+        return (top + f.pixel / tile_size) * frame_.width + left + f.pixel % tile_size;
+    }
+
+    void shade(const TilePlace& place, TileScratch& scratch) const {
+        each_draw(place, scratch, [&](std::uint32_t d, std::uint32_t begin, std::uint32_t count) {
+            ShadeTask task{scratch.x.data(), scratch.y.data(), scratch.ids.data(), count, {}};
+            for (int c = 0; c < 3; ++c) task.out[c] = scratch.planes[c].data();
+            kernels_.shade(shade_draws_[d], inputs_.frame, task);
+            blend(place, scratch, begin, count);
+        });
+    }
+
+    // Normals, UVs, barycentrics and positions of the pixels' first samples.
+    void write_attributes(const TilePlace& place, TileScratch& scratch) const {
+        const RenderRequest& r = plan_.request;
+        if (!r.keep_normals && !r.keep_uvs && !r.keep_barycentrics && !r.keep_positions) return;
+        collect(place, 1, scratch);
+        each_draw(place, scratch, [&](std::uint32_t d, std::uint32_t begin, std::uint32_t count) {
+            AttributeTask task;
+            task.x = scratch.x.data();
+            task.y = scratch.y.data();
+            task.ids = scratch.ids.data();
+            task.count = count;
+            const prep::VertexMesh& mesh = instances_[draws_[d].instance].mesh();
+            if (!mesh.uvs.empty() && !mesh.uvs[0].empty()) task.uvs = &mesh.uvs[0][0].x;
+            std::size_t plane = 0;
+            const auto ask = [&](bool kept, float** out, int components) {
+                for (int c = 0; c < components; ++c, ++plane)
+                    out[c] = kept ? scratch.planes[plane].data() : nullptr;
+            };
+            ask(r.keep_normals, task.normal, 3);
+            ask(r.keep_uvs, task.uv, 2);
+            ask(r.keep_barycentrics, task.barycentric, 3);
+            ask(r.keep_positions, task.position, 3);
+            kernels_.attributes(shade_draws_[d], inputs_.frame, task);
+            for (std::uint32_t k = 0; k < count; ++k) {
+                const std::size_t pixel = pixel_of(place, scratch.sorted[begin + k]);
+                const auto vec3 = [&](float* const from[3]) {
+                    return glm::vec3(from[0][k], from[1][k], from[2][k]);
+                };
+                if (r.keep_normals) frame_.normal[pixel] = vec3(task.normal);
+                if (r.keep_uvs) frame_.uv[pixel] = {task.uv[0][k], task.uv[1][k]};
+                if (r.keep_barycentrics) frame_.barycentric[pixel] = vec3(task.barycentric);
+                if (r.keep_positions) frame_.position[pixel] = vec3(task.position);
+            }
+        });
     }
 
     // Adds the fragments of one draw to their pixels, weighed by their samples.
     void blend(const TilePlace& place, const TileScratch& scratch, std::uint32_t begin,
                std::uint32_t count) const {
-        const std::size_t left = std::size_t((place.x - window_.first_x) >> subpixel_bits);
-        const std::size_t top = std::size_t((place.y - window_.first_y) >> subpixel_bits);
         const float share = 1.0f / float(offsets_.size());
         for (std::uint32_t k = 0; k < count; ++k) {
             const Fragment& f = scratch.sorted[begin + k];
-            const glm::vec4 color(scratch.colors[0][k], scratch.colors[1][k], scratch.colors[2][k],
+            const glm::vec4 color(scratch.planes[0][k], scratch.planes[1][k], scratch.planes[2][k],
                                   1.0f);
-            glm::vec4& pixel =
-                frame_
-                    .color[(top + f.pixel / tile_size) * frame_.width + left + f.pixel % tile_size];
+            glm::vec4& pixel = frame_.color[pixel_of(place, f)];
             if (f.samples == offsets_.size()) {
                 pixel = color;
                 continue;
@@ -378,10 +436,12 @@ class Renderer {
         if (tile_work_[tile].empty()) return 0;
         const TilePlace place = place_of(tile);
         raster(tile, place, scratch);
-        collect(place, scratch);
+        collect(place, offsets_.size(), scratch);
         shade(place, scratch);
+        const std::size_t shaded = scratch.fragments.size();
         write_buffers(place, scratch);
-        return scratch.fragments.size();
+        write_attributes(place, scratch);
+        return shaded;
     }
 
     const prep::PreparedScene& prepared_;

@@ -97,6 +97,9 @@ ShadeDraw shade_draw(const RenderPlan& plan, const prep::PreparedScene& scene, c
     s.triangle_count = draw.triangle_count;
     s.masked = material.alpha_mode == prep::AlphaMode::mask;
     s.unlit = material.unlit;
+    s.source = plan.request.shading == Shading::flat || s.normals == nullptr
+                   ? NormalSource::face
+                   : NormalSource::interpolated;
     for (int r = 0; r < 3; ++r) {
         for (int c = 0; c < 3; ++c)
             s.normal_matrix[r * 3 + c] = float(instance.normal_matrix()[c][r]);
@@ -125,9 +128,6 @@ ShadeDraw shade_draw(const RenderPlan& plan, const prep::PreparedScene& scene, c
     else
         s.specular_map = bind(plan, material.specular_map, mesh, textures);
     s.occlusion_map = bind(plan, material.occlusion_map, mesh, textures);
-    s.source = plan.request.shading == Shading::flat || s.normals == nullptr
-                   ? NormalSource::face
-                   : NormalSource::interpolated;
     if (plan.request.shading != Shading::normal_mapped || s.normals == nullptr) return s;
     s.normal_map = bind(plan, material.normal_map, mesh, textures);
     if (!s.normal_map) return s;

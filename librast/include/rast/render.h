@@ -35,6 +35,11 @@ enum class TextureFilter : std::uint8_t {
 
 inline constexpr std::uint32_t max_picture_extent = 32768;
 
+// A part of the picture, in pixels. Its pixels are those of the whole picture, bit for bit.
+struct Crop {
+    std::uint32_t x = 0, y = 0, width = 0, height = 0;
+};
+
 // What is asked for. Unset choices are made by plan().
 struct RenderRequest {
     std::uint32_t width = 1024, height = 768;
@@ -48,8 +53,10 @@ struct RenderRequest {
     bool textures = true;        // false: material colours only
     bool keep_depth = false;     // Frame::depth
     bool keep_ids = false;       // Frame::triangle and Frame::instance
-    int samples = 1;             // per pixel: 1, 2, 4, 8 or 16
-    int threads = 0;             // 0: all cores; the picture does not depend on it
+    bool keep_normals = false, keep_uvs = false, keep_barycentrics = false, keep_positions = false;
+    std::optional<Crop> crop;  // unset: the whole picture
+    int samples = 1;           // per pixel: 1, 2, 4, 8 or 16
+    int threads = 0;           // 0: all cores; the picture does not depend on it
     prep::SimdLevel simd = prep::SimdLevel::automatic;  // nor on this
 };
 
@@ -71,8 +78,8 @@ struct RenderPlan {         // a value; made by plan(), obeyed by render()
     std::vector<std::string> warnings;
 };
 
-// Pure. Errors: invalid (no extent; a sample count or an anisotropy that is not offered), limit
-// (larger than max_picture_extent).
+// Pure. Errors: invalid (no extent; a crop that is empty or leaves the picture; a sample count or
+// an anisotropy that is not offered), limit (larger than max_picture_extent).
 prep::Result<RenderPlan> plan(const prep::PreparedScene& scene, const RenderRequest& request = {});
 
 struct Counters {
@@ -87,11 +94,16 @@ struct Counters {
 };
 
 struct Frame {
-    std::uint32_t width = 0, height = 0;
+    std::uint32_t width = 0, height = 0;  // of the crop, where there is one
     std::vector<glm::vec4> color;         // linear; alpha is 1 where something was drawn
     std::vector<float> depth;             // reversed z: 1 near, 0 far or empty; when asked for
     std::vector<std::uint32_t> triangle;  // within the instance's mesh; no_index where empty
     std::vector<std::uint32_t> instance;  // node; no_index where empty
+    // At the centres of the pixels whose first sample is covered, zero elsewhere; when asked for.
+    std::vector<glm::vec3> normal;       // as it is lit: world axes, unit, on the side that is seen
+    std::vector<glm::vec2> uv;           // of the first set; zero where the mesh has none
+    std::vector<glm::vec3> barycentric;  // of the triangle's corners, perspective-correct
+    std::vector<glm::vec3> position;     // from View::eye(), in world axes
     Counters counters;
     double geometry_ms = 0, raster_ms = 0;  // raster includes shading
     std::vector<std::string> warnings;

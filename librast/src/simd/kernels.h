@@ -110,6 +110,20 @@ struct ShadeTask {
     float* out[3] = {};  // red, green, blue; writable up to the lane count past the end
 };
 
+// What can be asked of a point beside its colour; three, two, three and three planes, each as
+// ShadeTask::out; null where not asked for.
+struct AttributeTask {
+    const std::int32_t* x = nullptr;
+    const std::int32_t* y = nullptr;
+    const std::uint32_t* ids = nullptr;
+    std::size_t count = 0;
+    const float* uvs = nullptr;  // of the mesh, two per vertex; null: none
+    float* normal[3] = {};
+    float* uv[2] = {};
+    float* barycentric[3] = {};
+    float* position[3] = {};
+};
+
 struct Kernels {
     void (*transform)(const TransformTask& task, std::size_t begin, std::size_t end);
     // Numbers within the run to `survivors` (readable and writable up to chunk_triangles).
@@ -120,6 +134,7 @@ struct Kernels {
                    const SetupTriangle* triangles, const std::uint32_t* order, std::size_t count,
                    const ShadeDraw* masked);
     void (*shade)(const ShadeDraw& draw, const ShadeFrame& frame, const ShadeTask& task);
+    void (*attributes)(const ShadeDraw& draw, const ShadeFrame& frame, const AttributeTask& task);
     // Gouraud: the listed vertices; out has vertex_light_floats for every vertex of the mesh.
     void (*light_vertices)(const ShadeDraw& draw, const ShadeFrame& frame,
                            const std::uint32_t* vertices, std::size_t count, float* out);

@@ -23,8 +23,8 @@ namespace {
 }  // namespace
 
 const Kernels* kernels() {
-    static constexpr Kernels table{transform,      cull,   raster,         shade,
-                                   light_vertices, covers, specular_powers};
+    static constexpr Kernels table{transform,  cull,           raster, shade,
+                                   attributes, light_vertices, covers, specular_powers};
     return &table;
 }
 

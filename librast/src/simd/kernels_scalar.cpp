@@ -18,8 +18,8 @@ using namespace rast::detail::scalar_lanes;
 }  // namespace
 
 const Kernels& scalar_kernels() {
-    static constexpr Kernels table{transform,      cull,   raster,         shade,
-                                   light_vertices, covers, specular_powers};
+    static constexpr Kernels table{transform,  cull,           raster, shade,
+                                   attributes, light_vertices, covers, specular_powers};
     return table;
 }
 

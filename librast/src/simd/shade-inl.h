@@ -368,6 +368,14 @@ inline V3 point_from_eye(const ShadeDraw& draw, V3 p) {
     return {row(0), row(1), row(2)};
 }
 
+inline V3 direction_to_eye(const ShadeFrame& frame, I x, I y) {
+    const F to_pixels = set(1.0f / float(subpixels));
+    const V3 otherwise = set3(frame.to_eye[0]);
+    return unit_or((otherwise + set3(frame.to_eye[1]) * (to_float(x) * to_pixels)) +
+                       set3(frame.to_eye[2]) * (to_float(y) * to_pixels),
+                   otherwise);
+}
+
 inline V3 color_at(const ShadeDraw& draw, const ShadeFrame& frame, const Surface& s, M back, I x,
                    I y) {
     const F zero = set(0.0f);
@@ -394,11 +402,7 @@ inline V3 color_at(const ShadeDraw& draw, const ShadeFrame& frame, const Surface
     if (draw.vertex_light != nullptr) {
         light = interpolated_light(draw, s, back);
     } else {
-        const F to_pixels = set(1.0f / float(subpixels));
-        const V3 otherwise = set3(frame.to_eye[0]);
-        const V3 to_eye = unit_or((otherwise + set3(frame.to_eye[1]) * (to_float(x) * to_pixels)) +
-                                      set3(frame.to_eye[2]) * (to_float(y) * to_pixels),
-                                  otherwise);
+        const V3 to_eye = direction_to_eye(frame, x, y);
         const V3 normal = normal_at(draw, s, back, to_eye);
         V3 position{zero, zero, zero};
         if (frame.needs_position) position = point_from_eye(draw, attribute3(s, draw.positions));
@@ -422,6 +426,34 @@ inline void shade(const ShadeDraw& draw, const ShadeFrame& frame, const ShadeTas
         store(color.x, task.out[0] + n);
         store(color.y, task.out[1] + n);
         store(color.z, task.out[2] + n);
+    }
+}
+
+inline void attributes(const ShadeDraw& draw, const ShadeFrame& frame, const AttributeTask& task) {
+    const auto put = [](V3 v, float* const out[3], std::size_t n) {
+        store(v.x, out[0] + n);
+        store(v.y, out[1] + n);
+        store(v.z, out[2] + n);
+    };
+    for (std::size_t n = 0; n < task.count; n += lane_count) {
+        const I id = load(task.ids + n), x = load(task.x + n), y = load(task.y + n);
+        const Surface s = surface_at(draw, triangle_of(draw, id), x, y, draw.textured());
+        if (task.normal[0] != nullptr)
+            put(normal_at(draw, s, id < set(0), direction_to_eye(frame, x, y)), task.normal, n);
+        if (task.position[0] != nullptr)
+            put(point_from_eye(draw, attribute3(s, draw.positions)), task.position, n);
+        if (task.barycentric[0] != nullptr)
+            put(V3{max((set(1.0f) - s.b) - s.c, set(0.0f)), s.b, s.c}, task.barycentric, n);
+        if (task.uv[0] == nullptr) continue;
+        F u = set(0.0f), v = set(0.0f);
+        if (task.uvs != nullptr) {
+            const I index[3] = {shift_left<1>(s.corner[0]), shift_left<1>(s.corner[1]),
+                                shift_left<1>(s.corner[2])};
+            u = attribute(s, task.uvs, index, 0);
+            v = attribute(s, task.uvs, index, 1);
+        }
+        store(u, task.uv[0] + n);
+        store(v, task.uv[1] + n);
     }
 }
 
