@@ -14,7 +14,7 @@ class Bytes {
     T take() {
         T value{};
         const std::size_t n = size_ < sizeof(T) ? size_ : sizeof(T);
-        std::memcpy(&value, data_, n);
+        if (n > 0) std::memcpy(&value, data_, n);  // of no bytes data_ may be null
         data_ += n;
         size_ -= n;
         return value;
