@@ -5,13 +5,12 @@
 #include <cctype>
 #include <cmath>
 #include <cstring>
-#include <exception>
 #include <memory>
 #include <string_view>
 
+#include "backend_parts.h"
 #include "prep/image.h"
 #include "prep/io.h"
-#include "unique_name.h"
 
 namespace prep {
 namespace {
@@ -165,28 +164,16 @@ Result<Image> decode(std::span<const std::byte> bytes, const std::string& name) 
     return read(*input, bytes.size(), name);
 }
 
-// Whatever the library throws becomes an Error; only running out of memory goes on.
-template <class Body>
-auto guarded(const std::string& place, const Body& body) -> decltype(body()) {
-    try {
-        return body();
-    } catch (const std::bad_alloc&) {
-        throw;
-    } catch (const std::exception& e) {
-        return Error{ErrorCode::syntax, std::string("the image library failed: ") + e.what(),
-                     place};
-    }
-}
-
 }  // namespace
 
 Result<Image> decode_image(std::span<const std::byte> bytes, const std::string& name) {
-    return guarded(name, [&]() -> Result<Image> { return decode(bytes, name); });
+    return detail::guarded(ErrorCode::syntax, name,
+                           [&]() -> Result<Image> { return decode(bytes, name); });
 }
 
 Result<Image> load_image(const std::filesystem::path& path) {
     const std::string place = path.string();
-    return guarded(place, [&]() -> Result<Image> {
+    return detail::guarded(ErrorCode::syntax, place, [&]() -> Result<Image> {
         std::error_code error;
         const auto status = std::filesystem::status(path, error);
         if (!std::filesystem::exists(status))

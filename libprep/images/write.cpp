@@ -5,12 +5,11 @@
 #include <atomic>
 #include <cctype>
 #include <cmath>
-#include <exception>
 
+#include "backend_parts.h"
 #include "encode_image.h"
 #include "prep/image.h"
 #include "prep/io.h"
-#include "unique_name.h"
 
 namespace prep {
 namespace {
@@ -144,17 +143,6 @@ Result<std::vector<std::byte>> encode_by_ending(const std::filesystem::path& pat
     return bytes;
 }
 
-template <class Body>
-auto guarded(const std::string& place, const Body& body) -> decltype(body()) {
-    try {
-        return body();
-    } catch (const std::bad_alloc&) {
-        throw;
-    } catch (const std::exception& e) {
-        return failed(e.what(), place);
-    }
-}
-
 }  // namespace
 
 namespace detail {
@@ -167,7 +155,8 @@ std::string unique_name(const std::string& stem, const std::string& ending) {
 Result<std::vector<std::byte>> encode_image(const std::filesystem::path& path, const Image& image,
                                             PixelType type) {
     if (auto checked = check(image, path.string()); !checked) return checked.error();
-    return guarded(path.string(), [&] { return encode_by_ending(path, image, type); });
+    return detail::guarded(ErrorCode::io, path.string(),
+                           [&] { return encode_by_ending(path, image, type); });
 }
 
 }  // namespace detail
@@ -177,7 +166,7 @@ Result<std::vector<std::byte>> encode_png(const Image& image, PixelType type) {
     if (auto checked = check(image, place); !checked) return checked.error();
     if (type == PixelType::f16 || type == PixelType::f32)
         return Error{ErrorCode::unsupported, "PNG holds 8 or 16 bits a channel, not floats", place};
-    return guarded(place, [&] { return encode(place, image, type, place); });
+    return detail::guarded(ErrorCode::io, place, [&] { return encode(place, image, type, place); });
 }
 
 }  // namespace prep

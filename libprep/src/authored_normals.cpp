@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "authored_layers.h"
+
 namespace prep::detail {
 namespace {
 
@@ -55,17 +57,7 @@ CornerLayer<glm::vec3> merge_normals(const CornerLayer<glm::vec3>& authored,
             n = glm::vec3(d / glm::length(d));
         }
     }
-    if (!computed) return merged;
-    std::vector<std::uint32_t> taken(computed->values.size(), no_index);
-    for (std::size_t c = 0; c < corners; ++c) {
-        if (!(review.faults[c] & replace)) continue;
-        std::uint32_t& at = taken[computed->indices[c]];
-        if (at == no_index) {
-            at = std::uint32_t(merged.values.size());
-            merged.values.push_back(computed->values[computed->indices[c]]);
-        }
-        merged.indices[c] = at;
-    }
+    if (computed) replace_faulty(merged, review.faults, replace, *computed);
     return merged;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "authored_layers.h"
 #include "authored_normals.h"
 
 namespace prep::detail {
@@ -92,17 +93,7 @@ CornerLayer<glm::vec4> merge_tangents(const CornerLayer<glm::vec4>& authored,
             t = glm::vec4(glm::vec3(glm::normalize(glm::dvec3(t))), t.w < 0 ? -1.0f : 1.0f);
         }
     }
-    if (!computed) return merged;
-    std::vector<std::uint32_t> taken(computed->values.size(), no_index);
-    for (std::size_t c = 0; c < corners; ++c) {
-        if (!(review.faults[c] & replace)) continue;
-        std::uint32_t& at = taken[computed->indices[c]];
-        if (at == no_index) {
-            at = std::uint32_t(merged.values.size());
-            merged.values.push_back(computed->values[computed->indices[c]]);
-        }
-        merged.indices[c] = at;
-    }
+    if (computed) replace_faulty(merged, review.faults, replace, *computed);
     return merged;
 }
 

@@ -34,8 +34,7 @@ Cycle cycle_of(const Mesh& mesh, std::span<const Index> welded, Index face) {
 
 }  // namespace
 
-// The sum of hashed points finds the few that can be
-// equal; those are compared point by point.
+// The sum of hashed points finds the few that can be equal; those are compared point by point.
 DuplicateFaces find_duplicate_faces(const Mesh& mesh, std::span<const Index> welded,
                                     const std::vector<Index>& candidates) {
     struct Key {

@@ -391,17 +391,4 @@ Result<std::uint32_t> index_member(const GltfDocument& document, const Json& obj
     return index_value(document, *it, pointer + "/" + pointer_key(key), size);
 }
 
-std::string pointer_key(std::string_view key) {
-    std::string out;
-    for (const char c : key) {
-        if (c == '~')
-            out += "~0";
-        else if (c == '/')
-            out += "~1";
-        else
-            out += c;
-    }
-    return out;
-}
-
 }  // namespace prep::detail

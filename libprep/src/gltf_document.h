@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "json_pointer.h"
 #include "prep/gltf.h"
 
 namespace prep {
@@ -107,8 +108,6 @@ Result<std::uint64_t> whole_member(const GltfDocument& document, const Json& obj
 // The same for a value that is there already.
 Result<std::uint32_t> index_value(const GltfDocument& document, const Json& value,
                                   const std::string& pointer, std::size_t size);
-// A key as part of a JSON pointer: ~ and / escaped.
-std::string pointer_key(std::string_view key);
 // The array under a top-level key; empty where it is absent. Errors: invalid, when it is none or
 // has members that are no objects.
 Result<const Json*> top_array(const GltfDocument& document, const char* key);

@@ -28,19 +28,6 @@ std::string range_text(double least, double greatest) {
 
 }  // namespace
 
-std::string escaped(const std::string& key) {
-    std::string out;
-    for (const char c : key) {
-        if (c == '~')
-            out += "~0";
-        else if (c == '/')
-            out += "~1";
-        else
-            out += c;
-    }
-    return out;
-}
-
 std::string describe(const Json& value) {
     switch (value.type()) {
         case Json::value_t::null:

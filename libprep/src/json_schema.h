@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "did_you_mean.h"
+#include "json_pointer.h"
 
 namespace prep::detail::schema {
 
@@ -48,8 +49,7 @@ struct Named {
     T value;
 };
 
-std::string escaped(const std::string& key);  // for JSON pointers: ~ and / (RFC 6901)
-std::string describe(const Json& value);      // "the string \"abc\"", "an array of 2", …
+std::string describe(const Json& value);  // "the string \"abc\"", "an array of 2", …
 Problem wrong_type(const Json& value, const std::string& pointer, const std::string& expected);
 
 Outcome read_number(const Json& value, const std::string& pointer, double least, double greatest,
@@ -70,7 +70,7 @@ Outcome read_object(const Json& value, const std::string& pointer, const Table<T
         const Field<T>* found = nullptr;
         for (const Field<T>& field : table)
             if (field.key == key) found = &field;
-        const std::string place = pointer + "/" + escaped(key);
+        const std::string place = pointer + "/" + pointer_key(key);
         if (!found) {
             std::vector<std::string> known;
             for (const Field<T>& field : table) known.push_back(field.key);
@@ -199,7 +199,7 @@ Field<T> dictionary(std::string key, std::vector<Named<Inner>> T::*member, Table
     return {std::move(key), [=](const Json& value, const std::string& pointer, T& out) -> Outcome {
                 if (!value.is_object()) return wrong_type(value, pointer, "an object of names");
                 for (const auto& [item_key, item] : value.items()) {
-                    Named<Inner> entry{{item_key, pointer + "/" + escaped(item_key)}, {}};
+                    Named<Inner> entry{{item_key, pointer + "/" + pointer_key(item_key)}, {}};
                     if (Outcome problem = read_object(item, entry.name.pointer, table, entry.value))
                         return problem;
                     (out.*member).push_back(std::move(entry));

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "prep/face_normals.h"
 #include "repair_steps.h"
@@ -17,7 +18,24 @@ void keep_marked_faces(std::vector<Index>& per_face, const std::vector<std::uint
     per_face.resize(kept);
 }
 
+void number_file_vertices(Mesh& mesh) {
+    if (!mesh.file_vertices.empty()) return;
+    mesh.file_vertices.resize(mesh.vertex_count());
+    std::iota(mesh.file_vertices.begin(), mesh.file_vertices.end(), 0u);
+}
+
 }  // namespace
+
+void keep_corners(Mesh& mesh, const std::vector<Index>& kept, std::vector<Index> face_offsets) {
+    const auto gather = [&kept](std::vector<Index>& per_corner) {
+        if (per_corner.empty()) return;
+        for (std::size_t i = 0; i < kept.size(); ++i) per_corner[i] = per_corner[kept[i]];
+        per_corner.resize(kept.size());
+    };
+    gather(mesh.corner_vertices);
+    for_each_layer(mesh, [&](auto& layer) { gather(layer.indices); });
+    mesh.face_offsets = std::move(face_offsets);
+}
 
 void keep_faces(Mesh& mesh, const std::vector<std::uint8_t>& keep) {
     std::vector<Index> sources;  // per corner kept
@@ -30,14 +48,7 @@ void keep_faces(Mesh& mesh, const std::vector<std::uint8_t>& keep) {
             sources.push_back(c);
         offsets.push_back(Index(sources.size()));
     }
-    const auto gather = [&sources](std::vector<Index>& per_corner) {
-        if (per_corner.empty()) return;
-        for (std::size_t i = 0; i < sources.size(); ++i) per_corner[i] = per_corner[sources[i]];
-        per_corner.resize(sources.size());
-    };
-    gather(mesh.corner_vertices);
-    for_each_layer(mesh, [&](auto& layer) { gather(layer.indices); });
-    mesh.face_offsets = std::move(offsets);
+    keep_corners(mesh, sources, std::move(offsets));
     for (auto* per_face : {&mesh.face_materials, &mesh.face_smoothing, &mesh.face_parts})
         keep_marked_faces(*per_face, keep);
     std::vector<Index>& holes = mesh.subdivision.holes;
@@ -85,10 +96,7 @@ void turn_faces(Mesh& mesh, const std::vector<std::uint8_t>& turn, const FaceNor
 
 std::uint32_t copy_vertex(Mesh& mesh, std::uint32_t vertex) {
     const Index copy = Index(mesh.positions.size());
-    if (mesh.file_vertices.empty()) {
-        mesh.file_vertices.resize(mesh.positions.size());
-        for (Index v = 0; v < copy; ++v) mesh.file_vertices[v] = v;
-    }
+    number_file_vertices(mesh);
     mesh.file_vertices.push_back(mesh.file_vertices[vertex]);
     mesh.positions.push_back(glm::vec3(mesh.positions[vertex]));
     if (!mesh.vertex_colors.empty())
@@ -121,10 +129,7 @@ RepairStep remove_isolated_vertices(Mesh& mesh) {
     step.text = "vertices that nothing uses were removed";
     if (step.changed == 0) return step;
 
-    if (mesh.file_vertices.empty()) {
-        mesh.file_vertices.resize(mesh.vertex_count());
-        for (Index v = 0; v < mesh.file_vertices.size(); ++v) mesh.file_vertices[v] = v;
-    }
+    number_file_vertices(mesh);
     for (Index v = 0; v < used.size(); ++v) {
         if (!used[v]) continue;
         mesh.positions[renumbered[v]] = mesh.positions[v];

@@ -106,39 +106,20 @@ void insert_corners(Mesh& mesh, std::vector<Insertion> insertions) {
     }
 }
 
-// Corners at the same point as the one before them. Returns how many faces changed.
-std::uint64_t remove_repeated_corners(Mesh& mesh, const Topology& topology, Places& places) {
-    std::vector<std::uint8_t> keep_corner(mesh.corner_count(), 1);
-    std::uint64_t changed = 0;
+// Removes corners at the same point as the next one of their face; marks the faces that had some.
+void remove_repeated_corners(Mesh& mesh, const Topology& topology,
+                             std::vector<std::uint8_t>& changed) {
+    std::vector<Index> offsets{0}, kept;
     for (Index f = 0; f < mesh.face_count(); ++f) {
-        const Index begin = mesh.face_offsets[f], end = mesh.face_offsets[f + 1];
-        bool repeated = false;
-        for (Index c = begin; c < end; ++c)
-            if (topology.kinds[c] == EdgeKind::degenerate) {
-                keep_corner[c] = 0;
-                repeated = true;
-            }
-        if (repeated) {
-            places.add(f);
-            ++changed;
+        for (Index c = mesh.face_offsets[f]; c < mesh.face_offsets[f + 1]; ++c) {
+            if (topology.kinds[c] == EdgeKind::degenerate)
+                changed[f] = 1;
+            else
+                kept.push_back(c);
         }
+        offsets.push_back(Index(kept.size()));
     }
-    if (changed == 0) return 0;
-    std::vector<Index> offsets{0}, sources;
-    for (Index f = 0; f < mesh.face_count(); ++f) {
-        for (Index c = mesh.face_offsets[f]; c < mesh.face_offsets[f + 1]; ++c)
-            if (keep_corner[c]) sources.push_back(c);
-        offsets.push_back(Index(sources.size()));
-    }
-    const auto gather = [&sources](std::vector<Index>& per_corner) {
-        if (per_corner.empty()) return;
-        for (std::size_t i = 0; i < sources.size(); ++i) per_corner[i] = per_corner[sources[i]];
-        per_corner.resize(sources.size());
-    };
-    gather(mesh.corner_vertices);
-    for_each_layer(mesh, [&](auto& layer) { gather(layer.indices); });
-    mesh.face_offsets = std::move(offsets);
-    return changed;
+    if (kept.size() < mesh.corner_count()) keep_corners(mesh, kept, std::move(offsets));
 }
 
 }  // namespace
@@ -200,18 +181,17 @@ RepairStep remove_degenerate_faces(Mesh& mesh, int threads) {
     step.step = "degenerate";
     step.text =
         "faces that repeat a point or have no area lost the repeated corners or were removed";
-    Places places;
-    step.changed = remove_repeated_corners(mesh, repair_topology(mesh, threads), places);
+    std::vector<std::uint8_t> changed(mesh.face_count(), 0);  // by number before the step
+    remove_repeated_corners(mesh, repair_topology(mesh, threads), changed);
 
     // A face may be left with less than three corners: it goes before anything looks at it.
     std::vector<std::uint8_t> keep(mesh.face_count(), 1);
-    bool any = false;
-    for (Index f = 0; f < mesh.face_count(); ++f)
-        if (mesh.face_offsets[f + 1] - mesh.face_offsets[f] < 3) {
-            keep[f] = 0;
-            any = true;
-        }
-    if (any) keep_faces(mesh, keep);
+    std::vector<Index> numbers;  // of the faces that stay, before the step
+    for (Index f = 0; f < mesh.face_count(); ++f) {
+        keep[f] = mesh.face_offsets[f + 1] - mesh.face_offsets[f] >= 3;
+        if (keep[f]) numbers.push_back(f);
+    }
+    if (numbers.size() < keep.size()) keep_faces(mesh, keep);
 
     const FaceNormals faces = face_normals(MeshView(mesh), Precision::accurate, threads);
     const Topology topology = repair_topology(mesh, threads);
@@ -222,8 +202,7 @@ RepairStep remove_degenerate_faces(Mesh& mesh, int threads) {
         if (faces.states[f] != FaceState::zero_area) continue;
         keep[f] = 0;
         flat = true;
-        places.add(f);
-        ++step.changed;
+        changed[numbers[f]] = 1;
         const Index begin = mesh.face_offsets[f], end = mesh.face_offsets[f + 1];
         if (end - begin != 3) continue;
         Index longest = begin;
@@ -252,8 +231,11 @@ RepairStep remove_degenerate_faces(Mesh& mesh, int threads) {
         insertions.push_back({next_corner(mesh.face_offsets, neighbour, across),
                               mesh.corner_vertices[middle], float(std::min(t, 1.0))});
     }
+    Places places;
+    for (Index f = 0; f < changed.size(); ++f)
+        if (changed[f]) places.add(f);
+    step.changed = places.count;
     step.places = std::move(places.first);
-    std::sort(step.places.begin(), step.places.end());
     if (!flat) return step;
     // Insertions shift corners, not faces.
     insert_corners(mesh, std::move(insertions));

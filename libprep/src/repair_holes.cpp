@@ -30,10 +30,6 @@ Index next_open(const Mesh& mesh, const Topology& topology, Index c) {
     return no_index;
 }
 
-std::uint64_t edge_key(Index a, Index b) {
-    return std::uint64_t(std::min(a, b)) << 32 | std::max(a, b);
-}
-
 // Twice the area vector of a triangle.
 glm::dvec3 area(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
     return glm::cross(b - a, c - a);
@@ -62,15 +58,15 @@ class LoopTriangulation {
     std::vector<std::size_t> triangles() const {
         std::vector<std::size_t> out;
         if (!std::isfinite(at(0, n_ - 1).area)) return out;
-        std::vector<std::pair<std::size_t, std::size_t>> todo{{0, n_ - 1}};
-        while (!todo.empty()) {
-            const auto [i, j] = todo.back();
-            todo.pop_back();
+        std::vector<std::pair<std::size_t, std::size_t>> spans{{0, n_ - 1}};
+        while (!spans.empty()) {
+            const auto [i, j] = spans.back();
+            spans.pop_back();
             if (j - i < 2) continue;
             const std::size_t m = at(i, j).middle;
             out.insert(out.end(), {i, m, j});
-            todo.emplace_back(m, j);
-            todo.emplace_back(i, m);
+            spans.emplace_back(m, j);
+            spans.emplace_back(i, m);
         }
         return out;
     }

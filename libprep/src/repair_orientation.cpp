@@ -34,8 +34,7 @@ std::vector<Link> links_over_edges(const Mesh& mesh, const Topology& topology) {
             const Index to = next_corner(mesh.face_offsets, topology.corner_faces[c], c);
             const Index a = topology.welded[mesh.corner_vertices[c]];
             const Index b = topology.welded[mesh.corner_vertices[to]];
-            same.push_back(
-                {std::uint64_t(std::min(a, b)) << 32 | std::max(a, b), topology.corner_faces[c]});
+            same.push_back({edge_key(a, b), topology.corner_faces[c]});
         }
     }
     std::sort(same.begin(), same.end());

@@ -32,7 +32,7 @@ std::vector<std::vector<CrowdedHalfEdge>> crowded_edges(const Mesh& mesh,
         const Index to = next_corner(mesh.face_offsets, topology.corner_faces[c], c);
         const Index a = topology.welded[mesh.corner_vertices[c]];
         const Index b = topology.welded[mesh.corner_vertices[to]];
-        all.push_back({std::uint64_t(std::min(a, b)) << 32 | std::max(a, b), c, a < b});
+        all.push_back({edge_key(a, b), c, a < b});
     }
     std::sort(all.begin(), all.end());
     std::vector<std::vector<CrowdedHalfEdge>> runs;
@@ -153,8 +153,7 @@ void join_over(const Mesh& mesh, const Topology& topology, const std::vector<Ind
         const Index to = next_corner(mesh.face_offsets, topology.corner_faces[c], c);
         const Index a = topology.welded[mesh.corner_vertices[c]];
         const Index b = topology.welded[mesh.corner_vertices[to]];
-        ends.push_back({std::uint64_t(std::min(a, b)) << 32 | std::max(a, b),
-                        fan_of[a < b ? c : to], fan_of[a < b ? to : c]});
+        ends.push_back({edge_key(a, b), fan_of[a < b ? c : to], fan_of[a < b ? to : c]});
     }
     std::stable_sort(ends.begin(), ends.end());
     for (std::size_t i = 1; i < ends.size(); ++i) {

@@ -1,8 +1,8 @@
 // The steps of repair() and the edits that they share.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
-#include <functional>
 #include <vector>
 
 #include "check_stages.h"
@@ -27,7 +27,17 @@ void keep_faces(Mesh& mesh, const std::vector<std::uint8_t>& keep);
 // Authored normals that agreed with the old direction turn too.
 void turn_faces(Mesh& mesh, const std::vector<std::uint8_t>& turn, const FaceNormals& faces);
 
-// Appends vertices that are copies of others, and keeps track of where they came from.
+// Keeps the corners `kept` (ascending, by their number before), all of whose faces stand in the
+// new `face_offsets`.
+void keep_corners(Mesh& mesh, const std::vector<std::uint32_t>& kept,
+                  std::vector<std::uint32_t> face_offsets);
+
+// An edge by its two points, in either order.
+inline std::uint64_t edge_key(std::uint32_t a, std::uint32_t b) {
+    return std::uint64_t(std::min(a, b)) << 32 | std::max(a, b);
+}
+
+// Appends a copy of a vertex, and keeps track of where it came from.
 std::uint32_t copy_vertex(Mesh& mesh, std::uint32_t vertex);
 
 // Which topology the steps see: exactly equal positions are one point.

@@ -229,7 +229,7 @@ Table<MeshSpec> mesh_table() {
                      if (!value.is_object())
                          return schema::wrong_type(value, pointer, "an object of names");
                      for (const auto& [key, item] : value.items()) {
-                         schema::Name to{{}, pointer + "/" + schema::escaped(key)};
+                         schema::Name to{{}, pointer + "/" + pointer_key(key)};
                          if (Outcome problem = schema::read_text(item, to.pointer, to.text))
                              return problem;
                          out.replaced.emplace_back(key, std::move(to));
@@ -348,7 +348,8 @@ Table<PictureSettings> picture_table() {
                      return {};
                  }},
         word("cull", &T::cull, {"by-material", "back", "front", "none"}),
-        word("filter", &T::filter, {"nearest", "bilinear", "trilinear"}),
+        word("filter", &T::filter,
+             {"nearest", "bilinear", "trilinear", "bicubic", "anisotropic", "ripmap", "ewa"}),
         word("tone_map", &T::tone_map, {"off", "reinhard"}),
     };
 }

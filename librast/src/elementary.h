@@ -55,10 +55,4 @@ inline double exp_portable(double x) {
     return p * std::bit_cast<double>(std::uint64_t(k + 1023) << 52);
 }
 
-// log(1 − s) for s in [0, 1): without cancellation where s is small.
-inline double log1m_portable(double s) {
-    if (s < 1e-4) return -s * (1 + s * (0.5 + s * (1.0 / 3 + s * 0.25)));
-    return log_portable(1 - s);
-}
-
 }  // namespace rast

@@ -143,6 +143,20 @@ TEST(Repair, DropsFacesThatRepeatAPoint) {
     EXPECT_EQ(mesh.uvs[0].indices[26], 10u);
 }
 
+TEST(Repair, NamesDegenerateFacesByTheirNumberBefore) {
+    // An edge as a triangle, a good triangle, a flat one, and a quad that is flat and repeats.
+    Mesh mesh;
+    mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {5, 0, 0}, {6, 0, 0}, {7, 0, 0}};
+    mesh.corner_vertices = {0, 1, 1, 0, 1, 2, 3, 4, 5, 3, 4, 4, 5};
+    mesh.face_offsets = {0, 3, 6, 9, 13};
+    RepairOptions options;
+    options.degenerate_faces = true;
+    const prep::RepairStep step = only_step(mesh, options);
+    EXPECT_EQ(step.changed, 3u);
+    EXPECT_EQ(step.places, (std::vector<std::uint32_t>{0, 2, 3}));
+    EXPECT_EQ(mesh.corner_vertices, (std::vector<std::uint32_t>{0, 1, 2}));
+}
+
 TEST(Repair, AFlatTriangleLeavesNoCrack) {
     // A square of two triangles with a flat one between: the middle vertex lies on the diagonal.
     Mesh mesh;

@@ -5,6 +5,7 @@
 
 #include "meshprep/argument_words.h"
 #include "meshprep/file_list.h"
+#include "meshprep/render_words.h"
 #include "meshprep/version_text.h"
 
 namespace meshprep {
@@ -100,12 +101,8 @@ CLI::App* define_render(CLI::App& app, RenderCommand& c) {
         ->required()
         ->type_name("IMAGE");
     add_words<rast::Shading>(
-        sub, "--shading",
-        {{"flat", rast::Shading::flat},
-         {"gouraud", rast::Shading::gouraud},
-         {"phong", rast::Shading::phong},
-         {"normal-mapped", rast::Shading::normal_mapped}},
-        [&c](rast::Shading s) { c.shading = s; }, "Shading frequency (default normal-mapped)");
+        sub, "--shading", shading_words(), [&c](rast::Shading s) { c.shading = s; },
+        "Shading frequency (default normal-mapped)");
     sub->add_option_function<std::string>(
            "--size", [&c](const std::string& text) { parse_size(text, c); },
            "Pixels (default 1024x768)")
@@ -132,23 +129,11 @@ CLI::App* define_render(CLI::App& app, RenderCommand& c) {
            "#rrggbb, or linear R,G,B")
         ->type_name("COLOUR");
     add_words<rast::Cull>(
-        sub, "--cull",
-        {{"by-material", rast::Cull::by_material},
-         {"back", rast::Cull::back},
-         {"front", rast::Cull::front},
-         {"none", rast::Cull::none}},
-        [&c](rast::Cull v) { c.cull = v; },
+        sub, "--cull", cull_words(), [&c](rast::Cull v) { c.cull = v; },
         "Faces left out (default by-material: back faces, unless double-sided)");
     add_words<rast::TextureFilter>(
-        sub, "--filter",
-        {{"nearest", rast::TextureFilter::nearest},
-         {"bilinear", rast::TextureFilter::bilinear},
-         {"trilinear", rast::TextureFilter::trilinear},
-         {"bicubic", rast::TextureFilter::bicubic},
-         {"anisotropic", rast::TextureFilter::anisotropic},
-         {"ripmap", rast::TextureFilter::ripmap},
-         {"ewa", rast::TextureFilter::ewa}},
-        [&c](rast::TextureFilter v) { c.filter = v; }, "Texture filter (default trilinear)");
+        sub, "--filter", filter_words(), [&c](rast::TextureFilter v) { c.filter = v; },
+        "Texture filter (default trilinear)");
     sub->add_option("--samples", c.samples, "Samples a pixel: 1 (default), 2, 4, 8 or 16")
         ->check(CLI::IsMember({1, 2, 4, 8, 16}))
         ->type_name("N");

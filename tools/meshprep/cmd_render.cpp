@@ -6,6 +6,7 @@
 
 #include "meshprep/commands.h"
 #include "meshprep/file_list.h"
+#include "meshprep/render_words.h"
 #include "meshprep/report_json.h"
 #include "prep/image.h"
 #include "prep/io.h"
@@ -31,40 +32,6 @@ Result<prep::JsonScene> load(const std::filesystem::path& path, int threads) {
     Result<prep::Scene> scene = prep::load_scene(path, {threads});
     if (!scene) return scene.error();
     return prep::JsonScene{*std::move(scene), {}};
-}
-
-rast::Shading shading_of(const std::string& word) {
-    if (word == "flat") return rast::Shading::flat;
-    if (word == "gouraud") return rast::Shading::gouraud;
-    if (word == "phong") return rast::Shading::phong;
-    return rast::Shading::normal_mapped;
-}
-
-rast::Cull cull_of(const std::string& word) {
-    if (word == "back") return rast::Cull::back;
-    if (word == "front") return rast::Cull::front;
-    if (word == "none") return rast::Cull::none;
-    return rast::Cull::by_material;
-}
-
-rast::TextureFilter filter_of(const std::string& word) {
-    if (word == "nearest") return rast::TextureFilter::nearest;
-    if (word == "bilinear") return rast::TextureFilter::bilinear;
-    return rast::TextureFilter::trilinear;
-}
-
-const char* shading_name(rast::Shading shading) {
-    switch (shading) {
-        case rast::Shading::flat:
-            return "flat";
-        case rast::Shading::gouraud:
-            return "gouraud";
-        case rast::Shading::phong:
-            return "phong";
-        case rast::Shading::normal_mapped:
-            break;
-    }
-    return "normal-mapped";
 }
 
 // A node with a camera, by the node's or the camera's name, or the n-th of them.
@@ -150,15 +117,15 @@ Result<rast::RenderRequest> request_of(const RenderCommand& command,
     if (command.shading)
         request.shading = *command.shading;
     else if (picture.shading)
-        request.shading = shading_of(*picture.shading);
+        request.shading = value_of(shading_words(), *picture.shading);
     if (command.cull)
         request.cull = *command.cull;
     else if (picture.cull)
-        request.cull = cull_of(*picture.cull);
+        request.cull = value_of(cull_words(), *picture.cull);
     if (command.filter)
         request.filter = *command.filter;
     else if (picture.filter)
-        request.filter = filter_of(*picture.filter);
+        request.filter = value_of(filter_words(), *picture.filter);
     request.background =
         command.background.value_or(picture.background.value_or(request.background));
     request.textures = command.textures;
@@ -208,7 +175,7 @@ Json plan_json(const rast::RenderPlan& plan) {
     Json json;
     json["width"] = plan.request.width;
     json["height"] = plan.request.height;
-    json["shading"] = shading_name(plan.request.shading);
+    json["shading"] = word_of(shading_words(), plan.request.shading);
     json["triangles"] = plan.triangles;
     json["lights"] = plan.lights.size();
     json["memory_estimate"] = plan.memory_estimate;
@@ -288,7 +255,7 @@ Result<Json> render_file(const RenderCommand& command, Console& console) {
     console.result(common,
                    fmt::format("{} → {}  {}×{}, {}, {}; read {}, prepare {}, draw {}, write {}",
                                command.input.string(), command.output.string(), frame->width,
-                               frame->height, shading_name(plan->request.shading),
+                               frame->height, word_of(shading_words(), plan->request.shading),
                                count_of(plan->triangles, "triangle"), duration(read_ms),
                                duration(prepare_ms), duration(render_ms), duration(write_ms)));
     Json json;

@@ -35,16 +35,15 @@ struct RepairOptions {
     bool non_manifold_vertices = false;
     // Faces are turned to agree with their neighbours; in each component the fewer ones turn, at a
     // tie those that disagree with the first. Authored normals and tangents that agreed with a
-    // turned face turn with it. One-sided surfaces (Möbius strips) keep a seam, and the log says
-    // so.
+    // turned face turn with it. One-sided surfaces (Möbius strips) keep a seam: `left`.
     bool orientation = false;
-    // After holes are filled. Closed components of negative volume turn inside out, but for
-    // cavities (inside the box of an outward one).
-    bool outward = false;
     // Holes of at most this many edges are filled with triangles, of all triangulations the one of
     // smallest largest dihedral angle, then of smallest area (Liepa 2003). The fill has the
     // attributes of the rim; its normals are computed. 0: none.
     std::uint32_t hole_edges = 0;
+    // Closed components of negative volume turn inside out, but for cavities (inside the box of an
+    // outward one).
+    bool outward = false;
     // Vertices that no face, line or point uses go.
     bool isolated_vertices = false;
 
@@ -59,7 +58,7 @@ struct RepairOptions {
 // first ones by their number before the step.
 struct RepairStep {
     std::string step;  // "weld", "degenerate", "duplicates", "edges", "vertices", "orientation",
-                       // "outward", "holes", "isolated"
+                       // "holes", "outward", "isolated"
     std::uint32_t mesh = 0;     // into Scene::meshes
     std::uint64_t changed = 0;  // 0: looked for and not found, or left alone
     std::uint64_t left = 0;     // what could not be repaired

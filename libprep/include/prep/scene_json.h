@@ -23,7 +23,7 @@ struct PictureSettings {
     std::optional<std::string> shading;     // flat, gouraud, phong, normal-mapped
     std::optional<glm::vec3> background;    // linear
     std::optional<std::string> cull;        // by-material, back, front, none
-    std::optional<std::string> filter;      // nearest, bilinear, trilinear
+    std::optional<std::string> filter;      // the words of `meshprep render --filter`
     std::optional<std::string> tone_map;    // off, reinhard
     std::optional<double> orbit_azimuth;    // radians; a camera that circles the scene and is
     std::optional<double> orbit_elevation;  // … set only where the file's camera says "orbit"

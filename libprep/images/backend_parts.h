@@ -1,0 +1,28 @@
+// What image reading and image writing share.
+#pragma once
+
+#include <exception>
+#include <new>
+#include <string>
+
+#include "prep/result.h"
+
+namespace prep::detail {
+
+// "stem.PID-COUNT" + ending, not used by any other call of this process.
+std::string unique_name(const std::string& stem, const std::string& ending);
+
+// Runs body(), which returns a Result. Whatever OpenImageIO throws becomes an Error; only running
+// out of memory goes on.
+template <class Body>
+auto guarded(ErrorCode code, const std::string& place, const Body& body) -> decltype(body()) {
+    try {
+        return body();
+    } catch (const std::bad_alloc&) {
+        throw;
+    } catch (const std::exception& e) {
+        return Error{code, std::string("the image library failed: ") + e.what(), place};
+    }
+}
+
+}  // namespace prep::detail

@@ -1,0 +1,33 @@
+#include "meshprep/render_words.h"
+
+namespace meshprep {
+
+const Words<rast::Shading>& shading_words() {
+    static const Words<rast::Shading> words = {{"flat", rast::Shading::flat},
+                                               {"gouraud", rast::Shading::gouraud},
+                                               {"phong", rast::Shading::phong},
+                                               {"normal-mapped", rast::Shading::normal_mapped}};
+    return words;
+}
+
+const Words<rast::Cull>& cull_words() {
+    static const Words<rast::Cull> words = {{"by-material", rast::Cull::by_material},
+                                            {"back", rast::Cull::back},
+                                            {"front", rast::Cull::front},
+                                            {"none", rast::Cull::none}};
+    return words;
+}
+
+const Words<rast::TextureFilter>& filter_words() {
+    static const Words<rast::TextureFilter> words = {
+        {"nearest", rast::TextureFilter::nearest},
+        {"bilinear", rast::TextureFilter::bilinear},
+        {"trilinear", rast::TextureFilter::trilinear},
+        {"bicubic", rast::TextureFilter::bicubic},
+        {"anisotropic", rast::TextureFilter::anisotropic},
+        {"ripmap", rast::TextureFilter::ripmap},
+        {"ewa", rast::TextureFilter::ewa}};
+    return words;
+}
+
+}  // namespace meshprep
