@@ -1,7 +1,10 @@
 // `meshprep render` from outside.
 #include <gtest/gtest.h>
 
+#include <set>
+
 #include "command_runner.h"
+#include "shared_data.h"
 
 namespace {
 
@@ -12,11 +15,10 @@ using test::write_text;
 
 // A textured plane seen at a slant, so that filters differ.
 std::string slanted_floor(const std::string& picture) {
-    return R"({"meshprep-scene": 1,
-  "textures": [{"name": "brick", "file": "brick.png"}],
-  "materials": [{"name": "floor", "base_color_texture": "brick"}],
-  "meshes": [{"name": "floor", "plane": {"size": [8, 8]}, "material": "floor"}],
-  "nodes": [{"mesh": "floor"}],
+    return R"({"meshprep": 1,
+  "textures": {"brick": {"file": "brick.png"}},
+  "materials": {"floor": {"diffuse_map": "brick"}},
+  "meshes": {"floor": {"shape": {"kind": "plane", "size": [8, 1, 8]}, "material": "floor"}},
   "camera": {"orbit": {"elevation": 8}},
   "picture": )" +
            picture + "}";
@@ -24,7 +26,7 @@ std::string slanted_floor(const std::string& picture) {
 
 TEST(Render, SceneFilesTakeEveryFilterWordOfTheCommandLine) {
     const TemporaryDirectory dir;
-    std::filesystem::copy_file(std::filesystem::path(MESHPREP_SAMPLES) / "room/brick_color.png",
+    std::filesystem::copy_file(test::source_dir() / "samples/room/brick_color.png",
                                dir / "brick.png");
     write_text(dir / "plain.json", slanted_floor(R"({"size": [96, 64]})"));
     std::set<std::string> pictures;
