@@ -49,4 +49,22 @@ TEST(Render, SceneFilesTakeEveryFilterWordOfTheCommandLine) {
     EXPECT_EQ(pictures.size(), 7u);
 }
 
+// The page's examples are scenes as they stand.
+TEST(Render, DrawsTheExamplesOfTheSceneFormatPage) {
+    const std::string page = read_text(test::source_dir() / "docs/scene-format.md");
+    const std::string open = "```json\n";
+    const TemporaryDirectory dir;
+    std::size_t examples = 0;
+    for (std::size_t at = page.find(open); at != std::string::npos; at = page.find(open, at)) {
+        at += open.size();
+        write_text(dir / "scene.json", page.substr(at, page.find("```", at) - at));
+        const test::Ran ran =
+            run_command({"render", (dir / "scene.json").string(), "-o",
+                         (dir / "scene.png").string(), "--size", "160x90", "--quiet"});
+        EXPECT_EQ(ran.exit_code, 0) << ran.err;
+        ++examples;
+    }
+    EXPECT_EQ(examples, 2u);
+}
+
 }  // namespace
