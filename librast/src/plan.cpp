@@ -85,21 +85,39 @@ class Planner {
         output("position output", plan_.request.keep_positions);
         step("crop", plan_.request.crop.has_value(),
              plan_.request.crop ? "a part of the picture is asked for" : "the whole picture");
-        const RenderRequest& r = plan_.request;
-        const std::uint64_t pixels = r.crop ? std::uint64_t(r.crop->width) * r.crop->height
-                                            : std::uint64_t(r.width) * r.height;
-        plan_.memory_estimate =
-            pixels * (16 + (plan_.request.keep_depth ? 4 : 0) + (plan_.request.keep_ids ? 8 : 0) +
-                      (r.keep_normals ? 12 : 0) + (r.keep_uvs ? 8 : 0) +
-                      (r.keep_barycentrics ? 12 : 0) + (r.keep_positions ? 12 : 0)) +
-            survey_.vertices * sizeof(detail::VertexRecord) +
-            survey_.triangles * (sizeof(detail::SetupTriangle) + 4);
+        memory();
         return std::move(plan_);
     }
 
   private:
     void step(std::string name, bool run, std::string reason) {
         plan_.steps.push_back({std::move(name), run, std::move(reason)});
+    }
+
+    // Bands are whole rows of tiles where that fits, so that no tile is drawn twice.
+    void memory() {
+        const RenderRequest& r = plan_.request;
+        const std::uint64_t width = r.crop ? r.crop->width : r.width;
+        const std::uint64_t height = r.crop ? r.crop->height : r.height;
+        const std::uint64_t row =
+            width *
+            (16 + (r.keep_depth ? 4 : 0) + (r.keep_ids ? 8 : 0) + (r.keep_normals ? 12 : 0) +
+             (r.keep_uvs ? 8 : 0) + (r.keep_barycentrics ? 12 : 0) + (r.keep_positions ? 12 : 0));
+        constexpr std::uint64_t tile = detail::tile_size;
+        std::uint64_t rows = std::max<std::uint64_t>(r.band_bytes / row, 1);
+        if (rows > tile) rows = rows / tile * tile;
+        plan_.band_rows = std::uint32_t(std::min(rows, height));
+        const std::uint64_t geometry = survey_.vertices * sizeof(detail::VertexRecord) +
+                                       survey_.triangles * (sizeof(detail::SetupTriangle) + 4);
+        plan_.memory_estimate = height * row + geometry;
+        plan_.band_memory_estimate = plan_.band_rows * row + geometry;
+        step("bands", plan_.band_rows < height,
+             plan_.band_rows < height
+                 ? "the whole picture's pixels would take more than " +
+                       std::to_string(r.band_bytes >> 20) +
+                       " MiB: " + std::to_string(plan_.band_rows) + " rows are drawn at a time"
+                 : "the whole picture's pixels take at most " + std::to_string(r.band_bytes >> 20) +
+                       " MiB");
     }
 
     template <class Test>

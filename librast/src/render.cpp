@@ -56,6 +56,10 @@ void add(Counters& to, const Counters& from) {
     to.pixels_shaded += from.pixels_shaded;
 }
 
+Crop picture_part(const RenderPlan& plan) {
+    return plan.request.crop.value_or(Crop{0, 0, plan.request.width, plan.request.height});
+}
+
 // A run of one chunk's entries that reach one tile.
 struct TileWork {
     std::uint32_t chunk = 0, begin = 0, end = 0;
@@ -86,29 +90,22 @@ class Renderer {
           kernels_(kernels_for(plan.request.simd)),
           threads_(plan.request.threads),
           offsets_(sample_offsets(plan.request.samples)) {
-        const RenderRequest& request = plan.request;
-        const Crop crop = request.crop.value_or(Crop{0, 0, request.width, request.height});
-        frame_.width = crop.width;
-        frame_.height = crop.height;
-        window_.width = std::int32_t(crop.width);
-        window_.height = std::int32_t(crop.height);
-        const auto first = [](std::uint32_t at, std::uint32_t extent) {
-            return (1 - std::int32_t(extent)) * (subpixels / 2) + std::int32_t(at) * subpixels;
-        };
-        window_.first_x = first(crop.x, request.width);
-        window_.first_y = first(crop.y, request.height);
-        window_.tiles_x = (window_.width + tile_size - 1) / tile_size;
-        window_.tiles_y = (window_.height + tile_size - 1) / tile_size;
-    }
-
-    Frame run() {
         const Clock::time_point start = Clock::now();
-        frame_.warnings = plan_.warnings;
         load_textures();
         transform();
         make_draws();
+        shared_ms_ = milliseconds_since(start);
+    }
+
+    const std::vector<std::string>& warnings() const { return warnings_; }
+
+    // The part of the picture, which may be drawn in parts of any order.
+    Frame draw(const Crop& crop) {
+        const Clock::time_point start = Clock::now();
+        look_at(crop);
         set_up();
-        frame_.geometry_ms = milliseconds_since(start);
+        frame_.geometry_ms = shared_ms_ + milliseconds_since(start);
+        shared_ms_ = 0;
         const Clock::time_point raster_start = Clock::now();
         allocate();
         std::vector<std::uint64_t> shaded(window_.tile_count(), 0);
@@ -122,6 +119,21 @@ class Renderer {
     }
 
   private:
+    void look_at(const Crop& crop) {
+        frame_ = {};
+        frame_.width = crop.width;
+        frame_.height = crop.height;
+        window_.width = std::int32_t(crop.width);
+        window_.height = std::int32_t(crop.height);
+        const auto first = [](std::uint32_t at, std::uint32_t extent) {
+            return (1 - std::int32_t(extent)) * (subpixels / 2) + std::int32_t(at) * subpixels;
+        };
+        window_.first_x = first(crop.x, plan_.request.width);
+        window_.first_y = first(crop.y, plan_.request.height);
+        window_.tiles_x = (window_.width + tile_size - 1) / tile_size;
+        window_.tiles_y = (window_.height + tile_size - 1) / tile_size;
+    }
+
     void load_textures() {
         const prep::Scene& scene = prepared_.scene;
         textures_.resize(scene.textures.size());
@@ -130,7 +142,7 @@ class Renderer {
             if (!plan_.textures_used[t] || texture.image >= scene.images.size()) continue;
             auto image = prep::load_image(scene.images[texture.image]);
             if (!image) {
-                frame_.warnings.push_back("texture left out: " + prep::to_string(image.error()));
+                warnings_.push_back("texture left out: " + prep::to_string(image.error()));
                 continue;
             }
             textures_[t] = std::make_unique<MipTexture>(*image, texture, plan_.colour_textures[t],
@@ -213,7 +225,7 @@ class Renderer {
             set_up_chunk(geometry, window_, offsets_.size() > 1, kernels_, bin_scratch_.local(),
                          chunk);
         });
-        tile_work_.resize(window_.tile_count());
+        tile_work_.assign(window_.tile_count(), {});
         for (std::uint32_t c = 0; c < chunks_.size(); ++c)
             for (const TileSlice& slice : chunks_[c].slices)
                 tile_work_[slice.tile].push_back({c, slice.begin, slice.end});
@@ -450,7 +462,9 @@ class Renderer {
     int threads_;
     std::vector<SampleOffset> offsets_;
     Window window_;
-    mutable Frame frame_;  // tiles write to pixels of their own
+    mutable Frame frame_;   // tiles write to pixels of their own
+    double shared_ms_ = 0;  // spent on what all parts share, until a part has told it
+    std::vector<std::string> warnings_;
     TextureSet textures_;
     FrameInputs inputs_;
     std::vector<RenderInstance> instances_;
@@ -465,7 +479,33 @@ class Renderer {
 }  // namespace
 
 prep::Result<Frame> render(const prep::PreparedScene& scene, const RenderPlan& plan) {
-    return Renderer(scene, plan).run();
+    Renderer renderer(scene, plan);
+    Frame frame = renderer.draw(picture_part(plan));
+    frame.warnings = plan.warnings;
+    frame.warnings.insert(frame.warnings.end(), renderer.warnings().begin(),
+                          renderer.warnings().end());
+    return frame;
+}
+
+prep::Result<Frame> render_bands(const prep::PreparedScene& scene, const RenderPlan& plan,
+                                 const BandSink& take) {
+    Renderer renderer(scene, plan);
+    const Crop part = picture_part(plan);
+    Frame all;
+    all.width = part.width;
+    all.height = part.height;
+    for (std::uint32_t row = 0; row < part.height;) {
+        const std::uint32_t rows = std::min(std::max(plan.band_rows, 1u), part.height - row);
+        const Frame band = renderer.draw({part.x, part.y + row, part.width, rows});
+        add(all.counters, band.counters);
+        all.geometry_ms += band.geometry_ms;
+        all.raster_ms += band.raster_ms;
+        if (prep::Result<void> taken = take(band, row); !taken) return taken.error();
+        row += rows;
+    }
+    all.warnings = plan.warnings;
+    all.warnings.insert(all.warnings.end(), renderer.warnings().begin(), renderer.warnings().end());
+    return all;
 }
 
 prep::Image to_srgb(const Frame& frame, const ToneOptions& options) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <glm/glm.hpp>
 #include <memory>
 #include <optional>
@@ -54,9 +55,10 @@ struct RenderRequest {
     bool keep_depth = false;     // Frame::depth
     bool keep_ids = false;       // Frame::triangle and Frame::instance
     bool keep_normals = false, keep_uvs = false, keep_barycentrics = false, keep_positions = false;
-    std::optional<Crop> crop;  // unset: the whole picture
-    int samples = 1;           // per pixel: 1, 2, 4, 8 or 16
-    int threads = 0;           // 0: all cores; the picture does not depend on it
+    std::optional<Crop> crop;                           // unset: the whole picture
+    int samples = 1;                                    // per pixel: 1, 2, 4, 8 or 16
+    std::uint64_t band_bytes = std::uint64_t(1) << 28;  // render_bands(): of a band's pixels
+    int threads = 0;  // 0: all cores; the picture does not depend on it
     prep::SimdLevel simd = prep::SimdLevel::automatic;  // nor on this
 };
 
@@ -74,7 +76,9 @@ struct RenderPlan {         // a value; made by plan(), obeyed by render()
     std::vector<bool> textures_used;    // per Scene::textures entry
     std::vector<bool> colour_textures;  // of those: decoded from sRGB
     std::uint64_t triangles = 0;        // instanced
-    std::uint64_t memory_estimate = 0;  // bytes, without textures
+    std::uint32_t band_rows = 0;        // of what render_bands() draws at a time
+    std::uint64_t memory_estimate = 0;  // bytes, of the whole picture at once, without textures
+    std::uint64_t band_memory_estimate = 0;  // the same for render_bands()
     std::vector<std::string> warnings;
 };
 
@@ -112,6 +116,14 @@ struct Frame {
 // Errors: none but those of plan(), which made the argument; textures that cannot be read become
 // warnings and the material's plain colour is used.
 prep::Result<Frame> render(const prep::PreparedScene& scene, const RenderPlan& plan);
+
+// The same picture, bit for bit, in bands of plan.band_rows rows from top to bottom, so that large
+// ones need never be held: take(band, first row) gets each once. An error of `take` ends it and is
+// returned. The frame that comes back has no pixels; its counters are the sums over the bands (a
+// triangle counts once in each).
+using BandSink = std::function<prep::Result<void>(const Frame& band, std::uint32_t first_row)>;
+prep::Result<Frame> render_bands(const prep::PreparedScene& scene, const RenderPlan& plan,
+                                 const BandSink& take);
 
 // sRGB-encoded picture, three channels. `tone_map`: Reinhard's x/(1+x) (2002, eq. 3) per channel;
 // off, colours above 1 are clipped.

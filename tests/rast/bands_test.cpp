@@ -1,0 +1,90 @@
+// Pictures drawn in bands of rows against the same pictures drawn at once.
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "builders.h"
+
+namespace {
+
+template <class T>
+bool rows_equal(const std::vector<T>& whole, const std::vector<T>& band, std::size_t first) {
+    if (whole.empty() || band.empty()) return whole.empty() == band.empty();
+    return std::memcmp(whole.data() + first, band.data(), band.size() * sizeof(T)) == 0;
+}
+
+rast::RenderPlan plan_of(const prep::PreparedScene& scene, const rast::RenderRequest& request) {
+    auto plan = rast::plan(scene, request);
+    EXPECT_TRUE(plan) << to_string(plan.error());
+    return *std::move(plan);
+}
+
+TEST(Bands, JoinToTheWholePictureBitForBit) {
+    prep::Material material;
+    const prep::PreparedScene scene = test::scene_of(test::sphere(60, 40), material);
+    rast::RenderRequest request;
+    request.width = 301;
+    request.height = 257;
+    request.keep_depth = request.keep_ids = request.keep_normals = request.keep_uvs = true;
+    request.keep_barycentrics = request.keep_positions = true;
+    for (const int samples : {1, 4}) {
+        request.samples = samples;
+        const rast::Frame whole = test::draw(scene, request);
+        const std::uint64_t row = 301 * 72;
+        for (const std::uint64_t rows : {1u, 7u, 64u, 100u, 1000u}) {
+            request.band_bytes = rows * row;
+            const rast::RenderPlan plan = plan_of(scene, request);
+            EXPECT_EQ(plan.band_rows, rows == 100 ? 64 : std::min<std::uint64_t>(rows, 257));
+            std::uint32_t next = 0;
+            const auto done =
+                rast::render_bands(scene, plan, [&](const rast::Frame& band, std::uint32_t first) {
+                    EXPECT_EQ(first, next);
+                    next += band.height;
+                    const std::size_t at = std::size_t(first) * 301;
+                    EXPECT_EQ(band.width, 301u);
+                    EXPECT_EQ(band.color.size(), std::size_t(301) * band.height);
+                    EXPECT_TRUE(rows_equal(whole.color, band.color, at)) << rows << " " << first;
+                    EXPECT_TRUE(rows_equal(whole.depth, band.depth, at));
+                    EXPECT_TRUE(rows_equal(whole.triangle, band.triangle, at));
+                    EXPECT_TRUE(rows_equal(whole.instance, band.instance, at));
+                    EXPECT_TRUE(rows_equal(whole.normal, band.normal, at));
+                    EXPECT_TRUE(rows_equal(whole.uv, band.uv, at));
+                    EXPECT_TRUE(rows_equal(whole.barycentric, band.barycentric, at));
+                    EXPECT_TRUE(rows_equal(whole.position, band.position, at));
+                    return prep::Result<void>();
+                });
+            ASSERT_TRUE(done);
+            EXPECT_EQ(next, 257u);
+            EXPECT_EQ(done->counters.pixels_shaded, whole.counters.pixels_shaded);
+        }
+    }
+}
+
+TEST(Bands, AnErrorOfTheReceiverEndsThem) {
+    const prep::PreparedScene scene = test::scene_of(test::sphere(8, 8));
+    rast::RenderRequest request;
+    request.width = request.height = 256;
+    request.band_bytes = 64 * 256 * 16;
+    int calls = 0;
+    const auto done =
+        rast::render_bands(scene, plan_of(scene, request), [&](const rast::Frame&, std::uint32_t) {
+            ++calls;
+            return prep::Result<void>(prep::Error{prep::ErrorCode::io, "full", "disk"});
+        });
+    ASSERT_FALSE(done);
+    EXPECT_EQ(done.error().text, "full");
+    EXPECT_EQ(calls, 1);
+}
+
+TEST(Bands, ThePlanBoundsTheirMemory) {
+    const prep::PreparedScene scene = test::scene_of(test::sphere(8, 8));
+    rast::RenderRequest request;
+    request.width = request.height = 16384;
+    const rast::RenderPlan plan = plan_of(scene, request);
+    // 16 bytes a pixel: 4 GiB at once; in bands no more than was allowed, and little geometry.
+    EXPECT_GE(plan.memory_estimate, std::uint64_t(1) << 32);
+    EXPECT_EQ(plan.band_rows, 1024u);
+    EXPECT_LE(plan.band_memory_estimate, request.band_bytes + (std::uint64_t(1) << 20));
+}
+
+}  // namespace
