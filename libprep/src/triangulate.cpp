@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "corner_tree.h"
 #include "orient2d.h"
 #include "parallel.h"
 
@@ -12,8 +13,8 @@ namespace {
 
 using Index = std::uint32_t;
 constexpr std::size_t face_grain = 16384;
-// Point-in-triangle tests that one polygon may cost before the rest of it is cut as a fan: a
-// 10,000-corner polygon needs at most 10^8, and hopelessly self-crossing ones stay under a second.
+// Looks at corners that one polygon may cost before the rest of it is cut as a fan: simple polygons
+// of a million corners stay below it, and hopelessly self-crossing ones end within seconds.
 constexpr std::size_t work_limit = 200'000'000;
 
 // The polygon in the plane of its Newell normal, as exact coordinates: the axis along which the
@@ -37,7 +38,10 @@ std::vector<glm::vec2> project(const MeshView& mesh, Index begin, Index end) {
 class EarClipper {
   public:
     EarClipper(std::vector<glm::vec2> points, Index first_corner, Index* out)
-        : points_(std::move(points)), first_corner_(first_corner), out_(out) {
+        : points_(std::move(points)),
+          first_corner_(first_corner),
+          out_(out),
+          reflex_corners_(points_) {
         const Index n = Index(points_.size());
         next_.resize(n);
         previous_.resize(n);
@@ -47,32 +51,36 @@ class EarClipper {
         }
         reflex_.resize(n);
         spike_.resize(n);
+        turns_.resize(n);
         for (Index i = 0; i < n; ++i) classify(i);
-        for (Index i = 0; i < n; ++i)
-            if (reflex_[i]) reflex_list_.push_back(i);
     }
 
+    // Cutting an ear off makes or unmakes no ear but its two neighbours (Meisters 1975), so each
+    // corner waits for its turn once, and again when a neighbour went.
     void run() {
-        Index left = Index(points_.size()), i = 0, failures = 0;
+        Index left = Index(points_.size()), at = 0;
+        for (Index i = 0; i < left; ++i) await(i);
+        bool looked_at_all = true;
         while (left > 3) {
-            const bool give_up = work_ > work_limit;
-            // A spike encloses nothing, but hides what its neighbours enclose.
-            if (give_up || spike_[i] || is_ear(i)) {
-                i = clip(i);
-                --left;
-                failures = 0;
+            if (first_waiting_ < waiting_.size()) {
+                const Waiting next = waiting_[first_waiting_++];
+                if (turns_[next.corner] != next.turn) continue;
+                // A spike encloses nothing, but hides what its neighbours enclose.
+                if (!gave_up() && !spike_[next.corner] && !is_ear(next.corner)) continue;
+                at = next.corner;
+            } else if (!looked_at_all && !gave_up()) {  // where it touches or crosses itself
+                for (Index k = 0; k < left; ++k, at = next_[at]) await(at);
+                looked_at_all = true;
                 continue;
+            } else {  // no ear at all: a flat corner loses nothing; else any
+                for (Index k = 0; k < left && !gave_up() && turn(at) != 0; ++k, ++work_)
+                    at = next_[at];
             }
-            i = next_[i];
-            if (++failures < left) continue;
-            // No proper ear: collinear or self-crossing. A flat corner loses nothing; else any.
-            Index flat = i;
-            for (Index k = 0; k < left && turn(flat) != 0; ++k) flat = next_[flat];
-            i = clip(flat);
+            at = clip(at);
             --left;
-            failures = 0;
+            looked_at_all = false;
         }
-        emit(i);
+        emit(at);
     }
 
   private:
@@ -83,6 +91,7 @@ class EarClipper {
     void classify(Index i) {
         const int sign = turn(i);
         reflex_[i] = sign <= 0;
+        reflex_corners_.set_live(i, reflex_[i]);
         spike_[i] = sign == 0 && turns_back(i);
     }
     // For a corner of no turn: whether the next side runs back along the last one, or one of them
@@ -100,51 +109,38 @@ class EarClipper {
     }
 
     bool is_ear(Index i) {
+        ++work_;
         if (reflex_[i]) return false;
         const Index a = previous_[i], b = i, c = next_[i];
-        const glm::vec2 low = glm::min(points_[a], glm::min(points_[b], points_[c]));
-        const glm::vec2 high = glm::max(points_[a], glm::max(points_[b], points_[c]));
-        for (std::size_t k = 0; k < reflex_list_.size();) {
-            const Index r = reflex_list_[k];
-            if (!reflex_[r]) {  // clipped or convex by now
-                reflex_list_[k] = reflex_list_.back();
-                reflex_list_.pop_back();
-                continue;
-            }
-            ++k;
-            ++work_;
-            const glm::vec2& p = points_[r];
-            if (p.x < low.x || p.x > high.x || p.y < low.y || p.y > high.y) continue;
-            if (r == a || r == b || r == c) continue;
+        return !reflex_corners_.any_near(points_[a], points_[b], points_[c], work_, [&](Index r) {
+            if (r == a || r == b || r == c) return false;
             // Polygons may touch themselves, or reach a hole by a bridge.
-            if (p == points_[a] || p == points_[b] || p == points_[c]) {
-                if (p == points_[a]   ? enters(r, c, a, b)
-                    : p == points_[b] ? enters(r, a, b, c)
-                                      : enters(r, b, c, a))
-                    return false;
-                continue;
-            }
-            if (orient(a, b, r) >= 0 && orient(b, c, r) >= 0 && orient(c, a, r) >= 0) return false;
-        }
-        return true;
+            const glm::vec2& p = points_[r];
+            if (p == points_[a]) return enters(r, c, a, b);
+            if (p == points_[b]) return enters(r, a, b, c);
+            if (p == points_[c]) return enters(r, b, c, a);
+            return orient(a, b, r) >= 0 && orient(b, c, r) >= 0 && orient(c, a, r) >= 0;
+        });
     }
 
-    // Cuts corner i off; returns where to look next (one further on, so that ears are taken from
-    // all around instead of fanning out from one corner).
+    bool gave_up() const { return work_ > work_limit; }
+    // Behind all that wait; its earlier place counts no more.
+    void await(Index i) { waiting_.push_back({i, ++turns_[i]}); }
+
+    // Cuts corner i off; returns its next one. Both neighbours go to the end of the queue, so that
+    // ears are taken from all around instead of fanning out from one corner.
     Index clip(Index i) {
         emit(i);
         const Index a = previous_[i], c = next_[i];
         next_[a] = c;
         previous_[c] = a;
-        reflex_[i] = false;
-        // A reflex corner can turn convex, never the other way round in a simple polygon; in others
-        // it can, and then it joins the list.
+        reflex_corners_.set_live(i, false);
+        ++turns_[i];
         for (const Index k : {a, c}) {
-            const bool was = reflex_[k];
             classify(k);
-            if (reflex_[k] && !was) reflex_list_.push_back(k);
+            await(k);
         }
-        return next_[c];
+        return c;
     }
 
     void emit(Index i) {
@@ -156,8 +152,15 @@ class EarClipper {
     std::vector<glm::vec2> points_;
     Index first_corner_;
     Index* out_;
-    std::vector<Index> next_, previous_, reflex_list_;
+    std::vector<Index> next_, previous_;
     std::vector<char> reflex_, spike_;
+    struct Waiting {
+        Index corner, turn;
+    };
+    std::vector<Waiting> waiting_;  // from first_waiting_ on
+    std::size_t first_waiting_ = 0;
+    std::vector<Index> turns_;  // by corner: the one place in the queue that counts
+    detail::CornerTree reflex_corners_;
     std::size_t work_ = 0;
 };
 

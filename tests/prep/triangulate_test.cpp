@@ -335,6 +335,35 @@ TEST(Triangulate, TenThousandCornersTakeSeconds) {
     }
 }
 
+// Outlines with few ears at a time: cut once for all instead of looked for again and again.
+Mesh spiral(std::uint32_t corners) {
+    const std::uint32_t half = corners / 2;
+    std::vector<glm::vec3> positions;
+    for (std::uint32_t i = 0; i < corners; ++i) {
+        const double t = double(i < half ? i : corners - 1 - i) / half;
+        const double phi = 80 * std::numbers::pi * t, r = 0.1 + t + (i < half ? 0.01 : 0);
+        positions.push_back({float(r * std::cos(phi)), float(r * std::sin(phi)), 0});
+    }
+    return shapes::polygon(positions);
+}
+Mesh zigzag(std::uint32_t corners) {  // a thin band up and down
+    const std::uint32_t half = corners / 2;
+    std::vector<glm::vec3> positions;
+    for (std::uint32_t i = 0; i < corners; ++i) {
+        const bool back = i >= half;
+        const std::uint32_t k = back ? corners - 1 - i : i;
+        positions.push_back({float(k), k % 2 ? (back ? 0.1f : 0.f) : (back ? 100.f : 99.9f), 0});
+    }
+    return shapes::polygon(positions);
+}
+TEST(Triangulate, ManyTurnsAreFilledOnce) {
+    for (const std::uint32_t corners : {500u, 50'000u}) {
+        SCOPED_TRACE(corners);
+        expect_fills(spiral(corners), shoelace(spiral(corners)));
+        expect_fills(zigzag(corners), shoelace(zigzag(corners)));
+    }
+}
+
 TEST(Triangulate, ThreadsChangeNothing) {
     std::mt19937_64 random(42);
     Mesh mesh = shapes::torus(300, 200);

@@ -17,7 +17,9 @@ struct Triangulation {
 // along the shorter diagonal unless that one lies outside (concave quads) or would fold; larger
 // polygons by ear clipping (Meisters 1975) in the plane of their Newell normal, with exact
 // orientation tests. Self-crossing, collinear and degenerate polygons still give k − 2 triangles.
-// O(corners) for triangles and quads; O(k²) worst case for a polygon of k corners.
+// O(corners) for triangles and quads; a simple polygon of k corners takes about O(k log k) on
+// everyday outlines, O(k²) at worst. What costs more than 2·10^8 looks (some seconds: only polygons
+// that cross themselves very often) is cut without looking from there on.
 Triangulation triangulate(const MeshView& mesh, int threads = 0);
 
 }  // namespace prep
