@@ -14,6 +14,10 @@ MESHPREP_IMAGE_BACKEND() {
         },
         [](const prep::Image& image, prep::PixelType type) {
             return prep::encode_png(image, type);
+        },
+        [](const std::filesystem::path& path, const std::filesystem::path& file,
+           const prep::ImageLayout& layout) {
+            return prep::detail::open_rows(path, file, layout);
         }};
     return &backend;
 }

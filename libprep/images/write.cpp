@@ -4,10 +4,10 @@
 
 #include <atomic>
 #include <cctype>
-#include <cmath>
 
 #include "backend_parts.h"
 #include "encode_image.h"
+#include "pixel_types.h"
 #include "prep/image.h"
 #include "prep/io.h"
 
@@ -16,31 +16,8 @@ namespace {
 
 namespace oiio = OIIO;
 
-template <class T>
-std::vector<T> quantise(const std::vector<float>& pixels) {
-    constexpr float top = float(std::numeric_limits<T>::max());
-    std::vector<T> out(pixels.size());
-    for (std::size_t i = 0; i < pixels.size(); ++i) {
-        // Written so that NaN becomes 0.
-        const float v = pixels[i] > 0.0f ? (pixels[i] < 1.0f ? pixels[i] : 1.0f) : 0.0f;
-        out[i] = T(std::lround(v * top));
-    }
-    return out;
-}
-
-oiio::TypeDesc type_of(PixelType type) {
-    switch (type) {
-        case PixelType::u8:
-            return oiio::TypeDesc::UINT8;
-        case PixelType::u16:
-            return oiio::TypeDesc::UINT16;
-        case PixelType::f16:
-            return oiio::TypeDesc::HALF;
-        case PixelType::f32:
-            break;
-    }
-    return oiio::TypeDesc::FLOAT;
-}
+using detail::quantise;
+using detail::type_of;
 
 Result<void> check(const Image& image, const std::string& place) {
     if (image.width == 0 || image.height == 0 || image.channels == 0)

@@ -77,11 +77,16 @@ bool write_all(int fd, std::span<const std::byte> bytes) {
 }  // namespace
 
 FileSet::~FileSet() {
-    for (const File& file : files_) {
-        if (file.staged.empty()) continue;
-        ::unlink(file.staged.c_str());
-        Staged::instance().remove(file.staged);
+    while (!files_.empty()) drop_last();
+}
+
+void FileSet::drop_last() {
+    const std::string& staged = files_.back().staged;
+    if (!staged.empty()) {
+        ::unlink(staged.c_str());
+        Staged::instance().remove(staged);
     }
+    files_.pop_back();
 }
 
 std::optional<Error> FileSet::refusal(const std::filesystem::path& path, bool exists) const {
@@ -98,41 +103,64 @@ std::optional<Error> FileSet::refusal(const std::filesystem::path& path, bool ex
     return std::nullopt;
 }
 
-Result<void> FileSet::add(const std::filesystem::path& path,
-                          std::span<const std::span<const std::byte>> parts) {
+// Where a path leads.
+struct FileSet::Target {
     File file;
-    file.path = path;
+    std::optional<unsigned> old_mode;  // of a regular file that is there
+};
+
+Result<FileSet::Target> FileSet::target_of(const std::filesystem::path& path) const {
+    Target target;
+    target.file.path = path;
     std::error_code no_link;
     if (std::filesystem::is_symlink(path, no_link)) {
         std::filesystem::path behind = std::filesystem::weakly_canonical(path, no_link);
-        if (!no_link) file.path = std::move(behind);
+        if (!no_link) target.file.path = std::move(behind);
     }
     struct stat old {};
     const bool exists = ::stat(path.c_str(), &old) == 0;
     if (std::optional<Error> refused = refusal(path, exists)) return std::move(*refused);
     if (exists && S_ISDIR(old.st_mode))
         return Error{ErrorCode::io, "cannot write the file: this is a directory", path.string()};
-    if (exists && !S_ISREG(old.st_mode)) {  // renaming over a device would replace the device
-        file.in_place = true;
-        for (const auto& part : parts)
-            file.direct.insert(file.direct.end(), part.begin(), part.end());
-        files_.push_back(std::move(file));
-        return {};
-    }
+    // Renaming over a device would replace the device.
+    target.file.in_place = exists && !S_ISREG(old.st_mode);
+    if (exists && !target.file.in_place) target.old_mode = old.st_mode & 07777;
+    return target;
+}
+
+// A file of a name beside `near` that nothing had, open for writing.
+Result<int> FileSet::create(File& file, const std::filesystem::path& near) const {
     int fd = -1;
     do {
-        file.staged = unused_name(file.path, "new");
+        file.staged = unused_name(near, "new");
         Staged::instance().add(file.staged);
         fd = ::open(file.staged.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
         const int why = errno;
         if (fd < 0) Staged::instance().remove(file.staged);
         errno = why;
     } while (fd < 0 && errno == EEXIST);
-    if (fd < 0) return io_error("cannot create a file here", errno, path);
+    if (fd < 0) return io_error("cannot create a file here", errno, near);
+    return fd;
+}
+
+Result<void> FileSet::add(const std::filesystem::path& path,
+                          std::span<const std::span<const std::byte>> parts) {
+    Result<Target> target = target_of(path);
+    if (!target) return target.error();
+    File file = std::move(target->file);
+    if (file.in_place) {
+        for (const auto& part : parts)
+            file.direct.insert(file.direct.end(), part.begin(), part.end());
+        files_.push_back(std::move(file));
+        return {};
+    }
+    const Result<int> created = create(file, file.path);
+    if (!created) return created.error();
+    const int fd = *created;
     bool good = true;
     for (const auto& part : parts) good = good && write_all(fd, part);
     // A file that is replaced keeps its rights.
-    if (good && exists) good = ::fchmod(fd, old.st_mode & 07777) == 0;
+    if (good && target->old_mode) good = ::fchmod(fd, *target->old_mode) == 0;
     int why = good ? 0 : errno;
     if (::close(fd) != 0 && good) {
         good = false;
@@ -147,6 +175,20 @@ Result<void> FileSet::add(const std::filesystem::path& path,
     return {};
 }
 
+Result<std::filesystem::path> FileSet::stage(const std::filesystem::path& path) {
+    Result<Target> target = target_of(path);
+    if (!target) return target.error();
+    File file = std::move(target->file);
+    file.mode = target->old_mode;
+    std::error_code ignored;
+    const Result<int> created = create(
+        file, file.in_place ? std::filesystem::temp_directory_path(ignored) / "staged" : file.path);
+    if (!created) return created.error();
+    ::close(*created);
+    files_.push_back(std::move(file));
+    return std::filesystem::path(files_.back().staged);
+}
+
 void FileSet::undo(std::size_t renamed) {
     while (renamed-- > 0) {
         File& file = files_[renamed];
@@ -159,6 +201,14 @@ void FileSet::undo(std::size_t renamed) {
 }
 
 Result<void> FileSet::commit() {
+    for (File& file : files_) {
+        if (file.mode && ::chmod(file.staged.c_str(), *file.mode) != 0)
+            return io_error("cannot write the file", errno, file.path);
+        if (!file.in_place || file.staged.empty()) continue;
+        Result<std::vector<std::byte>> bytes = read_file(file.staged);
+        if (!bytes) return bytes.error();
+        file.direct = std::move(*bytes);
+    }
     for (std::size_t i = 0; i < files_.size(); ++i) {
         File& file = files_[i];
         if (file.in_place) continue;

@@ -36,6 +36,10 @@ class FileSet {
     Result<void> add(const std::filesystem::path& path, std::span<const std::byte> bytes) {
         return add(path, std::span<const std::span<const std::byte>>(&bytes, 1));
     }
+    // An empty file under a temporary name, for a writer that needs a name; what it holds by the
+    // time of commit() becomes `path`. Errors: io.
+    Result<std::filesystem::path> stage(const std::filesystem::path& path);
+    void drop_last();  // as if it had never been added
     // Errors: io; then no target has changed.
     Result<void> commit();
 
@@ -45,7 +49,11 @@ class FileSet {
         std::string staged, backup;  // empty where there is none
         std::vector<std::byte> direct;
         bool in_place = false;
+        std::optional<unsigned> mode;  // rights to be set
     };
+    struct Target;
+    Result<Target> target_of(const std::filesystem::path& path) const;
+    Result<int> create(File& file, const std::filesystem::path& near) const;
     std::optional<Error> refusal(const std::filesystem::path& path, bool exists) const;
     void undo(std::size_t renamed);
 

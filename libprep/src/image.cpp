@@ -2,7 +2,7 @@
 
 #include <dlfcn.h>
 
-#include "image_backend.h"
+#include "image_library.h"
 #include "prep/io.h"
 #include "prep/scene.h"
 
@@ -54,20 +54,20 @@ Result<const ImageBackend*> open_backend() {
         MESHPREP_IMAGES_FILE};
 }
 
-const Result<const ImageBackend*>& backend() {
+}  // namespace
+
+const Result<const ImageBackend*>& detail::image_backend() {
     static const Result<const ImageBackend*> opened = open_backend();
     return opened;
 }
 
-}  // namespace
-
 Result<Image> load_image(const std::filesystem::path& path) {
-    const auto& images = backend();
+    const auto& images = detail::image_backend();
     return images ? (*images)->load(path) : Result<Image>(images.error());
 }
 
 Result<Image> decode_image(std::span<const std::byte> bytes, const std::string& name) {
-    const auto& images = backend();
+    const auto& images = detail::image_backend();
     return images ? (*images)->decode(bytes, name) : Result<Image>(images.error());
 }
 
@@ -84,7 +84,7 @@ Result<Image> load_image(const ImageRef& ref) {
 }
 
 Result<void> save_image(const std::filesystem::path& path, const Image& image, PixelType type) {
-    const auto& images = backend();
+    const auto& images = detail::image_backend();
     if (!images) return images.error();
     const auto bytes = (*images)->encode(path, image, type);
     if (!bytes) return bytes.error();
@@ -92,7 +92,7 @@ Result<void> save_image(const std::filesystem::path& path, const Image& image, P
 }
 
 Result<std::vector<std::byte>> encode_png(const Image& image, PixelType type) {
-    const auto& images = backend();
+    const auto& images = detail::image_backend();
     return images ? (*images)->encode_png(image, type)
                   : Result<std::vector<std::byte>>(images.error());
 }

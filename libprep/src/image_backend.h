@@ -2,15 +2,30 @@
 // written) offers to libprep. Both sides come from one build.
 #pragma once
 
+#include <memory>
+
 #include "prep/image.h"
 
 namespace prep::detail {
+
+// A file that takes rows. Destroyed unclosed, it leaves the file as it is.
+class RowWriter {
+  public:
+    virtual ~RowWriter() = default;
+    // `values` are floats, or 32 bits of either kind where the layout has integer channels.
+    virtual Result<void> write(const void* values, std::uint32_t rows) = 0;
+    virtual Result<void> close() = 0;
+};
 
 struct ImageBackend {
     Result<Image> (*load)(const std::filesystem::path&);
     Result<Image> (*decode)(std::span<const std::byte>, const std::string&);
     Result<std::vector<std::byte>> (*encode)(const std::filesystem::path&, const Image&, PixelType);
     Result<std::vector<std::byte>> (*encode_png)(const Image&, PixelType);
+    // `path` names the format and stands in messages; `file` is written.
+    Result<std::unique_ptr<RowWriter>> (*open_rows)(const std::filesystem::path& path,
+                                                    const std::filesystem::path& file,
+                                                    const ImageLayout&);
 };
 
 // The library exports this function under the name `image_backend_name`; it carries the version.

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -42,6 +43,46 @@ enum class PixelType : std::uint8_t { u8, u16, f16, f32 };
 // The file appears complete or not at all (temporary name, then rename).
 Result<void> save_image(const std::filesystem::path& path, const Image& image,
                         PixelType type = PixelType::u8);
+// A picture that is written row by row.
+struct ImageLayout {
+    std::uint32_t width = 0, height = 0;
+    std::vector<std::string> channels;  // names, as "R", "N.X"; more than 4 only where the format
+                                        // holds them (EXR, TIFF)
+    PixelType type = PixelType::u8;
+    std::vector<bool> integer;  // f32 only, per channel: 32-bit integers instead; empty: none is
+    bool srgb = false;          // what the file says of its colours; nothing is converted
+};
+
+// Files of pictures that appear together, complete, when all of them are, or not at all.
+// A file that holds rows as they come needs no more memory than the rows it is given.
+class ImageFiles {
+  public:
+    struct Rules {
+        bool replace = true;                       // files that exist may be replaced
+        std::vector<std::filesystem::path> spare;  // but never these
+    };
+    ImageFiles();
+    explicit ImageFiles(Rules rules);
+    ~ImageFiles();  // what was not committed leaves no trace
+    ImageFiles(const ImageFiles&) = delete;
+    ImageFiles& operator=(const ImageFiles&) = delete;
+
+    // Starts a file; the format follows the ending. The number is for write_rows().
+    // Errors: invalid (no extent), limit, unsupported (the ending, or its channels), io.
+    Result<std::size_t> open(const std::filesystem::path& path, const ImageLayout& layout);
+    // The next rows, whole ones, top to bottom, channels interleaved; integers of u8 and u16 files
+    // are rounded from 0…1. The second form is for files with integer channels: every value as its
+    // 32 bits. Errors: io, invalid (not whole rows, or too many).
+    Result<void> write_rows(std::size_t file, std::span<const float> values);
+    Result<void> write_rows(std::size_t file, std::span<const std::uint32_t> words);
+    // Errors: io, invalid (rows are missing); then nothing has changed.
+    Result<void> commit();
+
+  private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
 // PNG in memory, for pages that embed their pictures. Deterministic: no time, no host in it.
 Result<std::vector<std::byte>> encode_png(const Image& image, PixelType type = PixelType::u8);
 

@@ -1,0 +1,177 @@
+// Pictures written row by row, several files together.
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <bit>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+
+#include "prep/image.h"
+#include "prep/io.h"
+
+namespace {
+
+namespace fs = std::filesystem;
+
+class ImageFiles : public ::testing::Test {
+  protected:
+    void SetUp() override {
+        const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
+        dir_ = fs::temp_directory_path() / ("meshprep-image-files-" + std::string(info->name()));
+        fs::remove_all(dir_);
+        fs::create_directories(dir_);
+    }
+    void TearDown() override { fs::remove_all(dir_); }
+    std::size_t files() const {
+        return std::size_t(std::distance(fs::directory_iterator(dir_), fs::directory_iterator()));
+    }
+    fs::path dir_;
+};
+
+prep::ImageLayout layout(std::uint32_t width, std::uint32_t height, std::uint32_t channels,
+                         prep::PixelType type = prep::PixelType::u8) {
+    prep::ImageLayout out;
+    out.width = width;
+    out.height = height;
+    const char* names[] = {"R", "G", "B", "A"};
+    for (std::uint32_t c = 0; c < channels; ++c) out.channels.push_back(names[c]);
+    out.type = type;
+    out.srgb = type == prep::PixelType::u8;
+    return out;
+}
+
+std::vector<float> values(std::size_t count) {
+    std::vector<float> out;
+    for (std::size_t i = 0; i < count; ++i) out.push_back(float(i * 37 % 256) / 255.0f);
+    return out;
+}
+
+TEST_F(ImageFiles, RowsGiveTheBytesOfTheWholePicture) {
+    for (const std::string ending : {"png", "jpg", "exr", "tif", "hdr", "tga", "bmp", "ppm"}) {
+        SCOPED_TRACE(ending);
+        const bool floats = ending == "exr" || ending == "hdr";
+        const auto type = floats ? prep::PixelType::f32 : prep::PixelType::u8;
+        const auto all = values(61 * 40 * 3);
+        std::vector<std::vector<std::byte>> written;
+        for (const std::size_t rows : {40u, 1u, 7u}) {
+            prep::ImageFiles out;
+            const auto file = out.open(dir_ / ("a." + ending), layout(61, 40, 3, type));
+            ASSERT_TRUE(file) << to_string(file.error());
+            for (std::size_t y = 0; y < 40; y += rows) {
+                const std::size_t count = std::min<std::size_t>(rows, 40 - y) * 61 * 3;
+                const auto part = std::span(all).subspan(y * 61 * 3, count);
+                ASSERT_TRUE(out.write_rows(*file, part));
+            }
+            ASSERT_TRUE(out.commit());
+            auto bytes = prep::read_file(dir_ / ("a." + ending));
+            ASSERT_TRUE(bytes);
+            written.push_back(*std::move(bytes));
+        }
+        EXPECT_EQ(written[1], written[0]);
+        EXPECT_EQ(written[2], written[0]);
+        prep::Image whole{61, 40, 3, all, !floats};
+        ASSERT_TRUE(prep::save_image(dir_ / ("b." + ending), whole, type));
+        const auto bytes = prep::read_file(dir_ / ("b." + ending));
+        ASSERT_TRUE(bytes);
+        EXPECT_EQ(*bytes, written[0]);
+    }
+}
+
+TEST_F(ImageFiles, FloatsKeepEveryBitInExr) {
+    const float inf = std::numeric_limits<float>::infinity();
+    std::vector<float> all = {0.1f, -3e-30f, inf, 3e38f, 16777217.0f, 1e-45f};
+    auto what = layout(3, 1, 2, prep::PixelType::f32);
+    what.channels = {"Z", "depth"};
+    prep::ImageFiles out;
+    const auto file = out.open(dir_ / "a.exr", what);
+    ASSERT_TRUE(file);
+    ASSERT_TRUE(out.write_rows(*file, all));
+    ASSERT_TRUE(out.commit());
+    const auto back = prep::load_image(dir_ / "a.exr");
+    ASSERT_TRUE(back);
+    EXPECT_EQ(back->pixels, all);
+}
+
+TEST_F(ImageFiles, IntegerChannelsStandBesideFloats) {
+    auto what = layout(4, 1, 2, prep::PixelType::f32);
+    what.channels = {"a", "id"};
+    what.integer = {false, true};
+    const std::vector<std::uint32_t> words = {std::bit_cast<std::uint32_t>(0.25f), 0,
+                                              std::bit_cast<std::uint32_t>(0.5f),  1u << 31,
+                                              std::bit_cast<std::uint32_t>(-1.0f), 0xffffffffu,
+                                              std::bit_cast<std::uint32_t>(2.0f),  1u << 30};
+    prep::ImageFiles out;
+    const auto file = out.open(dir_ / "a.exr", what);
+    ASSERT_TRUE(file) << to_string(file.error());
+    EXPECT_FALSE(out.write_rows(*file, values(8)));  // floats are not what it holds
+    ASSERT_TRUE(out.write_rows(*file, words));
+    ASSERT_TRUE(out.commit());
+    const auto back = prep::load_image(dir_ / "a.exr");
+    ASSERT_TRUE(back);
+    // Integers are read as parts of their range.
+    const std::vector<float> expected = {0.25f, 0, 0.5f, 0.5f, -1.0f, 1, 2.0f, 0.25f};
+    ASSERT_EQ(back->pixels.size(), expected.size());
+    for (std::size_t i = 0; i < expected.size(); ++i)
+        EXPECT_NEAR(back->pixels[i], expected[i], 1e-7) << i;
+    const auto png = out.open(dir_ / "a.png", what);
+    ASSERT_FALSE(png);
+    EXPECT_EQ(png.error().code, prep::ErrorCode::unsupported);
+}
+
+TEST_F(ImageFiles, AllOfThemAppearOrNone) {
+    ASSERT_TRUE(prep::save_image(dir_ / "a.png", {1, 1, 1, {0.5f}, true}));
+    const auto before = prep::read_file(dir_ / "a.png");
+    {
+        prep::ImageFiles out;
+        const auto a = out.open(dir_ / "a.png", layout(4, 4, 1));
+        const auto b = out.open(dir_ / "b.exr", layout(4, 4, 1, prep::PixelType::f32));
+        ASSERT_TRUE(a && b);
+        ASSERT_TRUE(out.write_rows(*a, values(16)));
+        ASSERT_TRUE(out.write_rows(*b, values(12)));
+        EXPECT_FALSE(out.write_rows(*b, values(8)));  // more rows than there are
+        EXPECT_FALSE(out.write_rows(*b, values(3)));  // no whole row
+        const auto early = out.commit();
+        ASSERT_FALSE(early);  // a row of b is missing
+        EXPECT_EQ(early.error().code, prep::ErrorCode::invalid);
+    }
+    EXPECT_EQ(files(), 1u);
+    EXPECT_EQ(*prep::read_file(dir_ / "a.png"), *before);
+}
+
+TEST_F(ImageFiles, KeepToTheirRulesAndTheRightsOfOldFiles) {
+    ASSERT_TRUE(prep::save_image(dir_ / "a.png", {1, 1, 1, {0.5f}, true}));
+    ::chmod((dir_ / "a.png").c_str(), 0440);
+    {
+        prep::ImageFiles out({false, {}});
+        EXPECT_FALSE(out.open(dir_ / "a.png", layout(1, 1, 1)));
+    }
+    {
+        prep::ImageFiles out({true, {dir_ / "a.png"}});
+        EXPECT_FALSE(out.open(dir_ / "a.png", layout(1, 1, 1)));
+    }
+    prep::ImageFiles out;
+    const auto a = out.open(dir_ / "a.png", layout(1, 1, 1));
+    ASSERT_TRUE(a);
+    ASSERT_TRUE(out.write_rows(*a, values(1)));
+    ASSERT_TRUE(out.commit());
+    struct stat now {};
+    ASSERT_EQ(::stat((dir_ / "a.png").c_str(), &now), 0);
+    EXPECT_EQ(now.st_mode & 0777, 0440u);
+    EXPECT_EQ(files(), 1u);
+}
+
+TEST_F(ImageFiles, BadPlacesAndLayoutsAreErrors) {
+    prep::ImageFiles out;
+    EXPECT_FALSE(out.open(dir_ / "none" / "a.png", layout(1, 1, 1)));
+    EXPECT_FALSE(out.open(dir_ / "a", layout(1, 1, 1)));
+    EXPECT_FALSE(out.open(dir_ / "a.unknown", layout(1, 1, 1)));
+    EXPECT_FALSE(out.open(dir_ / "a.png", layout(0, 1, 1)));
+    EXPECT_FALSE(out.open(dir_ / "a.png", layout(1, 1, 0)));
+    EXPECT_FALSE(out.open(dir_ / "a.png", layout(1, prep::max_image_extent + 1, 1)));
+    EXPECT_FALSE(out.open(dir_, layout(1, 1, 1)));
+    ASSERT_TRUE(out.commit());  // what could not be opened leaves nothing
+    EXPECT_EQ(files(), 0u);
+}
+
+}  // namespace
