@@ -42,6 +42,11 @@ class MtlParser {
             statement(text.substr(0, end));
             text.remove_prefix(std::min(end + 1, text.size()));
         }
+        if (!not_taken_.empty()) {
+            std::string words;
+            for (const std::string& word : not_taken_) words += (words.empty() ? "" : ", ") + word;
+            out_.warnings.push_back(name_ + ": statements that were not taken: " + words);
+        }
     }
 
   private:
@@ -93,6 +98,16 @@ class MtlParser {
             map(scan, m.normal_map);
         else if (word == "bump" || word == "map_bump")
             bump(scan);
+        else if (word != "ni" && word != "tf" && word != "sharpness")  // refraction and reflection
+            leave(word);
+    }
+
+    // A file that is no MTL at all must not flood the report.
+    void leave(const std::string& word) {
+        constexpr std::size_t most = 12, longest = 32;
+        if (not_taken_.size() < most && word.size() <= longest &&
+            std::find(not_taken_.begin(), not_taken_.end(), word) == not_taken_.end())
+            not_taken_.push_back(word);
     }
 
     bool number(LineScanner& scan, double& value) {
@@ -238,6 +253,7 @@ class MtlParser {
     Material* material_ = nullptr;
     bool has_d_ = false;  // of the current material
     std::size_t line_ = 0;
+    std::vector<std::string> not_taken_;  // statements, in the order of their first use
     std::unordered_map<std::string, std::uint32_t> images_;
 };
 

@@ -149,11 +149,15 @@ class Assembler {
 
     Error out_of_range(std::size_t block, const ObjElements& elements, std::size_t corner,
                        const char* what, ObjIndex raw, std::size_t base, std::size_t total) const {
-        const std::int64_t written =
-            raw > 0 ? raw : std::int64_t(base) - (std::int64_t(raw) + relative_bias) + 1;
-        return error_at(line_of(block, elements.line_of_corner(corner)),
-                        std::string(what) + " index " + std::to_string(written) +
-                            " is out of range: the file has " + std::to_string(total));
+        const std::size_t line = line_of(block, elements.line_of_corner(corner));
+        if (raw < 0) {  // counts back from its line on: it can only reach too far
+            const std::int64_t first = std::int64_t(base) - (std::int64_t(raw) + relative_bias) + 1;
+            return error_at(line, std::string("relative ") + what + " index reaches " +
+                                      std::to_string(1 - first) + " before the first " + what +
+                                      "; " + std::to_string(total) + " are in the file");
+        }
+        return error_at(line, std::string(what) + " index " + std::to_string(raw) +
+                                  " is out of range: the file has " + std::to_string(total));
     }
 
     Result<void> faces() {

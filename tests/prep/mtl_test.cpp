@@ -97,6 +97,18 @@ TEST(MtlFile, WarningsNameTheLineAndAreNotEndless) {
     EXPECT_EQ(parse("newmtl a\n" + flood).warnings.size(), 20u);
 }
 
+TEST(MtlFile, StatementsThatAreNotTakenAreNamedOnce) {
+    const auto lib =
+        parse("newmtl a\nNi 1.5\nTf 1 1 1\nPr 0.3\nmap_Ka x.png\nnewmtl b\nPr 0.4\nhaste 3\n");
+    EXPECT_EQ(
+        lib.warnings,
+        (std::vector<std::string>{"m.mtl: statements that were not taken: pr, map_ka, haste"}));
+    std::string flood = "newmtl a\n";
+    for (int i = 0; i < 1000; ++i) flood += "word" + std::to_string(i) + " 1\n";
+    ASSERT_EQ(parse(flood).warnings.size(), 1u);
+    EXPECT_LT(parse(flood).warnings[0].size(), 500u);
+}
+
 TEST(MtlFile, LibrariesAreFoundBesideTheObj) {
     const test::TempDir dir;
     test::write_text(dir / "my look.mtl", "newmtl red\nKd 1 0 0\nmap_Kd -s 2 2 red.png\n");

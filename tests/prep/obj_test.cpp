@@ -102,8 +102,9 @@ TEST(Obj, ErrorsNameTheLineTheFindingAndTheExpectation) {
               "test.obj:2: expected a number (coordinate 2) in 'v 1 x 0'");
     EXPECT_EQ(error_of("v 0 0 0\n\n# c\nf 1 2 3\n"),
               "test.obj:4: vertex index 2 is out of range: the file has 1");
-    EXPECT_EQ(error_of("v 0 0 0\nv 0 0 0\nf -1 -2 -3\n"),
-              "test.obj:3: vertex index 0 is out of range: the file has 2");
+    EXPECT_EQ(
+        error_of("v 0 0 0\nv 0 0 0\nf -1 -2 -3\n"),
+        "test.obj:3: relative vertex index reaches 1 before the first vertex; 2 are in the file");
     EXPECT_EQ(error_of("v 0 0 0\nf 1/4 1/4 1/4\n"),
               "test.obj:2: texture coordinate index 4 is out of range: the file has 0");
     EXPECT_NE(error_of("v 0 0 0\nf 1 0 1\n").find("test.obj:2: expected v, v/vt"),

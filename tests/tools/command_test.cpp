@@ -88,6 +88,14 @@ std::string gltf_with_positions(const std::string& base64, const std::string& no
 const std::string triangle_base64 = "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA";
 const std::string nan_base64 = "AADAfwAAwH8AAMB/AADAfwAAwH8AAMB/AADAfwAAwH8AAMB/";
 
+TEST(Command, AnUnknownSubcommandIsNamedWithThoseThatAre) {
+    const test::Ran ran = run_command({"bake"});
+    EXPECT_EQ(ran.exit_code, 2);
+    EXPECT_NE(ran.err.find("'bake' is no subcommand; there are prepare, inspect"),
+              std::string::npos)
+        << ran.err;
+}
+
 TEST(Prepare, APrimitiveWithoutAFiniteTriangleStopsNoBatch) {
     const TemporaryDirectory dir;
     write_text(dir / "nan.gltf", gltf_with_positions(nan_base64, R"({"mesh":0})"));

@@ -1,5 +1,6 @@
 #include "meshprep/arguments.h"
 
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 
@@ -248,6 +249,18 @@ Arguments parse_arguments(int argc, const char* const* argv) {
         out.err = app.help();
         out.exit_code = exit_usage;
         return out;
+    }
+    if (const std::string_view first = argv[1]; !first.empty() && first[0] != '-') {
+        std::vector<std::string> names;
+        for (const CLI::App* sub : app.get_subcommands({})) names.push_back(sub->get_name());
+        if (std::find(names.begin(), names.end(), first) == names.end()) {
+            std::string known;
+            for (const std::string& name : names) known += (known.empty() ? "" : ", ") + name;
+            out.err = "'" + std::string(first) + "' is no subcommand; there are " + known +
+                      ".\nRun with --help for more information.\n";
+            out.exit_code = exit_usage;
+            return out;
+        }
     }
     try {
         app.parse(argc, argv);
