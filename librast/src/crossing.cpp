@@ -53,14 +53,12 @@ CrossingEdge edge_between(const VertexRecord& from, const VertexRecord& to,
     };
     if (snapped(from) && snapped(to)) {
         along(from, double(to.x - from.x) / subpixels, double(to.y - from.y) / subpixels, 1);
-        e.weight = from_full.w * to_full.w;
     } else if (snapped(from) || snapped(to)) {
         const bool forward = snapped(from);
         const VertexRecord& start = forward ? from : to;
         const ScreenVertex& other = forward ? to_full : from_full;
         const double x = double(start.x) / subpixels, y = double(start.y) / subpixels;
         along(start, other.x - x * other.w, other.y - y * other.w, forward ? 1 : -1);
-        e.weight = forward ? from_full.w : to_full.w;
     } else {
         e.nx = from_full.y * to_full.w - from_full.w * to_full.y;
         e.ny = from_full.w * to_full.x - from_full.x * to_full.w;
@@ -68,6 +66,33 @@ CrossingEdge edge_between(const VertexRecord& from, const VertexRecord& to,
     }
     e.inclusive = e.nx > 0 || (e.nx == 0 && e.ny > 0);
     return e;
+}
+
+CrossingPlane plane_of(const std::array<ScreenVertex, 3>& corners, const CrossingTriangle& box) {
+    CrossingPlane out;
+    out.px = std::clamp((box.low_x + box.high_x) / 2, -guard_band, guard_band);
+    out.py = std::clamp((box.low_y + box.high_y) / 2, -guard_band, guard_band);
+    std::array<ScreenVertex, 3> v = corners;
+    out.low = INFINITY;
+    out.high = -INFINITY;
+    for (ScreenVertex& c : v) {
+        c.x -= out.px * c.w;
+        c.y -= out.py * c.w;
+        const bool in_front = c.w > 0 && c.z <= c.w;
+        if (in_front) out.low = std::min(out.low, c.z / c.w);
+        out.high = std::max(out.high, in_front ? c.z / c.w : INFINITY);
+    }
+    const double scale = 1 / determinant(v[0], v[1], v[2]);
+    for (std::size_t i = 0; i < 3; ++i) {
+        const ScreenVertex &a = v[(i + 1) % 3], &b = v[(i + 2) % 3];
+        out.nx[i] = a.y * b.w - a.w * b.y;
+        out.ny[i] = a.w * b.x - a.x * b.w;
+        out.constant[i] = a.x * b.y - a.y * b.x;
+        out.depth += out.constant[i] * v[i].z * scale;
+        out.depth_x += out.nx[i] * v[i].z * scale;
+        out.depth_y += out.ny[i] * v[i].z * scale;
+    }
+    return out;
 }
 
 }  // namespace
@@ -110,9 +135,8 @@ CrossingOutcome set_up_crossing(const VertexSource& source, const VertexRecord* 
     for (std::size_t i = 0; i < 3; ++i) {
         const std::size_t a = (i + 1) % 3, b = (i + 2) % 3;
         out.edges[i] = edge_between(records[order[a]], records[order[b]], v[a], v[b]);
-        out.w[i] = v[i].w;
-        out.z[i] = v[i].z;
     }
+    out.plane = plane_of(v, out);
     return CrossingOutcome::drawn;
 }
 
@@ -133,17 +157,12 @@ void raster_crossing(float* depths, std::uint32_t* ids, const TilePlace& place,
         for (std::int32_t i = i0; i <= i1; ++i) {
             const double x = double(place.x + i * subpixels) / subpixels;
             const double y = double(place.y + j * subpixels) / subpixels;
-            double w = 0, z = 0;
             bool inside = true;
-            for (std::size_t k = 0; k < 3; ++k) {
-                const double value = t.edges[k].value(x, y);
-                inside = inside && t.edges[k].inside(value);
-                const double weight = value * t.edges[k].weight;
-                w += weight * t.w[k];
-                z += weight * t.z[k];
-            }
+            for (const CrossingEdge& e : t.edges) inside = inside && e.inside(e.value(x, y));
             if (!inside) continue;
-            const double depth = z / w;
+            const CrossingPlane& p = t.plane;
+            const double depth = std::clamp(
+                p.depth + (p.depth_x * (x - p.px) + p.depth_y * (y - p.py)), p.low, p.high);
             if (!(depth >= 0 && depth <= 1)) continue;
             const std::size_t at = std::size_t(j) * tile_size + std::size_t(i);
             if (!(float(depth) > depths[at])) continue;
@@ -161,12 +180,18 @@ void crossing_weights(const VertexSource& source, const VertexRecord* records,
     for (int k = 0; k < 9; ++k) out[k] = 0;
     out[0] = 1;
     if (set_up_crossing(source, records, corners, t) != CrossingOutcome::drawn) return;
+    const CrossingPlane& p = t.plane;
     for (std::size_t i = 0; i < 3; ++i) {
         const std::size_t k = t.turned && i > 0 ? 3 - i : i;
-        const CrossingEdge& e = t.edges[i];
-        out[k] = e.value(x, y) * e.weight;
-        out[3 + k] = e.nx * e.weight;
-        out[6 + k] = e.ny * e.weight;
+        out[k] = p.constant[i] + (p.nx[i] * (x - p.px) + p.ny[i] * (y - p.py));
+        out[3 + k] = p.nx[i];
+        out[6 + k] = p.ny[i];
+    }
+    // Just outside, as snapping saw it: the corner nearest to inside.
+    if (!(std::max({out[0], out[1], out[2]}) > 0)) {
+        const std::size_t k = std::size_t(std::max_element(out, out + 3) - out);
+        out[0] = out[1] = out[2] = 0;
+        out[k] = 1;
     }
 }
 

@@ -31,9 +31,9 @@ class VertexSource {
 // The record of a vertex, as the transform kernel makes it.
 VertexRecord record_of(const ScreenVertex& vertex);
 
-// value(x, y) > 0 inside, in pixels; `weight` makes it the homogeneous edge function.
+// value(x, y) > 0 inside, in pixels.
 struct CrossingEdge {
-    double nx = 0, ny = 0, px = 0, py = 0, constant = 0, weight = 1;
+    double nx = 0, ny = 0, px = 0, py = 0, constant = 0;
     bool inclusive = false;
     double value(double x, double y) const { return nx * (x - px) + ny * (y - py) + constant; }
     bool inside(double value_here) const {
@@ -41,9 +41,19 @@ struct CrossingEdge {
     }
 };
 
+// Weights of the corners and depth at a place, from the corners where they are, not where they are
+// snapped to: a snapped corner far away next to one behind the eye would move what lies close to
+// the eye by many pixels.
+struct CrossingPlane {
+    double px = 0, py = 0;                         // what the rest is relative to, in pixels
+    std::array<double, 3> nx{}, ny{}, constant{};  // homogeneous edge functions
+    double depth = 0, depth_x = 0, depth_y = 0;
+    double low = 0, high = 0;  // the visible corners' depths: rounding at an edge never leaves them
+};
+
 struct CrossingTriangle {
     std::array<CrossingEdge, 3> edges;  // edge i is opposite to corner i; turned to be positive
-    std::array<double, 3> w, z;
+    CrossingPlane plane;
     bool turned = false;                                  // corners 1 and 2 were swapped for that
     double low_x = 0, low_y = 0, high_x = 0, high_y = 0;  // box of the visible part
     std::uint32_t id = 0;
