@@ -1,95 +1,94 @@
-// prepare() as a whole on small meshes made of the input's bytes: hostile values, any topology.
-#include <cstddef>
-#include <cstdint>
-#include <cstring>
+// prepare() as a whole, every option of it, on small hostile meshes.
+#include <cstdlib>
 
+#include "hostile_mesh.h"
+#include "invariants.h"
+#include "prep/check.h"
 #include "prep/prepare.h"
 
 namespace {
 
-class Bytes {
-  public:
-    Bytes(const std::uint8_t* data, std::size_t size) : data_(data), size_(size) {}
-    template <class T>
-    T take() {
-        T value{};
-        const std::size_t n = size_ < sizeof(T) ? size_ : sizeof(T);
-        if (n > 0) std::memcpy(&value, data_, n);  // of no bytes data_ may be null
-        data_ += n;
-        size_ -= n;
-        return value;
-    }
-    std::uint32_t below(std::uint32_t limit) { return take<std::uint8_t>() % limit; }
-    bool empty() const { return size_ == 0; }
+using fuzz::Bytes;
 
-  private:
-    const std::uint8_t* data_;
-    std::size_t size_;
-};
+template <class T>
+T choice(Bytes& in, std::uint32_t count) {
+    return T(in.below(count));
+}
 
-// Few distinct values, so that coincidences are common, and now and then any float at all.
-float coordinate(Bytes& in) {
-    static constexpr float usual[] = {0.0f, 1.0f, -1.0f, 0.5f, 2.0f, 1e-30f, 1e30f, -0.0f};
-    const std::uint32_t choice = in.below(10);
-    return choice < 8 ? usual[choice] : in.take<float>();
+prep::PrepareOptions options_from(Bytes& in) {
+    prep::PrepareOptions o;
+    o.threads = 1;
+    o.request.tangents = prep::Request::Level::always;
+    o.request.normals = prep::Request::Level::always;
+    o.normals = choice<prep::Authored>(in, 3);
+    o.tangents = choice<prep::Authored>(in, 3);
+    o.weld = choice<prep::WeldMode>(in, 3);
+    o.normal.weight = choice<prep::NormalWeight>(in, 5);
+    o.normal.precision = choice<prep::Precision>(in, 3);
+    o.tangent.mode = choice<prep::TangentMode>(in, 2) == prep::TangentMode::mikktspace
+                         ? prep::TangentMode::mikktspace
+                         : prep::TangentMode::mikktspace_exact;
+    static constexpr double angles[] = {0, 30, 45, 60, 90, 120, 180};
+    const std::uint32_t angle = in.below(9);
+    if (angle < 7)
+        o.hard_edges.angle_degrees = angles[angle];
+    else if (angle == 7)
+        o.hard_edges.angle_degrees = in.take<double>();
+    else
+        o.hard_edges.angle_degrees.reset();
+    const std::uint32_t edges = in.take<std::uint8_t>();
+    o.hard_edges.smoothing_groups = edges & 1;
+    o.hard_edges.angle_inside_groups = edges & 2;
+    o.hard_edges.uv_borders = edges & 4;
+    o.hard_edges.material_borders = edges & 8;
+    o.hard_edges.marks = edges & 16;
+    const std::uint32_t repairs = in.take<std::uint8_t>();
+    o.repair.degenerate_faces = repairs & 1;
+    o.repair.duplicate_faces = repairs & 2;
+    o.repair.non_manifold_edges = repairs & 4;
+    o.repair.non_manifold_vertices = repairs & 8;
+    o.repair.orientation = repairs & 16;
+    o.repair.outward = repairs & 32;
+    o.repair.isolated_vertices = repairs & 64;
+    if (repairs & 128) o.repair.hole_edges = 3 + in.below(16);
+    const std::uint32_t weld = in.below(8);
+    if (weld == 1) o.repair.weld_tolerance = 0;
+    if (weld == 2) o.repair.weld_tolerance = 0.6;
+    if (weld == 3) o.repair.weld_tolerance = in.take<double>();
+    return o;
+}
+
+bool unit(const glm::vec3& v) {
+    const double length = glm::length(glm::dvec3(v));
+    return length > 0.999 && length < 1.001;
 }
 
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     Bytes in(data, size);
+    const prep::PrepareOptions options = options_from(in);
     prep::Scene scene;
-    scene.meshes.resize(1);
-    prep::Mesh& mesh = scene.meshes[0];
-    const std::uint32_t vertices = 1 + in.below(12), choices = in.take<std::uint8_t>();
-    for (std::uint32_t v = 0; v < vertices; ++v) {
-        const float x = coordinate(in), y = coordinate(in);
-        mesh.positions.push_back({x, y, coordinate(in)});
-    }
-    const bool uvs = choices & 1, normals = choices & 2, groups = choices & 4;
-    const bool tangents = choices >= 72;
-    if (uvs) mesh.uvs.resize(1);
-    while (!in.empty() && mesh.face_count() < 64) {
-        const std::uint32_t corners = 3 + in.below(6);
-        for (std::uint32_t k = 0; k < corners; ++k) {
-            const std::uint32_t corner = std::uint32_t(mesh.corner_count());
-            mesh.corner_vertices.push_back(in.below(vertices));
-            if (uvs) {
-                const float u = coordinate(in);
-                mesh.uvs[0].values.push_back({u, coordinate(in)});
-                mesh.uvs[0].indices.push_back(in.below(16) == 0 ? prep::no_index : corner);
-            }
-            if (normals) {
-                const float x = coordinate(in), y = coordinate(in);
-                mesh.normals.values.push_back({x, y, coordinate(in)});
-                mesh.normals.indices.push_back(in.below(16) == 0 ? prep::no_index : corner);
-            }
-            if (tangents) {
-                const float x = coordinate(in), y = coordinate(in), z = coordinate(in);
-                mesh.tangents.values.push_back({x, y, z, coordinate(in)});
-                mesh.tangents.indices.push_back(in.below(16) == 0 ? prep::no_index : corner);
-            }
-        }
-        mesh.face_offsets.push_back(std::uint32_t(mesh.corner_count()));
-        if (groups) mesh.face_smoothing.push_back(in.below(4));
-    }
-    prep::PrepareOptions options;
-    options.threads = 1;
-    options.request.tangents = prep::Request::Level::always;
-    options.normals = prep::Authored(choices / 8 % 3);
-    options.weld = prep::WeldMode(choices / 24 % 3);
-    options.tangents = prep::Authored(choices / 72 % 3);
+    scene.materials.resize(2);
+    scene.meshes.push_back(fuzz::hostile_mesh(in));
+    (void)prep::check(scene, {1});
     const auto result = prep::prepare(std::move(scene), options);
     if (!result) return 0;
-    // What prepare() promises: unit normals (where it made or mended them) and finite tangents.
+    if (!test::broken_promise(result->scene).empty()) std::abort();
+    // What prepare() promises: unit normals, and tangents that are unit and orthogonal to them
+    // where it made them all; the reference's bits have no such promise.
     const prep::VertexMesh& out = result->meshes[0];
-    for (const glm::vec3& n : out.normals) {
-        const double length = glm::length(glm::dvec3(n));
-        if (!(length > 0.999 && length < 1.001)) __builtin_trap();
-    }
-    for (const glm::vec4& t : out.tangents) {
-        const double length = glm::length(glm::dvec3(glm::vec3(t)));
-        if (!(length > 0.999 && length < 1.001) || (t.w != 1 && t.w != -1)) __builtin_trap();
-    }
+    for (const std::uint32_t v : out.indices)
+        if (v >= out.vertex_count()) std::abort();
+    for (const glm::vec3& n : out.normals)
+        if (!unit(n)) std::abort();
+    if (options.tangent.mode != prep::TangentMode::mikktspace) return 0;
+    for (const glm::vec4& t : out.tangents)
+        if (!unit(glm::vec3(t)) || (t.w != 1 && t.w != -1)) std::abort();
+    if (options.tangents != prep::Authored::replace || out.normals.empty()) return 0;
+    for (std::size_t v = 0; v < out.tangents.size(); ++v)
+        if (std::abs(glm::dot(glm::dvec3(glm::vec3(out.tangents[v])), glm::dvec3(out.normals[v]))) >
+            1e-5)
+            std::abort();
     return 0;
 }
