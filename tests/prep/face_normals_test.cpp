@@ -112,6 +112,20 @@ TEST(FaceNormals, StatesAreExact) {
         }
 }
 
+TEST(FaceNormals, AnyCoordinateThatIsNotFiniteIsSeen) {
+    constexpr float inf = std::numeric_limits<float>::infinity();
+    for (const float bad : {std::numeric_limits<float>::quiet_NaN(), inf, -inf})
+        for (int vertex = 0; vertex < 3; ++vertex)
+            for (int axis = 0; axis < 3; ++axis)
+                for (const Precision p : {Precision::fast, Precision::accurate, Precision::exact}) {
+                    Mesh mesh = triangle({0, 0, 0.5f}, {1, 0.25f, 0}, {0, 1, 0});
+                    mesh.positions[vertex][axis] = bad;
+                    const prep::FaceNormals n = normals_of(mesh, p);
+                    EXPECT_EQ(n.states[0], FaceState::non_finite) << bad << vertex << axis;
+                    EXPECT_EQ(n.area_vectors[0], glm::dvec3(0.0));
+                }
+}
+
 TEST(FaceNormals, ErrorsStayBelowTheirBounds) {
     std::mt19937_64 random(11);
     const Mesh mesh = hostile_triangles(random, 3000);

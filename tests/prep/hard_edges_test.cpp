@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 
 #include "exact.h"
+#include "exact_dihedrals.h"
 #include "shapes.h"
 
 namespace {
@@ -39,31 +41,11 @@ unsigned wedge_reasons(const Mesh& mesh, double degrees, Precision p = Precision
     return hard.reasons[0];
 }
 
-// Pairs of integer normals whose angle is exactly the threshold, and its cosine.
-struct ExactAngle {
-    double degrees;
-    glm::ivec3 n0, n1;
-    int sign;
-    exact::Rational squared;
-};
-const std::vector<ExactAngle>& exact_angles() {
-    static const std::vector<ExactAngle> angles{
-        {30, {1, 1, 0}, {1, 2, 1}, 1, exact::Rational(3, 4)},
-        {45, {1, 0, 0}, {1, 1, 0}, 1, exact::Rational(1, 2)},
-        {60, {1, 1, 0}, {1, 0, 1}, 1, exact::Rational(1, 4)},
-        {90, {1, 2, 0}, {-2, 1, 5}, 0, exact::Rational(0)},
-        {120, {1, 1, 0}, {-1, 0, 1}, -1, exact::Rational(1, 4)},
-        {135, {1, 0, 0}, {-1, 1, 0}, -1, exact::Rational(1, 2)},
-        {150, {1, 1, 0}, {-1, -2, 1}, -1, exact::Rational(3, 4)},
-    };
-    return angles;
-}
+using hard_cases::exact_angles;
+using hard_cases::ExactAngle;
 
-// A rotation by an integer quaternion, times its squared length: exact on integers.
-glm::dmat3 integer_rotation(int w, int x, int y, int z) {
-    return {{w * w + x * x - y * y - z * z, 2 * (x * y + w * z), 2 * (x * z - w * y)},
-            {2 * (x * y - w * z), w * w - x * x + y * y - z * z, 2 * (y * z + w * x)},
-            {2 * (x * z + w * y), 2 * (y * z - w * x), w * w - x * x - y * y + z * z}};
+exact::Rational squared(const ExactAngle& angle) {
+    return exact::Rational(angle.squared_numerator, angle.squared_denominator);
 }
 
 TEST(HardEdges, EmptyMesh) {
@@ -118,7 +100,7 @@ TEST(HardEdges, WedgeExactlyAtTheThresholdIsSmooth) {
     for (const ExactAngle& angle : exact_angles()) {
         const Mesh mesh = shapes::wedge(angle.n0, angle.n1);
         EXPECT_FALSE(exact::turn_exceeds(exact::area_vector(mesh, 0), exact::area_vector(mesh, 1),
-                                         angle.sign, angle.squared));
+                                         angle.sign, squared(angle)));
         for (const Precision p : {Precision::fast, Precision::accurate, Precision::exact}) {
             EXPECT_EQ(wedge_reasons(mesh, angle.degrees, p), prep::hard_none) << angle.degrees;
             EXPECT_EQ(wedge_reasons(mesh, angle.degrees - 1e-9, p), prep::hard_angle)
@@ -138,9 +120,9 @@ TEST(HardEdges, WedgeOneFloatStepOffTheThresholdFallsOnItsSide) {
                     Mesh mesh = shapes::wedge(angle.n0, angle.n1);
                     float& x = mesh.positions[vertex][axis];
                     x = std::nextafter(x, towards);
-                    const bool exceeds =
-                        exact::turn_exceeds(exact::area_vector(mesh, 0),
-                                            exact::area_vector(mesh, 1), angle.sign, angle.squared);
+                    const bool exceeds = exact::turn_exceeds(exact::area_vector(mesh, 0),
+                                                             exact::area_vector(mesh, 1),
+                                                             angle.sign, squared(angle));
                     ++(exceeds ? over : under);
                     for (const Precision p :
                          {Precision::fast, Precision::accurate, Precision::exact})
@@ -165,51 +147,54 @@ TEST(HardEdges, FoldAndFlatAtTheEndsOfTheRange) {
     EXPECT_EQ(hard_of(fold, at_angle(179.9999)).hard_count, 1u);
 }
 
-// 1,000 dihedrals at the threshold, each turned by an exact rotation and scaled by a power of two.
+// 1,000 random dihedrals exactly at the threshold under exact rotations, each with a power-of-two
+// scale: every dihedral under every rotation. MESHPREP_LONG_TESTS=1 takes 1,000 rotations, a
+// million decisions at each precision.
 TEST(HardEdges, ThousandExactDihedralsUnderExactRotationsAndScales) {
+    const int rotations = std::getenv("MESHPREP_LONG_TESTS") ? 1000 : 20;
+    constexpr std::uint32_t dihedrals = 1000;
     std::mt19937_64 random(21);
-    std::uniform_int_distribution<int> part(-25, 25), stretch(1, 6), slide(-6, 6), shift(-90, 80);
-    int wrong = 0;
-    std::uint64_t exact_decisions = 0;
-    for (int i = 0; i < 1000; ++i) {
-        const ExactAngle& angle = exact_angles()[std::size_t(i) % exact_angles().size()];
-        Mesh mesh = shapes::wedge(angle.n0, angle.n1);
-        // The wings may be any points of their planes: stretched, and slid along the edge.
-        for (int wing = 2; wing < 4; ++wing)
-            mesh.positions[wing] = mesh.positions[wing] * float(stretch(random)) +
-                                   mesh.positions[1] * float(slide(random));
-        int w = 0, x = 0, y = 0, z = 0;
-        while (w * w + x * x + y * y + z * z == 0) {
-            w = part(random), x = part(random), y = part(random), z = part(random);
-        }
-        const glm::dmat3 rotation = integer_rotation(w, x, y, z);
-        const double scale = std::ldexp(1.0, shift(random));
-        for (glm::vec3& p : mesh.positions) {
-            const glm::dvec3 turned = rotation * glm::dvec3(p);
-            ASSERT_LT(std::max({std::abs(turned.x), std::abs(turned.y), std::abs(turned.z)}),
-                      0x1p24);
-            p = glm::vec3(turned * scale);
-        }
-        for (const Precision p : {Precision::fast, Precision::accurate}) {
-            const HardEdges hard = hard_of(mesh, at_angle(angle.degrees), p);
-            wrong += hard.hard_count != 0;
-            exact_decisions += hard.exact_decisions;
-        }
-        const HardEdges below = hard_of(mesh, at_angle(angle.degrees - 1e-7));
-        wrong += below.hard_count != 1;
+    std::uniform_int_distribution<int> shift(-90, 80);
+    std::vector<Mesh> meshes;
+    std::uint32_t made = 0;
+    for (std::size_t a = 0; a < exact_angles().size(); ++a) {
+        const std::size_t left = exact_angles().size() - a;
+        const std::uint32_t count = (dihedrals - made) / std::uint32_t(left);
+        meshes.push_back(hard_cases::exact_dihedrals(exact_angles()[a], count, random));
+        made += count;
     }
-    EXPECT_EQ(wrong, 0);
-    EXPECT_EQ(exact_decisions, 2000u);  // at the threshold no filter can tell
+    ASSERT_EQ(made, dihedrals);
+    std::uint64_t decisions = 0, hard_at = 0, soft_below = 0, exact_decisions = 0;
+    for (int r = 0; r < rotations; ++r) {
+        const glm::dmat3 rotation = hard_cases::exact_rotation(25, random);
+        const int exponent = shift(random);
+        for (std::size_t a = 0; a < meshes.size(); ++a) {
+            Mesh mesh = meshes[a];
+            ASSERT_TRUE(hard_cases::transform_exactly(mesh, rotation, exponent));
+            const double degrees = exact_angles()[a].degrees;
+            for (const Precision p : {Precision::fast, Precision::accurate}) {
+                const HardEdges hard = hard_of(mesh, at_angle(degrees), p);
+                hard_at += hard.hard_count;
+                exact_decisions += hard.exact_decisions;
+                decisions += mesh.face_count() / 2;
+            }
+            const HardEdges below = hard_of(mesh, at_angle(degrees - 1e-7));
+            soft_below += mesh.face_count() / 2 - below.hard_count;
+        }
+    }
+    EXPECT_EQ(hard_at, 0u);
+    EXPECT_EQ(soft_below, 0u);
+    EXPECT_EQ(decisions, 2u * dihedrals * std::uint64_t(rotations));
+    EXPECT_EQ(exact_decisions, decisions);  // at the threshold no filter can tell
 }
 
-TEST(HardEdges, RotatedCubesStaySmoothAtNinety) {
+TEST(HardEdges, CubesUnderAThousandRotationsAndScalesStaySmoothAtNinety) {
     std::mt19937_64 random(22);
-    std::uniform_int_distribution<int> part(-60, 60), shift(-80, 80);
-    for (int i = 0; i < 200; ++i) {
-        const glm::dmat3 rotation = integer_rotation(part(random), part(random), part(random), 61);
+    std::uniform_int_distribution<int> shift(-80, 80);
+    for (int i = 0; i < 1000; ++i) {
         Mesh mesh = shapes::cube();
-        const double scale = std::ldexp(1.0, shift(random));
-        for (glm::vec3& p : mesh.positions) p = glm::vec3(rotation * glm::dvec3(p) * scale);
+        ASSERT_TRUE(hard_cases::transform_exactly(mesh, hard_cases::exact_rotation(61, random),
+                                                  shift(random)));
         EXPECT_EQ(hard_of(mesh, at_angle(90)).hard_count, 0u);
         EXPECT_EQ(hard_of(mesh, at_angle(89.9999999)).hard_count, 12u);
     }
@@ -236,7 +221,7 @@ TEST(HardEdges, DecisionsAgreeWithRationalsOnRandomSurfaces) {
                 EXPECT_EQ((hard->reasons[c] & prep::hard_angle) != 0,
                           exact::turn_exceeds(exact::area_vector(mesh, c / 3),
                                               exact::area_vector(mesh, t.opposite[c] / 3),
-                                              angle.sign, angle.squared));
+                                              angle.sign, squared(angle)));
             }
         }
     }

@@ -1,6 +1,7 @@
 #include "simd/triangle_areas.h"
 
 #include <algorithm>
+#include <cmath>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "simd/triangle_areas.cpp"
@@ -62,8 +63,12 @@ void triangle_areas(std::span<const glm::vec3> positions,
             const glm::vec3 area(areas[i], areas[batch + i], areas[2 * batch + i]);
             const float m = areas[3 * batch + i];
             const float size = std::max({std::abs(area.x), std::abs(area.y), std::abs(area.z)});
-            // The range keeps every product clear of underflow and overflow; NaN fails it.
-            if (m >= 0x1p-90f && m <= 0x1p120f && size * 16 >= m)
+            // A vector maximum may lose a NaN; but one in an edge reaches two components of the
+            // area.
+            const bool finite =
+                std::isfinite(area.x) && std::isfinite(area.y) && std::isfinite(area.z);
+            // The range keeps every product clear of underflow and overflow.
+            if (finite && m >= 0x1p-90f && m <= 0x1p120f && size * 16 >= m)
                 area_vectors[start + i] = glm::dvec3(area);
             else
                 left_over.push_back(std::uint32_t(start + i));
