@@ -15,6 +15,7 @@ struct Case {
     prep::Mesh mesh;
 };
 
-std::vector<Case> all();
+// With finite positions: scales, offsets, aspect ratios, valences, sums that cancel.
+std::vector<Case> measured();
 
 }  // namespace hard_cases
