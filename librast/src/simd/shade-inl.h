@@ -44,9 +44,17 @@ struct Surface {
 inline F blend(const Surface& s, F v0, F v1, F v2) {
     return v0 + (s.b * (v1 - v0) + s.c * (v2 - v0));
 }
+// One that never leaves the range of the corners, not even by a rounding: colours, light and UVs.
+inline F blend_within(const Surface& s, F v0, F v1, F v2) {
+    return min(max(blend(s, v0, v1, v2), min(min(v0, v1), v2)), max(max(v0, v1), v2));
+}
 inline F attribute(const Surface& s, const float* values, const I index[3], int component) {
     const float* p = values + component;
     return blend(s, gather(p, index[0]), gather(p, index[1]), gather(p, index[2]));
+}
+inline F attribute_within(const Surface& s, const float* values, const I index[3], int component) {
+    const float* p = values + component;
+    return blend_within(s, gather(p, index[0]), gather(p, index[1]), gather(p, index[2]));
 }
 inline V3 attribute3(const Surface& s, const float* values) {
     const I index[3] = {s.corner[0] * set(3), s.corner[1] * set(3), s.corner[2] * set(3)};
@@ -156,8 +164,8 @@ inline Texel sample_map(const BoundMap& map, const Surface& s) {
     const auto turned = [&](int row, F u, F v) {
         return set(map.matrix[row * 2]) * u + set(map.matrix[row * 2 + 1]) * v;
     };
-    const F raw_u = blend(s, uv[0][0], uv[1][0], uv[2][0]);
-    const F raw_v = blend(s, uv[0][1], uv[1][1], uv[2][1]);
+    const F raw_u = blend_within(s, uv[0][0], uv[1][0], uv[2][0]);
+    const F raw_v = blend_within(s, uv[0][1], uv[1][1], uv[2][1]);
     const F u1 = uv[1][0] - uv[0][0], u2 = uv[2][0] - uv[0][0];
     const F v1 = uv[1][1] - uv[0][1], v2 = uv[2][1] - uv[0][1];
     // u, v, then their change per pixel right and down.
@@ -192,7 +200,7 @@ inline M alpha_passes(const ShadeDraw& draw, I px, I py, I id) {
     if (draw.colors != nullptr) {
         const I index[3] = {shift_left<2>(s.corner[0]), shift_left<2>(s.corner[1]),
                             shift_left<2>(s.corner[2])};
-        alpha = alpha * attribute(s, draw.colors, index, 3);
+        alpha = alpha * attribute_within(s, draw.colors, index, 3);
     }
     if (draw.diffuse_map) alpha = alpha * sample_map(draw.diffuse_map, s).a;
     return alpha >= set(draw.alpha_cutoff);
@@ -356,7 +364,7 @@ inline Light interpolated_light(const ShadeDraw& draw, const Surface& s, M back)
     I index[3];
     for (int k = 0; k < 3; ++k)
         index[k] = s.corner[k] * set(std::int32_t(vertex_light_floats)) + side;
-    const auto value = [&](int c) { return attribute(s, draw.vertex_light, index, c); };
+    const auto value = [&](int c) { return attribute_within(s, draw.vertex_light, index, c); };
     return {{value(0), value(1), value(2)}, {value(3), value(4), value(5)}};
 }
 
@@ -383,9 +391,9 @@ inline V3 color_at(const ShadeDraw& draw, const ShadeFrame& frame, const Surface
     if (draw.colors != nullptr) {
         const I index[3] = {shift_left<2>(s.corner[0]), shift_left<2>(s.corner[1]),
                             shift_left<2>(s.corner[2])};
-        albedo =
-            albedo * V3{attribute(s, draw.colors, index, 0), attribute(s, draw.colors, index, 1),
-                        attribute(s, draw.colors, index, 2)};
+        albedo = albedo * V3{attribute_within(s, draw.colors, index, 0),
+                             attribute_within(s, draw.colors, index, 1),
+                             attribute_within(s, draw.colors, index, 2)};
     }
     if (draw.diffuse_map) {
         const Texel map = sample_map(draw.diffuse_map, s);
@@ -449,8 +457,8 @@ inline void attributes(const ShadeDraw& draw, const ShadeFrame& frame, const Att
         if (task.uvs != nullptr) {
             const I index[3] = {shift_left<1>(s.corner[0]), shift_left<1>(s.corner[1]),
                                 shift_left<1>(s.corner[2])};
-            u = attribute(s, task.uvs, index, 0);
-            v = attribute(s, task.uvs, index, 1);
+            u = attribute_within(s, task.uvs, index, 0);
+            v = attribute_within(s, task.uvs, index, 1);
         }
         store(u, task.uv[0] + n);
         store(v, task.uv[1] + n);
