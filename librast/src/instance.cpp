@@ -22,6 +22,20 @@ glm::dmat3 cofactors(const glm::dmat3& m) {
     return {glm::cross(m[1], m[2]), glm::cross(m[2], m[0]), glm::cross(m[0], m[1])};
 }
 
+constexpr float largest_color = 1e18f;
+
+bool usable(const glm::vec4& c) {
+    bool good = true;
+    for (int k = 0; k < 4; ++k) good = good && std::abs(c[k]) <= largest_color;  // NaN fails
+    return good;
+}
+
+glm::vec4 mended(const glm::vec4& c) {
+    for (int k = 0; k < 4; ++k)
+        if (!std::isfinite(c[k])) return glm::vec4(1.0f);
+    return glm::clamp(c, -largest_color, largest_color);
+}
+
 }  // namespace
 
 RenderInstance::RenderInstance(const prep::VertexMesh& mesh, std::uint32_t node,
@@ -48,6 +62,16 @@ RenderInstance::RenderInstance(const prep::VertexMesh& mesh, std::uint32_t node,
     records.resize(mesh.vertex_count());
     if (!mesh.positions.empty()) task_.positions = &mesh.positions[0].x;
     task_.out = records.data();
+    if (mesh.colors.empty()) return;
+    const std::vector<glm::vec4>& colors = mesh.colors[0];
+    if (std::all_of(colors.begin(), colors.end(), usable)) return;
+    mended_colors_.resize(colors.size());
+    std::transform(colors.begin(), colors.end(), mended_colors_.begin(), mended);
+}
+
+const float* RenderInstance::colors() const {
+    if (mesh_->colors.empty()) return nullptr;
+    return mended_colors_.empty() ? &mesh_->colors[0][0].x : &mended_colors_[0].x;
 }
 
 ScreenVertex RenderInstance::homogeneous(std::uint32_t vertex) const {

@@ -28,6 +28,10 @@ class RenderInstance final : public VertexSource {
     // Position about the mesh's origin → position from the eye, in world axes.
     const glm::dmat4& from_eye() const { return from_eye_; }
 
+    // Four floats per vertex, or null. Values that are not finite count as white and none is beyond
+    // 1e18, so that no product with light, material and texture leaves the range of floats.
+    const float* colors() const;
+
     ScreenVertex homogeneous(std::uint32_t vertex) const override;
     void transform(const Kernels& kernels, std::size_t begin, std::size_t end);
 
@@ -41,6 +45,7 @@ class RenderInstance final : public VertexSource {
     glm::dmat3 normal_matrix_{1.0};
     glm::dmat4 from_eye_{1.0};
     TransformTask task_;
+    std::vector<glm::vec4> mended_colors_;  // where the mesh's own are out of range
 };
 
 }  // namespace rast::detail

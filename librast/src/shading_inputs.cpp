@@ -92,7 +92,7 @@ ShadeDraw shade_draw(const RenderPlan& plan, const prep::PreparedScene& scene, c
     s.positions = &mesh.positions[0].x;
     if (!mesh.normals.empty()) s.normals = &mesh.normals[0].x;
     if (!mesh.tangents.empty()) s.tangents = &mesh.tangents[0].x;
-    if (!mesh.colors.empty()) s.colors = &mesh.colors[0][0].x;
+    s.colors = instance.colors();
     s.first_triangle = draw.first_triangle;
     s.triangle_count = draw.triangle_count;
     s.masked = material.alpha_mode == prep::AlphaMode::mask;
