@@ -15,6 +15,40 @@ glm::dvec3 safe_unit(const glm::dvec3& v, const glm::dvec3& otherwise) {
     return length > 0 && std::isfinite(length) ? v / length : otherwise;
 }
 
+// Nearest and farthest place along the view's direction that the box reaches.
+struct DepthRange {
+    double nearest = 0, farthest = 0;
+};
+DepthRange depths_of(const Bounds& bounds, const View& view) {
+    DepthRange range{INFINITY, -INFINITY};
+    const glm::dmat3 rotation(view.world_to_view);
+    for (int corner = 0; corner < 8; ++corner) {
+        const glm::dvec3 p(corner & 1 ? bounds.high.x : bounds.low.x,
+                           corner & 2 ? bounds.high.y : bounds.low.y,
+                           corner & 4 ? bounds.high.z : bounds.low.z);
+        const double depth = -(rotation * (p - view.eye())).z;
+        range.nearest = std::min(range.nearest, depth);
+        range.farthest = std::max(range.farthest, depth);
+    }
+    return range;
+}
+
+// Axes of a view that looks along −back.
+glm::dmat3 axes_of(const glm::dvec3& back, const glm::dvec3& up) {
+    glm::dvec3 right = glm::cross(safe_unit(up, {0, 1, 0}), back);
+    if (!(glm::length(right) > 1e-6))
+        right = glm::cross(
+            std::abs(back.y) > 0.9 ? glm::dvec3(0, 0, back.y > 0 ? -1 : 1) : glm::dvec3(0, 1, 0),
+            back);
+    right = glm::normalize(right);
+    return glm::transpose(glm::dmat3(right, glm::cross(back, right), back));
+}
+
+void put(View& view, const glm::dmat3& rotation, const glm::dvec3& eye) {
+    view.world_to_view = glm::dmat4(rotation);
+    view.world_to_view[3] = glm::dvec4(-(rotation * eye), 1.0);
+}
+
 constexpr double margin = 1.08;  // of the picture's half extent, around what is framed
 constexpr double degree = 3.14159265358979323846 / 180;
 
@@ -92,6 +126,63 @@ View orbit_view(const prep::PreparedScene& scene, const OrbitOptions& options) {
     view.world_to_view[3] = glm::dvec4(-(rotation * eye), 1.0);
     view.znear = std::max(0.99 * (distance - nearest), distance * 1e-3);
     return view;
+}
+
+View look_at_view(const prep::PreparedScene& scene, const LookAtOptions& options) {
+    View view;
+    view.yfov = options.yfov;
+    const glm::dvec3 back = safe_unit(options.eye - options.target, {0, 0, 1});
+    put(view, axes_of(back, options.up), options.eye);
+    const std::optional<Bounds> bounds = world_bounds(scene);
+    const double way = glm::length(options.eye - options.target);
+    view.znear = way > 0 ? way * 1e-2 : 1e-2;
+    if (!bounds) return view;
+    const DepthRange range = depths_of(*bounds, view);
+    const double farthest = range.farthest > 0 ? range.farthest : way;
+    view.znear = std::max(0.99 * range.nearest, farthest * 1e-4);
+    if (!(view.znear > 0)) view.znear = 1e-2;
+    return view;
+}
+
+View orthographic_view(const prep::PreparedScene& scene, const View& view, double height,
+                       double aspect) {
+    View out = view;
+    out.perspective = false;
+    out.half_height = height / 2;
+    out.znear = 0;
+    out.zfar = 1;
+    const std::optional<Bounds> bounds = world_bounds(scene);
+    if (bounds) {
+        const DepthRange range = depths_of(*bounds, view);
+        // A hundredth more on both sides: what lies in the box's sides is not to be cut.
+        const double more = std::max(range.farthest - range.nearest, bounds->radius()) * 0.01;
+        out.znear = std::max(range.nearest - more, 0.0);
+        out.zfar = std::max(range.farthest + more, out.znear + 1e-30);
+    }
+    if (!(out.zfar > out.znear)) out.zfar = out.znear + 1;
+    if (height > 0) return out;
+    out.half_height = 1;
+    if (!bounds) return out;
+    double half = 0;
+    const glm::dmat3 rotation(view.world_to_view);
+    for (int corner = 0; corner < 8; ++corner) {
+        const glm::dvec3 p(corner & 1 ? bounds->high.x : bounds->low.x,
+                           corner & 2 ? bounds->high.y : bounds->low.y,
+                           corner & 4 ? bounds->high.z : bounds->low.z);
+        const glm::dvec3 q = rotation * (p - view.eye());
+        half = std::max({half, std::abs(q.y), std::abs(q.x) / aspect});
+    }
+    if (half > 0) out.half_height = margin * half;
+    return out;
+}
+
+View turned_view(const View& view, const glm::dvec3& centre, double radians) {
+    const double c = std::cos(radians), s = std::sin(radians);
+    const glm::dmat3 turn(glm::dvec3(c, 0, -s), glm::dvec3(0, 1, 0), glm::dvec3(s, 0, c));
+    View out = view;
+    put(out, glm::dmat3(view.world_to_view) * glm::transpose(turn),
+        centre + turn * (view.eye() - centre));
+    return out;
 }
 
 View camera_view(const prep::Scene& scene, std::uint32_t camera_node) {

@@ -83,7 +83,7 @@ TEST(Bands, ThePlanBoundsTheirMemory) {
     const rast::RenderPlan plan = plan_of(scene, request);
     // 16 bytes a pixel: 4 GiB at once; in bands no more than was allowed, and little geometry.
     EXPECT_GE(plan.memory_estimate, std::uint64_t(1) << 32);
-    EXPECT_EQ(plan.band_rows, 1024u);
+    EXPECT_EQ(plan.band_rows, 256u);
     EXPECT_LE(plan.band_memory_estimate, request.band_bytes + (std::uint64_t(1) << 20));
 }
 

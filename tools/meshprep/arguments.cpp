@@ -6,7 +6,7 @@
 
 #include "meshprep/argument_words.h"
 #include "meshprep/file_list.h"
-#include "meshprep/render_words.h"
+#include "meshprep/render_arguments.h"
 #include "meshprep/version_text.h"
 
 namespace meshprep {
@@ -61,99 +61,6 @@ CLI::App* define_inspect(CLI::App& app, InspectCommand& c) {
         "  meshprep inspect teapot.obj\n"
         "  meshprep inspect model.glb --strict --quiet && echo clean\n"
         "  meshprep inspect model.glb --json | jq '.files[0].findings'");
-    return sub;
-}
-
-void parse_size(const std::string& text, RenderCommand& c) {
-    const std::vector<double> n = parse_numbers(text, 'x');
-    if (n.size() != 2 || n[0] != std::floor(n[0]) || n[1] != std::floor(n[1]) ||
-        std::min(n[0], n[1]) < 1 || std::max(n[0], n[1]) > rast::max_picture_extent)
-        usage_error("--size", "'" + text + "' is not a size such as 1280x720, up to 32768x32768");
-    c.size = glm::uvec2(static_cast<std::uint32_t>(n[0]), static_cast<std::uint32_t>(n[1]));
-}
-
-void parse_camera(const std::string& text, RenderCommand& c) {
-    const std::vector<double> n = parse_numbers(text, ',');
-    if (n.size() < 2) {
-        c.camera = text;
-        return;
-    }
-    const OrbitChoice orbit{n[0], n[1], n.size() > 2 ? n[2] : 1.0};
-    if (n.size() > 3 || std::abs(orbit.elevation) > 90 || orbit.distance <= 0)
-        usage_error("--camera", "'" + text +
-                                    "' is not AZIMUTH,ELEVATION[,DISTANCE] with an elevation from "
-                                    "-90 to 90 and a distance above 0");
-    c.camera = orbit;
-}
-
-void parse_lights(const std::vector<std::string>& texts, RenderCommand& c) {
-    for (const std::string& text : texts) {
-        const std::vector<double> n = parse_numbers(text, ',');
-        if (n.size() < 2 || n.size() > 3 || (n.size() > 2 && n[2] < 0))
-            usage_error("--light", "'" + text + "' is not AZIMUTH,ELEVATION[,INTENSITY]");
-        c.lights.push_back({n[0], n[1], static_cast<float>(n.size() > 2 ? n[2] : 1.0)});
-    }
-}
-
-CLI::App* define_render(CLI::App& app, RenderCommand& c) {
-    CLI::App* sub = app.add_subcommand("render", "Draw a scene or a mesh");
-    sub->add_option("input", c.input, "A scene or mesh file")->required()->type_name("FILE");
-    sub->add_option("-o,--output", c.output, "The picture: .png, .jpg, .exr and others")
-        ->required()
-        ->type_name("IMAGE");
-    add_words<rast::Shading>(
-        sub, "--shading", shading_words(), [&c](rast::Shading s) { c.shading = s; },
-        "Shading frequency (default normal-mapped)");
-    sub->add_option_function<std::string>(
-           "--size", [&c](const std::string& text) { parse_size(text, c); },
-           "Pixels (default 1024x768)")
-        ->type_name("WxH");
-    sub->add_option_function<std::string>(
-           "--camera", [&c](const std::string& text) { parse_camera(text, c); },
-           "AZIMUTH,ELEVATION[,DISTANCE]: degrees around the scene, distance 1 fits it; or the "
-           "name "
-           "or number of a camera in the file. Default: the file's camera, else 30,20")
-        ->type_name("AZ,EL[,D]|NAME|N");
-    sub->add_option_function<std::vector<std::string>>(
-           "--light", [&c](const std::vector<std::string>& texts) { parse_lights(texts, c); },
-           "Instead of the file's lights: a directional one from this direction, in degrees seen "
-           "from the camera (0,0 a headlight; 90,0 from the right); may be repeated")
-        ->type_name("AZ,EL[,I]")
-        ->expected(1)
-        ->take_all();
-    sub->add_option("--ambient", c.ambient, "Ambient light beside --light (default 0.1)")
-        ->check(number_from_to(0, 100))
-        ->type_name("I");
-    sub->add_option_function<std::string>(
-           "--background",
-           [&c](const std::string& text) { c.background = parse_color("--background", text); },
-           "#rrggbb, or linear R,G,B")
-        ->type_name("COLOUR");
-    add_words<rast::Cull>(
-        sub, "--cull", cull_words(), [&c](rast::Cull v) { c.cull = v; },
-        "Faces left out (default by-material: back faces, unless double-sided)");
-    add_words<rast::TextureFilter>(
-        sub, "--filter", filter_words(), [&c](rast::TextureFilter v) { c.filter = v; },
-        "Texture filter (default trilinear)");
-    sub->add_option("--samples", c.samples, "Samples a pixel: 1 (default), 2, 4, 8 or 16")
-        ->check(CLI::IsMember({1, 2, 4, 8, 16}))
-        ->type_name("N");
-    add_words<bool>(
-        sub, "--tone-map", {{"off", false}, {"reinhard", true}}, [&c](bool on) { c.tone_map = on; },
-        "How light above 1 is shown (default off: clipped)");
-    sub->add_option("--exposure", c.exposure, "Light is multiplied by this (default 1)")
-        ->check(number_from_to(1e-6, 1e6))
-        ->type_name("E");
-    sub->add_flag_callback(
-        "--no-textures", [&c] { c.textures = false; }, "Material colours only");
-    sub->add_flag("--explain", c.explain, "Print the plan: each step, run or skipped, and why");
-    add_preparation_options(sub, c.prepare);
-    add_common_options(sub, c.common);
-    sub->footer(
-        "Examples:\n"
-        "  meshprep render spot.obj -o spot.png --shading phong --camera 40,15\n"
-        "  meshprep render room.json -o room.png --explain\n"
-        "  meshprep render rock.glb -o rock.exr --size 1920x1080 --light 45,30 --light=-60,10,0.3");
     return sub;
 }
 
@@ -268,6 +175,7 @@ Arguments parse_arguments(int argc, const char* const* argv) {
             usage_error("--output", "is missing; give -o FILE or -o DIR (or --in-place)");
         if (prepare_app->parsed() && !prepare.output.empty() && prepare.in_place)
             usage_error("--in-place", "writes over the inputs; it takes no --output");
+        if (render_app->parsed()) check_render(render);
     } catch (const CLI::ParseError& error) {
         std::ostringstream to_out, to_err;
         const bool asked = app.exit(error, to_out, to_err) == 0;

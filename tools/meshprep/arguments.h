@@ -47,7 +47,16 @@ struct InspectCommand {
 struct OrbitChoice {
     double azimuth = 30, elevation = 20, distance = 1;  // degrees; times the fitting distance
 };
-using CameraChoice = std::variant<std::monostate, OrbitChoice, std::string>;
+// A place to look from, and what at (unset: the scene's centre).
+struct PlaceChoice {
+    glm::dvec3 from{0, 0, 1};
+    std::optional<glm::dvec3> at;
+    glm::dvec3 up{0, 1, 0};
+};
+using CameraChoice = std::variant<std::monostate, OrbitChoice, std::string, PlaceChoice>;
+
+// What can be written beside the colours, at each pixel's first sample.
+enum class Buffer : std::uint8_t { depth, id, normal, uv, barycentric, position };
 
 // What `--light` gives: a direction from which light comes, seen from the camera, in degrees.
 struct LightChoice {
@@ -62,12 +71,21 @@ struct RenderCommand {
     std::optional<glm::uvec2> size;
     std::optional<rast::Shading> shading;
     CameraChoice camera;
+    std::optional<double> yfov;          // radians
+    std::optional<double> ortho_height;  // world units; 0: the scene fits
+    std::uint32_t turntable = 0;         // pictures around the scene; 0: one, as it stands
+    std::optional<rast::Crop> crop;
+    std::vector<Buffer> buffers;
+    std::filesystem::path buffer_file;  // all of them in one file; empty: a file each
+    bool overwrite = true;
     std::vector<LightChoice> lights;
     std::optional<float> ambient;
     std::optional<glm::vec3> background;  // linear
     std::optional<rast::Cull> cull;
     std::optional<rast::TextureFilter> filter;
+    int max_anisotropy = 8;
     int samples = 1;
+    std::optional<std::uint64_t> band_bytes;
     std::optional<bool> tone_map;
     float exposure = 1;
     bool textures = true;

@@ -6,6 +6,8 @@
 
 #include "meshprep/commands.h"
 #include "meshprep/file_list.h"
+#include "meshprep/render_outputs.h"
+#include "meshprep/render_views.h"
 #include "meshprep/render_words.h"
 #include "meshprep/report_json.h"
 #include "prep/image.h"
@@ -32,45 +34,6 @@ Result<prep::JsonScene> load(const std::filesystem::path& path, int threads) {
     Result<prep::Scene> scene = prep::load_scene(path, {threads});
     if (!scene) return scene.error();
     return prep::JsonScene{*std::move(scene), {}};
-}
-
-// A node with a camera, by the node's or the camera's name, or the n-th of them.
-Result<std::uint32_t> find_camera(const prep::Scene& scene, const std::string& text) {
-    std::vector<std::uint32_t> nodes;
-    std::string names;
-    for (std::uint32_t n = 0; n < scene.nodes.size(); ++n) {
-        if (scene.nodes[n].camera == prep::no_index) continue;
-        const std::string& camera = scene.cameras[scene.nodes[n].camera].name;
-        if (scene.nodes[n].name == text || camera == text) return n;
-        const std::string& name = scene.nodes[n].name.empty() ? camera : scene.nodes[n].name;
-        names += (nodes.empty() ? "" : ", ") + std::to_string(nodes.size()) +
-                 (name.empty() ? "" : " '" + name + "'");
-        nodes.push_back(n);
-    }
-    if (!text.empty() && text.find_first_not_of("0123456789") == std::string::npos &&
-        text.size() < 10) {
-        const auto index = static_cast<std::size_t>(std::stoul(text));
-        if (index < nodes.size()) return nodes[index];
-    }
-    return Error{
-        ErrorCode::invalid,
-        "no camera '" + text + "' in the scene; " +
-            (nodes.empty() ? "it has none: give --camera AZIMUTH,ELEVATION" : "it has " + names),
-        scene.source.string()};
-}
-
-rast::View orbit(const prep::PreparedScene& prepared, const OrbitChoice& choice, double aspect) {
-    rast::OrbitOptions options;
-    options.azimuth_degrees = choice.azimuth;
-    options.elevation_degrees = choice.elevation;
-    options.aspect = aspect;
-    if (choice.distance != 1) {
-        const std::optional<rast::Bounds> bounds = rast::world_bounds(prepared);
-        const glm::dvec3 centre = bounds ? bounds->centre() : glm::dvec3(0);
-        options.distance =
-            choice.distance * glm::length(rast::orbit_view(prepared, options).eye() - centre);
-    }
-    return rast::orbit_view(prepared, options);
 }
 
 rast::LightInstance ambient_light(float intensity) {
@@ -103,10 +66,18 @@ std::vector<rast::LightInstance> lights_of(const RenderCommand& command,
     return lights;
 }
 
+// What must not be written over.
+std::vector<std::filesystem::path> files_read(const RenderCommand& command,
+                                              const prep::PreparedScene& prepared) {
+    std::vector<std::filesystem::path> files = prepared.scene.libraries;
+    files.push_back(command.input);
+    for (const prep::ImageRef& image : prepared.scene.images)
+        if (image.bytes.empty()) files.push_back(image.path);
+    return files;
+}
+
 // The command line first, then the scene file's wishes, then the renderer's defaults.
-Result<rast::RenderRequest> request_of(const RenderCommand& command,
-                                       const prep::PictureSettings& picture,
-                                       const prep::PreparedScene& prepared) {
+rast::RenderRequest request_of(const RenderCommand& command, const prep::PictureSettings& picture) {
     rast::RenderRequest request;
     request.threads = command.common.threads;
     const std::optional<glm::uvec2> size = command.size ? command.size : picture.size;
@@ -131,44 +102,25 @@ Result<rast::RenderRequest> request_of(const RenderCommand& command,
     request.textures = command.textures;
     request.samples = command.samples;
 
-    const double aspect = static_cast<double>(request.width) / request.height;
-    if (const auto* choice = std::get_if<OrbitChoice>(&command.camera)) {
-        request.view = orbit(prepared, *choice, aspect);
-    } else if (const auto* name = std::get_if<std::string>(&command.camera)) {
-        const Result<std::uint32_t> node = find_camera(prepared.scene, *name);
-        if (!node) return node.error();
-        request.view = rast::camera_view(prepared.scene, *node);
-    } else if (picture.orbit_azimuth) {
-        request.view = orbit(prepared,
-                             {*picture.orbit_azimuth / degrees, *picture.orbit_elevation / degrees,
-                              *picture.orbit_distance},
-                             aspect);
-    }
+    request.max_anisotropy = command.max_anisotropy;
+    request.crop = command.crop;
+    if (command.band_bytes) request.band_bytes = *command.band_bytes;
+    keep(request, command.buffers);
+    return request;
+}
+
+// The request for one of the pictures.
+Result<rast::RenderPlan> plan_of(const RenderCommand& command, const prep::PreparedScene& prepared,
+                                 rast::RenderRequest request,
+                                 const std::optional<rast::View>& view) {
+    request.view = view;
     if (!command.lights.empty() || command.ambient) {
         // The plan knows the view and the lights there would be otherwise.
         const Result<rast::RenderPlan> plan = rast::plan(prepared, request);
         if (!plan) return plan.error();
         request.lights = lights_of(command, *plan);
     }
-    return request;
-}
-
-bool keeps_float(const std::filesystem::path& path) {
-    const std::string ending = lower_ending(path);
-    return ending == "exr" || ending == "hdr" || ending == "pfm";
-}
-
-// Linear, for formats that hold it.
-prep::Image linear_image(const rast::Frame& frame, float exposure) {
-    prep::Image image;
-    image.width = frame.width;
-    image.height = frame.height;
-    image.channels = 4;
-    image.pixels.reserve(frame.color.size() * 4);
-    for (const glm::vec4& c : frame.color)
-        for (const float v : {c.r * exposure, c.g * exposure, c.b * exposure, c.a})
-            image.pixels.push_back(v);
-    return image;
+    return rast::plan(prepared, request);
 }
 
 Json plan_json(const rast::RenderPlan& plan) {
@@ -179,6 +131,8 @@ Json plan_json(const rast::RenderPlan& plan) {
     json["triangles"] = plan.triangles;
     json["lights"] = plan.lights.size();
     json["memory_estimate"] = plan.memory_estimate;
+    json["band_rows"] = plan.band_rows;
+    json["band_memory_estimate"] = plan.band_memory_estimate;
     json["steps"] = Json::array();
     for (const rast::PlanStep& s : plan.steps)
         json["steps"].push_back({{"step", s.name}, {"run", s.run}, {"reason", s.reason}});
@@ -192,6 +146,44 @@ Json counters_json(const rast::Counters& c) {
             {"crossing", c.crossing},     {"pixels_shaded", c.pixels_shaded}};
 }
 
+void explain(const rast::RenderPlan& plan, const CommonOptions& common, Console& console) {
+    std::vector<std::vector<std::string>> rows;
+    for (const rast::PlanStep& s : plan.steps)
+        rows.push_back({s.name, s.run ? "run" : "skipped", s.reason});
+    for (const std::string& line : align_table(rows, {})) console.result(common, line);
+    console.result(
+        common, fmt::format("  {}, about {} beside textures", count_of(plan.triangles, "triangle"),
+                            byte_size(plan.band_memory_estimate)));
+}
+
+// What drawing one picture came to.
+struct Drawn {
+    rast::Frame frame;  // without pixels
+    std::vector<std::filesystem::path> paths;
+    double draw_ms = 0, write_ms = 0;
+};
+
+Result<Drawn> draw(const prep::PreparedScene& prepared, const rast::RenderPlan& plan,
+                   prep::ImageFiles& files, const OutputOptions& options) {
+    const Clock::time_point start = Clock::now();
+    Drawn drawn;
+    RenderOutputs outputs(files, options);
+    if (const Result<void> opened = outputs.open(plan); !opened) return opened.error();
+    drawn.write_ms = since(start);
+    Result<rast::Frame> frame = rast::render_bands(
+        prepared, plan, [&](const rast::Frame& band, std::uint32_t) -> Result<void> {
+            const Clock::time_point before = Clock::now();
+            Result<void> written = outputs.write(band);
+            drawn.write_ms += since(before);
+            return written;
+        });
+    if (!frame) return frame.error();
+    drawn.frame = *std::move(frame);
+    drawn.paths = outputs.paths();
+    drawn.draw_ms = since(start) - drawn.write_ms;
+    return drawn;
+}
+
 Result<Json> render_file(const RenderCommand& command, Console& console) {
     const CommonOptions& common = command.common;
     if (const Result<void> there = require_file(command.input); !there) return there.error();
@@ -200,6 +192,9 @@ Result<Json> render_file(const RenderCommand& command, Console& console) {
     if (std::filesystem::equivalent(command.input, command.output, ec))
         return Error{ErrorCode::invalid, "the picture would be written over the input",
                      command.output.string()};
+    if (!command.buffer_file.empty())
+        if (const Result<void> parent = require_parent(command.buffer_file); !parent)
+            return parent.error();
 
     console.progress(common, command.input.string() + " … reading");
     Clock::time_point start = Clock::now();
@@ -217,54 +212,66 @@ Result<Json> render_file(const RenderCommand& command, Console& console) {
     if (!prepared) return prepared.error();
     const double prepare_ms = since(start);
 
-    const Result<rast::RenderRequest> request = request_of(command, loaded->picture, *prepared);
-    if (!request) return request.error();
-    const Result<rast::RenderPlan> plan = rast::plan(*prepared, *request);
-    if (!plan) return plan.error();
-    for (const std::string& text : plan->warnings) console.warning(common, text);
+    const rast::RenderRequest request = request_of(command, loaded->picture);
+    const Result<std::vector<std::optional<rast::View>>> views = views_of(
+        command, loaded->picture, *prepared, static_cast<double>(request.width) / request.height);
+    if (!views) return views.error();
 
-    console.progress(common, command.input.string() + " … drawing");
-    start = Clock::now();
-    const Result<rast::Frame> frame = rast::render(*prepared, *plan);
-    if (!frame) return frame.error();
-    const double render_ms = since(start);
-    for (const std::string& text : frame->warnings) console.warning(common, text);
-
-    rast::ToneOptions tone;
-    tone.exposure = command.exposure;
-    tone.tone_map =
+    OutputOptions outputs;
+    outputs.buffers = command.buffers;
+    outputs.tone.exposure = command.exposure;
+    outputs.tone.tone_map =
         command.tone_map.value_or(loaded->picture.tone_map.value_or("off") == "reinhard");
-    const bool linear = keeps_float(command.output);
-    start = Clock::now();
-    const Result<void> saved = prep::save_image(
-        command.output,
-        linear ? linear_image(*frame, command.exposure) : rast::to_srgb(*frame, tone),
-        linear ? prep::PixelType::f32 : prep::PixelType::u8);
-    if (!saved) return saved.error();
-    const double write_ms = since(start);
-
-    if (command.explain) {
-        std::vector<std::vector<std::string>> rows;
-        for (const rast::PlanStep& s : plan->steps)
-            rows.push_back({s.name, s.run ? "run" : "skipped", s.reason});
-        for (const std::string& line : align_table(rows, {})) console.result(common, line);
-        console.result(common, fmt::format("  {}, about {} beside textures",
-                                           count_of(plan->triangles, "triangle"),
-                                           byte_size(plan->memory_estimate)));
-    }
-    console.result(common,
-                   fmt::format("{} → {}  {}×{}, {}, {}; read {}, prepare {}, draw {}, write {}",
-                               command.input.string(), command.output.string(), frame->width,
-                               frame->height, word_of(shading_words(), plan->request.shading),
-                               count_of(plan->triangles, "triangle"), duration(read_ms),
-                               duration(prepare_ms), duration(render_ms), duration(write_ms)));
+    prep::ImageFiles files({command.overwrite, files_read(command, *prepared)});
     Json json;
     json["input"] = command.input.string();
     json["output"] = command.output.string();
-    json["plan"] = plan_json(*plan);
-    json["counters"] = counters_json(frame->counters);
-    json["warnings"] = plan->warnings;
-    for (const std::string& text : frame->warnings) json["warnings"].push_back(text);
+    json["outputs"] = Json::array();
+    json["warnings"] = Json::array();
+    double render_ms = 0, write_ms = 0;
+    const auto count = std::uint32_t(views->size());
+    for (std::uint32_t n = 0; n < count; ++n) {
+        const Result<rast::RenderPlan> plan = plan_of(command, *prepared, request, (*views)[n]);
+        if (!plan) return plan.error();
+        console.progress(common, command.input.string() + " … drawing" +
+                                     (count > 1 ? fmt::format(" {}/{}", n + 1, count) : ""));
+        const bool sequence = command.turntable > 0;
+        outputs.picture = sequence ? sequence_name(command.output, n, count) : command.output;
+        outputs.buffer_file = sequence && !command.buffer_file.empty()
+                                  ? sequence_name(command.buffer_file, n, count)
+                                  : command.buffer_file;
+        const Result<Drawn> drawn = draw(*prepared, *plan, files, outputs);
+        if (!drawn) return drawn.error();
+        render_ms += drawn->draw_ms;
+        write_ms += drawn->write_ms;
+        for (const std::filesystem::path& path : drawn->paths)
+            json["outputs"].push_back(path.string());
+        if (n > 0) continue;
+        for (const std::string& text : drawn->frame.warnings) {
+            console.warning(common, text);
+            json["warnings"].push_back(text);
+        }
+        json["plan"] = plan_json(*plan);
+        json["counters"] = counters_json(drawn->frame.counters);
+        if (command.explain) explain(*plan, common, console);
+    }
+    const Clock::time_point committing = Clock::now();
+    if (const Result<void> saved = files.commit(); !saved) return saved.error();
+    write_ms += since(committing);
+    const Json& plan = json["plan"];
+    const std::size_t written = json["outputs"].size();
+    console.result(
+        common,
+        fmt::format("{} → {}  {}×{}, {}, {}; read {}, prepare {}, draw {}, write {}",
+                    command.input.string(),
+                    written == 1 ? json["outputs"][0].get<std::string>()
+                                 : fmt::format("{} and {} more",
+                                               json["outputs"][0].get<std::string>(), written - 1),
+                    request.crop ? request.crop->width : request.width,
+                    request.crop ? request.crop->height : request.height,
+                    plan["shading"].get<std::string>(),
+                    count_of(plan["triangles"].get<std::uint64_t>(), "triangle"), duration(read_ms),
+                    duration(prepare_ms), duration(render_ms), duration(write_ms)));
     json["milliseconds"] = {
         {"read", read_ms}, {"prepare", prepare_ms}, {"render", render_ms}, {"write", write_ms}};
     return json;

@@ -30,4 +30,14 @@ const Words<rast::TextureFilter>& filter_words() {
     return words;
 }
 
+const Words<Buffer>& buffer_words() {
+    static const Words<Buffer> words = {{"depth", Buffer::depth},
+                                        {"id", Buffer::id},
+                                        {"normal", Buffer::normal},
+                                        {"uv", Buffer::uv},
+                                        {"barycentric", Buffer::barycentric},
+                                        {"position", Buffer::position}};
+    return words;
+}
+
 }  // namespace meshprep

@@ -57,7 +57,7 @@ struct RenderRequest {
     bool keep_normals = false, keep_uvs = false, keep_barycentrics = false, keep_positions = false;
     std::optional<Crop> crop;                           // unset: the whole picture
     int samples = 1;                                    // per pixel: 1, 2, 4, 8 or 16
-    std::uint64_t band_bytes = std::uint64_t(1) << 28;  // render_bands(): of a band's pixels
+    std::uint64_t band_bytes = std::uint64_t(1) << 26;  // render_bands(): of a band's pixels
     int threads = 0;  // 0: all cores; the picture does not depend on it
     prep::SimdLevel simd = prep::SimdLevel::automatic;  // nor on this
 };

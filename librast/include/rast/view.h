@@ -51,6 +51,25 @@ struct OrbitOptions {
 // A perspective view of the whole scene. An empty scene gives a view of the origin from distance 1.
 View orbit_view(const prep::PreparedScene& scene, const OrbitOptions& options = {});
 
+struct LookAtOptions {
+    glm::dvec3 eye{0, 0, 1}, target{0.0};  // world
+    glm::dvec3 up{0, 1, 0};                // along or against the gaze: another axis is taken
+    double yfov = 0.6;
+};
+// A perspective view from one place towards another, with a near plane as far as the scene allows
+// (never nearer than 1/10,000 of the way to its farthest corner). The eye upon the target: looks
+// along −Z.
+View look_at_view(const prep::PreparedScene& scene, const LookAtOptions& options);
+
+// The same place and direction without perspective, `height` world units from bottom to top of the
+// picture (0: as many as show all of the scene), near and far planes around the scene.
+View orthographic_view(const prep::PreparedScene& scene, const View& view, double height,
+                       double aspect);
+
+// The camera carried around the vertical axis (+Y) through `centre`, eastwards: an orbit's azimuth
+// grows.
+View turned_view(const View& view, const glm::dvec3& centre, double radians);
+
 // The view of a camera node (its aspect, or the picture's where it names none).
 View camera_view(const prep::Scene& scene, std::uint32_t camera_node);
 
