@@ -221,10 +221,16 @@ inline F largest(V3 v) {
     return max(max(abs(v.x), abs(v.y)), abs(v.z));
 }
 
+// Whether a vector of this largest component has a direction. Above the limit, one over it would
+// be flushed to zero.
+inline M is_length(F size) {
+    return (size > set(0.0f)) & (size < set(8.0e37f));
+}
+
 // Unit length whatever the length was; lanes without a direction (zero, NaN) get `otherwise`.
 inline V3 unit_or(V3 v, V3 otherwise) {
     const F size = largest(v);
-    const M good = (size > set(0.0f)) & (size < set(3.0e38f));
+    const M good = is_length(size);
     const V3 scaled = v * (set(1.0f) / select(good, size, set(1.0f)));
     const F inverse = set(1.0f) / sqrt(select(good, dot(scaled, scaled), set(1.0f)));
     return select(good, scaled * inverse, otherwise);
@@ -276,7 +282,7 @@ inline V3 normal_at(const ShadeDraw& draw, const Surface& s, M back, V3 to_eye) 
     }
     n = transformed_normal(draw, n);
     // Opposite normals pass through zero: the geometric one takes over.
-    const M good = largest(n) > set(0.0f);
+    const M good = is_length(largest(n));
     const V3 otherwise = all(good) ? n : face_normal(draw, s, seen(to_eye));
     return seen(unit_or(n, otherwise));
 }
