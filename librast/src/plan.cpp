@@ -57,11 +57,7 @@ class Planner {
         lights();
         shading();
         textures();
-        step("multisampling", plan_.request.samples > 1,
-             plan_.request.samples > 1
-                 ? std::to_string(plan_.request.samples) +
-                       " samples a pixel asked for; shaded once per triangle and pixel"
-                 : "one sample a pixel asked for");
+        anti_aliasing();
         step("culling", plan_.request.cull != Cull::none, cull_reason());
         step("alpha blending", false,
              any([](const Material& m) { return m.alpha_mode == prep::AlphaMode::blend; })
@@ -94,6 +90,23 @@ class Planner {
         plan_.steps.push_back({std::move(name), run, std::move(reason)});
     }
 
+    void anti_aliasing() {
+        const RenderRequest& r = plan_.request;
+        const bool areas = r.coverage == Coverage::area;
+        step("multisampling", r.samples > 1,
+             r.samples > 1 ? std::to_string(r.samples) +
+                                 " samples a pixel asked for; shaded once per triangle and pixel"
+             : areas ? "exact areas take its place"
+                     : "one sample a pixel asked for");
+        step("exact areas", areas,
+             areas ? "asked for: every triangle counts by what is seen of it"
+                   : "samples decide what is seen");
+        step("supersampling", r.supersample > 1,
+             r.supersample > 1 ? "each pixel is the mean of " +
+                                     std::to_string(r.supersample * r.supersample) + " finer ones"
+                               : "none asked for");
+    }
+
     // Bands are whole rows of tiles where that fits, so that no tile is drawn twice.
     void memory() {
         const RenderRequest& r = plan_.request;
@@ -109,8 +122,12 @@ class Planner {
         plan_.band_rows = std::uint32_t(std::min(rows, height));
         const std::uint64_t geometry = survey_.vertices * sizeof(detail::VertexRecord) +
                                        survey_.triangles * (sizeof(detail::SetupTriangle) + 4);
-        plan_.memory_estimate = height * row + geometry;
-        plan_.band_memory_estimate = plan_.band_rows * row + geometry;
+        // Supersampled, a row of tiles of the finer picture at a time.
+        const std::uint64_t factor = std::uint64_t(r.supersample);
+        const std::uint64_t fine =
+            factor > 1 ? 16 * width * factor * (tile + factor - 1) / factor * factor : 0;
+        plan_.memory_estimate = height * row + fine + geometry;
+        plan_.band_memory_estimate = plan_.band_rows * row + fine + geometry;
         step("bands", plan_.band_rows < height,
              plan_.band_rows < height
                  ? "the whole picture's pixels would take more than " +
@@ -280,6 +297,25 @@ prep::Result<RenderPlan> plan(const prep::PreparedScene& scene, const RenderRequ
     if (samples != 1 && samples != 2 && samples != 4 && samples != 8 && samples != 16)
         return prep::Error{prep::ErrorCode::invalid,
                            "a pixel has 1, 2, 4, 8 or 16 samples, found " + std::to_string(samples),
+                           ""};
+    if (request.supersample < 1 || request.supersample > max_supersample)
+        return prep::Error{prep::ErrorCode::invalid,
+                           "supersampling is 1 to " + std::to_string(max_supersample) +
+                               " pixels each way, found " + std::to_string(request.supersample),
+                           ""};
+    if (request.coverage == Coverage::area && samples != 1)
+        return prep::Error{
+            prep::ErrorCode::invalid,
+            "exact areas take the place of samples: ask for 1 sample a pixel, found " +
+                std::to_string(samples),
+            ""};
+    const std::uint32_t most = max_picture_extent / std::uint32_t(request.supersample);
+    if (request.width > most || request.height > most)
+        return prep::Error{prep::ErrorCode::limit,
+                           "supersampled " + std::to_string(request.supersample) +
+                               " times, a picture is at most " + std::to_string(most) +
+                               " pixels a side, found " + std::to_string(request.width) + "x" +
+                               std::to_string(request.height),
                            ""};
     return Planner(scene, request).run();
 }

@@ -8,10 +8,12 @@
 #include <cmath>
 
 #include "color.h"
+#include "coverage_resolve.h"
 #include "parallel_tiles.h"
 #include "samples.h"
 #include "setup.h"
 #include "shading_inputs.h"
+#include "supersample.h"
 
 namespace rast {
 
@@ -112,6 +114,9 @@ class Renderer {
         parallel_items(window_.tile_count(), threads_, [&](std::size_t tile) {
             shaded[tile] = draw_tile(std::uint32_t(tile), scratch_.local());
         });
+        if (plan_.request.coverage == Coverage::area) {
+            shaded.assign(1, resolve_areas());
+        }
         for (const TriangleChunk& chunk : chunks_) add(frame_.counters, chunk.counters);
         for (const std::uint64_t n : shaded) frame_.counters.pixels_shaded += n;
         frame_.raster_ms = milliseconds_since(raster_start);
@@ -229,6 +234,14 @@ class Renderer {
         for (std::uint32_t c = 0; c < chunks_.size(); ++c)
             for (const TileSlice& slice : chunks_[c].slices)
                 tile_work_[slice.tile].push_back({c, slice.begin, slice.end});
+    }
+
+    std::uint64_t resolve_areas() {
+        CoverageScene scene{&plan_,        &kernels_,      &instances_, &draws_,
+                            &shade_draws_, &inputs_.frame, {}};
+        for (const Draw& draw : draws_)
+            scene.cull.push_back(cull_side(plan_, prepared_, draw.material));
+        return resolve_coverage(scene, window_, threads_, frame_);
     }
 
     void allocate() {
@@ -478,33 +491,87 @@ class Renderer {
 
 }  // namespace
 
+namespace {
+
+// Parts of a picture, supersampled where the plan says so.
+class Painter {
+  public:
+    Painter(const prep::PreparedScene& scene, const RenderPlan& plan) : plan_(plan) {
+        const RenderRequest& r = plan.request;
+        if (r.supersample == 1 || keeps_buffers(r)) plain_.emplace(scene, plan_);
+        if (r.supersample == 1) return;
+        fine_plan_ = finer_plan(plan);
+        fine_.emplace(scene, fine_plan_);
+    }
+    Painter(const Painter&) = delete;
+    Painter& operator=(const Painter&) = delete;
+
+    Frame draw(const Crop& part) {
+        if (!fine_) return plain_->draw(part);
+        Frame frame;
+        if (plain_) frame = plain_->draw(part);
+        frame.width = part.width;
+        frame.height = part.height;
+        frame.color.resize(std::size_t(part.width) * part.height);
+        frame.counters = {};
+        const auto factor = std::uint32_t(plan_.request.supersample);
+        const std::uint32_t step = (std::uint32_t(tile_size) + factor - 1) / factor;
+        for (std::uint32_t row = 0; row < part.height; row += step) {
+            const std::uint32_t rows = std::min(step, part.height - row);
+            const Frame fine = fine_->draw(
+                {part.x * factor, (part.y + row) * factor, part.width * factor, rows * factor});
+            reduce(fine, factor, row, frame);
+            add(frame.counters, fine.counters);
+            frame.geometry_ms += fine.geometry_ms;
+            frame.raster_ms += fine.raster_ms;
+        }
+        return frame;
+    }
+
+    std::vector<std::string> warnings() const {
+        std::vector<std::string> all = plan_.warnings;
+        const std::vector<std::string>& more = (fine_ ? fine_ : plain_)->warnings();
+        all.insert(all.end(), more.begin(), more.end());
+        return all;
+    }
+
+  private:
+    static bool keeps_buffers(const RenderRequest& r) {
+        return r.keep_depth || r.keep_ids || r.keep_normals || r.keep_uvs || r.keep_barycentrics ||
+               r.keep_positions;
+    }
+
+    const RenderPlan& plan_;
+    RenderPlan fine_plan_;
+    std::optional<Renderer> plain_, fine_;
+};
+
+}  // namespace
+
 prep::Result<Frame> render(const prep::PreparedScene& scene, const RenderPlan& plan) {
-    Renderer renderer(scene, plan);
-    Frame frame = renderer.draw(picture_part(plan));
-    frame.warnings = plan.warnings;
-    frame.warnings.insert(frame.warnings.end(), renderer.warnings().begin(),
-                          renderer.warnings().end());
+    Painter painter(scene, plan);
+    Frame frame = painter.draw(picture_part(plan));
+    frame.warnings = painter.warnings();
     return frame;
 }
 
 prep::Result<Frame> render_bands(const prep::PreparedScene& scene, const RenderPlan& plan,
                                  const BandSink& take) {
-    Renderer renderer(scene, plan);
+    Painter painter(scene, plan);
     const Crop part = picture_part(plan);
     Frame all;
     all.width = part.width;
     all.height = part.height;
     for (std::uint32_t row = 0; row < part.height;) {
         const std::uint32_t rows = std::min(std::max(plan.band_rows, 1u), part.height - row);
-        const Frame band = renderer.draw({part.x, part.y + row, part.width, rows});
+        const Frame band = painter.draw({part.x, part.y + row, part.width, rows});
         add(all.counters, band.counters);
         all.geometry_ms += band.geometry_ms;
         all.raster_ms += band.raster_ms;
         if (prep::Result<void> taken = take(band, row); !taken) return taken.error();
         row += rows;
     }
-    all.warnings = plan.warnings;
-    all.warnings.insert(all.warnings.end(), renderer.warnings().begin(), renderer.warnings().end());
+    all.warnings = painter.warnings();
     return all;
 }
 

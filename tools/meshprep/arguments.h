@@ -85,6 +85,8 @@ struct RenderCommand {
     std::optional<rast::TextureFilter> filter;
     int max_anisotropy = 8;
     int samples = 1;
+    int supersample = 1;
+    rast::Coverage coverage = rast::Coverage::samples;
     std::optional<std::uint64_t> band_bytes;
     std::optional<bool> tone_map;
     float exposure = 1;

@@ -101,6 +101,8 @@ rast::RenderRequest request_of(const RenderCommand& command, const prep::Picture
         command.background.value_or(picture.background.value_or(request.background));
     request.textures = command.textures;
     request.samples = command.samples;
+    request.supersample = command.supersample;
+    request.coverage = command.coverage;
 
     request.max_anisotropy = command.max_anisotropy;
     request.crop = command.crop;

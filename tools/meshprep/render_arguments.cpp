@@ -222,6 +222,15 @@ CLI::App* define_render(CLI::App& app, RenderCommand& c) {
     sub->add_option("--samples", c.samples, "Samples a pixel: 1 (default), 2, 4, 8 or 16")
         ->check(CLI::IsMember({1, 2, 4, 8, 16}))
         ->type_name("N");
+    sub->add_option("--supersample", c.supersample,
+                    "Each pixel is the mean of N x N finer ones, in linear light (default 1)")
+        ->check(CLI::Range(1, rast::max_supersample))
+        ->type_name("N");
+    add_words<rast::Coverage>(
+        sub, "--coverage", {{"samples", rast::Coverage::samples}, {"area", rast::Coverage::area}},
+        [&c](rast::Coverage v) { c.coverage = v; },
+        "What decides how much of a pixel a surface fills: samples (default), or the exact area "
+        "that is seen of it (slow; for reference pictures)");
     sub->add_option("--max-anisotropy", c.max_anisotropy,
                     "1 to 16: probes of the anisotropic filter, longest ellipse of ewa (default 8)")
         ->check(CLI::Range(1, 16))
@@ -247,6 +256,8 @@ CLI::App* define_render(CLI::App& app, RenderCommand& c) {
         "  meshprep render rock.glb -o rock.png --buffers depth,normal   rock.depth.exr, …\n"
         "  meshprep render rock.glb -o rock.png --look-from 3,2,5 --look-at 0,1,0 --fov 35\n"
         "  meshprep render part.stl -o part.png --camera 0,90 --ortho fit\n"
+        "  meshprep render rock.glb -o truth.exr --coverage area         exact edges, slowly\n"
+        "  meshprep render rock.glb -o fine.png --supersample 4 --filter anisotropic\n"
         "  meshprep render rock.glb -o turn.png --turntable 36           turn_000.png, …\n"
         "  meshprep render rock.glb -o wall.png --size 16384x16384       drawn in bands\n"
         "  meshprep render rock.glb -o part.png --size 8192x8192 --crop 4096,0,512x512");
@@ -263,6 +274,8 @@ void check_render(const RenderCommand& c) {
         !pattern_digits(c.buffer_file.filename().string()))
         usage_error("--buffer-file",
                     "needs a number in its name for --turntable, as in b.%04d.exr");
+    if (c.coverage == rast::Coverage::area && c.samples != 1)
+        usage_error("--coverage", "area takes the place of --samples");
     if (c.crop && c.size &&
         (c.crop->x + c.crop->width > c.size->x || c.crop->y + c.crop->height > c.size->y))
         usage_error("--crop", "leaves the picture of --size");

@@ -34,6 +34,11 @@ enum class TextureFilter : std::uint8_t {
     ewa
 };
 
+// How much of a pixel a surface fills: by samples, or by the exact area that is seen of it, for
+// reference pictures (librast/src/coverage_resolve.h says what that is and what it costs).
+enum class Coverage : std::uint8_t { samples, area };
+
+inline constexpr int max_supersample = 16;
 inline constexpr std::uint32_t max_picture_extent = 32768;
 
 // A part of the picture, in pixels. Its pixels are those of the whole picture, bit for bit.
@@ -55,8 +60,12 @@ struct RenderRequest {
     bool keep_depth = false;     // Frame::depth
     bool keep_ids = false;       // Frame::triangle and Frame::instance
     bool keep_normals = false, keep_uvs = false, keep_barycentrics = false, keep_positions = false;
-    std::optional<Crop> crop;                           // unset: the whole picture
-    int samples = 1;                                    // per pixel: 1, 2, 4, 8 or 16
+    std::optional<Crop> crop;  // unset: the whole picture
+    int samples = 1;           // per pixel: 1, 2, 4, 8 or 16
+    Coverage coverage = Coverage::samples;
+    // Each pixel is the mean of N × N finer ones, in linear light: 1 … max_supersample. Colours
+    // alone: other buffers are those of the picture without it.
+    int supersample = 1;
     std::uint64_t band_bytes = std::uint64_t(1) << 26;  // render_bands(): of a band's pixels
     int threads = 0;  // 0: all cores; the picture does not depend on it
     prep::SimdLevel simd = prep::SimdLevel::automatic;  // nor on this
@@ -82,8 +91,9 @@ struct RenderPlan {         // a value; made by plan(), obeyed by render()
     std::vector<std::string> warnings;
 };
 
-// Pure. Errors: invalid (no extent; a crop that is empty or leaves the picture; a sample count or
-// an anisotropy that is not offered), limit (larger than max_picture_extent).
+// Pure. Errors: invalid (no extent; a crop that is empty or leaves the picture; a sample count,
+// an anisotropy or a supersampling that is not offered; samples beside exact areas), limit (larger
+// than max_picture_extent, times the supersampling).
 prep::Result<RenderPlan> plan(const prep::PreparedScene& scene, const RenderRequest& request = {});
 
 struct Counters {

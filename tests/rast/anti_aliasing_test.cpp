@@ -1,0 +1,244 @@
+// Exact areas and supersampling: against closed forms, each other, and multisampling.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "builders.h"
+
+namespace {
+
+using rast::Coverage;
+
+prep::Material white() {
+    prep::Material m;
+    m.unlit = true;
+    m.diffuse = glm::vec4(1);
+    m.emissive = glm::vec3(0);
+    m.double_sided = true;
+    return m;
+}
+
+rast::RenderRequest flat(std::uint32_t pixels) {
+    rast::RenderRequest request;
+    request.width = request.height = pixels;
+    request.view = test::flat_view(pixels / 2.0);  // one unit is a pixel, y up
+    return request;
+}
+
+double rms(const rast::Frame& a, const rast::Frame& b) {
+    double sum = 0;
+    for (std::size_t i = 0; i < a.color.size(); ++i)
+        for (int c = 0; c < 3; ++c) sum += std::pow(double(a.color[i][c]) - b.color[i][c], 2);
+    return std::sqrt(sum / double(a.color.size() * 3));
+}
+
+bool same(const rast::Frame& a, const rast::Frame& b) {
+    return a.color.size() == b.color.size() &&
+           std::memcmp(a.color.data(), b.color.data(), a.color.size() * sizeof(glm::vec4)) == 0;
+}
+
+TEST(ExactAreas, AHalfPlanesEdgeGivesItsAreaInEveryPixel) {
+    // The left of x < at, for edges all over a pixel: columns are 1, the fraction, 0.
+    for (int k = 0; k <= 256; k += 16) {
+        const float at = 3 + float(k) / 256;
+        prep::VertexMesh mesh;
+        mesh.positions = {{-100, -100, 0}, {at, -100, 0}, {at, 100, 0}, {-100, 100, 0}};
+        mesh.indices = {0, 1, 2, 0, 2, 3};
+        rast::RenderRequest request = flat(16);
+        request.coverage = Coverage::area;
+        const rast::Frame frame = test::draw(test::scene_of(mesh, white()), request);
+        for (std::uint32_t x = 0; x < 16; ++x) {
+            const double expected = std::clamp(at + 8.0 - x, 0.0, 1.0);
+            for (std::uint32_t y = 0; y < 16; ++y) {
+                EXPECT_NEAR(frame.color[y * 16 + x].r, expected, 1e-7) << x << " " << y;
+                EXPECT_NEAR(frame.color[y * 16 + x].a, expected, 1e-7);
+            }
+        }
+    }
+    // y < x / 2 about the centre: the edge cuts pixels into trapezoids, triangles or not at all.
+    prep::VertexMesh mesh;
+    mesh.positions = {{-128, -64, 0}, {128, -64, 0}, {128, 64, 0}};
+    mesh.indices = {0, 1, 2};
+    rast::RenderRequest request = flat(16);
+    request.coverage = Coverage::area;
+    const rast::Frame frame = test::draw(test::scene_of(mesh, white()), request);
+    for (int y = 0; y < 16; ++y)
+        for (int x = 0; x < 16; ++x) {
+            // Integral over the pixel's columns of the part below the line, exact for lines that
+            // leave through the sides or not; the slope ½ never passes two rows in one column.
+            const double bottom = 7 - y, left = x - 8;
+            const auto below = [&](double h) {  // ∫ of clamp(s / 2 − bottom, 0, 1) from 0 to h
+                const double u = h / 2 - bottom;
+                const double f = u <= 0 ? 0 : u >= 1 ? u - 0.5 : u * u / 2;
+                return 2 * f;
+            };
+            EXPECT_NEAR(frame.color[std::size_t(y * 16 + x)].r, below(left + 1) - below(left), 1e-7)
+                << x << " " << y;
+        }
+}
+
+TEST(ExactAreas, TriangulationsSumToOneEverywhereInside) {
+    // A grid of the unit square jittered inside, each cell two triangles, over all of the picture.
+    std::mt19937_64 random(12);
+    constexpr int cells = 40;
+    prep::VertexMesh mesh;
+    for (int j = 0; j <= cells; ++j)
+        for (int i = 0; i <= cells; ++i) {
+            const bool rim = i == 0 || j == 0 || i == cells || j == cells;
+            const auto jitter = [&] { return rim ? 0.0 : double(random() % 200) / 256 - 0.4; };
+            const double x = (i + jitter()) / cells, y = (j + jitter()) / cells;
+            mesh.positions.push_back(glm::vec3(40 * x - 20, 40 * y - 20, 0));
+        }
+    for (std::uint32_t j = 0; j < cells; ++j)
+        for (std::uint32_t i = 0; i < cells; ++i) {
+            const std::uint32_t a = j * (cells + 1) + i, b = a + 1, c = a + cells + 1, d = c + 1;
+            mesh.indices.insert(mesh.indices.end(), {a, b, d, a, d, c});
+        }
+    rast::RenderRequest request = flat(32);
+    request.coverage = Coverage::area;
+    const rast::Frame frame = test::draw(test::scene_of(mesh, white()), request);
+    for (const glm::vec4& c : frame.color) {
+        EXPECT_NEAR(c.a, 1, 6e-8f);  // half a float's step
+        EXPECT_NEAR(c.r, 1, 6e-8f);
+    }
+}
+
+TEST(ExactAreas, SamplesConvergeToThem) {
+    prep::PreparedScene scene = test::scene_of(test::sphere(24, 16), white());
+    prep::Node node = scene.scene.nodes[0];
+    node.transform[3] = glm::dvec4(0.7, 0.3, 0.4, 1);
+    scene.scene.nodes.push_back(node);  // passes through the first
+    rast::RenderRequest request;
+    request.width = 90;
+    request.height = 70;
+    request.view = test::look_at({1, 2, 4}, {0.3, 0.1, 0});
+    request.shading = rast::Shading::flat;
+    scene.scene.materials[0].unlit = false;  // facets differ: edges inside show as well
+    const auto draw = [&](Coverage coverage, int samples, int super) {
+        request.coverage = coverage;
+        request.samples = samples;
+        request.supersample = super;
+        return test::draw(scene, request);
+    };
+    const rast::Frame truth = draw(Coverage::area, 1, 1);
+    double before = rms(draw(Coverage::samples, 1, 1), truth);
+    const double one = before;
+    for (const int samples : {2, 4, 8, 16}) {
+        const double error = rms(draw(Coverage::samples, samples, 1), truth);
+        EXPECT_LT(error, before) << samples;
+        before = error;
+    }
+    // Sixteen well-spread samples err as 1/16 each way; a quarter of that in all is generous.
+    EXPECT_LT(before, one / 4);
+    double last = one;
+    for (const int super : {2, 4, 8, 16}) {
+        const double error = rms(draw(Coverage::samples, 1, super), truth);
+        EXPECT_LT(error, last * 0.75) << super;
+        last = error;
+    }
+    EXPECT_LT(last, one / 12);
+}
+
+TEST(ExactAreas, DoNotDependOnCropsThreadsOrInstructionSets) {
+    const prep::PreparedScene scene = test::scene_of(test::sphere(40, 30), prep::Material{});
+    rast::RenderRequest request;
+    request.width = 140;
+    request.height = 100;
+    request.coverage = Coverage::area;
+    request.threads = 1;
+    request.simd = prep::SimdLevel::scalar;
+    request.keep_depth = true;
+    const rast::Frame whole = test::draw(scene, request);
+    request.threads = 3;
+    request.simd = prep::SimdLevel::automatic;
+    EXPECT_TRUE(same(whole, test::draw(scene, request)));
+    request.crop = rast::Crop{30, 20, 71, 67};
+    const rast::Frame part = test::draw(scene, request);
+    for (std::uint32_t y = 0; y < 67; ++y)
+        ASSERT_EQ(std::memcmp(&part.color[y * 71], &whole.color[(y + 20) * 140 + 30],
+                              71 * sizeof(glm::vec4)),
+                  0)
+            << y;
+    // Buffers are those of the sampled picture.
+    rast::RenderRequest plain = request;
+    plain.coverage = Coverage::samples;
+    EXPECT_EQ(test::draw(scene, plain).depth, part.depth);
+}
+
+TEST(ExactAreas, TrianglesAcrossTheNearPlaneKeepWhatIsInFront) {
+    // A floor from behind the eye to far away: everything below the horizon is covered once.
+    prep::VertexMesh mesh;
+    mesh.positions = {{-1000, -1, 1000}, {1000, -1, 1000}, {1000, -1, -1000}, {-1000, -1, -1000}};
+    mesh.indices = {0, 1, 2, 0, 2, 3};
+    rast::RenderRequest request;
+    request.width = request.height = 32;
+    request.view = test::look_at({0, 0, 0}, {0, 0, -1});
+    request.coverage = Coverage::area;
+    const rast::Frame frame = test::draw(test::scene_of(mesh, white()), request);
+    for (std::uint32_t y = 0; y < 32; ++y)
+        for (std::uint32_t x = 0; x < 32; ++x) {
+            // The floor ends a thousandth below the middle, inside row 16.
+            const float covered = frame.color[y * 32 + x].a;
+            if (y != 16) {
+                EXPECT_NEAR(covered, y > 16 ? 1 : 0, 1e-6) << x << " " << y;
+            }
+        }
+}
+
+TEST(Supersampling, IsTheMeanOfTheFinerPicture) {
+    const prep::PreparedScene scene = test::scene_of(test::sphere(20, 14), prep::Material{});
+    rast::RenderRequest request;
+    request.width = 50;
+    request.height = 38;
+    request.supersample = 3;
+    request.keep_ids = true;
+    const rast::Frame coarse = test::draw(scene, request);
+    rast::RenderRequest finer = request;
+    finer.width *= 3;
+    finer.height *= 3;
+    finer.supersample = 1;
+    const rast::Frame fine = test::draw(scene, finer);
+    for (std::uint32_t y = 0; y < 38; ++y)
+        for (std::uint32_t x = 0; x < 50; ++x) {
+            glm::dvec4 sum(0);
+            for (std::uint32_t j = 0; j < 3; ++j)
+                for (std::uint32_t i = 0; i < 3; ++i)
+                    sum += glm::dvec4(fine.color[(y * 3 + j) * 150 + x * 3 + i]);
+            for (int c = 0; c < 4; ++c)
+                ASSERT_FLOAT_EQ(coarse.color[y * 50 + x][c], float(sum[c] / 9)) << x << " " << y;
+        }
+    // A crop of it is part of it; buffers are those of the plain picture.
+    request.crop = rast::Crop{7, 9, 30, 20};
+    const rast::Frame part = test::draw(scene, request);
+    for (std::uint32_t y = 0; y < 20; ++y)
+        ASSERT_EQ(std::memcmp(&part.color[y * 30], &coarse.color[(y + 9) * 50 + 7],
+                              30 * sizeof(glm::vec4)),
+                  0);
+    rast::RenderRequest plain = request;
+    plain.supersample = 1;
+    EXPECT_EQ(test::draw(scene, plain).triangle, part.triangle);
+}
+
+TEST(Supersampling, UnofferedChoicesAreErrors) {
+    const prep::PreparedScene scene = test::scene_of(test::sphere(4, 4));
+    rast::RenderRequest request;
+    request.supersample = 0;
+    EXPECT_FALSE(rast::plan(scene, request));
+    request.supersample = 17;
+    EXPECT_FALSE(rast::plan(scene, request));
+    request.supersample = 16;
+    request.width = 2048;
+    EXPECT_TRUE(rast::plan(scene, request));
+    request.width = 2049;
+    const auto large = rast::plan(scene, request);
+    ASSERT_FALSE(large);
+    EXPECT_EQ(large.error().code, prep::ErrorCode::limit);
+    request = {};
+    request.coverage = Coverage::area;
+    request.samples = 4;
+    EXPECT_FALSE(rast::plan(scene, request));
+}
+
+}  // namespace
