@@ -161,15 +161,16 @@ void raster_crossing(float* depths, std::uint32_t* ids, const TilePlace& place,
             for (const CrossingEdge& e : t.edges) inside = inside && e.inside(e.value(x, y));
             if (!inside) continue;
             const CrossingPlane& p = t.plane;
-            const double depth = std::clamp(
+            const double exact = std::clamp(
                 p.depth + (p.depth_x * (x - p.px) + p.depth_y * (y - p.py)), p.low, p.high);
-            if (!(depth >= 0 && depth <= 1)) continue;
+            if (!(exact >= 0 && exact <= 1)) continue;
+            const float depth = place.grid(float(exact));
             const std::size_t at = std::size_t(j) * tile_size + std::size_t(i);
-            if (!(float(depth) > depths[at])) continue;
+            if (!(depth > depths[at])) continue;
             if (masked != nullptr &&
                 !kernels.covers(*masked, place.x + i * subpixels, place.y + j * subpixels, t.id))
                 continue;
-            depths[at] = float(depth);
+            depths[at] = depth;
             ids[at] = t.id;
         }
 }

@@ -58,6 +58,7 @@ class Planner {
         shading();
         textures();
         anti_aliasing();
+        step("depth test", true, depth_reason());
         step("culling", plan_.request.cull != Cull::none, cull_reason());
         step("alpha blending", false,
              any([](const Material& m) { return m.alpha_mode == prep::AlphaMode::blend; })
@@ -245,6 +246,18 @@ class Planner {
              rips   ? "the texture filter asked for reads them"
              : some ? "the filter asked for does not read them"
                     : none);
+    }
+
+    std::string depth_reason() const {
+        switch (plan_.request.depth_format) {
+            case DepthFormat::fixed16:
+                return "fixed point of 16 bits asked for";
+            case DepthFormat::fixed24:
+                return "fixed point of 24 bits asked for";
+            case DepthFormat::float32:
+                break;
+        }
+        return "reversed float, which has its fine steps far away";
     }
 
     std::string cull_reason() const {

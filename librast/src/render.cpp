@@ -58,6 +58,18 @@ void add(Counters& to, const Counters& from) {
     to.pixels_shaded += from.pixels_shaded;
 }
 
+DepthGrid depth_grid(DepthFormat format) {
+    switch (format) {
+        case DepthFormat::fixed16:
+            return fixed16_grid;
+        case DepthFormat::fixed24:
+            return fixed24_grid;
+        case DepthFormat::float32:
+            break;
+    }
+    return {};
+}
+
 Crop picture_part(const RenderPlan& plan) {
     return plan.request.crop.value_or(Crop{0, 0, plan.request.width, plan.request.height});
 }
@@ -137,6 +149,7 @@ class Renderer {
         window_.first_y = first(crop.y, plan_.request.height);
         window_.tiles_x = (window_.width + tile_size - 1) / tile_size;
         window_.tiles_y = (window_.height + tile_size - 1) / tile_size;
+        window_.grid = depth_grid(plan_.request.depth_format);
     }
 
     void load_textures() {
@@ -262,7 +275,8 @@ class Renderer {
         const std::int32_t x = std::int32_t(tile) % window_.tiles_x * tile_size;
         const std::int32_t y = std::int32_t(tile) / window_.tiles_x * tile_size;
         return {window_.first_x + x * subpixels, window_.first_y + y * subpixels,
-                std::min(tile_size, window_.width - x), std::min(tile_size, window_.height - y)};
+                std::min(tile_size, window_.width - x), std::min(tile_size, window_.height - y),
+                window_.grid};
     }
 
     void raster(std::uint32_t tile, const TilePlace& centre, TileScratch& scratch) const {

@@ -50,11 +50,28 @@ struct SetupTriangle {
     std::uint32_t id;         // triangle number, id_back_face set on back faces
 };
 
+// Fixed-point depth of n bits, kept as floats: k / 2^n for k = 0 … 2^n − 1, the nearest one (of
+// two, the even). Exact without integers: adding a number whose float has the grid's step rounds to
+// it. Above `half` a float of at most 1 lies on the grid already (24 bits are all that it has).
+struct DepthGrid {
+    float half = 0, shift = 0, top = 1;  // shift 0: depths stay as they are
+    explicit operator bool() const { return shift > 0; }
+    float operator()(float z) const {
+        if (shift == 0 || !(z >= 0)) return z;
+        const float low = z < half ? z : half;
+        const float on = ((low + shift) - shift) + (z - low);
+        return on < top ? on : top;
+    }
+};
+inline constexpr DepthGrid fixed16_grid{2.0f, 192.0f, 1.0f - 0x1p-16f};
+inline constexpr DepthGrid fixed24_grid{0.5f, 0.5f, 1.0f - 0x1p-24f};
+
 // The part of the picture that is drawn.
 struct Window {
     std::int32_t width = 0, height = 0;
     std::int32_t first_x = 0, first_y = 0;  // centre of its pixel (0, 0), in 1/256 pixels
     std::int32_t tiles_x = 0, tiles_y = 0;
+    DepthGrid grid = {};
     std::uint32_t tile_count() const { return std::uint32_t(tiles_x) * std::uint32_t(tiles_y); }
 };
 
@@ -62,6 +79,7 @@ struct Window {
 struct TilePlace {
     std::int32_t x = 0, y = 0;  // sample of its first pixel, in 1/256 pixels
     std::int32_t width = tile_size, height = tile_size;
+    DepthGrid grid = {};
 };
 
 // Depth and triangle of one sample per pixel, row by row.

@@ -87,6 +87,7 @@ struct RenderCommand {
     int samples = 1;
     int supersample = 1;
     rast::Coverage coverage = rast::Coverage::samples;
+    rast::DepthFormat depth_format = rast::DepthFormat::float32;
     std::optional<std::uint64_t> band_bytes;
     std::optional<bool> tone_map;
     float exposure = 1;

@@ -103,6 +103,7 @@ rast::RenderRequest request_of(const RenderCommand& command, const prep::Picture
     request.samples = command.samples;
     request.supersample = command.supersample;
     request.coverage = command.coverage;
+    request.depth_format = command.depth_format;
 
     request.max_anisotropy = command.max_anisotropy;
     request.crop = command.crop;

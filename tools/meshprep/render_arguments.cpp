@@ -231,6 +231,13 @@ CLI::App* define_render(CLI::App& app, RenderCommand& c) {
         [&c](rast::Coverage v) { c.coverage = v; },
         "What decides how much of a pixel a surface fills: samples (default), or the exact area "
         "that is seen of it (slow; for reference pictures)");
+    add_words<rast::DepthFormat>(
+        sub, "--depth",
+        {{"float", rast::DepthFormat::float32},
+         {"fixed24", rast::DepthFormat::fixed24},
+         {"fixed16", rast::DepthFormat::fixed16}},
+        [&c](rast::DepthFormat v) { c.depth_format = v; },
+        "How depths are kept: reversed float (default), or fixed point, to see what it costs");
     sub->add_option("--max-anisotropy", c.max_anisotropy,
                     "1 to 16: probes of the anisotropic filter, longest ellipse of ewa (default 8)")
         ->check(CLI::Range(1, 16))

@@ -38,6 +38,12 @@ enum class TextureFilter : std::uint8_t {
 // reference pictures (librast/src/coverage_resolve.h says what that is and what it costs).
 enum class Coverage : std::uint8_t { samples, area };
 
+// How depths are kept: reversed float (1 near, 0 far, so that float's fine steps lie where the
+// projection's are coarse), or fixed point of n bits, k / 2^n, for comparison. With a near plane n
+// and no far one, surfaces at distance d are told apart from a gap of d · 2^-23 (float) or
+// d² / n · 2^-bits on. Exact areas use double.
+enum class DepthFormat : std::uint8_t { float32, fixed24, fixed16 };
+
 inline constexpr int max_supersample = 16;
 inline constexpr std::uint32_t max_picture_extent = 32768;
 
@@ -63,6 +69,7 @@ struct RenderRequest {
     std::optional<Crop> crop;  // unset: the whole picture
     int samples = 1;           // per pixel: 1, 2, 4, 8 or 16
     Coverage coverage = Coverage::samples;
+    DepthFormat depth_format = DepthFormat::float32;
     // Each pixel is the mean of N × N finer ones, in linear light: 1 … max_supersample. Colours
     // alone: other buffers are those of the picture without it.
     int supersample = 1;

@@ -36,6 +36,13 @@ inline TileEdges tile_edges(const SetupTriangle& t, const TilePlace& place) {
     return out;
 }
 
+// DepthGrid, lane by lane. What is beyond the far plane stays there.
+inline F on_grid(const DepthGrid& grid, F z) {
+    const F low = min(z, set(grid.half));
+    const F on = ((low + set(grid.shift)) - set(grid.shift)) + (z - low);
+    return select(z >= set(0.0f), min(on, set(grid.top)), z);
+}
+
 inline void raster(float* depths, std::uint32_t* ids, const TilePlace& place,
                    const SetupTriangle* triangles, const std::uint32_t* order, std::size_t count,
                    const ShadeDraw* masked) {
@@ -81,7 +88,8 @@ inline void raster(float* depths, std::uint32_t* ids, const TilePlace& place,
                 const std::size_t at = std::size_t(j) * tile_size + std::size_t(i);
                 const F run =
                     to_float(shift_left<subpixel_bits>(column) + set(from_x)) * set(to_pixels);
-                const F z = min(max(z0 + (dzdx * run + rise), z_low), z_high);
+                F z = min(max(z0 + (dzdx * run + rise), z_low), z_high);
+                if (place.grid) z = on_grid(place.grid, z);
                 const F depth = load(depths + at);
                 hit = hit & ((z > depth) & (z >= set(0.0f)));
                 if (!any(hit)) continue;
