@@ -1,13 +1,14 @@
 #include "tangent_groups.h"
 
-#include <hwy/highway.h>
-
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <optional>
+#include <utility>
 
 #include "parallel.h"
+#include "tangent_fans.h"
 #include "tangent_math.h"
 #include "tangent_subgroups.h"
 
@@ -164,73 +165,62 @@ class StarWorker {
           options_(options),
           corner_values_(corner_values),
           subgroups_(read, triangles, terms, options.angular_threshold, options.bounded_effort),
-          opposites_only_(std::cos(options.angular_threshold) <= -0.9999) {}
+          opposites_only_(std::cos(options.angular_threshold) <= -0.9999),
+          fans_(opposites_only_ ? fan_kernel(options.simd, triangles.count) : nullptr) {}
 
     struct Block {
-        std::vector<glm::vec4> values;
+        std::size_t first_value = 0;         // of the first position that has members
+        std::vector<glm::vec4> further;      // values behind the first of a position
+        std::vector<Index> further_corners;  // corners with those: indices into `further` so far
+        std::vector<Index> unused;           // first values that no corner has
         std::vector<Index> suspects;
     };
 
-    // base: the index of the block's first value.
-    void run(std::size_t begin, std::size_t end, Index base, Block& block) {
+    // values: where first values go, one for each position that has members.
+    void run(std::size_t begin, std::size_t end, std::span<glm::vec4> values, Block& block) {
         block_ = &block;
-        base_ = base;
+        values_ = values;
         std::size_t next_entangled = entangled_.empty() ? 0 : entangled_.at(stars_.offsets[begin]);
-        stars_.for_each(begin, end, [&](Star star) {
-            if (!entangled_.empty() && entangled_.is(next_entangled, star)) {
-                const std::span<const Index> groups = entangled_.groups(next_entangled++);
-                groups_.assign(groups.begin(), groups.end());
-                evaluate_groups(star);
-            } else if (!evaluate_fan(star)) {
-                find_groups(star);
-                evaluate_groups(star);
+        std::size_t value = block.first_value;
+        const FanInput input{
+            stars_.offsets.data(),
+            stars_.members.data(),
+            stars_.split.data(),
+            stars_.vertices.data(),
+            {terms_.planes[0].data(), terms_.planes[1].data(), terms_.planes[2].data()}};
+        std::array<FanSum, fan_batch> sums{};
+        for (std::size_t v = begin; v < end; ++v) {
+            const std::size_t batched = (v - begin) % fan_batch;
+            if (fans_ != nullptr && batched == 0)
+                fans_(input, v, std::min(end, v + fan_batch), sums.data());
+            const Star all(stars_.members.data() + stars_.offsets[v],
+                           stars_.offsets[v + 1] - stars_.offsets[v]);
+            if (all.empty()) continue;
+            const FanSum& sum = sums[batched];
+            if (sum.code != 0 && !overrides_.touch(stars_, all)) {
+                const float sign = (sum.code & orientation_preserving) ? 1.0f : -1.0f;
+                values_[value] = {sum.x, sum.y, sum.z, sign * options_.positive};
+                for (const Index m : all) corner_values_[m - (m >> 2)] = Index(value);
+                if (options_.review) review(all, values_[value]);
+            } else {
+                first_free_ = true;
+                first_value_ = value;
+                stars_.for_each(v, v + 1, [&](Star star) {
+                    if (!entangled_.empty() && entangled_.is(next_entangled, star)) {
+                        const std::span<const Index> groups = entangled_.groups(next_entangled++);
+                        groups_.assign(groups.begin(), groups.end());
+                    } else {
+                        find_groups(star);
+                    }
+                    evaluate_groups(star);
+                });
+                if (first_free_) block.unused.push_back(Index(value));
             }
-        });
+            ++value;
+        }
     }
 
   private:
-    void set(Index member, Index value) {
-        corner_values_[3 * std::size_t(member >> 2) + (member & 3)] = value;
-    }
-
-    Index add(const glm::vec3& tangent, float sign) {
-        block_->values.push_back(glm::vec4(tangent, sign * options_.positive));
-        return base_ + Index(block_->values.size() - 1);
-    }
-
-    // The usual star: one group of healthy triangles whose S and T share a half-space, so that the
-    // terms only need to be summed. false: something else.
-    bool evaluate_fan(Star star) {
-        namespace hn = hwy::HWY_NAMESPACE;
-        const std::size_t count = star.size();
-        if (count > most_fan_members || !opposites_only_ || overrides_.touch(stars_, star))
-            return false;
-        alignas(16) Index next[most_fan_members], previous[most_fan_members];
-        glm::vec3 sum(0.0f);
-        std::uint32_t all = ~0u, any = 0;
-        for (std::size_t i = 0; i < count; ++i) {
-            const Index m = star[i], k = m & 3;
-            const CornerTerm& term = terms_.at(m >> 2, k);
-            const Index* vertices = stars_.vertices.data() + 3 * std::size_t(m >> 2);
-            next[i] = vertices[k == 2 ? 0 : k + 1];
-            previous[i] = vertices[k == 0 ? 2 : k - 1];
-            sum.x += term.x;
-            sum.y += term.y;
-            sum.z += term.z;
-            all &= term.code;
-            any |= term.code;
-        }
-        if (((all ^ any) & orientation_preserving) || (any & group_with_anything)) return false;
-        if (count > 1 &&
-            (!(all & s_directions) || !(all & t_directions) || !is_fan(next, previous, count)))
-            return false;
-        const Index value =
-            add(mikk::normalized_or_zero(sum), (any & orientation_preserving) ? 1.0f : -1.0f);
-        for (const Index m : star) set(m, value);
-        if (options_.review) review(star, block_->values.back());
-        return true;
-    }
-
     // Step 6 where no triangle groups with anything.
     void find_groups(Star star) {
         neighbours_.find(stars_, star, overrides_);
@@ -269,8 +259,8 @@ class StarWorker {
         if (!std::is_sorted(order_.begin(), order_.end(), earlier))
             std::stable_sort(order_.begin(), order_.end(), earlier);
         frames_.clear();
-        const std::size_t first_value = block_->values.size();
-        star_values_.assign(star.size(), no_index);
+        star_values_.clear();
+        members_values_.assign(star.size(), no_index);
         for (std::size_t i = 0; i < order_.size();) {
             const Index group = groups_[order_[i]];
             const std::size_t first = i;
@@ -290,16 +280,43 @@ class StarWorker {
             } else {
                 subgroups_.evaluate(members_, frames_, results_);
             }
-            for (std::size_t f = known; f < frames_.size(); ++f) add(frames_[f].s, sign);
-            for (std::size_t k = first; k < i; ++k) {
-                const Index value = base_ + Index(first_value) + results_[k - first];
-                star_values_[order_[k]] = value;
-                set(star[order_[k]], value);
-                if (options_.review)
-                    review(Star(&star[order_[k]], 1), block_->values[value - base_]);
-            }
+            for (std::size_t f = known; f < frames_.size(); ++f)
+                star_values_.push_back({frames_[f].s, sign * options_.positive});
+            for (std::size_t k = first; k < i; ++k)
+                members_values_[order_[k]] = results_[k - first];
         }
-        if (triangles_.any_quad && frames_.size() > 1) average_quads(star, first_value);
+        if (triangles_.any_quad && frames_.size() > 1) average_quads(star);
+        keep_values(star);
+    }
+
+    // The star's first value goes to its position's place, the others behind those of all.
+    void keep_values(Star star) {
+        places_.assign(star_values_.size(), no_index);
+        bool first_taken = !first_free_;
+        Index first = no_index;  // the value that has the position's place
+        for (std::size_t i = 0; i < star.size(); ++i) {
+            const Index value = members_values_[i];
+            if (value == no_index) continue;
+            const Index m = star[i];
+            Index& corner_value = corner_values_[m - (m >> 2)];
+            if (!first_taken) {
+                first_taken = true;
+                first_free_ = false;
+                first = value;
+                values_[first_value_] = star_values_[value];
+            }
+            if (value == first) {
+                corner_value = Index(first_value_);
+            } else {
+                if (places_[value] == no_index) {
+                    places_[value] = Index(block_->further.size());
+                    block_->further.push_back(star_values_[value]);
+                }
+                corner_value = places_[value];
+                block_->further_corners.push_back(m - (m >> 2));
+            }
+            if (options_.review) review(star.subspan(i, 1), star_values_[value]);
+        }
     }
 
     // The sum of a group whose S and T share a half-space. Frames of quads' halves are compared in
@@ -321,26 +338,23 @@ class StarWorker {
     }
 
     // Step 8: a quad's corner that both halves meet.
-    void average_quads(Star star, std::size_t first_value) {
+    void average_quads(Star star) {
         for (std::size_t i = 0; i + 1 < star.size(); ++i) {
             const Index a = star[i], b = star[i + 1];
             if (!(terms_.flags(a >> 2) & quad_first) || (b >> 2) != (a >> 2) + 1) continue;
             if (triangles_.corner(a >> 2, a & 3) != triangles_.corner(b >> 2, b & 3)) continue;
-            const Index x = star_values_[i], y = star_values_[i + 1];
+            const Index x = members_values_[i], y = members_values_[i + 1];
             if (x == no_index || y == no_index || x == y) continue;
             Index value = std::max(x, y);
-            if (std::memcmp(&frames_[x - base_ - first_value], &frames_[y - base_ - first_value],
-                            sizeof(GroupFrame)) != 0) {
-                const glm::vec3 sum =
-                    glm::vec3(block_->values[x - base_]) + glm::vec3(block_->values[y - base_]);
+            if (std::memcmp(&frames_[x], &frames_[y], sizeof(GroupFrame)) != 0) {
+                const glm::vec3 sum = glm::vec3(star_values_[x]) + glm::vec3(star_values_[y]);
                 // A half that groups with anything can have another orientation: the group that
                 // came later has the last word.
-                const float w = block_->values[value - base_].w;
-                value = add(mikk::normalized_or_zero(sum), w * options_.positive);
+                const float w = star_values_[value].w;
+                value = Index(star_values_.size());
+                star_values_.push_back({mikk::normalized_or_zero(sum), w});
             }
-            set(a, value);
-            set(b, value);
-            if (options_.review) review(star.subspan(i, 2), block_->values[value - base_]);
+            members_values_[i] = members_values_[i + 1] = value;
         }
     }
 
@@ -364,12 +378,38 @@ class StarWorker {
     std::span<Index> corner_values_;
     SubgroupEvaluator subgroups_;
     bool opposites_only_;
+    FanKernel fans_;  // none where the threshold parts more than opposites
     Block* block_ = nullptr;
-    Index base_ = 0;
+    std::span<glm::vec4> values_;
+    bool first_free_ = false;      // no corner at the position has its place yet
+    std::size_t first_value_ = 0;  // the place
     Neighbours neighbours_;
-    std::vector<Index> groups_, stack_, order_, members_, results_, star_values_;
+    std::vector<Index> groups_, stack_, order_, members_, results_, members_values_, places_;
     std::vector<GroupFrame> frames_;
+    std::vector<glm::vec4> star_values_;
 };
+
+// Closes the gaps that first values leave which no corner has.
+void remove_unused(const std::vector<StarWorker::Block>& blocks, std::vector<glm::vec4>& values,
+                   std::span<Index> corner_values) {
+    std::vector<Index> unused;
+    for (const StarWorker::Block& block : blocks)
+        unused.insert(unused.end(), block.unused.begin(), block.unused.end());
+    std::vector<Index> places(values.size());
+    Index kept = 0;
+    auto next = unused.begin();
+    for (Index i = 0; i < values.size(); ++i) {
+        places[i] = kept;
+        if (next != unused.end() && *next == i) {
+            ++next;
+        } else {
+            values[kept++] = values[i];
+        }
+    }
+    values.resize(kept);
+    for (Index& value : corner_values)
+        if (value != no_index) value = places[value];
+}
 
 }  // namespace
 
@@ -380,30 +420,42 @@ GroupTangents group_tangents(const CornerReader& read, const TangentTriangles& t
     const EntangledStars entangled(triangles, terms, stars, overrides, options.threads);
     const std::size_t blocks = (stars.positions + position_grain - 1) / position_grain;
     std::vector<StarWorker::Block> results(blocks);
+    std::vector<std::size_t> used(blocks, 0);
+    parallel_blocks(stars.positions, position_grain, options.threads,
+                    [&](std::size_t begin, std::size_t end) {
+                        std::size_t& count = used[begin / position_grain];
+                        for (std::size_t v = begin; v < end; ++v)
+                            count += stars.offsets[v] != stars.offsets[v + 1];
+                    });
+    std::size_t firsts = 0;
+    for (std::size_t b = 0; b < blocks; ++b)
+        results[b].first_value = std::exchange(firsts, firsts + used[b]);
+
+    GroupTangents result;
+    // Room for as many seams as most meshes have, and a default.
+    result.values.reserve(firsts + firsts / 16 + 1);
+    result.values.resize(firsts);
     parallel_blocks(stars.positions, position_grain, options.threads,
                     [&](std::size_t begin, std::size_t end) {
                         StarWorker worker(read, triangles, terms, stars, overrides, entangled,
                                           options, corner_values);
-                        worker.run(begin, end, 0, results[begin / position_grain]);
+                        worker.run(begin, end, result.values, results[begin / position_grain]);
                     });
-    GroupTangents result;
-    std::vector<Index> bases(blocks + 1, 0);
-    for (std::size_t b = 0; b < blocks; ++b)
-        bases[b + 1] = bases[b] + Index(results[b].values.size());
+
+    std::vector<std::size_t> bases(blocks + 1, firsts);
+    for (std::size_t b = 0; b < blocks; ++b) bases[b + 1] = bases[b] + results[b].further.size();
     result.values.reserve(bases[blocks] + 1);
+    std::size_t unused = 0;
     for (const StarWorker::Block& block : results) {
-        result.values.insert(result.values.end(), block.values.begin(), block.values.end());
+        result.values.insert(result.values.end(), block.further.begin(), block.further.end());
         result.suspects.insert(result.suspects.end(), block.suspects.begin(), block.suspects.end());
+        unused += block.unused.size();
     }
-    parallel_blocks(stars.positions, position_grain, options.threads,
-                    [&](std::size_t begin, std::size_t end) {
-                        const Index base = bases[begin / position_grain];
-                        for (Index i = stars.offsets[begin]; i < stars.offsets[end]; ++i) {
-                            const Index m = stars.members[i];
-                            Index& value = corner_values[3 * std::size_t(m >> 2) + (m & 3)];
-                            if (value != no_index) value += base;
-                        }
-                    });
+    parallel_blocks(blocks, 1, options.threads, [&](std::size_t b, std::size_t) {
+        for (const Index corner : results[b].further_corners)
+            corner_values[corner] += Index(bases[b]);
+    });
+    if (unused > 0) remove_unused(results, result.values, corner_values);
     return result;
 }
 

@@ -16,7 +16,7 @@
 namespace prep::detail {
 
 struct GroupTangents {
-    // Tangent and w.
+    // Tangent and w: the first of each position that has one, by position, then all others.
     std::vector<glm::vec4> values;
     // Triangle corners (as in TangentStars::members) whose value may be no frame, and those that no
     // group reached; ascending by vertex. Only where `review` is set.
@@ -29,6 +29,7 @@ struct GroupOptions {
     bool review = false;          // look for values that are no frames
     bool bounded_effort = false;  // large stars in O(k log k), not with the definition's bits
     int threads = 0;
+    SimdLevel simd = SimdLevel::automatic;
 };
 
 // corner_values: three per triangle, into values; no_index where no group reached the corner (also

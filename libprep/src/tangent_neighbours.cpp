@@ -1,7 +1,5 @@
 #include "tangent_neighbours.h"
 
-#include <hwy/highway.h>
-
 #include <algorithm>
 
 namespace prep::detail {
@@ -105,52 +103,6 @@ void Neighbours::apply(std::span<const Index> star, const EdgeOverrides& overrid
         if (const auto* e = overrides.find(previous_corner(star[i])))
             entering_[i] = e->mate == no_index ? no_index : place(e->mate);
     }
-}
-
-bool is_fan(Index* next, Index* previous, std::size_t count) {
-    namespace hn = hwy::HWY_NAMESPACE;
-    const hn::CappedTag<Index, 4> d;
-    constexpr std::size_t lanes = hn::MaxLanes(d);
-    // Sentinels that nothing equals: vertices are below no_index.
-    const std::size_t padded = (count + 3) / 4 * 4;
-    for (std::size_t i = count; i < padded; ++i) next[i] = no_index;
-
-    // successor[i]: the last j whose edge enters from where i's leaves to; `count` if there is
-    // none.
-    alignas(16) Index successor[most_fan_members];
-    auto ambiguous = hn::Zero(d);
-    for (std::size_t i = 0; i < padded; i += lanes) {
-        const auto wanted = hn::LoadU(d, next + i);
-        auto found = hn::Set(d, Index(count)), matches = hn::Zero(d);
-        for (std::size_t j = 0; j < count; ++j) {
-            const auto equal = hn::Eq(wanted, hn::Set(d, previous[j]));
-            found = hn::IfThenElse(equal, hn::Set(d, Index(j)), found);
-            matches = hn::Sub(matches, hn::VecFromMask(d, equal));
-        }
-        ambiguous = hn::Or(ambiguous, hn::ShiftRight<1>(matches));
-        hn::Store(found, d, successor + i);
-    }
-    if (!hn::AllTrue(d, hn::Eq(ambiguous, hn::Zero(d)))) return false;
-
-    // A walk that comes back to the first member after `count` steps has met each member once.
-    Index at = 0;
-    std::size_t steps = 0;
-    do {
-        at = successor[at];
-        ++steps;
-    } while (at != 0 && at != count && steps < count);
-    if (at == 0) return steps == count;
-    if (at != count) return false;
-    // An open fan: `steps` members from the first one on, the others must lead to it.
-    Index predecessor[most_fan_members];
-    std::fill_n(predecessor, count, no_index);
-    for (Index i = 0; i < count; ++i) {
-        if (successor[i] == count) continue;
-        if (predecessor[successor[i]] != no_index) return false;
-        predecessor[successor[i]] = i;
-    }
-    for (at = predecessor[0]; at != no_index && steps < count; at = predecessor[at]) ++steps;
-    return steps == count && at == no_index;
 }
 
 }  // namespace prep::detail

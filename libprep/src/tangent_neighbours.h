@@ -51,10 +51,4 @@ class Neighbours {
     std::vector<std::uint64_t> by_next_, by_previous_, scratch_;
 };
 
-// Quick test for stars of up to `most_fan_members`: is every member reached from the first, over
-// edges that two triangles share and no more? false: perhaps, find() tells. next and previous: the
-// vertices at the ends of the edges that leave and enter, with room for `most_fan_members`.
-inline constexpr std::size_t most_fan_members = 16;
-bool is_fan(std::uint32_t* next, std::uint32_t* previous, std::size_t count);
-
 }  // namespace prep::detail

@@ -98,7 +98,8 @@ TangentStars tangent_stars(const CornerReader& read, const TangentTriangles& tri
     stars.positions = in.positions.size();
     stars.offsets = ScratchBuffer<Index>(stars.positions + 1);
     stars.split = ScratchBuffer<std::uint8_t>(stars.positions);
-    stars.members = ScratchBuffer<Index>(3 * (triangles.count - terms.counts.degenerate));
+    // Room for reading whole vectors.
+    stars.members = ScratchBuffer<Index>(3 * (triangles.count - terms.counts.degenerate) + 16);
     const bool all_good = terms.counts.degenerate == 0;
 
     if (triangles.implicit() && lowest.empty()) {

@@ -90,6 +90,7 @@ class Run {
         options.positive = options_.uv_origin == UvOrigin::top_left ? -1.0f : 1.0f;
         options.review = options.bounded_effort = robust_;
         options.threads = options_.threads;
+        options.simd = options_.simd;
         std::vector<Index> corner_values;
         if (!triangles_.implicit()) corner_values.assign(3 * triangles_.count, no_index);
         detail::GroupTangents groups =

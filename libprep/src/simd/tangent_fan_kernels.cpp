@@ -1,0 +1,137 @@
+// The vector form of fans_scalar (tangent_fans.cpp): the same sums in the same order.
+#include "tangent_fans.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "simd/tangent_fan_kernels.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <limits>
+
+HWY_BEFORE_NAMESPACE();
+namespace prep::detail::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+using Index = std::uint32_t;
+using Quad = hn::CappedTag<float, 4>;
+
+// Members are a few; those of all lanes beyond them are 0, the first corner of the first triangle.
+template <class Indices>
+HWY_INLINE bool one_fan(Indices d, const FanInput& in, const Index* members, std::size_t count) {
+    const hn::RebindToSigned<Indices> di;
+    constexpr std::size_t lanes = hn::MaxLanes(d);
+    HWY_ALIGN Index next[most_fan_members];
+    HWY_ALIGN Index previous[most_fan_members];
+    HWY_ALIGN Index successors[most_fan_members];
+    const auto* vertices = in.vertices;
+    for (std::size_t i = 0; i < count; i += lanes) {
+        const auto inside = hn::FirstN(d, count - i);
+        const auto m = hn::IfThenElseZero(inside, hn::LoadU(d, members + i));
+        const auto k = hn::And(m, hn::Set(d, 3));
+        const auto corner = hn::Sub(m, hn::ShiftRight<2>(m));
+        const auto one = hn::Set(d, 1), two = hn::Set(d, 2);
+        const auto after =
+            hn::IfThenElse(hn::Eq(k, two), hn::Sub(corner, two), hn::Add(corner, one));
+        const auto before =
+            hn::IfThenElse(hn::Eq(k, hn::Zero(d)), hn::Add(corner, two), hn::Sub(corner, one));
+        const auto n = hn::GatherIndex(d, vertices, hn::BitCast(di, after));
+        // What nothing equals: vertices are below no_index.
+        hn::Store(hn::IfThenElse(inside, n, hn::Set(d, no_index)), d, next + i);
+        hn::Store(hn::GatherIndex(d, vertices, hn::BitCast(di, before)), d, previous + i);
+    }
+    const auto none = hn::Set(d, Index(most_fan_members));
+    std::size_t found = 0;
+    for (std::size_t i = 0; i < count; i += lanes) {
+        const auto wanted = hn::Load(d, next + i);
+        auto successor = none, matches = hn::Zero(d);
+        for (std::size_t j = 0; j < count; ++j) {
+            const auto equal = hn::Eq(wanted, hn::Set(d, previous[j]));
+            successor = hn::IfThenElse(equal, hn::Set(d, Index(j)), successor);
+            matches = hn::Sub(matches, hn::VecFromMask(d, equal));
+        }
+        if (!hn::AllTrue(d, hn::Lt(matches, hn::Set(d, 2)))) return false;
+        found += hn::CountTrue(d, hn::Ne(successor, none));
+        hn::Store(successor, d, successors + i);
+    }
+    return is_one_fan(successors, count, count - found);
+}
+
+void fans(const FanInput& in, std::size_t begin, std::size_t end, FanSum* sums) {
+    const Quad quad;
+    const hn::RebindToUnsigned<Quad> bits;
+    HWY_ALIGN Index all_lanes[4];
+    HWY_ALIGN Index any_lanes[4];
+    HWY_ALIGN const Index xyz[4] = {~0u, ~0u, ~0u, 0};
+    const auto numbers = hn::Load(bits, xyz);
+    for (std::size_t v = begin; v < end; ++v) {
+        FanSum& result = sums[v - begin];
+        const std::size_t count = in.offsets[v + 1] - in.offsets[v];
+        hn::Store(hn::Zero(quad), quad, &result.x);
+        if (count == 0 || count > most_fan_members || in.split[v]) continue;
+        const Index* members = in.members + in.offsets[v];
+        auto sum = hn::Zero(quad);
+        auto all = hn::Set(bits, ~0u), any = hn::Zero(bits);
+        for (std::size_t i = 0; i < count; ++i) {
+            const auto term = hn::Load(quad, &in.planes[members[i] & 3][members[i] >> 2].x);
+            const auto code = hn::BitCast(bits, term);
+            sum = hn::Add(sum, hn::BitCast(quad, hn::And(code, numbers)));
+            all = hn::And(all, code);
+            any = hn::Or(any, code);
+        }
+        hn::Store(all, bits, all_lanes);
+        hn::Store(any, bits, any_lanes);
+        if (!may_be_fan(all_lanes[3], any_lanes[3], count)) continue;
+        if (count > 1 &&
+            !(count <= 8 ? one_fan(hn::CappedTag<Index, 8>(), in, members, count)
+                         : one_fan(hn::CappedTag<Index, most_fan_members>(), in, members, count)))
+            continue;
+        hn::Store(sum, quad, &result.x);
+        result.code = any_lanes[3] | fan_found;
+    }
+
+    // Unit, many at once.
+    const hn::ScalableTag<float> d;
+    const std::size_t count = end - begin;
+    for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
+        hn::Vec<decltype(d)> x, y, z, code;
+        hn::LoadInterleaved4(d, &sums[i].x, x, y, z, code);
+        const auto least = hn::Set(d, std::numeric_limits<float>::min());
+        const auto not_zero = hn::Or(hn::Or(hn::Gt(hn::Abs(x), least), hn::Gt(hn::Abs(y), least)),
+                                     hn::Gt(hn::Abs(z), least));
+        const auto squared = hn::Add(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), hn::Mul(z, z));
+        const auto inverse = hn::Div(hn::Set(d, 1.0f), hn::Sqrt(squared));
+        hn::StoreInterleaved4(hn::IfThenElse(not_zero, hn::Mul(inverse, x), x),
+                              hn::IfThenElse(not_zero, hn::Mul(inverse, y), y),
+                              hn::IfThenElse(not_zero, hn::Mul(inverse, z), z), code, d,
+                              &sums[i].x);
+    }
+}
+
+}  // namespace prep::detail::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace prep::detail {
+
+FanKernel fan_kernel(SimdLevel level, std::size_t triangles) {
+    // Vectors hold indices of corners as signed numbers.
+    if (3 * triangles > std::numeric_limits<std::int32_t>::max()) return fans_scalar;
+    // What this build has kernels for and this machine can run.
+    const std::int64_t usable = HWY_TARGETS & hwy::SupportedTargets();
+    (void)usable;
+    const bool any = level == SimdLevel::automatic;
+#if HWY_TARGETS & HWY_AVX3
+    if ((any || level == SimdLevel::avx512) && (usable & HWY_AVX3)) return N_AVX3::fans;
+#endif
+#if HWY_TARGETS & HWY_AVX2
+    if ((any || level == SimdLevel::avx2) && (usable & HWY_AVX2)) return N_AVX2::fans;
+#endif
+#if HWY_TARGETS & HWY_SSE4
+    if ((any || level == SimdLevel::sse4) && (usable & HWY_SSE4)) return N_SSE4::fans;
+#endif
+    return fans_scalar;
+}
+
+}  // namespace prep::detail
+#endif
