@@ -24,7 +24,8 @@ bool one_fan(const FanInput& in, const Index* members, std::size_t count) {
         successors[i] = found == end ? Index(most_fan_members) : Index(found - previous);
         open += found == end;
     }
-    return is_one_fan(successors, count, open);
+    if (open > 1 || (open == 1 && close_fan(successors, count) >= count)) return false;
+    return is_one_ring(successors, count);
 }
 
 }  // namespace

@@ -44,22 +44,22 @@ inline bool may_be_fan(std::uint32_t all, std::uint32_t any, std::size_t count) 
     return count == 1 || ((all & s_directions) && (all & t_directions));
 }
 
-// successors[i]: the member whose edge enters the vertex from where i's leaves to, or
-// most_fan_members where there is none; `open` of them are none. Are all one fan?
-inline bool is_one_fan(std::uint32_t* successors, std::size_t count, std::size_t open) {
-    if (open > 1) return false;
-    if (open == 1) {
-        // Closed here, an open fan is a ring: its last member is followed by the one that none
-        // precedes, which the sum of the numbers tells. A wrong guess is found out by the walk.
-        std::uint32_t missing = std::uint32_t(count * (count - 1) / 2), last = 0;
-        for (std::uint32_t i = 0; i < count; ++i) {
-            const bool none = successors[i] == most_fan_members;
-            missing -= none ? 0 : successors[i];
-            last = none ? i : last;
-        }
-        if (missing >= count) return false;
-        successors[last] = missing;
+// successors[i]: the member whose edge enters the vertex from where i's leaves to. Exactly one i
+// has none (most_fan_members): gives it the first member of the fan, as the sum of the numbers
+// tells, and returns that one; at least `count` or a wrong one where the members are no fan.
+inline std::uint32_t close_fan(std::uint32_t* successors, std::size_t count) {
+    std::uint32_t first = std::uint32_t(count * (count - 1) / 2), last = 0;
+    for (std::uint32_t i = 0; i < count; ++i) {
+        const bool none = successors[i] == most_fan_members;
+        first -= none ? 0 : successors[i];
+        last = none ? i : last;
     }
+    if (first < count) successors[last] = first;
+    return first;
+}
+
+// Does a walk from the first member come back to it after all others?
+inline bool is_one_ring(const std::uint32_t* successors, std::size_t count) {
     std::uint32_t seen = 0, at = 0;
     for (std::size_t i = 0; i < count; ++i) {
         seen |= 1u << at;

@@ -1,4 +1,5 @@
 // The vector form of fans_scalar (tangent_fans.cpp): the same sums in the same order.
+#include "simd/targets.h"
 #include "tangent_fans.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -16,7 +17,22 @@ namespace hn = hwy::HWY_NAMESPACE;
 using Index = std::uint32_t;
 using Quad = hn::CappedTag<float, 4>;
 
-// Members are a few; those of all lanes beyond them are 0, the first corner of the first triangle.
+// Does each member meet all others on its way from successor to successor? The members met within
+// 2, 4, 8, 16 steps, as bits.
+template <class Indices, class V>
+HWY_INLINE bool one_ring(Indices d, V successor, std::size_t count) {
+    const auto all = hn::Set(d, (1u << count) - 1);
+    auto met = hn::IfThenElse(hn::FirstN(d, count), hn::Shl(hn::Set(d, 1), hn::Iota(d, 0)), all);
+    for (std::size_t steps = 1; steps < count; steps *= 2) {
+        const auto table = hn::IndicesFromVec(d, successor);
+        met = hn::Or(met, hn::TableLookupLanes(met, table));
+        successor = hn::TableLookupLanes(successor, table);
+    }
+    return hn::AllTrue(d, hn::Eq(met, all));
+}
+
+// Of several members that enter from one vertex the last is every successor. In a ring the others
+// would be missing; an open fan may seem to begin with one, so there its beginning is looked at.
 template <class Indices>
 HWY_INLINE bool one_fan(Indices d, const FanInput& in, const Index* members, std::size_t count) {
     const hn::RebindToSigned<Indices> di;
@@ -24,9 +40,9 @@ HWY_INLINE bool one_fan(Indices d, const FanInput& in, const Index* members, std
     HWY_ALIGN Index next[most_fan_members];
     HWY_ALIGN Index previous[most_fan_members];
     HWY_ALIGN Index successors[most_fan_members];
-    const auto* vertices = in.vertices;
     for (std::size_t i = 0; i < count; i += lanes) {
         const auto inside = hn::FirstN(d, count - i);
+        // In the lanes behind the last: the first corner of the first triangle.
         const auto m = hn::IfThenElseZero(inside, hn::LoadU(d, members + i));
         const auto k = hn::And(m, hn::Set(d, 3));
         const auto corner = hn::Sub(m, hn::ShiftRight<2>(m));
@@ -35,26 +51,33 @@ HWY_INLINE bool one_fan(Indices d, const FanInput& in, const Index* members, std
             hn::IfThenElse(hn::Eq(k, two), hn::Sub(corner, two), hn::Add(corner, one));
         const auto before =
             hn::IfThenElse(hn::Eq(k, hn::Zero(d)), hn::Add(corner, two), hn::Sub(corner, one));
-        const auto n = hn::GatherIndex(d, vertices, hn::BitCast(di, after));
+        const auto n = hn::GatherIndex(d, in.vertices, hn::BitCast(di, after));
         // What nothing equals: vertices are below no_index.
         hn::Store(hn::IfThenElse(inside, n, hn::Set(d, no_index)), d, next + i);
-        hn::Store(hn::GatherIndex(d, vertices, hn::BitCast(di, before)), d, previous + i);
+        hn::Store(hn::GatherIndex(d, in.vertices, hn::BitCast(di, before)), d, previous + i);
     }
     const auto none = hn::Set(d, Index(most_fan_members));
-    std::size_t found = 0;
+    std::size_t open = 0;
     for (std::size_t i = 0; i < count; i += lanes) {
         const auto wanted = hn::Load(d, next + i);
-        auto successor = none, matches = hn::Zero(d);
+        const auto own = hn::Iota(d, Index(i));
+        auto successor = hn::IfThenElse(hn::FirstN(d, count - i), none, own);
         for (std::size_t j = 0; j < count; ++j) {
             const auto equal = hn::Eq(wanted, hn::Set(d, previous[j]));
             successor = hn::IfThenElse(equal, hn::Set(d, Index(j)), successor);
-            matches = hn::Sub(matches, hn::VecFromMask(d, equal));
         }
-        if (!hn::AllTrue(d, hn::Lt(matches, hn::Set(d, 2)))) return false;
-        found += hn::CountTrue(d, hn::Ne(successor, none));
+        const std::size_t ends = hn::CountTrue(d, hn::Eq(successor, none));
+        if (lanes >= count && ends == 0) return one_ring(d, successor, count);
+        open += ends;
         hn::Store(successor, d, successors + i);
     }
-    return is_one_fan(successors, count, count - found);
+    if (open > 1) return false;
+    if (open == 1) {
+        const Index first = close_fan(successors, count);
+        if (first >= count || std::find(next, next + count, previous[first]) != next + count)
+            return false;
+    }
+    return is_one_ring(successors, count);
 }
 
 void fans(const FanInput& in, std::size_t begin, std::size_t end, FanSum* sums) {
@@ -117,9 +140,7 @@ namespace prep::detail {
 FanKernel fan_kernel(SimdLevel level, std::size_t triangles) {
     // Vectors hold indices of corners as signed numbers.
     if (3 * triangles > std::numeric_limits<std::int32_t>::max()) return fans_scalar;
-    // What this build has kernels for and this machine can run.
-    const std::int64_t usable = HWY_TARGETS & hwy::SupportedTargets();
-    (void)usable;
+    [[maybe_unused]] const std::int64_t usable = HWY_TARGETS & machine_targets();
     const bool any = level == SimdLevel::automatic;
 #if HWY_TARGETS & HWY_AVX3
     if ((any || level == SimdLevel::avx512) && (usable & HWY_AVX3)) return N_AVX3::fans;

@@ -1,6 +1,7 @@
 // The vector form of terms_scalar (tangent_terms.cpp): the same operations in the same order on
 // many triangles at once, so the same bits. Multiplications and additions stay separate, square
 // roots and quotients are true ones.
+#include "simd/targets.h"
 #include "tangent_terms.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -244,18 +245,8 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace prep {
 namespace detail {
-namespace {
-
-// What this build has kernels for and this machine can run.
-std::int64_t usable_targets() {
-    return HWY_TARGETS & hwy::SupportedTargets();
-}
-
-}  // namespace
-
 TermKernel term_kernel(SimdLevel level) {
-    const std::int64_t usable = usable_targets();
-    (void)usable;
+    [[maybe_unused]] const std::int64_t usable = HWY_TARGETS & machine_targets();
     const bool any = level == SimdLevel::automatic;
 #if HWY_TARGETS & HWY_AVX3
     if ((any || level == SimdLevel::avx512) && (usable & HWY_AVX3)) return N_AVX3::terms;
