@@ -1,6 +1,8 @@
 #include "tangent_terms.h"
 
-#include <atomic>
+#include <hwy/highway.h>
+
+#include <algorithm>
 #include <mutex>
 
 #include "parallel.h"
@@ -30,26 +32,81 @@ glm::vec3 off_normal(const glm::vec3& n, const glm::vec3& v) {
     return v - mikk::scaled(mikk::dot(n, v), n);
 }
 
+void stage_one(const CornerReader& read, const TangentTriangles& triangles, std::size_t triangle,
+               std::size_t i, TermBlock& block) {
+    for (std::size_t k = 0; k < 3; ++k) {
+        const Index corner = triangles.corner(triangle, k);
+        const glm::vec3 p = read.position(corner), n = read.normal(corner);
+        const glm::vec2 uv = read.uv(corner);
+        for (int d = 0; d < 3; ++d) block.p[k][d][i] = p[d];
+        for (int d = 0; d < 3; ++d) block.n[k][d][i] = n[d];
+        for (int d = 0; d < 2; ++d) block.uv[k][d][i] = uv[d];
+    }
+}
+
+namespace hn = hwy::HWY_NAMESPACE;
+using Four = hn::FixedTag<float, 4>;
+using FourIndices = hn::FixedTag<Index, 4>;
+
+// Are all of twelve indices below the limit?
+bool all_below(const Index* indices, std::size_t limit) {
+    const FourIndices d;
+    const auto largest = hn::Max(hn::Max(hn::LoadU(d, indices), hn::LoadU(d, indices + 4)),
+                                 hn::LoadU(d, indices + 8));
+    return hn::AllTrue(d,
+                       hn::Lt(largest, hn::Set(d, Index(std::min<std::size_t>(limit, no_index)))));
+}
+
+// Four vectors of three components, component by component. Reads four bytes behind each.
+void stage_vectors(const glm::vec3* values, const Index* indices, float (*to)[TermBlock::size],
+                   std::size_t i) {
+    const Four d;
+    const hn::RepartitionToWide<Four> pairs;
+    const auto a = hn::LoadU(d, &values[indices[0]].x);
+    const auto b = hn::LoadU(d, &values[indices[3]].x);
+    const auto c = hn::LoadU(d, &values[indices[6]].x);
+    const auto e = hn::LoadU(d, &values[indices[9]].x);
+    const auto ab = hn::BitCast(pairs, hn::InterleaveLower(d, a, b));
+    const auto ce = hn::BitCast(pairs, hn::InterleaveLower(d, c, e));
+    hn::Store(hn::BitCast(d, hn::InterleaveLower(pairs, ab, ce)), d, to[0] + i);
+    hn::Store(hn::BitCast(d, hn::InterleaveUpper(pairs, ab, ce)), d, to[1] + i);
+    const auto upper_ab = hn::BitCast(pairs, hn::InterleaveUpper(d, a, b));
+    const auto upper_ce = hn::BitCast(pairs, hn::InterleaveUpper(d, c, e));
+    hn::Store(hn::BitCast(d, hn::InterleaveLower(pairs, upper_ab, upper_ce)), d, to[2] + i);
+}
+
+void stage_uvs(const glm::vec2* values, const Index* indices, float (*to)[TermBlock::size],
+               std::size_t i) {
+    const Four d;
+    const hn::Half<Four> half;
+    const auto at = [&](std::size_t k) { return hn::LoadU(half, &values[indices[3 * k]].x); };
+    const auto ab = hn::Combine(d, at(1), at(0)), ce = hn::Combine(d, at(3), at(2));
+    hn::Store(hn::ConcatEven(d, ce, ab), d, to[0] + i);
+    hn::Store(hn::ConcatOdd(d, ce, ab), d, to[1] + i);
+}
+
 void stage(const CornerReader& read, const TangentTriangles& triangles, std::size_t first,
            std::size_t count, TermBlock& block) {
-    for (std::size_t i = 0; i < count; ++i) {
-        for (std::size_t k = 0; k < 3; ++k) {
-            const Index corner = read.source(triangles.corner(first + i, k));
-            const glm::vec3& p = read.in.positions[read.in.corner_vertices[corner]];
-            for (int d = 0; d < 3; ++d) block.p[k][d][i] = p[d];
-            const Index n = read.in.normals.indices[corner];
-            const Index t = read.in.uv.indices[corner];
-            if (n == no_index || t == no_index) {
-                const glm::vec3 normal = read.normal(corner);
-                const glm::vec2 uv = read.uv(corner);
-                for (int d = 0; d < 3; ++d) block.n[k][d][i] = normal[d];
-                for (int d = 0; d < 2; ++d) block.uv[k][d][i] = uv[d];
-            } else {
-                const glm::vec3& normal = read.in.normals.values[n];
-                const glm::vec2& uv = read.in.uv.values[t];
-                for (int d = 0; d < 3; ++d) block.n[k][d][i] = normal[d];
-                for (int d = 0; d < 2; ++d) block.uv[k][d][i] = uv[d];
+    const TangentInput& in = read.in;
+    const bool plain = triangles.implicit() && read.representatives.empty() &&
+                       !in.positions.empty() && !in.normals.values.empty();
+    std::size_t i = 0;
+    while (i < count) {
+        const Index* p = in.corner_vertices.data() + 3 * (first + i);
+        const Index* n = in.normals.indices.data() + 3 * (first + i);
+        const Index* uv = in.uv.indices.data() + 3 * (first + i);
+        // The last position and the last normal have nothing behind them to read.
+        if (plain && count - i >= 4 && all_below(p, in.positions.size() - 1) &&
+            all_below(n, in.normals.values.size() - 1) && all_below(uv, in.uv.values.size())) {
+            for (std::size_t k = 0; k < 3; ++k) {
+                stage_vectors(in.positions.data(), p + k, block.p[k], i);
+                stage_vectors(in.normals.values.data(), n + k, block.n[k], i);
+                stage_uvs(in.uv.values.data(), uv + k, block.uv[k], i);
             }
+            i += 4;
+        } else {
+            const std::size_t end = std::min(count, i + 4);
+            for (; i < end; ++i) stage_one(read, triangles, first + i, i, block);
         }
     }
 }

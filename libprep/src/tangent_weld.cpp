@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "parallel.h"
@@ -37,11 +38,51 @@ bool is_number(const glm::vec3& p) {
     return !(std::isnan(p.x) || std::isnan(p.y) || std::isnan(p.z));
 }
 
-}  // namespace
+// Positions that may equal others: all that do, and a few per cent of the rest.
+class Suspects {
+  public:
+    explicit Suspects(std::span<const glm::vec3> positions)
+        : positions_(positions), bits_(std::bit_ceil(bits_per_position * positions.size())) {}
 
-std::vector<Index> equal_positions(std::span<const glm::vec3> positions, int threads) {
-    const std::size_t n = positions.size();
-    if (n < 2) return {};
+    // Ascending; nothing where they are so many that looking at all is as good.
+    std::optional<std::vector<Index>> find() {
+        // A position whose bit is taken equals an earlier one, or shares its bit by chance; the
+        // second look finds the earlier ones.
+        std::vector<std::uint64_t> taken(words(), 0), shared(words(), 0);
+        std::size_t later = 0;
+        for (const glm::vec3& p : positions_) {
+            const std::uint64_t bit = bit_of(p), mask = std::uint64_t(1) << (bit & 63);
+            std::uint64_t& word = taken[bit >> 6];
+            if (word & mask) {
+                shared[bit >> 6] |= mask;
+                ++later;
+            }
+            word |= mask;
+        }
+        if (later > positions_.size() / 4) return std::nullopt;
+        std::vector<Index> list;
+        list.reserve(2 * later);
+        for (Index i = 0; i < positions_.size(); ++i) {
+            const std::uint64_t bit = bit_of(positions_[i]);
+            if (shared[bit >> 6] >> (bit & 63) & 1) list.push_back(i);
+        }
+        return list;
+    }
+
+  private:
+    // By chance half as many positions as 1 in this find their bit taken.
+    static constexpr std::size_t bits_per_position = 16;
+    std::size_t words() const { return std::max<std::size_t>(bits_ / 64, 1); }
+    std::uint64_t bit_of(const glm::vec3& p) const { return hash_of(p) >> 20 & (bits_ - 1); }
+
+    std::span<const glm::vec3> positions_;
+    std::size_t bits_;
+};
+
+// {lowest, equal to it} among `count` positions, the i-th of which is number(i), ascending.
+template <class Number>
+std::vector<std::vector<Entry>> equal_pairs(std::span<const glm::vec3> positions, std::size_t n,
+                                            const Number& number, int threads) {
     const int part_bits =
         std::countr_zero(std::min(most_parts, std::bit_ceil((n + part_size - 1) / part_size)));
     const std::size_t parts = std::size_t(1) << part_bits;
@@ -54,7 +95,7 @@ std::vector<Index> equal_positions(std::span<const glm::vec3> positions, int thr
     parallel_blocks(n, position_grain, threads, [&](std::size_t begin, std::size_t end) {
         std::vector<Index> counts(parts, 0);
         for (std::size_t i = begin; i < end; ++i) {
-            hashes[i] = Index(hash_of(positions[i]) >> 32);
+            hashes[i] = Index(hash_of(positions[number(i)]) >> 32);
             ++counts[part_of(hashes[i])];
         }
         const std::size_t block = begin / position_grain;
@@ -68,10 +109,10 @@ std::vector<Index> equal_positions(std::span<const glm::vec3> positions, int thr
         std::vector<Index> cursors(parts);
         for (std::size_t p = 0; p < parts; ++p) cursors[p] = starts[p * blocks + block];
         for (std::size_t i = begin; i < end; ++i)
-            entries[cursors[part_of(hashes[i])]++] = {hashes[i], Index(i)};
+            entries[cursors[part_of(hashes[i])]++] = {hashes[i], number(i)};
     });
 
-    std::vector<std::vector<Entry>> equals(parts);  // {lowest, equal to it}
+    std::vector<std::vector<Entry>> equals(parts);
     parallel_blocks(parts, 16, threads, [&](std::size_t first, std::size_t last) {
         std::vector<Entry> table;
         for (std::size_t p = first; p < last; ++p) {
@@ -95,7 +136,21 @@ std::vector<Index> equal_positions(std::span<const glm::vec3> positions, int thr
             }
         }
     });
+    return equals;
+}
 
+}  // namespace
+
+std::vector<Index> equal_positions(std::span<const glm::vec3> positions, int threads) {
+    const std::size_t n = positions.size();
+    if (n < 2) return {};
+    const auto suspects = Suspects(positions).find();
+    const auto equals = suspects
+                            ? equal_pairs(
+                                  positions, suspects->size(),
+                                  [&](std::size_t i) { return (*suspects)[i]; }, threads)
+                            : equal_pairs(
+                                  positions, n, [](std::size_t i) { return Index(i); }, threads);
     bool any = false;
     for (const auto& list : equals) any |= !list.empty();
     if (!any) return {};
