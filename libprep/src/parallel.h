@@ -3,6 +3,7 @@
 #pragma once
 
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_invoke.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
@@ -30,6 +31,29 @@ void parallel_blocks(std::size_t count, std::size_t grain, int threads, const Bo
         // More than the machine has would only make TBB complain on stderr.
         tbb::task_arena arena(std::min(threads, tbb::this_task_arena::max_concurrency()));
         arena.execute(all);
+    }
+}
+
+// Runs work(threads) where nested parallel_blocks(…, threads, …) share at most `threads` threads
+// (0: all cores).
+template <class Work>
+void with_threads(int threads, const Work& work) {
+    if (threads == 0 || threads == 1) {
+        work(threads);
+    } else {
+        tbb::task_arena arena(std::min(threads, tbb::this_task_arena::max_concurrency()));
+        arena.execute([&] { work(0); });
+    }
+}
+
+// Calls both, at once where threads != 1.
+template <class A, class B>
+void parallel_both(int threads, const A& a, const B& b) {
+    if (threads == 1) {
+        a();
+        b();
+    } else {
+        tbb::parallel_invoke(a, b);
     }
 }
 

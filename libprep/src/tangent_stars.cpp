@@ -15,6 +15,8 @@ constexpr std::size_t triangle_grain = 65536;
 // Up to this many corners at a position, classes are searched one by one; above, corners are
 // sorted.
 constexpr std::size_t small_star = 32;
+// For those who read members by whole vectors.
+constexpr std::size_t readable_behind = 16;
 
 // Cuts one position into welded vertices.
 class Splitter {
@@ -84,73 +86,77 @@ class Splitter {
     std::vector<Index> classes_, firsts_, order_, starts_, moved_, sorted_classes_;
 };
 
-// What is known of a position while its corners are counted.
-struct Use {
-    Index count = 0, normal = 0, uv = 0;
-};
+void remove_degenerate(const Terms& terms, TangentStars& stars) {
+    Index kept = 0, begin = 0;
+    for (std::size_t v = 0; v < stars.positions; ++v) {
+        const Index end = stars.offsets[v + 1];
+        for (Index i = begin; i < end; ++i) {
+            const Index m = stars.members[i];
+            if (!(terms.flags(m >> 2) & degenerate_triangle)) stars.members[kept++] = m;
+        }
+        begin = end;
+        stars.offsets[v + 1] = kept;
+    }
+}
 
 }  // namespace
 
-TangentStars tangent_stars(const CornerReader& read, const TangentTriangles& triangles,
-                           const Terms& terms, std::span<const Index> lowest, int threads) {
-    const TangentInput& in = read.in;
+TangentStars stars_by_position(const TangentInput& in, const TangentTriangles& triangles,
+                               std::span<const Index> lowest, int threads) {
     TangentStars stars;
     stars.positions = in.positions.size();
-    stars.offsets = ScratchBuffer<Index>(stars.positions + 1);
+    stars.offsets = ScratchBuffer<Index>(stars.positions + 2);
     stars.split = ScratchBuffer<std::uint8_t>(stars.positions);
-    // Room for reading whole vectors.
-    stars.members = ScratchBuffer<Index>(3 * (triangles.count - terms.counts.degenerate) + 16);
-    const bool all_good = terms.counts.degenerate == 0;
-
     if (triangles.implicit() && lowest.empty()) {
         stars.vertices = in.corner_vertices;
     } else {
         stars.own_vertices = ScratchBuffer<Index>(3 * triangles.count);
         parallel_blocks(triangles.count, triangle_grain, threads,
                         [&](std::size_t begin, std::size_t end) {
-                            for (std::size_t t = begin; t < end; ++t) {
-                                for (std::size_t k = 0; k < 3; ++k) {
-                                    const Index p = in.corner_vertices[triangles.corner(t, k)];
-                                    stars.own_vertices[3 * t + k] = lowest.empty() ? p : lowest[p];
-                                }
+                            for (std::size_t i = 3 * begin; i < 3 * end; ++i) {
+                                const Index p = in.corner_vertices[triangles.corner(i)];
+                                stars.own_vertices[i] = lowest.empty() ? p : lowest[p];
                             }
                         });
         stars.vertices = stars.own_vertices;
     }
 
-    ScratchBuffer<Use> uses(stars.positions);
-    std::memset(static_cast<void*>(uses.data()), 0, stars.positions * sizeof(Use));
-    std::memset(stars.split.data(), terms.counts.nan ? 1 : 0, stars.positions);
-    bool any_split = terms.counts.nan;
+    // Counted one place too far on, offsets are starts after the sums, and after that ends.
+    std::memset(stars.offsets.data(), 0, stars.offsets.size() * sizeof(Index));
+    ScratchBuffer<std::uint64_t> uses(stars.positions);  // the normal and UV of the last corner
+    const auto use = [&](Index corner) {
+        return std::uint64_t(in.normals.indices[corner]) << 32 | in.uv.indices[corner];
+    };
+    const std::size_t corners = 3 * triangles.count;
+    for (std::size_t i = 0; i < corners; ++i) {
+        const Index position = stars.vertices[i];
+        ++stars.offsets[position + std::size_t(2)];
+        uses[position] = use(triangles.corner(i));
+    }
+    for (std::size_t v = 0; v < stars.positions; ++v) stars.offsets[v + 2] += stars.offsets[v + 1];
+    stars.members = ScratchBuffer<Index>(corners + readable_behind);
+    std::memset(stars.members.data() + corners, 0, readable_behind * sizeof(Index));
+    std::memset(stars.split.data(), 0, stars.positions);
     for (std::size_t t = 0; t < triangles.count; ++t) {
-        if (!all_good && (terms.flags(t) & degenerate_triangle)) continue;
-        for (std::size_t k = 0; k < 3; ++k) {
-            const Index corner = triangles.corner(t, k);
-            const Index normal = in.normals.indices[corner], uv = in.uv.indices[corner];
+        for (Index k = 0; k < 3; ++k) {
             const Index position = stars.vertices[3 * t + k];
-            Use& use = uses[position];
-            if (use.count++ == 0) {
-                use.normal = normal;
-                use.uv = uv;
-            } else if (use.normal != normal || use.uv != uv) {
-                stars.split[position] = 1;
-                any_split = true;
-            }
+            stars.members[stars.offsets[position + std::size_t(1)]++] = Index(4 * t + k);
+            const bool differs = uses[position] != use(triangles.corner(3 * t + k));
+            stars.split[position] |= differs;
+            stars.any_split |= differs;
         }
     }
-    Index total = 0;
-    for (std::size_t v = 0; v < stars.positions; ++v) {
-        stars.offsets[v] = total;
-        total += uses[v].count;
-        uses[v].count = stars.offsets[v];
+    return stars;
+}
+
+void split_stars(const CornerReader& read, const TangentTriangles& triangles, const Terms& terms,
+                 int threads, TangentStars& stars) {
+    if (terms.counts.degenerate > 0) remove_degenerate(terms, stars);
+    if (terms.counts.nan) {
+        std::memset(stars.split.data(), 1, stars.positions);
+        stars.any_split = true;
     }
-    stars.offsets[stars.positions] = total;
-    for (std::size_t t = 0; t < triangles.count; ++t) {
-        if (!all_good && (terms.flags(t) & degenerate_triangle)) continue;
-        for (Index k = 0; k < 3; ++k)
-            stars.members[uses[stars.vertices[3 * t + k]].count++] = Index(4 * t + k);
-    }
-    if (!any_split) return stars;
+    if (!stars.any_split) return;
 
     if (stars.own_vertices.empty()) {
         stars.own_vertices = ScratchBuffer<Index>(3 * triangles.count);
@@ -178,7 +184,6 @@ TangentStars tangent_stars(const CornerReader& read, const TangentTriangles& tri
                             }
                         }
                     });
-    return stars;
 }
 
 }  // namespace prep::detail

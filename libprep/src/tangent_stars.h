@@ -55,12 +55,19 @@ struct TangentStars {
         }
     }
 
-    ScratchBuffer<std::uint8_t> split;  // per position
+    // Per position; before split_stars: may it be?
+    ScratchBuffer<std::uint8_t> split;
+    bool any_split = false;
     ScratchBuffer<std::uint32_t> own_vertices;
 };
 
-// `lowest`: see equal_positions (tangent_weld.h).
-TangentStars tangent_stars(const CornerReader& read, const TangentTriangles& triangles,
-                           const Terms& terms, std::span<const std::uint32_t> lowest, int threads);
+// Members by position, those of degenerate triangles too. `lowest`: see equal_positions
+// (tangent_weld.h).
+TangentStars stars_by_position(const TangentInput& input, const TangentTriangles& triangles,
+                               std::span<const std::uint32_t> lowest, int threads);
+
+// Leaves degenerate triangles out and parts positions into welded vertices.
+void split_stars(const CornerReader& read, const TangentTriangles& triangles, const Terms& terms,
+                 int threads, TangentStars& stars);
 
 }  // namespace prep::detail

@@ -22,7 +22,9 @@ struct TangentTriangles {
 
     bool implicit() const { return corners.empty(); }
     std::uint32_t corner(std::size_t triangle, std::size_t k) const {
-        const std::size_t i = 3 * triangle + k;
+        return this->corner(3 * triangle + k);
+    }
+    std::uint32_t corner(std::size_t i) const {
         return corners.empty() ? std::uint32_t(i) : corners[i];
     }
 };

@@ -44,14 +44,23 @@ Result<void> check_input(const TangentInput& in, const TangentOptions& options) 
     return {};
 }
 
-// What does not depend on the UVs.
-struct Shared {
-    std::vector<Index> lowest;  // see equal_positions
+// What does not depend on the UVs: made when first asked for.
+class Shared {
+  public:
+    const std::vector<Index>& lowest(const TangentInput& in, int threads) {
+        if (!made_) lowest_ = detail::equal_positions(in.positions, threads);
+        made_ = true;
+        return lowest_;
+    }
+
+  private:
+    std::vector<Index> lowest_;
+    bool made_ = false;
 };
 
 class Run {
   public:
-    Run(const TangentInput& input, const Shared& shared, const TangentOptions& options)
+    Run(const TangentInput& input, Shared& shared, const TangentOptions& options)
         : in_(input),
           shared_(shared),
           options_(options),
@@ -67,9 +76,14 @@ class Run {
             representatives = detail::reference_representatives(in_, triangles_);
             read_.representatives = representatives;
         }
-        terms_ = detail::compute_terms(read_, triangles_, options_);
-        const detail::TangentStars stars =
-            detail::tangent_stars(read_, triangles_, terms_, shared_.lowest, options_.threads);
+        detail::TangentStars stars;
+        detail::parallel_both(
+            options_.threads, [&] { terms_ = detail::compute_terms(read_, triangles_, options_); },
+            [&] {
+                stars = detail::stars_by_position(
+                    in_, triangles_, shared_.lowest(in_, options_.threads), options_.threads);
+            });
+        detail::split_stars(read_, triangles_, terms_, options_.threads, stars);
         detail::EdgeOverrides overrides;
         if (as_reference)
             overrides = detail::reference_pairs(representatives, triangles_, terms_, stars);
@@ -141,7 +155,8 @@ class Run {
         if (suspects.empty()) return;
         std::sort(suspects.begin(), suspects.end());
         suspects.erase(std::unique(suspects.begin(), suspects.end()), suspects.end());
-        detail::apply_fallbacks({read_, shared_.lowest, suspects, positive}, result_);
+        detail::apply_fallbacks({read_, shared_.lowest(in_, options_.threads), suspects, positive},
+                                result_);
     }
 
     void count_triangles() {
@@ -157,7 +172,7 @@ class Run {
     }
 
     TangentInput in_;
-    const Shared& shared_;
+    Shared& shared_;
     const TangentOptions& options_;
     bool robust_;
     CornerReader read_{in_};
@@ -170,25 +185,35 @@ class Run {
 
 Result<CornerTangents> corner_tangents(const TangentInput& input, const TangentOptions& options) {
     if (auto valid = check_input(input, options); !valid) return std::move(valid).error();
-    const Shared shared{detail::equal_positions(input.positions, options.threads)};
-    return Run(input, shared, options)();
+    CornerTangents result;
+    detail::with_threads(options.threads, [&](int threads) {
+        TangentOptions here = options;
+        here.threads = threads;
+        Shared shared;
+        result = Run(input, shared, here)();
+    });
+    return result;
 }
 
 Result<std::vector<CornerTangents>> corner_tangents(
     const TangentInput& input, std::span<const CornerLayerView<glm::vec2>> uv_sets,
     const TangentOptions& options) {
-    std::vector<CornerTangents> results;
-    const Shared shared{detail::equal_positions(input.positions, options.threads)};
+    std::vector<TangentInput> inputs(uv_sets.size(), input);
     for (std::size_t set = 0; set < uv_sets.size(); ++set) {
-        TangentInput one = input;
-        one.uv = uv_sets[set];
-        if (auto valid = check_input(one, options); !valid) {
+        inputs[set].uv = uv_sets[set];
+        if (auto valid = check_input(inputs[set], options); !valid) {
             Error error = std::move(valid).error();
             error.place = "UV set " + std::to_string(set);
             return error;
         }
-        results.push_back(Run(one, shared, options)());
     }
+    std::vector<CornerTangents> results;
+    detail::with_threads(options.threads, [&](int threads) {
+        TangentOptions here = options;
+        here.threads = threads;
+        Shared shared;
+        for (const TangentInput& one : inputs) results.push_back(Run(one, shared, here)());
+    });
     return results;
 }
 
