@@ -42,47 +42,63 @@ bool is_number(const glm::vec3& p) {
 class Suspects {
   public:
     explicit Suspects(std::span<const glm::vec3> positions)
-        : positions_(positions), bits_(std::bit_ceil(bits_per_position * positions.size())) {}
+        : positions_(positions),
+          words_(std::bit_ceil(positions.size() * bits_per_position / 64 + 1)) {}
 
     // Ascending; nothing where they are so many that looking at all is as good.
     std::optional<std::vector<Index>> find() {
         // A position whose bit is taken equals an earlier one, or shares its bit by chance; the
         // second look finds the earlier ones.
-        std::vector<std::uint64_t> taken(words(), 0), shared(words(), 0);
+        std::vector<std::uint64_t> taken(words_, 0), shared(words_, 0);
         std::size_t later = 0;
-        for (const glm::vec3& p : positions_) {
-            const std::uint64_t bit = bit_of(p), mask = std::uint64_t(1) << (bit & 63);
-            std::uint64_t& word = taken[bit >> 6];
-            if (word & mask) {
-                shared[bit >> 6] |= mask;
-                ++later;
+        for (std::size_t i = 0; i < positions_.size();) {
+            const std::size_t end = std::min(positions_.size(), i + patience);
+            for (; i < end; ++i) {
+                const Bit bit = bit_of(positions_[i]);
+                std::uint64_t& word = taken[bit.word];
+                if (word & bit.mask) {
+                    shared[bit.word] |= bit.mask;
+                    ++later;
+                }
+                word |= bit.mask;
             }
-            word |= mask;
+            if (later > i / 4) return std::nullopt;
         }
-        if (later > positions_.size() / 4) return std::nullopt;
         std::vector<Index> list;
         list.reserve(2 * later);
         for (Index i = 0; i < positions_.size(); ++i) {
-            const std::uint64_t bit = bit_of(positions_[i]);
-            if (shared[bit >> 6] >> (bit & 63) & 1) list.push_back(i);
+            const Bit bit = bit_of(positions_[i]);
+            if (shared[bit.word] & bit.mask) list.push_back(i);
         }
         return list;
     }
 
   private:
-    // By chance half as many positions as 1 in this find their bit taken.
+    // Half as many positions as one in this find their bit taken by chance.
     static constexpr std::size_t bits_per_position = 16;
-    std::size_t words() const { return std::max<std::size_t>(bits_ / 64, 1); }
-    std::uint64_t bit_of(const glm::vec3& p) const { return hash_of(p) >> 20 & (bits_ - 1); }
+    static constexpr std::size_t patience = 4096;
+    struct Bit {
+        std::size_t word;
+        std::uint64_t mask;
+    };
+    // Adding 0 turns −0 into 0.
+    Bit bit_of(const glm::vec3& p) const {
+        const auto x = std::bit_cast<Index>(p.x + 0.0f), y = std::bit_cast<Index>(p.y + 0.0f),
+                   z = std::bit_cast<Index>(p.z + 0.0f);
+        const std::uint64_t h =
+            ((std::uint64_t(x) << 32 | y) ^ z * 0xd6e8feb86659fd93u) * 0x9e3779b97f4a7c15u;
+        return {std::size_t(h >> 20) & (words_ - 1), std::uint64_t(1) << (h >> 58)};
+    }
 
     std::span<const glm::vec3> positions_;
-    std::size_t bits_;
+    std::size_t words_;
 };
 
-// {lowest, equal to it} among `count` positions, the i-th of which is number(i), ascending.
-template <class Number>
-std::vector<std::vector<Entry>> equal_pairs(std::span<const glm::vec3> positions, std::size_t n,
-                                            const Number& number, int threads) {
+// Calls found(part, lowest, equal to it) for `n` positions, the i-th of which is number(i),
+// ascending; for many parts at once.
+template <class Number, class Found>
+void equal_pairs(std::span<const glm::vec3> positions, std::size_t n, const Number& number,
+                 const Found& found, int threads) {
     const int part_bits =
         std::countr_zero(std::min(most_parts, std::bit_ceil((n + part_size - 1) / part_size)));
     const std::size_t parts = std::size_t(1) << part_bits;
@@ -112,7 +128,7 @@ std::vector<std::vector<Entry>> equal_pairs(std::span<const glm::vec3> positions
             entries[cursors[part_of(hashes[i])]++] = {hashes[i], number(i)};
     });
 
-    std::vector<std::vector<Entry>> equals(parts);
+    hashes = {};
     parallel_blocks(parts, 16, threads, [&](std::size_t first, std::size_t last) {
         std::vector<Entry> table;
         for (std::size_t p = first; p < last; ++p) {
@@ -129,14 +145,19 @@ std::vector<std::vector<Entry>> equal_pairs(std::span<const glm::vec3> positions
                     }
                     if (table[slot].hash == entry.hash &&
                         positions[table[slot].position] == positions[entry.position]) {
-                        equals[p].push_back({table[slot].position, entry.position});
+                        found(p, table[slot].position, entry.position);
                         break;
                     }
                 }
             }
         }
     });
-    return equals;
+}
+
+std::vector<Index> all_by_themselves(std::size_t n) {
+    std::vector<Index> lowest(n);
+    for (Index i = 0; i < n; ++i) lowest[i] = i;
+    return lowest;
 }
 
 }  // namespace
@@ -144,20 +165,25 @@ std::vector<std::vector<Entry>> equal_pairs(std::span<const glm::vec3> positions
 std::vector<Index> equal_positions(std::span<const glm::vec3> positions, int threads) {
     const std::size_t n = positions.size();
     if (n < 2) return {};
-    const auto suspects = Suspects(positions).find();
-    const auto equals = suspects
-                            ? equal_pairs(
-                                  positions, suspects->size(),
-                                  [&](std::size_t i) { return (*suspects)[i]; }, threads)
-                            : equal_pairs(
-                                  positions, n, [](std::size_t i) { return Index(i); }, threads);
-    bool any = false;
-    for (const auto& list : equals) any |= !list.empty();
-    if (!any) return {};
-    std::vector<Index> lowest(n);
-    for (Index i = 0; i < n; ++i) lowest[i] = i;
-    for (const auto& list : equals)
-        for (const Entry& e : list) lowest[e.position] = e.hash;
+    if (const auto suspects = Suspects(positions).find()) {
+        std::vector<std::vector<std::pair<Index, Index>>> equals(most_parts);
+        equal_pairs(
+            positions, suspects->size(), [&](std::size_t i) { return (*suspects)[i]; },
+            [&](std::size_t part, Index low, Index position) {
+                equals[part].emplace_back(low, position);
+            },
+            threads);
+        const auto none = [](const auto& list) { return list.empty(); };
+        if (std::all_of(equals.begin(), equals.end(), none)) return {};
+        std::vector<Index> lowest = all_by_themselves(n);
+        for (const auto& list : equals)
+            for (const auto& [low, position] : list) lowest[position] = low;
+        return lowest;
+    }
+    std::vector<Index> lowest = all_by_themselves(n);
+    equal_pairs(
+        positions, n, [](std::size_t i) { return Index(i); },
+        [&](std::size_t, Index low, Index position) { lowest[position] = low; }, threads);
     return lowest;
 }
 
