@@ -86,6 +86,45 @@ class Splitter {
     std::vector<Index> classes_, firsts_, order_, starts_, moved_, sorted_classes_;
 };
 
+// A counting sort. corner(i): the corner of the mesh that a triangle's corner is.
+template <class Corner>
+void sort_corners(const TangentInput& in, const TangentTriangles& triangles, TangentStars& stars,
+                  const Corner& corner) {
+    // Local pointers: writing bytes may change whatever is reached through others.
+    const Index *const vertices = stars.vertices.data(), *const normals = in.normals.indices.data(),
+                       *const uvs = in.uv.indices.data();
+    Index* const offsets = stars.offsets.data();
+    ScratchBuffer<std::uint64_t> last_uses(stars.positions);  // the last corner's normal and UV
+    std::uint64_t* const uses = last_uses.data();
+    const auto use = [&](std::size_t c) { return std::uint64_t(normals[c]) << 32 | uvs[c]; };
+    const std::size_t corners = 3 * triangles.count;
+    // Counted two places further on, offsets are starts one place further on after the sums, and
+    // ends after that.
+    std::memset(offsets, 0, stars.offsets.size() * sizeof(Index));
+    for (std::size_t i = 0; i < corners; ++i) {
+        ++offsets[vertices[i] + std::size_t(2)];
+        uses[vertices[i]] = use(corner(i));
+    }
+    for (std::size_t v = 0; v < stars.positions; ++v) offsets[v + 2] += offsets[v + 1];
+
+    stars.members = ScratchBuffer<Index>(corners + readable_behind);
+    Index* const members = stars.members.data();
+    std::uint8_t* const split = stars.split.data();
+    std::memset(members + corners, 0, readable_behind * sizeof(Index));
+    std::memset(split, 0, stars.positions);
+    bool any = false;
+    for (std::size_t i = 0, t = 0; i < corners; ++t) {
+        for (std::size_t k = 0; k < 3; ++k, ++i) {
+            members[offsets[vertices[i] + std::size_t(1)]++] = Index(4 * t + k);
+            if (uses[vertices[i]] != use(corner(i))) {
+                split[vertices[i]] = 1;
+                any = true;
+            }
+        }
+    }
+    stars.any_split = any;
+}
+
 void remove_degenerate(const Terms& terms, TangentStars& stars) {
     Index kept = 0, begin = 0;
     for (std::size_t v = 0; v < stars.positions; ++v) {
@@ -121,31 +160,10 @@ TangentStars stars_by_position(const TangentInput& in, const TangentTriangles& t
         stars.vertices = stars.own_vertices;
     }
 
-    // Counted one place too far on, offsets are starts after the sums, and after that ends.
-    std::memset(stars.offsets.data(), 0, stars.offsets.size() * sizeof(Index));
-    ScratchBuffer<std::uint64_t> uses(stars.positions);  // the normal and UV of the last corner
-    const auto use = [&](Index corner) {
-        return std::uint64_t(in.normals.indices[corner]) << 32 | in.uv.indices[corner];
-    };
-    const std::size_t corners = 3 * triangles.count;
-    for (std::size_t i = 0; i < corners; ++i) {
-        const Index position = stars.vertices[i];
-        ++stars.offsets[position + std::size_t(2)];
-        uses[position] = use(triangles.corner(i));
-    }
-    for (std::size_t v = 0; v < stars.positions; ++v) stars.offsets[v + 2] += stars.offsets[v + 1];
-    stars.members = ScratchBuffer<Index>(corners + readable_behind);
-    std::memset(stars.members.data() + corners, 0, readable_behind * sizeof(Index));
-    std::memset(stars.split.data(), 0, stars.positions);
-    for (std::size_t t = 0; t < triangles.count; ++t) {
-        for (Index k = 0; k < 3; ++k) {
-            const Index position = stars.vertices[3 * t + k];
-            stars.members[stars.offsets[position + std::size_t(1)]++] = Index(4 * t + k);
-            const bool differs = uses[position] != use(triangles.corner(3 * t + k));
-            stars.split[position] |= differs;
-            stars.any_split |= differs;
-        }
-    }
+    if (triangles.implicit())
+        sort_corners(in, triangles, stars, [](std::size_t i) { return i; });
+    else
+        sort_corners(in, triangles, stars, [&](std::size_t i) { return triangles.corners[i]; });
     return stars;
 }
 

@@ -61,15 +61,20 @@ HWY_INLINE Vec3 normalized_or_zero(const Vec3& v) {
             hn::IfThenElse(m, unit.z, v.z)};
 }
 
-// acos in double to 4e-14 of its value: asin(z)/z = 1 + z² P(z²) for z² ≤ 1/4, P of degree 9 (a
-// Chebyshev fit, 1.5e-14 of the quotient), z = |x| or, above 1/2, √((1 − |x|)/2).
-HWY_INLINE D approximate_acos(D x) {
+// acos in double: asin(z)/z = 1 + z² P(z²) for z² ≤ 1/4, P of degree 9 (a Chebyshev fit, 1.5e-14 of
+// the quotient), z = |x| or, above 1/2, √y with y = (1 − |x|)/2. inverse_root: 1/√y to 4e-7 of it,
+// which one Newton step takes to 3e-13. (In all 1400 last places of the result.)
+HWY_INLINE D approximate_acos(D x, D inverse_root) {
     const Doubles d;
     const auto c = [&](double value) { return hn::Set(d, value); };
     const D ax = hn::Abs(x);
     const auto big = hn::Gt(ax, c(0.5));
-    const D y = hn::IfThenElse(big, hn::Mul(hn::Sub(c(1.0), ax), c(0.5)), hn::Mul(x, x));
-    const D z = hn::IfThenElse(big, hn::Sqrt(y), ax);
+    const D half = hn::Mul(hn::Sub(c(1.0), ax), c(0.5));
+    const D root = hn::Mul(half, inverse_root);
+    const D better =
+        hn::MulAdd(hn::NegMulAdd(root, inverse_root, c(1.0)), hn::Mul(root, c(0.5)), root);
+    const D y = hn::IfThenElse(big, half, hn::Mul(x, x));
+    const D z = hn::IfThenElse(big, better, ax);
     const D y2 = hn::Mul(y, y), y4 = hn::Mul(y2, y2);
     const D p01 = hn::MulAdd(y, c(0x1.33333335a9cd6p-4), c(0x1.5555555554f05p-3));
     const D p23 = hn::MulAdd(y, c(0x1.f1c81c59ea536p-6), c(0x1.6db6d8e71341bp-5));
@@ -86,13 +91,13 @@ HWY_INLINE D approximate_acos(D x) {
     return hn::IfThenElse(big, from_big, hn::Sub(c(0.5 * pi), hn::CopySign(s, x)));
 }
 
-// Is the value within 2^12 of its last places of the midpoint between two floats? Only there can
-// an error of 200 of them (4e-14) change what it rounds to.
+// Is the value within 2^13 of its last places of the midpoint between two floats? Only there can
+// an error of 1400 of them change what it rounds to.
 HWY_INLINE auto near_midpoint(D value) {
     const hn::RebindToSigned<Doubles> di;
     const auto low = hn::And(hn::BitCast(di, value), hn::Set(di, 0x1fffffff));
     const auto off = hn::Abs(hn::Sub(low, hn::Set(di, 0x10000000)));
-    return hn::Lt(off, hn::Set(di, 0x1000));
+    return hn::Lt(off, hn::Set(di, 0x2000));
 }
 
 // float(acos(double(x))) with the C library's bits, for x in [−1, 1]; NaN for NaN.
@@ -100,8 +105,15 @@ HWY_INLINE F acos_rounded(F x) {
     const Floats df;
     const hn::Half<Floats> dh;
     const Doubles dd;
-    const D low = approximate_acos(hn::PromoteTo(dd, hn::LowerHalf(dh, x)));
-    const D high = approximate_acos(hn::PromoteTo(dd, hn::UpperHalf(dh, x)));
+    // At ±1 the root is 0 whatever it is multiplied by.
+    const F half = hn::Max(hn::Mul(hn::Sub(set(1.0f), hn::Abs(x)), set(0.5f)), set(1e-30f));
+    const F rough = hn::ApproximateReciprocalSqrt(half);
+    const F root = hn::Mul(half, rough);
+    const F inverse = hn::Mul(rough, hn::Sub(set(1.5f), hn::Mul(set(0.5f), hn::Mul(root, rough))));
+    const D low = approximate_acos(hn::PromoteTo(dd, hn::LowerHalf(dh, x)),
+                                   hn::PromoteTo(dd, hn::LowerHalf(dh, inverse)));
+    const D high = approximate_acos(hn::PromoteTo(dd, hn::UpperHalf(dh, x)),
+                                    hn::PromoteTo(dd, hn::UpperHalf(dh, inverse)));
     const F result = hn::Combine(df, hn::DemoteTo(dh, high), hn::DemoteTo(dh, low));
     const auto doubtful =
         hn::Or(hn::VecFromMask(hn::RebindToSigned<Doubles>(), near_midpoint(low)),
@@ -189,8 +201,13 @@ TermBlockResult terms(const TermBlock& block, std::size_t count, bool check_unit
                         hn::IfThenElseZero(s_set, long_s.z)};
         const Vec3 t = {hn::IfThenElseZero(t_set, long_t.x), hn::IfThenElseZero(t_set, long_t.y),
                         hn::IfThenElseZero(t_set, long_t.z)};
-        const Mask healthy = hn::And(has_area, hn::And(not_zero(hn::Div(s_length, magnitude)),
-                                                       not_zero(hn::Div(t_length, magnitude))));
+        // Both magnitudes, length / |area2|, are far from zero but for extreme triangles.
+        const F least =
+            hn::Mul(set(4 * std::numeric_limits<float>::min()), hn::Max(magnitude, set(1.0f)));
+        Mask healthy = hn::And(has_area, hn::Gt(hn::Min(s_length, t_length), least));
+        if (HWY_UNLIKELY(!hn::AllTrue(df, healthy)))
+            healthy = hn::And(has_area, hn::And(not_zero(hn::Div(s_length, magnitude)),
+                                                not_zero(hn::Div(t_length, magnitude))));
         const Mask degenerate =
             hn::Or(equal(p[0], p[1]), hn::Or(equal(p[0], p[2]), equal(p[1], p[2])));
         const Mask adds = hn::AndNot(degenerate, healthy);
