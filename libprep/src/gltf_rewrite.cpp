@@ -97,11 +97,12 @@ class Rewriter {
         used.erase(std::unique(used.begin(), used.end()), used.end());
         for (Index& i : indices)
             i = Index(std::lower_bound(used.begin(), used.end(), i) - used.begin());
-        std::vector<Index> local(used.size());  // source vertex within the primitive
+        std::vector<Index> local(used.size());  // the accessors' element
         const std::vector<Index>& file_vertices = prepared_.scene.meshes[m].file_vertices;
         for (std::size_t i = 0; i < used.size(); ++i) {
             const Index v = mesh.source_vertices[used[i]];
-            local[i] = (file_vertices.empty() ? v : file_vertices[v]) - source.first_vertex;
+            local[i] = source.element_of((file_vertices.empty() ? v : file_vertices[v]) -
+                                         source.first_vertex);
         }
 
         Json& out = json_["meshes"][m]["primitives"][p];
@@ -121,18 +122,47 @@ class Rewriter {
             (had_tangents || wants_tangents(m, out)))
             attributes["TANGENT"] = floats(mesh.tangents, used);
         out["attributes"] = std::move(attributes);
-        if (out.contains("targets"))
-            for (Json& target : out["targets"])
-                for (auto& item : target.items()) {
-                    auto accessor =
-                        gathered({}, item.key(), item.value().get<std::size_t>(), local);
-                    if (!accessor) return std::move(accessor).error();
-                    item.value() = *accessor;
-                }
+        if (auto done = targets(m, local, used, out); !done) return done;
         out["indices"] = index_accessor(indices, used.size());
         // Strips and fans have become triangles, the default.
         out.erase("mode");
         remove_extension(out, "KHR_draco_mesh_compression");
+        return {};
+    }
+
+    std::span<const MorphDeltas> morphs(std::size_t m) const {
+        if (m >= prepared_.morphs.size()) return {};
+        return prepared_.morphs[m];
+    }
+
+    // Morph targets: what was computed for them, else their own data at the new vertices. What
+    // turns an attribute that the primitive does not have is left out.
+    Result<void> targets(std::size_t m, const std::vector<Index>& local,
+                         const std::vector<Index>& used, Json& primitive) {
+        if (!primitive.contains("targets")) return {};
+        const Json& attributes = primitive["attributes"];
+        const std::span<const MorphDeltas> made = morphs(m);
+        for (std::size_t t = 0; t < primitive["targets"].size(); ++t) {
+            Json& target = primitive["targets"][t];
+            const bool moves = target.contains("POSITION");
+            const bool turns = moves || target.contains("NORMAL");
+            const bool new_normals = t < made.size() && !made[t].normals.empty() && moves;
+            const bool new_tangents = t < made.size() && !made[t].tangents.empty() && turns;
+            Json result = Json::object();
+            for (const auto& item : target.items()) {
+                const bool normal = item.key() == "NORMAL", tangent = item.key() == "TANGENT";
+                if ((normal && new_normals) || (tangent && new_tangents)) continue;
+                if ((normal || tangent) && !attributes.contains(item.key())) continue;
+                auto accessor = gathered({}, item.key(), item.value().get<std::size_t>(), local);
+                if (!accessor) return std::move(accessor).error();
+                result[item.key()] = *accessor;
+            }
+            if (new_normals && attributes.contains("NORMAL"))
+                result["NORMAL"] = floats(made[t].normals, used);
+            if (new_tangents && attributes.contains("TANGENT"))
+                result["TANGENT"] = floats(made[t].tangents, used);
+            target = std::move(result);
+        }
         return {};
     }
 
@@ -241,6 +271,7 @@ class Rewriter {
         for (std::size_t i = 0; i < local.size(); ++i)
             if (local[i] != i) return false;
         if (out.value("mode", 4) != 4) return false;
+        if (!morphs(m).empty() && out.contains("targets")) return false;
         const Json& attributes = out["attributes"];
         if (has_unbalanced_weights(source, attributes)) return false;
         if (attributes.contains("NORMAL") != !mesh.normals.empty() ||

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 
 #include "authored_normals.h"
 #include "authored_tangents.h"
+#include "gltf_morph.h"
 #include "prep/split.h"
 #include "prep/topology.h"
 #include "share_vertices.h"
@@ -84,6 +86,7 @@ class Preparer {
         Mesh& mesh = out_.scene.meshes[index];
         const MeshRequirements& need = out_.requirements[index];
         geometry_ = {};
+        normals_made_ = tangents_made_ = false;
         bool normals_changed = false;
         // What is rewritten in place keeps its vertices: skins and morph targets count on them.
         if (options_.weld != WeldMode::none && !out_.scene.document && detail::is_soup(mesh)) {
@@ -105,7 +108,7 @@ class Preparer {
         if (!split_mesh) return std::move(split_mesh).error();
         out_.meshes[index] = *std::move(split_mesh);
         count_splits(out_.meshes[index]);
-        return {};
+        return prepare_morphs(index, mesh, need);
     }
 
     std::vector<StageReport> reports() const { return log_.reports(); }
@@ -234,6 +237,7 @@ class Preparer {
         changed = true;
         if (review.faults.empty()) {
             mesh.normals = std::move(computed->normals);
+            normals_made_ = true;
         } else {
             mesh.normals = detail::merge_normals(mesh.normals, review, replace, &computed->normals);
             geometry_.hard.reset();  // most normals are the file's: it says where they differ
@@ -342,7 +346,78 @@ class Preparer {
         mesh.tangents =
             surgical ? detail::merge_tangents(mesh.tangents, review, replace, &tangents->tangents)
                      : std::move(tangents->tangents);
+        tangents_made_ = !surgical;
         return {};
+    }
+
+    // What was computed for the mesh its morph targets need as well: the file's deltas, if it has
+    // any, belong to normals and tangents that are gone.
+    Result<void> prepare_morphs(std::uint32_t index, const Mesh& mesh,
+                                const MeshRequirements& need) {
+        const GltfDocument* document = out_.scene.document.get();
+        if (!document || (!normals_made_ && !tangents_made_)) return {};
+        const std::size_t targets = detail::morph_target_count(*document, index);
+        for (std::size_t t = 0; t < targets; ++t) {
+            auto deltas = log_.run("morph targets", "the mesh's normals or tangents are new",
+                                   [&] { return morph_deltas(*document, index, mesh, need, t); });
+            if (!deltas) return std::move(deltas).error();
+            out_.morphs[index].push_back(*std::move(deltas));
+        }
+        return {};
+    }
+
+    Result<MorphDeltas> morph_deltas(const GltfDocument& document, std::uint32_t index,
+                                     const Mesh& mesh, const MeshRequirements& need,
+                                     std::size_t target) {
+        auto shape = detail::morph_shape(document, index, mesh, target);
+        if (!shape) return std::move(shape).error();
+        MorphDeltas deltas;
+        if (!shape->moves && shape->normal_deltas.empty()) return deltas;
+        MeshView view(mesh, need.tangent_uv_set);
+        view.positions = shape->positions;
+        CornerLayer<glm::vec3> normals;
+        if (normals_made_) {
+            NormalOptions options = options_.normal;
+            options.threads = options_.threads;
+            auto computed = corner_normals(view, *geometry_.topology,
+                                           face_normals(view, options.precision, options.threads),
+                                           *geometry_.hard, options);
+            if (!computed) return std::move(computed).error();
+            normals = std::move(computed->normals);
+            deltas.normals = differences(index, normals, mesh.normals);
+        } else if (!shape->normal_deltas.empty()) {
+            normals = detail::morphed_normals(mesh, shape->normal_deltas);
+        } else {
+            normals = mesh.normals;
+        }
+        if (!tangents_made_) return deltas;
+        view.normals = {normals.values, normals.indices};
+        TangentOptions options = options_.tangent;
+        options.threads = options_.threads;
+        auto tangents = corner_tangents(TangentInput(view), options);
+        if (!tangents) return std::move(tangents).error();
+        deltas.tangents = differences(index, tangents->tangents, mesh.tangents);
+        return deltas;
+    }
+
+    // By vertex of the split mesh, at the first of its corners. Zero where either is not finite.
+    template <class T>
+    std::vector<glm::vec3> differences(std::uint32_t index, const CornerLayer<T>& of,
+                                       const CornerLayer<T>& from) const {
+        const VertexMesh& mesh = out_.meshes[index];
+        std::vector<glm::vec3> result(mesh.vertex_count(), glm::vec3(0.0f));
+        for (std::size_t v = 0; v < result.size(); ++v) {
+            const std::uint32_t corner = mesh.source_corners[v];
+            if (corner == no_index || of.indices[corner] == no_index ||
+                from.indices[corner] == no_index)
+                continue;
+            const glm::vec3 difference = glm::vec3(of.values[of.indices[corner]]) -
+                                         glm::vec3(from.values[from.indices[corner]]);
+            if (std::isfinite(difference.x) && std::isfinite(difference.y) &&
+                std::isfinite(difference.z))
+                result[v] = difference;
+        }
+        return result;
     }
 
     void report_review(std::uint32_t index, const TangentReview& review, unsigned replaced) {
@@ -395,6 +470,7 @@ class Preparer {
     PreparedScene& out_;
     StageLog log_;
     Geometry geometry_;
+    bool normals_made_ = false, tangents_made_ = false;  // all of the mesh at hand
 };
 
 }  // namespace
@@ -407,6 +483,7 @@ Result<PreparedScene> prepare(Scene scene, const PrepareOptions& options) {
     const double milliseconds =
         std::chrono::duration<double, std::milli>(Clock::now() - start).count();
     out.meshes.resize(out.scene.meshes.size());
+    out.morphs.resize(out.scene.meshes.size());
 
     Preparer preparer(options, out);
     for (std::uint32_t m = 0; m < out.scene.meshes.size(); ++m) {

@@ -64,11 +64,19 @@ struct SplitCounts {  // vertices added, by reason (a vertex can count under sev
                   mirrored_uv = 0, tangent = 0, color = 0, material = 0;
 };
 
+// What a morph target adds to the normals and tangents of a mesh's vertices at weight 1 where those
+// were computed: the shape's own, found in the same way on the same hard edges, minus the mesh's.
+// w stays the mesh's (UVs do not move). Empty: as in the file.
+struct MorphDeltas {
+    std::vector<glm::vec3> normals, tangents;  // one per vertex of PreparedScene::meshes
+};
+
 // scene.meshes[i] carries the prepared corner layers (normals, tangents); meshes[i] is the same
 // mesh split into vertices and triangles.
 struct PreparedScene {
     Scene scene;
     std::vector<VertexMesh> meshes;
+    std::vector<std::vector<MorphDeltas>> morphs;  // by mesh, then by target of its glTF document
     std::vector<MeshRequirements> requirements;
     std::vector<StageReport> stages;
     std::vector<Finding> findings;

@@ -1,0 +1,107 @@
+#include "gltf_morph.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace prep::detail {
+namespace {
+
+using Index = std::uint32_t;
+
+const Json* targets_of(const GltfDocument& document, std::size_t mesh, std::size_t primitive) {
+    const Json& entry = document.json["meshes"][mesh]["primitives"][primitive];
+    const auto targets = entry.find("targets");
+    return targets == entry.end() ? nullptr : &*targets;
+}
+
+// Adds a target's vectors to those of the primitive's vertices.
+Result<void> add(const GltfDocument& document, const Json& target, const char* semantic,
+                 const GltfPrimitive& primitive, const Mesh& mesh, std::vector<glm::vec3>& to) {
+    auto raw = document.raw_accessor(target[semantic].get<std::size_t>());
+    if (!raw) return std::move(raw).error();
+    const std::vector<float> values = to_floats(*raw);
+    for (Index v = 0; v < mesh.vertex_count(); ++v) {
+        const Index in_file = mesh.file_vertices.empty() ? v : mesh.file_vertices[v];
+        if (in_file < primitive.first_vertex ||
+            in_file - primitive.first_vertex >= primitive.vertex_count)
+            continue;
+        const float* delta =
+            &values[3 * std::size_t(primitive.element_of(in_file - primitive.first_vertex))];
+        to[v] += glm::vec3(delta[0], delta[1], delta[2]);
+    }
+    return {};
+}
+
+glm::vec3 unit_or_same(const glm::vec3& n) {
+    const double length = glm::length(glm::dvec3(n));
+    return length > 0 && std::isfinite(length) ? glm::vec3(glm::dvec3(n) / length) : n;
+}
+
+}  // namespace
+
+std::size_t morph_target_count(const GltfDocument& document, std::size_t mesh_index) {
+    std::size_t most = 0;
+    for (std::size_t p = 0; p < document.primitives[mesh_index].size(); ++p)
+        if (const Json* targets = targets_of(document, mesh_index, p))
+            most = std::max(most, targets->size());
+    return most;
+}
+
+Result<MorphShape> morph_shape(const GltfDocument& document, std::size_t mesh_index,
+                               const Mesh& mesh, std::size_t target) {
+    MorphShape shape;
+    shape.positions = mesh.positions;
+    const std::vector<GltfPrimitive>& primitives = document.primitives[mesh_index];
+    for (std::size_t p = 0; p < primitives.size(); ++p) {
+        const Json* targets = targets_of(document, mesh_index, p);
+        if (!targets || target >= targets->size()) continue;
+        const Json& entry = (*targets)[target];
+        if (entry.contains("POSITION")) {
+            shape.moves = true;
+            if (auto done = add(document, entry, "POSITION", primitives[p], mesh, shape.positions);
+                !done)
+                return std::move(done).error();
+        }
+        if (entry.contains("NORMAL")) {
+            shape.normal_deltas.resize(mesh.vertex_count(), glm::vec3(0.0f));
+            if (auto done =
+                    add(document, entry, "NORMAL", primitives[p], mesh, shape.normal_deltas);
+                !done)
+                return std::move(done).error();
+        }
+    }
+    return shape;
+}
+
+CornerLayer<glm::vec3> morphed_normals(const Mesh& mesh, const std::vector<glm::vec3>& deltas) {
+    CornerLayer<glm::vec3> result;
+    result.indices = mesh.normals.indices;
+    // Normals of one vertex each, as files have them, keep their numbers; else corners get their
+    // own.
+    std::vector<Index> vertices(mesh.normals.values.size(), no_index);
+    bool own = true;
+    for (std::size_t c = 0; c < result.indices.size(); ++c) {
+        const Index n = result.indices[c];
+        if (n == no_index) continue;
+        if (vertices[n] == no_index) vertices[n] = mesh.corner_vertices[c];
+        own &= vertices[n] == mesh.corner_vertices[c];
+    }
+    if (own) {
+        result.values = mesh.normals.values;
+        for (std::size_t n = 0; n < vertices.size(); ++n)
+            if (vertices[n] != no_index)
+                result.values[n] = unit_or_same(result.values[n] + deltas[vertices[n]]);
+        return result;
+    }
+    result.values.reserve(result.indices.size());
+    for (std::size_t c = 0; c < result.indices.size(); ++c) {
+        Index& n = result.indices[c];
+        if (n == no_index) continue;
+        result.values.push_back(
+            unit_or_same(mesh.normals.values[n] + deltas[mesh.corner_vertices[c]]));
+        n = Index(result.values.size() - 1);
+    }
+    return result;
+}
+
+}  // namespace prep::detail
