@@ -12,6 +12,7 @@
 #include "prep/corner_normals.h"
 #include "prep/triangulate.h"
 #include "shapes.h"
+#include "split_oracle.h"
 
 namespace {
 
@@ -48,103 +49,6 @@ unsigned bits(SplitReason a, SplitReason b) {
     return unsigned(a) | unsigned(b);
 }
 
-// All that must be the same for two corners to share a vertex, as bits, read from the source.
-using Key = std::vector<std::uint32_t>;
-template <class T>
-void append(Key& key, const T& value) {
-    std::uint32_t words[sizeof(T) / 4];
-    std::memcpy(words, &value, sizeof(T));
-    key.insert(key.end(), std::begin(words), std::end(words));
-}
-template <class T>
-void append(Key& key, const prep::CornerLayer<T>& layer, std::uint32_t corner, const T& missing) {
-    if (layer.empty()) return;
-    append(key, layer.indices[corner] == no_index ? missing : layer.values[layer.indices[corner]]);
-}
-Key key_of(const Mesh& mesh, std::uint32_t face, std::uint32_t corner) {
-    Key key{mesh.corner_vertices[corner]};
-    append(key, mesh.normals, corner, {0, 0, 1});
-    append(key, mesh.tangents, corner, {1, 0, 0, 1});
-    for (const auto& layer : mesh.uvs) append(key, layer, corner, {0, 0});
-    for (const auto& layer : mesh.colors) append(key, layer, corner, {1, 1, 1, 1});
-    key.push_back(mesh.face_materials.empty() ? 0 : mesh.face_materials[face]);
-    key.push_back(mesh.face_parts.empty() ? 0 : mesh.face_parts[face]);
-    return key;
-}
-
-// The result against the definition: one vertex for each distinct set of attributes, the way back
-// right, triangles those of triangulate() in ranges by part and material.
-void expect_right(const Mesh& mesh, const VertexMesh& out) {
-    std::map<Key, std::uint32_t> vertices;
-    Indices loose;
-    ASSERT_EQ(out.corner_vertices.size(), mesh.corner_count());
-    Indices first(out.vertex_count(), no_index);
-    for (std::uint32_t f = 0; f < mesh.face_count(); ++f)
-        for (std::uint32_t c = mesh.face_offsets[f]; c < mesh.face_offsets[f + 1]; ++c) {
-            const std::uint32_t v = out.corner_vertices[c];
-            ASSERT_LT(v, out.vertex_count());
-            EXPECT_EQ(vertices.try_emplace(key_of(mesh, f, c), v).first->second, v);
-            if (first[v] == no_index) first[v] = c;
-            EXPECT_EQ(out.source_vertices[v], mesh.corner_vertices[c]);
-            // What the vertex carries is what its corner has.
-            Key source, carried;
-            append(source, mesh.normals, c, {0, 0, 1});
-            append(source, mesh.tangents, c, {1, 0, 0, 1});
-            for (const auto& layer : mesh.uvs) append(source, layer, c, {0, 0});
-            for (const auto& layer : mesh.colors) append(source, layer, c, {1, 1, 1, 1});
-            if (!mesh.normals.empty()) append(carried, out.normals[v]);
-            if (!mesh.tangents.empty()) append(carried, out.tangents[v]);
-            for (std::size_t s = 0; s < mesh.uvs.size(); ++s) append(carried, out.uvs[s][v]);
-            for (std::size_t s = 0; s < mesh.colors.size(); ++s) append(carried, out.colors[s][v]);
-            EXPECT_EQ(source, carried);
-        }
-    EXPECT_EQ(out.source_corners, first);
-    const std::size_t on_faces =
-        out.vertex_count() - std::size_t(std::count(first.begin(), first.end(), no_index));
-    EXPECT_EQ(vertices.size(), on_faces);  // two vertices never have the same attributes
-    for (std::uint32_t v = 0; v < out.vertex_count(); ++v) {
-        const bool copy = v > 0 && out.source_vertices[v - 1] == out.source_vertices[v];
-        EXPECT_EQ(out.split_reasons[v] != 0, copy) << v;
-        if (v > 0) {
-            EXPECT_LE(out.source_vertices[v - 1], out.source_vertices[v]);
-        }
-        if (copy) {
-            EXPECT_LT(out.source_corners[v - 1], out.source_corners[v]);
-        }
-        EXPECT_EQ(out.positions[v], mesh.positions[out.source_vertices[v]]);
-    }
-
-    const prep::Triangulation cut = prep::triangulate(MeshView(mesh));
-    ASSERT_EQ(out.triangle_count(), cut.triangle_faces.size());
-    std::map<std::array<std::uint32_t, 4>, int> expected, found;
-    for (std::size_t t = 0; t < cut.triangle_faces.size(); ++t) {
-        std::array<std::uint32_t, 4> a{cut.triangle_faces[t]}, b{out.triangle_faces[t]};
-        for (int k = 0; k < 3; ++k) {
-            a[k + 1] = out.corner_vertices[cut.corners[3 * t + k]];
-            b[k + 1] = out.indices[3 * t + k];
-        }
-        ++expected[a];
-        ++found[b];
-    }
-    EXPECT_EQ(expected, found);
-    std::uint32_t next = 0;
-    for (const VertexMesh::Range& range : out.ranges) {
-        EXPECT_EQ(range.first_triangle, next);
-        EXPECT_GT(range.triangle_count, 0u);
-        next += range.triangle_count;
-        for (std::uint32_t t = range.first_triangle; t < next; ++t) {
-            const std::uint32_t f = out.triangle_faces[t];
-            EXPECT_EQ(range.material,
-                      mesh.face_materials.empty() ? no_index : mesh.face_materials[f]);
-            EXPECT_EQ(range.part, mesh.face_parts.empty() ? no_index : mesh.face_parts[f]);
-            if (t > range.first_triangle) {
-                EXPECT_LE(out.triangle_faces[t - 1], f);
-            }
-        }
-    }
-    EXPECT_EQ(next, out.triangle_count());
-}
-
 // The reasons of the copies, in order of the vertices.
 std::vector<unsigned> copies(const VertexMesh& out) {
     std::vector<unsigned> result;
@@ -170,7 +74,7 @@ TEST(Split, OneTriangleStaysAsItIs) {
     EXPECT_EQ(out.positions, mesh.positions);
     EXPECT_EQ(out.indices, (Indices{0, 1, 2}));
     EXPECT_EQ(out.corner_vertices, (Indices{0, 1, 2}));
-    expect_right(mesh, out);
+    split_oracle::expect_right(mesh, out);
 }
 
 TEST(Split, WithoutAttributesNothingIsSplit) {
@@ -179,7 +83,7 @@ TEST(Split, WithoutAttributesNothingIsSplit) {
     EXPECT_EQ(out.positions, mesh.positions);
     EXPECT_EQ(out.triangle_count(), 12u);
     EXPECT_TRUE(copies(out).empty());
-    expect_right(mesh, out);
+    split_oracle::expect_right(mesh, out);
 }
 
 TEST(Split, HardCubeHasTwentyFourVerticesSmoothOneEight) {
@@ -188,13 +92,13 @@ TEST(Split, HardCubeHasTwentyFourVerticesSmoothOneEight) {
     VertexMesh out = split_of(mesh, &hard);
     EXPECT_EQ(out.vertex_count(), 24u);
     EXPECT_EQ(copies(out), std::vector<unsigned>(16, bits(SplitReason::hard_edge)));
-    expect_right(mesh, out);
+    split_oracle::expect_right(mesh, out);
     HardEdgeOptions smooth;
     smooth.angle_degrees = 90;
     hard = add_normals(mesh, smooth);
     out = split_of(mesh, &hard);
     EXPECT_EQ(out.vertex_count(), 8u);
-    expect_right(mesh, out);
+    split_oracle::expect_right(mesh, out);
 }
 
 TEST(Split, EqualBitsUnderOtherIndicesShare) {
@@ -208,7 +112,7 @@ TEST(Split, EqualBitsUnderOtherIndicesShare) {
     }
     const VertexMesh out = split_of(mesh);
     EXPECT_EQ(out.vertex_count(), 6u);
-    expect_right(mesh, out);
+    split_oracle::expect_right(mesh, out);
 }
 
 TEST(Split, BitsDecideNotValues) {
@@ -220,7 +124,7 @@ TEST(Split, BitsDecideNotValues) {
     const VertexMesh out = split_of(mesh);
     EXPECT_EQ(out.vertex_count(), 7u);  // NaN with the same bits shares; −0 is not 0
     EXPECT_EQ(copies(out), std::vector<unsigned>{bits(SplitReason::uv_seam)});
-    expect_right(mesh, out);
+    split_oracle::expect_right(mesh, out);
 }
 
 TEST(Split, EachReasonByItself) {
@@ -229,7 +133,7 @@ TEST(Split, EachReasonByItself) {
         const VertexMesh out = split_of(mesh, hard);
         EXPECT_EQ(copies(out), std::vector<unsigned>(2, bits(reason))) << bits(reason);
         EXPECT_EQ(out.vertex_count(), 8u);
-        expect_right(mesh, out);
+        split_oracle::expect_right(mesh, out);
     };
     const Indices left_right{0, 0, 0, 0, 1, 1, 1, 1};
     Mesh mesh = two_quads();
@@ -290,7 +194,7 @@ TEST(Split, RangesAreSortedByPartThenMaterialInSourceOrder) {
     mesh.face_parts = {1, 0, 1, 0, 1, 0};
     mesh.face_materials = {0, 5, 1, 3, 0, 3};
     const VertexMesh out = split_of(mesh);
-    expect_right(mesh, out);
+    split_oracle::expect_right(mesh, out);
     Indices found;
     for (const auto& r : out.ranges)
         found.insert(found.end(), {r.part, r.material, r.triangle_count});
@@ -307,7 +211,7 @@ TEST(Split, MissingValuesGetDefaults) {
     mesh.uvs = {{{{3, 4}}, left}};
     mesh.colors = {{{{0, 0, 0, 0}}, left}};
     const VertexMesh out = split_of(mesh);
-    expect_right(mesh, out);
+    split_oracle::expect_right(mesh, out);
     const std::uint32_t v = out.corner_vertices[5];
     EXPECT_EQ(out.normals[v], glm::vec3(0, 0, 1));
     EXPECT_EQ(out.tangents[v], glm::vec4(1, 0, 0, 1));
@@ -338,7 +242,7 @@ TEST(Split, DegenerateAndRepeatedFacesPassThrough) {
     const VertexMesh out = split_of(mesh);
     EXPECT_EQ(out.vertex_count(), 3u);
     EXPECT_EQ(out.indices, (Indices{0, 0, 0, 0, 1, 2, 0, 1, 2, 0, 1, 1}));
-    expect_right(mesh, out);
+    split_oracle::expect_right(mesh, out);
 }
 
 // Every layer with few values, many repeated under other indices, some missing.
@@ -373,7 +277,7 @@ TEST(Split, RandomLayersGiveOneVertexForEachSetOfBits) {
     for (std::uint64_t seed = 0; seed < 60; ++seed) {
         SCOPED_TRACE(seed);
         const Mesh mesh = random_layers(seed);
-        expect_right(mesh, split_of(mesh));
+        split_oracle::expect_right(mesh, split_of(mesh));
     }
 }
 
