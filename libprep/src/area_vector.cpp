@@ -90,12 +90,13 @@ AreaVector compensated_area_vector(const MeshView& mesh, std::uint32_t face) {
     return area;
 }
 
-glm::dvec3 accurate_area_vector(const MeshView& mesh, std::uint32_t face) {
+glm::dvec3 accurate_area_vector(const MeshView& mesh, std::uint32_t face, std::uint64_t* exact) {
     AreaVector area = plain_area_vector(mesh, face);
     if (area.error <= accurate_face_error * largest_component(area.value)) return area.value;
     // Zero without an error is exactly zero.
     area = compensated_area_vector(mesh, face);
     if (area.error <= accurate_face_error * largest_component(area.value)) return area.value;
+    if (exact != nullptr) ++*exact;
     return exact_area_vector(mesh, face);
 }
 

@@ -30,7 +30,9 @@ AreaVector plain_area_vector(const MeshView& mesh, std::uint32_t face);
 AreaVector compensated_area_vector(const MeshView& mesh, std::uint32_t face);
 
 // The first of both whose error is below accurate_face_error of its length, else exact (CGAL).
-glm::dvec3 accurate_area_vector(const MeshView& mesh, std::uint32_t face);
+// `exact` counts the latter.
+glm::dvec3 accurate_area_vector(const MeshView& mesh, std::uint32_t face,
+                                std::uint64_t* exact = nullptr);
 
 // The cross product of the edges from `at` to `next` and to `previous`, with the accuracy of
 // compensated_area_vector.

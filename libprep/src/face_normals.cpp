@@ -1,6 +1,7 @@
 #include "prep/face_normals.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 
 #include "area_vector.h"
@@ -48,20 +49,26 @@ class FaceMaker {
         for (const Index face : left_over) compute(face);
     }
 
+    std::uint64_t exact_faces() const { return exact_faces_; }
+
   private:
-    glm::dvec3 area_vector(Index face) const {
-        if (precision_ == Precision::exact) return detail::exact_area_vector(mesh_, face);
+    glm::dvec3 area_vector(Index face) {
+        if (precision_ == Precision::exact) {
+            ++exact_faces_;
+            return detail::exact_area_vector(mesh_, face);
+        }
         if (precision_ == Precision::fast) {
             const detail::AreaVector area = detail::plain_area_vector(mesh_, face);
             if (area.error <= fast_face_error * detail::largest_component(area.value))
                 return area.value;
         }
-        return detail::accurate_area_vector(mesh_, face);
+        return detail::accurate_area_vector(mesh_, face, &exact_faces_);
     }
 
     const MeshView& mesh_;
     Precision precision_;
     FaceNormals& result_;
+    std::uint64_t exact_faces_ = 0;
 };
 
 }  // namespace
@@ -76,13 +83,16 @@ FaceNormals face_normals(const MeshView& mesh, Precision precision, int threads)
                                                                : exact_face_error;
     const bool vectorised =
         precision == Precision::fast && mesh.corner_count() == 3 * mesh.face_count();
+    std::atomic<std::uint64_t> exact_faces{0};
     detail::parallel_blocks(faces, face_grain, threads, [&](std::size_t first, std::size_t last) {
         FaceMaker maker(mesh, precision, result);
         if (vectorised)
             maker.compute_fast(Index(first), Index(last));
         else
             for (std::size_t f = first; f < last; ++f) maker.compute(Index(f));
+        exact_faces += maker.exact_faces();
     });
+    result.exact_faces = exact_faces;
     return result;
 }
 

@@ -37,11 +37,12 @@ class StageLog {
         if (e.run_reason.empty()) e.run_reason = reason;
         return result;
     }
+    void count_exact(const std::string& stage, std::uint64_t count) { entry(stage).exact += count; }
     std::vector<StageReport> reports() const {
         std::vector<StageReport> result;
         for (const Entry& e : entries_) {
             StageReport r{e.stage, e.run > 0, e.run > 0 ? e.run_reason : e.skip_reason,
-                          e.milliseconds};
+                          e.milliseconds, e.exact};
             if (e.run > 0 && e.skipped > 0)
                 r.reason = std::to_string(e.run) + " of " + std::to_string(e.run + e.skipped) +
                            " meshes: " + r.reason + "; others: " + e.skip_reason;
@@ -55,11 +56,12 @@ class StageLog {
         std::string stage, run_reason, skip_reason;
         std::size_t run = 0, skipped = 0;
         double milliseconds = 0;
+        std::uint64_t exact = 0;
     };
     Entry& entry(const std::string& stage) {
         for (Entry& e : entries_)
             if (e.stage == stage) return e;
-        entries_.push_back({stage, {}, {}, 0, 0, 0});
+        entries_.push_back({stage, {}, {}});
         return entries_.back();
     }
     std::vector<Entry> entries_;
@@ -182,13 +184,17 @@ class Preparer {
             return hard_edges(view, *geometry_.topology, *geometry_.faces, hard_options);
         });
         if (!hard) return std::move(hard).error();
+        log_.count_exact("face normals", geometry_.faces->exact_faces);
+        log_.count_exact("hard edges", hard->exact_decisions);
         geometry_.hard = *std::move(hard);
         NormalOptions normal_options = options_.normal;
         normal_options.threads = options_.threads;
-        return log_.run("normals", reason, [&] {
+        auto normals = log_.run("normals", reason, [&] {
             return corner_normals(view, *geometry_.topology, *geometry_.faces, *geometry_.hard,
                                   normal_options);
         });
+        if (normals) log_.count_exact("normals", normals->exact_sums);
+        return normals;
     }
 
     void skip_normals(const std::string& reason) {
@@ -496,7 +502,7 @@ Result<PreparedScene> prepare(Scene scene, const PrepareOptions& options) {
     out.stages = preparer.reports();
     out.stages.insert(
         out.stages.begin(),
-        {"requirements", true, "decides what the stages below are needed for", milliseconds});
+        {"requirements", true, "decides what the stages below are needed for", milliseconds, 0});
     return out;
 }
 

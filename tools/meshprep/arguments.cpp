@@ -50,7 +50,10 @@ CLI::App* define_prepare(CLI::App& app, PrepareCommand& c) {
 CLI::App* define_inspect(CLI::App& app, InspectCommand& c) {
     CLI::App* sub =
         app.add_subcommand("inspect", "Say what is in a file and what is wrong with it");
-    sub->add_option("input", c.inputs, "Mesh or scene files")->required()->type_name("FILE");
+    sub->add_option("input", c.inputs, "Mesh or scene files")->type_name("FILE");
+    sub->add_flag("--selftest", c.selftest,
+                  "Instead of files: hard cases in short form on this machine, with the errors "
+                  "found; exit 1 when one fails");
     sub->add_flag("--strict", c.strict, "Exit 1 when there is a warning or worse");
     sub->add_option("--places", c.places, "Places shown per finding (default 4)")
         ->check(CLI::Range(0, 8))
@@ -60,7 +63,8 @@ CLI::App* define_inspect(CLI::App& app, InspectCommand& c) {
         "Examples:\n"
         "  meshprep inspect teapot.obj\n"
         "  meshprep inspect model.glb --strict --quiet && echo clean\n"
-        "  meshprep inspect model.glb --json | jq '.files[0].findings'");
+        "  meshprep inspect model.glb --json | jq '.files[0].findings'\n"
+        "  meshprep inspect --selftest");
     return sub;
 }
 
@@ -173,6 +177,9 @@ Arguments parse_arguments(int argc, const char* const* argv) {
         app.parse(argc, argv);
         if (prepare_app->parsed() && prepare.output.empty() && !prepare.in_place)
             usage_error("--output", "is missing; give -o FILE or -o DIR (or --in-place)");
+        if (inspect_app->parsed() && inspect.inputs.empty() != inspect.selftest)
+            usage_error("input", inspect.selftest ? "--selftest takes no files"
+                                                  : "is missing; give files (or --selftest)");
         if (prepare_app->parsed() && !prepare.output.empty() && prepare.in_place)
             usage_error("--in-place", "writes over the inputs; it takes no --output");
         if (render_app->parsed()) check_render(render);

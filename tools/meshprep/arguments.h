@@ -39,6 +39,7 @@ struct InspectCommand {
     CommonOptions common;
     std::vector<std::filesystem::path> inputs;
     bool strict = false;
+    bool selftest = false;     // instead of inputs
     std::uint32_t places = 4;  // shown per finding
 };
 

@@ -8,6 +8,7 @@
 #include "meshprep/file_list.h"
 #include "meshprep/findings_text.h"
 #include "meshprep/report_json.h"
+#include "meshprep/selftest.h"
 #include "prep/check.h"
 #include "prep/io.h"
 
@@ -198,9 +199,71 @@ void print_file(const std::filesystem::path& path, const prep::Scene& scene,
     for (const std::string& line : findings_text(check.findings, names, command.places)) say(line);
 }
 
+std::string degrees_text(double value) {
+    return fmt::format("{:.1e}", value);
+}
+
+Json selftest_json(const Selftest& test) {
+    Json json;
+    json["ok"] = test.ok();
+    json["bounds_degrees"] = {{"fast", selftest_fast_bound()},
+                              {"accurate", selftest_accurate_bound()},
+                              {"rounded", selftest_rounded_bound()}};
+    json["cases"] = Json::array();
+    for (const SelftestCase& c : test.cases)
+        json["cases"].push_back({{"case", c.name},
+                                 {"value", c.value},
+                                 {"fast_degrees", c.fast},
+                                 {"accurate_degrees", c.accurate},
+                                 {"rounded_degrees", c.rounded},
+                                 {"fans", c.fans},
+                                 {"flagged", c.flagged},
+                                 {"ok", c.ok}});
+    json["checks"] = Json::array();
+    for (const SelftestCheck& c : test.checks)
+        json["checks"].push_back(
+            {{"check", c.name}, {"unit", c.unit}, {"tried", c.tried}, {"wrong", c.wrong}});
+    json["milliseconds"] = test.milliseconds;
+    return json;
+}
+
+int run_selftest(const InspectCommand& command, Console& console) {
+    console.progress(command.common, "hard cases …");
+    const Selftest test = selftest(command.common.threads);
+    console.progress(command.common, "");
+    const auto say = [&](const std::string& line) { console.result(command.common, line); };
+    say("Largest angles in degrees between our normals and exact ones");
+    std::vector<std::vector<std::string>> rows = {
+        {"case", "value", "fast", "accurate", "as float", "fans", "undetermined", ""}};
+    for (const SelftestCase& c : test.cases)
+        rows.push_back({c.name, fmt::format("{:g}", c.value), degrees_text(c.fast),
+                        degrees_text(c.accurate), degrees_text(c.rounded), with_commas(c.fans),
+                        with_commas(c.flagged), c.ok ? "ok" : "FAILED"});
+    rows.push_back({"bound", "", degrees_text(selftest_fast_bound()),
+                    degrees_text(selftest_accurate_bound()), degrees_text(selftest_rounded_bound()),
+                    "", "", ""});
+    for (const std::string& line :
+         align_table(rows, {false, true, true, true, true, true, true, false}))
+        say(line);
+    say("");
+    rows = {{"what must hold", "tried", "", "wrong"}};
+    for (const SelftestCheck& c : test.checks)
+        rows.push_back({c.name, with_commas(c.tried), c.unit, with_commas(c.wrong)});
+    for (const std::string& line : align_table(rows, {false, true, false, true})) say(line);
+    say(fmt::format("{} in {}", test.ok() ? "all is well" : "something is WRONG",
+                    duration(test.milliseconds)));
+    if (command.common.json) {
+        Json document = json_head("inspect");
+        document["selftest"] = selftest_json(test);
+        console.json(json_text(document));
+    }
+    return test.ok() ? exit_done : exit_failed;
+}
+
 }  // namespace
 
 int run_inspect(const InspectCommand& command, Console& console) {
+    if (command.selftest) return run_selftest(command, console);
     Json document = json_head("inspect");
     document["files"] = Json::array();
     bool failed = false, strict_failed = false;

@@ -171,7 +171,10 @@ void print_details(const Outcome& o, const PrepareCommand& command, Console& con
         std::vector<std::vector<std::string>> stages;
         for (const prep::StageReport& s : o.stages)
             stages.push_back({"  " + s.stage, s.run ? "run" : "skipped",
-                              s.run ? duration(s.milliseconds) : "", s.reason});
+                              s.run ? duration(s.milliseconds) : "",
+                              s.exact > 0 ? fmt::format("{}; {} decided by exact arithmetic",
+                                                        s.reason, with_commas(s.exact))
+                                          : s.reason});
         for (const std::string& line : align_table(stages, {false, false, true}))
             console.result(common, line);
     }

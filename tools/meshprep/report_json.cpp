@@ -44,6 +44,7 @@ Json to_json(const prep::StageReport& stage) {
     json["run"] = stage.run;
     json["reason"] = stage.reason;
     json["milliseconds"] = stage.milliseconds;
+    json["decided_exactly"] = stage.exact;
     return json;
 }
 

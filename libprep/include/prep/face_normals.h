@@ -30,6 +30,7 @@ struct FaceNormals {
     std::vector<FaceState> states;
     // Bound on |error of the area vector| / |area vector|, the same for every regular face.
     double relative_error = 0;
+    std::uint64_t exact_faces = 0;  // how many doubles could not tell; all if exact
 };
 
 // Relative errors of the area vectors, which also bound the normals' angular errors in radians.

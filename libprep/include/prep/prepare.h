@@ -57,6 +57,8 @@ struct StageReport {
     bool run = false;
     std::string reason;  // why it ran or was skipped, tied to scene data
     double milliseconds = 0;
+    // Faces, edges or fans that doubles could not tell: exact arithmetic decided them.
+    std::uint64_t exact = 0;
 };
 
 struct SplitCounts {  // vertices added, by reason (a vertex can count under several)
