@@ -215,13 +215,9 @@ class Resolver {
     }
 
     glm::vec3 shade(const ScreenPolygon& p, std::int32_t x, std::int32_t y) const {
-        std::array<std::int32_t, tile_padding + 1> xs, ys;
-        std::array<std::uint32_t, tile_padding + 1> ids;
         std::array<std::array<float, tile_padding + 1>, 3> out;
-        xs.fill(x);
-        ys.fill(y);
-        ids.fill(p.id);
-        ShadeTask task{xs.data(), ys.data(), ids.data(), 1, {}};
+        const std::uint16_t first_pixel = 0;
+        ShadeTask task{{x, y, 1, 1, {}}, &first_pixel, &p.id, 1, {}};
         for (std::size_t c = 0; c < 3; ++c) task.out[c] = out[c].data();
         scene_.kernels->shade((*scene_.shade_draws)[p.draw], *scene_.shade_frame, task);
         return {out[0][0], out[1][0], out[2][0]};

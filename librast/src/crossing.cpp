@@ -141,7 +141,8 @@ CrossingOutcome set_up_crossing(const VertexSource& source, const VertexRecord* 
 }
 
 void raster_crossing(float* depths, std::uint32_t* ids, const TilePlace& place,
-                     const CrossingTriangle& t, const ShadeDraw* masked, const Kernels& kernels) {
+                     const CrossingTriangle& t, std::uint32_t number, const ShadeDraw* masked,
+                     const Kernels& kernels) {
     const double left = double(place.x) / subpixels, top = double(place.y) / subpixels;
     // One pixel more on each side pays for the rounding of the box's corners.
     const auto pixel = [](double v, std::int32_t extent) {
@@ -166,12 +167,12 @@ void raster_crossing(float* depths, std::uint32_t* ids, const TilePlace& place,
             if (!(exact >= 0 && exact <= 1)) continue;
             const float depth = place.grid(float(exact));
             const std::size_t at = std::size_t(j) * tile_size + std::size_t(i);
-            if (!(depth > depths[at])) continue;
+            if (!(depth > depths[at] || (depth == depths[at] && number < ids[at]))) continue;
             if (masked != nullptr &&
                 !kernels.covers(*masked, place.x + i * subpixels, place.y + j * subpixels, t.id))
                 continue;
             depths[at] = depth;
-            ids[at] = t.id;
+            ids[at] = number;
         }
 }
 

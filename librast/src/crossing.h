@@ -67,8 +67,8 @@ CrossingOutcome set_up_crossing(const VertexSource& source, const VertexRecord* 
 
 // As Kernels::raster, for one triangle. Depth outside 0…1 is not drawn.
 void raster_crossing(float* depth, std::uint32_t* id, const TilePlace& place,
-                     const CrossingTriangle& triangle, const ShadeDraw* masked,
-                     const Kernels& kernels);
+                     const CrossingTriangle& triangle, std::uint32_t number,
+                     const ShadeDraw* masked, const Kernels& kernels);
 
 // Weights of the three corners at a point, not normalised, then their derivatives per pixel along x
 // and y. Perspective-correct weights are the first three over their sum.

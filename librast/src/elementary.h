@@ -32,6 +32,19 @@ inline double log_portable(double x) {
     return k * 0.6931471805599453 + 2 * t + 2 * t * (t2 * p);
 }
 
+// Base-2 logarithm of a positive normal float by the kernels' own operations (math-inl.h).
+inline float log2_portable(float x) {
+    const std::uint32_t bits = std::bit_cast<std::uint32_t>(x);
+    const float exponent = float(std::int32_t(bits >> 23) - 126);
+    const float f = std::bit_cast<float>((bits & 0x007fffffu) | 0x3f000000u) - 1.0f;
+    const float t = f / (2.0f + f), s = t * t;
+    float p = 2.0f / 15.0f;
+    for (const float c :
+         {2.0f / 13.0f, 2.0f / 11.0f, 2.0f / 9.0f, 2.0f / 7.0f, 2.0f / 5.0f, 2.0f / 3.0f, 2.0f})
+        p = p * s + c;
+    return exponent + p * t * 1.44269504088896341f;
+}
+
 // e^x for x in [−700, 700], 0 below; relative error below 1e-13.
 inline double exp_portable(double x) {
     if (x < -700) return 0;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace rast::detail {
 namespace {
@@ -40,8 +41,8 @@ glm::vec4 mended(const glm::vec4& c) {
 
 RenderInstance::RenderInstance(const prep::VertexMesh& mesh, std::uint32_t node,
                                const glm::dmat4& world, const View& view, std::uint32_t width,
-                               std::uint32_t height)
-    : mesh_(&mesh), node_(node) {
+                               std::uint32_t height, std::vector<VertexRecord> storage)
+    : records(std::move(storage)), mesh_(&mesh), node_(node) {
     const glm::dmat3 linear(world);
     const glm::dmat3 scaled = to_order_one(linear);
     mirrored_ = glm::dot(scaled[0], glm::cross(scaled[1], scaled[2])) < 0;

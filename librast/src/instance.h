@@ -15,8 +15,10 @@ class RenderInstance final : public VertexSource {
   public:
     // The mesh's origin and the world's offset meet the eye in double; only what is left is ever
     // rounded to float, so that places far from the world's zero are as sharp as those near it.
+    // `storage` becomes the records' memory.
     RenderInstance(const prep::VertexMesh& mesh, std::uint32_t node, const glm::dmat4& world,
-                   const View& view, std::uint32_t width, std::uint32_t height);
+                   const View& view, std::uint32_t width, std::uint32_t height,
+                   std::vector<VertexRecord> storage = {});
 
     const prep::VertexMesh& mesh() const { return *mesh_; }
     std::uint32_t node() const { return node_; }

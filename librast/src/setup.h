@@ -36,6 +36,10 @@ struct TriangleChunk {
     std::vector<std::uint32_t> order;  // by tile, then in submission order
     std::vector<TileSlice> slices;     // tiles that something of this chunk reaches
     Counters counters;
+    // Triangle number and side of an entry of `order`.
+    std::uint32_t id_of(std::uint32_t entry) const {
+        return entry & order_crossing ? crossing[entry & ~order_crossing].id : triangles[entry].id;
+    }
 };
 
 // What a thread keeps between chunks.

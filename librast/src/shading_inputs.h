@@ -17,7 +17,8 @@ struct Draw {
     std::uint32_t first_triangle = 0, triangle_count = 0;
 };
 
-using TextureSet = std::vector<std::unique_ptr<MipTexture>>;  // null: not used or not readable
+using TextureSet =
+    std::vector<std::shared_ptr<const MipTexture>>;  // null: not used or not readable
 
 struct FrameInputs {
     ShadeFrame frame;  // points into `lights`

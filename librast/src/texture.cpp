@@ -134,6 +134,20 @@ MipTexture::MipTexture(const prep::Image& image, const prep::Texture& sampler, b
             for (std::size_t c = 0; c < rip_columns_; ++c)
                 rip_.push_back(next_level(rip_[above + c], false, true));
     }
+    view_.level_count = std::uint32_t(levels_.size());
+    const auto by_lanes = [](prep::Wrap wrap, std::uint32_t size) {
+        return wrap == prep::Wrap::clamp ||
+               (wrap != prep::Wrap::border && (size & (size - 1)) == 0);
+    };
+    view_.by_lanes = levels_.size() <= TextureView::most_levels &&
+                     by_lanes(wrap_u_, levels_[0].width) && by_lanes(wrap_v_, levels_[0].height);
+    view_.u.wrap = wrap_u_;
+    view_.v.wrap = wrap_v_;
+    for (std::size_t l = 0; view_.by_lanes && l < levels_.size(); ++l) {
+        view_.widths[l] = std::int32_t(levels_[l].width);
+        view_.heights[l] = std::int32_t(levels_[l].height);
+        view_.texels[l] = &levels_[l].texels[0].x;
+    }
 }
 
 glm::vec4 MipTexture::nearest(const Level& level, const glm::vec2& uv) const {
@@ -164,11 +178,11 @@ glm::vec4 MipTexture::bilinear(const Level& level, const glm::vec2& uv) const {
 
 float MipTexture::level_of_detail(const Footprint& f) const {
     const glm::vec2 size(float(levels_[0].width), float(levels_[0].height));
-    const glm::dvec2 x(f.dx * size), y(f.dy * size);
-    const double longest = std::max(glm::dot(x, x), glm::dot(y, y));
+    const glm::vec2 x = f.dx * size, y = f.dy * size;
+    const float longest = std::max(x.x * x.x + x.y * x.y, y.x * y.x + y.y * y.y);
     if (!(longest > 1)) return 0;  // magnified, or NaN
-    if (!(longest < 1e30)) return float(levels_.size() - 1);
-    return float(0.5 * log_portable(longest) * 1.4426950408889634);
+    if (!(longest < 1e30f)) return float(levels_.size() - 1);
+    return 0.5f * log2_portable(longest);
 }
 
 void sample_texture(const MipTexture& texture, TextureFilter filter, int most, const float at[6],

@@ -1,6 +1,7 @@
 // Textures as the shader samples them: linear-light mip pyramids.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <vector>
@@ -21,8 +22,25 @@ struct Footprint {
 enum class TextureLevels : std::uint8_t { base, mipmap, ripmap };
 TextureLevels levels_for(TextureFilter filter);
 
+// The pyramid as the kernels read it. `by_lanes`: without borders, and no axis that repeats has a
+// length other than a power of two.
+struct TextureAxis {
+    prep::Wrap wrap = prep::Wrap::repeat;
+};
+struct TextureView {
+    static constexpr std::size_t most_levels = 17;  // of 65,536 texels a side
+    std::int32_t widths[most_levels] = {}, heights[most_levels] = {};
+    std::array<const float*, most_levels> texels{};
+    std::uint32_t level_count = 0;
+    TextureAxis u, v;
+    bool by_lanes = false;
+};
+
 class MipTexture {
   public:
+    MipTexture(MipTexture&&) = default;
+    MipTexture& operator=(MipTexture&&) = default;
+
     // `colour`: decode RGB from sRGB before anything is averaged. Missing channels: grey is spread
     // to RGB, alpha is 1.
     MipTexture(const prep::Image& image, const prep::Texture& sampler, bool colour,
@@ -52,6 +70,7 @@ class MipTexture {
         std::vector<glm::vec4> texels;
     };
     const Level& level(std::uint32_t index) const { return levels_[index]; }
+    const TextureView& view() const { return view_; }
 
   private:
     glm::vec4 texel(const Level& level, std::int64_t x, std::int64_t y) const;
@@ -71,6 +90,7 @@ class MipTexture {
     std::vector<Level> rip_;  // rows of ever lower height, rip_columns_ widths each
     std::size_t rip_columns_ = 0;
     prep::Wrap wrap_u_, wrap_v_;
+    TextureView view_;
 };
 
 // For the kernels: at = u, v, then their change per pixel right (u, v) and down (u, v).

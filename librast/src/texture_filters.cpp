@@ -11,7 +11,7 @@ namespace {
 
 constexpr double log2_of_e = 1.4426950408889634;
 
-double log2_portable(double x) {
+double log2_double(double x) {
     return log_portable(x) * log2_of_e;
 }
 
@@ -110,8 +110,7 @@ glm::vec4 MipTexture::anisotropic(const glm::vec2& uv, const Footprint& footprin
     if (!s.usable || !(s.major_length > 1)) return sample(uv, footprint, TextureFilter::trilinear);
     const double ratio = s.major_length / std::max(s.minor_length, 1e-30);
     const int probes = int(std::min(std::ceil(ratio), double(std::max(most, 1))));
-    const float lod =
-        float(std::max(0.0, log2_portable(std::max(s.major_length / probes, 1e-300))));
+    const float lod = float(std::max(0.0, log2_double(std::max(s.major_length / probes, 1e-300))));
     const glm::vec2 step =
         glm::dot(glm::dvec2(footprint.dx) * glm::dvec2(levels_[0].width, levels_[0].height),
                  glm::dvec2(footprint.dx) * glm::dvec2(levels_[0].width, levels_[0].height)) >=
@@ -181,7 +180,7 @@ glm::vec4 MipTexture::ewa(const glm::vec2& uv, const Footprint& footprint, int m
         s.minor = across * (area < 0 ? -least : least);
         s.minor_length = least;
     }
-    const float lod = float(std::max(0.0, log2_portable(std::max(s.minor_length, 1e-300))));
+    const float lod = float(std::max(0.0, log2_double(std::max(s.minor_length, 1e-300))));
     // On the last level an ellipse would have no largest size.
     if (!(lod < float(levels_.size() - 1))) return bilinear(levels_.back(), uv);
     return between_levels(lod,
@@ -193,7 +192,7 @@ glm::vec4 MipTexture::ripmap(const glm::vec2& uv, const Footprint& f) const {
         const double longest = std::max(std::abs(double(right)), std::abs(double(down))) * size;
         if (!(longest > 1)) return 0.0f;
         if (!(longest < 1e15)) return float(levels - 1);
-        return float(std::min(log2_portable(longest), double(levels - 1)));
+        return float(std::min(log2_double(longest), double(levels - 1)));
     };
     const float lu = lod(f.dx.x, f.dy.x, levels_[0].width, rip_columns_);
     const float lv = lod(f.dx.y, f.dy.y, levels_[0].height, rip_.size() / rip_columns_);

@@ -14,6 +14,7 @@
 #include "instance.h"
 #include "samples.h"
 #include "setup.h"
+#include "tile_renderer.h"
 
 namespace hits {
 
@@ -72,6 +73,7 @@ inline Hits count_hits(const std::vector<ScreenVertex>& vertices,
     window.tiles_x = (window.width + tile_size - 1) / tile_size;
     window.tiles_y = (window.height + tile_size - 1) / tile_size;
     BinScratch scratch;
+    std::vector<rast::detail::TileEntry> entries;
     TriangleChunk chunk;
     chunk.count = 1;
     TileSamples samples;
@@ -109,18 +111,15 @@ inline Hits count_hits(const std::vector<ScreenVertex>& vertices,
                 i1 = std::clamp((high_x - place.x) / 256 + 2, 0, i1);
                 j1 = std::clamp((high_y - place.y) / 256 + 2, 0, j1);
             }
-            if (chunk.order[slice.begin] & order_crossing)
-                raster_crossing(samples.depth.data(), samples.id.data(), place, chunk.crossing[0],
-                                nullptr, kernels);
-            else
-                kernels.raster(samples.depth.data(), samples.id.data(), place,
-                               chunk.triangles.data(), &chunk.order[slice.begin], 1, nullptr);
+            raster_slice(chunk, slice.begin, slice.end, 0, place, nullptr, kernels, entries,
+                         samples);
+            const bool of_back = (chunk.id_of(chunk.order[slice.begin]) & id_back_face) != 0;
             for (std::int32_t y = j0; y <= j1; ++y)
                 for (std::int32_t x = i0; x <= i1; ++x) {
                     const std::size_t at = std::size_t(y) * tile_size + std::size_t(x);
                     if (samples.id[at] == id_none) continue;
                     const std::size_t i = std::size_t(y0 + y) * width + std::size_t(x0 + x);
-                    ++(samples.id[at] & id_back_face ? hits.back : hits.front)[i];
+                    ++(of_back ? hits.back : hits.front)[i];
                     hits.nearest[i] = std::max(hits.nearest[i], samples.depth[at]);
                     samples.id[at] = id_none;
                     samples.depth[at] = -1.0f;

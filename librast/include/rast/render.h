@@ -44,6 +44,10 @@ enum class Coverage : std::uint8_t { samples, area };
 // d² / n · 2^-bits on. Exact areas use double.
 enum class DepthFormat : std::uint8_t { float32, fixed24, fixed16 };
 
+// What a picture's colours are kept as, linear in both: floats (Frame::color), or bytes of red,
+// green, blue and coverage (Frame::bytes), a fourth of the memory; colours above 1 are clipped.
+enum class PixelFormat : std::uint8_t { floats, bytes };
+
 inline constexpr int max_supersample = 16;
 inline constexpr std::uint32_t max_picture_extent = 32768;
 
@@ -67,7 +71,8 @@ struct RenderRequest {
     bool keep_ids = false;       // Frame::triangle and Frame::instance
     bool keep_normals = false, keep_uvs = false, keep_barycentrics = false, keep_positions = false;
     std::optional<Crop> crop;  // unset: the whole picture
-    int samples = 1;           // per pixel: 1, 2, 4, 8 or 16
+    PixelFormat pixels = PixelFormat::floats;
+    int samples = 1;  // per pixel: 1, 2, 4, 8 or 16
     Coverage coverage = Coverage::samples;
     DepthFormat depth_format = DepthFormat::float32;
     // Each pixel is the mean of N × N finer ones, in linear light: 1 … max_supersample. Colours
@@ -117,6 +122,7 @@ struct Counters {
 struct Frame {
     std::uint32_t width = 0, height = 0;  // of the crop, where there is one
     std::vector<glm::vec4> color;         // linear; alpha is 1 where something was drawn
+    std::vector<std::uint32_t> bytes;     // the same in bytes, red lowest; see PixelFormat
     std::vector<float> depth;             // reversed z: 1 near, 0 far or empty; when asked for
     std::vector<std::uint32_t> triangle;  // within the instance's mesh; no_index where empty
     std::vector<std::uint32_t> instance;  // node; no_index where empty
@@ -133,6 +139,24 @@ struct Frame {
 // Errors: none but those of plan(), which made the argument; textures that cannot be read become
 // warnings and the material's plain colour is used.
 prep::Result<Frame> render(const prep::PreparedScene& scene, const RenderPlan& plan);
+
+// Draws one scene again and again: what its pictures share (textures and their levels, buffers) is
+// kept between them. The scene must stay as it is meanwhile. One thread at a time may call it.
+namespace detail {
+class Painter;
+}
+class SceneRenderer {
+  public:
+    explicit SceneRenderer(const prep::PreparedScene& scene);
+    SceneRenderer(SceneRenderer&&) noexcept;
+    SceneRenderer& operator=(SceneRenderer&&) noexcept;
+    ~SceneRenderer();
+    // As render(), into a frame whose memory is used again.
+    prep::Result<void> render(const RenderPlan& plan, Frame& frame);
+
+  private:
+    std::unique_ptr<detail::Painter> painter_;
+};
 
 // The same picture, bit for bit, in bands of plan.band_rows rows from top to bottom, so that large
 // ones need never be held: take(band, first row) gets each once. An error of `take` ends it and is

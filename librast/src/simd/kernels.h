@@ -100,11 +100,15 @@ struct ShadeDraw {
     }
 };
 
-// Points of one draw, with their triangles; both arrays are readable up to the lane count past the
-// end.
+// A triangle to be drawn: its place among the set-up ones, and its number in the tile.
+struct TileEntry {
+    std::uint32_t what = 0, number = 0;
+};
+
+// Points of one draw, with their triangles. Fastest where points of one triangle follow each other.
 struct ShadeTask {
-    const std::int32_t* x = nullptr;  // 1/256 pixels from the centre
-    const std::int32_t* y = nullptr;
+    TilePlace place;
+    const std::uint16_t* pixels = nullptr;  // of the tile, row by row
     const std::uint32_t* ids = nullptr;
     std::size_t count = 0;
     float* out[3] = {};  // red, green, blue; writable up to the lane count past the end
@@ -113,8 +117,8 @@ struct ShadeTask {
 // What can be asked of a point beside its colour; three, two, three and three planes, each as
 // ShadeTask::out; null where not asked for.
 struct AttributeTask {
-    const std::int32_t* x = nullptr;
-    const std::int32_t* y = nullptr;
+    TilePlace place;
+    const std::uint16_t* pixels = nullptr;
     const std::uint32_t* ids = nullptr;
     std::size_t count = 0;
     const float* uvs = nullptr;  // of the mesh, two per vertex; null: none
@@ -128,10 +132,10 @@ struct Kernels {
     void (*transform)(const TransformTask& task, std::size_t begin, std::size_t end);
     // Numbers within the run to `survivors` (readable and writable up to chunk_triangles).
     std::uint32_t (*cull)(const CullTask& task, std::uint16_t* survivors, CullCounts& counts);
-    // Draws triangles[order[…]] into the tile, in this order. `masked` is null or the draw whose
-    // alpha decides.
-    void (*raster)(float* depth, std::uint32_t* id, const TilePlace& place,
-                   const SetupTriangle* triangles, const std::uint32_t* order, std::size_t count,
+    // Draws the entries' numbers into the tile, in any order: of equal depths the lower number
+    // wins. `masked` is null or the draw whose alpha decides.
+    void (*raster)(float* depth, std::uint32_t* number, const TilePlace& place,
+                   const SetupTriangle* triangles, const TileEntry* entries, std::size_t count,
                    const ShadeDraw* masked);
     void (*shade)(const ShadeDraw& draw, const ShadeFrame& frame, const ShadeTask& task);
     void (*attributes)(const ShadeDraw& draw, const ShadeFrame& frame, const AttributeTask& task);
@@ -140,6 +144,10 @@ struct Kernels {
                            const std::uint32_t* vertices, std::size_t count, float* out);
     // Whether the alpha mask lets one point stand.
     bool (*covers)(const ShadeDraw& draw, std::int32_t x, std::int32_t y, std::uint32_t id);
+    // Colours to bytes, red lowest, the highest byte 255; writable up to the lane count past the
+    // end, and readable but for a count of 1.
+    void (*pack)(const float* red, const float* green, const float* blue, std::size_t count,
+                 std::uint32_t* out);
     // out = (cos)^shininess for angles given by their squared sine and cosine; for tests.
     void (*specular_powers)(const float* sine2, const float* cosine2, float shininess,
                             std::size_t count, float* out);

@@ -2,6 +2,9 @@
 #include "crossing.h"
 #include "simd/kernels.h"
 
+// Helpers of the kernels stay in registers; calls would spill every vector.
+#define RAST_INLINE inline __attribute__((always_inline))
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "simd/kernels_highway.cpp"
 #include <hwy/foreach_target.h>
@@ -16,6 +19,8 @@ namespace {
 #include "simd/lanes_highway-inl.h"
 #include "simd/transform-inl.h"
 #include "simd/math-inl.h"
+#include "simd/surface-inl.h"
+#include "simd/texture-inl.h"
 #include "simd/shade-inl.h"
 #include "simd/raster-inl.h"
 // clang-format on
@@ -23,8 +28,8 @@ namespace {
 }  // namespace
 
 const Kernels* kernels() {
-    static constexpr Kernels table{transform,  cull,           raster, shade,
-                                   attributes, light_vertices, covers, specular_powers};
+    static constexpr Kernels table{transform,      cull,   raster, shade,          attributes,
+                                   light_vertices, covers, pack,   specular_powers};
     return &table;
 }
 

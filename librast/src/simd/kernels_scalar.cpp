@@ -1,5 +1,8 @@
 #include "crossing.h"
 #include "simd/kernels.h"
+
+// Helpers of the kernels stay in registers; calls would spill every vector.
+#define RAST_INLINE inline __attribute__((always_inline))
 #include "simd/lanes_scalar.h"
 
 namespace rast::detail {
@@ -11,6 +14,8 @@ using namespace rast::detail::scalar_lanes;
 // clang-format off
 #include "simd/transform-inl.h"
 #include "simd/math-inl.h"
+#include "simd/surface-inl.h"
+#include "simd/texture-inl.h"
 #include "simd/shade-inl.h"
 #include "simd/raster-inl.h"
 // clang-format on
@@ -18,8 +23,8 @@ using namespace rast::detail::scalar_lanes;
 }  // namespace
 
 const Kernels& scalar_kernels() {
-    static constexpr Kernels table{transform,  cull,           raster, shade,
-                                   attributes, light_vertices, covers, specular_powers};
+    static constexpr Kernels table{transform,      cull,   raster, shade,          attributes,
+                                   light_vertices, covers, pack,   specular_powers};
     return table;
 }
 

@@ -247,3 +247,30 @@ HWY_INLINE I gather(const std::uint32_t* p, I index) {
 HWY_INLINE void load3(const float* p, F& x, F& y, F& z) {
     hn::LoadInterleaved3(Floats(), p, x.v, y.v, z.v);
 }
+HWY_INLINE void load_interleaved4(const float* p, F& x, F& y, F& z, F& w) {
+    hn::LoadInterleaved4(Floats(), p, x.v, y.v, z.v, w.v);
+}
+
+// Four channels of one texel.
+using Fours = hn::FixedTag<float, 4>;
+struct F4 {
+    hn::Vec<Fours> v;
+};
+HWY_INLINE F4 set4(float v) {
+    return {hn::Set(Fours(), v)};
+}
+HWY_INLINE F4 load4(const float* p) {
+    return {hn::LoadU(Fours(), p)};
+}
+HWY_INLINE void store4(F4 a, float* p) {
+    hn::StoreU(a.v, Fours(), p);
+}
+HWY_INLINE F4 operator+(F4 a, F4 b) {
+    return {hn::Add(a.v, b.v)};
+}
+HWY_INLINE F4 operator-(F4 a, F4 b) {
+    return {hn::Sub(a.v, b.v)};
+}
+HWY_INLINE F4 operator*(F4 a, F4 b) {
+    return {hn::Mul(a.v, b.v)};
+}

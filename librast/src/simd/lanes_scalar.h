@@ -251,4 +251,34 @@ inline void load3(const float* p, F& x, F& y, F& z) {
     z.v = p[2];
 }
 
+inline void load_interleaved4(const float* p, F& x, F& y, F& z, F& w) {
+    x = {p[0]};
+    y = {p[1]};
+    z = {p[2]};
+    w = {p[3]};
+}
+
+// Four channels of one texel.
+struct F4 {
+    float v[4];
+};
+inline F4 set4(float v) {
+    return {{v, v, v, v}};
+}
+inline F4 load4(const float* p) {
+    return {{p[0], p[1], p[2], p[3]}};
+}
+inline void store4(F4 a, float* p) {
+    for (int k = 0; k < 4; ++k) p[k] = a.v[k];
+}
+inline F4 operator+(F4 a, F4 b) {
+    return {{a.v[0] + b.v[0], a.v[1] + b.v[1], a.v[2] + b.v[2], a.v[3] + b.v[3]}};
+}
+inline F4 operator-(F4 a, F4 b) {
+    return {{a.v[0] - b.v[0], a.v[1] - b.v[1], a.v[2] - b.v[2], a.v[3] - b.v[3]}};
+}
+inline F4 operator*(F4 a, F4 b) {
+    return {{a.v[0] * b.v[0], a.v[1] * b.v[1], a.v[2] * b.v[2], a.v[3] * b.v[3]}};
+}
+
 }  // namespace rast::detail::scalar_lanes

@@ -5,7 +5,7 @@
 struct Parts {
     F fraction, exponent;
 };
-inline Parts split_exponent(F m) {
+RAST_INLINE Parts split_exponent(F m) {
     const I b = bits(m);
     return {from_bits((b & set(0x007fffff)) | set(0x3f000000)),
             to_float(shift_right<23>(b) - set(126))};
@@ -13,7 +13,7 @@ inline Parts split_exponent(F m) {
 
 // log2(1 + f) for f in [−½, 0] by the series of the inverse hyperbolic tangent:
 // log(1 + f) = 2 artanh(f / (2 + f)), |f / (2 + f)| ≤ 1/3; the first term left out is below 4e-9.
-inline F log2_one_plus(F f) {
+RAST_INLINE F log2_one_plus(F f) {
     const F t = f / (set(2.0f) + f);
     const F s = t * t;
     F p = set(2.0f / 15.0f);
@@ -28,13 +28,13 @@ inline F log2_one_plus(F f) {
 }
 
 // Precondition as for split_exponent. Absolute error below 2e-7 + 1 ulp of the result.
-inline F log2(F m) {
+RAST_INLINE F log2(F m) {
     const Parts parts = split_exponent(m);
     return parts.exponent + log2_one_plus(parts.fraction - set(1.0f));
 }
 
 // 2^y for y ≤ 0; 0 below −126 (the result would be denormal). Relative error below 3e-7.
-inline F exp2_negative(F y) {
+RAST_INLINE F exp2_negative(F y) {
     const F kept = max(y, set(-126.0f));
     const F whole = floor(kept + set(0.5f));
     const F f = kept - whole;   // −½ … ½
@@ -53,7 +53,7 @@ inline F exp2_negative(F y) {
 // (cos)^shininess for the angle whose squared sine and squared cosine are given, each with its own
 // full relative precision: near the highlight's centre the power is taken from the sine, because
 // the cosine has lost its digits there (Kahan's advice for log1p). 0^0 is 1.
-inline F specular_power(F sine2, F cosine2, F shininess) {
+RAST_INLINE F specular_power(F sine2, F cosine2, F shininess) {
     const F c = max(cosine2, set(1.0e-37f));
     const Parts parts = split_exponent(min(c, set(0.99999994f)));
     const M close = sine2 < set(0.5f);

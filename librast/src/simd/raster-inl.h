@@ -44,7 +44,7 @@ inline F on_grid(const DepthGrid& grid, F z) {
 }
 
 inline void raster(float* depths, std::uint32_t* ids, const TilePlace& place,
-                   const SetupTriangle* triangles, const std::uint32_t* order, std::size_t count,
+                   const SetupTriangle* triangles, const TileEntry* entries, std::size_t count,
                    const ShadeDraw* masked) {
     constexpr float to_pixels = 1.0f / float(subpixels);
     const auto low = [](const std::int32_t* v) {
@@ -59,7 +59,7 @@ inline void raster(float* depths, std::uint32_t* ids, const TilePlace& place,
         return v <= from ? 0 : (v - from + subpixels - 1) >> subpixel_bits;
     };
     for (std::size_t n = 0; n < count; ++n) {
-        const SetupTriangle& t = triangles[order[n]];
+        const SetupTriangle& t = triangles[entries[n].what];
         const TileEdges edges = tile_edges(t, place);
         if (edges.missed) continue;
         // Pixels of the tile in the triangle's box.
@@ -72,7 +72,7 @@ inline void raster(float* depths, std::uint32_t* ids, const TilePlace& place,
 
         // Differences of snapped coordinates are exact in float.
         const F z0 = set(t.z0), dzdx = set(t.dzdx), z_low = set(t.z_low), z_high = set(t.z_high);
-        const I id = set(std::int32_t(t.id));
+        const I id = set(std::int32_t(t.id)), number = set(std::int32_t(entries[n].number));
         const std::int32_t from_x = place.x - t.x[0], from_y = place.y - t.y[0];
         for (std::int32_t j = j0; j <= j1; ++j) {
             const F rise = set(t.dzdy * (float(from_y + j * subpixels) * to_pixels));
@@ -91,14 +91,15 @@ inline void raster(float* depths, std::uint32_t* ids, const TilePlace& place,
                 F z = min(max(z0 + (dzdx * run + rise), z_low), z_high);
                 if (place.grid) z = on_grid(place.grid, z);
                 const F depth = load(depths + at);
-                hit = hit & ((z > depth) & (z >= set(0.0f)));
+                const I before = load(ids + at);
+                hit = hit & (((z > depth) | ((z == depth) & (number < before))) & (z >= set(0.0f)));
                 if (!any(hit)) continue;
                 if (masked != nullptr)
                     hit = hit & alpha_passes(*masked,
                                              shift_left<subpixel_bits>(column) + set(place.x),
                                              set(place.y + j * subpixels), id);
                 store(select(hit, z, depth), depths + at);
-                store(select(hit, id, load(ids + at)), ids + at);
+                store(select(hit, number, before), ids + at);
             }
         }
     }

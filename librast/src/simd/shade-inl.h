@@ -1,206 +1,11 @@
-// Attributes, textures, normals and light at visible points.
+// Normals, materials and light at visible points.
 // Included once per instruction set, inside the namespace that has its lanes.
 
-struct V3 {
-    F x, y, z;
-};
-inline V3 operator+(V3 a, V3 b) {
-    return {a.x + b.x, a.y + b.y, a.z + b.z};
-}
-inline V3 operator-(V3 a, V3 b) {
-    return {a.x - b.x, a.y - b.y, a.z - b.z};
-}
-inline V3 operator*(V3 a, F s) {
-    return {a.x * s, a.y * s, a.z * s};
-}
-inline V3 operator*(V3 a, V3 b) {
-    return {a.x * b.x, a.y * b.y, a.z * b.z};
-}
-inline V3 operator-(V3 a) {
-    return {-a.x, -a.y, -a.z};
-}
-inline F dot(V3 a, V3 b) {
-    return (a.x * b.x + a.y * b.y) + a.z * b.z;
-}
-inline V3 cross(V3 a, V3 b) {
-    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-inline V3 set3(const float* v) {
-    return {set(v[0]), set(v[1]), set(v[2])};
-}
-inline V3 select(M m, V3 yes, V3 no) {
-    return {select(m, yes.x, no.x), select(m, yes.y, no.y), select(m, yes.z, no.z)};
-}
-
-// The corners of each lane's triangle, the perspective-correct weights of the second and the third,
-// and the weights' derivatives per pixel.
-struct Surface {
-    I corner[3];
-    F b, c;
-    F b_x, c_x, b_y, c_y;
-};
-
-// A value that is the same at all three corners comes out with the same bits.
-inline F blend(const Surface& s, F v0, F v1, F v2) {
-    return v0 + (s.b * (v1 - v0) + s.c * (v2 - v0));
-}
-// One that never leaves the range of the corners, not even by a rounding: colours, light and UVs.
-inline F blend_within(const Surface& s, F v0, F v1, F v2) {
-    return min(max(blend(s, v0, v1, v2), min(min(v0, v1), v2)), max(max(v0, v1), v2));
-}
-inline F attribute(const Surface& s, const float* values, const I index[3], int component) {
-    const float* p = values + component;
-    return blend(s, gather(p, index[0]), gather(p, index[1]), gather(p, index[2]));
-}
-inline F attribute_within(const Surface& s, const float* values, const I index[3], int component) {
-    const float* p = values + component;
-    return blend_within(s, gather(p, index[0]), gather(p, index[1]), gather(p, index[2]));
-}
-inline V3 attribute3(const Surface& s, const float* values) {
-    const I index[3] = {s.corner[0] * set(3), s.corner[1] * set(3), s.corner[2] * set(3)};
-    return {attribute(s, values, index, 0), attribute(s, values, index, 1),
-            attribute(s, values, index, 2)};
-}
-
-// Weights of lanes whose triangle has a corner without a place on the screen.
-inline void mend_weights(const ShadeDraw& draw, const Surface& s, M crossing, I x, I y, D q[3],
-                         D q_x[3], D q_y[3]) {
-    std::int32_t xs[lane_count], ys[lane_count];
-    std::uint32_t corners[3][lane_count];
-    double values[9][lane_count];
-    store(x, xs);
-    store(y, ys);
-    for (int k = 0; k < 3; ++k) {
-        store(s.corner[k], corners[k]);
-        store(q[k], values[k]);
-        store(q_x[k], values[3 + k]);
-        store(q_y[k], values[6 + k]);
-    }
-    for (std::uint32_t rest = bits_of(crossing); rest != 0; rest &= rest - 1) {
-        const int lane = __builtin_ctz(rest);
-        const std::uint32_t v[3] = {corners[0][lane], corners[1][lane], corners[2][lane]};
-        double patch[9];
-        crossing_weights(*draw.source_vertices, draw.records, v, double(xs[lane]) / subpixels,
-                         double(ys[lane]) / subpixels, patch);
-        for (int k = 0; k < 9; ++k) values[k][lane] = patch[k];
-    }
-    for (int k = 0; k < 3; ++k) {
-        q[k] = load(values[k]);
-        q_x[k] = load(values[3 + k]);
-        q_y[k] = load(values[6 + k]);
-    }
-}
-
-// Differences to the snapped corners are integers and their products exact, so that a covered
-// point's weights are positive; outside its triangle (a pixel's centre where only other samples
-// are covered) they are clamped.
-inline Surface surface_at(const ShadeDraw& draw, I triangle, I px, I py, bool derivatives) {
-    Surface s;
-    const I index = triangle * set(3);
-    const std::int32_t* xs = &draw.records->x;
-    const float* ws = &draw.records->w;
-    I raw[3];
-    D x[3], y[3], w[3];
-    for (int k = 0; k < 3; ++k) {
-        s.corner[k] = gather(draw.indices + k, index);
-        const I at = shift_left<2>(s.corner[k]);
-        raw[k] = gather(xs, at);
-        x[k] = to_double(raw[k] - px);
-        y[k] = to_double(gather(xs + 1, at) - py);
-        w[k] = to_double(gather(ws, at));
-    }
-    const D per_pixel = set_double(double(subpixels));
-    D q[3], q_x[3], q_y[3], e[3];
-    for (int k = 0; k < 3; ++k) {
-        const int a = k == 2 ? 0 : k + 1, b = a == 2 ? 0 : a + 1;
-        e[k] = x[a] * y[b] - x[b] * y[a];
-    }
-    const D area = (e[0] + e[1]) + e[2];  // signed: clockwise corners turn all of them round
-    for (int k = 0; k < 3; ++k) {
-        const int a = k == 2 ? 0 : k + 1, b = a == 2 ? 0 : a + 1;
-        const D weight = area * (w[a] * w[b]);
-        q[k] = e[k] * weight;
-        if (!derivatives) continue;
-        q_x[k] = (y[a] - y[b]) * per_pixel * weight;
-        q_y[k] = (x[b] - x[a]) * per_pixel * weight;
-    }
-    const I limit = set(first_valid);
-    const M crossing = ((raw[0] < limit) | (raw[1] < limit)) | (raw[2] < limit);
-    if (any(crossing)) {
-        if (!derivatives)
-            for (int k = 0; k < 3; ++k) q_x[k] = q_y[k] = set_double(0.0);
-        mend_weights(draw, s, crossing, px, py, q, q_x, q_y);
-    }
-    const D zero = set_double(0.0);
-    for (int k = 0; k < 3; ++k) q[k] = max(q[k], zero);
-    const D inverse = set_double(1.0) / ((q[0] + q[1]) + q[2]);
-    const D b = q[1] * inverse, c = q[2] * inverse;
-    s.b = to_float(b);
-    s.c = to_float(c);
-    if (derivatives) {
-        const D sum_x = (q_x[0] + q_x[1]) + q_x[2], sum_y = (q_y[0] + q_y[1]) + q_y[2];
-        s.b_x = to_float((q_x[1] - b * sum_x) * inverse);
-        s.c_x = to_float((q_x[2] - c * sum_x) * inverse);
-        s.b_y = to_float((q_y[1] - b * sum_y) * inverse);
-        s.c_y = to_float((q_y[2] - c * sum_y) * inverse);
-    } else {
-        s.b_x = s.c_x = s.b_y = s.c_y = set(0.0f);
-    }
-    return s;
-}
-
-struct Texel {
-    F r, g, b, a;
-};
-
-inline Texel sample_map(const BoundMap& map, const Surface& s) {
-    const I index[3] = {shift_left<1>(s.corner[0]), shift_left<1>(s.corner[1]),
-                        shift_left<1>(s.corner[2])};
-    F uv[3][2];
-    for (int k = 0; k < 3; ++k) {
-        uv[k][0] = gather(map.uv, index[k]);
-        uv[k][1] = gather(map.uv + 1, index[k]);
-    }
-    const auto turned = [&](int row, F u, F v) {
-        return set(map.matrix[row * 2]) * u + set(map.matrix[row * 2 + 1]) * v;
-    };
-    const F raw_u = blend_within(s, uv[0][0], uv[1][0], uv[2][0]);
-    const F raw_v = blend_within(s, uv[0][1], uv[1][1], uv[2][1]);
-    const F u1 = uv[1][0] - uv[0][0], u2 = uv[2][0] - uv[0][0];
-    const F v1 = uv[1][1] - uv[0][1], v2 = uv[2][1] - uv[0][1];
-    // u, v, then their change per pixel right and down.
-    float values[6][lane_count], out[4][lane_count];
-    store(turned(0, raw_u, raw_v) + set(map.offset[0]), values[0]);
-    store(turned(1, raw_u, raw_v) + set(map.offset[1]), values[1]);
-    const auto step = [&](F b, F c, int at) {
-        const F du = b * u1 + c * u2, dv = b * v1 + c * v2;
-        store(turned(0, du, dv), values[at]);
-        store(turned(1, du, dv), values[at + 1]);
-    };
-    step(s.b_x, s.c_x, 2);
-    step(s.b_y, s.c_y, 4);
-    for (int lane = 0; lane < lane_count; ++lane) {
-        const float at[6] = {values[0][lane], values[1][lane], values[2][lane],
-                             values[3][lane], values[4][lane], values[5][lane]};
-        float texel[4];
-        sample_texture(*map.texture, map.filter, map.most, at, texel);
-        for (int c = 0; c < 4; ++c) out[c][lane] = texel[c];
-    }
-    return {load(out[0]), load(out[1]), load(out[2]), load(out[3])};
-}
-
-inline I triangle_of(const ShadeDraw& draw, I id) {
-    return (id & set(0x7fffffff)) -
-           set(std::int32_t(draw.first_id) - std::int32_t(draw.first_triangle));
-}
-
-inline M alpha_passes(const ShadeDraw& draw, I px, I py, I id) {
-    const Surface s = surface_at(draw, triangle_of(draw, id), px, py, bool(draw.diffuse_map));
+RAST_INLINE M alpha_passes(const ShadeDraw& draw, I px, I py, I id) {
+    const MixedSurface s = surface_at(draw, triangle_of(draw, id), px, py, bool(draw.diffuse_map));
     F alpha = set(draw.diffuse[3]);
     if (draw.colors != nullptr) {
-        const I index[3] = {shift_left<2>(s.corner[0]), shift_left<2>(s.corner[1]),
-                            shift_left<2>(s.corner[2])};
-        alpha = alpha * attribute_within(s, draw.colors, index, 3);
+        alpha = alpha * attribute_within<4>(s, draw.colors, 3);
     }
     if (draw.diffuse_map) alpha = alpha * sample_map(draw.diffuse_map, s).a;
     return alpha >= set(draw.alpha_cutoff);
@@ -210,40 +15,48 @@ inline bool covers(const ShadeDraw& draw, std::int32_t x, std::int32_t y, std::u
     return (bits_of(alpha_passes(draw, set(x), set(y), set(std::int32_t(id)))) & 1u) != 0;
 }
 
-inline V3 transformed_normal(const ShadeDraw& draw, V3 n) {
+RAST_INLINE V3 transformed_normal(const ShadeDraw& draw, V3 n) {
     const float* m = draw.normal_matrix;
     return {(set(m[0]) * n.x + set(m[1]) * n.y) + set(m[2]) * n.z,
             (set(m[3]) * n.x + set(m[4]) * n.y) + set(m[5]) * n.z,
             (set(m[6]) * n.x + set(m[7]) * n.y) + set(m[8]) * n.z};
 }
 
-inline F largest(V3 v) {
+RAST_INLINE F largest(V3 v) {
     return max(max(abs(v.x), abs(v.y)), abs(v.z));
 }
 
-// Whether a vector of this largest component has a direction. Above the limit, one over it would
-// be flushed to zero.
-inline M is_length(F size) {
+// Whether a vector of this largest component has a direction.
+RAST_INLINE M is_length(F size) {
     return (size > set(0.0f)) & (size < set(8.0e37f));
 }
 
 // Unit length whatever the length was; lanes without a direction (zero, NaN) get `otherwise`.
-inline V3 unit_or(V3 v, V3 otherwise) {
+RAST_INLINE V3 unit_or(V3 v, V3 otherwise) {
     const F size = largest(v);
     const M good = is_length(size);
-    const V3 scaled = v * (set(1.0f) / select(good, size, set(1.0f)));
+    // By a power of two, to order one: squares stay in float's range and nothing is rounded.
+    const I exponent = bits(select(good, size, set(1.0f))) & set(0x7f800000);
+    const V3 scaled = v * from_bits(max(set(0x7f000000) - exponent, set(0x00800000)));
     const F inverse = set(1.0f) / sqrt(select(good, dot(scaled, scaled), set(1.0f)));
     return select(good, scaled * inverse, otherwise);
 }
 
+RAST_INLINE V3 direction_to_eye(const ShadeFrame& frame, I x, I y) {
+    const F to_pixels = set(1.0f / float(subpixels));
+    const V3 otherwise = set3(frame.to_eye[0]);
+    return unit_or((otherwise + set3(frame.to_eye[1]) * (to_float(x) * to_pixels)) +
+                       set3(frame.to_eye[2]) * (to_float(y) * to_pixels),
+                   otherwise);
+}
+
 // The triangle's own normal on its front side, world axes.
-inline V3 face_normal(const ShadeDraw& draw, const Surface& s, V3 otherwise) {
+template <class S>
+RAST_INLINE V3 face_normal(const ShadeDraw& draw, const S& s, V3 otherwise) {
     V3 p[3];
-    for (int k = 0; k < 3; ++k) {
-        const I at = s.corner[k] * set(3);
-        p[k] = {gather(draw.positions, at), gather(draw.positions + 1, at),
-                gather(draw.positions + 2, at)};
-    }
+    for (int k = 0; k < 3; ++k)
+        p[k] = {corner_value<3>(s, draw.positions, k, 0), corner_value<3>(s, draw.positions, k, 1),
+                corner_value<3>(s, draw.positions, k, 2)};
     const V3 zero{set(0.0f), set(0.0f), set(0.0f)};
     // Edges brought to order one: products of tiny and huge ones would leave float's range.
     const V3 a = unit_or(p[1] - p[0], zero), b = unit_or(p[2] - p[0], zero);
@@ -251,9 +64,12 @@ inline V3 face_normal(const ShadeDraw& draw, const Surface& s, V3 otherwise) {
 }
 
 // Unit, on the side that is seen.
-inline V3 normal_at(const ShadeDraw& draw, const Surface& s, M back, V3 to_eye) {
+template <class S>
+RAST_INLINE V3 normal_at(const ShadeDraw& draw, const S& s, M back, const ShadeFrame& frame, I x,
+                         I y) {
     const auto seen = [&](V3 n) { return select(back, -n, n); };
-    if (draw.source == NormalSource::face) return seen(face_normal(draw, s, seen(to_eye)));
+    if (draw.source == NormalSource::face)
+        return seen(face_normal(draw, s, seen(direction_to_eye(frame, x, y))));
     V3 n;
     if (draw.source == NormalSource::object_map) {
         const Texel map = sample_map(draw.normal_map, s);
@@ -265,12 +81,8 @@ inline V3 normal_at(const ShadeDraw& draw, const Surface& s, M back, V3 to_eye) 
         if (draw.source == NormalSource::tangent_map) {
             // Interpolated vectors stay as long as they come out: the map was baked so
             // (MikkTSpace).
-            const I index[3] = {shift_left<2>(s.corner[0]), shift_left<2>(s.corner[1]),
-                                shift_left<2>(s.corner[2])};
-            const V3 t = {attribute(s, draw.tangents, index, 0),
-                          attribute(s, draw.tangents, index, 1),
-                          attribute(s, draw.tangents, index, 2)};
-            const V3 b = cross(n, t) * gather(draw.tangents + 3, index[0]);
+            const V3 t = attribute3<4>(s, draw.tangents);
+            const V3 b = cross(n, t) * corner_value<4>(s, draw.tangents, 0, 3);
             const Texel map = sample_map(draw.normal_map, s);
             const F two = set(2.0f), one = set(1.0f);
             const float strength = draw.normal_map.strength;
@@ -283,7 +95,8 @@ inline V3 normal_at(const ShadeDraw& draw, const Surface& s, M back, V3 to_eye) 
     n = transformed_normal(draw, n);
     // Opposite normals pass through zero: the geometric one takes over.
     const M good = is_length(largest(n));
-    const V3 otherwise = all(good) ? n : face_normal(draw, s, seen(to_eye));
+    V3 otherwise = n;
+    if (!all(good)) otherwise = face_normal(draw, s, seen(direction_to_eye(frame, x, y)));
     return seen(unit_or(n, otherwise));
 }
 
@@ -291,47 +104,72 @@ struct Light {
     V3 diffuse, specular;
 };
 
-// Sums over the lights at a point with unit normal n and unit direction v to the eye.
-inline Light light_at(const ShadeFrame& frame, V3 n, V3 v, V3 position, F shininess) {
+// What one light sends to a point with unit normal n and unit direction v to the eye.
+struct Incoming {
+    V3 color, l;
+    F n_l;  // 0 where it is not lit
+};
+RAST_INLINE Incoming incoming(const ShadeLight& light, V3 n, V3 position) {
     const F zero = set(0.0f), one = set(1.0f);
+    Incoming in{set3(light.color), set3(light.to_light), zero};
+    if (light.kind != prep::LightKind::directional) {
+        const V3 d = set3(light.position) - position;
+        const F r2 = dot(d, d);
+        // A light exactly on the surface would be infinitely bright: it adds nothing.
+        const M apart = r2 > set(1.0e-30f);
+        const F kept = select(apart, r2, one);
+        const V3 towards = d * (one / sqrt(kept));
+        F strength = select(apart, one / kept, zero);
+        if (light.inv_range > 0) {
+            const F ratio2 = kept * set(light.inv_range * light.inv_range);
+            strength = strength * max(one - ratio2 * ratio2, zero);
+        }
+        if (light.kind == prep::LightKind::spot) {
+            const F cosine = dot(towards, in.l);
+            const F cone =
+                min(max(cosine * set(light.cone_scale) + set(light.cone_offset), zero), one);
+            strength = strength * (cone * cone);
+        }
+        in.color = in.color * strength;
+        in.l = towards;
+    }
+    const F n_l = dot(n, in.l);
+    in.n_l = select(n_l > zero, n_l, zero);
+    return in;
+}
+
+// Squared sine and cosine of the angle between the normal and the half vector; `behind`: it points
+// away from the surface.
+struct HalfAngle {
+    F sine2, cosine2;
+    M behind;
+};
+RAST_INLINE HalfAngle half_angle(V3 n, V3 v, V3 l) {
+    const V3 h = l + v;
+    const F h2 = max(dot(h, h), set(1.0e-30f));
+    const V3 across = cross(n, h);
+    const F n_h = dot(n, h), one = set(1.0f), inverse = one / h2;
+    return {min(dot(across, across) * inverse, one), (n_h * n_h) * inverse, !(n_h > set(0.0f))};
+}
+
+// Of the highlight. `n_l` and `behind` as above; 0^0 is 1.
+RAST_INLINE F highlight(F n_l, F sine2, F cosine2, M behind, F shininess) {
+    const F zero = set(0.0f);
+    const F otherwise = select(shininess == zero, set(1.0f), zero);
+    const F power = specular_power(sine2, cosine2, shininess);
+    return select(n_l > zero, select(behind, otherwise, power), zero);
+}
+
+// Sums over the lights.
+inline Light light_at(const ShadeFrame& frame, V3 n, V3 v, V3 position, F shininess) {
+    const F zero = set(0.0f);
     Light sum{{zero, zero, zero}, {zero, zero, zero}};
     for (std::size_t i = 0; i < frame.light_count; ++i) {
-        const ShadeLight& light = frame.lights[i];
-        V3 l = set3(light.to_light);
-        V3 color = set3(light.color);
-        if (light.kind != prep::LightKind::directional) {
-            const V3 d = set3(light.position) - position;
-            const F r2 = dot(d, d);
-            // A light exactly on the surface would be infinitely bright: it adds nothing.
-            const M apart = r2 > set(1.0e-30f);
-            const F kept = select(apart, r2, one);
-            const V3 towards = d * (one / sqrt(kept));
-            F strength = select(apart, one / kept, zero);
-            if (light.inv_range > 0) {
-                const F ratio2 = kept * set(light.inv_range * light.inv_range);
-                strength = strength * max(one - ratio2 * ratio2, zero);
-            }
-            if (light.kind == prep::LightKind::spot) {
-                const F cosine = dot(towards, l);
-                const F cone =
-                    min(max(cosine * set(light.cone_scale) + set(light.cone_offset), zero), one);
-                strength = strength * (cone * cone);
-            }
-            color = color * strength;
-            l = towards;
-        }
-        const F n_l = dot(n, l);
-        const M lit = n_l > zero;
-        sum.diffuse = sum.diffuse + color * select(lit, n_l, zero);
-        const V3 h = l + v;
-        const F h2 = max(dot(h, h), set(1.0e-30f));
-        const V3 across = cross(n, h);
-        const F n_h = dot(n, h);
-        const F inverse = one / h2;
-        const F power = specular_power(min(dot(across, across) * inverse, one),
-                                       (n_h * n_h) * inverse, shininess);
-        const F behind = select(shininess == zero, one, zero);  // 0^0
-        sum.specular = sum.specular + color * select(lit, select(n_h > zero, power, behind), zero);
+        const Incoming in = incoming(frame.lights[i], n, position);
+        const HalfAngle half = half_angle(n, v, in.l);
+        sum.diffuse = sum.diffuse + in.color * in.n_l;
+        sum.specular = sum.specular + in.color * highlight(in.n_l, half.sine2, half.cosine2,
+                                                           half.behind, shininess);
     }
     return sum;
 }
@@ -342,7 +180,8 @@ struct Lobe {
     V3 diffuse, specular;
     F shininess;
 };
-inline Lobe lobe_at(const ShadeDraw& draw, const Surface& s, V3 albedo) {
+template <class S>
+RAST_INLINE Lobe lobe_at(const ShadeDraw& draw, const S& s, V3 albedo) {
     Lobe lobe{albedo, set3(draw.specular), set(draw.shininess)};
     if (draw.metallic_roughness) {
         F metallic = set(draw.metallic), roughness = set(draw.roughness);
@@ -365,16 +204,16 @@ inline Lobe lobe_at(const ShadeDraw& draw, const Surface& s, V3 albedo) {
 }
 
 // Gouraud: the light sums of the corners, on the side that is seen.
-inline Light interpolated_light(const ShadeDraw& draw, const Surface& s, M back) {
-    const I side = select(back, set(6), set(0));
-    I index[3];
-    for (int k = 0; k < 3; ++k)
-        index[k] = s.corner[k] * set(std::int32_t(vertex_light_floats)) + side;
-    const auto value = [&](int c) { return attribute_within(s, draw.vertex_light, index, c); };
+template <class S>
+RAST_INLINE Light interpolated_light(const ShadeDraw& draw, const S& s, M back) {
+    const auto value = [&](int c) {
+        return select(back, attribute_within<int(vertex_light_floats)>(s, draw.vertex_light, c + 6),
+                      attribute_within<int(vertex_light_floats)>(s, draw.vertex_light, c));
+    };
     return {{value(0), value(1), value(2)}, {value(3), value(4), value(5)}};
 }
 
-inline V3 point_from_eye(const ShadeDraw& draw, V3 p) {
+RAST_INLINE V3 point_from_eye(const ShadeDraw& draw, V3 p) {
     const auto row = [&](int r) {
         const float* m = draw.from_eye[r];
         return ((set(m[0]) * p.x + set(m[1]) * p.y) + set(m[2]) * p.z) + set(m[3]);
@@ -382,25 +221,18 @@ inline V3 point_from_eye(const ShadeDraw& draw, V3 p) {
     return {row(0), row(1), row(2)};
 }
 
-inline V3 direction_to_eye(const ShadeFrame& frame, I x, I y) {
-    const F to_pixels = set(1.0f / float(subpixels));
-    const V3 otherwise = set3(frame.to_eye[0]);
-    return unit_or((otherwise + set3(frame.to_eye[1]) * (to_float(x) * to_pixels)) +
-                       set3(frame.to_eye[2]) * (to_float(y) * to_pixels),
-                   otherwise);
-}
-
-inline V3 color_at(const ShadeDraw& draw, const ShadeFrame& frame, const Surface& s, M back, I x,
-                   I y) {
-    const F zero = set(0.0f);
+// How a point answers to light: base + diffuse · Σ light + specular · Σ highlights.
+struct Reflection {
+    V3 base;
+    Lobe lobe;
+};
+template <class S>
+RAST_INLINE Reflection reflection_at(const ShadeDraw& draw, const ShadeFrame& frame, const S& s) {
     V3 albedo = set3(draw.diffuse);
-    if (draw.colors != nullptr) {
-        const I index[3] = {shift_left<2>(s.corner[0]), shift_left<2>(s.corner[1]),
-                            shift_left<2>(s.corner[2])};
-        albedo = albedo * V3{attribute_within(s, draw.colors, index, 0),
-                             attribute_within(s, draw.colors, index, 1),
-                             attribute_within(s, draw.colors, index, 2)};
-    }
+    if (draw.colors != nullptr)
+        albedo = albedo * V3{attribute_within<4>(s, draw.colors, 0),
+                             attribute_within<4>(s, draw.colors, 1),
+                             attribute_within<4>(s, draw.colors, 2)};
     if (draw.diffuse_map) {
         const Texel map = sample_map(draw.diffuse_map, s);
         albedo = albedo * V3{map.r, map.g, map.b};
@@ -410,61 +242,252 @@ inline V3 color_at(const ShadeDraw& draw, const ShadeFrame& frame, const Surface
         const Texel map = sample_map(draw.emissive_map, s);
         emissive = emissive * V3{map.r, map.g, map.b};
     }
-    if (draw.unlit) return albedo + emissive;
-    const Lobe lobe = lobe_at(draw, s, albedo);
-    Light light;
-    if (draw.vertex_light != nullptr) {
-        light = interpolated_light(draw, s, back);
-    } else {
-        const V3 to_eye = direction_to_eye(frame, x, y);
-        const V3 normal = normal_at(draw, s, back, to_eye);
-        V3 position{zero, zero, zero};
-        if (frame.needs_position) position = point_from_eye(draw, attribute3(s, draw.positions));
-        light = light_at(frame, normal, to_eye, position, lobe.shininess);
+    if (draw.unlit) {
+        const V3 none = set3(frame.ambient) * set(0.0f);
+        return {albedo + emissive, {none, none, set(0.0f)}};
     }
+    const Lobe lobe = lobe_at(draw, s, albedo);
     V3 ambient = set3(frame.ambient) * set3(draw.ambient);
     if (draw.occlusion_map) {
         const F one = set(1.0f), open = sample_map(draw.occlusion_map, s).r;
         ambient = ambient * (one + set(draw.occlusion_map.strength) * (open - one));
     }
-    return ((albedo * ambient + lobe.diffuse * light.diffuse) + lobe.specular * light.specular) +
-           emissive;
+    return {albedo * ambient + emissive, lobe};
 }
 
-inline void shade(const ShadeDraw& draw, const ShadeFrame& frame, const ShadeTask& task) {
+// A vector of points, the last one again where there are fewer.
+RAST_INLINE void load_points(const TilePlace& place, const std::uint16_t* pixels,
+                             const std::uint32_t* ids, std::size_t count, I& x, I& y, I& id) {
+    std::uint16_t few_pixels[lane_count];
+    std::uint32_t few_ids[lane_count];
+    if (count < std::size_t(lane_count)) {
+        for (std::size_t k = 0; k < std::size_t(lane_count); ++k) {
+            const std::size_t from = k < count ? k : count - 1;
+            few_pixels[k] = pixels[from];
+            few_ids[k] = ids[from];
+        }
+        pixels = few_pixels;
+        ids = few_ids;
+    }
+    static_assert(tile_size == 64);
+    const I at = load(pixels);
+    x = shift_left<subpixel_bits>(at & set(63)) + set(place.x);
+    y = shift_left<subpixel_bits>(shift_right<6>(at)) + set(place.y);
+    id = load(ids);
+}
+
+RAST_INLINE void store3(V3 v, float* const out[3], std::size_t at) {
+    store(v.x, out[0] + at);
+    store(v.y, out[1] + at);
+    store(v.z, out[2] + at);
+}
+
+// Points go through three short loops instead of one long one: the processor then works on several
+// vectors at a time, where one vector's chain of operations alone would keep it waiting. Between
+// the loops they lie here, few enough for the first-level cache.
+inline constexpr std::size_t points_at_once = 512;
+struct ShadePlanes {
+    // Base, diffuse, specular, normal, position, shininess; sums of light; one light's n · l, sine
+    // and cosine.
+    enum : int {
+        base = 0,
+        diffuse = 3,
+        specular = 6,
+        normal = 9,
+        position = 12,
+        shininess = 15,
+        light = 16,
+        gloss = 19,
+        n_l = 22,
+        sine2,
+        cosine2,
+        count
+    };
+    alignas(64) float v[count][points_at_once + lane_count];
+
+    V3 load3(int plane, std::size_t at) const {
+        return {load(v[plane] + at), load(v[plane + 1] + at), load(v[plane + 2] + at)};
+    }
+    void store3(V3 value, int plane, std::size_t at) {
+        store(value.x, v[plane] + at);
+        store(value.y, v[plane + 1] + at);
+        store(value.z, v[plane + 2] + at);
+    }
+};
+
+// First loop: attributes, textures and normals of a vector of points.
+template <class S>
+RAST_INLINE void store_surface(const ShadeDraw& draw, const ShadeFrame& frame, const S& s, M back,
+                               I x, I y, std::size_t at, ShadePlanes& planes) {
+    const Reflection r = reflection_at(draw, frame, s);
+    if (draw.unlit || draw.vertex_light != nullptr) {
+        V3 color = r.base;
+        if (!draw.unlit) {
+            const Light light = interpolated_light(draw, s, back);
+            color = (color + r.lobe.diffuse * light.diffuse) + r.lobe.specular * light.specular;
+        }
+        planes.store3(color, ShadePlanes::base, at);
+        return;
+    }
+    planes.store3(r.base, ShadePlanes::base, at);
+    planes.store3(r.lobe.diffuse, ShadePlanes::diffuse, at);
+    planes.store3(r.lobe.specular, ShadePlanes::specular, at);
+    store(r.lobe.shininess, planes.v[ShadePlanes::shininess] + at);
+    planes.store3(normal_at(draw, s, back, frame, x, y), ShadePlanes::normal, at);
+    if (frame.needs_position)
+        planes.store3(point_from_eye(draw, attribute3(s, draw.positions)), ShadePlanes::position,
+                      at);
+}
+
+// Points that are too few for a vector of their own triangle, gathered until they fill one.
+struct LeftOver {
+    std::uint16_t pixels[lane_count];
+    std::uint32_t ids[lane_count];
+    std::size_t at[lane_count];
+    std::size_t count = 0;
+};
+inline void store_left_over(const ShadeDraw& draw, const ShadeFrame& frame, const TilePlace& place,
+                            LeftOver& left, ShadePlanes& planes) {
+    if (left.count == 0) return;
+    I x, y, id;
+    load_points(place, left.pixels, left.ids, left.count, x, y, id);
+    const MixedSurface s = surface_at(draw, triangle_of(draw, id), x, y, draw.textured());
+    store_surface(draw, frame, s, id < set(0), x, y, points_at_once, planes);
+    const bool colors_only = draw.unlit || draw.vertex_light != nullptr;
+    const int last = colors_only ? 3 : int(ShadePlanes::light);
+    for (int plane = 0; plane < last; ++plane)
+        for (std::size_t k = 0; k < left.count; ++k)
+            planes.v[plane][left.at[k]] = planes.v[plane][points_at_once + k];
+    left.count = 0;
+}
+
+inline void store_surfaces(const ShadeDraw& draw, const ShadeFrame& frame, const ShadeTask& task,
+                           ShadePlanes& planes) {
+    // Below three quarters of a vector, lanes that do nothing cost more than gathering.
+    constexpr std::size_t lanes = std::size_t(lane_count), few = lanes * 3 / 4;
     const bool derivatives = draw.textured();
+    LeftOver left;
+    for (std::size_t n = 0; n < task.count;) {
+        const std::uint32_t id = task.ids[n];
+        std::size_t end = n + 1;
+        while (end < task.count && task.ids[end] == id) ++end;
+        UniformTriangle triangle;
+        if (end - n >= few && uniform_triangle(draw, id, triangle)) {
+            const M back = set(std::int32_t(id)) < set(0);
+            // What the last vector writes past the triangle's end is written again later.
+            for (; end > n && end - n >= few; n += lanes) {
+                I x, y, unused;
+                load_points(task.place, task.pixels + n, task.ids + n, end - n, x, y, unused);
+                const UniformSurface s = surface_at(triangle, x, y, derivatives);
+                store_surface(draw, frame, s, back, x, y, n, planes);
+            }
+        }
+        for (; n < end; ++n) {
+            left.pixels[left.count] = task.pixels[n];
+            left.ids[left.count] = task.ids[n];
+            left.at[left.count++] = n;
+            if (left.count == lanes) store_left_over(draw, frame, task.place, left, planes);
+        }
+        n = end;
+    }
+    store_left_over(draw, frame, task.place, left, planes);
+}
+
+// Second and third loop, for each light: angles, then highlights.
+inline void add_light(const ShadeFrame& frame, const ShadeLight& light, const ShadeTask& task,
+                      bool first, ShadePlanes& planes) {
+    const V3 zero = set3(frame.ambient) * set(0.0f);
     for (std::size_t n = 0; n < task.count; n += lane_count) {
-        const I id = load(task.ids + n), x = load(task.x + n), y = load(task.y + n);
-        const Surface s = surface_at(draw, triangle_of(draw, id), x, y, derivatives);
-        const V3 color = color_at(draw, frame, s, id < set(0), x, y);
-        store(color.x, task.out[0] + n);
-        store(color.y, task.out[1] + n);
-        store(color.z, task.out[2] + n);
+        I x, y, id;
+        load_points(task.place, task.pixels + n, task.ids + n, task.count - n, x, y, id);
+        const V3 normal = planes.load3(ShadePlanes::normal, n);
+        V3 position = zero;
+        if (frame.needs_position) position = planes.load3(ShadePlanes::position, n);
+        const Incoming in = incoming(light, normal, position);
+        const HalfAngle half = half_angle(normal, direction_to_eye(frame, x, y), in.l);
+        const V3 sum = first ? zero : planes.load3(ShadePlanes::light, n);
+        planes.store3(sum + in.color * in.n_l, ShadePlanes::light, n);
+        store(in.n_l, planes.v[ShadePlanes::n_l] + n);
+        store(half.sine2, planes.v[ShadePlanes::sine2] + n);
+        // Behind the surface: below every squared cosine.
+        store(select(half.behind, set(-1.0f), half.cosine2), planes.v[ShadePlanes::cosine2] + n);
+    }
+    for (std::size_t n = 0; n < task.count; n += lane_count) {
+        const F cosine2 = load(planes.v[ShadePlanes::cosine2] + n);
+        const F strength =
+            highlight(load(planes.v[ShadePlanes::n_l] + n), load(planes.v[ShadePlanes::sine2] + n),
+                      cosine2, cosine2 < set(0.0f), load(planes.v[ShadePlanes::shininess] + n));
+        V3 color = set3(light.color);
+        if (light.kind != prep::LightKind::directional)
+            color = incoming(light, planes.load3(ShadePlanes::normal, n),
+                             planes.load3(ShadePlanes::position, n))
+                        .color;
+        const V3 sum = first ? zero : planes.load3(ShadePlanes::gloss, n);
+        planes.store3(sum + color * strength, ShadePlanes::gloss, n);
     }
 }
 
-inline void attributes(const ShadeDraw& draw, const ShadeFrame& frame, const AttributeTask& task) {
-    const auto put = [](V3 v, float* const out[3], std::size_t n) {
-        store(v.x, out[0] + n);
-        store(v.y, out[1] + n);
-        store(v.z, out[2] + n);
+inline void shade(const ShadeDraw& draw, const ShadeFrame& frame, const ShadeTask& whole) {
+    ShadePlanes planes;
+    for (std::size_t begin = 0; begin < whole.count; begin += points_at_once) {
+        ShadeTask task = whole;
+        task.pixels += begin;
+        task.ids += begin;
+        task.count = whole.count - begin < points_at_once ? whole.count - begin : points_at_once;
+        for (float*& out : task.out) out += begin;
+        store_surfaces(draw, frame, task, planes);
+        const bool lit = !draw.unlit && draw.vertex_light == nullptr && frame.light_count > 0;
+        for (std::size_t i = 0; lit && i < frame.light_count; ++i)
+            add_light(frame, frame.lights[i], task, i == 0, planes);
+        for (std::size_t n = 0; n < task.count; n += lane_count) {
+            V3 color = planes.load3(ShadePlanes::base, n);
+            if (lit)
+                color =
+                    (color +
+                     planes.load3(ShadePlanes::diffuse, n) * planes.load3(ShadePlanes::light, n)) +
+                    planes.load3(ShadePlanes::specular, n) * planes.load3(ShadePlanes::gloss, n);
+            store3(color, task.out, n);
+        }
+    }
+}
+
+// Bytes of one channel; NaN is 0.
+RAST_INLINE I byte_of(F v) {
+    const F most = set(1.0f), clipped = select(v > set(0.0f), min(v, most), set(0.0f));
+    return to_int(clipped * set(255.0f) + set(0.5f));
+}
+inline void pack(const float* red, const float* green, const float* blue, std::size_t count,
+                 std::uint32_t* out) {
+    const auto packed = [](F r, F g, F b) {
+        return (byte_of(r) | shift_left<8>(byte_of(g))) |
+               (shift_left<16>(byte_of(b)) | set(std::int32_t(0xff000000u)));
     };
+    if (count == 1) {
+        std::uint32_t lanes[lane_count];
+        store(packed(set(*red), set(*green), set(*blue)), lanes);
+        *out = lanes[0];
+        return;
+    }
+    for (std::size_t n = 0; n < count; n += lane_count)
+        store(packed(load(red + n), load(green + n), load(blue + n)), out + n);
+}
+
+inline void attributes(const ShadeDraw& draw, const ShadeFrame& frame, const AttributeTask& task) {
     for (std::size_t n = 0; n < task.count; n += lane_count) {
-        const I id = load(task.ids + n), x = load(task.x + n), y = load(task.y + n);
-        const Surface s = surface_at(draw, triangle_of(draw, id), x, y, draw.textured());
+        I x, y, id;
+        load_points(task.place, task.pixels + n, task.ids + n, task.count - n, x, y, id);
+        const MixedSurface s = surface_at(draw, triangle_of(draw, id), x, y, draw.textured());
         if (task.normal[0] != nullptr)
-            put(normal_at(draw, s, id < set(0), direction_to_eye(frame, x, y)), task.normal, n);
+            store3(normal_at(draw, s, id < set(0), frame, x, y), task.normal, n);
         if (task.position[0] != nullptr)
-            put(point_from_eye(draw, attribute3(s, draw.positions)), task.position, n);
+            store3(point_from_eye(draw, attribute3(s, draw.positions)), task.position, n);
         if (task.barycentric[0] != nullptr)
-            put(V3{max((set(1.0f) - s.b) - s.c, set(0.0f)), s.b, s.c}, task.barycentric, n);
+            store3(V3{max((set(1.0f) - s.b) - s.c, set(0.0f)), s.b, s.c}, task.barycentric, n);
         if (task.uv[0] == nullptr) continue;
         F u = set(0.0f), v = set(0.0f);
         if (task.uvs != nullptr) {
-            const I index[3] = {shift_left<1>(s.corner[0]), shift_left<1>(s.corner[1]),
-                                shift_left<1>(s.corner[2])};
-            u = attribute_within(s, task.uvs, index, 0);
-            v = attribute_within(s, task.uvs, index, 1);
+            u = attribute_within<2>(s, task.uvs, 0);
+            v = attribute_within<2>(s, task.uvs, 1);
         }
         store(u, task.uv[0] + n);
         store(v, task.uv[1] + n);

@@ -1,0 +1,257 @@
+#include "renderer.h"
+
+#include <algorithm>
+#include <chrono>
+
+#include "coverage_resolve.h"
+#include "parallel_tiles.h"
+
+namespace rast::detail {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// Vertices that one task takes: large enough to hide the cost of a task.
+constexpr std::size_t vertex_grain = 16384;
+
+double milliseconds_since(Clock::time_point start) {
+    return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+CullSide cull_side(const RenderPlan& plan, const prep::PreparedScene& prepared,
+                   std::uint32_t material) {
+    switch (plan.request.cull) {
+        case Cull::none:
+            return CullSide::none;
+        case Cull::back:
+            return CullSide::back;
+        case Cull::front:
+            return CullSide::front;
+        case Cull::by_material:
+            break;
+    }
+    const bool double_sided = material < prepared.scene.materials.size() &&
+                              prepared.scene.materials[material].double_sided;
+    return double_sided ? CullSide::none : CullSide::back;
+}
+
+DepthGrid depth_grid(DepthFormat format) {
+    switch (format) {
+        case DepthFormat::fixed16:
+            return fixed16_grid;
+        case DepthFormat::fixed24:
+            return fixed24_grid;
+        case DepthFormat::float32:
+            break;
+    }
+    return {};
+}
+
+}  // namespace
+
+void add_counters(Counters& to, const Counters& from) {
+    to.triangles += from.triangles;
+    to.non_finite += from.non_finite;
+    to.degenerate += from.degenerate;
+    to.facing_away += from.facing_away;
+    to.outside += from.outside;
+    to.between_samples += from.between_samples;
+    to.crossing += from.crossing;
+    to.pixels_shaded += from.pixels_shaded;
+}
+
+void Renderer::begin(const RenderPlan& plan) {
+    const Clock::time_point start = Clock::now();
+    plan_ = &plan;
+    kernels_ = &kernels_for(plan.request.simd);
+    threads_ = plan.request.threads;
+    offsets_ = sample_offsets(plan.request.samples);
+    load_textures();
+    transform();
+    make_draws();
+    shared_ms_ = milliseconds_since(start);
+}
+
+void Renderer::draw(const Crop& part, Frame& frame) {
+    const Clock::time_point start = Clock::now();
+    const auto first = [](std::uint32_t at, std::uint32_t extent) {
+        return (1 - std::int32_t(extent)) * (subpixels / 2) + std::int32_t(at) * subpixels;
+    };
+    window_.width = std::int32_t(part.width);
+    window_.height = std::int32_t(part.height);
+    window_.first_x = first(part.x, plan_->request.width);
+    window_.first_y = first(part.y, plan_->request.height);
+    window_.tiles_x = (window_.width + tile_size - 1) / tile_size;
+    window_.tiles_y = (window_.height + tile_size - 1) / tile_size;
+    window_.grid = depth_grid(plan_->request.depth_format);
+    set_up();
+    frame.geometry_ms = shared_ms_ + milliseconds_since(start);
+    shared_ms_ = 0;
+
+    const Clock::time_point raster_start = Clock::now();
+    frame.width = part.width;
+    frame.height = part.height;
+    size_buffers(frame);
+    TileInputs inputs;
+    inputs.plan = plan_;
+    inputs.kernels = kernels_;
+    inputs.offsets = &offsets_;
+    inputs.instances = &instances_;
+    inputs.draws = &draws_;
+    inputs.shade_draws = &shade_draws_;
+    inputs.chunks = &chunks_;
+    inputs.work = &tile_work_;
+    inputs.shade_frame = &inputs_.frame;
+    inputs.window = window_;
+    inputs.frame = &frame;
+    shaded_.resize(window_.tile_count());
+    parallel_items(window_.tile_count(), threads_, [&](std::size_t tile) {
+        shaded_[tile] = draw_tile(inputs, std::uint32_t(tile), tile_scratch_.local());
+    });
+    if (plan_->request.coverage == Coverage::area) shaded_.assign(1, resolve_areas(frame));
+    frame.counters = {};
+    for (std::size_t c = 0; c < chunk_count_; ++c)
+        add_counters(frame.counters, chunks_[c].counters);
+    for (const std::uint64_t n : shaded_) frame.counters.pixels_shaded += n;
+    frame.raster_ms = milliseconds_since(raster_start);
+}
+
+void Renderer::load_textures() {
+    const prep::Scene& scene = prepared_.scene;
+    const TextureLevels levels = levels_for(plan_->request.filter);
+    kept_.resize(scene.textures.size());
+    textures_.assign(scene.textures.size(), nullptr);
+    warnings_.clear();
+    for (std::size_t t = 0; t < scene.textures.size(); ++t) {
+        const prep::Texture& texture = scene.textures[t];
+        if (!plan_->textures_used[t] || texture.image >= scene.images.size()) continue;
+        KeptTexture& kept = kept_[t];
+        const bool colour = plan_->colour_textures[t];
+        if (!kept.tried || kept.colour != colour || kept.levels != levels) {
+            kept = {true, colour, levels, nullptr, {}};
+            if (const auto image = prep::load_image(scene.images[texture.image]))
+                kept.texture = std::make_shared<const MipTexture>(*image, texture, colour, levels);
+            else
+                kept.warning = "texture left out: " + prep::to_string(image.error());
+        }
+        textures_[t] = kept.texture;
+        if (!kept.texture) warnings_.push_back(kept.warning);
+    }
+}
+
+void Renderer::transform() {
+    const std::vector<glm::dmat4> world = prep::world_transforms(prepared_.scene);
+    record_pool_.resize(std::max(record_pool_.size(), instances_.size()));
+    for (std::size_t i = 0; i < instances_.size(); ++i)
+        record_pool_[i] = std::move(instances_[i].records);
+    instances_.clear();
+    for (std::uint32_t n = 0; n < prepared_.scene.nodes.size(); ++n) {
+        const std::uint32_t m = prepared_.scene.nodes[n].mesh;
+        if (m == prep::no_index || prepared_.meshes[m].triangle_count() == 0) continue;
+        const std::size_t i = instances_.size();
+        instances_.emplace_back(
+            prepared_.meshes[m], n, world[n], plan_->view, plan_->request.width,
+            plan_->request.height,
+            i < record_pool_.size() ? std::move(record_pool_[i]) : std::vector<VertexRecord>());
+    }
+    struct Block {
+        std::size_t instance, begin, end;
+    };
+    std::vector<Block> blocks;
+    for (std::size_t i = 0; i < instances_.size(); ++i)
+        for (std::size_t v = 0, n = instances_[i].mesh().vertex_count(); v < n; v += vertex_grain)
+            blocks.push_back({i, v, std::min(n, v + vertex_grain)});
+    parallel_items(blocks.size(), threads_, [&](std::size_t b) {
+        instances_[blocks[b].instance].transform(*kernels_, blocks[b].begin, blocks[b].end);
+    });
+}
+
+void Renderer::make_draws() {
+    set_up_frame(*plan_, inputs_);
+    draws_.clear();
+    shade_draws_.clear();
+    chunk_count_ = 0;
+    std::uint32_t id = 0;
+    for (std::uint32_t i = 0; i < instances_.size(); ++i)
+        for (const prep::VertexMesh::Range& range : instances_[i].mesh().ranges) {
+            if (range.triangle_count == 0) continue;
+            draws_.push_back({i, range.material, range.first_triangle, range.triangle_count});
+            shade_draws_.push_back(
+                shade_draw(*plan_, prepared_, draws_.back(), instances_[i], textures_));
+            shade_draws_.back().first_id = id;
+            for (std::uint32_t t = 0; t < range.triangle_count; t += chunk_triangles) {
+                if (chunk_count_ == chunks_.size()) chunks_.emplace_back();
+                TriangleChunk& chunk = chunks_[chunk_count_++];
+                chunk.draw = std::uint32_t(draws_.size() - 1);
+                chunk.first_triangle = range.first_triangle + t;
+                chunk.count = std::min(chunk_triangles, range.triangle_count - t);
+                chunk.first_id = id + t;
+            }
+            id += range.triangle_count;
+        }
+    if (plan_->request.shading == Shading::gouraud)
+        for (std::size_t d = 0; d < draws_.size(); ++d) light_vertices(d);
+}
+
+void Renderer::light_vertices(std::size_t d) {
+    ShadeDraw& draw = shade_draws_[d];
+    RenderInstance& instance = instances_[draws_[d].instance];
+    if (draw.normals == nullptr || draw.unlit) return;
+    instance.vertex_light.resize(instance.mesh().vertex_count() * vertex_light_floats);
+    std::vector<std::uint32_t> vertices(
+        draw.indices + std::size_t(draw.first_triangle) * 3,
+        draw.indices + (std::size_t(draw.first_triangle) + draw.triangle_count) * 3);
+    std::sort(vertices.begin(), vertices.end());
+    vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+    const std::size_t blocks = (vertices.size() + vertex_grain - 1) / vertex_grain;
+    parallel_items(blocks, threads_, [&](std::size_t b) {
+        const std::size_t begin = b * vertex_grain;
+        kernels_->light_vertices(draw, inputs_.frame, vertices.data() + begin,
+                                 std::min(vertex_grain, vertices.size() - begin),
+                                 instance.vertex_light.data());
+    });
+    draw.vertex_light = instance.vertex_light.data();
+}
+
+void Renderer::set_up() {
+    parallel_items(chunk_count_, threads_, [&](std::size_t c) {
+        TriangleChunk& chunk = chunks_[c];
+        const Draw& draw = draws_[chunk.draw];
+        const RenderInstance& instance = instances_[draw.instance];
+        const DrawGeometry geometry{&instance, instance.records.data(),
+                                    instance.mesh().indices.data(), instance.mirrored(),
+                                    cull_side(*plan_, prepared_, draw.material)};
+        set_up_chunk(geometry, window_, offsets_.size() > 1, *kernels_, bin_scratch_.local(),
+                     chunk);
+    });
+    tile_work_.resize(window_.tile_count());
+    for (std::vector<TileWork>& work : tile_work_) work.clear();
+    for (std::uint32_t c = 0; c < chunk_count_; ++c)
+        for (const TileSlice& slice : chunks_[c].slices)
+            tile_work_[slice.tile].push_back({c, slice.begin, slice.end});
+}
+
+std::uint64_t Renderer::resolve_areas(Frame& frame) {
+    CoverageScene scene{plan_, kernels_, &instances_, &draws_, &shade_draws_, &inputs_.frame, {}};
+    for (const Draw& draw : draws_)
+        scene.cull.push_back(cull_side(*plan_, prepared_, draw.material));
+    return resolve_coverage(scene, window_, threads_, frame);
+}
+
+// Memory only: every tile writes all its pixels.
+void Renderer::size_buffers(Frame& frame) const {
+    const RenderRequest& r = plan_->request;
+    const std::size_t pixels = std::size_t(frame.width) * frame.height;
+    const auto size = [&](auto& buffer, bool kept) { buffer.resize(kept ? pixels : 0); };
+    size(frame.color, r.pixels == PixelFormat::floats);
+    size(frame.bytes, r.pixels == PixelFormat::bytes);
+    size(frame.depth, r.keep_depth);
+    size(frame.triangle, r.keep_ids);
+    size(frame.instance, r.keep_ids);
+    size(frame.normal, r.keep_normals);
+    size(frame.uv, r.keep_uvs);
+    size(frame.barycentric, r.keep_barycentrics);
+    size(frame.position, r.keep_positions);
+}
+
+}  // namespace rast::detail

@@ -1,0 +1,65 @@
+// Everything between a plan and its frame; what pictures of one scene share is kept between them.
+#pragma once
+
+#include <tbb/enumerable_thread_specific.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "tile_renderer.h"
+
+namespace rast::detail {
+
+void add_counters(Counters& to, const Counters& from);
+
+class Renderer {
+  public:
+    explicit Renderer(const prep::PreparedScene& prepared) : prepared_(prepared) {}
+
+    // Textures, vertices and draws for this plan, which must stay while it is drawn.
+    void begin(const RenderPlan& plan);
+    const std::vector<std::string>& warnings() const { return warnings_; }  // of begin()
+    // A part of the picture; parts may be drawn in any order. `frame` may hold an older picture,
+    // whose memory is used again.
+    void draw(const Crop& part, Frame& frame);
+
+  private:
+    void load_textures();
+    void transform();
+    void make_draws();
+    void light_vertices(std::size_t draw);
+    void set_up();
+    std::uint64_t resolve_areas(Frame& frame);
+    void size_buffers(Frame& frame) const;
+
+    const prep::PreparedScene& prepared_;
+    const RenderPlan* plan_ = nullptr;
+    const Kernels* kernels_ = nullptr;
+    int threads_ = 0;
+    std::vector<SampleOffset> offsets_;
+    Window window_;
+    double shared_ms_ = 0;  // spent on what all parts share, until a part has told it
+    std::vector<std::string> warnings_;
+    struct KeptTexture {
+        bool tried = false, colour = false;
+        TextureLevels levels = TextureLevels::base;
+        std::shared_ptr<const MipTexture> texture;
+        std::string warning;  // set: it cannot be read
+    };
+    std::vector<KeptTexture> kept_;
+    TextureSet textures_;
+    FrameInputs inputs_;
+    std::vector<RenderInstance> instances_;
+    std::vector<std::vector<VertexRecord>> record_pool_;
+    std::vector<Draw> draws_;
+    std::vector<ShadeDraw> shade_draws_;
+    std::vector<TriangleChunk> chunks_;
+    std::size_t chunk_count_ = 0;
+    std::vector<std::vector<TileWork>> tile_work_;
+    std::vector<std::uint64_t> shaded_;
+    tbb::enumerable_thread_specific<BinScratch> bin_scratch_;
+    tbb::enumerable_thread_specific<TileScratch> tile_scratch_;
+};
+
+}  // namespace rast::detail

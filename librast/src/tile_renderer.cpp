@@ -1,0 +1,361 @@
+#include "tile_renderer.h"
+
+#include <algorithm>
+#include <cstring>
+
+namespace rast::detail {
+namespace {
+
+class Tile {
+  public:
+    Tile(const TileInputs& in, std::uint32_t tile, TileScratch& scratch)
+        : in_(in), s_(scratch), request_(in.plan->request), work_((*in.work)[tile]) {
+        left_ = std::int32_t(tile) % in.window.tiles_x * tile_size;
+        top_ = std::int32_t(tile) / in.window.tiles_x * tile_size;
+        place_ = {in.window.first_x + left_ * subpixels, in.window.first_y + top_ * subpixels,
+                  std::min(tile_size, in.window.width - left_),
+                  std::min(tile_size, in.window.height - top_), in.window.grid};
+    }
+
+    std::uint64_t draw() {
+        clear();
+        if (work_.empty()) return 0;
+        raster();
+        if (in_.offsets->size() == 1)
+            collect_single();
+        else
+            collect_several(in_.offsets->size());
+        sort();
+        const std::size_t shaded = s_.pixel.size();
+        shade();
+        write_colors();
+        write_buffers();
+        write_attributes();
+        return shaded;
+    }
+
+  private:
+    std::size_t row_start(std::int32_t y) const {
+        return std::size_t(top_ + y) * in_.frame->width + std::size_t(left_);
+    }
+    std::size_t pixel_of(std::uint16_t p) const {
+        return row_start(p / tile_size) + std::size_t(p % tile_size);
+    }
+
+    template <class T>
+    void fill(std::vector<T>& buffer, const T& value) const {
+        if (buffer.empty()) return;
+        for (std::int32_t y = 0; y < place_.height; ++y)
+            std::fill_n(buffer.begin() + std::ptrdiff_t(row_start(y)), place_.width, value);
+    }
+
+    // The picture's memory may hold an older picture.
+    void clear() const {
+        Frame& f = *in_.frame;
+        fill(f.depth, 0.0f);
+        fill(f.triangle, prep::no_index);
+        fill(f.instance, prep::no_index);
+        fill(f.normal, glm::vec3(0.0f));
+        fill(f.uv, glm::vec2(0.0f));
+        fill(f.barycentric, glm::vec3(0.0f));
+        fill(f.position, glm::vec3(0.0f));
+        if (!work_.empty()) return;
+        fill(f.color, glm::vec4(request_.background, 0.0f));
+        fill(f.bytes, background_bytes());
+    }
+
+    std::uint32_t background_bytes() const {
+        const glm::vec3& b = request_.background;
+        std::uint32_t out = 0;
+        in_.kernels->pack(&b.x, &b.y, &b.z, 1, &out);
+        return out & 0x00ffffffu;
+    }
+
+    void raster() {
+        s_.samples.resize(in_.offsets->size());
+        for (std::size_t i = 0; i < in_.offsets->size(); ++i) {
+            s_.samples[i].clear();
+            TilePlace place = place_;
+            place.x += (*in_.offsets)[i].x;
+            place.y += (*in_.offsets)[i].y;
+            std::uint32_t number = 0;
+            for (const TileWork& work : work_) {
+                const TriangleChunk& chunk = (*in_.chunks)[work.chunk];
+                const ShadeDraw& draw = (*in_.shade_draws)[chunk.draw];
+                raster_slice(chunk, work.begin, work.end, number, place,
+                             draw.masked ? &draw : nullptr, *in_.kernels, s_.entries,
+                             s_.samples[i]);
+                number += work.end - work.begin;
+            }
+            count_ = number;
+        }
+    }
+
+    void count(std::uint32_t number, std::size_t pixel, std::uint32_t weight) {
+        s_.numbers.push_back(number);
+        s_.pixels.push_back(std::uint16_t(pixel));
+        s_.weights.push_back(std::uint16_t(weight));
+        ++s_.counts[number];
+    }
+
+    void start_collecting() {
+        s_.counts.assign(count_ + 1, 0);
+        s_.numbers.clear();
+        s_.pixels.clear();
+        s_.weights.clear();
+    }
+
+    // One sample a pixel. Weights are left out.
+    void collect_single() {
+        s_.counts.assign(count_ + 1, 0);
+        s_.weights.clear();
+        s_.numbers.resize(tile_pixels);
+        s_.pixels.resize(tile_pixels);
+        std::size_t n = 0;
+        for (std::int32_t y = 0; y < place_.height; ++y) {
+            const std::uint32_t* row = s_.samples[0].id.data() + y * tile_size;
+            for (std::int32_t x = 0; x < place_.width; ++x) {
+                s_.numbers[n] = row[x];
+                s_.pixels[n] = std::uint16_t(y * tile_size + x);
+                n += row[x] != id_none;
+            }
+        }
+        s_.numbers.resize(n);
+        s_.pixels.resize(n);
+        for (std::size_t i = 0; i < n;) {
+            std::size_t end = i + 1;
+            while (end < n && s_.numbers[end] == s_.numbers[i]) ++end;
+            s_.counts[s_.numbers[i]] += std::uint32_t(end - i);
+            i = end;
+        }
+    }
+
+    // The triangles of every pixel's first `samples` samples, each once, with how many it covers.
+    void collect_several(std::size_t samples) {
+        start_collecting();
+        for (std::int32_t y = 0; y < place_.height; ++y)
+            for (std::int32_t x = 0; x < place_.width; ++x) {
+                const std::size_t at = std::size_t(y) * tile_size + std::size_t(x);
+                const std::size_t first = s_.numbers.size();
+                for (std::size_t i = 0; i < samples; ++i) {
+                    const std::uint32_t number = s_.samples[i].id[at];
+                    if (number == id_none) continue;
+                    std::size_t f = first;
+                    while (f < s_.numbers.size() && s_.numbers[f] != number) ++f;
+                    if (f == s_.numbers.size())
+                        count(number, at, 1);
+                    else
+                        ++s_.weights[f];
+                }
+            }
+    }
+
+    // By number, in tile order within each: the same order of sums wherever the tile lies.
+    void sort() {
+        const std::size_t fragments = s_.numbers.size();
+        s_.pixel.resize(fragments);
+        s_.ids.resize(fragments);
+        s_.weight.resize(s_.weights.size());
+        s_.groups.clear();
+        std::uint32_t begin = 0, number = 0;
+        for (const TileWork& work : work_) {
+            const TriangleChunk& chunk = (*in_.chunks)[work.chunk];
+            const std::uint32_t group_begin = begin;
+            for (std::uint32_t i = work.begin; i < work.end; ++i, ++number) {
+                const std::uint32_t n = s_.counts[number];
+                s_.counts[number] = begin;
+                if (n == 0) continue;
+                std::fill_n(s_.ids.begin() + begin, n, chunk.id_of(chunk.order[i]));
+                begin += n;
+            }
+            if (begin == group_begin) continue;
+            if (!s_.groups.empty() && s_.groups.back().draw == chunk.draw)
+                s_.groups.back().end = begin;
+            else
+                s_.groups.push_back({chunk.draw, group_begin, begin});
+        }
+        for (std::size_t i = 0; i < fragments; ++i)
+            s_.pixel[s_.counts[s_.numbers[i]]++] = s_.pixels[i];
+        if (s_.weights.empty()) return;
+        // The counts have moved on by one fragment each: walking back restores the order.
+        for (std::size_t i = fragments; i-- > 0;)
+            s_.weight[--s_.counts[s_.numbers[i]]] = s_.weights[i];
+    }
+
+    void shade() {
+        // A kernel may write a whole vector at the last fragment.
+        const std::size_t padded = s_.pixel.size() + tile_padding;
+        for (std::size_t c = 0; c < 3; ++c)
+            if (s_.planes[c].size() < padded) s_.planes[c].resize(padded);
+        for (const TileScratch::Group& g : s_.groups) {
+            ShadeTask task;
+            task.place = place_;
+            task.pixels = s_.pixel.data() + g.begin;
+            task.ids = s_.ids.data() + g.begin;
+            task.count = g.end - g.begin;
+            for (std::size_t c = 0; c < 3; ++c) task.out[c] = s_.planes[c].data() + g.begin;
+            in_.kernels->shade((*in_.shade_draws)[g.draw], *in_.shade_frame, task);
+        }
+    }
+
+    void write_colors() {
+        const bool whole = s_.pixel.size() == std::size_t(place_.width * place_.height) &&
+                           in_.offsets->size() == 1;
+        if (request_.pixels == PixelFormat::bytes)
+            write_bytes(whole);
+        else
+            write_floats(whole);
+    }
+
+    void write_floats(bool whole) {
+        Frame& f = *in_.frame;
+        const glm::vec4 background(request_.background, 0.0f);
+        if (!whole) fill(f.color, background);
+        const float* const planes[3] = {s_.planes[0].data(), s_.planes[1].data(),
+                                        s_.planes[2].data()};
+        const std::size_t samples = in_.offsets->size();
+        for (std::size_t k = 0; k < s_.pixel.size(); ++k) {
+            const glm::vec4 color(planes[0][k], planes[1][k], planes[2][k], 1.0f);
+            glm::vec4& pixel = f.color[pixel_of(s_.pixel[k])];
+            if (samples == 1 || s_.weight[k] == samples)
+                pixel = color;
+            else
+                pixel += (color - background) * (float(s_.weight[k]) * (1.0f / float(samples)));
+        }
+    }
+
+    void write_bytes(bool whole) {
+        Frame& f = *in_.frame;
+        const std::size_t samples = in_.offsets->size(), count = s_.pixel.size();
+        if (samples > 1) {
+            average_samples();
+            return;
+        }
+        s_.bytes.resize(count + tile_padding + tile_pixels);
+        std::uint32_t* const packed = s_.bytes.data();
+        std::uint32_t* const tile = packed + count + tile_padding;
+        in_.kernels->pack(s_.planes[0].data(), s_.planes[1].data(), s_.planes[2].data(), count,
+                          packed);
+        if (!whole) std::fill_n(tile, tile_pixels, background_bytes());
+        for (std::size_t k = 0; k < count; ++k) tile[s_.pixel[k]] = packed[k];
+        for (std::int32_t y = 0; y < place_.height; ++y)
+            std::memcpy(f.bytes.data() + row_start(y), tile + y * tile_size,
+                        std::size_t(place_.width) * sizeof(std::uint32_t));
+    }
+
+    // Several samples a pixel, to bytes: summed as floats first.
+    void average_samples() {
+        Frame& f = *in_.frame;
+        const glm::vec4 background(request_.background, 0.0f);
+        const float share = 1.0f / float(in_.offsets->size());
+        s_.colors.assign(tile_pixels, background);
+        for (std::size_t k = 0; k < s_.pixel.size(); ++k) {
+            const glm::vec4 color(s_.planes[0][k], s_.planes[1][k], s_.planes[2][k], 1.0f);
+            glm::vec4& pixel = s_.colors[s_.pixel[k]];
+            if (s_.weight[k] == in_.offsets->size())
+                pixel = color;
+            else
+                pixel += (color - background) * (float(s_.weight[k]) * share);
+        }
+        for (std::int32_t y = 0; y < place_.height; ++y)
+            for (std::int32_t x = 0; x < place_.width; ++x) {
+                const glm::vec4& c = s_.colors[std::size_t(y * tile_size + x)];
+                std::uint32_t& out = f.bytes[row_start(y) + std::size_t(x)];
+                in_.kernels->pack(&c.x, &c.y, &c.z, 1, &out);
+                out = (out & 0x00ffffffu) | std::uint32_t(c.w * 255.0f + 0.5f) << 24;
+            }
+    }
+
+    void write_buffers() const {
+        if (!request_.keep_depth && !request_.keep_ids) return;
+        Frame& f = *in_.frame;
+        const TileSamples& samples = s_.samples[0];
+        for (std::int32_t y = 0; y < place_.height; ++y)
+            for (std::int32_t x = 0; x < place_.width; ++x) {
+                const std::size_t at = std::size_t(y * tile_size + x);
+                std::uint32_t number = samples.id[at];
+                if (number == id_none) continue;
+                const std::size_t pixel = row_start(y) + std::size_t(x);
+                if (request_.keep_depth) f.depth[pixel] = samples.depth[at];
+                if (!request_.keep_ids) continue;
+                const TileWork* work = work_.data();
+                for (; number >= work->end - work->begin; ++work) number -= work->end - work->begin;
+                const TriangleChunk& chunk = (*in_.chunks)[work->chunk];
+                const std::uint32_t id = chunk.id_of(chunk.order[work->begin + number]);
+                f.triangle[pixel] = (id & ~id_back_face) - chunk.first_id + chunk.first_triangle;
+                f.instance[pixel] = (*in_.instances)[(*in_.draws)[chunk.draw].instance].node();
+            }
+    }
+
+    // Normals, UVs, barycentrics and positions of the pixels' first samples.
+    void write_attributes() {
+        const RenderRequest& r = request_;
+        if (!r.keep_normals && !r.keep_uvs && !r.keep_barycentrics && !r.keep_positions) return;
+        collect_single();
+        sort();
+        for (std::vector<float>& plane : s_.planes) plane.resize(s_.pixel.size() + tile_padding);
+        for (const TileScratch::Group& g : s_.groups) {
+            AttributeTask task;
+            task.place = place_;
+            task.pixels = s_.pixel.data() + g.begin;
+            task.ids = s_.ids.data() + g.begin;
+            task.count = g.end - g.begin;
+            const prep::VertexMesh& mesh = (*in_.instances)[(*in_.draws)[g.draw].instance].mesh();
+            if (!mesh.uvs.empty() && !mesh.uvs[0].empty()) task.uvs = &mesh.uvs[0][0].x;
+            std::size_t plane = 0;
+            const auto ask = [&](bool kept, float** out, int components) {
+                for (int c = 0; c < components; ++c, ++plane)
+                    out[c] = kept ? s_.planes[plane].data() : nullptr;
+            };
+            ask(r.keep_normals, task.normal, 3);
+            ask(r.keep_uvs, task.uv, 2);
+            ask(r.keep_barycentrics, task.barycentric, 3);
+            ask(r.keep_positions, task.position, 3);
+            in_.kernels->attributes((*in_.shade_draws)[g.draw], *in_.shade_frame, task);
+            Frame& f = *in_.frame;
+            for (std::uint32_t k = 0; k < task.count; ++k) {
+                const std::size_t pixel = pixel_of(task.pixels[k]);
+                const auto vec3 = [&](float* const from[3]) {
+                    return glm::vec3(from[0][k], from[1][k], from[2][k]);
+                };
+                if (r.keep_normals) f.normal[pixel] = vec3(task.normal);
+                if (r.keep_uvs) f.uv[pixel] = {task.uv[0][k], task.uv[1][k]};
+                if (r.keep_barycentrics) f.barycentric[pixel] = vec3(task.barycentric);
+                if (r.keep_positions) f.position[pixel] = vec3(task.position);
+            }
+        }
+    }
+
+    const TileInputs& in_;
+    TileScratch& s_;
+    const RenderRequest& request_;
+    const std::vector<TileWork>& work_;
+    TilePlace place_;
+    std::int32_t left_ = 0, top_ = 0;
+    std::uint32_t count_ = 0;  // of entries
+};
+
+}  // namespace
+
+void raster_slice(const TriangleChunk& chunk, std::uint32_t begin, std::uint32_t end,
+                  std::uint32_t first_number, const TilePlace& place, const ShadeDraw* masked,
+                  const Kernels& kernels, std::vector<TileEntry>& scratch, TileSamples& samples) {
+    // Nothing depends on the order of drawing: of equal depths the lowest number wins.
+    scratch.clear();
+    for (std::uint32_t i = begin; i < end; ++i) {
+        const std::uint32_t what = chunk.order[i], number = first_number + (i - begin);
+        if (what & order_crossing)
+            raster_crossing(samples.depth.data(), samples.id.data(), place,
+                            chunk.crossing[what & ~order_crossing], number, masked, kernels);
+        else
+            scratch.push_back({what, number});
+    }
+    kernels.raster(samples.depth.data(), samples.id.data(), place, chunk.triangles.data(),
+                   scratch.data(), scratch.size(), masked);
+}
+
+std::uint64_t draw_tile(const TileInputs& inputs, std::uint32_t tile, TileScratch& scratch) {
+    return Tile(inputs, tile, scratch).draw();
+}
+
+}  // namespace rast::detail

@@ -1,0 +1,62 @@
+// One tile of the picture at a time: visibility first, then every visible point is shaded once,
+// then the tile's pixels are written. Nothing outside the tile is touched.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "samples.h"
+#include "setup.h"
+#include "shading_inputs.h"
+
+namespace rast::detail {
+
+// A run of one chunk's entries that reach one tile.
+struct TileWork {
+    std::uint32_t chunk = 0, begin = 0, end = 0;
+};
+
+// What one thread keeps while it goes from tile to tile.
+struct TileScratch {
+    std::vector<TileSamples> samples;
+    std::vector<TileEntry> entries;      // of one chunk
+    std::vector<std::uint32_t> counts;   // per number
+    std::vector<std::uint32_t> numbers;  // per fragment, before they are sorted
+    std::vector<std::uint16_t> pixels, weights;
+    struct Group {  // fragments of one draw
+        std::uint32_t draw = 0, begin = 0, end = 0;
+    };
+    std::vector<Group> groups;
+    // Fragments by number, which is by draw and triangle: pixel of the tile, triangle, samples.
+    std::vector<std::uint16_t> pixel, weight;
+    std::vector<std::uint32_t> ids;
+    std::array<std::vector<float>, 11> planes;  // results of the kernels
+    std::vector<std::uint32_t> bytes;           // per fragment, then per pixel
+    std::vector<glm::vec4> colors;              // per pixel
+};
+
+// What the tiles of a picture share; all of it must stay while they are drawn.
+struct TileInputs {
+    const RenderPlan* plan = nullptr;
+    const Kernels* kernels = nullptr;
+    const std::vector<SampleOffset>* offsets = nullptr;
+    const std::vector<RenderInstance>* instances = nullptr;
+    const std::vector<Draw>* draws = nullptr;
+    const std::vector<ShadeDraw>* shade_draws = nullptr;
+    const std::vector<TriangleChunk>* chunks = nullptr;
+    const std::vector<std::vector<TileWork>>* work = nullptr;  // per tile
+    const ShadeFrame* shade_frame = nullptr;
+    Window window;
+    Frame* frame = nullptr;  // its buffers have their size
+};
+
+// Returns how many points were shaded. Tiles may be drawn by several threads at once.
+std::uint64_t draw_tile(const TileInputs& inputs, std::uint32_t tile, TileScratch& scratch);
+
+// Draws the entries of a slice into a tile's samples, numbered from `first_number` on.
+void raster_slice(const TriangleChunk& chunk, std::uint32_t begin, std::uint32_t end,
+                  std::uint32_t first_number, const TilePlace& place, const ShadeDraw* masked,
+                  const Kernels& kernels, std::vector<TileEntry>& scratch, TileSamples& samples);
+
+}  // namespace rast::detail
