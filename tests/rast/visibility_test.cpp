@@ -49,15 +49,18 @@ class Rays {
     Rays(const Rays&) = delete;
     Rays& operator=(const Rays&) = delete;
 
-    // The triangle seen through a point of the picture, beyond the near plane.
+    // The triangle seen through a point of the picture, between the near plane and the far one. The
+    // eye is at the origin and looks along −z.
     std::uint32_t cast(const rast::View& view, double x, double y) const {
         const Ray ray = ray_at(view, width, height, x, y);
         RTCRayHit query{};
+        query.ray.org_x = float(ray.from.x);
+        query.ray.org_y = float(ray.from.y);
         query.ray.dir_x = float(ray.direction.x);
         query.ray.dir_y = float(ray.direction.y);
         query.ray.dir_z = -1;
         query.ray.tnear = float(view.znear);
-        query.ray.tfar = INFINITY;
+        query.ray.tfar = view.zfar > 0 ? float(view.zfar) : INFINITY;
         query.ray.mask = ~0u;
         query.hit.geomID = query.hit.primID = RTC_INVALID_GEOMETRY_ID;
         RTCIntersectContext context;
@@ -95,13 +98,22 @@ rast::Frame draw_all(const prep::VertexMesh& mesh, const rast::View& view) {
 bool near_edge(const prep::VertexMesh& mesh, std::uint32_t triangle, const rast::View& view,
                double x, double y) {
     if (triangle == prep::no_index) return false;
-    const glm::dvec3 direction = ray_at(view, width, height, x, y).direction;
-    const double pixel = 2 * std::tan(view.yfov / 2) / height;
+    const Ray ray = ray_at(view, width, height, x, y);
+    // In an orthographic view the eye moves along with the point.
+    const double pixel =
+        2 * (view.perspective ? std::tan(view.yfov / 2) : view.half_height) / height;
     for (std::uint32_t k = 0; k < 3; ++k) {
         const glm::dvec3 a(mesh.positions[mesh.indices[3 * triangle + k]]);
         const glm::dvec3 b(mesh.positions[mesh.indices[3 * triangle + (k + 1) % 3]]);
+        if (!view.perspective) {
+            const glm::dvec2 along(b - a), to(ray.from - a);
+            if (std::abs(along.x * to.y - along.y * to.x) < off_edges * pixel * glm::length(along))
+                return true;
+            continue;
+        }
         const glm::dvec3 plane = glm::cross(a, b);  // through the eye and the edge
-        if (std::abs(glm::dot(direction, plane)) < off_edges * pixel * std::hypot(plane.x, plane.y))
+        if (std::abs(glm::dot(ray.direction, plane)) <
+            off_edges * pixel * std::hypot(plane.x, plane.y))
             return true;
     }
     return false;
@@ -115,8 +127,13 @@ double depth_at(const prep::VertexMesh& mesh, std::uint32_t triangle, const rast
     for (std::uint32_t k = 0; k < 3; ++k)
         p[k] = glm::dvec3(mesh.positions[mesh.indices[3 * triangle + k]]);
     const glm::dvec3 normal = glm::cross(p[1] - p[0], p[2] - p[0]);
-    const glm::dvec3 direction = ray_at(view, width, height, x, y).direction;
-    return view.znear * glm::dot(direction, normal) / glm::dot(p[0], normal);
+    const Ray ray = ray_at(view, width, height, x, y);
+    const double across = glm::dot(ray.direction, normal);
+    const double height_above = glm::dot(p[0] - ray.from, normal);
+    if (!view.perspective) return (view.zfar - height_above / across) / (view.zfar - view.znear);
+    const double inverse = across / height_above;  // of the distance along −z
+    return view.zfar > 0 ? view.znear * (view.zfar * inverse - 1) / (view.zfar - view.znear)
+                         : view.znear * inverse;
 }
 
 void compare(const prep::VertexMesh& mesh, const rast::View& view, Tally& tally) {
@@ -160,7 +177,10 @@ void compare(const prep::VertexMesh& mesh, const rast::View& view, Tally& tally)
             }
             if (centre == prep::no_index) continue;
             const double depth = frame.depth[at];
-            tally.depth_wrong += !(depth <= high * (1 + 1e-6) && depth >= low * (1 - 1e-6));
+            // Towards a far plane depth is a small difference, rounded like its terms.
+            const double rounding = view.zfar > 0 ? 2e-7 : 0;
+            tally.depth_wrong +=
+                !(depth <= high * (1 + 1e-6) + rounding && depth >= low * (1 - 1e-6) - rounding);
         }
 }
 
@@ -255,6 +275,31 @@ TEST(Visibility, ClosedMeshesSweptThroughTheEyeEqualRays) {
     report("closed meshes", tally);
     EXPECT_GT(tally.compared, 300000u);
     EXPECT_GT(tally.crossing, 50u);
+}
+
+// A near and a far plane that both cut, and parallel rays.
+TEST(Visibility, BetweenANearAndAFarPlaneEqualsRays) {
+    std::mt19937_64 random(4);
+    for (const bool perspective : {true, false}) {
+        Tally tally;
+        for (int n = 0; n < 30; ++n) {
+            prep::Mesh source = n % 2 ? shapes::icosphere(2) : shapes::torus(24, 12);
+            shapes::jitter(source, 0.02f, random);
+            prep::VertexMesh mesh = of(source);
+            const glm::dmat3 turn = random_rotation(random);
+            const double away = 3.0 * double(n) / 30;
+            for (glm::vec3& p : mesh.positions)
+                p = glm::vec3(turn * glm::dvec3(p) - glm::dvec3(0, 0, away));
+            rast::View view = at_origin(0.5);
+            view.perspective = perspective;
+            view.half_height = 1.25;
+            view.zfar = 2.25;
+            compare(mesh, view, tally);
+        }
+        report(perspective ? "perspective" : "orthographic", tally);
+        EXPECT_GT(tally.compared, 150000u);
+        EXPECT_GT(tally.crossing, 50u);
+    }
 }
 
 // From inside a closed mesh there is no way out, edges or not.
