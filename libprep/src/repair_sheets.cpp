@@ -16,7 +16,8 @@ using Index = std::uint32_t;
 struct CrowdedHalfEdge {
     std::uint64_t edge;  // both points, the lower one first
     Index corner;
-    bool upward;  // runs from the lower point to the higher one
+    bool upward;                                    // runs from the lower point to the higher one
+    Index low_fan = no_index, high_fan = no_index;  // at its points, crowded edges not crossed
     double angle = 0;
     bool operator<(const CrowdedHalfEdge& o) const {
         return edge != o.edge ? edge < o.edge : corner < o.corner;
@@ -85,6 +86,30 @@ std::vector<std::pair<Index, Index>> pair_wedges(const std::vector<CrowdedHalfEd
         pairs.emplace_back(run[open.back()].corner, run[k].corner);
         open.pop_back();
     }
+    return pairs;
+}
+
+// Faces that hang together around a point of the edge cannot be parted there: first those that do
+// around both points are paired, then around one of them, then the wedges of the rest.
+std::vector<std::pair<Index, Index>> pair_faces(const std::vector<CrowdedHalfEdge>& run) {
+    std::vector<std::pair<Index, Index>> pairs;
+    std::vector<bool> matched(run.size(), false);
+    for (const bool both : {true, false})
+        for (std::size_t i = 0; i < run.size(); ++i)
+            for (std::size_t k = i + 1; k < run.size() && !matched[i]; ++k) {
+                const bool low = run[i].low_fan == run[k].low_fan;
+                const bool high = run[i].high_fan == run[k].high_fan;
+                if (matched[k] || run[i].upward == run[k].upward ||
+                    !(both ? low && high : low || high))
+                    continue;
+                matched[i] = matched[k] = true;
+                pairs.emplace_back(run[i].corner, run[k].corner);
+            }
+    std::vector<CrowdedHalfEdge> rest;
+    for (std::size_t i = 0; i < run.size(); ++i)
+        if (!matched[i]) rest.push_back(run[i]);
+    const auto wedges = pair_wedges(rest);
+    pairs.insert(pairs.end(), wedges.begin(), wedges.end());
     return pairs;
 }
 
@@ -178,15 +203,22 @@ RepairStep split_non_manifold_edges(Mesh& mesh, int threads) {
         if (step.places.size() < Finding::max_places) step.places.push_back(run[0].corner);
     std::sort(step.places.begin(), step.places.end());
     const FaceNormals faces = face_normals(MeshView(mesh), Precision::accurate, threads);
+    Index fans = 0;
+    const std::vector<Index> fans_before = number_fans(mesh, topology, fans);
     for (auto& run : runs) {
         sort_around(mesh, topology, faces, run);
-        for (const auto& [a, b] : pair_wedges(run)) {
+        for (CrowdedHalfEdge& h : run) {
+            const Index to =
+                next_corner(mesh.face_offsets, topology.corner_faces[h.corner], h.corner);
+            h.low_fan = fans_before[h.upward ? h.corner : to];
+            h.high_fan = fans_before[h.upward ? to : h.corner];
+        }
+        for (const auto& [a, b] : pair_faces(run)) {
             topology.opposite[a] = b;
             topology.opposite[b] = a;
             topology.kinds[a] = topology.kinds[b] = EdgeKind::interior;
         }
     }
-    Index fans = 0;
     const std::vector<Index> fan_of = number_fans(mesh, topology, fans);
     DisjointSets joined(fans);
     join_over(mesh, topology, fan_of, EdgeKind::inconsistent, joined);
@@ -204,6 +236,11 @@ RepairStep split_non_manifold_edges(Mesh& mesh, int threads) {
         joined.unite(fan, fan_of[c]);
     }
     give_each_sheet_its_vertices(mesh, fan_of, joined);
+    const Topology after = build_topology(MeshView(mesh), {}, threads);
+    step.left = std::min<std::uint64_t>(crowded_edges(mesh, after).size(), step.changed);
+    step.changed -= step.left;
+    if (step.left > 0)
+        step.text += "; left: those whose faces hang together around both ends all the same";
     return step;
 }
 

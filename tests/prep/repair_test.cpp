@@ -235,6 +235,29 @@ TEST(Repair, AThirdFaceOnAnEdgeGetsItsOwnVertices) {
     EXPECT_EQ(mesh.vertex_count(), 10u);
 }
 
+TEST(Repair, AFaceOnAnInnerEdgeOfASurfaceLeavesTheSurfaceWhole) {
+    // Four by four quads; a triangle stands on an edge in their middle. Whichever way it runs.
+    for (const bool reversed : {false, true}) {
+        Mesh mesh = shapes::grid(4, 4);
+        mesh.positions.push_back({2, 2, 1});
+        const std::uint32_t a = 2 * 5 + 1, b = 2 * 5 + 2;
+        for (const std::uint32_t v : {reversed ? b : a, reversed ? a : b, 25u})
+            mesh.corner_vertices.push_back(v);
+        mesh.face_offsets.push_back(std::uint32_t(mesh.corner_vertices.size()));
+        ASSERT_EQ(found(mesh, "non-manifold-edge"), 1u);
+        RepairOptions options;
+        options.non_manifold_edges = true;
+        const prep::RepairStep step = only_step(mesh, options);
+        EXPECT_EQ(step.changed, 1u);
+        EXPECT_EQ(step.left, 0u);
+        const prep::MeshSummary summary = prep::check(mesh).summary;
+        EXPECT_EQ(summary.non_manifold_edges, 0u);
+        EXPECT_EQ(summary.components, 2u);
+        EXPECT_EQ(summary.open_edges, 16u + 3u);
+        EXPECT_EQ(mesh.vertex_count(), 28u);
+    }
+}
+
 TEST(Repair, SplitsABowTie) {
     Mesh mesh = cube();
     add_cube(mesh, glm::vec3(1, 1, 1), 1);
