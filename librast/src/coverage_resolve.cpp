@@ -108,18 +108,23 @@ bool find_box(const Window& window, ScreenPolygon& p) {
     return p.x0 <= p.x1 && p.y0 <= p.y1;
 }
 
+void add(TileCounts& to, const TileCounts& from) {
+    to.shaded += from.shaded;
+    to.texture_samples += from.texture_samples;
+}
+
 class Resolver {
   public:
     Resolver(const CoverageScene& scene, const Window& window, int threads, Frame& frame)
         : scene_(scene), window_(window), threads_(threads), frame_(frame) {}
 
-    std::uint64_t run() {
+    TileCounts run() {
         collect();
-        std::vector<std::uint64_t> shaded(window_.tile_count(), 0);
+        std::vector<TileCounts> counts(window_.tile_count());
         parallel_items(window_.tile_count(), threads_,
-                       [&](std::size_t tile) { shaded[tile] = draw_tile(std::uint32_t(tile)); });
-        std::uint64_t sum = 0;
-        for (const std::uint64_t n : shaded) sum += n;
+                       [&](std::size_t tile) { counts[tile] = draw_tile(std::uint32_t(tile)); });
+        TileCounts sum;
+        for (const TileCounts& c : counts) add(sum, c);
         return sum;
     }
 
@@ -147,7 +152,7 @@ class Resolver {
         }
     }
 
-    std::uint64_t draw_tile(std::uint32_t tile) const {
+    TileCounts draw_tile(std::uint32_t tile) const {
         const std::int32_t left = std::int32_t(tile) % window_.tiles_x * tile_size;
         const std::int32_t top = std::int32_t(tile) / window_.tiles_x * tile_size;
         const std::int32_t right = std::min(left + tile_size, window_.width);
@@ -159,18 +164,18 @@ class Resolver {
                 for (std::int32_t x = std::max(p.x0, left); x <= std::min(p.x1, right - 1); ++x)
                     lists[std::size_t((y - top) * tile_size + x - left)].push_back(n);
         }
-        std::uint64_t shaded = 0;
+        TileCounts counts;
         PixelCoverage coverage;
         for (std::int32_t y = top; y < bottom; ++y)
             for (std::int32_t x = left; x < right; ++x)
-                shaded += draw_pixel(x, y, lists[std::size_t((y - top) * tile_size + x - left)],
-                                     coverage);
-        return shaded;
+                add(counts, draw_pixel(x, y, lists[std::size_t((y - top) * tile_size + x - left)],
+                                       coverage));
+        return counts;
     }
 
-    std::uint64_t draw_pixel(std::int32_t x, std::int32_t y, std::vector<std::uint32_t>& list,
-                             PixelCoverage& coverage) const {
-        if (list.empty()) return 0;
+    TileCounts draw_pixel(std::int32_t x, std::int32_t y, std::vector<std::uint32_t>& list,
+                          PixelCoverage& coverage) const {
+        if (list.empty()) return {};
         const std::int32_t corner_x = window_.first_x + x * subpixels - subpixels / 2;
         const std::int32_t corner_y = window_.first_y + y * subpixels - subpixels / 2;
         const glm::dvec2 corner(double(corner_x) / subpixels, double(corner_y) / subpixels);
@@ -202,16 +207,17 @@ class Resolver {
         }
         glm::dvec4 sum(glm::dvec3(scene_.plan->request.background), 0.0);
         const glm::dvec4 empty = sum;
-        std::uint64_t shaded = 0;
+        TileCounts counts;
         for (const PixelCoverage::Share& share : coverage.shares()) {
             const ScreenPolygon& p = polygons_[share.owner];
             const glm::vec3 color =
                 shade(p, corner_x + grid(share.centroid.x), corner_y + grid(share.centroid.y));
             sum += (glm::dvec4(glm::dvec3(color), 1.0) - empty) * share.area;
-            ++shaded;
+            ++counts.shaded;
+            counts.texture_samples += (*scene_.shade_draws)[p.draw].map_count();
         }
         frame_.color[std::size_t(y) * frame_.width + std::size_t(x)] = glm::vec4(sum);
-        return shaded;
+        return counts;
     }
 
     glm::vec3 shade(const ScreenPolygon& p, std::int32_t x, std::int32_t y) const {
@@ -233,8 +239,8 @@ class Resolver {
 
 }  // namespace
 
-std::uint64_t resolve_coverage(const CoverageScene& scene, const Window& window, int threads,
-                               Frame& frame) {
+TileCounts resolve_coverage(const CoverageScene& scene, const Window& window, int threads,
+                            Frame& frame) {
     return Resolver(scene, window, threads, frame).run();
 }
 

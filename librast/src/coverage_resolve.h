@@ -16,6 +16,7 @@
 
 #include "setup.h"
 #include "shading_inputs.h"
+#include "tile_renderer.h"
 
 namespace rast::detail {
 
@@ -30,9 +31,9 @@ struct CoverageScene {
     std::vector<CullSide> cull;  // per draw
 };
 
-// Writes frame.color, which has its size, for the window's pixels. Returns how many points were
-// shaded. Pixels do not depend on the window or on threads.
-std::uint64_t resolve_coverage(const CoverageScene& scene, const Window& window, int threads,
-                               Frame& frame);
+// Writes frame.color, which has its size, for the window's pixels. Returns what was shaded. Pixels
+// do not depend on the window or on threads.
+TileCounts resolve_coverage(const CoverageScene& scene, const Window& window, int threads,
+                            Frame& frame);
 
 }  // namespace rast::detail

@@ -1,8 +1,10 @@
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 
 #include "rast/render.h"
+#include "texture.h"
 #include "tile.h"
 
 namespace rast {
@@ -53,10 +55,15 @@ class Planner {
     }
 
     RenderPlan run() {
+        RenderRequest& r = plan_.request;
+        if (!r.prune)
+            r.keep_depth = r.keep_ids = r.keep_normals = r.keep_uvs = r.keep_barycentrics =
+                r.keep_positions = true;
         camera();
         lights();
         shading();
         textures();
+        variants();
         anti_aliasing();
         step("depth test", true, depth_reason());
         step("culling", plan_.request.cull != Cull::none, cull_reason());
@@ -114,11 +121,12 @@ class Planner {
         const std::uint64_t width = r.crop ? r.crop->width : r.width;
         const std::uint64_t height = r.crop ? r.crop->height : r.height;
         const std::uint64_t row =
-            width *
-            (16 + (r.keep_depth ? 4 : 0) + (r.keep_ids ? 8 : 0) + (r.keep_normals ? 12 : 0) +
-             (r.keep_uvs ? 8 : 0) + (r.keep_barycentrics ? 12 : 0) + (r.keep_positions ? 12 : 0));
+            width * ((r.keep_color ? 16 : 0) + (r.keep_depth ? 4 : 0) + (r.keep_ids ? 8 : 0) +
+                     (r.keep_normals ? 12 : 0) + (r.keep_uvs ? 8 : 0) +
+                     (r.keep_barycentrics ? 12 : 0) + (r.keep_positions ? 12 : 0));
         constexpr std::uint64_t tile = detail::tile_size;
-        std::uint64_t rows = std::max<std::uint64_t>(r.band_bytes / row, 1);
+        std::uint64_t rows =
+            std::max<std::uint64_t>(r.band_bytes / std::max<std::uint64_t>(row, 1), 1);
         if (rows > tile) rows = rows / tile * tile;
         plan_.band_rows = std::uint32_t(std::min(rows, height));
         const std::uint64_t geometry = survey_.vertices * sizeof(detail::VertexRecord) +
@@ -180,7 +188,8 @@ class Planner {
     void shading() {
         Shading& shading = plan_.request.shading;
         const bool mapped = any([](const Material& m) { return bool(m.normal_map); });
-        if (shading == Shading::normal_mapped && (!mapped || !plan_.request.textures)) {
+        if (plan_.request.prune && shading == Shading::normal_mapped &&
+            (!mapped || !plan_.request.textures)) {
             step("normal maps", false,
                  mapped ? "textures are switched off: shaded as Phong"
                         : "no material in use has a normal map: shaded as Phong");
@@ -215,6 +224,14 @@ class Planner {
         if (plan_.request.textures) {
             for (const std::uint32_t m : survey_.materials) {
                 const Material& material = prepared_.scene.materials[m];
+                if (!plan_.request.keep_color) {  // what is cut out still counts
+                    if (material.alpha_mode == prep::AlphaMode::mask)
+                        use(material.diffuse_map, true);
+                    if (plan_.request.keep_normals && !material.unlit &&
+                        plan_.request.shading == Shading::normal_mapped)
+                        use(material.normal_map, false);
+                    continue;
+                }
                 use(material.diffuse_map, true);
                 if (!material.unlit) {
                     if (material.metallic_roughness)
@@ -234,18 +251,104 @@ class Planner {
         step("textures", some, some ? "sampled by materials in use" : none);
         step("sRGB decoding", colour_used,
              colour_used ? "colour textures are stored encoded" : "no colour texture is sampled");
-        const bool mips = some && plan_.request.filter != TextureFilter::nearest &&
-                          plan_.request.filter != TextureFilter::bilinear &&
-                          plan_.request.filter != TextureFilter::ripmap;
-        const bool rips = some && plan_.request.filter == TextureFilter::ripmap;
-        step("mip levels", mips,
-             mips   ? "the texture filter asked for reads them"
-             : some ? "the filter asked for does not read them"
-                    : none);
-        step("ripmap levels", rips,
-             rips   ? "the texture filter asked for reads them"
-             : some ? "the filter asked for does not read them"
-                    : none);
+        const TextureLevels levels = levels_for(plan_.request.filter);
+        step("texture filter", some, some ? filter_reason() : none);
+        const auto level_step = [&](const char* name, TextureLevels kind) {
+            step(name, some && levels == kind,
+                 !some            ? none
+                 : levels == kind ? "the filter reads them; each is made when a pixel first asks "
+                                    "for it"
+                                  : "the filter does not read them");
+        };
+        level_step("mip levels", TextureLevels::mipmap);
+        level_step("ripmap levels", TextureLevels::ripmap);
+    }
+
+    std::string filter_reason() const {
+        const std::string most = std::to_string(plan_.request.max_anisotropy);
+        switch (plan_.request.filter) {
+            case TextureFilter::nearest:
+                return "nearest texel: one read a sample";
+            case TextureFilter::bilinear:
+                return "bilinear: four reads a sample, first level only";
+            case TextureFilter::trilinear:
+                return "trilinear: four reads on each of two mip levels";
+            case TextureFilter::bicubic:
+                return "bicubic: 16 reads on each of two mip levels";
+            case TextureFilter::anisotropic:
+                return "anisotropic: up to " + most + " trilinear probes";
+            case TextureFilter::ripmap:
+                return "ripmap: up to four bilinear reads of levels halved along either axis";
+            case TextureFilter::ewa:
+                return "elliptical weighted average: ellipses up to " + most + " to 1";
+        }
+        return {};
+    }
+
+    // How the triangles of one range are shaded: what shade_draw() will bind.
+    std::string variant_of(const prep::VertexMesh& mesh, std::uint32_t index) const {
+        static const Material plain;
+        const Material& m =
+            index < prepared_.scene.materials.size() ? prepared_.scene.materials[index] : plain;
+        const RenderRequest& r = plan_.request;
+        const auto bound = [&](const TextureRef& ref) {
+            return bool(ref) && r.textures && ref.uv_set < mesh.uvs.size() &&
+                   !mesh.uvs[ref.uv_set].empty();
+        };
+        std::string name;
+        const auto part = [&name](const std::string& text) {
+            name += (name.empty() ? "" : ", ") + text;
+        };
+        if (m.unlit) {
+            part("unlit");
+        } else if (r.shading == Shading::flat || mesh.normals.empty()) {
+            part("face normals");
+        } else if (r.shading == Shading::gouraud) {
+            part("light at vertices");
+        } else if (r.shading == Shading::normal_mapped && bound(m.normal_map) &&
+                   m.normal_map_space == prep::NormalMapSpace::object) {
+            part("object-space normal map");
+        } else if (r.shading == Shading::normal_mapped && bound(m.normal_map) &&
+                   !mesh.tangents.empty()) {
+            part("tangent-space normal map");
+        } else {
+            part("vertex normals");
+        }
+        if (!mesh.colors.empty()) part("vertex colours");
+        if (bound(m.diffuse_map)) part("diffuse map");
+        if (bound(m.emissive_map)) part("emissive map");
+        if (!m.unlit) {
+            if (m.metallic_roughness) part("metallic-roughness");
+            if (m.metallic_roughness && bound(m.metallic_roughness_map))
+                part("metallic-roughness map");
+            if (!m.metallic_roughness && bound(m.specular_map)) part("specular map");
+            if (bound(m.occlusion_map)) part("occlusion map");
+        }
+        if (m.alpha_mode == prep::AlphaMode::mask) part("alpha mask");
+        return name;
+    }
+
+    void variants() {
+        std::map<std::string, std::uint64_t> triangles;
+        for (const prep::Node& node : prepared_.scene.nodes) {
+            if (node.mesh == prep::no_index) continue;
+            const prep::VertexMesh& mesh = prepared_.meshes[node.mesh];
+            for (const prep::VertexMesh::Range& range : mesh.ranges)
+                if (range.triangle_count > 0)
+                    triangles[variant_of(mesh, range.material)] += range.triangle_count;
+        }
+        for (const auto& [name, count] : triangles) plan_.variants.push_back({name, count});
+        std::stable_sort(
+            plan_.variants.begin(), plan_.variants.end(),
+            [](const PlanVariant& a, const PlanVariant& b) { return a.triangles > b.triangles; });
+        std::string list;
+        for (const PlanVariant& v : plan_.variants)
+            list += (list.empty() ? "" : "; ") + v.name + " (" + std::to_string(v.triangles) +
+                    (v.triangles == 1 ? " triangle)" : " triangles)");
+        step("shading", plan_.request.keep_color && !plan_.variants.empty(),
+             !plan_.request.keep_color ? "nothing reads colours"
+             : plan_.variants.empty()  ? "there are no triangles"
+                                       : list);
     }
 
     std::string depth_reason() const {

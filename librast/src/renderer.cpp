@@ -47,6 +47,12 @@ DepthGrid depth_grid(DepthFormat format) {
     return {};
 }
 
+std::uint64_t buffer_bytes(const Frame& f) {
+    const auto size = [](const auto& buffer) { return buffer.size() * sizeof(buffer[0]); };
+    return size(f.color) + size(f.bytes) + size(f.depth) + size(f.triangle) + size(f.instance) +
+           size(f.normal) + size(f.uv) + size(f.barycentric) + size(f.position);
+}
+
 }  // namespace
 
 void add_counters(Counters& to, const Counters& from) {
@@ -58,6 +64,11 @@ void add_counters(Counters& to, const Counters& from) {
     to.between_samples += from.between_samples;
     to.crossing += from.crossing;
     to.pixels_shaded += from.pixels_shaded;
+    to.texture_samples += from.texture_samples;
+    // Held by all parts, or by one at a time.
+    to.textures_read = std::max(to.textures_read, from.textures_read);
+    to.texture_levels = std::max(to.texture_levels, from.texture_levels);
+    to.buffer_bytes = std::max(to.buffer_bytes, from.buffer_bytes);
 }
 
 void Renderer::begin(const RenderPlan& plan) {
@@ -104,15 +115,22 @@ void Renderer::draw(const Crop& part, Frame& frame) {
     inputs.shade_frame = &inputs_.frame;
     inputs.window = window_;
     inputs.frame = &frame;
-    shaded_.resize(window_.tile_count());
+    tile_counts_.resize(window_.tile_count());
     parallel_items(window_.tile_count(), threads_, [&](std::size_t tile) {
-        shaded_[tile] = draw_tile(inputs, std::uint32_t(tile), tile_scratch_.local());
+        tile_counts_[tile] = draw_tile(inputs, std::uint32_t(tile), tile_scratch_.local());
     });
-    if (plan_->request.coverage == Coverage::area) shaded_.assign(1, resolve_areas(frame));
+    if (plan_->request.coverage == Coverage::area && plan_->request.keep_color)
+        tile_counts_.assign(1, resolve_areas(frame));
     frame.counters = {};
     for (std::size_t c = 0; c < chunk_count_; ++c)
         add_counters(frame.counters, chunks_[c].counters);
-    for (const std::uint64_t n : shaded_) frame.counters.pixels_shaded += n;
+    for (const TileCounts& counts : tile_counts_) {
+        frame.counters.pixels_shaded += counts.shaded;
+        frame.counters.texture_samples += counts.texture_samples;
+    }
+    frame.counters.textures_read = textures_read_;
+    frame.counters.texture_levels = texture_levels();
+    frame.counters.buffer_bytes = buffer_bytes(frame);
     frame.raster_ms = milliseconds_since(raster_start);
 }
 
@@ -121,6 +139,7 @@ void Renderer::load_textures() {
     const TextureLevels levels = levels_for(plan_->request.filter);
     kept_.resize(scene.textures.size());
     textures_.assign(scene.textures.size(), nullptr);
+    textures_read_ = 0;
     warnings_.clear();
     for (std::size_t t = 0; t < scene.textures.size(); ++t) {
         const prep::Texture& texture = scene.textures[t];
@@ -135,8 +154,15 @@ void Renderer::load_textures() {
                 kept.warning = "texture left out: " + prep::to_string(image.error());
         }
         textures_[t] = kept.texture;
-        if (!kept.texture) warnings_.push_back(kept.warning);
+        if (kept.texture)
+            ++textures_read_;
+        else
+            warnings_.push_back(kept.warning);
     }
+    if (plan_->request.prune) return;
+    for (const auto& texture : textures_)
+        if (texture) texture->make_all_levels();
+    add_neutral_maps(textures_, levels);
 }
 
 void Renderer::transform() {
@@ -231,11 +257,18 @@ void Renderer::set_up() {
             tile_work_[slice.tile].push_back({c, slice.begin, slice.end});
 }
 
-std::uint64_t Renderer::resolve_areas(Frame& frame) {
+TileCounts Renderer::resolve_areas(Frame& frame) {
     CoverageScene scene{plan_, kernels_, &instances_, &draws_, &shade_draws_, &inputs_.frame, {}};
     for (const Draw& draw : draws_)
         scene.cull.push_back(cull_side(*plan_, prepared_, draw.material));
     return resolve_coverage(scene, window_, threads_, frame);
+}
+
+std::uint64_t Renderer::texture_levels() const {
+    std::uint64_t made = 0;
+    for (const auto& texture : textures_)
+        if (texture) made += texture->levels_made();
+    return made;
 }
 
 // Memory only: every tile writes all its pixels.
@@ -243,8 +276,8 @@ void Renderer::size_buffers(Frame& frame) const {
     const RenderRequest& r = plan_->request;
     const std::size_t pixels = std::size_t(frame.width) * frame.height;
     const auto size = [&](auto& buffer, bool kept) { buffer.resize(kept ? pixels : 0); };
-    size(frame.color, r.pixels == PixelFormat::floats);
-    size(frame.bytes, r.pixels == PixelFormat::bytes);
+    size(frame.color, r.keep_color && r.pixels == PixelFormat::floats);
+    size(frame.bytes, r.keep_color && r.pixels == PixelFormat::bytes);
     size(frame.depth, r.keep_depth);
     size(frame.triangle, r.keep_ids);
     size(frame.instance, r.keep_ids);

@@ -30,8 +30,9 @@ class Renderer {
     void make_draws();
     void light_vertices(std::size_t draw);
     void set_up();
-    std::uint64_t resolve_areas(Frame& frame);
+    TileCounts resolve_areas(Frame& frame);
     void size_buffers(Frame& frame) const;
+    std::uint64_t texture_levels() const;
 
     const prep::PreparedScene& prepared_;
     const RenderPlan* plan_ = nullptr;
@@ -57,7 +58,8 @@ class Renderer {
     std::vector<TriangleChunk> chunks_;
     std::size_t chunk_count_ = 0;
     std::vector<std::vector<TileWork>> tile_work_;
-    std::vector<std::uint64_t> shaded_;
+    std::vector<TileCounts> tile_counts_;
+    std::uint64_t textures_read_ = 0;  // those of the plan
     tbb::enumerable_thread_specific<BinScratch> bin_scratch_;
     tbb::enumerable_thread_specific<TileScratch> tile_scratch_;
 };

@@ -18,6 +18,8 @@ BoundMap bind(const RenderPlan& plan, const prep::TextureRef& ref, const prep::V
         return bound;
     bound.texture = textures[ref.texture].get();
     bound.uv = &mesh.uvs[ref.uv_set][0].x;
+    bound.filter = plan.request.filter;
+    bound.most = plan.request.max_anisotropy;
     // KHR_texture_transform: offset + rotation · scale · uv.
     const double c = std::cos(double(ref.rotation)), s = std::sin(double(ref.rotation));
     bound.matrix[0] = float(c * ref.scale.x);
@@ -27,12 +29,48 @@ BoundMap bind(const RenderPlan& plan, const prep::TextureRef& ref, const prep::V
     bound.offset[0] = ref.offset.x;
     bound.offset[1] = ref.offset.y;
     bound.strength = ref.strength;
-    bound.filter = plan.request.filter;
-    bound.most = plan.request.max_anisotropy;
     return bound;
 }
 
+// Maps of one draw. Where nothing is to be left out, those that a material does not have are
+// neutral ones: factors of 1, and normals straight up.
+class Binder {
+  public:
+    Binder(const RenderPlan& plan, const prep::VertexMesh& mesh, const TextureSet& textures)
+        : plan_(plan), mesh_(mesh), textures_(textures) {}
+
+    BoundMap factor(const prep::TextureRef& ref) const { return or_neutral(ref, white_map); }
+    BoundMap normals(const prep::TextureRef& ref) const { return or_neutral(ref, flat_map); }
+
+  private:
+    BoundMap or_neutral(const prep::TextureRef& ref, std::size_t from_end) const {
+        BoundMap bound = bind(plan_, ref, mesh_, textures_);
+        if (bound || plan_.request.prune || mesh_.uvs.empty() || mesh_.uvs[0].empty()) return bound;
+        bound.texture = textures_[textures_.size() - from_end].get();
+        bound.uv = &mesh_.uvs[0][0].x;
+        bound.filter = plan_.request.filter;
+        bound.most = plan_.request.max_anisotropy;
+        return bound;
+    }
+
+    const RenderPlan& plan_;
+    const prep::VertexMesh& mesh_;
+    const TextureSet& textures_;
+};
+
 }  // namespace
+
+void add_neutral_maps(TextureSet& textures, TextureLevels levels) {
+    const auto constant = [&](float r, float g) {
+        prep::Image image;
+        image.width = image.height = 1;
+        image.channels = 4;
+        image.pixels = {r, g, 1, 1};
+        textures.push_back(std::make_unique<MipTexture>(image, prep::Texture{}, false, levels));
+    };
+    constant(1, 1);
+    constant(0.5f, 0.5f);
+}
 
 void set_up_frame(const RenderPlan& plan, FrameInputs& out) {
     ShadeFrame& frame = out.frame;
@@ -74,6 +112,7 @@ void set_up_frame(const RenderPlan& plan, FrameInputs& out) {
         }
         out.lights.push_back(s);
     }
+    if (!plan.request.prune) frame.needs_position = true;
     copy3(ambient, frame.ambient);
     frame.lights = out.lights.data();
     frame.light_count = out.lights.size();
@@ -117,19 +156,23 @@ ShadeDraw shade_draw(const RenderPlan& plan, const prep::PreparedScene& scene, c
     s.shininess = std::max(shininess, 0.0f);
     s.alpha_cutoff = material.alpha_cutoff;
     s.flip_green = material.normal_map_flip_green;
-    s.diffuse_map = bind(plan, material.diffuse_map, mesh, textures);
-    s.emissive_map = bind(plan, material.emissive_map, mesh, textures);
+    const Binder binder(plan, mesh, textures);
+    s.diffuse_map = binder.factor(material.diffuse_map);
+    s.emissive_map = binder.factor(material.emissive_map);
     if (material.unlit) return s;
     s.metallic_roughness = material.metallic_roughness;
     s.metallic = material.metallic;
     s.roughness = material.roughness;
     if (material.metallic_roughness)
-        s.metallic_roughness_map = bind(plan, material.metallic_roughness_map, mesh, textures);
+        s.metallic_roughness_map = binder.factor(material.metallic_roughness_map);
     else
-        s.specular_map = bind(plan, material.specular_map, mesh, textures);
-    s.occlusion_map = bind(plan, material.occlusion_map, mesh, textures);
+        s.specular_map = binder.factor(material.specular_map);
+    s.occlusion_map = binder.factor(material.occlusion_map);
     if (plan.request.shading != Shading::normal_mapped || s.normals == nullptr) return s;
-    s.normal_map = bind(plan, material.normal_map, mesh, textures);
+    // A neutral map is one in tangent space.
+    s.normal_map = material.normal_map_space == prep::NormalMapSpace::object
+                       ? bind(plan, material.normal_map, mesh, textures)
+                       : binder.normals(material.normal_map);
     if (!s.normal_map) return s;
     if (material.normal_map_space == prep::NormalMapSpace::object)
         s.source = NormalSource::object_map;

@@ -20,6 +20,10 @@ struct Draw {
 using TextureSet =
     std::vector<std::shared_ptr<const MipTexture>>;  // null: not used or not readable
 
+// Where nothing is to be left out, two neutral textures end a TextureSet: so far from its end.
+inline constexpr std::size_t white_map = 2, flat_map = 1;
+void add_neutral_maps(TextureSet& textures, TextureLevels levels);
+
 struct FrameInputs {
     ShadeFrame frame;  // points into `lights`
     std::vector<ShadeLight> lights;

@@ -59,6 +59,7 @@ MipTexture::Level next_level(const MipTexture::Level& fine, bool halve_x, bool h
     MipTexture::Level coarse;
     coarse.width = halve_x ? std::max(1u, fine.width / 2) : fine.width;
     coarse.height = halve_y ? std::max(1u, fine.height / 2) : fine.height;
+    if (fine.texels.empty()) return coarse;  // its size is asked for
     coarse.texels.resize(std::size_t(coarse.width) * coarse.height);
     const std::vector<Tap> across = taps(fine.width, coarse.width);
     const std::vector<Tap> down = taps(fine.height, coarse.height);
@@ -121,19 +122,22 @@ TextureLevels levels_for(TextureFilter filter) {
 
 MipTexture::MipTexture(const prep::Image& image, const prep::Texture& sampler, bool colour,
                        TextureLevels levels)
-    : wrap_u_(sampler.wrap_u), wrap_v_(sampler.wrap_v) {
-    levels_.push_back(base_level(image, colour));
+    : lazy_(std::make_unique<Lazy>()), wrap_u_(sampler.wrap_u), wrap_v_(sampler.wrap_v) {
+    const Level sizes{image.width, image.height, {}};
+    levels_.push_back(sizes);
     if (levels == TextureLevels::mipmap)
         while (levels_.back().width > 1 || levels_.back().height > 1)
             levels_.push_back(next_level(levels_.back(), true, true));
     if (levels == TextureLevels::ripmap) {
-        rip_.push_back(levels_[0]);
+        rip_.push_back(sizes);
         while (rip_.back().width > 1) rip_.push_back(next_level(rip_.back(), true, false));
         rip_columns_ = rip_.size();
         for (std::size_t above = 0; rip_[above].height > 1; above += rip_columns_)
             for (std::size_t c = 0; c < rip_columns_; ++c)
                 rip_.push_back(next_level(rip_[above + c], false, true));
+        lazy_->rip = std::vector<std::atomic<bool>>(rip_.size());
     }
+    levels_[0] = base_level(image, colour);
     view_.level_count = std::uint32_t(levels_.size());
     const auto by_lanes = [](prep::Wrap wrap, std::uint32_t size) {
         return wrap == prep::Wrap::clamp ||
@@ -146,8 +150,44 @@ MipTexture::MipTexture(const prep::Image& image, const prep::Texture& sampler, b
     for (std::size_t l = 0; view_.by_lanes && l < levels_.size(); ++l) {
         view_.widths[l] = std::int32_t(levels_[l].width);
         view_.heights[l] = std::int32_t(levels_[l].height);
-        view_.texels[l] = &levels_[l].texels[0].x;
     }
+    view_.texels[0] = &levels_[0].texels[0].x;
+}
+
+void MipTexture::make_pyramid(std::uint32_t last) const {
+    const std::lock_guard lock(lazy_->mutex);
+    for (std::uint32_t l = lazy_->pyramid; l <= last && l < levels_.size(); ++l) {
+        levels_[l] = next_level(levels_[l - 1], true, true);
+        if (l < TextureView::most_levels) view_.texels[l] = &levels_[l].texels[0].x;
+        lazy_->pyramid.store(l + 1, std::memory_order_release);
+    }
+}
+
+void MipTexture::make_rip(std::size_t index) const {
+    if (index == 0 || lazy_->rip[index].load(std::memory_order_acquire)) return;
+    const bool first_row = index < rip_columns_;
+    const std::size_t from = first_row ? index - 1 : index - rip_columns_;
+    make_rip(from);
+    const std::lock_guard lock(lazy_->mutex);
+    if (lazy_->rip[index]) return;
+    rip_[index] = next_level(from == 0 ? levels_[0] : rip_[from], first_row, !first_row);
+    lazy_->rip[index].store(true, std::memory_order_release);
+}
+
+const MipTexture::Level& MipTexture::rip_level(std::size_t index) const {
+    make_rip(index);
+    return index == 0 ? levels_[0] : rip_[index];
+}
+
+void MipTexture::make_all_levels() const {
+    make_pyramid(level_count() - 1);
+    for (std::size_t i = 0; i < rip_.size(); ++i) make_rip(i);
+}
+
+std::uint64_t MipTexture::levels_made() const {
+    std::uint64_t made = pyramid_made();
+    for (const std::atomic<bool>& level : lazy_->rip) made += level;
+    return made;
 }
 
 glm::vec4 MipTexture::nearest(const Level& level, const glm::vec2& uv) const {

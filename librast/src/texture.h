@@ -2,8 +2,11 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <memory>
+#include <mutex>
 #include <vector>
 
 #include "prep/image.h"
@@ -41,6 +44,7 @@ class MipTexture {
     MipTexture(MipTexture&&) = default;
     MipTexture& operator=(MipTexture&&) = default;
 
+    // The first level alone: the others follow as they are read.
     // `colour`: decode RGB from sRGB before anything is averaged. Missing channels: grey is spread
     // to RGB, alpha is 1.
     MipTexture(const prep::Image& image, const prep::Texture& sampler, bool colour,
@@ -62,6 +66,13 @@ class MipTexture {
                      int most = 8) const;
 
     std::uint32_t level_count() const { return std::uint32_t(levels_.size()); }
+    // Levels are made when they are first read, each from the one before, whichever thread asks.
+    // How many of the pyramid's there are now, from the first on: the kernels read no more of them
+    // than that before they ask for more.
+    std::uint32_t pyramid_made() const { return lazy_->pyramid.load(std::memory_order_acquire); }
+    void make_pyramid(std::uint32_t last) const;  // up to this level, at least
+    void make_all_levels() const;
+    std::uint64_t levels_made() const;  // of pyramid and ripmap together
     // Level of detail as Vulkan and OpenGL define it: log2 of the longer footprint side in texels.
     float level_of_detail(const Footprint& footprint) const;
 
@@ -69,7 +80,10 @@ class MipTexture {
         std::uint32_t width = 0, height = 0;
         std::vector<glm::vec4> texels;
     };
-    const Level& level(std::uint32_t index) const { return levels_[index]; }
+    const Level& level(std::uint32_t index) const {
+        if (index >= pyramid_made()) make_pyramid(index);
+        return levels_[index];
+    }
     const TextureView& view() const { return view_; }
 
   private:
@@ -86,11 +100,22 @@ class MipTexture {
     template <class Read>
     glm::vec4 between_levels(float lod, const Read& read) const;
 
-    std::vector<Level> levels_;
-    std::vector<Level> rip_;  // rows of ever lower height, rip_columns_ widths each
+    const Level& rip_level(std::size_t index) const;
+    void make_rip(std::size_t index) const;
+
+    // Made so far; apart, so that textures can move.
+    struct Lazy {
+        std::mutex mutex;
+        std::atomic<std::uint32_t> pyramid{1};
+        std::vector<std::atomic<bool>> rip;
+    };
+    std::unique_ptr<Lazy> lazy_;
+    // Sizes are there from the start, texels once they are made.
+    mutable std::vector<Level> levels_;
+    mutable std::vector<Level> rip_;  // rows of ever lower height, rip_columns_ widths each
     std::size_t rip_columns_ = 0;
     prep::Wrap wrap_u_, wrap_v_;
-    TextureView view_;
+    mutable TextureView view_;
 };
 
 // For the kernels: at = u, v, then their change per pixel right (u, v) and down (u, v).

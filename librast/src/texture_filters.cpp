@@ -94,10 +94,10 @@ template <class Read>
 glm::vec4 MipTexture::between_levels(float lod, const Read& read) const {
     lod = std::min(std::max(lod, 0.0f), float(levels_.size() - 1));
     const std::size_t fine = std::size_t(lod);
-    const glm::vec4 a = read(levels_[fine]);
+    const glm::vec4 a = read(level(std::uint32_t(fine)));
     const float part = lod - float(fine);
     if (part == 0) return a;
-    return a + (read(levels_[fine + 1]) - a) * part;
+    return a + (read(level(std::uint32_t(fine) + 1)) - a) * part;
 }
 
 glm::vec4 MipTexture::bicubic(const glm::vec2& uv, const Footprint& footprint) const {
@@ -182,7 +182,7 @@ glm::vec4 MipTexture::ewa(const glm::vec2& uv, const Footprint& footprint, int m
     }
     const float lod = float(std::max(0.0, log2_double(std::max(s.minor_length, 1e-300))));
     // On the last level an ellipse would have no largest size.
-    if (!(lod < float(levels_.size() - 1))) return bilinear(levels_.back(), uv);
+    if (!(lod < float(levels_.size() - 1))) return bilinear(level(level_count() - 1), uv);
     return between_levels(lod,
                           [&](const Level& level) { return ellipse(level, uv, s.major, s.minor); });
 }
@@ -199,7 +199,7 @@ glm::vec4 MipTexture::ripmap(const glm::vec2& uv, const Footprint& f) const {
     const std::size_t cu = std::size_t(lu), cv = std::size_t(lv);
     const float pu = lu - float(cu), pv = lv - float(cv);
     const auto read = [&](std::size_t column, std::size_t row) {
-        return bilinear(rip_[row * rip_columns_ + column], uv);
+        return bilinear(rip_level(row * rip_columns_ + column), uv);
     };
     const auto across = [&](std::size_t row) {
         const glm::vec4 a = read(cu, row);

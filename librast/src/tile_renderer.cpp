@@ -17,21 +17,27 @@ class Tile {
                   std::min(tile_size, in.window.height - top_), in.window.grid};
     }
 
-    std::uint64_t draw() {
+    TileCounts draw() {
+        TileCounts counts;
         clear();
-        if (work_.empty()) return 0;
+        if (work_.empty()) return counts;
         raster();
-        if (in_.offsets->size() == 1)
-            collect_single();
-        else
-            collect_several(in_.offsets->size());
-        sort();
-        const std::size_t shaded = s_.pixel.size();
-        shade();
-        write_colors();
+        if (request_.keep_color) {
+            if (in_.offsets->size() == 1)
+                collect_single();
+            else
+                collect_several(in_.offsets->size());
+            sort();
+            counts.shaded = s_.pixel.size();
+            for (const TileScratch::Group& g : s_.groups)
+                counts.texture_samples +=
+                    (*in_.shade_draws)[g.draw].map_count() * (g.end - g.begin);
+            shade();
+            write_colors();
+        }
         write_buffers();
         write_attributes();
-        return shaded;
+        return counts;
     }
 
   private:
@@ -354,7 +360,7 @@ void raster_slice(const TriangleChunk& chunk, std::uint32_t begin, std::uint32_t
                    scratch.data(), scratch.size(), masked);
 }
 
-std::uint64_t draw_tile(const TileInputs& inputs, std::uint32_t tile, TileScratch& scratch) {
+TileCounts draw_tile(const TileInputs& inputs, std::uint32_t tile, TileScratch& scratch) {
     return Tile(inputs, tile, scratch).draw();
 }
 

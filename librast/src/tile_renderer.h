@@ -51,8 +51,12 @@ struct TileInputs {
     Frame* frame = nullptr;  // its buffers have their size
 };
 
-// Returns how many points were shaded. Tiles may be drawn by several threads at once.
-std::uint64_t draw_tile(const TileInputs& inputs, std::uint32_t tile, TileScratch& scratch);
+struct TileCounts {
+    std::uint64_t shaded = 0, texture_samples = 0;
+};
+
+// Tiles may be drawn by several threads at once.
+TileCounts draw_tile(const TileInputs& inputs, std::uint32_t tile, TileScratch& scratch);
 
 // Draws the entries of a slice into a tile's samples, numbered from `first_number` on.
 void raster_slice(const TriangleChunk& chunk, std::uint32_t begin, std::uint32_t end,

@@ -67,9 +67,14 @@ struct RenderRequest {
     int max_anisotropy = 8;      // 1 … 16: anisotropic and EWA filters
     glm::vec3 background{0.0f};  // linear
     bool textures = true;        // false: material colours only
+    bool keep_color = true;      // false: nothing is shaded, for those who want other buffers alone
     bool keep_depth = false;     // Frame::depth
     bool keep_ids = false;       // Frame::triangle and Frame::instance
     bool keep_normals = false, keep_uvs = false, keep_barycentrics = false, keep_positions = false;
+    // Whether what nothing reads is left out. Off, every map that a material could have is sampled
+    // (a neutral one where it has none), all buffers are kept, all levels of detail made: the same
+    // picture, for tests and for measuring what leaving out is worth.
+    bool prune = true;
     std::optional<Crop> crop;  // unset: the whole picture
     PixelFormat pixels = PixelFormat::floats;
     int samples = 1;  // per pixel: 1, 2, 4, 8 or 16
@@ -89,11 +94,18 @@ struct PlanStep {
     std::string reason;  // tied to scene data
 };
 
+// Draws that are shaded by the same steps.
+struct PlanVariant {
+    std::string name;             // "tangent-space normal map, diffuse map, masked"
+    std::uint64_t triangles = 0;  // instanced
+};
+
 struct RenderPlan {         // a value; made by plan(), obeyed by render()
     RenderRequest request;  // with every choice made
     View view;
     std::vector<LightInstance> lights;
     std::vector<PlanStep> steps;
+    std::vector<PlanVariant> variants;  // by falling number of triangles
     std::vector<bool> textures_used;    // per Scene::textures entry
     std::vector<bool> colour_textures;  // of those: decoded from sRGB
     std::uint64_t triangles = 0;        // instanced
@@ -117,6 +129,10 @@ struct Counters {
     std::uint64_t between_samples = 0;  // cover no pixel centre
     std::uint64_t crossing = 0;         // drawn through homogeneous edges (near plane, guard band)
     std::uint64_t pixels_shaded = 0;
+    std::uint64_t texture_samples = 0;  // maps read at shaded points
+    std::uint64_t textures_read = 0;    // files and embedded pictures decoded
+    std::uint64_t texture_levels = 0;   // made of them, first levels included
+    std::uint64_t buffer_bytes = 0;     // of the frame's buffers
 };
 
 struct Frame {

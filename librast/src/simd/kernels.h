@@ -94,6 +94,13 @@ struct ShadeDraw {
     bool flip_green = false;
     BoundMap diffuse_map, specular_map, emissive_map, occlusion_map, normal_map;
     BoundMap metallic_roughness_map;
+    std::size_t map_count() const {
+        std::size_t count = 0;
+        for (const BoundMap* map : {&diffuse_map, &specular_map, &emissive_map, &occlusion_map,
+                                    &normal_map, &metallic_roughness_map})
+            count += bool(*map);
+        return count;
+    }
     bool textured() const {
         return diffuse_map || specular_map || emissive_map || occlusion_map || normal_map ||
                metallic_roughness_map;

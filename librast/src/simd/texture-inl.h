@@ -99,8 +99,14 @@ inline void sample_lanes(const BoundMap& map, const F values[6], float* out) {
         place_taps(view, values[0], values[1], next, far, good);
     }
     const std::uint32_t usable = bits_of(good);
+    std::uint32_t made = map.texture->pyramid_made();
     for (int lane = 0; lane < lane_count; ++lane) {
         if (!(usable >> lane & 1u)) continue;
+        const std::uint32_t last = std::uint32_t(levels[lane]) + (two >> lane & 1u);
+        if (last >= made) {
+            map.texture->make_pyramid(last);
+            made = map.texture->pyramid_made();
+        }
         F4 texel = bilinear(view.texels[levels[lane]], near, lane);
         if (two >> lane & 1u)
             texel = texel + (bilinear(view.texels[levels[lane] + 1], far, lane) - texel) *
