@@ -29,7 +29,7 @@ void to_bytes(const Kernels& kernels, Frame& frame) {
 void Painter::begin(const RenderPlan& plan) {
     plan_ = &plan;
     const RenderRequest& r = plan.request;
-    draws_fine_ = r.supersample > 1;
+    draws_fine_ = r.supersample > 1 && r.keep_color;
     draws_plain_ = !draws_fine_ || keeps_buffers(r);
     if (draws_plain_) {
         plain_plan_ = plan;

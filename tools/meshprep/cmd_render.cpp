@@ -136,6 +136,9 @@ Json plan_json(const rast::RenderPlan& plan) {
     json["memory_estimate"] = plan.memory_estimate;
     json["band_rows"] = plan.band_rows;
     json["band_memory_estimate"] = plan.band_memory_estimate;
+    json["variants"] = Json::array();
+    for (const rast::PlanVariant& v : plan.variants)
+        json["variants"].push_back({{"shading", v.name}, {"triangles", v.triangles}});
     json["steps"] = Json::array();
     for (const rast::PlanStep& s : plan.steps)
         json["steps"].push_back({{"step", s.name}, {"run", s.run}, {"reason", s.reason}});
@@ -143,10 +146,18 @@ Json plan_json(const rast::RenderPlan& plan) {
 }
 
 Json counters_json(const rast::Counters& c) {
-    return {{"triangles", c.triangles},   {"non_finite", c.non_finite},
-            {"degenerate", c.degenerate}, {"facing_away", c.facing_away},
-            {"outside", c.outside},       {"between_samples", c.between_samples},
-            {"crossing", c.crossing},     {"pixels_shaded", c.pixels_shaded}};
+    return {{"triangles", c.triangles},
+            {"non_finite", c.non_finite},
+            {"degenerate", c.degenerate},
+            {"facing_away", c.facing_away},
+            {"outside", c.outside},
+            {"between_samples", c.between_samples},
+            {"crossing", c.crossing},
+            {"pixels_shaded", c.pixels_shaded},
+            {"texture_samples", c.texture_samples},
+            {"textures_read", c.textures_read},
+            {"texture_levels", c.texture_levels},
+            {"buffer_bytes", c.buffer_bytes}};
 }
 
 void explain(const rast::RenderPlan& plan, const CommonOptions& common, Console& console) {
