@@ -4,6 +4,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <glm/glm.hpp>
+#include <span>
 
 #include "tangent_stars.h"
 #include "tangent_terms.h"
@@ -18,13 +20,17 @@ struct alignas(16) FanSum {
     std::uint32_t code;  // 0: not told to be a fan; else its triangles' flags and `fan_found`
 };
 inline constexpr std::uint32_t fan_found = 1;
+inline constexpr std::uint32_t fan_frame = 2;  // the sum makes a frame with the normal, by far
 
 struct FanInput {
-    const std::uint32_t* offsets;  // these four as in TangentStars
-    const std::uint32_t* members;  // with room for most_fan_members behind the last
+    const std::uint32_t* offsets;  // these four as in TangentStars,
+    const std::uint32_t* members;  // the first two readable for most_fan_members behind the last
     const std::uint8_t* split;
     const std::uint32_t* vertices;
     const CornerTerm* planes[3];
+    // The normals of corners 0, 1, 2, … for fan_frame; none: it is not looked for.
+    const std::uint32_t* normal_indices;
+    std::span<const glm::vec3> normals;
 };
 
 // Up to this many positions at once; `sums` has room for as many. A multiple of all vector lengths.
@@ -36,7 +42,7 @@ inline constexpr std::size_t fan_batch = 1024;
 using FanKernel = void (*)(const FanInput& input, std::size_t begin, std::size_t end, FanSum* sums);
 
 void fans_scalar(const FanInput& input, std::size_t begin, std::size_t end, FanSum* sums);
-FanKernel fan_kernel(SimdLevel level, std::size_t triangles);  // in simd/
+FanKernel fan_kernel(SimdLevel level, std::size_t triangles, std::size_t normals);  // in simd/
 
 // What of a star's codes can be told without its edges.
 inline bool may_be_fan(std::uint32_t all, std::uint32_t any, std::size_t count) {

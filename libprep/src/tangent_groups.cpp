@@ -166,7 +166,9 @@ class StarWorker {
           corner_values_(corner_values),
           subgroups_(read, triangles, terms, options.angular_threshold, options.bounded_effort),
           opposites_only_(std::cos(options.angular_threshold) <= -0.9999),
-          fans_(opposites_only_ ? fan_kernel(options.simd, triangles.count) : nullptr) {}
+          fans_(opposites_only_
+                    ? fan_kernel(options.simd, triangles.count, read.in.normals.values.size())
+                    : nullptr) {}
 
     struct Block {
         std::size_t first_value = 0;         // of the first position that has members
@@ -187,7 +189,9 @@ class StarWorker {
             stars_.members.data(),
             stars_.split.data(),
             stars_.vertices.data(),
-            {terms_.planes[0].data(), terms_.planes[1].data(), terms_.planes[2].data()}};
+            {terms_.planes[0].data(), terms_.planes[1].data(), terms_.planes[2].data()},
+            options_.review && triangles_.implicit() ? read_.in.normals.indices.data() : nullptr,
+            read_.in.normals.values};
         std::array<FanSum, fan_batch> sums{};
         for (std::size_t v = begin; v < end; ++v) {
             const std::size_t batched = (v - begin) % fan_batch;
@@ -201,7 +205,7 @@ class StarWorker {
                 const float sign = (sum.code & orientation_preserving) ? 1.0f : -1.0f;
                 values_[value] = {sum.x, sum.y, sum.z, sign * options_.positive};
                 for (const Index m : all) corner_values_[m - (m >> 2)] = Index(value);
-                if (options_.review) review(all, values_[value]);
+                if (options_.review && !(sum.code & fan_frame)) review(all, values_[value]);
             } else {
                 first_free_ = true;
                 first_value_ = value;
@@ -416,7 +420,7 @@ void remove_unused(const std::vector<StarWorker::Block>& blocks, std::vector<glm
 GroupTangents group_tangents(const CornerReader& read, const TangentTriangles& triangles,
                              const Terms& terms, const TangentStars& stars,
                              const EdgeOverrides& overrides, const GroupOptions& options,
-                             std::span<Index> corner_values) {
+                             std::vector<glm::vec4> room, std::span<Index> corner_values) {
     const EntangledStars entangled(triangles, terms, stars, overrides, options.threads);
     const std::size_t blocks = (stars.positions + position_grain - 1) / position_grain;
     std::vector<StarWorker::Block> results(blocks);
@@ -432,8 +436,7 @@ GroupTangents group_tangents(const CornerReader& read, const TangentTriangles& t
         results[b].first_value = std::exchange(firsts, firsts + used[b]);
 
     GroupTangents result;
-    // Room for as many seams as most meshes have, and a default.
-    result.values.reserve(firsts + firsts / 16 + 1);
+    result.values = std::move(room);
     result.values.resize(firsts);
     parallel_blocks(stars.positions, position_grain, options.threads,
                     [&](std::size_t begin, std::size_t end) {

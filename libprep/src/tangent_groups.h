@@ -32,11 +32,11 @@ struct GroupOptions {
     SimdLevel simd = SimdLevel::automatic;
 };
 
-// corner_values: three per triangle, into values; no_index where no group reached the corner (also
-// for degenerate triangles).
+// room: becomes GroupTangents::values. corner_values: three per triangle, into values; no_index
+// where no group reached the corner (also for degenerate triangles).
 GroupTangents group_tangents(const CornerReader& read, const TangentTriangles& triangles,
                              const Terms& terms, const TangentStars& stars,
                              const EdgeOverrides& overrides, const GroupOptions& options,
-                             std::span<std::uint32_t> corner_values);
+                             std::vector<glm::vec4> room, std::span<std::uint32_t> corner_values);
 
 }  // namespace prep::detail

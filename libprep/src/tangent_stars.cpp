@@ -144,7 +144,7 @@ TangentStars stars_by_position(const TangentInput& in, const TangentTriangles& t
                                std::span<const Index> lowest, int threads) {
     TangentStars stars;
     stars.positions = in.positions.size();
-    stars.offsets = ScratchBuffer<Index>(stars.positions + 2);
+    stars.offsets = ScratchBuffer<Index>(stars.positions + 2 + readable_behind);
     stars.split = ScratchBuffer<std::uint8_t>(stars.positions);
     if (triangles.implicit() && lowest.empty()) {
         stars.vertices = in.corner_vertices;
@@ -178,7 +178,12 @@ void split_stars(const CornerReader& read, const TangentTriangles& triangles, co
 
     if (stars.own_vertices.empty()) {
         stars.own_vertices = ScratchBuffer<Index>(3 * triangles.count);
-        std::copy(stars.vertices.begin(), stars.vertices.end(), stars.own_vertices.data());
+        parallel_blocks(stars.vertices.size(), triangle_grain, threads,
+                        [&](std::size_t begin, std::size_t end) {
+                            std::copy(stars.vertices.begin() + std::ptrdiff_t(begin),
+                                      stars.vertices.begin() + std::ptrdiff_t(end),
+                                      stars.own_vertices.data() + begin);
+                        });
         stars.vertices = stars.own_vertices;
     }
     parallel_blocks(stars.positions, position_grain, threads,

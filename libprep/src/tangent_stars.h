@@ -21,8 +21,9 @@ inline std::uint32_t previous_corner(std::uint32_t member) {
 // Triangle corners by position; a position whose corners differ in normal or UV is several welded
 // vertices ("split"), one behind the other in its range. Degenerate triangles are left out.
 struct TangentStars {
-    // Positions + 1. Position v's members are members[offsets[v]] … members[offsets[v + 1] − 1], by
-    // welded vertex (in the order of their first members), ascending within one.
+    // Positions + 1, and some behind them. Position v's members are members[offsets[v]] …
+    // members[offsets[v + 1] − 1], by welded vertex (in the order of their first members),
+    // ascending within one.
     ScratchBuffer<std::uint32_t> offsets;
     ScratchBuffer<std::uint32_t> members;
     std::size_t positions = 0;

@@ -1,5 +1,8 @@
 #include "tangent_triangles.h"
 
+#include <atomic>
+
+#include "parallel.h"
 #include "prep/triangulate.h"
 
 namespace prep::detail {
@@ -7,10 +10,14 @@ namespace {
 
 using Index = std::uint32_t;
 
-bool all_triangles(std::span<const Index> offsets) {
-    bool same = true;
-    for (std::size_t f = 0; f < offsets.size(); ++f) same &= offsets[f] == 3 * f;
-    return same;
+bool all_triangles(std::span<const Index> offsets, int threads) {
+    std::atomic<bool> all = true;
+    parallel_blocks(offsets.size(), 1 << 17, threads, [&](std::size_t begin, std::size_t end) {
+        bool same = true;
+        for (std::size_t f = begin; f < end; ++f) same &= offsets[f] == 3 * f;
+        if (!same) all = false;
+    });
+    return all;
 }
 
 // The shorter UV diagonal, then the shorter position diagonal, then 0–2.
@@ -30,7 +37,7 @@ bool cut_along_02(const CornerReader& read, Index begin) {
 TangentTriangles tangent_triangles(const TangentInput& in, bool polygons, int threads) {
     TangentTriangles result;
     const std::size_t faces = in.face_offsets.empty() ? 0 : in.face_offsets.size() - 1;
-    if (all_triangles(in.face_offsets)) {
+    if (all_triangles(in.face_offsets, threads)) {
         result.count = faces;
         return result;
     }

@@ -82,6 +82,7 @@ class Run {
             [&] {
                 stars = detail::stars_by_position(
                     in_, triangles_, shared_.lowest(in_, options_.threads), options_.threads);
+                make_room(stars);
             });
         detail::split_stars(read_, triangles_, terms_, options_.threads, stars);
         detail::EdgeOverrides overrides;
@@ -93,12 +94,24 @@ class Run {
     }
 
   private:
-    void make_tangents(const detail::TangentStars& stars, const detail::EdgeOverrides& overrides) {
+    // The result's memory, touched here rather than later because another thread has work then.
+    void make_room(const detail::TangentStars& stars) {
         std::vector<Index>& indices = result_.tangents.indices;
         indices.reserve(in_.corner_vertices.size());
         detail::advise_large_pages(indices.data(), indices.capacity() * sizeof(Index));
         indices.assign(in_.corner_vertices.size(), no_index);
+        std::size_t firsts = 0;
+        for (std::size_t v = 0; v < stars.positions; ++v)
+            firsts += stars.offsets[v] != stars.offsets[v + 1];
+        std::vector<glm::vec4>& values = result_.tangents.values;
+        // For as many seams as most meshes have, and a default.
+        values.reserve(firsts + firsts / 16 + 1);
+        detail::advise_large_pages(values.data(), values.capacity() * sizeof(glm::vec4));
+        values.resize(firsts);
+    }
 
+    void make_tangents(const detail::TangentStars& stars, const detail::EdgeOverrides& overrides) {
+        std::vector<Index>& indices = result_.tangents.indices;
         detail::GroupOptions options;
         options.angular_threshold = options_.angular_threshold;
         options.positive = options_.uv_origin == UvOrigin::top_left ? -1.0f : 1.0f;
@@ -107,9 +120,9 @@ class Run {
         options.simd = options_.simd;
         std::vector<Index> corner_values;
         if (!triangles_.implicit()) corner_values.assign(3 * triangles_.count, no_index);
-        detail::GroupTangents groups =
-            detail::group_tangents(read_, triangles_, terms_, stars, overrides, options,
-                                   triangles_.implicit() ? indices : corner_values);
+        detail::GroupTangents groups = detail::group_tangents(
+            read_, triangles_, terms_, stars, overrides, options,
+            std::move(result_.tangents.values), triangles_.implicit() ? indices : corner_values);
         result_.tangents.values = std::move(groups.values);
         for (std::size_t i = 0; i < corner_values.size(); ++i) {
             // The halves of a quad agree by now; larger polygons keep their first triangle's.

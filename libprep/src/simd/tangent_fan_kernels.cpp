@@ -113,8 +113,13 @@ void fans(const FanInput& in, std::size_t begin, std::size_t end, FanSum* sums) 
         result.code = any_lanes[3] | fan_found;
     }
 
-    // Unit, many at once.
+    // Unit, and held against the normals, many at once.
     const hn::ScalableTag<float> d;
+    const hn::RebindToUnsigned<decltype(d)> du;
+    const hn::RebindToSigned<decltype(d)> di;
+    const bool look = in.normal_indices != nullptr && !in.normals.empty();
+    const float* const normals = look ? &in.normals[0].x : nullptr;
+    const Index last_normal = look ? Index(in.normals.size() - 1) : 0;
     const std::size_t count = end - begin;
     for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
         hn::Vec<decltype(d)> x, y, z, code;
@@ -124,10 +129,37 @@ void fans(const FanInput& in, std::size_t begin, std::size_t end, FanSum* sums) 
                                      hn::Gt(hn::Abs(z), least));
         const auto squared = hn::Add(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), hn::Mul(z, z));
         const auto inverse = hn::Div(hn::Set(d, 1.0f), hn::Sqrt(squared));
-        hn::StoreInterleaved4(hn::IfThenElse(not_zero, hn::Mul(inverse, x), x),
-                              hn::IfThenElse(not_zero, hn::Mul(inverse, y), y),
-                              hn::IfThenElse(not_zero, hn::Mul(inverse, z), z), code, d,
-                              &sums[i].x);
+        x = hn::IfThenElse(not_zero, hn::Mul(inverse, x), x);
+        y = hn::IfThenElse(not_zero, hn::Mul(inverse, y), y);
+        z = hn::IfThenElse(not_zero, hn::Mul(inverse, z), z);
+        if (look) {
+            const auto first = hn::LoadU(du, in.offsets + begin + i);
+            const auto m = hn::GatherIndex(du, in.members, hn::BitCast(di, first));
+            const auto corner = hn::Sub(m, hn::ShiftRight<2>(m));
+            const auto index = hn::GatherIndex(du, in.normal_indices, hn::BitCast(di, corner));
+            const auto known = hn::Min(index, hn::Set(du, last_normal));
+            const auto at = hn::BitCast(di, hn::Add(hn::Add(known, known), known));
+            const auto nx = hn::GatherIndex(d, normals, at);
+            const auto ny = hn::GatherIndex(d, normals + 1, at);
+            const auto nz = hn::GatherIndex(d, normals + 2, at);
+            const auto dot = [](const auto& ax, const auto& ay, const auto& az, const auto& bx,
+                                const auto& by, const auto& bz) {
+                return hn::Add(hn::Add(hn::Mul(ax, bx), hn::Mul(ay, by)), hn::Mul(az, bz));
+            };
+            const auto one = hn::Set(d, 1.0f);
+            const auto off_normal = hn::Abs(hn::Sub(dot(nx, ny, nz, nx, ny, nz), one));
+            const auto off_length = hn::Abs(hn::Sub(dot(x, y, z, x, y, z), one));
+            const auto along = hn::Abs(dot(nx, ny, nz, x, y, z));
+            const auto good = hn::And(
+                hn::And(hn::Le(off_normal, hn::Set(d, 2e-3f)),
+                        hn::Le(off_length, hn::Set(d, 1e-6f))),
+                hn::And(hn::Le(along, hn::Set(d, 5e-7f)), hn::RebindMask(d, hn::Eq(known, index))));
+            const auto frame = hn::IfThenElseZero(hn::RebindMask(du, good), hn::Set(du, fan_frame));
+            const auto bits_now = hn::BitCast(du, code);
+            const auto found = hn::Ne(bits_now, hn::Zero(du));
+            code = hn::BitCast(d, hn::Or(bits_now, hn::IfThenElseZero(found, frame)));
+        }
+        hn::StoreInterleaved4(x, y, z, code, d, &sums[i].x);
     }
 }
 
@@ -137,9 +169,10 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace prep::detail {
 
-FanKernel fan_kernel(SimdLevel level, std::size_t triangles) {
-    // Vectors hold indices of corners as signed numbers.
-    if (3 * triangles > std::numeric_limits<std::int32_t>::max()) return fans_scalar;
+FanKernel fan_kernel(SimdLevel level, std::size_t triangles, std::size_t normals) {
+    // Vectors hold indices of corners and of floats as signed numbers.
+    if (3 * std::max(triangles, normals) > std::numeric_limits<std::int32_t>::max())
+        return fans_scalar;
     [[maybe_unused]] const std::int64_t usable = HWY_TARGETS & machine_targets();
     const bool any = level == SimdLevel::automatic;
 #if HWY_TARGETS & HWY_AVX3
