@@ -91,6 +91,7 @@ double memory(const char* name) {
 double extra_memory(const prep::TangentInput& input, const prep::TangentOptions& options) {
     // Freed memory goes back at once: the peak is this run's own.
     mallopt(M_MMAP_THRESHOLD, 1 << 16);
+    mallopt(M_TRIM_THRESHOLD, 1 << 16);
     malloc_trim(0);
     std::ofstream("/proc/self/clear_refs") << 5;  // the peak starts anew
     const double before = memory("VmRSS");

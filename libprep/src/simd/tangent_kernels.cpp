@@ -54,9 +54,12 @@ HWY_INLINE Vec3 off_normal(const Vec3& n, const Vec3& v) {
     return operator_sub(v, scaled(dot(n, v), n));
 }
 HWY_INLINE Vec3 normalized_or_zero(const Vec3& v) {
-    const F inverse = hn::Div(set(1.0f), hn::Sqrt(dot(v, v)));
-    const Mask m = not_zero(v);
+    const F squared = dot(v, v);
+    const F inverse = hn::Div(set(1.0f), hn::Sqrt(squared));
     const Vec3 unit = scaled(inverse, v);
+    // Where squares are that large no vector is zero.
+    if (HWY_LIKELY(hn::AllTrue(Floats(), hn::Gt(squared, set(1e-30f))))) return unit;
+    const Mask m = not_zero(v);
     return {hn::IfThenElse(m, unit.x, v.x), hn::IfThenElse(m, unit.y, v.y),
             hn::IfThenElse(m, unit.z, v.z)};
 }
