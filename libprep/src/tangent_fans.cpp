@@ -47,7 +47,7 @@ void fans_scalar(const FanInput& in, std::size_t begin, std::size_t end, FanSum*
         }
         if (!may_be_fan(all, any, count) || (count > 1 && !one_fan(in, members, count))) continue;
         sum = mikk::normalized_or_zero(sum);
-        result = {sum.x, sum.y, sum.z, any | fan_found};
+        result = {sum.x, sum.y, sum.z, (any & orientation_preserving) | fan_found};
     }
 }
 

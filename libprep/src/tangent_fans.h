@@ -17,9 +17,9 @@ inline constexpr std::size_t most_fan_members = 16;
 // The sum of a fan's terms in the order of its triangles, unit where it is not zero.
 struct alignas(16) FanSum {
     float x, y, z;
-    std::uint32_t code;  // 0: not told to be a fan; else its triangles' flags and `fan_found`
+    std::uint32_t code;  // 0: not told to be a fan; else fan_found and what else is so of these
 };
-inline constexpr std::uint32_t fan_found = 1;
+inline constexpr std::uint32_t fan_found = 1;  // and orientation_preserving, of all its triangles
 inline constexpr std::uint32_t fan_frame = 2;  // the sum makes a frame with the normal, by far
 
 struct FanInput {

@@ -110,7 +110,7 @@ void fans(const FanInput& in, std::size_t begin, std::size_t end, FanSum* sums) 
                          : one_fan(hn::CappedTag<Index, most_fan_members>(), in, members, count)))
             continue;
         hn::Store(sum, quad, &result.x);
-        result.code = any_lanes[3] | fan_found;
+        result.code = (any_lanes[3] & orientation_preserving) | fan_found;
     }
 
     // Unit, and held against the normals, many at once.
