@@ -205,7 +205,8 @@ class StarWorker {
                 const float sign = (sum.code & orientation_preserving) ? 1.0f : -1.0f;
                 values_[value] = {sum.x, sum.y, sum.z, sign * options_.positive};
                 for (const Index m : all) corner_values_[m - (m >> 2)] = Index(value);
-                if (options_.review && !(sum.code & fan_frame)) review(all, values_[value]);
+                if (options_.review && !(sum.code & fan_frame) && !is_frame(all[0], values_[value]))
+                    block.suspects.insert(block.suspects.end(), all.begin(), all.end());
             } else {
                 first_free_ = true;
                 first_value_ = value;
@@ -296,6 +297,7 @@ class StarWorker {
     // The star's first value goes to its position's place, the others behind those of all.
     void keep_values(Star star) {
         places_.assign(star_values_.size(), no_index);
+        no_frames_.assign(star_values_.size(), std::nullopt);
         bool first_taken = !first_free_;
         Index first = no_index;  // the value that has the position's place
         for (std::size_t i = 0; i < star.size(); ++i) {
@@ -319,7 +321,10 @@ class StarWorker {
                 corner_value = places_[value];
                 block_->further_corners.push_back(m - (m >> 2));
             }
-            if (options_.review) review(star.subspan(i, 1), star_values_[value]);
+            // All members have one normal.
+            if (options_.review && !no_frames_[value].has_value())
+                no_frames_[value] = !is_frame(star[i], star_values_[value]);
+            if (options_.review && *no_frames_[value]) block_->suspects.push_back(star[i]);
         }
     }
 
@@ -362,14 +367,13 @@ class StarWorker {
         }
     }
 
-    // The caller looks at suspects again, exactly.
-    void review(Star members, const glm::vec4& value) {
-        const glm::vec3 n = read_.normal(triangles_.corner(members[0] >> 2, members[0] & 3));
+    // By far: the caller looks at others again, exactly.
+    bool is_frame(Index member, const glm::vec4& value) const {
+        const glm::vec3 n = read_.normal(triangles_.corner(member >> 2, member & 3));
         const glm::vec3 t(value);
         const float length2 = mikk::dot(t, t), along = mikk::dot(n, t);
         const bool has_normal = mikk::dot(n, n) > 0.5f;
-        if (has_normal && std::abs(length2 - 1.0f) <= 1e-6f && std::abs(along) <= 5e-7f) return;
-        block_->suspects.insert(block_->suspects.end(), members.begin(), members.end());
+        return has_normal && std::abs(length2 - 1.0f) <= 1e-6f && std::abs(along) <= 5e-7f;
     }
 
     const CornerReader& read_;
@@ -391,6 +395,7 @@ class StarWorker {
     std::vector<Index> groups_, stack_, order_, members_, results_, members_values_, places_;
     std::vector<GroupFrame> frames_;
     std::vector<glm::vec4> star_values_;
+    std::vector<std::optional<bool>> no_frames_;
 };
 
 // Closes the gaps that first values leave which no corner has.

@@ -8,8 +8,8 @@ namespace {
 using Index = std::uint32_t;
 // Up to this many triangles at a vertex neighbours are searched one by one, above it by sorting.
 constexpr std::size_t small_star = 24;
-// From this many on by radix: below it the passes over its buckets cost more than comparing.
-constexpr std::size_t radix_star = 2048;
+// A table may have this many entries to a member.
+constexpr std::size_t most_table_entries = 4;
 
 }  // namespace
 
@@ -33,7 +33,7 @@ void Neighbours::find(const TangentStars& stars, std::span<const Index> star,
     }
     if (n <= small_star)
         search();
-    else
+    else if (!look_up())
         sort();
     if (overrides.touch(stars, star)) apply(star, overrides);
 }
@@ -55,26 +55,36 @@ void Neighbours::search() {
     }
 }
 
+// With a table of the vertices that edges enter from, where their numbers are close enough: per
+// vertex its members, lower ones first.
+bool Neighbours::look_up() {
+    const std::size_t n = next_.size();
+    const auto [low, high] = std::minmax_element(previous_.begin(), previous_.end());
+    const Index least = *low;
+    const std::size_t range = std::size_t(*high) - least + 1;
+    if (range > most_table_entries * n) return false;
+    firsts_.assign(range, no_index);
+    followers_.resize(n);
+    for (std::size_t j = n; j-- > 0;) {
+        Index& first = firsts_[previous_[j] - least];
+        followers_[j] = first;
+        first = Index(j);
+    }
+    for (std::size_t i = 0; i < n; ++i) {
+        if (next_[i] < least || next_[i] - least >= range) continue;
+        Index& first = firsts_[next_[i] - least];
+        if (first == no_index) continue;
+        link(i, first);
+        first = followers_[first];
+    }
+    return true;
+}
+
 void Neighbours::order_by(const std::vector<Index>& keys, std::vector<std::uint64_t>& order) {
     const std::size_t n = keys.size();
     order.resize(n);
     for (std::size_t i = 0; i < n; ++i) order[i] = std::uint64_t(keys[i]) << 32 | i;
-    if (std::is_sorted(order.begin(), order.end())) return;
-    if (n < radix_star) {
-        std::sort(order.begin(), order.end());
-        return;
-    }
-    // By the keys alone, eleven bits at a time; what is equal stays in order.
-    constexpr int bits = 11;
-    constexpr std::size_t buckets = std::size_t(1) << bits;
-    scratch_.resize(n);
-    for (int shift = 32; shift < 64; shift += bits) {
-        std::size_t starts[buckets + 1] = {};
-        for (const std::uint64_t o : order) ++starts[(o >> shift & (buckets - 1)) + 1];
-        for (std::size_t k = 1; k <= buckets; ++k) starts[k] += starts[k - 1];
-        for (const std::uint64_t o : order) scratch_[starts[o >> shift & (buckets - 1)]++] = o;
-        order.swap(scratch_);
-    }
+    if (!std::is_sorted(order.begin(), order.end())) std::sort(order.begin(), order.end());
 }
 
 void Neighbours::sort() {

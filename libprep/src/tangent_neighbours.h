@@ -42,13 +42,14 @@ class Neighbours {
   private:
     void link(std::size_t leaves, std::size_t enters);
     void search();
+    bool look_up();
     void sort();
     // Pairs of key and index, ascending.
     void order_by(const std::vector<std::uint32_t>& keys, std::vector<std::uint64_t>& order);
     void apply(std::span<const std::uint32_t> star, const EdgeOverrides& overrides);
 
-    std::vector<std::uint32_t> leaving_, entering_, next_, previous_;
-    std::vector<std::uint64_t> by_next_, by_previous_, scratch_;
+    std::vector<std::uint32_t> leaving_, entering_, next_, previous_, firsts_, followers_;
+    std::vector<std::uint64_t> by_next_, by_previous_;
 };
 
 }  // namespace prep::detail

@@ -15,6 +15,9 @@ using Index = std::uint32_t;
 // A multiple of TermBlock::size, about 1 ms of work.
 constexpr std::size_t triangle_grain = 128 * TermBlock::size;
 
+// Up to this many normals are copied, so that the last is like the others.
+constexpr std::size_t few_normals = 1024;
+
 // See TermCode. Below the first bound squares lose their precision; above the second they overflow.
 std::uint32_t directions(const glm::vec3& v) {
     const float length2 = mikk::length_squared(v);
@@ -85,11 +88,13 @@ void stage_uvs(const glm::vec2* values, const Index* indices, float (*to)[TermBl
     hn::Store(hn::ConcatOdd(d, ce, ab), d, to[1] + i);
 }
 
-void stage(const CornerReader& read, const TangentTriangles& triangles, std::size_t first,
-           std::size_t count, TermBlock& block) {
+// normals: the input's, of which all but the last have something to read behind them.
+void stage(const CornerReader& read, std::span<const glm::vec3> normals,
+           const TangentTriangles& triangles, std::size_t first, std::size_t count,
+           TermBlock& block) {
     const TangentInput& in = read.in;
     const bool plain = triangles.implicit() && read.representatives.empty() &&
-                       !in.positions.empty() && !in.normals.values.empty();
+                       !in.positions.empty() && !normals.empty();
     std::size_t i = 0;
     while (i < count) {
         const Index* p = in.corner_vertices.data() + 3 * (first + i);
@@ -97,10 +102,10 @@ void stage(const CornerReader& read, const TangentTriangles& triangles, std::siz
         const Index* uv = in.uv.indices.data() + 3 * (first + i);
         // The last position and the last normal have nothing behind them to read.
         if (plain && count - i >= 4 && all_below(p, in.positions.size() - 1) &&
-            all_below(n, in.normals.values.size() - 1) && all_below(uv, in.uv.values.size())) {
+            all_below(n, normals.size() - 1) && all_below(uv, in.uv.values.size())) {
             for (std::size_t k = 0; k < 3; ++k) {
                 stage_vectors(in.positions.data(), p + k, block.p[k], i);
-                stage_vectors(in.normals.values.data(), n + k, block.n[k], i);
+                stage_vectors(normals.data(), n + k, block.n[k], i);
                 stage_uvs(in.uv.values.data(), uv + k, block.uv[k], i);
             }
             i += 4;
@@ -233,6 +238,14 @@ Terms compute_terms(const CornerReader& read, const TangentTriangles& triangles,
     const std::size_t padded =
         (triangles.count + TermBlock::size - 1) / TermBlock::size * TermBlock::size;
     for (auto& plane : terms.planes) plane = ScratchBuffer<CornerTerm>(padded);
+    // A flat mesh may have a single normal.
+    std::span<const glm::vec3> normals = read.in.normals.values;
+    std::vector<glm::vec3> few(normals.begin(),
+                               normals.size() <= few_normals ? normals.end() : normals.begin());
+    if (!few.empty()) {
+        few.emplace_back(0.0f);
+        normals = few;
+    }
     const TermKernel kernel = term_kernel(options.simd);
     const bool check_unit = options.mode == TangentMode::mikktspace;
     std::mutex merging;
@@ -242,7 +255,7 @@ Terms compute_terms(const CornerReader& read, const TangentTriangles& triangles,
                         TermCounts counts;
                         for (std::size_t t = begin; t < end; t += TermBlock::size) {
                             const std::size_t count = std::min(TermBlock::size, end - t);
-                            stage(read, triangles, t, count, block);
+                            stage(read, normals, triangles, t, count, block);
                             CornerTerm* const planes[3] = {&terms.planes[0][t], &terms.planes[1][t],
                                                            &terms.planes[2][t]};
                             TermBlockResult done = kernel(block, count, check_unit, planes);
