@@ -223,7 +223,7 @@ class Resolver {
     glm::vec3 shade(const ScreenPolygon& p, std::int32_t x, std::int32_t y) const {
         std::array<std::array<float, tile_padding + 1>, 3> out;
         const std::uint16_t first_pixel = 0;
-        ShadeTask task{{x, y, 1, 1, {}}, &first_pixel, &p.id, 1, {}};
+        ShadeTask task{{x, y, 1, 1, {}, true}, &first_pixel, &p.id, 1, {}};
         for (std::size_t c = 0; c < 3; ++c) task.out[c] = out[c].data();
         scene_.kernels->shade((*scene_.shade_draws)[p.draw], *scene_.shade_frame, task);
         return {out[0][0], out[1][0], out[2][0]};

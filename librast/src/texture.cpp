@@ -10,8 +10,8 @@ namespace rast {
 namespace {
 
 MipTexture::Level base_level(const prep::Image& image, bool colour) {
-    MipTexture::Level level{image.width, image.height, {}};
-    level.texels.resize(std::size_t(image.width) * image.height);
+    MipTexture::Level level(image.width, image.height);
+    level.allocate();
     // 8-bit files have 256 values: the table saves a pow per channel and changes no bit.
     float table[256];
     for (int i = 0; i < 256; ++i) table[i] = srgb_to_linear(float(i) / 255.0f);
@@ -21,9 +21,9 @@ MipTexture::Level base_level(const prep::Image& image, bool colour) {
         const int i = int(scaled + 0.5f);
         return x >= 0 && x <= 1 && float(i) / 255.0f == x ? table[i] : srgb_to_linear(x);
     };
-    for (std::size_t i = 0; i < level.texels.size(); ++i) {
+    for (std::size_t i = 0; i < std::size_t(image.width) * image.height; ++i) {
         const float* p = image.pixels.data() + i * image.channels;
-        glm::vec4& t = level.texels[i];
+        glm::vec4& t = level.texels[level.at(i % image.width, i / image.width)];
         if (image.channels >= 3)
             t = {decode(p[0]), decode(p[1]), decode(p[2]), image.channels > 3 ? p[3] : 1.0f};
         else
@@ -56,11 +56,10 @@ std::vector<Tap> taps(std::uint32_t from, std::uint32_t to) {
 
 // Half the texels along the axes that are asked for.
 MipTexture::Level next_level(const MipTexture::Level& fine, bool halve_x, bool halve_y) {
-    MipTexture::Level coarse;
-    coarse.width = halve_x ? std::max(1u, fine.width / 2) : fine.width;
-    coarse.height = halve_y ? std::max(1u, fine.height / 2) : fine.height;
+    MipTexture::Level coarse(halve_x ? std::max(1u, fine.width / 2) : fine.width,
+                             halve_y ? std::max(1u, fine.height / 2) : fine.height);
     if (fine.texels.empty()) return coarse;  // its size is asked for
-    coarse.texels.resize(std::size_t(coarse.width) * coarse.height);
+    coarse.allocate();
     const std::vector<Tap> across = taps(fine.width, coarse.width);
     const std::vector<Tap> down = taps(fine.height, coarse.height);
     for (std::uint32_t y = 0; y < coarse.height; ++y)
@@ -68,10 +67,9 @@ MipTexture::Level next_level(const MipTexture::Level& fine, bool halve_x, bool h
             glm::vec4 sum(0.0f);
             for (std::uint32_t j = 0; j < down[y].count; ++j)
                 for (std::uint32_t i = 0; i < across[x].count; ++i)
-                    sum += fine.texels[std::size_t(down[y].first + j) * fine.width +
-                                       across[x].first + i] *
+                    sum += fine.texels[fine.at(across[x].first + i, down[y].first + j)] *
                            (down[y].weight[j] * across[x].weight[i]);
-            coarse.texels[std::size_t(y) * coarse.width + x] = sum;
+            coarse.texels[coarse.at(x, y)] = sum;
         }
     return coarse;
 }
@@ -123,7 +121,7 @@ TextureLevels levels_for(TextureFilter filter) {
 MipTexture::MipTexture(const prep::Image& image, const prep::Texture& sampler, bool colour,
                        TextureLevels levels)
     : lazy_(std::make_unique<Lazy>()), wrap_u_(sampler.wrap_u), wrap_v_(sampler.wrap_v) {
-    const Level sizes{image.width, image.height, {}};
+    const Level sizes(image.width, image.height);
     levels_.push_back(sizes);
     if (levels == TextureLevels::mipmap)
         while (levels_.back().width > 1 || levels_.back().height > 1)
@@ -149,6 +147,7 @@ MipTexture::MipTexture(const prep::Image& image, const prep::Texture& sampler, b
     view_.v.wrap = wrap_v_;
     for (std::size_t l = 0; view_.by_lanes && l < levels_.size(); ++l) {
         view_.widths[l] = std::int32_t(levels_[l].width);
+        view_.pitches[l] = std::int32_t(levels_[l].pitch);
         view_.heights[l] = std::int32_t(levels_[l].height);
     }
     view_.texels[0] = &levels_[0].texels[0].x;
@@ -194,7 +193,7 @@ glm::vec4 MipTexture::nearest(const Level& level, const glm::vec2& uv) const {
     const std::int64_t x = wrap_texel(whole(uv.x * float(level.width)), level.width, wrap_u_);
     const std::int64_t y = wrap_texel(whole(uv.y * float(level.height)), level.height, wrap_v_);
     if (x < 0 || y < 0) return glm::vec4(0.0f);
-    return level.texels[std::size_t(y) * level.width + std::size_t(x)];
+    return level.texels[level.at(std::size_t(x), std::size_t(y))];
 }
 
 glm::vec4 MipTexture::bilinear(const Level& level, const glm::vec2& uv) const {
@@ -208,7 +207,7 @@ glm::vec4 MipTexture::bilinear(const Level& level, const glm::vec2& uv) const {
     const std::int64_t y1 = wrap_texel(y + 1, level.height, wrap_v_);
     const auto at = [&](std::int64_t i, std::int64_t j) {
         return i < 0 || j < 0 ? glm::vec4(0.0f)
-                              : level.texels[std::size_t(j) * level.width + std::size_t(i)];
+                              : level.texels[level.at(std::size_t(i), std::size_t(j))];
     };
     // a + f·(b − a): a constant texture stays bit-constant.
     const glm::vec4 a = at(x0, y0), c = at(x0, y1);

@@ -32,7 +32,7 @@ struct TextureAxis {
 };
 struct TextureView {
     static constexpr std::size_t most_levels = 17;  // of 65,536 texels a side
-    std::int32_t widths[most_levels] = {}, heights[most_levels] = {};
+    std::int32_t widths[most_levels] = {}, heights[most_levels] = {}, pitches[most_levels] = {};
     std::array<const float*, most_levels> texels{};
     std::uint32_t level_count = 0;
     TextureAxis u, v;
@@ -77,8 +77,14 @@ class MipTexture {
     float level_of_detail(const Footprint& footprint) const;
 
     struct Level {
-        std::uint32_t width = 0, height = 0;
+        // Rows of a multiple of 4,096 bytes are a cache line longer: a column of texels would
+        // otherwise share a few sets of the caches and push itself out.
+        Level(std::uint32_t across, std::uint32_t down)
+            : width(across), height(down), pitch(across % 256 == 0 ? across + 4 : across) {}
+        void allocate() { texels.resize(std::size_t(pitch) * height); }
+        std::uint32_t width = 0, height = 0, pitch = 0;  // pitch: texels from row to row
         std::vector<glm::vec4> texels;
+        std::size_t at(std::size_t x, std::size_t y) const { return y * pitch + x; }
     };
     const Level& level(std::uint32_t index) const {
         if (index >= pyramid_made()) make_pyramid(index);

@@ -71,7 +71,7 @@ glm::vec4 MipTexture::texel(const Level& level, std::int64_t x, std::int64_t y) 
     x = wrap_texel(x, level.width, wrap_u_);
     y = wrap_texel(y, level.height, wrap_v_);
     return x < 0 || y < 0 ? glm::vec4(0.0f)
-                          : level.texels[std::size_t(y) * level.width + std::size_t(x)];
+                          : level.texels[level.at(std::size_t(x), std::size_t(y))];
 }
 
 glm::vec4 MipTexture::bicubic(const Level& level, const glm::vec2& uv) const {

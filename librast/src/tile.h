@@ -80,6 +80,7 @@ struct TilePlace {
     std::int32_t x = 0, y = 0;  // sample of its first pixel, in 1/256 pixels
     std::int32_t width = tile_size, height = tile_size;
     DepthGrid grid = {};
+    bool skip_hidden = true;  // by blocks, before they are drawn; changes no bit
 };
 
 // Depth and triangle of one sample per pixel, row by row.

@@ -12,9 +12,12 @@ class Tile {
         : in_(in), s_(scratch), request_(in.plan->request), work_((*in.work)[tile]) {
         left_ = std::int32_t(tile) % in.window.tiles_x * tile_size;
         top_ = std::int32_t(tile) / in.window.tiles_x * tile_size;
-        place_ = {in.window.first_x + left_ * subpixels, in.window.first_y + top_ * subpixels,
+        place_ = {in.window.first_x + left_ * subpixels,
+                  in.window.first_y + top_ * subpixels,
                   std::min(tile_size, in.window.width - left_),
-                  std::min(tile_size, in.window.height - top_), in.window.grid};
+                  std::min(tile_size, in.window.height - top_),
+                  in.window.grid,
+                  request_.hierarchical_z};
     }
 
     TileCounts draw() {
@@ -27,7 +30,6 @@ class Tile {
                 collect_single();
             else
                 collect_several(in_.offsets->size());
-            sort();
             counts.shaded = s_.pixel.size();
             for (const TileScratch::Group& g : s_.groups)
                 counts.texture_samples +=
@@ -111,28 +113,18 @@ class Tile {
         s_.weights.clear();
     }
 
-    // One sample a pixel. Weights are left out.
+    // One sample a pixel.
     void collect_single() {
         s_.counts.assign(count_ + 1, 0);
-        s_.weights.clear();
-        s_.numbers.resize(tile_pixels);
-        s_.pixels.resize(tile_pixels);
-        std::size_t n = 0;
-        for (std::int32_t y = 0; y < place_.height; ++y) {
-            const std::uint32_t* row = s_.samples[0].id.data() + y * tile_size;
-            for (std::int32_t x = 0; x < place_.width; ++x) {
-                s_.numbers[n] = row[x];
-                s_.pixels[n] = std::uint16_t(y * tile_size + x);
-                n += row[x] != id_none;
-            }
-        }
-        s_.numbers.resize(n);
-        s_.pixels.resize(n);
-        for (std::size_t i = 0; i < n;) {
-            std::size_t end = i + 1;
-            while (end < n && s_.numbers[end] == s_.numbers[i]) ++end;
-            s_.counts[s_.numbers[i]] += std::uint32_t(end - i);
-            i = end;
+        s_.runs.resize(tile_pixels);
+        const std::size_t runs =
+            in_.kernels->collect(s_.samples[0].id.data(), place_, s_.counts.data(), s_.runs.data());
+        sort();
+        for (std::size_t r = 0; r < runs; ++r) {
+            const PixelRun& run = s_.runs[r];
+            std::uint16_t* const to = s_.pixel.data() + s_.counts[run.number];
+            s_.counts[run.number] += run.length;
+            for (std::uint32_t k = 0; k < run.length; ++k) to[k] = std::uint16_t(run.pixel + k);
         }
     }
 
@@ -154,14 +146,23 @@ class Tile {
                         ++s_.weights[f];
                 }
             }
+        sort();
+        const std::size_t fragments = s_.numbers.size();
+        s_.weight.resize(fragments);
+        for (std::size_t i = 0; i < fragments; ++i) {
+            const std::uint32_t to = s_.counts[s_.numbers[i]]++;
+            s_.pixel[to] = s_.pixels[i];
+            s_.weight[to] = s_.weights[i];
+        }
     }
 
-    // By number, in tile order within each: the same order of sums wherever the tile lies.
+    // From how many fragments a number has to where its first one goes: by number, in tile order
+    // within each, which is the same order of sums wherever the tile lies.
     void sort() {
-        const std::size_t fragments = s_.numbers.size();
+        std::size_t fragments = 0;
+        for (const std::uint32_t n : s_.counts) fragments += n;
         s_.pixel.resize(fragments);
         s_.ids.resize(fragments);
-        s_.weight.resize(s_.weights.size());
         s_.groups.clear();
         std::uint32_t begin = 0, number = 0;
         for (const TileWork& work : work_) {
@@ -180,12 +181,6 @@ class Tile {
             else
                 s_.groups.push_back({chunk.draw, group_begin, begin});
         }
-        for (std::size_t i = 0; i < fragments; ++i)
-            s_.pixel[s_.counts[s_.numbers[i]]++] = s_.pixels[i];
-        if (s_.weights.empty()) return;
-        // The counts have moved on by one fragment each: walking back restores the order.
-        for (std::size_t i = fragments; i-- > 0;)
-            s_.weight[--s_.counts[s_.numbers[i]]] = s_.weights[i];
     }
 
     void shade() {
@@ -237,16 +232,17 @@ class Tile {
             average_samples();
             return;
         }
-        s_.bytes.resize(count + tile_padding + tile_pixels);
+        if (!whole) fill(f.bytes, background_bytes());
+        s_.bytes.resize(count + tile_padding);
         std::uint32_t* const packed = s_.bytes.data();
-        std::uint32_t* const tile = packed + count + tile_padding;
         in_.kernels->pack(s_.planes[0].data(), s_.planes[1].data(), s_.planes[2].data(), count,
                           packed);
-        if (!whole) std::fill_n(tile, tile_pixels, background_bytes());
-        for (std::size_t k = 0; k < count; ++k) tile[s_.pixel[k]] = packed[k];
-        for (std::int32_t y = 0; y < place_.height; ++y)
-            std::memcpy(f.bytes.data() + row_start(y), tile + y * tile_size,
-                        std::size_t(place_.width) * sizeof(std::uint32_t));
+        std::uint32_t* const first = f.bytes.data() + row_start(0);
+        const std::size_t stride = f.width;
+        for (std::size_t k = 0; k < count; ++k) {
+            const std::uint32_t p = s_.pixel[k];
+            first[p / tile_size * stride + p % tile_size] = packed[k];
+        }
     }
 
     // Several samples a pixel, to bytes: summed as floats first.
@@ -298,7 +294,6 @@ class Tile {
         const RenderRequest& r = request_;
         if (!r.keep_normals && !r.keep_uvs && !r.keep_barycentrics && !r.keep_positions) return;
         collect_single();
-        sort();
         for (std::vector<float>& plane : s_.planes) plane.resize(s_.pixel.size() + tile_padding);
         for (const TileScratch::Group& g : s_.groups) {
             AttributeTask task;

@@ -20,9 +20,10 @@ struct TileWork {
 // What one thread keeps while it goes from tile to tile.
 struct TileScratch {
     std::vector<TileSamples> samples;
-    std::vector<TileEntry> entries;      // of one chunk
-    std::vector<std::uint32_t> counts;   // per number
-    std::vector<std::uint32_t> numbers;  // per fragment, before they are sorted
+    std::vector<TileEntry> entries;     // of one chunk
+    std::vector<std::uint32_t> counts;  // per number
+    std::vector<PixelRun> runs;
+    std::vector<std::uint32_t> numbers;  // several samples: per fragment, before they are sorted
     std::vector<std::uint16_t> pixels, weights;
     struct Group {  // fragments of one draw
         std::uint32_t draw = 0, begin = 0, end = 0;
@@ -32,7 +33,7 @@ struct TileScratch {
     std::vector<std::uint16_t> pixel, weight;
     std::vector<std::uint32_t> ids;
     std::array<std::vector<float>, 11> planes;  // results of the kernels
-    std::vector<std::uint32_t> bytes;           // per fragment, then per pixel
+    std::vector<std::uint32_t> bytes;           // per fragment
     std::vector<glm::vec4> colors;              // per pixel
 };
 

@@ -84,7 +84,8 @@ struct RenderRequest {
     // alone: other buffers are those of the picture without it.
     int supersample = 1;
     std::uint64_t band_bytes = std::uint64_t(1) << 26;  // render_bands(): of a band's pixels
-    int threads = 0;  // 0: all cores; the picture does not depend on it
+    int threads = 0;             // 0: all cores; the picture does not depend on it
+    bool hierarchical_z = true;  // skip what is hidden by blocks of pixels; nor on this
     prep::SimdLevel simd = prep::SimdLevel::automatic;  // nor on this
 };
 

@@ -112,6 +112,12 @@ struct TileEntry {
     std::uint32_t what = 0, number = 0;
 };
 
+// Pixels of a row that show the same triangle.
+struct PixelRun {
+    std::uint32_t number = 0;
+    std::uint16_t pixel = 0, length = 0;
+};
+
 // Points of one draw, with their triangles. Fastest where points of one triangle follow each other.
 struct ShadeTask {
     TilePlace place;
@@ -144,6 +150,10 @@ struct Kernels {
     void (*raster)(float* depth, std::uint32_t* number, const TilePlace& place,
                    const SetupTriangle* triangles, const TileEntry* entries, std::size_t count,
                    const ShadeDraw* masked);
+    // The runs of a tile's numbers, row by row; returns how many. `counts`: pixels per number,
+    // added to. `runs` has room for every pixel.
+    std::size_t (*collect)(const std::uint32_t* numbers, const TilePlace& place,
+                           std::uint32_t* counts, PixelRun* runs);
     void (*shade)(const ShadeDraw& draw, const ShadeFrame& frame, const ShadeTask& task);
     void (*attributes)(const ShadeDraw& draw, const ShadeFrame& frame, const AttributeTask& task);
     // Gouraud: the listed vertices; out has vertex_light_floats for every vertex of the mesh.

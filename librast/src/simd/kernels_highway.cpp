@@ -28,8 +28,8 @@ namespace {
 }  // namespace
 
 const Kernels* kernels() {
-    static constexpr Kernels table{transform,      cull,   raster, shade,          attributes,
-                                   light_vertices, covers, pack,   specular_powers};
+    static constexpr Kernels table{transform,  cull,           raster, collect, shade,
+                                   attributes, light_vertices, covers, pack,    specular_powers};
     return &table;
 }
 

@@ -23,8 +23,8 @@ using namespace rast::detail::scalar_lanes;
 }  // namespace
 
 const Kernels& scalar_kernels() {
-    static constexpr Kernels table{transform,      cull,   raster, shade,          attributes,
-                                   light_vertices, covers, pack,   specular_powers};
+    static constexpr Kernels table{transform,  cull,           raster, collect, shade,
+                                   attributes, light_vertices, covers, pack,    specular_powers};
     return table;
 }
 

@@ -251,26 +251,43 @@ HWY_INLINE void load_interleaved4(const float* p, F& x, F& y, F& z, F& w) {
     hn::LoadInterleaved4(Floats(), p, x.v, y.v, z.v, w.v);
 }
 
-// Four channels of one texel.
-using Fours = hn::FixedTag<float, 4>;
-struct F4 {
-    hn::Vec<Fours> v;
+// As many texels of four channels as a vector holds.
+inline constexpr int texels_at_once = lane_count / 4;
+struct Texels {
+    hn::Vec<Floats> v;
 };
-HWY_INLINE F4 set4(float v) {
-    return {hn::Set(Fours(), v)};
+HWY_INLINE hn::Vec<hn::FixedTag<float, 4>> texel_at(const float* p) {
+    return hn::LoadU(hn::FixedTag<float, 4>(), p);
 }
-HWY_INLINE F4 load4(const float* p) {
-    return {hn::LoadU(Fours(), p)};
+HWY_INLINE Texels load_texels(const float* const p[]) {
+#if HWY_TARGET <= HWY_AVX3
+    const hn::FixedTag<float, 8> half;
+    return {hn::Combine(Floats(), hn::Combine(half, texel_at(p[3]), texel_at(p[2])),
+                        hn::Combine(half, texel_at(p[1]), texel_at(p[0])))};
+#elif HWY_TARGET <= HWY_AVX2
+    return {hn::Combine(Floats(), texel_at(p[1]), texel_at(p[0]))};
+#else
+    return {texel_at(p[0])};
+#endif
 }
-HWY_INLINE void store4(F4 a, float* p) {
-    hn::StoreU(a.v, Fours(), p);
+// The values of lanes first … first + texels_at_once − 1, each for all channels of its texel.
+HWY_INLINE Texels spread(F v, int first) {
+    const auto number = hn::Add(hn::ShiftRight<2>(hn::Iota(Ints(), 0)), hn::Set(Ints(), first));
+    return {hn::TableLookupLanes(v.v, hn::IndicesFromVec(Floats(), number))};
 }
-HWY_INLINE F4 operator+(F4 a, F4 b) {
+HWY_INLINE void store(Texels a, float* p) {
+    hn::StoreU(a.v, Floats(), p);
+}
+HWY_INLINE Texels operator+(Texels a, Texels b) {
     return {hn::Add(a.v, b.v)};
 }
-HWY_INLINE F4 operator-(F4 a, F4 b) {
+HWY_INLINE Texels operator-(Texels a, Texels b) {
     return {hn::Sub(a.v, b.v)};
 }
-HWY_INLINE F4 operator*(F4 a, F4 b) {
+HWY_INLINE Texels operator*(Texels a, Texels b) {
     return {hn::Mul(a.v, b.v)};
+}
+// `yes` where `part` is above zero.
+HWY_INLINE Texels where_positive(Texels part, Texels yes, Texels no) {
+    return {hn::IfThenElse(hn::Gt(part.v, hn::Zero(Floats())), yes.v, no.v)};
 }

@@ -259,26 +259,30 @@ inline void load_interleaved4(const float* p, F& x, F& y, F& z, F& w) {
 }
 
 // Four channels of one texel.
-struct F4 {
+inline constexpr int texels_at_once = 1;
+struct Texels {
     float v[4];
 };
-inline F4 set4(float v) {
-    return {{v, v, v, v}};
+inline Texels load_texels(const float* const p[]) {
+    return {{p[0][0], p[0][1], p[0][2], p[0][3]}};
 }
-inline F4 load4(const float* p) {
-    return {{p[0], p[1], p[2], p[3]}};
+inline Texels spread(F v, int) {
+    return {{v.v, v.v, v.v, v.v}};
 }
-inline void store4(F4 a, float* p) {
+inline void store(Texels a, float* p) {
     for (int k = 0; k < 4; ++k) p[k] = a.v[k];
 }
-inline F4 operator+(F4 a, F4 b) {
+inline Texels operator+(Texels a, Texels b) {
     return {{a.v[0] + b.v[0], a.v[1] + b.v[1], a.v[2] + b.v[2], a.v[3] + b.v[3]}};
 }
-inline F4 operator-(F4 a, F4 b) {
+inline Texels operator-(Texels a, Texels b) {
     return {{a.v[0] - b.v[0], a.v[1] - b.v[1], a.v[2] - b.v[2], a.v[3] - b.v[3]}};
 }
-inline F4 operator*(F4 a, F4 b) {
+inline Texels operator*(Texels a, Texels b) {
     return {{a.v[0] * b.v[0], a.v[1] * b.v[1], a.v[2] * b.v[2], a.v[3] * b.v[3]}};
+}
+inline Texels where_positive(Texels part, Texels yes, Texels no) {
+    return part.v[0] > 0 ? yes : no;
 }
 
 }  // namespace rast::detail::scalar_lanes

@@ -42,12 +42,14 @@ RAST_INLINE V3 unit_or(V3 v, V3 otherwise) {
     return select(good, scaled * inverse, otherwise);
 }
 
-RAST_INLINE V3 direction_to_eye(const ShadeFrame& frame, I x, I y) {
+// Not normalised; of a length near one.
+RAST_INLINE V3 towards_eye(const ShadeFrame& frame, I x, I y) {
     const F to_pixels = set(1.0f / float(subpixels));
-    const V3 otherwise = set3(frame.to_eye[0]);
-    return unit_or((otherwise + set3(frame.to_eye[1]) * (to_float(x) * to_pixels)) +
-                       set3(frame.to_eye[2]) * (to_float(y) * to_pixels),
-                   otherwise);
+    return (set3(frame.to_eye[0]) + set3(frame.to_eye[1]) * (to_float(x) * to_pixels)) +
+           set3(frame.to_eye[2]) * (to_float(y) * to_pixels);
+}
+RAST_INLINE V3 direction_to_eye(const ShadeFrame& frame, I x, I y) {
+    return unit_or(towards_eye(frame, x, y), set3(frame.to_eye[0]));
 }
 
 // The triangle's own normal on its front side, world axes.
@@ -145,7 +147,7 @@ struct HalfAngle {
     M behind;
 };
 RAST_INLINE HalfAngle half_angle(V3 n, V3 v, V3 l) {
-    const V3 h = l + v;
+    const V3 h = l * sqrt(dot(v, v)) + v;  // v of any length saves dividing by it
     const F h2 = max(dot(h, h), set(1.0e-30f));
     const V3 across = cross(n, h);
     const F n_h = dot(n, h), one = set(1.0f), inverse = one / h2;
@@ -404,7 +406,7 @@ inline void add_light(const ShadeFrame& frame, const ShadeLight& light, const Sh
         V3 position = zero;
         if (frame.needs_position) position = planes.load3(ShadePlanes::position, n);
         const Incoming in = incoming(light, normal, position);
-        const HalfAngle half = half_angle(normal, direction_to_eye(frame, x, y), in.l);
+        const HalfAngle half = half_angle(normal, towards_eye(frame, x, y), in.l);
         const V3 sum = first ? zero : planes.load3(ShadePlanes::light, n);
         planes.store3(sum + in.color * in.n_l, ShadePlanes::light, n);
         store(in.n_l, planes.v[ShadePlanes::n_l] + n);

@@ -196,45 +196,44 @@ RAST_INLINE MixedSurface surface_at(const ShadeDraw& draw, I triangle, I px, I p
 // One triangle for all points: what does not depend on the point is computed once.
 struct UniformTriangle {
     std::uint32_t vertex[3];
-    std::int32_t x[3], y[3];
+    double constant[3], slope_x[3], slope_y[3];  // of the edge functions: integers, exact
     double weight[3], q_x[3], q_y[3];
 };
 
 // False: a corner has no place on the screen.
 RAST_INLINE bool uniform_triangle(const ShadeDraw& draw, std::uint32_t id, UniformTriangle& t) {
     const std::size_t triangle = (id & ~id_back_face) - draw.first_id + draw.first_triangle;
-    double w[3];
+    double x[3], y[3], w[3];
     for (int k = 0; k < 3; ++k) {
         t.vertex[k] = draw.indices[triangle * 3 + std::size_t(k)];
         const VertexRecord& record = draw.records[t.vertex[k]];
         if (record.x < first_valid) return false;
-        t.x[k] = record.x;
-        t.y[k] = record.y;
+        x[k] = double(record.x);
+        y[k] = double(record.y);
         w[k] = double(record.w);
     }
-    const double area = double(t.x[1] - t.x[0]) * double(t.y[2] - t.y[0]) -
-                        double(t.x[2] - t.x[0]) * double(t.y[1] - t.y[0]);
+    const double area = (x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0]);
     for (int k = 0; k < 3; ++k) {
         const int a = k == 2 ? 0 : k + 1, b = a == 2 ? 0 : a + 1;
+        t.constant[k] = x[a] * y[b] - x[b] * y[a];
+        t.slope_x[k] = y[a] - y[b];
+        t.slope_y[k] = x[b] - x[a];
         t.weight[k] = area * (w[a] * w[b]);
-        t.q_x[k] = double(t.y[a] - t.y[b]) * double(subpixels) * t.weight[k];
-        t.q_y[k] = double(t.x[b] - t.x[a]) * double(subpixels) * t.weight[k];
+        t.q_x[k] = t.slope_x[k] * double(subpixels) * t.weight[k];
+        t.q_y[k] = t.slope_y[k] * double(subpixels) * t.weight[k];
     }
     return true;
 }
 
 RAST_INLINE UniformSurface surface_at(const UniformTriangle& t, I px, I py, bool derivatives) {
     UniformSurface s;
-    D x[3], y[3];
-    for (int k = 0; k < 3; ++k) {
-        s.vertex[k] = t.vertex[k];
-        x[k] = to_double(set(t.x[k]) - px);
-        y[k] = to_double(set(t.y[k]) - py);
-    }
+    const D x = to_double(px), y = to_double(py);
     CornerWeights out;
     for (int k = 0; k < 3; ++k) {
-        const int a = k == 2 ? 0 : k + 1, b = a == 2 ? 0 : a + 1;
-        out.q[k] = (x[a] * y[b] - x[b] * y[a]) * set_double(t.weight[k]);
+        s.vertex[k] = t.vertex[k];
+        const D e = (set_double(t.slope_x[k]) * x + set_double(t.constant[k])) +
+                    set_double(t.slope_y[k]) * y;
+        out.q[k] = e * set_double(t.weight[k]);
         out.q_x[k] = set_double(t.q_x[k]);
         out.q_y[k] = set_double(t.q_y[k]);
     }

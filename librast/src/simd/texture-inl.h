@@ -34,7 +34,7 @@ RAST_INLINE void wrap_pair(const TextureAxis& axis, I first, I size, I& low, I& 
 // What the four texels of a bilinear filter are, for each lane on a level of its own.
 struct Taps {
     std::int32_t at[4][lane_count];
-    float across[lane_count], down[lane_count];
+    F across, down;
 };
 RAST_INLINE void place_taps(const TextureView& view, F u, F v, I level, Taps& taps, M& good) {
     const I width = gather(view.widths, level), height = gather(view.heights, level);
@@ -43,24 +43,40 @@ RAST_INLINE void place_taps(const TextureView& view, F u, F v, I level, Taps& ta
     good = good & ((abs(tu) < most) & (abs(tv) < most));
     const F su = select(good, tu, set(0.0f)), sv = select(good, tv, set(0.0f));
     const F fu = floor(su), fv = floor(sv);
-    store(su - fu, taps.across);
-    store(sv - fv, taps.down);
+    taps.across = su - fu;
+    taps.down = sv - fv;
     I x0, x1, y0, y1;
     wrap_pair(view.u, to_int(fu), width, x0, x1);
     wrap_pair(view.v, to_int(fv), height, y0, y1);
-    const I top = y0 * width, bottom = y1 * width;
+    const I pitch = gather(view.pitches, level), top = y0 * pitch, bottom = y1 * pitch;
     store(top + x0, taps.at[0]);
     store(top + x1, taps.at[1]);
     store(bottom + x0, taps.at[2]);
     store(bottom + x1, taps.at[3]);
 }
 
-// The order of operations of MipTexture::bilinear: a + f·(b − a).
-RAST_INLINE F4 bilinear(const float* texels, const Taps& taps, int lane) {
-    const auto at = [&](int k) { return load4(texels + std::size_t(taps.at[k][lane]) * 4); };
-    const F4 fx = set4(taps.across[lane]), fy = set4(taps.down[lane]);
-    const F4 a = at(0), c = at(2);
-    const F4 top = a + (at(1) - a) * fx, bottom = c + (at(3) - c) * fx;
+// All lanes' rows are asked for before the first is used: one after the other, each would wait for
+// memory by itself.
+RAST_INLINE void prefetch(const TextureView& view, const std::int32_t* levels, const Taps& taps) {
+    for (int lane = 0; lane < lane_count; ++lane) {
+        const float* const texels = view.texels[levels[lane]];
+        __builtin_prefetch(texels + std::size_t(taps.at[0][lane]) * 4);
+        __builtin_prefetch(texels + std::size_t(taps.at[2][lane]) * 4);
+    }
+}
+
+// The order of operations of MipTexture::bilinear: a + f·(b − a). For the lanes from `first` on.
+RAST_INLINE Texels bilinear(const TextureView& view, const std::int32_t* levels, const Taps& taps,
+                            int first) {
+    const auto at = [&](int k) {
+        const float* from[texels_at_once];
+        for (int i = 0; i < texels_at_once; ++i)
+            from[i] = view.texels[levels[first + i]] + std::size_t(taps.at[k][first + i]) * 4;
+        return load_texels(from);
+    };
+    const Texels fx = spread(taps.across, first), fy = spread(taps.down, first);
+    const Texels a = at(0), c = at(2);
+    const Texels top = a + (at(1) - a) * fx, bottom = c + (at(3) - c) * fx;
     return top + (bottom - top) * fy;
 }
 
@@ -81,38 +97,39 @@ inline void sample_lanes(const BoundMap& map, const F values[6], float* out) {
     const bool several = map.filter == TextureFilter::trilinear && view.level_count > 1;
     M good = set(0.0f) == set(0.0f);
     I level = set(0);
-    float between[lane_count];
-    std::int32_t levels[lane_count];
-    Taps near, far;
+    F between = set(0.0f);
+    I next = level;
     std::uint32_t two = 0;
     if (several) {
         const F lod = level_of_detail(view, values[2], values[3], values[4], values[5]);
         const F whole = floor(lod);
         level = to_int(whole);
-        store(lod - whole, between);
-        two = bits_of(lod > whole);
+        between = lod - whole;
+        next = select(between > set(0.0f), level + set(1), level);
+        two = bits_of(between > set(0.0f));
     }
+    std::int32_t levels[lane_count], next_levels[lane_count];
     store(level, levels);
+    store(next, next_levels);
+    if (any(next > set(std::int32_t(map.texture->pyramid_made()) - 1)))
+        for (const std::int32_t l : next_levels) map.texture->make_pyramid(std::uint32_t(l));
+    Taps near, far;
     place_taps(view, values[0], values[1], level, near, good);
+    prefetch(view, levels, near);
     if (two != 0) {
-        const I next = min(level + set(1), set(std::int32_t(view.level_count - 1)));
         place_taps(view, values[0], values[1], next, far, good);
+        prefetch(view, next_levels, far);
+    }
+    for (int first = 0; first < lane_count; first += texels_at_once) {
+        Texels texels = bilinear(view, levels, near, first);
+        if (two >> first & ((1u << texels_at_once) - 1)) {
+            const Texels part = spread(between, first);
+            const Texels mixed = texels + (bilinear(view, next_levels, far, first) - texels) * part;
+            texels = where_positive(part, mixed, texels);
+        }
+        store(texels, out + 4 * first);
     }
     const std::uint32_t usable = bits_of(good);
-    std::uint32_t made = map.texture->pyramid_made();
-    for (int lane = 0; lane < lane_count; ++lane) {
-        if (!(usable >> lane & 1u)) continue;
-        const std::uint32_t last = std::uint32_t(levels[lane]) + (two >> lane & 1u);
-        if (last >= made) {
-            map.texture->make_pyramid(last);
-            made = map.texture->pyramid_made();
-        }
-        F4 texel = bilinear(view.texels[levels[lane]], near, lane);
-        if (two >> lane & 1u)
-            texel = texel + (bilinear(view.texels[levels[lane] + 1], far, lane) - texel) *
-                                set4(between[lane]);
-        store4(texel, out + 4 * lane);
-    }
     if (all(good)) return;
     float v[6][lane_count];
     for (int k = 0; k < 6; ++k) store(values[k], v[k]);

@@ -1,0 +1,111 @@
+// Pictures drawn one after another, as bytes, and with what is hidden left out early: all the same.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "builders.h"
+#include "prep/image.h"
+
+namespace {
+
+template <class T>
+bool same(const std::vector<T>& a, const std::vector<T>& b) {
+    return a.size() == b.size() &&
+           (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
+}
+bool same_pictures(const rast::Frame& a, const rast::Frame& b) {
+    return same(a.color, b.color) && same(a.bytes, b.bytes) && same(a.depth, b.depth) &&
+           same(a.triangle, b.triangle) && same(a.instance, b.instance) && same(a.normal, b.normal);
+}
+
+// Spheres behind each other: most of every tile's triangles are hidden, submitted from front to
+// back or the other way round.
+prep::PreparedScene row_of_spheres(bool front_first) {
+    prep::PreparedScene scene = test::scene_of(test::sphere(60, 40));
+    prep::Node node = scene.scene.nodes[0];
+    scene.scene.nodes.clear();
+    for (int i = 0; i < 6; ++i) {
+        node.transform = glm::dmat4(1.0);
+        node.transform[3] = glm::dvec4(0.03 * i, 0.02 * i, (front_first ? -1 : 1) * 0.15 * i, 1);
+        scene.scene.nodes.push_back(node);
+    }
+    scene.scene.nodes.push_back(scene.scene.nodes[0]);  // equal depths
+    return scene;
+}
+
+TEST(HierarchicalDepth, ChangesNoByte) {
+    for (const bool front_first : {false, true}) {
+        const prep::PreparedScene scene = row_of_spheres(front_first);
+        rast::RenderRequest request;
+        request.width = 150;
+        request.height = 130;
+        request.keep_depth = request.keep_ids = true;
+        for (const rast::DepthFormat format :
+             {rast::DepthFormat::float32, rast::DepthFormat::fixed24, rast::DepthFormat::fixed16})
+            for (const int samples : {1, 4})
+                for (const prep::SimdLevel level :
+                     {prep::SimdLevel::scalar, prep::SimdLevel::automatic}) {
+                    request.depth_format = format;
+                    request.samples = samples;
+                    request.simd = level;
+                    request.hierarchical_z = true;
+                    const rast::Frame with = test::draw(scene, request);
+                    EXPECT_GT(with.counters.pixels_shaded, 1000u);
+                    request.hierarchical_z = false;
+                    EXPECT_TRUE(same_pictures(with, test::draw(scene, request)))
+                        << front_first << " " << int(format) << " " << samples;
+                }
+    }
+}
+
+TEST(SceneRenderer, DrawsTheSameIntoAUsedFrame) {
+    const prep::PreparedScene scene = row_of_spheres(true);
+    rast::RenderRequest first;
+    first.width = 200;
+    first.height = 150;
+    first.keep_depth = first.keep_ids = first.keep_normals = true;
+    first.background = {0.1f, 0.2f, 0.3f};
+    rast::RenderRequest second = first;
+    second.width = 90;
+    second.height = 170;
+    second.samples = 4;
+    second.keep_ids = false;
+    rast::OrbitOptions orbit;
+    orbit.azimuth_degrees = 100;
+    second.view = rast::orbit_view(scene, orbit);
+    rast::SceneRenderer renderer(scene);
+    rast::Frame frame;
+    for (const rast::RenderRequest& request : {first, second, first, second}) {
+        ASSERT_TRUE(renderer.render(*rast::plan(scene, request), frame));
+        EXPECT_TRUE(same_pictures(frame, test::draw(scene, request)));
+    }
+}
+
+TEST(SceneRenderer, WritesTheNearestBytes) {
+    const prep::PreparedScene scene = row_of_spheres(true);
+    for (const int kind : {0, 1, 2, 3}) {
+        rast::RenderRequest request;
+        request.width = 120;
+        request.height = 100;
+        request.background = {0.5f, 0.25f, 2.0f};
+        if (kind == 1) request.samples = 4;
+        if (kind == 2) request.supersample = 2;
+        if (kind == 3) request.coverage = rast::Coverage::area;
+        const rast::Frame floats = test::draw(scene, request);
+        request.pixels = rast::PixelFormat::bytes;
+        const rast::Frame bytes = test::draw(scene, request);
+        EXPECT_TRUE(bytes.color.empty());
+        ASSERT_EQ(bytes.bytes.size(), floats.color.size());
+        for (std::size_t i = 0; i < bytes.bytes.size(); ++i)
+            for (int c = 0; c < 4; ++c) {
+                const float value = std::clamp(floats.color[i][c], 0.0f, 1.0f) * 255.0f;
+                // Half a step, and a rounding where a value lies between two.
+                ASSERT_LE(std::abs(float(bytes.bytes[i] >> 8 * c & 255u) - value), 0.5001f)
+                    << kind << " " << i << " " << c;
+            }
+    }
+}
+
+}  // namespace
