@@ -76,6 +76,8 @@ bool visible_part(const RenderInstance& instance, const std::uint32_t index[3], 
         corners[count++] = {
             {(from.x + s * (to.x - from.x)) / w, (from.y + s * (to.y - from.y)) / w}, 1.0};
     }
+    for (std::uint32_t k = 0; k < count; ++k)  // beyond double's range: nowhere
+        if (!std::isfinite(corners[k].at.x) || !std::isfinite(corners[k].at.y)) return false;
     if (count < 3 || !depth_plane(corners, count, out)) return false;
     double area = 0;
     for (std::uint32_t k = 2; k < count; ++k)

@@ -36,22 +36,25 @@ prep::Result<Frame> render(const prep::PreparedScene& scene, const RenderPlan& p
 
 prep::Result<Frame> render_bands(const prep::PreparedScene& scene, const RenderPlan& plan,
                                  const BandSink& take) {
-    detail::Painter painter(scene);
-    painter.begin(plan);
+    return SceneRenderer(scene).render_bands(plan, take);
+}
+
+prep::Result<Frame> SceneRenderer::render_bands(const RenderPlan& plan, const BandSink& take) {
+    painter_->begin(plan);
     const Crop part = picture_part(plan);
     Frame all, band;
     all.width = part.width;
     all.height = part.height;
     for (std::uint32_t row = 0; row < part.height;) {
         const std::uint32_t rows = std::min(std::max(plan.band_rows, 1u), part.height - row);
-        painter.draw({part.x, part.y + row, part.width, rows}, band);
+        painter_->draw({part.x, part.y + row, part.width, rows}, band);
         detail::add_counters(all.counters, band.counters);
         all.geometry_ms += band.geometry_ms;
         all.raster_ms += band.raster_ms;
         if (prep::Result<void> taken = take(band, row); !taken) return taken.error();
         row += rows;
     }
-    all.warnings = painter.warnings();
+    all.warnings = painter_->warnings();
     return all;
 }
 

@@ -187,6 +187,23 @@ TEST(ExactAreas, TrianglesAcrossTheNearPlaneKeepWhatIsInFront) {
         }
 }
 
+TEST(ExactAreas, BrokenAndHugeCornersAddNothingOrTheirPart) {
+    const float nan = std::nanf(""), huge = 3e38f;
+    prep::VertexMesh mesh;
+    mesh.positions = {{nan, 0, 0},  {1, 0, 0},       {0, 1, 0},         // left out
+                      {huge, 0, 0}, {huge, huge, 0}, {-huge, huge, 0},  // beyond every pixel
+                      {-4, -4, 0},  {4, -4, 0},      {-4, 4, 0}};
+    mesh.indices = {0, 1, 2, 3, 4, 5, 6, 7, 8, 6, 6, 7};
+    rast::RenderRequest request = flat(16);
+    request.coverage = Coverage::area;
+    const rast::Frame frame = test::draw(test::scene_of(mesh, white()), request);
+    double sum = 0;
+    for (std::uint32_t y = 8; y < 16; ++y)  // below the middle, where nothing huge reaches
+        for (std::uint32_t x = 0; x < 16; ++x) sum += frame.color[y * 16 + x].a;
+    EXPECT_NEAR(sum, 24, 1e-5);  // of the triangle's 32, 8 lie above
+    for (const glm::vec4& c : frame.color) EXPECT_TRUE(c.a >= 0 && c.a <= 1.0000001f);
+}
+
 TEST(Supersampling, IsTheMeanOfTheFinerPicture) {
     const prep::PreparedScene scene = test::scene_of(test::sphere(20, 14), prep::Material{});
     rast::RenderRequest request;

@@ -177,15 +177,15 @@ struct Drawn {
     double draw_ms = 0, write_ms = 0;
 };
 
-Result<Drawn> draw(const prep::PreparedScene& prepared, const rast::RenderPlan& plan,
+Result<Drawn> draw(rast::SceneRenderer& renderer, const rast::RenderPlan& plan,
                    prep::ImageFiles& files, const OutputOptions& options) {
     const Clock::time_point start = Clock::now();
     Drawn drawn;
     RenderOutputs outputs(files, options);
     if (const Result<void> opened = outputs.open(plan); !opened) return opened.error();
     drawn.write_ms = since(start);
-    Result<rast::Frame> frame = rast::render_bands(
-        prepared, plan, [&](const rast::Frame& band, std::uint32_t) -> Result<void> {
+    Result<rast::Frame> frame =
+        renderer.render_bands(plan, [&](const rast::Frame& band, std::uint32_t) -> Result<void> {
             const Clock::time_point before = Clock::now();
             Result<void> written = outputs.write(band);
             drawn.write_ms += since(before);
@@ -243,6 +243,7 @@ Result<Json> render_file(const RenderCommand& command, Console& console) {
     json["outputs"] = Json::array();
     json["warnings"] = Json::array();
     double render_ms = 0, write_ms = 0;
+    rast::SceneRenderer renderer(*prepared);  // keeps textures between pictures
     const auto count = std::uint32_t(views->size());
     for (std::uint32_t n = 0; n < count; ++n) {
         const Result<rast::RenderPlan> plan = plan_of(command, *prepared, request, (*views)[n]);
@@ -254,7 +255,7 @@ Result<Json> render_file(const RenderCommand& command, Console& console) {
         outputs.buffer_file = sequence && !command.buffer_file.empty()
                                   ? sequence_name(command.buffer_file, n, count)
                                   : command.buffer_file;
-        const Result<Drawn> drawn = draw(*prepared, *plan, files, outputs);
+        const Result<Drawn> drawn = draw(renderer, *plan, files, outputs);
         if (!drawn) return drawn.error();
         render_ms += drawn->draw_ms;
         write_ms += drawn->write_ms;

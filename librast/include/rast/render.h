@@ -157,6 +157,14 @@ struct Frame {
 // warnings and the material's plain colour is used.
 prep::Result<Frame> render(const prep::PreparedScene& scene, const RenderPlan& plan);
 
+// The picture of render(), bit for bit, in bands of plan.band_rows rows from top to bottom, so that
+// large ones need never be held: take(band, first row) gets each once. An error of `take` ends it
+// and is returned. The frame that comes back has no pixels; its counters are the sums over the
+// bands (a triangle counts once in each).
+using BandSink = std::function<prep::Result<void>(const Frame& band, std::uint32_t first_row)>;
+prep::Result<Frame> render_bands(const prep::PreparedScene& scene, const RenderPlan& plan,
+                                 const BandSink& take);
+
 // Draws one scene again and again: what its pictures share (textures and their levels, buffers) is
 // kept between them. The scene must stay as it is meanwhile. One thread at a time may call it.
 namespace detail {
@@ -170,18 +178,11 @@ class SceneRenderer {
     ~SceneRenderer();
     // As render(), into a frame whose memory is used again.
     prep::Result<void> render(const RenderPlan& plan, Frame& frame);
+    prep::Result<Frame> render_bands(const RenderPlan& plan, const BandSink& take);
 
   private:
     std::unique_ptr<detail::Painter> painter_;
 };
-
-// The same picture, bit for bit, in bands of plan.band_rows rows from top to bottom, so that large
-// ones need never be held: take(band, first row) gets each once. An error of `take` ends it and is
-// returned. The frame that comes back has no pixels; its counters are the sums over the bands (a
-// triangle counts once in each).
-using BandSink = std::function<prep::Result<void>(const Frame& band, std::uint32_t first_row)>;
-prep::Result<Frame> render_bands(const prep::PreparedScene& scene, const RenderPlan& plan,
-                                 const BandSink& take);
 
 // sRGB-encoded picture, three channels. `tone_map`: Reinhard's x/(1+x) (2002, eq. 3) per channel;
 // off, colours above 1 are clipped.
