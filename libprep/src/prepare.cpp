@@ -363,6 +363,16 @@ class Preparer {
         const GltfDocument* document = out_.scene.document.get();
         if (!document || (!normals_made_ && !tangents_made_)) return {};
         const std::size_t targets = detail::morph_target_count(*document, index);
+        // Targets that share their data cost a file next to nothing, and each of them a mesh here;
+        // those with data of their own stay far below this.
+        const std::uint64_t vectors = std::uint64_t(targets) * mesh.corner_count();
+        if (vectors > (std::uint64_t(1) << 26) + 16 * document->input_bytes)
+            return Error{ErrorCode::limit,
+                         std::to_string(targets) + " morph targets of " +
+                             std::to_string(mesh.corner_count()) + " corners in a file of " +
+                             std::to_string(document->input_bytes) +
+                             " bytes; leave normals and tangents as they are, or split the mesh",
+                         ""};
         for (std::size_t t = 0; t < targets; ++t) {
             auto deltas = log_.run("morph targets", "the mesh's normals or tangents are new",
                                    [&] { return morph_deltas(*document, index, mesh, need, t); });
