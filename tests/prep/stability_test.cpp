@@ -175,7 +175,9 @@ TEST_F(Stability, OddMeshes) {
     for (const hard_cases::Case& c : hard_cases::odd()) {
         std::vector<std::uint32_t> corners;
         const Mesh part = finite_part(c.mesh, corners);
-        check({c.axis, c.value, part});
+        // The pole: CornerNormals.PoleOfHundredThousandFaces, and Valences holds as many to the
+        // truth.
+        if (c.mesh.corner_count() <= 100'000) check({c.axis, c.value, part});
         // What is not finite harms no other face.
         for (const Precision precision : {Precision::fast, Precision::accurate}) {
             const auto whole = normals_of(c.mesh, NormalWeight::area, precision).normals;

@@ -8,11 +8,9 @@ namespace {
 using test::run_command;
 
 TEST(Selftest, PassesAndSaysWhatItFound) {
-    const test::Ran words = run_command({"inspect", "--selftest"});
-    EXPECT_EQ(words.exit_code, 0);
-    EXPECT_NE(words.out.find("aspect, turned"), std::string::npos);
-    EXPECT_EQ(words.out.find("FAILED"), std::string::npos);
-    const auto json = run_command({"inspect", "--selftest", "--json"}).json();
+    const test::Ran ran = run_command({"inspect", "--selftest", "--json"});
+    EXPECT_EQ(ran.exit_code, 0);
+    const auto json = ran.json();
     ASSERT_TRUE(json.is_object());
     const auto& selftest = json["selftest"];
     EXPECT_EQ(selftest["ok"], true);

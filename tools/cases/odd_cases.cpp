@@ -149,7 +149,7 @@ std::vector<Case> odd() {
     }
     add("Möbius strip", 13, shapes::moebius(13));
     add("mixed orientation", 3, with_turned_faces(torus(), 3));
-    add("pole", 100'000, shapes::uv_sphere(100'000, 3));
+    add("pole", 100'000, shapes::uv_sphere(100'000, 2));
     add("concave polygon", 24, round_polygon(24, 1, 0.4, 0));
     add("non-planar polygon", 24, round_polygon(24, 1, 0.8, 0.2));
     add("self-crossing polygon", 5, round_polygon(5, 2, 1, 0));
