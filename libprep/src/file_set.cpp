@@ -117,6 +117,14 @@ Result<FileSet::Target> FileSet::target_of(const std::filesystem::path& path) co
         std::filesystem::path behind = std::filesystem::weakly_canonical(path, no_link);
         if (!no_link) target.file.path = std::move(behind);
     }
+    std::error_code unknown;
+    const std::filesystem::path full = std::filesystem::weakly_canonical(target.file.path, unknown);
+    for (const File& other : files_)
+        if (other.path == target.file.path ||
+            (!unknown && std::filesystem::weakly_canonical(other.path, unknown) == full))
+            return Error{ErrorCode::invalid,
+                         "two outputs would have this name; give one of them another",
+                         path.string()};
     struct stat old {};
     const bool exists = ::stat(path.c_str(), &old) == 0;
     if (std::optional<Error> refused = refusal(path, exists)) return std::move(*refused);

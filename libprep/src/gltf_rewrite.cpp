@@ -146,7 +146,12 @@ class Rewriter {
             Json& target = primitive["targets"][t];
             const bool moves = target.contains("POSITION");
             const bool turns = moves || target.contains("NORMAL");
-            const bool new_normals = t < made.size() && !made[t].normals.empty() && moves;
+            // One that moves nothing of its own may still share edges with what moves.
+            const bool bends = t < made.size() &&
+                               std::any_of(made[t].normals.begin(), made[t].normals.end(),
+                                           [](const glm::vec3& d) { return d != glm::vec3(0.0f); });
+            const bool new_normals =
+                t < made.size() && !made[t].normals.empty() && (turns || bends);
             const bool new_tangents = t < made.size() && !made[t].tangents.empty() && turns;
             Json result = Json::object();
             for (const auto& item : target.items()) {

@@ -13,6 +13,7 @@ struct ImageFiles::State {
         ImageLayout layout;
         std::uint32_t rows = 0;  // written
         std::unique_ptr<detail::RowWriter> writer;
+        bool failed = false;
     };
     detail::FileSet files;
     std::vector<Open> open;
@@ -28,10 +29,12 @@ struct ImageFiles::State {
         if (rows == 0) return {};
         to.rows += std::uint32_t(rows);
         Result<void> written = to.writer->write(values, std::uint32_t(rows));
-        if (!written || to.rows < to.layout.height) return written;
-        // Closed at once: a sequence would otherwise hold all its files open.
-        written = to.writer->close();
-        to.writer.reset();
+        if (written && to.rows == to.layout.height) {
+            // Closed at once: a sequence would otherwise hold all its files open.
+            written = to.writer->close();
+            to.writer.reset();
+        }
+        to.failed |= !written;
         return written;
     }
 };
@@ -63,12 +66,15 @@ Result<void> ImageFiles::write_rows(std::size_t file, std::span<const std::uint3
 }
 
 Result<void> ImageFiles::commit() {
-    for (const State::Open& file : state_->open)
+    for (const State::Open& file : state_->open) {
+        if (file.failed)
+            return Error{ErrorCode::io, "a part of the picture could not be written", file.place};
         if (file.rows < file.layout.height)
             return Error{ErrorCode::invalid,
                          "the picture has " + std::to_string(file.layout.height) + " rows, only " +
                              std::to_string(file.rows) + " were given",
                          file.place};
+    }
     return state_->files.commit();
 }
 

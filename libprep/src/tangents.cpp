@@ -36,9 +36,15 @@ Result<void> check_input(const TangentInput& in, const TangentOptions& options) 
     if (!(options.angular_threshold >= 0 && options.angular_threshold <= std::numbers::pi))
         return invalid("the angular threshold must be between 0 and π radians, found " +
                        std::to_string(options.angular_threshold));
-    if (corners / 3 > (std::size_t(1) << 30) || corners + in.positions.size() >= no_index)
+    // Of polygons of k corners k − 2 triangles at most, whose corners get names behind the
+    // positions'.
+    const std::size_t faces = in.face_offsets.empty() ? 0 : in.face_offsets.size() - 1;
+    const std::size_t triangles = corners > 2 * faces ? corners - 2 * faces : 0;
+    if (triangles > (std::size_t(1) << 30) || corners + in.positions.size() >= no_index ||
+        3 * triangles + in.positions.size() >= no_index)
         return Error{ErrorCode::limit,
-                     "at most 2^30 triangles and 2^32 corners and positions together, found " +
+                     "at most 2^30 triangles, whose corners and the positions together are at most "
+                     "2^32, found " +
                          std::to_string(corners) + " corners; split the mesh",
                      ""};
     return {};

@@ -69,6 +69,8 @@ class EarClipper {
                 if (!gave_up() && !spike_[next.corner] && !is_ear(next.corner)) continue;
                 at = next.corner;
             } else if (!looked_at_all && !gave_up()) {  // where it touches or crosses itself
+                waiting_.clear();
+                first_waiting_ = 0;
                 for (Index k = 0; k < left; ++k, at = next_[at]) await(at);
                 looked_at_all = true;
                 continue;

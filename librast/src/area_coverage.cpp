@@ -8,8 +8,9 @@ namespace {
 
 using Polygon = PixelCoverage::Polygon;
 
-// Pixels. Far above rounding (corners are within 2^15 pixels, whose ulp is 2^-38) and far below
-// what a float picture can show.
+// Pixels. Far above rounding (snapped corners are within 2^15 pixels, whose ulp is 2^-38; corners
+// beyond the guard band lose digits with their distance) and far below what a float picture can
+// show.
 constexpr double on_line = 1e-12;
 // Of depth: four of float's steps, in which corners come.
 constexpr double same_depth = 0x1p-22;

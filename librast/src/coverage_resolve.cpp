@@ -44,7 +44,7 @@ bool depth_plane(const std::array<Corner, 4>& corners, std::uint32_t count, Scre
         out.anchor = a.at;
         out.depth = {a.depth, (du * v.y - dv * u.y) / area, (dv * u.x - du * v.x) / area};
     }
-    return most > 0;
+    return most > 0 && std::isfinite(out.depth({0.0, 0.0})) && std::isfinite(out.depth({1.0, 1.0}));
 }
 
 // False: nothing of it is to be drawn.
@@ -77,7 +77,9 @@ bool visible_part(const RenderInstance& instance, const std::uint32_t index[3], 
             {(from.x + s * (to.x - from.x)) / w, (from.y + s * (to.y - from.y)) / w}, 1.0};
     }
     for (std::uint32_t k = 0; k < count; ++k)  // beyond double's range: nowhere
-        if (!std::isfinite(corners[k].at.x) || !std::isfinite(corners[k].at.y)) return false;
+        if (!std::isfinite(corners[k].at.x) || !std::isfinite(corners[k].at.y) ||
+            !std::isfinite(corners[k].depth))
+            return false;
     if (count < 3 || !depth_plane(corners, count, out)) return false;
     double area = 0;
     for (std::uint32_t k = 2; k < count; ++k)

@@ -33,6 +33,8 @@ void Painter::begin(const RenderPlan& plan) {
     draws_plain_ = !draws_fine_ || keeps_buffers(r);
     if (draws_plain_) {
         plain_plan_ = plan;
+        // The finer picture's colours take their place.
+        if (draws_fine_) plain_plan_.request.keep_color = false;
         if (r.coverage == Coverage::area || draws_fine_)
             plain_plan_.request.pixels = PixelFormat::floats;
         plain_.begin(plain_plan_);
@@ -48,6 +50,7 @@ void Painter::draw(const Crop& part, Frame& frame) {
     draw_floats(part, frame);
     if (plan_->request.pixels == PixelFormat::bytes && frame.bytes.empty())
         to_bytes(kernels_for(plan_->request.simd), frame);
+    frame.counters.buffer_bytes = buffer_bytes(frame);
 }
 
 void Painter::draw_floats(const Crop& part, Frame& frame) {

@@ -120,9 +120,11 @@ class Planner {
         const RenderRequest& r = plan_.request;
         const std::uint64_t width = r.crop ? r.crop->width : r.width;
         const std::uint64_t height = r.crop ? r.crop->height : r.height;
+        const bool bytes = r.pixels == PixelFormat::bytes && r.coverage != Coverage::area &&
+                           r.supersample == 1;  // those two are made of floats first
         const std::uint64_t row =
-            width * ((r.keep_color ? 16 : 0) + (r.keep_depth ? 4 : 0) + (r.keep_ids ? 8 : 0) +
-                     (r.keep_normals ? 12 : 0) + (r.keep_uvs ? 8 : 0) +
+            width * ((r.keep_color ? (bytes ? 4 : 16) : 0) + (r.keep_depth ? 4 : 0) +
+                     (r.keep_ids ? 8 : 0) + (r.keep_normals ? 12 : 0) + (r.keep_uvs ? 8 : 0) +
                      (r.keep_barycentrics ? 12 : 0) + (r.keep_positions ? 12 : 0));
         constexpr std::uint64_t tile = detail::tile_size;
         std::uint64_t rows =
@@ -134,7 +136,7 @@ class Planner {
         // Supersampled, a row of tiles of the finer picture at a time.
         const std::uint64_t factor = std::uint64_t(r.supersample);
         const std::uint64_t fine =
-            factor > 1 ? 16 * width * factor * (tile + factor - 1) / factor * factor : 0;
+            factor > 1 ? 16 * width * factor * ((tile + factor - 1) / factor * factor) : 0;
         plan_.memory_estimate = height * row + fine + geometry;
         plan_.band_memory_estimate = plan_.band_rows * row + fine + geometry;
         step("bands", plan_.band_rows < height,

@@ -47,13 +47,13 @@ DepthGrid depth_grid(DepthFormat format) {
     return {};
 }
 
+}  // namespace
+
 std::uint64_t buffer_bytes(const Frame& f) {
     const auto size = [](const auto& buffer) { return buffer.size() * sizeof(buffer[0]); };
     return size(f.color) + size(f.bytes) + size(f.depth) + size(f.triangle) + size(f.instance) +
            size(f.normal) + size(f.uv) + size(f.barycentric) + size(f.position);
 }
-
-}  // namespace
 
 void add_counters(Counters& to, const Counters& from) {
     to.triangles += from.triangles;

@@ -11,6 +11,9 @@
 
 namespace rast::detail {
 
+// What the frame's pixels take.
+std::uint64_t buffer_bytes(const Frame& frame);
+
 void add_counters(Counters& to, const Counters& from);
 
 class Renderer {

@@ -17,9 +17,9 @@ MipTexture::Level base_level(const prep::Image& image, bool colour) {
     for (int i = 0; i < 256; ++i) table[i] = srgb_to_linear(float(i) / 255.0f);
     const auto decode = [&](float x) {
         if (!colour) return x;
-        const float scaled = x * 255.0f;
-        const int i = int(scaled + 0.5f);
-        return x >= 0 && x <= 1 && float(i) / 255.0f == x ? table[i] : srgb_to_linear(x);
+        if (!(x >= 0 && x <= 1)) return srgb_to_linear(x);
+        const int i = int(x * 255.0f + 0.5f);
+        return float(i) / 255.0f == x ? table[i] : srgb_to_linear(x);
     };
     for (std::size_t i = 0; i < std::size_t(image.width) * image.height; ++i) {
         const float* p = image.pixels.data() + i * image.channels;

@@ -35,16 +35,19 @@ std::array<float, 4> keys_weights(float t) {
 struct Sides {
     glm::dvec2 major{0.0}, minor{0.0};
     double major_length = 0, minor_length = 0;
+    glm::vec2 along{0.0f};  // the major side as the footprint has it
     bool usable = false;
 };
 Sides sides_of(const Footprint& f, const MipTexture::Level& level) {
     const glm::dvec2 size(level.width, level.height);
     Sides s;
+    s.along = f.dx;
     s.major = glm::dvec2(f.dx) * size;
     s.minor = glm::dvec2(f.dy) * size;
     s.major_length = std::sqrt(glm::dot(s.major, s.major));
     s.minor_length = std::sqrt(glm::dot(s.minor, s.minor));
     if (s.major_length < s.minor_length) {
+        s.along = f.dy;
         std::swap(s.major, s.minor);
         std::swap(s.major_length, s.minor_length);
     }
@@ -111,15 +114,9 @@ glm::vec4 MipTexture::anisotropic(const glm::vec2& uv, const Footprint& footprin
     const double ratio = s.major_length / std::max(s.minor_length, 1e-30);
     const int probes = int(std::min(std::ceil(ratio), double(std::max(most, 1))));
     const float lod = float(std::max(0.0, log2_double(std::max(s.major_length / probes, 1e-300))));
-    const glm::vec2 step =
-        glm::dot(glm::dvec2(footprint.dx) * glm::dvec2(levels_[0].width, levels_[0].height),
-                 glm::dvec2(footprint.dx) * glm::dvec2(levels_[0].width, levels_[0].height)) >=
-                s.major_length * s.major_length
-            ? footprint.dx
-            : footprint.dy;
     glm::vec4 first(0.0f), sum(0.0f);
     for (int i = 0; i < probes; ++i) {
-        const glm::vec2 at = uv + step * ((float(i) + 0.5f) / float(probes) - 0.5f);
+        const glm::vec2 at = uv + s.along * ((float(i) + 0.5f) / float(probes) - 0.5f);
         const glm::vec4 probe =
             between_levels(lod, [&](const Level& level) { return bilinear(level, at); });
         if (i == 0) first = probe;

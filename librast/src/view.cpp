@@ -101,9 +101,8 @@ View orbit_view(const prep::PreparedScene& scene, const OrbitOptions& options) {
     View view;
     view.yfov = options.yfov;
     const glm::dvec3 back = safe_unit(direction, {0, 0, 1});
-    const glm::dvec3 up_hint =
-        std::abs(back.y) > 0.999 ? glm::dvec3(0, 0, back.y > 0 ? -1 : 1) : glm::dvec3(0, 1, 0);
-    const glm::dvec3 right = glm::normalize(glm::cross(up_hint, back));
+    // From the azimuth alone, so that a view from straight above turns with it.
+    const glm::dvec3 right = safe_unit({std::cos(azimuth), 0, -std::sin(azimuth)}, {1, 0, 0});
     const glm::dvec3 up = glm::cross(back, right);
     const glm::dmat3 rotation = glm::transpose(glm::dmat3(right, up, back));
 

@@ -364,6 +364,21 @@ TEST(Triangulate, ManyTurnsAreFilledOnce) {
     }
 }
 
+// A large figure of eight: once the one lobe is cut, the other has no ear at all.
+TEST(Triangulate, LargePolygonsThatCrossThemselvesOnceEnd) {
+    constexpr std::uint32_t corners = 6'000;
+    std::vector<glm::vec3> positions;
+    for (std::uint32_t i = 0; i < corners; ++i) {
+        const double t = 2 * std::numbers::pi * (i + 0.5) / corners;
+        const double size = std::sin(t) < 0 ? 0.6 : 1;
+        positions.push_back({float(size * std::sin(t)), float(size * std::sin(2 * t)), 0});
+    }
+    const Mesh mesh = shapes::polygon(positions);
+    const Triangulation t = cut(mesh);
+    EXPECT_EQ(t.triangle_faces.size(), corners - 2);
+    EXPECT_NEAR(areas(mesh, t).sum, shoelace(mesh), 1e-9);
+}
+
 TEST(Triangulate, ThreadsChangeNothing) {
     std::mt19937_64 random(42);
     Mesh mesh = shapes::torus(300, 200);

@@ -421,6 +421,23 @@ Quality quality(const prep::Image& image, const Supersampled& expected, TextureF
             std::sqrt(squared_gauss / double(n))};
 }
 
+// Which axis of the screen is the long one is the camera's affair.
+TEST(Filter, AnisotropicProbesLieAlongTheLongSideWhicheverItIs) {
+    std::mt19937_64 random(5);
+    std::uniform_real_distribution<float> any(-1, 1);
+    const MipTexture texture = texture_for(random_image(64, 64, 5), TextureFilter::anisotropic);
+    for (int i = 0; i < 2000; ++i) {
+        const glm::vec2 uv(any(random), any(random));
+        const Footprint one{glm::vec2(any(random), any(random)) * 0.2f,
+                            glm::vec2(any(random), any(random)) * 0.03f};
+        const Footprint other{one.dy, one.dx};
+        for (const int most : {2, 16})
+            ASSERT_EQ(texture.sample(uv, one, TextureFilter::anisotropic, most),
+                      texture.sample(uv, other, TextureFilter::anisotropic, most))
+                << i;
+    }
+}
+
 TEST(Filter, BetterOnesAreCloserToSupersampling) {
     prep::Image checker{128, 128, 1, {}}, zones{256, 256, 1, {}};
     for (int y = 0; y < 128; ++y)

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <set>
 
 #include "command_runner.h"
 #include "prep/image.h"
@@ -250,6 +251,39 @@ TEST(RenderBands, GiveTheSameBytes) {
             EXPECT_TRUE(read_text(dir / ("whole" + name)) == read_text(dir / ("bands" + name)))
                 << name;
     }
+}
+
+TEST(RenderOutputs, TwoOutputsOfOneNameAreRefused) {
+    const TemporaryDirectory dir;
+    write_text(dir / "cube.obj", test::textured_cube_obj());
+    const test::Ran ran = run_command({"render", (dir / "cube.obj").string(), "-o",
+                                       (dir / "a.exr").string(), "--size", "16x16", "--buffers",
+                                       "uv", "--buffer-file", (dir / "./a.exr").string()});
+    EXPECT_EQ(ran.exit_code, 1);
+    EXPECT_NE(ran.err.find("two outputs"), std::string::npos) << ran.err;
+    EXPECT_EQ(dir.names(), std::vector<std::string>{"cube.obj"});
+}
+
+TEST(RenderOutputs, RadianceFilesHoldThreeChannels) {
+    const TemporaryDirectory dir;
+    write_text(dir / "cube.obj", test::cube_obj());
+    const test::Ran ran = run_command(
+        {"render", (dir / "cube.obj").string(), "-o", (dir / "a.hdr").string(), "--size", "16x16"});
+    EXPECT_EQ(ran.exit_code, 0) << ran.err;
+    EXPECT_EQ(read_text(dir / "a.hdr").substr(0, 2), "#?");
+}
+
+TEST(RenderOutputs, TurntablesTurnAlsoSeenFromAbove) {
+    const TemporaryDirectory dir;
+    write_text(dir / "flag.obj", "v 0 0 0\nv 3 0 0\nv 0 0 -1\nf 1 2 3\n");
+    const test::Ran ran =
+        run_command({"render", (dir / "flag.obj").string(), "-o", (dir / "t.png").string(),
+                     "--size", "32x32", "--camera", "0,90", "--turntable", "4", "--cull", "none"});
+    ASSERT_EQ(ran.exit_code, 0) << ran.err;
+    std::set<std::string> pictures;
+    for (const char* name : {"t_000.png", "t_001.png", "t_002.png", "t_003.png"})
+        pictures.insert(read_text(dir / name));
+    EXPECT_EQ(pictures.size(), 4u);
 }
 
 }  // namespace

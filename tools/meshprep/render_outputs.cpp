@@ -15,7 +15,7 @@ using prep::Result;
 
 bool keeps_float(const std::filesystem::path& path) {
     const std::string ending = lower_ending(path);
-    return ending == "exr" || ending == "hdr" || ending == "pfm";
+    return ending == "exr" || ending == "hdr";
 }
 
 // Where "%d" or "%04d" stands in a name.
@@ -86,8 +86,8 @@ void put_buffer(std::vector<T>& row, const rast::Frame& band, const rast::View& 
     };
     switch (buffer) {
         case Buffer::depth:
-            // Nothing is drawn at depth 0: also an infinitely far surface is not seen.
-            put(row, band.depth[i] > 0 ? distance(band.depth[i]) : HUGE_VALF);
+            // Depth 0 is also that of a surface on the far plane.
+            put(row, band.instance[i] != prep::no_index ? distance(band.depth[i]) : HUGE_VALF);
             put(row, band.depth[i]);
             return;
         case Buffer::id:
@@ -133,8 +133,9 @@ std::filesystem::path sequence_name(const std::filesystem::path& path, std::uint
 void keep(rast::RenderRequest& request, const std::vector<Buffer>& buffers) {
     for (const Buffer buffer : buffers) {
         request.keep_depth |= buffer == Buffer::depth;
-        // Positions are counted from the eye: only where something is do they become the world's.
-        request.keep_ids |= buffer == Buffer::id || buffer == Buffer::position;
+        // Ids say where something is: positions are counted from the eye, and depth 0 may be one.
+        request.keep_ids |=
+            buffer == Buffer::id || buffer == Buffer::position || buffer == Buffer::depth;
         request.keep_normals |= buffer == Buffer::normal;
         request.keep_uvs |= buffer == Buffer::uv;
         request.keep_barycentrics |= buffer == Buffer::barycentric;
@@ -151,7 +152,8 @@ Result<void> RenderOutputs::open(const rast::RenderPlan& plan) {
     layout.width = plan.request.crop ? plan.request.crop->width : plan.request.width;
     layout.height = plan.request.crop ? plan.request.crop->height : plan.request.height;
     layout.channels = {"R", "G", "B"};
-    if (linear_) layout.channels.push_back("A");
+    alpha_ = linear_ && lower_ending(options_.picture) != "hdr";  // which holds three channels
+    if (alpha_) layout.channels.push_back("A");
     layout.type = linear_ ? prep::PixelType::f32 : prep::PixelType::u8;
     layout.srgb = !linear_;
     const Result<std::size_t> picture = files_.open(options_.picture, layout);
@@ -198,8 +200,10 @@ Result<void> RenderOutputs::write(const rast::Frame& band) {
     if (linear_) {
         floats.reserve(band.color.size() * 4);
         const float e = options_.tone.exposure;
-        for (const glm::vec4& c : band.color)
-            for (const float v : {c.r * e, c.g * e, c.b * e, c.a}) floats.push_back(v);
+        for (const glm::vec4& c : band.color) {
+            for (const float v : {c.r * e, c.g * e, c.b * e}) floats.push_back(v);
+            if (alpha_) floats.push_back(c.a);
+        }
     } else {
         floats = rast::to_srgb(band, options_.tone).pixels;
     }

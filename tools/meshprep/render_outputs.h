@@ -58,7 +58,7 @@ class RenderOutputs {
     prep::ImageFiles& files_;
     OutputOptions options_;
     rast::View view_;
-    bool linear_ = false;
+    bool linear_ = false, alpha_ = false;
     std::size_t picture_ = 0;
     std::vector<BufferFile> buffer_files_;
     std::vector<std::filesystem::path> paths_;

@@ -76,7 +76,7 @@ class Viewer {
             rast::LookAtOptions options;
             options.eye = turned(choice.from, n);
             options.target = turned(choice.at.value_or(centre_), n);
-            options.up = turned(choice.up + centre_, n) - centre_;
+            options.up = turned_direction(choice.up, n);
             if (command_.yfov) options.yfov = *command_.yfov;
             views.push_back(rast::look_at_view(prepared_, options));
         }
@@ -113,9 +113,12 @@ class Viewer {
     double angle(std::uint32_t n) const { return 2 * std::numbers::pi * n / count_; }
     glm::dvec3 turned(const glm::dvec3& place, std::uint32_t n) const {
         if (n == 0) return place;
+        return centre_ + turned_direction(place - centre_, n);
+    }
+    glm::dvec3 turned_direction(const glm::dvec3& p, std::uint32_t n) const {
+        if (n == 0) return p;
         const double c = std::cos(angle(n)), s = std::sin(angle(n));
-        const glm::dvec3 p = place - centre_;
-        return centre_ + glm::dvec3(c * p.x + s * p.z, p.y, c * p.z - s * p.x);
+        return {c * p.x + s * p.z, p.y, c * p.z - s * p.x};
     }
 
     const RenderCommand& command_;

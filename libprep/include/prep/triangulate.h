@@ -18,8 +18,8 @@ struct Triangulation {
 // polygons by ear clipping (Meisters 1975) in the plane of their Newell normal, with exact
 // orientation tests. Self-crossing, collinear and degenerate polygons still give k − 2 triangles.
 // O(corners) for triangles and quads; a simple polygon of k corners takes about O(k log k) on
-// everyday outlines, O(k²) at worst. What costs more than 2·10^8 looks (some seconds: only polygons
-// that cross themselves very often) is cut without looking from there on.
+// everyday outlines, O(k²) at worst. What costs more than 2·10^8 looks (some seconds: large
+// polygons that cross themselves) is cut without looking from there on.
 Triangulation triangulate(const MeshView& mesh, int threads = 0);
 
 }  // namespace prep
