@@ -3,10 +3,10 @@
 #include <unistd.h>
 
 #include <atomic>
-#include <cctype>
 
 #include "backend_parts.h"
 #include "encode_image.h"
+#include "output_format.h"
 #include "pixel_types.h"
 #include "prep/image.h"
 #include "prep/io.h"
@@ -91,21 +91,10 @@ Result<std::vector<std::byte>> encode(const std::string& stand_in, const Image& 
 Result<std::vector<std::byte>> encode_by_ending(const std::filesystem::path& path,
                                                 const Image& image, PixelType type) {
     const std::string place = path.string();
-    std::string ending = path.extension().string();
-    for (char& c : ending) c = char(std::tolower(static_cast<unsigned char>(c)));
-    if (ending.empty())
-        return Error{ErrorCode::unsupported,
-                     "the image's name has no ending; name it .png, .jpg or .exr", place};
-    if (ending == ".null" || ending == ".term")
-        return Error{ErrorCode::unsupported, "images are not written as '" + ending + "'", place};
-    auto output = oiio::ImageOutput::create("memory" + ending);
-    if (!output) {
-        (void)oiio::geterror();
-        return Error{
-            ErrorCode::unsupported,
-            "no image format is known for the ending '" + ending + "'; use .png, .jpg or .exr",
-            place};
-    }
+    std::string ending;
+    auto made = detail::output_for(path, ending);
+    if (!made) return made.error();
+    std::unique_ptr<oiio::ImageOutput> output = *std::move(made);
     // Of the writers that take memory, that of TIFF gets it wrong (OpenImageIO 2.4).
     if (output->supports("ioproxy") && ending != ".tif" && ending != ".tiff")
         return encode("memory" + ending, image, type, place);

@@ -1,10 +1,10 @@
 #include <OpenImageIO/imageio.h>
 
 #include <algorithm>
-#include <cctype>
 
 #include "backend_parts.h"
 #include "encode_image.h"
+#include "output_format.h"
 #include "pixel_types.h"
 
 namespace prep::detail {
@@ -96,21 +96,10 @@ Result<std::unique_ptr<RowWriter>> open_checked(const std::filesystem::path& pat
                                                 const std::filesystem::path& file,
                                                 const ImageLayout& layout) {
     const std::string place = path.string();
-    std::string ending = path.extension().string();
-    for (char& c : ending) c = char(std::tolower(static_cast<unsigned char>(c)));
-    if (ending.empty())
-        return Error{ErrorCode::unsupported,
-                     "the image's name has no ending; name it .png, .jpg or .exr", place};
-    if (ending == ".null" || ending == ".term")
-        return Error{ErrorCode::unsupported, "images are not written as '" + ending + "'", place};
-    auto output = oiio::ImageOutput::create("memory" + ending);
-    if (!output) {
-        (void)oiio::geterror();
-        return Error{
-            ErrorCode::unsupported,
-            "no image format is known for the ending '" + ending + "'; use .png, .jpg or .exr",
-            place};
-    }
+    std::string ending;
+    auto made = output_for(path, ending);
+    if (!made) return made.error();
+    std::unique_ptr<oiio::ImageOutput> output = *std::move(made);
     if ((layout.channels.size() > 4 && !output->supports("nchannels")) ||
         (!layout.integer.empty() && !output->supports("channelformats")))
         return Error{ErrorCode::unsupported,

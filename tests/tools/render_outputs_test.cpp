@@ -130,6 +130,7 @@ TEST(RenderBuffers, UnknownOnesAreUsageErrors) {
              {"--fov", "180"},
              {"--fov", "nan"},
              {"--ortho", "0"},
+             {"--ortho", "3", "--fov", "40"},
              {"--turntable", "0"},
              {"--max-anisotropy", "17"},
              {"--turntable", "4", "--buffers", "uv", "--buffer-file", "x.exr"},

@@ -274,6 +274,8 @@ CLI::App* define_render(CLI::App& app, RenderCommand& c) {
 void check_render(const RenderCommand& c) {
     if (!c.buffer_file.empty() && c.buffers.empty())
         usage_error("--buffer-file", "says where; give --buffers to say which");
+    if (c.yfov && c.ortho_height)
+        usage_error("--fov", "is an angle of perspective; --ortho has none, give one of them");
     const std::string name = c.output.filename().string();
     if (c.turntable == 0 && pattern_digits(name))
         usage_error("--output", "'" + name + "' numbers pictures; give --turntable N");

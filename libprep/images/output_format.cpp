@@ -1,0 +1,28 @@
+#include "output_format.h"
+
+#include <cctype>
+
+namespace prep::detail {
+
+Result<std::unique_ptr<OIIO::ImageOutput>> output_for(const std::filesystem::path& path,
+                                                      std::string& ending) {
+    const std::string place = path.string();
+    ending = path.extension().string();
+    for (char& c : ending) c = char(std::tolower(static_cast<unsigned char>(c)));
+    if (ending.empty())
+        return Error{ErrorCode::unsupported,
+                     "the image's name has no ending; name it .png, .jpg or .exr", place};
+    if (ending == ".null" || ending == ".term")
+        return Error{ErrorCode::unsupported, "images are not written as '" + ending + "'", place};
+    auto output = OIIO::ImageOutput::create("memory" + ending);
+    if (!output) {
+        (void)OIIO::geterror();
+        return Error{
+            ErrorCode::unsupported,
+            "no image format is known for the ending '" + ending + "'; use .png, .jpg or .exr",
+            place};
+    }
+    return output;
+}
+
+}  // namespace prep::detail
