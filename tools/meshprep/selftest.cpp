@@ -84,11 +84,12 @@ SelftestCase judge(const Case& c, int threads) {
             for (std::size_t i = 0; i < first.size(); ++i) {
                 result.ok = result.ok && unit(ours.normals.values[i]);
                 if (flagged[first[i]]) continue;
-                worst = std::max(worst, angle_between(truth.doubles[i], ours.doubles[i]));
-                if (!fast)
-                    result.rounded = std::max(
-                        result.rounded,
-                        angle_between(truth.doubles[i], glm::dvec3(ours.normals.values[i])));
+                const double error = angle_between(truth.doubles[i], ours.doubles[i]);
+                const double rounded =
+                    angle_between(truth.doubles[i], glm::dvec3(ours.normals.values[i]));
+                result.ok = result.ok && error >= 0 && rounded >= 0;  // NaN is neither
+                worst = std::max(worst, error);
+                if (!fast) result.rounded = std::max(result.rounded, rounded);
             }
             for (std::size_t i = 0; i < ours.fallbacks.size(); ++i)
                 result.ok = result.ok && flagged[ours.fallbacks[i].corner];
