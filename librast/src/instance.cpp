@@ -62,7 +62,6 @@ RenderInstance::RenderInstance(const prep::VertexMesh& mesh, std::uint32_t node,
     }
     records.resize(mesh.vertex_count());
     if (!mesh.positions.empty()) task_.positions = &mesh.positions[0].x;
-    task_.out = records.data();
     if (mesh.colors.empty()) return;
     const std::vector<glm::vec4>& colors = mesh.colors[0];
     if (std::all_of(colors.begin(), colors.end(), usable)) return;
@@ -85,8 +84,9 @@ ScreenVertex RenderInstance::homogeneous(std::uint32_t vertex) const {
 }
 
 void RenderInstance::transform(const Kernels& kernels, std::size_t begin, std::size_t end) {
-    task_.out = records.data();  // the instance may have moved
-    kernels.transform(task_, begin, end);
+    TransformTask task = task_;  // a copy: several threads are here
+    task.out = records.data();   // the instance may have moved
+    kernels.transform(task, begin, end);
 }
 
 }  // namespace rast::detail
