@@ -1,3 +1,5 @@
+#include "gltf_writer.h"
+
 #include <fmt/format.h>
 
 #include "file_set.h"
@@ -42,69 +44,98 @@ std::string percent_encoded(const std::string& name) {
     return uri;
 }
 
-}  // namespace
-
-WriteResult write_gltf(const PreparedScene& prepared, const std::filesystem::path& path,
-                       const SaveOptions& options) {
-    std::vector<std::string> notes;
+struct Encoded {
     Json document;
-    std::vector<std::byte> binary;
+    std::vector<std::byte> binary;  // the only buffer, its entry still to be added
+};
+
+Result<Encoded> encode(const PreparedScene& prepared, std::vector<std::string>& notes) {
+    Encoded out;
     if (prepared.scene.document) {
         auto rewritten = rewrite_gltf(prepared, notes);
         if (!rewritten) return std::move(rewritten).error();
-        document = std::move(rewritten->json);
-        binary = std::move(rewritten->binary);
+        out.document = std::move(rewritten->json);
+        out.binary = std::move(rewritten->binary);
     } else {
-        document["asset"] = {{"version", "2.0"}};
-        GltfBuffer buffer(document);
+        out.document["asset"] = {{"version", "2.0"}};
+        GltfBuffer buffer(out.document);
         buffer.bytes().reserve(expected_bytes(prepared));
-        build_gltf(prepared, document, buffer, notes);
-        binary = std::move(buffer.bytes());
+        build_gltf(prepared, out.document, buffer, notes);
+        out.binary = std::move(buffer.bytes());
     }
-    document["asset"]["generator"] = fmt::format("meshprep {}", version());
-    binary.resize((binary.size() + 3) & ~std::size_t(3));
+    out.document["asset"]["generator"] = fmt::format("meshprep {}", version());
+    out.binary.resize((out.binary.size() + 3) & ~std::size_t(3));
+    return out;
+}
 
-    const bool glb = path.extension() != ".gltf";
-    if (!binary.empty()) {
-        Json entry{{"byteLength", binary.size()}};
-        std::filesystem::path bin = path.filename();
-        bin.replace_extension(".bin");
-        if (!glb) entry["uri"] = percent_encoded(bin.string());
-        document["buffers"] = Json::array({std::move(entry)});
-    }
-    std::string json = document.dump(glb ? -1 : 2, ' ', false, Json::error_handler_t::replace);
-    if (!glb) {
-        json += '\n';
-        FileSet files(rules_for(prepared, path, options));
-        if (!binary.empty()) {
-            std::filesystem::path bin = path;
-            bin.replace_extension(".bin");
-            if (auto done = files.add(bin, binary); !done) return std::move(done).error();
-        }
-        if (auto done = files.add(path, std::as_bytes(std::span(json))); !done)
-            return std::move(done).error();
-        if (auto done = files.commit(); !done) return std::move(done).error();
-        return notes;
-    }
-    while (json.size() % 4 != 0) json += ' ';
-    const std::uint64_t total = 12 + 8 + json.size() + (binary.empty() ? 0 : 8 + binary.size());
-    if (total > glb_limit)
-        return Error{ErrorCode::limit, "a GLB file holds at most 4 GiB: write .gltf instead",
-                     path.string()};
-    std::vector<std::byte> head, middle;
-    append_u32(head, 0x46546c67);  // "glTF"
-    append_u32(head, 2);
-    append_u32(head, std::uint32_t(total));
-    append_u32(head, std::uint32_t(json.size()));
-    append_u32(head, 0x4e4f534a);  // "JSON"
-    if (!binary.empty()) {
-        append_u32(middle, std::uint32_t(binary.size()));
-        append_u32(middle, 0x004e4942);  // "BIN"
-    }
-    const std::span<const std::byte> parts[] = {head, std::as_bytes(std::span(json)), middle,
-                                                binary};
+std::string text_of(const Json& document, int indent) {
+    return document.dump(indent, ' ', false, Json::error_handler_t::replace);
+}
+
+WriteResult write_separate(const PreparedScene& prepared, const std::filesystem::path& path,
+                           const SaveOptions& options) {
+    std::vector<std::string> notes;
+    auto encoded = encode(prepared, notes);
+    if (!encoded) return std::move(encoded).error();
     FileSet files(rules_for(prepared, path, options));
-    if (auto done = files.add(path, parts); !done) return std::move(done).error();
+    if (!encoded->binary.empty()) {
+        std::filesystem::path bin = path;
+        bin.replace_extension(".bin");
+        encoded->document["buffers"] =
+            Json::array({{{"byteLength", encoded->binary.size()},
+                          {"uri", percent_encoded(bin.filename().string())}}});
+        if (auto done = files.add(bin, encoded->binary); !done) return std::move(done).error();
+    }
+    const std::string json = text_of(encoded->document, 2) + '\n';
+    if (auto done = files.add(path, std::as_bytes(std::span(json))); !done)
+        return std::move(done).error();
+    if (auto done = files.commit(); !done) return std::move(done).error();
+    return notes;
+}
+
+}  // namespace
+
+std::array<std::span<const std::byte>, 4> GlbFile::parts() const {
+    return {head, std::as_bytes(std::span(json)), binary_head, binary};
+}
+
+Result<GlbFile> encode_glb(const PreparedScene& prepared, std::vector<std::string>& notes) {
+    auto encoded = encode(prepared, notes);
+    if (!encoded) return std::move(encoded).error();
+    GlbFile out;
+    out.binary = std::move(encoded->binary);
+    if (!out.binary.empty())
+        encoded->document["buffers"] = Json::array({{{"byteLength", out.binary.size()}}});
+    out.json = text_of(encoded->document, -1);
+    while (out.json.size() % 4 != 0) out.json += ' ';
+    const std::uint64_t total =
+        12 + 8 + out.json.size() + (out.binary.empty() ? 0 : 8 + out.binary.size());
+    if (total > glb_limit)
+        return Error{ErrorCode::limit, "a GLB file holds at most 4 GiB: write .gltf instead", ""};
+    append_u32(out.head, 0x46546c67);  // "glTF"
+    append_u32(out.head, 2);
+    append_u32(out.head, std::uint32_t(total));
+    append_u32(out.head, std::uint32_t(out.json.size()));
+    append_u32(out.head, 0x4e4f534a);  // "JSON"
+    if (!out.binary.empty()) {
+        append_u32(out.binary_head, std::uint32_t(out.binary.size()));
+        append_u32(out.binary_head, 0x004e4942);  // "BIN"
+    }
+    return out;
+}
+
+WriteResult write_gltf(const PreparedScene& prepared, const std::filesystem::path& path,
+                       const SaveOptions& options) {
+    if (path.extension() == ".gltf") return write_separate(prepared, path, options);
+    std::vector<std::string> notes;
+    const auto glb = encode_glb(prepared, notes);
+    if (!glb) {
+        Error error = glb.error();
+        if (error.place.empty()) error.place = path.string();
+        return error;
+    }
+    FileSet files(rules_for(prepared, path, options));
+    if (auto done = files.add(path, glb->parts()); !done) return std::move(done).error();
     if (auto done = files.commit(); !done) return std::move(done).error();
     return notes;
 }

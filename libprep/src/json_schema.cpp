@@ -167,7 +167,7 @@ struct Counter {
 
 }  // namespace
 
-std::optional<ParseProblem> parse(const std::string& text, Json& out) {
+std::optional<ParseProblem> parse(std::string_view text, Json& out) {
     std::size_t furthest = 0;
     const char* const begin = text.data();
     const Counter first{begin, begin, &furthest};

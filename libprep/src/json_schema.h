@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -236,6 +237,6 @@ struct ParseProblem {
     std::size_t line = 0, column = 0;
     std::string text;
 };
-std::optional<ParseProblem> parse(const std::string& text, Json& out);
+std::optional<ParseProblem> parse(std::string_view text, Json& out);
 
 }  // namespace prep::detail::schema

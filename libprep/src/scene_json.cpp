@@ -120,7 +120,7 @@ class Builder {
         return {};
     }
 
-    Result<Scene> load_part(const Named<MeshSpec>& entry) const {
+    Result<Scene> load_part(const Named<MeshSpec>& entry) {
         const MeshSpec& spec = entry.value;
         const int sources = (spec.file.text.empty() ? 0 : 1) + (spec.shape ? 1 : 0);
         if (sources != 1)
@@ -131,10 +131,16 @@ class Builder {
             const ShapeSpec shape = with_defaults(*spec.shape);
             const std::uint64_t faces = std::uint64_t(shape.segments) * shape.rings;
             constexpr std::uint64_t most = std::uint64_t(1) << 24;
-            if (faces > most)
-                return error(entry.name.pointer + "/shape",
-                             "segments × rings is " + std::to_string(faces) + ", over 2^24",
-                             ErrorCode::limit);
+            if (faces > most - generated_faces_)
+                return error(
+                    entry.name.pointer + "/shape",
+                    "segments × rings is " + std::to_string(faces) +
+                        (generated_faces_ == 0 ? ", over 2^24"
+                                               : ", and " + std::to_string(generated_faces_) +
+                                                     " in the shapes before it; all "
+                                                     "together may have 2^24 faces"),
+                    ErrorCode::limit);
+            generated_faces_ += faces;
             Scene scene;
             scene.meshes.push_back(make_shape(shape));
             scene.meshes[0].name = entry.name.text;
@@ -386,20 +392,19 @@ class Builder {
     JsonScene out_;
     Names textures_, materials_, part_names_;
     std::vector<MergedPart> parts_;
+    std::uint64_t generated_faces_ = 0;
 };
 
 }  // namespace
 
-Result<JsonScene> load_scene_json(const std::filesystem::path& path, const LoadOptions& options) {
-    const Result<std::vector<std::byte>> bytes = read_file(path);
-    if (!bytes) return bytes.error();
+Result<JsonScene> parse_scene_json(std::string_view text, const std::filesystem::path& path,
+                                   const LoadOptions& options) {
     constexpr std::size_t most = std::size_t(64) << 20;
-    if (bytes->size() > most)
+    if (text.size() > most)
         return Error{ErrorCode::limit,
                      "a scene file of more than 64 MiB; keep meshes in files of "
                      "their own and refer to them",
                      path.string()};
-    const std::string text(reinterpret_cast<const char*>(bytes->data()), bytes->size());
     Json json;
     if (const std::optional<schema::ParseProblem> problem = schema::parse(text, json))
         return Error{ErrorCode::syntax, problem->text,
@@ -421,6 +426,13 @@ Result<JsonScene> load_scene_json(const std::filesystem::path& path, const LoadO
         return Error{ErrorCode::invalid, "the scene has no meshes; add one under \"meshes\"",
                      path.string() + "#"};
     return Builder(path, options).build(spec);
+}
+
+Result<JsonScene> load_scene_json(const std::filesystem::path& path, const LoadOptions& options) {
+    const Result<std::vector<std::byte>> bytes = read_file(path);
+    if (!bytes) return bytes.error();
+    return parse_scene_json({reinterpret_cast<const char*>(bytes->data()), bytes->size()}, path,
+                            options);
 }
 
 }  // namespace prep

@@ -9,6 +9,7 @@
 #include <glm/glm.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "prep/io.h"
 #include "prep/result.h"
@@ -39,9 +40,13 @@ struct JsonScene {
 // materials; its own lights, cameras, skins and animations are not taken (a note in
 // Scene::warnings says so). Errors: io (a file is missing), syntax (not JSON, a repeated key),
 // invalid (unknown key, wrong type, out of range, missing or cyclic reference), unsupported (a
-// later version of the format), limit (over 64 MiB, a generated shape over 2^24 faces), and those
+// later version of the format), limit (over 64 MiB, generated shapes with over 2^24 faces in
+// all), and those
 // of the mesh files. O(text) and the meshes.
 Result<JsonScene> load_scene_json(const std::filesystem::path& path,
                                   const LoadOptions& options = {});
+// The same of a scene in memory; `path` is its name in messages and where references start.
+Result<JsonScene> parse_scene_json(std::string_view text, const std::filesystem::path& path,
+                                   const LoadOptions& options = {});
 
 }  // namespace prep

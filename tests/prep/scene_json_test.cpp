@@ -1,0 +1,174 @@
+#include "prep/scene_json.h"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+namespace {
+
+using prep::ErrorCode;
+
+prep::Result<prep::JsonScene> parse(const std::string& text) {
+    return prep::parse_scene_json(text, "nowhere/s.json");
+}
+
+// What stands around the part that a test is about.
+std::string with(const std::string& rest) {
+    return R"({"meshprep": 1, "meshes": {"a": {"shape": {"kind": "box"}}}, )" + rest + "}";
+}
+
+struct Refusal {
+    const char* text;
+    ErrorCode code;
+    const char* place;  // after "nowhere/s.json"
+    const char* says;
+};
+
+void expect(const Refusal& r) {
+    const auto scene = parse(r.text);
+    ASSERT_FALSE(scene.has_value()) << r.text;
+    EXPECT_EQ(scene.error().code, r.code) << r.text;
+    EXPECT_EQ(scene.error().place, std::string("nowhere/s.json") + r.place) << r.text;
+    EXPECT_NE(scene.error().text.find(r.says), std::string::npos)
+        << r.text << "\nsaid: " << scene.error().text;
+}
+
+TEST(SceneJson, ShapesHaveTheFacesAndAreaOfTheirKind) {
+    const auto scene = parse(R"({"meshprep": 1, "meshes": {
+        "1": {"shape": {"kind": "plane", "size": [2, 9, 3], "segments": 4, "rings": 5}},
+        "2": {"shape": {"kind": "box", "size": [1, 2, 3]}},
+        "3": {"shape": {"kind": "sphere", "segments": 8, "rings": 4}},
+        "4": {"shape": {"kind": "cylinder", "segments": 7}},
+        "5": {"shape": {"kind": "torus", "segments": 6, "rings": 5}}}})");
+    ASSERT_TRUE(scene.has_value()) << to_string(scene.error());
+    const auto& meshes = scene->scene.meshes;
+    ASSERT_EQ(meshes.size(), 5u);
+    const std::size_t faces[] = {20, 6, 32, 9, 30}, vertices[] = {30, 8, 26, 14, 30};
+    for (std::size_t i = 0; i < 5; ++i) {
+        EXPECT_EQ(meshes[i].face_count(), faces[i]) << i;
+        EXPECT_EQ(meshes[i].vertex_count(), vertices[i]) << i;
+        EXPECT_EQ(meshes[i].uvs.size(), 1u) << i;
+    }
+    for (const glm::vec3& p : meshes[0].positions) {
+        EXPECT_LE(std::abs(p.x), 1.0f);
+        EXPECT_EQ(p.y, 0.0f);
+        EXPECT_LE(std::abs(p.z), 1.5f);
+    }
+    EXPECT_EQ(scene->scene.nodes.size(), 5u);  // each mesh once
+}
+
+TEST(SceneJson, NodesAreScaledThenTurnedAboutXThenYThenZThenMoved) {
+    const auto scene = parse(with(R"("nodes": [
+        {"name": "p", "mesh": "a", "translate": [1, 2, 3], "rotate": [90, 90, 0], "scale": [1, 2, 4]},
+        {"parent": "p", "matrix": [1,0,0,0, 0,1,0,0, 0,0,1,0, 5,6,7,1]}])"));
+    ASSERT_TRUE(scene.has_value()) << to_string(scene.error());
+    const glm::dmat4& m = scene->scene.nodes[0].transform;
+    // (0, 1, 0) → scaled (0, 2, 0) → about X (0, 0, 2) → about Y (2, 0, 0) → (3, 2, 3).
+    const glm::dvec4 p = m * glm::dvec4(0, 1, 0, 1);
+    EXPECT_NEAR(p.x, 3, 1e-12);
+    EXPECT_NEAR(p.y, 2, 1e-12);
+    EXPECT_NEAR(p.z, 3, 1e-12);
+    EXPECT_EQ(scene->scene.nodes[1].parent, 0u);
+    EXPECT_EQ(scene->scene.nodes[1].transform[3], glm::dvec4(5, 6, 7, 1));
+}
+
+TEST(SceneJson, LightsAndCamerasLookAlongMinusZOfTheirNode) {
+    const auto scene = parse(with(R"("lights": [
+        {"kind": "spot", "position": [1, 2, 3], "direction": [0, -2, 0], "inner_cone": 10,
+         "outer_cone": 30, "intensity": 5, "color": [1, 0.5, 0]}],
+        "camera": {"position": [0, 0, 5], "target": [0, 0, 1], "height": 4, "near": 0.5, "far": 9})"));
+    ASSERT_TRUE(scene.has_value()) << to_string(scene.error());
+    const prep::Scene& s = scene->scene;
+    ASSERT_EQ(s.lights.size(), 1u);
+    EXPECT_FLOAT_EQ(s.lights[0].outer_cone, static_cast<float>(std::numbers::pi / 6));
+    const prep::Node* spot = nullptr;
+    for (const prep::Node& node : s.nodes)
+        if (node.light == 0) spot = &node;
+    ASSERT_NE(spot, nullptr);
+    EXPECT_NEAR((spot->transform * glm::dvec4(0, 0, -1, 0)).y, -1, 1e-12);
+    EXPECT_EQ(spot->transform[3], glm::dvec4(1, 2, 3, 1));
+    ASSERT_EQ(s.cameras.size(), 1u);
+    EXPECT_FALSE(s.cameras[0].perspective);
+    EXPECT_EQ(s.cameras[0].ymag, 2);
+    EXPECT_EQ(s.cameras[0].zfar, 9);
+    const glm::dmat4& camera = s.nodes[s.active_camera].transform;
+    EXPECT_NEAR((camera * glm::dvec4(0, 0, -1, 0)).z, -1, 1e-12);
+}
+
+TEST(SceneJson, ColoursAreSrgbTextLinearTriplesOrGrey) {
+    const auto scene = parse(with(R"("materials": {"t": {"diffuse": "#ff8000"},
+        "l": {"diffuse": [0.25, 0.5, 0.75], "opacity": 0.5}, "g": {"diffuse": 0.3}})"));
+    ASSERT_TRUE(scene.has_value()) << to_string(scene.error());
+    for (const prep::Material& m : scene->scene.materials) {
+        if (m.name == "t") {
+            EXPECT_EQ(m.diffuse.r, 1.0f);
+            EXPECT_NEAR(m.diffuse.g, 0.2158605, 1e-6);  // IEC 61966-2-1 of 128/255
+            EXPECT_EQ(m.diffuse.b, 0.0f);
+        } else if (m.name == "l") {
+            EXPECT_EQ(m.diffuse, glm::vec4(0.25f, 0.5f, 0.75f, 0.5f));
+        } else if (m.name == "g") {
+            EXPECT_EQ(m.diffuse, glm::vec4(0.3f, 0.3f, 0.3f, 1));
+        }
+    }
+}
+
+TEST(SceneJson, SaysWhereAndWhatIsNotJson) {
+    expect({"{\"meshprep\": 1,\n  \"meshes\": }", ErrorCode::syntax, ":2:13", ""});
+    expect({"", ErrorCode::syntax, ":1:1", ""});
+    expect({R"({"meshprep": 1, "meshprep": 1})", ErrorCode::syntax, ":1:26", "meshprep"});
+    expect({"[]", ErrorCode::invalid, "#", "not a meshprep scene"});
+    expect({R"({"asset": {"version": "2.0"}})", ErrorCode::invalid, "#", "not a meshprep scene"});
+}
+
+TEST(SceneJson, SaysWhereAndWhatContradictsTheFormat) {
+    expect({R"({"meshprep": 2, "meshes": {"a": {"shape": {"kind": "box"}}}})",
+            ErrorCode::unsupported, "#/meshprep", "version 2"});
+    expect({R"({"meshprep": 1, "meshes": {}})", ErrorCode::invalid, "#", "no meshes"});
+    expect({R"({"meshprep": 1, "meshs": {}})", ErrorCode::invalid, "#/meshs", "meshes"});
+    expect({R"({"meshprep": 1, "meshes": {"a": {"shape": {"kind": "bax"}}}})", ErrorCode::invalid,
+            "#/meshes/a/shape/kind", "box"});
+    expect({R"({"meshprep": 1, "meshes": {"a": {"shape": {"kind": "sphere", "radius": -1}}}})",
+            ErrorCode::invalid, "#/meshes/a/shape/radius", "-1"});
+    expect({R"({"meshprep": 1, "meshes": {"a": {"shape": {"kind": "sphere", "radius": "1"}}}})",
+            ErrorCode::invalid, "#/meshes/a/shape/radius", "number"});
+    expect({R"({"meshprep": 1, "meshes": {"a/b": {}}})", ErrorCode::invalid, "#/meshes/a~1b",
+            "'file' or a 'shape'"});
+    expect({R"({"meshprep": 1, "meshes": {"a": {"file": "x.obj", "shape": {"kind": "box"}}}})",
+            ErrorCode::invalid, "#/meshes/a", "not both"});
+    expect({R"({"meshprep": 1, "meshes": {"a": {"file": "x.obj"}}})", ErrorCode::io,
+            "#/meshes/a/file", "x.obj"});
+}
+
+TEST(SceneJson, SaysWhichReferenceLeadsNowhereOrInACircle) {
+    const auto refuse = [](const std::string& rest, const char* place, const char* says) {
+        const std::string text = with(rest);
+        expect({text.c_str(), ErrorCode::invalid, place, says});
+    };
+    refuse(R"("nodes": [{"mesh": "b"}])", "#/nodes/0/mesh", "'a'");
+    refuse(R"("nodes": [{"name": "n", "parent": "m"}])", "#/nodes/0/parent", "no node");
+    refuse(R"("nodes": [{"name": "n"}, {"name": "n"}])", "#/nodes/1/name", "too");
+    refuse(R"("nodes": [{"name": "n", "parent": "m"}, {"name": "m", "parent": "n"}])",
+           "#/nodes/0/parent", "its own ancestor");
+    refuse(R"("nodes": [{"name": "n", "parent": "n"}])", "#/nodes/0/parent", "its own ancestor");
+    refuse(R"("nodes": [{"matrix": [1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1], "scale": 2}])", "#/nodes/0",
+           "either");
+    refuse(R"("materials": {"m": {"normal_map": "t"}})", "#/materials/m/normal_map", "texture");
+    refuse(R"("lights": [{"kind": "spot", "position": [0,0,0]}])", "#/lights/0", "direction");
+    refuse(R"("lights": [{"kind": "directional", "direction": [0,0,0]}])", "#/lights/0/direction",
+           "no length");
+    refuse(R"("camera": {"position": [1,1,1], "target": [1,1,1]})", "#/camera/target", "stands");
+    refuse(R"("camera": {"position": [0,9,0], "target": [0,0,0]})", "#/camera/up", "along");
+    refuse(R"("camera": {"position": [0,0,1], "target": [0,0,0], "near": 2, "far": 1})",
+           "#/camera/far", "beyond");
+}
+
+TEST(SceneJson, GeneratedShapesAreLimitedTogether) {
+    expect({R"({"meshprep": 1, "meshes": {"a": {"shape":
+               {"kind": "sphere", "segments": 16777216, "rings": 2}}}})",
+            ErrorCode::limit, "#/meshes/a/shape", "33554432, over 2^24"});
+    expect({R"({"meshprep": 1, "meshes": {"a": {"shape": {"kind": "plane", "segments": 64}},
+               "b": {"shape": {"kind": "plane", "segments": 4096, "rings": 4096}}}})",
+            ErrorCode::limit, "#/meshes/b/shape", "64 in the shapes before it"});
+}
+
+}  // namespace
