@@ -2,60 +2,20 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <numeric>
+#include <utility>
 
 namespace rast::detail {
 namespace {
-
-// Snapped corners; returns whether they had to be turned to run clockwise on the screen.
-SetupTriangle snapped_triangle(const VertexRecord* records, const std::uint32_t corners[3],
-                               bool& turned) {
-    const VertexRecord* v[3] = {&records[corners[0]], &records[corners[1]], &records[corners[2]]};
-    std::int64_t area = std::int64_t(v[1]->x - v[0]->x) * (v[2]->y - v[0]->y) -
-                        std::int64_t(v[1]->y - v[0]->y) * (v[2]->x - v[0]->x);
-    turned = area < 0;
-    if (turned) {
-        std::swap(v[1], v[2]);
-        area = -area;
-    }
-    SetupTriangle t{};
-    for (int k = 0; k < 3; ++k) {
-        t.x[k] = v[k]->x;
-        t.y[k] = v[k]->y;
-    }
-    // In 1/256 pixels: area is twice the triangle's, exact.
-    const double x1 = t.x[1] - t.x[0], y1 = t.y[1] - t.y[0];
-    const double x2 = t.x[2] - t.x[0], y2 = t.y[2] - t.y[0];
-    const float d0 = v[0]->depth, d1 = v[1]->depth, d2 = v[2]->depth;
-    const double rise1 = double(d1) - d0, rise2 = double(d2) - d0;
-    const double scale = subpixels / double(area);
-    t.z0 = d0;
-    t.dzdx = float((rise1 * y2 - rise2 * y1) * scale);
-    t.dzdy = float((rise2 * x1 - rise1 * x2) * scale);
-    t.z_low = std::min({d0, d1, d2});
-    t.z_high = std::max({d0, d1, d2});
-    return t;
-}
 
 struct PixelBox {
     std::int32_t x0, y0, x1, y1;
 };
 
-BinScratch::Entry entry_of(std::uint32_t what, const PixelBox& box) {
-    return {what, box.x0 / tile_size, box.y0 / tile_size, box.x1 / tile_size, box.y1 / tile_size};
-}
-
-// Pixels whose centres, or any part, the box reaches; within the window.
-PixelBox box_of(const SetupTriangle& t, const Window& window, bool several_samples) {
-    const std::int32_t low_bias = several_samples ? subpixels / 2 : subpixels - 1;
-    const std::int32_t high_bias = several_samples ? subpixels / 2 : 0;
-    const auto range = [&](const std::int32_t* v, std::int32_t start, std::int32_t extent) {
-        const std::int32_t low = std::min({v[0], v[1], v[2]}), high = std::max({v[0], v[1], v[2]});
-        return std::pair{std::max((low + low_bias - start) >> subpixel_bits, 0),
-                         std::min((high + high_bias - start) >> subpixel_bits, extent - 1)};
-    };
-    const auto [x0, x1] = range(t.x, window.first_x, window.width);
-    const auto [y0, y1] = range(t.y, window.first_y, window.height);
-    return {x0, y0, x1, y1};
+TileBox tiles_of(const PixelBox& box) {
+    const auto tile = [](std::int32_t pixel) { return std::uint16_t(pixel / tile_size); };
+    return {tile(box.x0), tile(box.x1), tile(box.y0), tile(box.y1)};
 }
 
 bool box_of(const CrossingTriangle& t, const Window& window, PixelBox& box) {
@@ -75,13 +35,13 @@ bool box_of(const CrossingTriangle& t, const Window& window, PixelBox& box) {
 void bin(const Window& window, BinScratch& scratch, TriangleChunk& chunk) {
     scratch.counts.resize(window.tile_count(), 0);
     scratch.touched.clear();
-    const auto each_tile = [&](const BinScratch::Entry& e, const auto& visit) {
-        for (std::int32_t y = e.tile_y0; y <= e.tile_y1; ++y)
-            for (std::int32_t x = e.tile_x0; x <= e.tile_x1; ++x)
-                visit(std::uint32_t(y * window.tiles_x + x));
+    const auto each_tile = [&](const TileBox& box, const auto& visit) {
+        for (std::uint32_t y = box.y0; y <= box.y1; ++y)
+            for (std::uint32_t x = box.x0; x <= box.x1; ++x)
+                visit(y * std::uint32_t(window.tiles_x) + x);
     };
-    for (const BinScratch::Entry& e : scratch.entries)
-        each_tile(e, [&](std::uint32_t tile) {
+    for (const TileBox& box : scratch.boxes)
+        each_tile(box, [&](std::uint32_t tile) {
             if (scratch.counts[tile]++ == 0) scratch.touched.push_back(tile);
         });
     chunk.slices.clear();
@@ -93,81 +53,152 @@ void bin(const Window& window, BinScratch& scratch, TriangleChunk& chunk) {
         total += count;
     }
     chunk.order.resize(total);
-    for (const BinScratch::Entry& e : scratch.entries)
-        each_tile(e, [&](std::uint32_t tile) { chunk.order[scratch.counts[tile]++] = e.what; });
+    for (std::size_t e = 0; e < scratch.boxes.size(); ++e)
+        each_tile(scratch.boxes[e], [&](std::uint32_t tile) {
+            chunk.order[scratch.counts[tile]++] = scratch.entries[e];
+        });
     for (const std::uint32_t tile : scratch.touched) scratch.counts[tile] = 0;
 }
+
+class ChunkSetup {
+  public:
+    ChunkSetup(const DrawGeometry& geometry, const Window& window, bool several_samples,
+               const Kernels& kernels, BinScratch& scratch, TriangleChunk& chunk)
+        : geometry_(geometry),
+          window_(window),
+          several_samples_(several_samples),
+          kernels_(kernels),
+          scratch_(scratch),
+          chunk_(chunk),
+          indices_(geometry.indices + std::size_t(chunk.first_triangle) * 3) {}
+
+    void run() {
+        chunk_.crossing.clear();
+        chunk_.counters = {};
+        chunk_.counters.triangles = chunk_.count;
+        const std::uint32_t kept = cull();
+        if (crossing_ == 0)
+            set_up_snapped(scratch_.survivors.data(), kept);
+        else
+            set_up_mixed(kept);
+        bin(window_, scratch_, chunk_);
+    }
+
+  private:
+    std::uint32_t cull() {
+        CullTask task;
+        task.records = geometry_.records;
+        task.indices = indices_;
+        task.count = chunk_.count;
+        task.mirrored = geometry_.mirrored;
+        task.drop_back = geometry_.cull == CullSide::back;
+        task.drop_front = geometry_.cull == CullSide::front;
+        task.every_touched_pixel = several_samples_;
+        task.window = window_;
+        CullCounts counts;
+        const std::uint32_t kept = kernels_.cull(task, scratch_.survivors.data(), counts);
+        chunk_.counters.non_finite = counts.non_finite;
+        chunk_.counters.degenerate = counts.degenerate;
+        chunk_.counters.facing_away = counts.facing_away;
+        chunk_.counters.outside = counts.outside;
+        chunk_.counters.between_samples = counts.between_samples;
+        crossing_ = counts.crossing;
+        return kept;
+    }
+
+    void set_up_snapped(const std::uint16_t* numbers, std::uint32_t count) {
+        SetupTask task;
+        task.records = geometry_.records;
+        task.indices = indices_;
+        task.numbers = numbers;
+        task.count = count;
+        task.first_id = chunk_.first_id;
+        task.mirrored = geometry_.mirrored;
+        task.every_touched_pixel = several_samples_;
+        task.window = window_;
+        chunk_.triangles.resize(count);
+        scratch_.boxes.resize(count);
+        kernels_.set_up(task, chunk_.triangles.data(), scratch_.boxes.data());
+        scratch_.entries.resize(count);
+        std::iota(scratch_.entries.begin(), scratch_.entries.end(), 0u);
+    }
+
+    void set_up_mixed(std::uint32_t kept) {
+        scratch_.snapped.clear();
+        const auto crosses = [&](std::uint16_t number) {
+            const std::uint32_t* corners = indices_ + std::size_t(number) * 3;
+            return std::any_of(corners, corners + 3, [&](std::uint32_t v) {
+                return geometry_.records[v].x == mark_unsnapped;
+            });
+        };
+        const auto begin = scratch_.survivors.begin(), end = begin + kept;
+        std::remove_copy_if(begin, end, std::back_inserter(scratch_.snapped), crosses);
+        set_up_snapped(scratch_.snapped.data(), std::uint32_t(scratch_.snapped.size()));
+        // Together again, in submission order.
+        const std::vector<TileBox> snapped_boxes = std::move(scratch_.boxes);
+        scratch_.boxes.clear();
+        scratch_.entries.clear();
+        std::uint32_t next = 0;
+        for (auto number = begin; number != end; ++number) {
+            TileBox box;
+            if (!crosses(*number)) {
+                scratch_.boxes.push_back(snapped_boxes[next]);
+                scratch_.entries.push_back(next++);
+            } else if (add_crossing(*number, box)) {
+                scratch_.boxes.push_back(box);
+                scratch_.entries.push_back(std::uint32_t(chunk_.crossing.size() - 1) |
+                                           order_crossing);
+            }
+        }
+    }
+
+    // False: nothing of it is drawn.
+    bool add_crossing(std::uint16_t number, TileBox& tiles) {
+        CrossingTriangle t;
+        switch (set_up_crossing(*geometry_.source, geometry_.records,
+                                indices_ + std::size_t(number) * 3, t)) {
+            case CrossingOutcome::degenerate:
+                ++chunk_.counters.degenerate;
+                return false;
+            case CrossingOutcome::outside:
+                ++chunk_.counters.outside;
+                return false;
+            case CrossingOutcome::drawn:
+                break;
+        }
+        // y points down on the screen: counter-clockwise in the world had to be turned.
+        const bool back = t.turned == geometry_.mirrored;
+        if (geometry_.cull == (back ? CullSide::back : CullSide::front)) {
+            ++chunk_.counters.facing_away;
+            return false;
+        }
+        PixelBox box{};
+        if (!box_of(t, window_, box)) {
+            ++chunk_.counters.outside;
+            return false;
+        }
+        tiles = tiles_of(box);
+        t.id = (chunk_.first_id + number) | (back ? id_back_face : 0u);
+        ++chunk_.counters.crossing;
+        chunk_.crossing.push_back(t);
+        return true;
+    }
+
+    const DrawGeometry& geometry_;
+    const Window& window_;
+    bool several_samples_;
+    const Kernels& kernels_;
+    BinScratch& scratch_;
+    TriangleChunk& chunk_;
+    const std::uint32_t* indices_;
+    std::uint32_t crossing_ = 0;
+};
 
 }  // namespace
 
 void set_up_chunk(const DrawGeometry& geometry, const Window& window, bool several_samples,
                   const Kernels& kernels, BinScratch& scratch, TriangleChunk& chunk) {
-    chunk.triangles.clear();
-    chunk.crossing.clear();
-    chunk.counters = {};
-    chunk.counters.triangles = chunk.count;
-    scratch.entries.clear();
-    CullTask task;
-    task.records = geometry.records;
-    task.indices = geometry.indices + std::size_t(chunk.first_triangle) * 3;
-    task.count = chunk.count;
-    task.mirrored = geometry.mirrored;
-    task.drop_back = geometry.cull == CullSide::back;
-    task.drop_front = geometry.cull == CullSide::front;
-    task.every_touched_pixel = several_samples;
-    task.window = window;
-    CullCounts counts;
-    const std::uint32_t kept = kernels.cull(task, scratch.survivors.data(), counts);
-    chunk.counters.non_finite = counts.non_finite;
-    chunk.counters.degenerate = counts.degenerate;
-    chunk.counters.facing_away = counts.facing_away;
-    chunk.counters.outside = counts.outside;
-    chunk.counters.between_samples = counts.between_samples;
-    for (std::uint32_t s = 0; s < kept; ++s) {
-        const std::uint32_t number = scratch.survivors[s];
-        const std::uint32_t* corners = task.indices + std::size_t(number) * 3;
-        const std::uint32_t id = chunk.first_id + number;
-        bool crosses = false;
-        for (int k = 0; k < 3; ++k)
-            crosses = crosses || geometry.records[corners[k]].x == mark_unsnapped;
-        // y points down on the screen: counter-clockwise in the world has to be turned here.
-        const auto side_bit = [&](bool turned) {
-            return turned == geometry.mirrored ? id_back_face : 0u;
-        };
-        if (!crosses) {
-            bool turned = false;
-            SetupTriangle t = snapped_triangle(geometry.records, corners, turned);
-            t.id = id | side_bit(turned);
-            scratch.entries.push_back(entry_of(std::uint32_t(chunk.triangles.size()),
-                                               box_of(t, window, several_samples)));
-            chunk.triangles.push_back(t);
-            continue;
-        }
-        CrossingTriangle t;
-        const CrossingOutcome outcome =
-            set_up_crossing(*geometry.source, geometry.records, corners, t);
-        PixelBox box{};
-        if (outcome == CrossingOutcome::degenerate) {
-            ++chunk.counters.degenerate;
-            continue;
-        }
-        const bool back = side_bit(t.turned) != 0;
-        if (outcome == CrossingOutcome::drawn &&
-            ((back && task.drop_back) || (!back && task.drop_front))) {
-            ++chunk.counters.facing_away;
-            continue;
-        }
-        if (outcome == CrossingOutcome::outside || !box_of(t, window, box)) {
-            ++chunk.counters.outside;
-            continue;
-        }
-        t.id = id | side_bit(t.turned);
-        ++chunk.counters.crossing;
-        scratch.entries.push_back(
-            entry_of(std::uint32_t(chunk.crossing.size()) | order_crossing, box));
-        chunk.crossing.push_back(t);
-    }
-    bin(window, scratch, chunk);
+    ChunkSetup(geometry, window, several_samples, kernels, scratch, chunk).run();
 }
 
 }  // namespace rast::detail

@@ -46,12 +46,10 @@ struct TriangleChunk {
 struct BinScratch {
     std::vector<std::uint32_t> counts;  // per tile, all zero between chunks
     std::vector<std::uint32_t> touched;
-    struct Entry {
-        std::uint32_t what = 0;
-        std::int32_t tile_x0 = 0, tile_y0 = 0, tile_x1 = 0, tile_y1 = 0;
-    };
-    std::vector<Entry> entries;
+    std::vector<TileBox> boxes;          // of what is in `entries`
+    std::vector<std::uint32_t> entries;  // as TriangleChunk::order, in submission order
     std::array<std::uint16_t, chunk_triangles> survivors;
+    std::vector<std::uint16_t> snapped;  // of them, where others are crossing
 };
 
 // `several_samples`: every pixel that is touched counts, not only those whose centre is covered.

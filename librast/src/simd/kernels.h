@@ -33,6 +33,23 @@ struct CullTask {
 };
 struct CullCounts {
     std::uint32_t non_finite = 0, degenerate = 0, facing_away = 0, outside = 0, between_samples = 0;
+    std::uint32_t crossing = 0;  // kept, with a corner that is not snapped
+};
+
+// Of a run's triangles those to be set up, all of whose corners are snapped.
+struct SetupTask {
+    const VertexRecord* records = nullptr;
+    const std::uint32_t* indices = nullptr;  // of the run, three per triangle
+    const std::uint16_t* numbers = nullptr;  // within the run
+    std::uint32_t count = 0;
+    std::uint32_t first_id = 0;  // of the run
+    bool mirrored = false, every_touched_pixel = false;
+    Window window;
+};
+
+// The tiles that a triangle reaches: columns x0 … x1, rows y0 … y1.
+struct TileBox {
+    std::uint16_t x0 = 0, x1 = 0, y0 = 0, y1 = 0;
 };
 
 enum class NormalSource : std::uint8_t { none, face, interpolated, tangent_map, object_map };
@@ -145,6 +162,8 @@ struct Kernels {
     void (*transform)(const TransformTask& task, std::size_t begin, std::size_t end);
     // Numbers within the run to `survivors` (readable and writable up to chunk_triangles).
     std::uint32_t (*cull)(const CullTask& task, std::uint16_t* survivors, CullCounts& counts);
+    // `out` and `boxes` have room for all.
+    void (*set_up)(const SetupTask& task, SetupTriangle* out, TileBox* boxes);
     // Draws the entries' numbers into the tile, in any order: of equal depths the lower number
     // wins. `masked` is null or the draw whose alpha decides.
     void (*raster)(float* depth, std::uint32_t* number, const TilePlace& place,

@@ -1,4 +1,6 @@
 // The kernels once per instruction set, and the choice at run time.
+#include <cstring>
+
 #include "crossing.h"
 #include "simd/kernels.h"
 
@@ -18,18 +20,26 @@ namespace {
 // clang-format off
 #include "simd/lanes_highway-inl.h"
 #include "simd/transform-inl.h"
+#include "simd/cull-inl.h"
+#include "simd/setup-inl.h"
 #include "simd/math-inl.h"
 #include "simd/surface-inl.h"
 #include "simd/texture-inl.h"
 #include "simd/shade-inl.h"
+#include "simd/tile_depths-inl.h"
+#include "simd/raster_points-inl.h"
+#include "simd/raster_rows-inl.h"
+#include "simd/raster_blocks-inl.h"
 #include "simd/raster-inl.h"
+#include "simd/collect-inl.h"
 // clang-format on
 
 }  // namespace
 
 const Kernels* kernels() {
-    static constexpr Kernels table{transform,  cull,           raster, collect, shade,
-                                   attributes, light_vertices, covers, pack,    specular_powers};
+    static constexpr Kernels table{transform, cull,  set_up,         raster,
+                                   collect,   shade, attributes,     light_vertices,
+                                   covers,    pack,  specular_powers};
     return &table;
 }
 

@@ -1,3 +1,5 @@
+#include <cstring>
+
 #include "crossing.h"
 #include "simd/kernels.h"
 
@@ -13,18 +15,26 @@ using namespace rast::detail::scalar_lanes;
 // In the order in which they use each other.
 // clang-format off
 #include "simd/transform-inl.h"
+#include "simd/cull-inl.h"
+#include "simd/setup-inl.h"
 #include "simd/math-inl.h"
 #include "simd/surface-inl.h"
 #include "simd/texture-inl.h"
 #include "simd/shade-inl.h"
+#include "simd/tile_depths-inl.h"
+#include "simd/raster_points-inl.h"
+#include "simd/raster_rows-inl.h"
+#include "simd/raster_blocks-inl.h"
 #include "simd/raster-inl.h"
+#include "simd/collect-inl.h"
 // clang-format on
 
 }  // namespace
 
 const Kernels& scalar_kernels() {
-    static constexpr Kernels table{transform,  cull,           raster, collect, shade,
-                                   attributes, light_vertices, covers, pack,    specular_powers};
+    static constexpr Kernels table{transform, cull,  set_up,         raster,
+                                   collect,   shade, attributes,     light_vertices,
+                                   covers,    pack,  specular_powers};
     return table;
 }
 

@@ -244,11 +244,52 @@ HWY_INLINE I gather(const std::int32_t* p, I index) {
 HWY_INLINE I gather(const std::uint32_t* p, I index) {
     return {hn::BitCast(Ints(), hn::GatherIndex(Unsigned(), p, index.v))};
 }
+HWY_INLINE std::int32_t largest(I a) {
+    return hn::GetLane(hn::MaxOfLanes(Ints(), a.v));
+}
+HWY_INLINE std::size_t compress_store(M m, F a, float* p) {
+    return hn::CompressStore(a.v, m.v, Floats(), p);
+}
+HWY_INLINE std::size_t compress_store(M m, I a, std::int32_t* p) {
+    return hn::CompressStore(a.v, hn::RebindMask(Ints(), m.v), Ints(), p);
+}
 HWY_INLINE void load3(const float* p, F& x, F& y, F& z) {
     hn::LoadInterleaved3(Floats(), p, x.v, y.v, z.v);
 }
 HWY_INLINE void load_interleaved4(const float* p, F& x, F& y, F& z, F& w) {
     hn::LoadInterleaved4(Floats(), p, x.v, y.v, z.v, w.v);
+}
+
+template <int stride>
+HWY_INLINE void load_each4(const std::int32_t* p, const std::uint32_t* index, I& a, I& b, I& c,
+                           I& d) {
+    const auto at = [&](int lane) {
+        return hn::LoadU(hn::FixedTag<std::int32_t, 4>(),
+                         p + std::size_t(index[lane * stride]) * 4);
+    };
+    // One lane of every block of four: lanes r, 4 + r, …
+    const auto quarter = [&](int r) {
+#if HWY_TARGET <= HWY_AVX3
+        const hn::FixedTag<std::int32_t, 8> half;
+        return hn::Combine(Ints(), hn::Combine(half, at(12 + r), at(8 + r)),
+                           hn::Combine(half, at(4 + r), at(r)));
+#elif HWY_TARGET <= HWY_AVX2
+        return hn::Combine(Ints(), at(4 + r), at(r));
+#else
+        return at(r);
+#endif
+    };
+    const auto r0 = quarter(0), r1 = quarter(1), r2 = quarter(2), r3 = quarter(3);
+    const Ints words;
+    const auto ab02 = hn::InterleaveLower(words, r0, r2), cd02 = hn::InterleaveUpper(words, r0, r2);
+    const auto ab13 = hn::InterleaveLower(words, r1, r3), cd13 = hn::InterleaveUpper(words, r1, r3);
+    a.v = hn::InterleaveLower(words, ab02, ab13);
+    b.v = hn::InterleaveUpper(words, ab02, ab13);
+    c.v = hn::InterleaveLower(words, cd02, cd13);
+    d.v = hn::InterleaveUpper(words, cd02, cd13);
+}
+HWY_INLINE void store_interleaved4(I a, I b, I c, I d, std::int32_t* p) {
+    hn::StoreInterleaved4(a.v, b.v, c.v, d.v, Ints(), p);
 }
 
 // As many texels of four channels as a vector holds.

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <cstring>
 
@@ -251,11 +252,42 @@ inline void load3(const float* p, F& x, F& y, F& z) {
     z.v = p[2];
 }
 
+// The largest lane.
+inline std::int32_t largest(I a) {
+    return a.v;
+}
+// The lanes of the mask one after the other; returns how many. Writable up to the lane count.
+inline std::size_t compress_store(M m, F a, float* p) {
+    *p = a.v;
+    return m.v ? 1 : 0;
+}
+inline std::size_t compress_store(M m, I a, std::int32_t* p) {
+    *p = a.v;
+    return m.v ? 1 : 0;
+}
+
 inline void load_interleaved4(const float* p, F& x, F& y, F& z, F& w) {
     x = {p[0]};
     y = {p[1]};
     z = {p[2]};
     w = {p[3]};
+}
+
+// Four words at p + 4 · index of each lane; indices are `stride` apart.
+template <int stride>
+void load_each4(const std::int32_t* p, const std::uint32_t* index, I& a, I& b, I& c, I& d) {
+    p += std::size_t(*index) * 4;
+    a = {p[0]};
+    b = {p[1]};
+    c = {p[2]};
+    d = {p[3]};
+}
+// Four words of each lane, one lane after the other.
+inline void store_interleaved4(I a, I b, I c, I d, std::int32_t* p) {
+    p[0] = a.v;
+    p[1] = b.v;
+    p[2] = c.v;
+    p[3] = d.v;
 }
 
 // Four channels of one texel.

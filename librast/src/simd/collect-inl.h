@@ -1,0 +1,33 @@
+// Which triangles a tile's pixels show, as runs.
+// Included once per instruction set, inside the namespace that has its lanes.
+
+inline std::size_t collect(const std::uint32_t* numbers, const TilePlace& place,
+                           std::uint32_t* counts, PixelRun* runs) {
+    std::size_t found = 0;
+    std::uint32_t before[tile_size + tile_padding + 1];
+    for (std::int32_t y = 0; y < place.height; ++y) {
+        const std::uint32_t* row = numbers + y * tile_size;
+        // The row moved on by one pixel, after a number that is nobody's.
+        before[0] = id_none - 1;
+        std::uint64_t starts = 0;
+        std::uint32_t any_drawn = 0;
+        for (std::int32_t x = 0; x < tile_size; x += lane_count)
+            store(load(row + x), before + 1 + x);
+        for (std::int32_t x = 0; x < tile_size; x += lane_count) {
+            const I here = load(row + x);
+            starts |= std::uint64_t(bits_of(!(here == load(before + x)))) << x;
+            any_drawn |= bits_of(here > set(-1));
+        }
+        if (any_drawn == 0) continue;
+        if (place.width < tile_size) starts &= (std::uint64_t(1) << place.width) - 1;
+        while (starts != 0) {
+            const int x = __builtin_ctzll(starts);
+            starts &= starts - 1;
+            const int end = starts != 0 ? __builtin_ctzll(starts) : place.width;
+            if (row[x] == id_none) continue;
+            runs[found++] = {row[x], std::uint16_t(y * tile_size + x), std::uint16_t(end - x)};
+            counts[row[x]] += std::uint32_t(end - x);
+        }
+    }
+    return found;
+}
