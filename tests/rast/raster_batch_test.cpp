@@ -49,7 +49,7 @@ TEST(RasterBatch, TrianglesOfEverySizeCoverWhatExactIntegersSay) {
     const std::vector<SimdLevel> tried = levels();
     const auto positions = every_sample();
     std::uint64_t wrong = 0, covered = 0;
-    for (int n = 0; n < 3000; ++n) {
+    for (int n = 0; n < 6000; ++n) {
         const std::uint32_t width = 64 + std::uint32_t(random() % 70);
         const std::uint32_t height = 1 + std::uint32_t(random() % 70);
         Point p[3];
