@@ -1,6 +1,7 @@
 // Non-manifold edges and vertices: every sheet of the surface gets vertices of its own.
 #include <algorithm>
 #include <cmath>
+#include <unordered_map>
 
 #include "corner_steps.h"
 #include "disjoint_sets.h"
@@ -89,22 +90,52 @@ std::vector<std::pair<Index, Index>> pair_wedges(const std::vector<CrowdedHalfEd
     return pairs;
 }
 
+// Half-edges that wait for one that runs the other way, by what they share with it, first come
+// first served.
+class Waiting {
+  public:
+    void add(std::uint64_t key, std::size_t i) { queues_[key].members.push_back(i); }
+    // The first that is not matched yet; `none` where there is no such.
+    std::size_t first(std::uint64_t key, const std::vector<bool>& matched) {
+        const auto at = queues_.find(key);
+        if (at == queues_.end()) return none;
+        Queue& q = at->second;
+        while (q.next < q.members.size() && matched[q.members[q.next]]) ++q.next;
+        return q.next < q.members.size() ? q.members[q.next] : none;
+    }
+    static constexpr std::size_t none = std::size_t(-1);
+
+  private:
+    struct Queue {
+        std::vector<std::size_t> members;
+        std::size_t next = 0;
+    };
+    std::unordered_map<std::uint64_t, Queue> queues_;
+};
+
 // Faces that hang together around a point of the edge cannot be parted there: first those that do
 // around both points are paired, then around one of them, then the wedges of the rest.
 std::vector<std::pair<Index, Index>> pair_faces(const std::vector<CrowdedHalfEdge>& run) {
     std::vector<std::pair<Index, Index>> pairs;
     std::vector<bool> matched(run.size(), false);
-    for (const bool both : {true, false})
-        for (std::size_t i = 0; i < run.size(); ++i)
-            for (std::size_t k = i + 1; k < run.size() && !matched[i]; ++k) {
-                const bool low = run[i].low_fan == run[k].low_fan;
-                const bool high = run[i].high_fan == run[k].high_fan;
-                if (matched[k] || run[i].upward == run[k].upward ||
-                    !(both ? low && high : low || high))
-                    continue;
-                matched[i] = matched[k] = true;
-                pairs.emplace_back(run[i].corner, run[k].corner);
+    for (const bool both : {true, false}) {
+        Waiting waiting[2];  // downward, upward
+        for (std::size_t k = 0; k < run.size(); ++k) {
+            if (matched[k]) continue;
+            const std::uint64_t low = run[k].low_fan, high = run[k].high_fan;
+            const std::uint64_t keys[2] = {both ? low << 32 | high : low,
+                                           both ? low << 32 | high : std::uint64_t(1) << 32 | high};
+            Waiting& others = waiting[run[k].upward ? 0 : 1];
+            const std::size_t i =
+                std::min(others.first(keys[0], matched), others.first(keys[1], matched));
+            if (i == Waiting::none) {
+                for (const std::uint64_t key : keys) waiting[run[k].upward ? 1 : 0].add(key, k);
+                continue;
             }
+            matched[i] = matched[k] = true;
+            pairs.emplace_back(run[i].corner, run[k].corner);
+        }
+    }
     std::vector<CrowdedHalfEdge> rest;
     for (std::size_t i = 0; i < run.size(); ++i)
         if (!matched[i]) rest.push_back(run[i]);
@@ -130,23 +161,25 @@ Places give_each_sheet_its_vertices(Mesh& mesh, const std::vector<Index>& fan_of
         uses.push_back({mesh.corner_vertices[c], joined.find(fan_of[c]), c});
     std::sort(uses.begin(), uses.end());
     Places places;
-    std::vector<std::pair<Index, Index>> copies;  // sheet → its vertex
+    struct Copy {
+        Index of = no_index, vertex = no_index;
+    };
+    std::vector<Copy> copies(fan_of.empty() ? 0
+                                            : *std::max_element(fan_of.begin(), fan_of.end()) +
+                                                  std::size_t(1));  // by sheet: its latest
     for (std::size_t i = 0; i < uses.size();) {
-        std::size_t end = i;
-        copies.assign(1, {uses[i].sheet, uses[i].vertex});
-        for (; end < uses.size() && uses[end].vertex == uses[i].vertex; ++end) {
-            const auto known = std::find_if(copies.begin(), copies.end(), [&](const auto& copy) {
-                return copy.first == uses[end].sheet;
-            });
-            if (known != copies.end()) {
-                mesh.corner_vertices[uses[end].corner] = known->second;
-                continue;
+        const Index vertex = uses[i].vertex;
+        copies[uses[i].sheet] = {vertex, vertex};
+        bool split = false;
+        for (; i < uses.size() && uses[i].vertex == vertex; ++i) {
+            Copy& copy = copies[uses[i].sheet];
+            if (copy.of != vertex) {
+                if (!split) places.add(vertex);
+                split = true;
+                copy = {vertex, copy_vertex(mesh, vertex)};
             }
-            if (copies.size() == 1) places.add(uses[i].vertex);
-            copies.emplace_back(uses[end].sheet, copy_vertex(mesh, uses[i].vertex));
-            mesh.corner_vertices[uses[end].corner] = copies.back().second;
+            mesh.corner_vertices[uses[i].corner] = copy.vertex;
         }
-        i = end;
     }
     return places;
 }

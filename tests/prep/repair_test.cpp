@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "prep/check.h"
 #include "prep/prepare.h"
@@ -256,6 +257,50 @@ TEST(Repair, AFaceOnAnInnerEdgeOfASurfaceLeavesTheSurfaceWhole) {
         EXPECT_EQ(summary.open_edges, 16u + 3u);
         EXPECT_EQ(mesh.vertex_count(), 28u);
     }
+}
+
+TEST(Repair, AnEdgeOfSixtyThousandFacesBecomesThirtyThousandWedges) {
+    constexpr std::uint32_t faces = 60000;
+    Mesh mesh;
+    mesh.positions = {{0, 0, -1}, {0, 0, 1}};
+    mesh.face_offsets = {0};
+    for (std::uint32_t i = 0; i < faces; ++i) {
+        const double angle = 2 * std::numbers::pi * i / faces;
+        mesh.positions.emplace_back(std::cos(angle), std::sin(angle), 0);
+        const bool upward = i % 2 == 1;
+        for (const std::uint32_t v : {upward ? 0u : 1u, upward ? 1u : 0u, i + 2})
+            mesh.corner_vertices.push_back(v);
+        mesh.face_offsets.push_back(std::uint32_t(mesh.corner_vertices.size()));
+    }
+    RepairOptions options;
+    options.non_manifold_edges = true;
+    const prep::RepairStep step = only_step(mesh, options);
+    EXPECT_EQ(step.changed, 1u);
+    EXPECT_EQ(step.left, 0u);
+    const prep::MeshSummary summary = prep::check(mesh).summary;
+    EXPECT_EQ(summary.components, faces / 2);
+    EXPECT_EQ(summary.non_manifold_edges, 0u);
+    EXPECT_EQ(mesh.vertex_count(), 2 * faces);
+}
+
+TEST(Repair, AVertexOfFortyThousandFacesThatTouchIsSplitIntoAsMany) {
+    constexpr std::uint32_t faces = 40000;
+    Mesh mesh;
+    mesh.positions = {{0, 0, 0}};
+    mesh.face_offsets = {0};
+    for (std::uint32_t i = 0; i < faces; ++i) {
+        const float x = static_cast<float>(i);
+        mesh.positions.emplace_back(x, 1.0f, 0.0f);
+        mesh.positions.emplace_back(x, 1.0f, 1.0f);
+        for (const std::uint32_t v : {0u, 2 * i + 1, 2 * i + 2}) mesh.corner_vertices.push_back(v);
+        mesh.face_offsets.push_back(std::uint32_t(mesh.corner_vertices.size()));
+    }
+    RepairOptions options;
+    options.non_manifold_vertices = true;
+    const prep::RepairStep step = only_step(mesh, options);
+    EXPECT_EQ(step.changed, 1u);
+    EXPECT_EQ(mesh.vertex_count(), 3 * faces);
+    EXPECT_EQ(prep::check(mesh).summary.components, faces);
 }
 
 TEST(Repair, SplitsABowTie) {
