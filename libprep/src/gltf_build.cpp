@@ -40,6 +40,7 @@ class Builder {
         lights();
         cameras();
         nodes();
+        if (dropped_triangles_ > 0) notes_.push_back(non_finite_note(dropped_triangles_));
         for (const std::string& name : extensions_) document_["extensionsUsed"].push_back(name);
     }
 
@@ -56,18 +57,14 @@ class Builder {
             for (const VertexMesh::Range& range : mesh.ranges) {
                 std::vector<Index> indices;
                 indices.reserve(range.triangle_count * std::size_t(3));
-                std::uint64_t dropped = 0;
                 for (Index t = 0; t < range.triangle_count; ++t) {
                     const Index* i = &mesh.indices[3 * std::size_t(range.first_triangle + t)];
                     if (finite(mesh.positions[i[0]]) && finite(mesh.positions[i[1]]) &&
                         finite(mesh.positions[i[2]]))
                         indices.insert(indices.end(), i, i + 3);
                     else
-                        ++dropped;
+                        ++dropped_triangles_;
                 }
-                if (dropped)
-                    note_once(std::to_string(dropped) +
-                              " triangles with a position that is not finite were left out");
                 add_primitive(mesh, std::move(indices), 4, range.material, primitives);
             }
             add_primitive(mesh, only_finite(mesh, mesh.lines, 2), 1, no_index, primitives);
@@ -434,6 +431,7 @@ class Builder {
     Json& document_;
     GltfBuffer& buffer_;
     std::vector<std::string>& notes_;
+    std::uint64_t dropped_triangles_ = 0;
     std::vector<Index> mesh_index_, light_index_;
     std::map<Index, Index> texture_map_, image_map_;
     std::set<std::string> extensions_;

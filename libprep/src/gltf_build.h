@@ -1,6 +1,7 @@
 // A glTF document for a scene that did not come from one.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -14,5 +15,11 @@ namespace prep::detail {
 // 2)); the exact values stand in extras, so that reading the file back restores them.
 void build_gltf(const PreparedScene& prepared, Json& document, GltfBuffer& buffer,
                 std::vector<std::string>& notes);
+
+// Says that so many triangles were not written.
+inline std::string non_finite_note(std::uint64_t triangles) {
+    return std::to_string(triangles) + (triangles == 1 ? " triangle" : " triangles") +
+           " with a position that is not finite left out";
+}
 
 }  // namespace prep::detail

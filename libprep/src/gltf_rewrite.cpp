@@ -6,6 +6,8 @@
 #include <functional>
 #include <set>
 
+#include "gltf_build.h"
+
 namespace prep::detail {
 namespace {
 
@@ -36,6 +38,7 @@ class Rewriter {
             if (!json_.contains(list)) json_[list] = Json::array();
         for (Index m = 0; m < prepared_.scene.meshes.size(); ++m)
             if (auto done = mesh(m); !done) return std::move(done).error();
+        if (dropped_triangles_ > 0) notes_.push_back(non_finite_note(dropped_triangles_));
         remove_compression();
         images();
         if (auto done = pack(); !done) return std::move(done).error();
@@ -261,10 +264,8 @@ class Rewriter {
                 continue;
             for (int k = 0; k < 3; ++k) indices[kept++] = indices[i + std::size_t(k)];
         }
-        if (kept != indices.size()) {
-            note_once("triangles with a position that is not finite were left out");
-            indices.resize(kept);
-        }
+        if (kept > 0) dropped_triangles_ += (indices.size() - kept) / 3;
+        indices.resize(kept);
     }
 
     // Same vertices in the same order, the same triangles, the same normals and tangents: the
@@ -609,6 +610,7 @@ class Rewriter {
     const PreparedScene& prepared_;
     const GltfDocument& document_;
     std::vector<std::string>& notes_;
+    std::uint64_t dropped_triangles_ = 0;
     Json json_;
     WeightSums weights_;                                       // of the primitive at hand
     std::map<std::size_t, std::vector<std::byte>> new_bytes_;  // by bufferView
