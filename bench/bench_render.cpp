@@ -163,7 +163,6 @@ void visibility(benchmark::State& state) {
         chunks.back().count = std::min(chunk_triangles, count - first);
     }
     std::vector<std::vector<TileWork>> work(window.tile_count());
-    std::vector<TileEntry> entries;
     TileSamples samples;
     for (auto _ : state) {
         for (auto& w : work) w.clear();
@@ -184,7 +183,7 @@ void visibility(benchmark::State& state) {
             std::uint32_t number = 0;
             for (const TileWork& w : work[tile]) {
                 raster_slice(chunks[w.chunk], w.begin, w.end, number, place, nullptr, kernels,
-                             entries, samples);
+                             samples);
                 number += w.end - w.begin;
             }
         }

@@ -20,9 +20,6 @@ struct DrawGeometry {
     CullSide cull = CullSide::none;
 };
 
-// Marks an entry of TriangleChunk::order as a number in `crossing`.
-inline constexpr std::uint32_t order_crossing = 0x80000000u;
-
 struct TileSlice {
     std::uint32_t tile = 0, begin = 0, end = 0;  // of TriangleChunk::order
 };

@@ -50,6 +50,9 @@ struct SetupTriangle {
     std::uint32_t id;         // triangle number, id_back_face set on back faces
 };
 
+// Marks the number of a triangle that is drawn through homogeneous edges (crossing.h).
+inline constexpr std::uint32_t order_crossing = 0x80000000u;
+
 // Fixed-point depth of n bits, kept as floats: k / 2^n for k = 0 … 2^n − 1, the nearest one (of
 // two, the even). Exact without integers: adding a number whose float has the grid's step rounds to
 // it. Above `half` a float of at most 1 lies on the grid already (24 bits are all that it has).

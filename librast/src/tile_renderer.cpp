@@ -91,8 +91,7 @@ class Tile {
                 const TriangleChunk& chunk = (*in_.chunks)[work.chunk];
                 const ShadeDraw& draw = (*in_.shade_draws)[chunk.draw];
                 raster_slice(chunk, work.begin, work.end, number, place,
-                             draw.masked ? &draw : nullptr, *in_.kernels, s_.entries,
-                             s_.samples[i]);
+                             draw.masked ? &draw : nullptr, *in_.kernels, s_.samples[i]);
                 number += work.end - work.begin;
             }
             count_ = number;
@@ -340,19 +339,15 @@ class Tile {
 
 void raster_slice(const TriangleChunk& chunk, std::uint32_t begin, std::uint32_t end,
                   std::uint32_t first_number, const TilePlace& place, const ShadeDraw* masked,
-                  const Kernels& kernels, std::vector<TileEntry>& scratch, TileSamples& samples) {
-    // Nothing depends on the order of drawing: of equal depths the lowest number wins.
-    scratch.clear();
-    for (std::uint32_t i = begin; i < end; ++i) {
-        const std::uint32_t what = chunk.order[i], number = first_number + (i - begin);
-        if (what & order_crossing)
-            raster_crossing(samples.depth.data(), samples.id.data(), place,
-                            chunk.crossing[what & ~order_crossing], number, masked, kernels);
-        else
-            scratch.push_back({what, number});
-    }
+                  const Kernels& kernels, TileSamples& samples) {
     kernels.raster(samples.depth.data(), samples.id.data(), place, chunk.triangles.data(),
-                   scratch.data(), scratch.size(), masked);
+                   chunk.order.data() + begin, end - begin, first_number, masked);
+    if (chunk.crossing.empty()) return;
+    for (std::uint32_t i = begin; i < end; ++i)
+        if (chunk.order[i] & order_crossing)
+            raster_crossing(samples.depth.data(), samples.id.data(), place,
+                            chunk.crossing[chunk.order[i] & ~order_crossing],
+                            first_number + (i - begin), masked, kernels);
 }
 
 TileCounts draw_tile(const TileInputs& inputs, std::uint32_t tile, TileScratch& scratch) {

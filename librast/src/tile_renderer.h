@@ -20,7 +20,6 @@ struct TileWork {
 // What one thread keeps while it goes from tile to tile.
 struct TileScratch {
     std::vector<TileSamples> samples;
-    std::vector<TileEntry> entries;     // of one chunk
     std::vector<std::uint32_t> counts;  // per number
     std::vector<PixelRun> runs;
     std::vector<std::uint32_t> numbers;  // several samples: per fragment, before they are sorted
@@ -59,9 +58,10 @@ struct TileCounts {
 // Tiles may be drawn by several threads at once.
 TileCounts draw_tile(const TileInputs& inputs, std::uint32_t tile, TileScratch& scratch);
 
-// Draws the entries of a slice into a tile's samples, numbered from `first_number` on.
+// Draws the entries of a slice into a tile's samples, numbered from `first_number` on. Slices go
+// by ascending numbers.
 void raster_slice(const TriangleChunk& chunk, std::uint32_t begin, std::uint32_t end,
                   std::uint32_t first_number, const TilePlace& place, const ShadeDraw* masked,
-                  const Kernels& kernels, std::vector<TileEntry>& scratch, TileSamples& samples);
+                  const Kernels& kernels, TileSamples& samples);
 
 }  // namespace rast::detail

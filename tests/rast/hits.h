@@ -73,7 +73,6 @@ inline Hits count_hits(const std::vector<ScreenVertex>& vertices,
     window.tiles_x = (window.width + tile_size - 1) / tile_size;
     window.tiles_y = (window.height + tile_size - 1) / tile_size;
     BinScratch scratch;
-    std::vector<rast::detail::TileEntry> entries;
     TriangleChunk chunk;
     chunk.count = 1;
     TileSamples samples;
@@ -111,8 +110,7 @@ inline Hits count_hits(const std::vector<ScreenVertex>& vertices,
                 i1 = std::clamp((high_x - place.x) / 256 + 2, 0, i1);
                 j1 = std::clamp((high_y - place.y) / 256 + 2, 0, j1);
             }
-            raster_slice(chunk, slice.begin, slice.end, 0, place, nullptr, kernels, entries,
-                         samples);
+            raster_slice(chunk, slice.begin, slice.end, 0, place, nullptr, kernels, samples);
             const bool of_back = (chunk.id_of(chunk.order[slice.begin]) & id_back_face) != 0;
             for (std::int32_t y = j0; y <= j1; ++y)
                 for (std::int32_t x = i0; x <= i1; ++x) {

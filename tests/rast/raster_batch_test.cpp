@@ -108,11 +108,10 @@ Seen seen_together(const std::vector<ScreenVertex>& vertices, std::uint32_t widt
     set_up_chunk(geometry, window, false, kernels, scratch, chunk);
     TileSamples samples;
     samples.clear();
-    std::vector<TileEntry> entries;
     TilePlace place{window.first_x, window.first_y, window.width, window.height, {}, skip_hidden};
     if (!chunk.slices.empty())
         raster_slice(chunk, 0, std::uint32_t(chunk.order.size()), 0, place, nullptr, kernels,
-                     entries, samples);
+                     samples);
     // Entry of the tile → triangle.
     Seen seen{samples.depth, {}};
     for (const std::uint32_t number : samples.id)

@@ -124,11 +124,6 @@ struct ShadeDraw {
     }
 };
 
-// A triangle to be drawn: its place among the set-up ones, and its number in the tile.
-struct TileEntry {
-    std::uint32_t what = 0, number = 0;
-};
-
 // Pixels of a row that show the same triangle.
 struct PixelRun {
     std::uint32_t number = 0;
@@ -164,11 +159,12 @@ struct Kernels {
     std::uint32_t (*cull)(const CullTask& task, std::uint16_t* survivors, CullCounts& counts);
     // `out` and `boxes` have room for all.
     void (*set_up)(const SetupTask& task, SetupTriangle* out, TileBox* boxes);
-    // Draws the entries' numbers into the tile, in any order: of equal depths the lower number
-    // wins. `masked` is null or the draw whose alpha decides.
+    // Draws the triangles that `order` names into the tile, numbered from `first_number` on; of
+    // equal depths the lower number wins. Whatever is there already has a lower one. Leaves out
+    // those that are marked by order_crossing. `masked` is null or the draw whose alpha decides.
     void (*raster)(float* depth, std::uint32_t* number, const TilePlace& place,
-                   const SetupTriangle* triangles, const TileEntry* entries, std::size_t count,
-                   const ShadeDraw* masked);
+                   const SetupTriangle* triangles, const std::uint32_t* order, std::size_t count,
+                   std::uint32_t first_number, const ShadeDraw* masked);
     // The runs of a tile's numbers, row by row; returns how many. `counts`: pixels per number,
     // added to. `runs` has room for every pixel.
     std::size_t (*collect)(const std::uint32_t* numbers, const TilePlace& place,

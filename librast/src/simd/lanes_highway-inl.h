@@ -244,6 +244,12 @@ HWY_INLINE I gather(const std::int32_t* p, I index) {
 HWY_INLINE I gather(const std::uint32_t* p, I index) {
     return {hn::BitCast(Ints(), hn::GatherIndex(Unsigned(), p, index.v))};
 }
+HWY_INLINE void store_where(M m, F a, float* p) {
+    hn::BlendedStore(a.v, m.v, Floats(), p);
+}
+HWY_INLINE void store_where(M m, I a, std::uint32_t* p) {
+    hn::BlendedStore(hn::BitCast(Unsigned(), a.v), hn::RebindMask(Unsigned(), m.v), Unsigned(), p);
+}
 HWY_INLINE std::int32_t largest(I a) {
     return hn::GetLane(hn::MaxOfLanes(Ints(), a.v));
 }

@@ -252,6 +252,13 @@ inline void load3(const float* p, F& x, F& y, F& z) {
     z.v = p[2];
 }
 
+// The lanes of the mask, the others stay.
+inline void store_where(M m, F a, float* p) {
+    if (m.v) *p = a.v;
+}
+inline void store_where(M m, I a, std::uint32_t* p) {
+    if (m.v) *p = std::uint32_t(a.v);
+}
 // The largest lane.
 inline std::int32_t largest(I a) {
     return a.v;

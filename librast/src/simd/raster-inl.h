@@ -31,20 +31,48 @@ inline bool wide_edges(const SetupTriangle& t, const TilePlace& place, TriangleB
     return true;
 }
 
+template <bool plain>
+inline void draw_one(const TileTarget& target, const TriangleBatch& batch, int lane,
+                     std::uint32_t id, bool rows, const FarthestDepths* farthest) {
+    const OneTriangle<plain> one(target, batch, lane, id);
+    if (rows)
+        one.draw_rows();
+    else
+        draw_blocks(one, farthest);
+}
+
+// Records of the triangles after next: they lie wherever the chunk put them.
+inline void prefetch_ahead(const SetupTriangle* triangles, const std::uint32_t* order,
+                           std::size_t left) {
+    constexpr std::size_t ahead = lane_count < 8 ? 16 : 2 * std::size_t(lane_count);
+    if (left < ahead + lane_count) return;
+    for (std::size_t k = 0; k < std::size_t(lane_count); ++k)
+        __builtin_prefetch(triangles + (order[ahead + k] & ~order_crossing));
+}
+
 inline void raster(float* depths, std::uint32_t* ids, const TilePlace& place,
-                   const SetupTriangle* triangles, const TileEntry* entries, std::size_t count,
-                   const ShadeDraw* masked) {
-    static_assert(sizeof(SetupTriangle) == 48 && sizeof(TileEntry) == 8);
+                   const SetupTriangle* triangles, const std::uint32_t* order, std::size_t count,
+                   std::uint32_t first_number, const ShadeDraw* masked) {
+    static_assert(sizeof(SetupTriangle) == 48);
     static_assert(FarthestDepths::triangles_between % lane_count == 0);
     FarthestDepths farthest;
     const bool skip_hidden = place.skip_hidden && count > FarthestDepths::triangles_between / 2;
-    const I one = set(1);
+    const I single = set(1);
     for (std::size_t n = 0; n < count; n += lane_count) {
         if (skip_hidden && n % FarthestDepths::triangles_between == 0) farthest.look(depths);
-        // Lanes past the end repeat the last entry and are left out.
         const std::int32_t left = std::int32_t(count - n < lane_count ? count - n : lane_count);
-        const I entry = shift_left<1>(min(iota(), set(left - 1)));
-        const I what = gather(&entries[n].what, entry);
+        I what;
+        if (left == lane_count) {
+            what = load(order + n);
+            prefetch_ahead(triangles, order + n, count - n);
+        } else {
+            std::uint32_t copy[lane_count];
+            for (std::int32_t k = 0; k < lane_count; ++k) copy[k] = order[n + (k < left ? k : 0)];
+            what = load(copy);
+        }
+        // Crossing triangles are drawn elsewhere, and lanes past the end are left out.
+        const M mine = (what > set(-1)) & (iota() < set(left));
+        what = max(what, set(0));
         const I at = shift_left<2>(shift_left<1>(what) + what);
         I x[3], y[3];
         for (int k = 0; k < 3; ++k) {
@@ -64,8 +92,8 @@ inline void raster(float* depths, std::uint32_t* ids, const TilePlace& place,
         t.j0 = first_pixel(low_y, place.y);
         t.i1 = last_pixel(high_x, place.x, place.width);
         t.j1 = last_pixel(high_y, place.y, place.height);
-        const I across = (t.i1 - t.i0) + one, downwards = (t.j1 - t.j0) + one;
-        M there = ((across > set(0)) & (downwards > set(0))) & (iota() < set(left));
+        const I across = (t.i1 - t.i0) + single, downwards = (t.j1 - t.j0) + single;
+        M there = ((across > set(0)) & (downwards > set(0))) & mine;
         if (!any(there)) continue;
         t.z_low = gather(&triangles->z_low, at);
         t.z_high = gather(&triangles->z_high, at);
@@ -90,30 +118,35 @@ inline void raster(float* depths, std::uint32_t* ids, const TilePlace& place,
         t.z0 = gather(&triangles->z0, at);
         t.dzdx = gather(&triangles->dzdx, at);
         t.dzdy = gather(&triangles->dzdy, at);
-        t.number = gather(&entries[n].number, entry);
+        t.number = set(std::int32_t(first_number) + std::int32_t(n)) + iota();
 
-        M few = set(1) < set(0);
+        M few = mine & !mine;
         if (masked == nullptr) {
             const I most = set(points_across + 1);
             few = (there & !wide) & ((across < most) & (downwards < most)) &
                   (across * downwards < set(points_in_box + 1));
-            if (any(few)) raster_points(depths, ids, place.grid, t, few);
         }
         const std::uint32_t others = bits_of(there & !few);
-        if (others == 0) continue;
-        TriangleBatch batch;
-        batch.keep(t);
-        const std::uint32_t huge = bits_of(wide), narrow = bits_of(across < set(17));
-        for (std::uint32_t rest = others; rest != 0; rest &= rest - 1) {
-            const int lane = __builtin_ctz(rest);
-            const SetupTriangle& s = triangles[entries[n + std::size_t(lane)].what];
-            const TileTarget target{
-                depths, ids, &place, masked, set(std::int32_t(s.id)), set(batch.number[lane])};
-            if ((huge >> lane & 1u) != 0 && !wide_edges(s, place, batch, lane)) continue;
-            if ((narrow >> lane & 1u) != 0)
-                raster_rows(target, batch, lane);
-            else
-                raster_blocks(target, batch, lane, skip_hidden ? &farthest : nullptr);
+        if (others != 0) {
+            TriangleBatch batch;
+            batch.keep(t);
+            const TileTarget target{depths, ids, &place, masked};
+            const std::uint32_t huge = bits_of(wide), narrow = bits_of(across < set(17));
+            const std::uint32_t nearer = bits_of(t.z_low >= set(0.0f));
+            const bool simple = !place.grid && masked == nullptr;
+            for (std::uint32_t rest = others; rest != 0; rest &= rest - 1) {
+                const int lane = __builtin_ctz(rest);
+                const SetupTriangle& s = triangles[order[n + std::size_t(lane)]];
+                if ((huge >> lane & 1u) != 0 && !wide_edges(s, place, batch, lane)) continue;
+                const FarthestDepths* hiding = skip_hidden ? &farthest : nullptr;
+                const bool rows = (narrow >> lane & 1u) != 0;
+                if (simple && (nearer >> lane & 1u) != 0)
+                    draw_one<true>(target, batch, lane, s.id, rows, hiding);
+                else
+                    draw_one<false>(target, batch, lane, s.id, rows, hiding);
+            }
         }
+        // After the others: these look at numbers where depths are equal.
+        if (any(few)) raster_points(depths, ids, place.grid, t, few);
     }
 }

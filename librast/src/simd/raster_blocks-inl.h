@@ -2,40 +2,11 @@
 // where it fills a block its edges are not looked at.
 // Included once per instruction set, inside the namespace that has its lanes.
 
-template <bool edges>
-RAST_INLINE void raster_block(const TileTarget& target, const TriangleBatch& t, int lane,
-                              std::int32_t left, std::int32_t top) {
-    constexpr float to_pixels = 1.0f / float(subpixels);
-    constexpr std::int32_t size = FarthestDepths::block;
-    const F z0 = set(t.z0[lane]), dzdx = set(t.dzdx[lane]);
-    const F z_low = set(t.z_low[lane]), z_high = set(t.z_high[lane]);
-    const std::int32_t j0 = t.j0[lane] > top ? t.j0[lane] : top;
-    const std::int32_t j1 = t.j1[lane] < top + size - 1 ? t.j1[lane] : top + size - 1;
-    for (std::int32_t i = left; i < left + size; i += lane_count) {
-        const I column = iota() + set(i);
-        const M inside_box = column < set(t.i1[lane] + 1);
-        const F run = dzdx * (to_float(shift_left<subpixel_bits>(column) + set(t.from_x[lane])) *
-                              set(to_pixels));
-        I e[3];
-        for (int k = 0; edges && k < 3; ++k)
-            e[k] = set(t.edge[k][lane] + t.down[k][lane] * j0) + set(t.right[k][lane]) * column;
-        for (std::int32_t j = j0; j <= j1; ++j) {
-            M hit = inside_box;
-            if (edges) {
-                hit = hit & (((e[0] | e[1]) | e[2]) > set(-1));
-                for (int k = 0; k < 3; ++k) e[k] = e[k] + set(t.down[k][lane]);
-                if (!any(hit)) continue;
-            }
-            const F rise = set(t.dzdy[lane] * (float(t.from_y[lane] + j * subpixels) * to_pixels));
-            const F z = min(max(z0 + (run + rise), z_low), z_high);
-            target.draw(hit, z, column, j, std::size_t(j) * tile_size + std::size_t(i));
-        }
-    }
-}
-
 // `farthest`: null where hidden blocks are not to be looked for.
-RAST_INLINE void raster_blocks(const TileTarget& target, const TriangleBatch& t, int lane,
-                               const FarthestDepths* farthest) {
+template <bool plain>
+RAST_INLINE void draw_blocks(const OneTriangle<plain>& one, const FarthestDepths* farthest) {
+    const TriangleBatch& t = one.batch;
+    const int lane = one.lane;
     constexpr float to_pixels = 1.0f / float(subpixels);
     constexpr std::int32_t size = FarthestDepths::block, across = FarthestDepths::across,
                            blocks = across * across, reach = size - 1;
@@ -67,10 +38,10 @@ RAST_INLINE void raster_blocks(const TileTarget& target, const TriangleBatch& t,
                 to_float(shift_left<subpixel_bits>(x) + set(t.from_x[lane])) * set(to_pixels);
             const F rise =
                 to_float(shift_left<subpixel_bits>(y) + set(t.from_y[lane])) * set(to_pixels);
-            const F z = set(t.z0[lane]) + (set(dzdx) * run + set(dzdy) * rise);
-            const F z_low = set(t.z_low[lane]), z_high = set(t.z_high[lane]);
-            F nearest = select(z < z_high, max(z, z_low), z_high);  // NaN: z_high
-            if (target.place->grid) nearest = on_grid(target.place->grid, nearest);
+            const F z = one.z0 + (set(dzdx) * run + set(dzdy) * rise);
+            F nearest = select(z < one.z_high, max(z, one.z_low), one.z_high);  // NaN: z_high
+            if (!plain && one.target.place->grid)
+                nearest = on_grid(one.target.place->grid, nearest);
             there = there & !(nearest < load(farthest->least + first));
         }
         const M whole = ((left > set(t.i0[lane] - 1)) & (left < set(t.i1[lane] + 2 - size))) &
@@ -79,10 +50,14 @@ RAST_INLINE void raster_blocks(const TileTarget& target, const TriangleBatch& t,
         for (std::uint32_t rest = bits_of(there); rest != 0; rest &= rest - 1) {
             const std::int32_t b = first + __builtin_ctz(rest);
             const std::int32_t x = b % across * size, y = b / across * size;
-            if (full & rest & (~rest + 1))
-                raster_block<false>(target, t, lane, x, y);
-            else
-                raster_block<true>(target, t, lane, x, y);
+            const std::int32_t j0 = t.j0[lane] > y ? t.j0[lane] : y;
+            const std::int32_t j1 = t.j1[lane] < y + reach ? t.j1[lane] : y + reach;
+            const bool inside = (full & rest & (~rest + 1)) != 0;
+            for (std::int32_t i = x; i < x + size; i += lane_count)
+                if (inside)
+                    one.template draw_column<false>(i, j0, j1);
+                else
+                    one.template draw_column<true>(i, j0, j1);
         }
     }
 }

@@ -1,4 +1,4 @@
-// One triangle of middling size, row by row of its box.
+// One triangle at a time, row by row.
 // Included once per instruction set, inside the namespace that has its lanes.
 
 // TriangleLanes in memory, and one triangle of it.
@@ -31,49 +31,86 @@ struct TriangleBatch {
     }
 };
 
-// What decides beside the edges, of one triangle.
+// Where triangles are drawn, and what decides beside their edges and depths.
 struct TileTarget {
     float* depths;
     std::uint32_t* ids;
     const TilePlace* place;
     const ShadeDraw* masked;  // or null
-    I id, number;             // of the triangle: for `masked`, in the tile
-
-    // Where `hit`, and nearer than what is there.
-    RAST_INLINE void draw(M hit, F z, I column, std::int32_t row, std::size_t at) const {
-        if (place->grid) z = on_grid(place->grid, z);
-        const F depth = load(depths + at);
-        const I before = load(ids + at);
-        hit = hit & (((z > depth) | ((z == depth) & (number < before))) & (z >= set(0.0f)));
-        if (!any(hit)) return;
-        if (masked != nullptr)
-            hit = hit & alpha_passes(*masked, shift_left<subpixel_bits>(column) + set(place->x),
-                                     set(place->y + row * subpixels), id);
-        store(select(hit, z, depth), depths + at);
-        store(select(hit, number, before), ids + at);
-    }
 };
 
-RAST_INLINE void raster_rows(const TileTarget& target, const TriangleBatch& t, int lane) {
-    constexpr float to_pixels = 1.0f / float(subpixels);
-    const F z0 = set(t.z0[lane]), dzdx = set(t.dzdx[lane]);
-    const F z_low = set(t.z_low[lane]), z_high = set(t.z_high[lane]);
-    const std::int32_t i0 = t.i0[lane], i1 = t.i1[lane], j0 = t.j0[lane], j1 = t.j1[lane];
-    for (std::int32_t i = i0; i <= i1; i += lane_count) {
-        const I column = iota() + set(i);
-        const M inside_box = column < set(i1 + 1);
-        const F run = dzdx * (to_float(shift_left<subpixel_bits>(column) + set(t.from_x[lane])) *
-                              set(to_pixels));
-        I e[3];
-        for (int k = 0; k < 3; ++k)
-            e[k] = set(t.edge[k][lane] + t.down[k][lane] * j0) + set(t.right[k][lane]) * column;
-        for (std::int32_t j = j0; j <= j1; ++j) {
-            const M hit = (((e[0] | e[1]) | e[2]) > set(-1)) & inside_box;
-            for (int k = 0; k < 3; ++k) e[k] = e[k] + set(t.down[k][lane]);
-            if (!any(hit)) continue;
-            const F rise = set(t.dzdy[lane] * (float(t.from_y[lane] + j * subpixels) * to_pixels));
-            const F z = min(max(z0 + (run + rise), z_low), z_high);
-            target.draw(hit, z, column, j, std::size_t(j) * tile_size + std::size_t(i));
+// One triangle of a batch. `plain`: its depths stay as they are, none is beyond the far plane, and
+// no mask decides.
+//
+// Triangles are drawn by ascending numbers, so that of equal depths the one that is there wins.
+template <bool plain>
+struct OneTriangle {
+    const TileTarget& target;
+    const TriangleBatch& batch;
+    int lane;
+    I number, id;  // in the tile; for the mask
+    F z0, dzdx, z_low, z_high;
+    float rise[tile_size + lane_count];  // what depth adds in every row
+
+    OneTriangle(const TileTarget& where, const TriangleBatch& t, int which, std::uint32_t its_id)
+        : target(where),
+          batch(t),
+          lane(which),
+          number(set(t.number[which])),
+          id(set(std::int32_t(its_id))),
+          z0(set(t.z0[which])),
+          dzdx(set(t.dzdx[which])),
+          z_low(set(t.z_low[which])),
+          z_high(set(t.z_high[which])) {
+        constexpr float to_pixels = 1.0f / float(subpixels);
+        const F dzdy = set(t.dzdy[lane]);
+        for (std::int32_t j = t.j0[lane]; j <= t.j1[lane]; j += lane_count) {
+            const I from = shift_left<subpixel_bits>(iota() + set(j)) + set(t.from_y[lane]);
+            store(dzdy * (to_float(from) * set(to_pixels)), rise + j);
         }
     }
-}
+
+    // A column of vectors from row j0 to j1, its lanes within the triangle's box.
+    template <bool edges>
+    RAST_INLINE void draw_column(std::int32_t i, std::int32_t j0, std::int32_t j1) const {
+        constexpr float to_pixels = 1.0f / float(subpixels);
+        const I column = iota() + set(i), nothing = set(-1);
+        const M in_box = column < set(batch.i1[lane] + 1);
+        const F run =
+            dzdx * (to_float(shift_left<subpixel_bits>(column) + set(batch.from_x[lane])) *
+                    set(to_pixels));
+        I e[3], down[3];
+        for (int k = 0; edges && k < 3; ++k) {
+            down[k] = set(batch.down[k][lane]);
+            e[k] = set(batch.edge[k][lane] + batch.down[k][lane] * j0) +
+                   set(batch.right[k][lane]) * column;
+        }
+        float* depths = target.depths + std::size_t(j0) * tile_size + std::size_t(i);
+        std::uint32_t* ids = target.ids + std::size_t(j0) * tile_size + std::size_t(i);
+        for (std::int32_t j = j0; j <= j1; ++j, depths += tile_size, ids += tile_size) {
+            M hit = in_box;
+            if (edges) {
+                hit = hit & (((e[0] | e[1]) | e[2]) > nothing);
+                for (int k = 0; k < 3; ++k) e[k] = e[k] + down[k];
+            }
+            F z = min(max(z0 + (run + set(rise[j])), z_low), z_high);
+            if (!plain) {
+                if (target.place->grid) z = on_grid(target.place->grid, z);
+                hit = hit & (z >= set(0.0f));
+            }
+            hit = hit & (z > load(depths));
+            if (!any(hit)) continue;
+            if (!plain && target.masked != nullptr)
+                hit = hit & alpha_passes(*target.masked,
+                                         shift_left<subpixel_bits>(column) + set(target.place->x),
+                                         set(target.place->y + j * subpixels), id);
+            store_where(hit, z, depths);
+            store_where(hit, number, ids);
+        }
+    }
+
+    RAST_INLINE void draw_rows() const {
+        for (std::int32_t i = batch.i0[lane]; i <= batch.i1[lane]; i += lane_count)
+            draw_column<true>(i, batch.j0[lane], batch.j1[lane]);
+    }
+};
