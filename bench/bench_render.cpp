@@ -104,7 +104,7 @@ void cull_micro_triangles(benchmark::State& state) {
     const Kernels& kernels = kernels_for(prep::SimdLevel::automatic);
     RenderInstance instance(scene.meshes[0], 0, glm::dmat4(1.0), view, 240, 135);
     instance.transform(kernels, 0, scene.meshes[0].vertex_count());
-    std::vector<std::uint16_t> survivors(chunk_triangles + tile_padding);
+    CullResult survivors;
     std::uint64_t kept = 0;
     const std::uint32_t triangles = std::uint32_t(scene.meshes[0].triangle_count());
     for (auto _ : state) {
@@ -116,7 +116,7 @@ void cull_micro_triangles(benchmark::State& state) {
             task.indices = scene.meshes[0].indices.data() + std::size_t(first) * 3;
             task.count = std::min(chunk_triangles, triangles - first);
             task.window = window;
-            kept += kernels.cull(task, survivors.data(), counts);
+            kept += kernels.cull(task, survivors, counts);
         }
     }
     state.counters["Mtri"] = millions(triangles);
@@ -182,8 +182,8 @@ void visibility(benchmark::State& state) {
             samples.clear();
             std::uint32_t number = 0;
             for (const TileWork& w : work[tile]) {
-                raster_slice(chunks[w.chunk], w.begin, w.end, number, place, nullptr, kernels,
-                             samples);
+                raster_slice(chunks[w.chunk], w.begin, w.end, number, {&place, 1}, nullptr, kernels,
+                             {&samples, 1});
                 number += w.end - w.begin;
             }
         }

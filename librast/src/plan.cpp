@@ -132,7 +132,7 @@ class Planner {
         if (rows > tile) rows = rows / tile * tile;
         plan_.band_rows = std::uint32_t(std::min(rows, height));
         const std::uint64_t geometry = survey_.vertices * sizeof(detail::VertexRecord) +
-                                       survey_.triangles * (sizeof(detail::SetupTriangle) + 4);
+                                       survey_.triangles * sizeof(std::uint16_t);
         // Supersampled, a row of tiles of the finer picture at a time.
         const std::uint64_t factor = std::uint64_t(r.supersample);
         const std::uint64_t fine =

@@ -2,9 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
-#include <numeric>
-#include <utility>
 
 namespace rast::detail {
 namespace {
@@ -12,11 +9,6 @@ namespace {
 struct PixelBox {
     std::int32_t x0, y0, x1, y1;
 };
-
-TileBox tiles_of(const PixelBox& box) {
-    const auto tile = [](std::int32_t pixel) { return std::uint16_t(pixel / tile_size); };
-    return {tile(box.x0), tile(box.x1), tile(box.y0), tile(box.y1)};
-}
 
 bool box_of(const CrossingTriangle& t, const Window& window, PixelBox& box) {
     const double left = double(window.first_x) / subpixels,
@@ -32,16 +24,24 @@ bool box_of(const CrossingTriangle& t, const Window& window, PixelBox& box) {
     return box.x0 <= box.x1 && box.y0 <= box.y1;
 }
 
-void bin(const Window& window, BinScratch& scratch, TriangleChunk& chunk) {
+// The first and last tile of a pair as CullResult has them.
+std::int32_t tile_range(std::int32_t first_pixel, std::int32_t last_pixel) {
+    return first_pixel / tile_size | last_pixel / tile_size << 16;
+}
+
+void bin(const Window& window, std::uint32_t kept, BinScratch& scratch, TriangleChunk& chunk) {
     scratch.counts.resize(window.tile_count(), 0);
     scratch.touched.clear();
-    const auto each_tile = [&](const TileBox& box, const auto& visit) {
-        for (std::uint32_t y = box.y0; y <= box.y1; ++y)
-            for (std::uint32_t x = box.x0; x <= box.x1; ++x)
+    const CullResult& list = scratch.kept;
+    const auto each_tile = [&](std::uint32_t e, const auto& visit) {
+        const std::uint32_t columns = std::uint32_t(list.columns[e]);
+        const std::uint32_t rows = std::uint32_t(list.rows[e]);
+        for (std::uint32_t y = rows & 0xffffu; y <= rows >> 16; ++y)
+            for (std::uint32_t x = columns & 0xffffu; x <= columns >> 16; ++x)
                 visit(y * std::uint32_t(window.tiles_x) + x);
     };
-    for (const TileBox& box : scratch.boxes)
-        each_tile(box, [&](std::uint32_t tile) {
+    for (std::uint32_t e = 0; e < kept; ++e)
+        each_tile(e, [&](std::uint32_t tile) {
             if (scratch.counts[tile]++ == 0) scratch.touched.push_back(tile);
         });
     chunk.slices.clear();
@@ -53,152 +53,92 @@ void bin(const Window& window, BinScratch& scratch, TriangleChunk& chunk) {
         total += count;
     }
     chunk.order.resize(total);
-    for (std::size_t e = 0; e < scratch.boxes.size(); ++e)
-        each_tile(scratch.boxes[e], [&](std::uint32_t tile) {
-            chunk.order[scratch.counts[tile]++] = scratch.entries[e];
+    for (std::uint32_t e = 0; e < kept; ++e)
+        each_tile(e, [&](std::uint32_t tile) {
+            chunk.order[scratch.counts[tile]++] = std::uint16_t(list.entries[e]);
         });
     for (const std::uint32_t tile : scratch.touched) scratch.counts[tile] = 0;
 }
 
-class ChunkSetup {
-  public:
-    ChunkSetup(const DrawGeometry& geometry, const Window& window, bool several_samples,
-               const Kernels& kernels, BinScratch& scratch, TriangleChunk& chunk)
-        : geometry_(geometry),
-          window_(window),
-          several_samples_(several_samples),
-          kernels_(kernels),
-          scratch_(scratch),
-          chunk_(chunk),
-          indices_(geometry.indices + std::size_t(chunk.first_triangle) * 3) {}
-
-    void run() {
-        chunk_.crossing.clear();
-        chunk_.counters = {};
-        chunk_.counters.triangles = chunk_.count;
-        const std::uint32_t kept = cull();
-        if (crossing_ == 0)
-            set_up_snapped(scratch_.survivors.data(), kept);
-        else
-            set_up_mixed(kept);
-        bin(window_, scratch_, chunk_);
-    }
-
-  private:
-    std::uint32_t cull() {
-        CullTask task;
-        task.records = geometry_.records;
-        task.indices = indices_;
-        task.count = chunk_.count;
-        task.mirrored = geometry_.mirrored;
-        task.drop_back = geometry_.cull == CullSide::back;
-        task.drop_front = geometry_.cull == CullSide::front;
-        task.every_touched_pixel = several_samples_;
-        task.window = window_;
-        CullCounts counts;
-        const std::uint32_t kept = kernels_.cull(task, scratch_.survivors.data(), counts);
-        chunk_.counters.non_finite = counts.non_finite;
-        chunk_.counters.degenerate = counts.degenerate;
-        chunk_.counters.facing_away = counts.facing_away;
-        chunk_.counters.outside = counts.outside;
-        chunk_.counters.between_samples = counts.between_samples;
-        crossing_ = counts.crossing;
-        return kept;
-    }
-
-    void set_up_snapped(const std::uint16_t* numbers, std::uint32_t count) {
-        SetupTask task;
-        task.records = geometry_.records;
-        task.indices = indices_;
-        task.numbers = numbers;
-        task.count = count;
-        task.first_id = chunk_.first_id;
-        task.mirrored = geometry_.mirrored;
-        task.every_touched_pixel = several_samples_;
-        task.window = window_;
-        chunk_.triangles.resize(count);
-        scratch_.boxes.resize(count);
-        kernels_.set_up(task, chunk_.triangles.data(), scratch_.boxes.data());
-        scratch_.entries.resize(count);
-        std::iota(scratch_.entries.begin(), scratch_.entries.end(), 0u);
-    }
-
-    void set_up_mixed(std::uint32_t kept) {
-        scratch_.snapped.clear();
-        const auto crosses = [&](std::uint16_t number) {
-            const std::uint32_t* corners = indices_ + std::size_t(number) * 3;
-            return std::any_of(corners, corners + 3, [&](std::uint32_t v) {
-                return geometry_.records[v].x == mark_unsnapped;
-            });
-        };
-        const auto begin = scratch_.survivors.begin(), end = begin + kept;
-        std::remove_copy_if(begin, end, std::back_inserter(scratch_.snapped), crosses);
-        set_up_snapped(scratch_.snapped.data(), std::uint32_t(scratch_.snapped.size()));
-        // Together again, in submission order.
-        const std::vector<TileBox> snapped_boxes = std::move(scratch_.boxes);
-        scratch_.boxes.clear();
-        scratch_.entries.clear();
-        std::uint32_t next = 0;
-        for (auto number = begin; number != end; ++number) {
-            TileBox box;
-            if (!crosses(*number)) {
-                scratch_.boxes.push_back(snapped_boxes[next]);
-                scratch_.entries.push_back(next++);
-            } else if (add_crossing(*number, box)) {
-                scratch_.boxes.push_back(box);
-                scratch_.entries.push_back(std::uint32_t(chunk_.crossing.size() - 1) |
-                                           order_crossing);
-            }
-        }
-    }
-
-    // False: nothing of it is drawn.
-    bool add_crossing(std::uint16_t number, TileBox& tiles) {
-        CrossingTriangle t;
-        switch (set_up_crossing(*geometry_.source, geometry_.records,
-                                indices_ + std::size_t(number) * 3, t)) {
-            case CrossingOutcome::degenerate:
-                ++chunk_.counters.degenerate;
-                return false;
-            case CrossingOutcome::outside:
-                ++chunk_.counters.outside;
-                return false;
-            case CrossingOutcome::drawn:
-                break;
-        }
-        // y points down on the screen: counter-clockwise in the world had to be turned.
-        const bool back = t.turned == geometry_.mirrored;
-        if (geometry_.cull == (back ? CullSide::back : CullSide::front)) {
-            ++chunk_.counters.facing_away;
+// Sets up an entry that crosses; false: nothing of it is drawn.
+bool add_crossing(const DrawGeometry& geometry, const Window& window, std::uint32_t number,
+                  TriangleChunk& chunk, PixelBox& box) {
+    CrossingTriangle t;
+    switch (set_up_crossing(*geometry.source, geometry.records,
+                            chunk.indices + std::size_t(number) * 3, t)) {
+        case CrossingOutcome::degenerate:
+            ++chunk.counters.degenerate;
             return false;
-        }
-        PixelBox box{};
-        if (!box_of(t, window_, box)) {
-            ++chunk_.counters.outside;
+        case CrossingOutcome::outside:
+            ++chunk.counters.outside;
             return false;
-        }
-        tiles = tiles_of(box);
-        t.id = (chunk_.first_id + number) | (back ? id_back_face : 0u);
-        ++chunk_.counters.crossing;
-        chunk_.crossing.push_back(t);
-        return true;
+        case CrossingOutcome::drawn:
+            break;
     }
+    // y points down on the screen: counter-clockwise in the world had to be turned.
+    const bool back = t.turned == geometry.mirrored;
+    if (geometry.cull == (back ? CullSide::back : CullSide::front)) {
+        ++chunk.counters.facing_away;
+        return false;
+    }
+    if (!box_of(t, window, box)) {
+        ++chunk.counters.outside;
+        return false;
+    }
+    t.id = (chunk.first_id + number) | (back ? id_back_face : 0u);
+    ++chunk.counters.crossing;
+    chunk.crossing.push_back(t);
+    return true;
+}
 
-    const DrawGeometry& geometry_;
-    const Window& window_;
-    bool several_samples_;
-    const Kernels& kernels_;
-    BinScratch& scratch_;
-    TriangleChunk& chunk_;
-    const std::uint32_t* indices_;
-    std::uint32_t crossing_ = 0;
-};
+// Gives crossing entries their tiles and leaves out those of which nothing is drawn.
+std::uint32_t settle_crossing(const DrawGeometry& geometry, const Window& window,
+                              std::uint32_t kept, CullResult& list, TriangleChunk& chunk) {
+    std::uint32_t settled = 0;
+    for (std::uint32_t e = 0; e < kept; ++e) {
+        std::int32_t entry = list.entries[e], columns = list.columns[e], rows = list.rows[e];
+        if (entry & entry_crossing) {
+            PixelBox box{};
+            if (!add_crossing(geometry, window, std::uint32_t(entry) & entry_number, chunk, box))
+                continue;
+            entry = std::int32_t(chunk.crossing.size() - 1) | entry_crossing;
+            columns = tile_range(box.x0, box.x1);
+            rows = tile_range(box.y0, box.y1);
+        }
+        list.entries[settled] = entry;
+        list.columns[settled] = columns;
+        list.rows[settled++] = rows;
+    }
+    return settled;
+}
 
 }  // namespace
 
 void set_up_chunk(const DrawGeometry& geometry, const Window& window, bool several_samples,
                   const Kernels& kernels, BinScratch& scratch, TriangleChunk& chunk) {
-    ChunkSetup(geometry, window, several_samples, kernels, scratch, chunk).run();
+    chunk.crossing.clear();
+    chunk.counters = {};
+    chunk.counters.triangles = chunk.count;
+    chunk.records = geometry.records;
+    chunk.indices = geometry.indices + std::size_t(chunk.first_triangle) * 3;
+    CullTask task;
+    task.records = chunk.records;
+    task.indices = chunk.indices;
+    task.count = chunk.count;
+    task.mirrored = geometry.mirrored;
+    task.drop_back = geometry.cull == CullSide::back;
+    task.drop_front = geometry.cull == CullSide::front;
+    task.every_touched_pixel = several_samples;
+    task.window = window;
+    CullCounts counts;
+    std::uint32_t kept = kernels.cull(task, scratch.kept, counts);
+    chunk.counters.non_finite = counts.non_finite;
+    chunk.counters.degenerate = counts.degenerate;
+    chunk.counters.facing_away = counts.facing_away;
+    chunk.counters.outside = counts.outside;
+    chunk.counters.between_samples = counts.between_samples;
+    if (counts.crossing > 0) kept = settle_crossing(geometry, window, kept, scratch.kept, chunk);
+    bin(window, kept, scratch, chunk);
 }
 
 }  // namespace rast::detail

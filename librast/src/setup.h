@@ -1,7 +1,6 @@
-// From a run of one draw's triangles to records ready to be rasterized, sorted by tile.
+// From a run of one draw's triangles to lists of those that each tile has to draw.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -28,25 +27,24 @@ struct TriangleChunk {
     std::uint32_t draw = 0;
     std::uint32_t first_triangle = 0, count = 0;  // of the mesh; at most chunk_triangles
     std::uint32_t first_id = 0;                   // of its first triangle
-    std::vector<SetupTriangle> triangles;
+    const VertexRecord* records = nullptr;
+    const std::uint32_t* indices = nullptr;  // of its first triangle on
     std::vector<CrossingTriangle> crossing;
-    std::vector<std::uint32_t> order;  // by tile, then in submission order
+    std::vector<std::uint16_t> order;  // entries by tile, then in submission order
     std::vector<TileSlice> slices;     // tiles that something of this chunk reaches
     Counters counters;
     // Triangle number and side of an entry of `order`.
-    std::uint32_t id_of(std::uint32_t entry) const {
-        return entry & order_crossing ? crossing[entry & ~order_crossing].id : triangles[entry].id;
+    std::uint32_t id_of(std::uint16_t entry) const {
+        if (entry & entry_crossing) return crossing[entry & entry_number].id;
+        return (first_id + (entry & entry_number)) | (entry & entry_back_face ? id_back_face : 0u);
     }
 };
 
 // What a thread keeps between chunks.
 struct BinScratch {
+    CullResult kept;
     std::vector<std::uint32_t> counts;  // per tile, all zero between chunks
     std::vector<std::uint32_t> touched;
-    std::vector<TileBox> boxes;          // of what is in `entries`
-    std::vector<std::uint32_t> entries;  // as TriangleChunk::order, in submission order
-    std::array<std::uint16_t, chunk_triangles> survivors;
-    std::vector<std::uint16_t> snapped;  // of them, where others are crossing
 };
 
 // `several_samples`: every pixel that is touched counts, not only those whose centre is covered.

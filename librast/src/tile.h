@@ -22,8 +22,7 @@ inline constexpr std::int32_t tile_pixels = tile_size * tile_size;
 // The widest vector load may start at a tile's last pixel.
 inline constexpr std::int32_t tile_padding = 16;
 
-// Triangles that are set up and binned together: their records stay in a core's second-level cache
-// while the bins are written.
+// Triangles that are culled and binned together.
 inline constexpr std::uint32_t chunk_triangles = 4096;
 
 // A vertex on the screen, as the kernels read it.
@@ -40,18 +39,22 @@ inline constexpr std::int32_t first_valid = -(1 << 30);  // every snapped coordi
 inline constexpr std::uint32_t id_back_face = 0x80000000u;
 inline constexpr std::uint32_t id_none = 0xFFFFFFFFu;
 
-// A triangle with area on the sub-pixel grid, turned so that its edge functions are positive
-// inside.
-struct SetupTriangle {
-    std::int32_t x[3], y[3];  // in 1/256 pixels
-    float z0, dzdx, dzdy;     // depth plane through the first vertex, per pixel
-    float z_low, z_high;      // the corners' range: depth never leaves it; below 0: beyond the far
-                              // plane, not drawn
-    std::uint32_t id;         // triangle number, id_back_face set on back faces
-};
+// How a chunk's triangles are listed: the number within the chunk, with its side; or the number of
+// one that is drawn through homogeneous edges (crossing.h).
+inline constexpr std::uint16_t entry_back_face = 0x4000, entry_crossing = 0x8000;
+inline constexpr std::uint16_t entry_number = chunk_triangles - 1;
 
-// Marks the number of a triangle that is drawn through homogeneous edges (crossing.h).
-inline constexpr std::uint32_t order_crossing = 0x80000000u;
+// Triangles with area on the sub-pixel grid, side by side, turned so that their edge functions are
+// positive inside. Few enough to stay in the first-level cache while a tile draws them.
+struct SetupBlock {
+    static constexpr std::size_t capacity = 128;
+    std::int32_t x[3][capacity], y[3][capacity];         // in 1/256 pixels
+    float z0[capacity], dzdx[capacity], dzdy[capacity];  // depth plane through the first corner,
+                                                         // per pixel
+    // The corners' range: depth never leaves it; below 0: beyond the far plane, not drawn.
+    float z_low[capacity], z_high[capacity];
+    std::int32_t id[capacity];  // triangle numbers, id_back_face set on back faces
+};
 
 // Fixed-point depth of n bits, kept as floats: k / 2^n for k = 0 … 2^n − 1, the nearest one (of
 // two, the even). Exact without integers: adding a number whose float has the grid's step rounds to

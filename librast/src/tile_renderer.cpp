@@ -81,20 +81,20 @@ class Tile {
 
     void raster() {
         s_.samples.resize(in_.offsets->size());
-        for (std::size_t i = 0; i < in_.offsets->size(); ++i) {
+        std::vector<TilePlace>& places = s_.places;
+        places.assign(in_.offsets->size(), place_);
+        for (std::size_t i = 0; i < places.size(); ++i) {
             s_.samples[i].clear();
-            TilePlace place = place_;
-            place.x += (*in_.offsets)[i].x;
-            place.y += (*in_.offsets)[i].y;
-            std::uint32_t number = 0;
-            for (const TileWork& work : work_) {
-                const TriangleChunk& chunk = (*in_.chunks)[work.chunk];
-                const ShadeDraw& draw = (*in_.shade_draws)[chunk.draw];
-                raster_slice(chunk, work.begin, work.end, number, place,
-                             draw.masked ? &draw : nullptr, *in_.kernels, s_.samples[i]);
-                number += work.end - work.begin;
-            }
-            count_ = number;
+            places[i].x += (*in_.offsets)[i].x;
+            places[i].y += (*in_.offsets)[i].y;
+        }
+        count_ = 0;
+        for (const TileWork& work : work_) {
+            const TriangleChunk& chunk = (*in_.chunks)[work.chunk];
+            const ShadeDraw& draw = (*in_.shade_draws)[chunk.draw];
+            raster_slice(chunk, work.begin, work.end, count_, places, draw.masked ? &draw : nullptr,
+                         *in_.kernels, s_.samples);
+            count_ += work.end - work.begin;
         }
     }
 
@@ -338,16 +338,35 @@ class Tile {
 }  // namespace
 
 void raster_slice(const TriangleChunk& chunk, std::uint32_t begin, std::uint32_t end,
-                  std::uint32_t first_number, const TilePlace& place, const ShadeDraw* masked,
-                  const Kernels& kernels, TileSamples& samples) {
-    kernels.raster(samples.depth.data(), samples.id.data(), place, chunk.triangles.data(),
-                   chunk.order.data() + begin, end - begin, first_number, masked);
-    if (chunk.crossing.empty()) return;
-    for (std::uint32_t i = begin; i < end; ++i)
-        if (chunk.order[i] & order_crossing)
-            raster_crossing(samples.depth.data(), samples.id.data(), place,
-                            chunk.crossing[chunk.order[i] & ~order_crossing],
-                            first_number + (i - begin), masked, kernels);
+                  std::uint32_t first_number, std::span<const TilePlace> places,
+                  const ShadeDraw* masked, const Kernels& kernels, std::span<TileSamples> samples) {
+    SetupBlock block;
+    const auto crosses = [&](std::uint32_t i) { return (chunk.order[i] & entry_crossing) != 0; };
+    std::uint32_t number = first_number;
+    for (std::uint32_t i = begin, next = begin; i < end; number += next - i, i = next) {
+        if (crosses(i)) {
+            next = i + 1;
+            for (std::size_t s = 0; s < places.size(); ++s)
+                raster_crossing(samples[s].depth.data(), samples[s].id.data(), places[s],
+                                chunk.crossing[chunk.order[i] & entry_number], number, masked,
+                                kernels);
+            continue;
+        }
+        next = std::min(end, i + std::uint32_t(SetupBlock::capacity));
+        if (!chunk.crossing.empty())
+            for (next = i + 1; next < end && next < i + SetupBlock::capacity && !crosses(next);)
+                ++next;
+        SetupTask task;
+        task.records = chunk.records;
+        task.indices = chunk.indices;
+        task.first_id = chunk.first_id;
+        task.entries = chunk.order.data() + i;
+        task.count = next - i;
+        kernels.set_up(task, block);
+        for (std::size_t s = 0; s < places.size(); ++s)
+            kernels.raster(samples[s].depth.data(), samples[s].id.data(), places[s], block,
+                           task.count, number, masked);
+    }
 }
 
 TileCounts draw_tile(const TileInputs& inputs, std::uint32_t tile, TileScratch& scratch) {

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "samples.h"
@@ -20,6 +21,7 @@ struct TileWork {
 // What one thread keeps while it goes from tile to tile.
 struct TileScratch {
     std::vector<TileSamples> samples;
+    std::vector<TilePlace> places;      // of each sample
     std::vector<std::uint32_t> counts;  // per number
     std::vector<PixelRun> runs;
     std::vector<std::uint32_t> numbers;  // several samples: per fragment, before they are sorted
@@ -58,10 +60,10 @@ struct TileCounts {
 // Tiles may be drawn by several threads at once.
 TileCounts draw_tile(const TileInputs& inputs, std::uint32_t tile, TileScratch& scratch);
 
-// Draws the entries of a slice into a tile's samples, numbered from `first_number` on. Slices go
-// by ascending numbers.
+// Draws the entries of a slice into a tile's samples, each at its place, numbered from
+// `first_number` on. Slices go by ascending numbers.
 void raster_slice(const TriangleChunk& chunk, std::uint32_t begin, std::uint32_t end,
-                  std::uint32_t first_number, const TilePlace& place, const ShadeDraw* masked,
-                  const Kernels& kernels, TileSamples& samples);
+                  std::uint32_t first_number, std::span<const TilePlace> places,
+                  const ShadeDraw* masked, const Kernels& kernels, std::span<TileSamples> samples);
 
 }  // namespace rast::detail

@@ -101,16 +101,17 @@ inline Hits count_hits(const std::vector<ScreenVertex>& vertices,
             }
             // Only the triangle's box is looked at and emptied again.
             std::int32_t i0 = 0, j0 = 0, i1 = place.width - 1, j1 = place.height - 1;
-            if (!(chunk.order[slice.begin] & order_crossing)) {
-                const SetupTriangle& s = chunk.triangles[0];
-                const auto [low_x, high_x] = std::minmax({s.x[0], s.x[1], s.x[2]});
-                const auto [low_y, high_y] = std::minmax({s.y[0], s.y[1], s.y[2]});
+            if (!(chunk.order[slice.begin] & entry_crossing)) {
+                const auto corner = [&](std::size_t k) { return records[triangles[t][k]]; };
+                const auto [low_x, high_x] = std::minmax({corner(0).x, corner(1).x, corner(2).x});
+                const auto [low_y, high_y] = std::minmax({corner(0).y, corner(1).y, corner(2).y});
                 i0 = std::clamp((low_x - place.x) / 256 - 2, 0, i1);
                 j0 = std::clamp((low_y - place.y) / 256 - 2, 0, j1);
                 i1 = std::clamp((high_x - place.x) / 256 + 2, 0, i1);
                 j1 = std::clamp((high_y - place.y) / 256 + 2, 0, j1);
             }
-            raster_slice(chunk, slice.begin, slice.end, 0, place, nullptr, kernels, samples);
+            raster_slice(chunk, slice.begin, slice.end, 0, {&place, 1}, nullptr, kernels,
+                         {&samples, 1});
             const bool of_back = (chunk.id_of(chunk.order[slice.begin]) & id_back_face) != 0;
             for (std::int32_t y = j0; y <= j1; ++y)
                 for (std::int32_t x = i0; x <= i1; ++x) {

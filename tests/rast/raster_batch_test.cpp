@@ -110,8 +110,8 @@ Seen seen_together(const std::vector<ScreenVertex>& vertices, std::uint32_t widt
     samples.clear();
     TilePlace place{window.first_x, window.first_y, window.width, window.height, {}, skip_hidden};
     if (!chunk.slices.empty())
-        raster_slice(chunk, 0, std::uint32_t(chunk.order.size()), 0, place, nullptr, kernels,
-                     samples);
+        raster_slice(chunk, 0, std::uint32_t(chunk.order.size()), 0, {&place, 1}, nullptr, kernels,
+                     {&samples, 1});
     // Entry of the tile → triangle.
     Seen seen{samples.depth, {}};
     for (const std::uint32_t number : samples.id)

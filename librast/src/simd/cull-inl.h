@@ -1,4 +1,4 @@
-// Which triangles are worth setting up.
+// Which triangles are worth drawing, and the tiles that they may reach.
 // Included once per instruction set, inside the namespace that has its lanes.
 
 // The corners of as many triangles as there are lanes.
@@ -11,7 +11,7 @@ RAST_INLINE void load_corners(const VertexRecord* records, const std::uint32_t* 
     }
 }
 
-inline std::uint32_t cull(const CullTask& task, std::uint16_t* survivors, CullCounts& counts) {
+inline std::uint32_t cull(const CullTask& task, CullResult& result, CullCounts& counts) {
     const Window& window = task.window;
     const std::int32_t low_bias = task.every_touched_pixel ? subpixels / 2 : subpixels - 1;
     const std::int32_t high_bias = task.every_touched_pixel ? subpixels / 2 : 0;
@@ -68,8 +68,21 @@ inline std::uint32_t cull(const CullTask& task, std::uint16_t* survivors, CullCo
                        ((from_y > set(window.height - 1)) | (to_y < set(0)))) |
                       (((z[0] < none) & (z[1] < none)) & (z[2] < none));
         drop(bits_of(off), counts.outside);
-        for (std::uint32_t rest = left | crossing; rest != 0; rest &= rest - 1)
-            survivors[kept++] = std::uint16_t(first + std::uint32_t(__builtin_ctz(rest)));
+        const std::uint32_t stay = left | crossing;
+        if (stay == 0) continue;
+        const M kept_lanes = mask_of(stay);
+        const I flags = select(mask_of(back), set(entry_back_face), set(0)) |
+                        select(mask_of(crossing), set(entry_crossing), set(0));
+        const auto tiles = [](I from, I to, std::int32_t extent) {
+            static_assert(tile_size == 64);
+            const I low = shift_right<6>(max(from, set(0)));
+            return low | shift_left<16>(shift_right<6>(min(to, set(extent - 1))));
+        };
+        compress_store(kept_lanes, (iota() + set(std::int32_t(first))) | flags,
+                       result.entries + kept);
+        compress_store(kept_lanes, tiles(from_x, to_x, window.width), result.columns + kept);
+        kept += std::uint32_t(
+            compress_store(kept_lanes, tiles(from_y, to_y, window.height), result.rows + kept));
     }
     return kept;
 }

@@ -22,7 +22,7 @@ struct TransformTask {
     VertexRecord* out = nullptr;
 };
 
-// Which triangles of a run are worth setting up.
+// Which triangles of a run are worth drawing.
 struct CullTask {
     const VertexRecord* records = nullptr;
     const std::uint32_t* indices = nullptr;  // three per triangle
@@ -35,21 +35,22 @@ struct CullCounts {
     std::uint32_t non_finite = 0, degenerate = 0, facing_away = 0, outside = 0, between_samples = 0;
     std::uint32_t crossing = 0;  // kept, with a corner that is not snapped
 };
-
-// Of a run's triangles those to be set up, all of whose corners are snapped.
-struct SetupTask {
-    const VertexRecord* records = nullptr;
-    const std::uint32_t* indices = nullptr;  // of the run, three per triangle
-    const std::uint16_t* numbers = nullptr;  // within the run
-    std::uint32_t count = 0;
-    std::uint32_t first_id = 0;  // of the run
-    bool mirrored = false, every_touched_pixel = false;
-    Window window;
+// Those that are left, in order.
+struct CullResult {
+    static constexpr std::size_t capacity = chunk_triangles + tile_padding;
+    std::int32_t entries[capacity];  // as TriangleChunk::order; crossing ones: their own number
+    // Tiles that the box of the triangle reaches, the first one and above it, from bit 16 on, the
+    // last one. Nothing for crossing ones.
+    std::int32_t columns[capacity], rows[capacity];
 };
 
-// The tiles that a triangle reaches: columns x0 … x1, rows y0 … y1.
-struct TileBox {
-    std::uint16_t x0 = 0, x1 = 0, y0 = 0, y1 = 0;
+// Entries of a chunk to be set up, none of them crossing.
+struct SetupTask {
+    const VertexRecord* records = nullptr;
+    const std::uint32_t* indices = nullptr;  // of the chunk's first triangle on
+    std::uint32_t first_id = 0;              // of that
+    const std::uint16_t* entries = nullptr;
+    std::uint32_t count = 0;  // at most SetupBlock::capacity
 };
 
 enum class NormalSource : std::uint8_t { none, face, interpolated, tangent_map, object_map };
@@ -155,16 +156,14 @@ struct AttributeTask {
 
 struct Kernels {
     void (*transform)(const TransformTask& task, std::size_t begin, std::size_t end);
-    // Numbers within the run to `survivors` (readable and writable up to chunk_triangles).
-    std::uint32_t (*cull)(const CullTask& task, std::uint16_t* survivors, CullCounts& counts);
-    // `out` and `boxes` have room for all.
-    void (*set_up)(const SetupTask& task, SetupTriangle* out, TileBox* boxes);
-    // Draws the triangles that `order` names into the tile, numbered from `first_number` on; of
-    // equal depths the lower number wins. Whatever is there already has a lower one. Leaves out
-    // those that are marked by order_crossing. `masked` is null or the draw whose alpha decides.
+    std::uint32_t (*cull)(const CullTask& task, CullResult& result, CullCounts& counts);
+    void (*set_up)(const SetupTask& task, SetupBlock& block);
+    // Draws the block's first `count` triangles into a tile, numbered from `first_number` on; of
+    // equal depths the lower number wins. Whatever is there already has a lower one. `masked` is
+    // null or the draw whose alpha decides.
     void (*raster)(float* depth, std::uint32_t* number, const TilePlace& place,
-                   const SetupTriangle* triangles, const std::uint32_t* order, std::size_t count,
-                   std::uint32_t first_number, const ShadeDraw* masked);
+                   const SetupBlock& block, std::size_t count, std::uint32_t first_number,
+                   const ShadeDraw* masked);
     // The runs of a tile's numbers, row by row; returns how many. `counts`: pixels per number,
     // added to. `runs` has room for every pixel.
     std::size_t (*collect)(const std::uint32_t* numbers, const TilePlace& place,

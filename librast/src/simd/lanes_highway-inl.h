@@ -166,6 +166,11 @@ HWY_INLINE std::uint32_t bits_of(M a) {
     return std::uint32_t(bytes[0]) | std::uint32_t(bytes[1]) << 8;
 }
 
+HWY_INLINE M mask_of(std::uint32_t bits) {
+    const std::uint8_t bytes[8] = {std::uint8_t(bits), std::uint8_t(bits >> 8)};
+    return {hn::LoadMaskBits(Floats(), bytes)};
+}
+
 HWY_INLINE F select(M m, F yes, F no) {
     return {hn::IfThenElse(m.v, yes.v, no.v)};
 }

@@ -163,6 +163,10 @@ inline std::uint32_t bits_of(M a) {
     return a.v ? 1u : 0u;
 }
 
+inline M mask_of(std::uint32_t bits) {
+    return {(bits & 1u) != 0};
+}
+
 inline F select(M m, F yes, F no) {
     return m.v ? yes : no;
 }

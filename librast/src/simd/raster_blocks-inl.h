@@ -10,7 +10,6 @@ RAST_INLINE void draw_blocks(const OneTriangle<plain>& one, const FarthestDepths
     constexpr float to_pixels = 1.0f / float(subpixels);
     constexpr std::int32_t size = FarthestDepths::block, across = FarthestDepths::across,
                            blocks = across * across, reach = size - 1;
-    const float dzdx = t.dzdx[lane], dzdy = t.dzdy[lane];
     for (std::int32_t first = 0; first < blocks; first += lane_count) {
         const I block = iota() + set(first);
         const I left = shift_left<4>(block & set(across - 1));
@@ -33,12 +32,12 @@ RAST_INLINE void draw_blocks(const OneTriangle<plain>& one, const FarthestDepths
         M there = in_box & (most > set(-1));
         if (farthest != nullptr) {
             // Depth's roundings keep its order, so that no sample is nearer than its corner's.
-            const I x = left + set(dzdx > 0 ? reach : 0), y = top + set(dzdy > 0 ? reach : 0);
-            const F run =
-                to_float(shift_left<subpixel_bits>(x) + set(t.from_x[lane])) * set(to_pixels);
+            const I x = left + select(one.dzdx > set(0.0f), set(reach), set(0));
+            const I y = top + set(one.dzdy > 0 ? reach : 0);
+            const F run = to_float(shift_left<subpixel_bits>(x) + set(one.from_x)) * set(to_pixels);
             const F rise =
-                to_float(shift_left<subpixel_bits>(y) + set(t.from_y[lane])) * set(to_pixels);
-            const F z = one.z0 + (set(dzdx) * run + set(dzdy) * rise);
+                to_float(shift_left<subpixel_bits>(y) + set(one.from_y)) * set(to_pixels);
+            const F z = one.z0 + (one.dzdx * run + set(one.dzdy) * rise);
             F nearest = select(z < one.z_high, max(z, one.z_low), one.z_high);  // NaN: z_high
             if (!plain && one.target.place->grid)
                 nearest = on_grid(one.target.place->grid, nearest);

@@ -1,16 +1,12 @@
 // One triangle at a time, row by row.
 // Included once per instruction set, inside the namespace that has its lanes.
 
-// TriangleLanes in memory, and one triangle of it.
+// What changes from tile to tile of TriangleLanes, in memory.
 struct TriangleBatch {
     std::int32_t edge[3][lane_count], right[3][lane_count], down[3][lane_count];
     std::int32_t i0[lane_count], j0[lane_count], i1[lane_count], j1[lane_count];
-    std::int32_t from_x[lane_count], from_y[lane_count];
-    float z0[lane_count], dzdx[lane_count], dzdy[lane_count];
-    float z_low[lane_count], z_high[lane_count];
-    std::int32_t number[lane_count];
 
-    void keep(const TriangleLanes& t) {
+    explicit TriangleBatch(const TriangleLanes& t) {
         for (int k = 0; k < 3; ++k) {
             store(t.edge[k], edge[k]);
             store(t.right[k], right[k]);
@@ -20,14 +16,6 @@ struct TriangleBatch {
         store(t.j0, j0);
         store(t.i1, i1);
         store(t.j1, j1);
-        store(t.from_x, from_x);
-        store(t.from_y, from_y);
-        store(t.z0, z0);
-        store(t.dzdx, dzdx);
-        store(t.dzdy, dzdy);
-        store(t.z_low, z_low);
-        store(t.z_high, z_high);
-        store(t.number, number);
     }
 };
 
@@ -50,23 +38,29 @@ struct OneTriangle {
     int lane;
     I number, id;  // in the tile; for the mask
     F z0, dzdx, z_low, z_high;
+    float dzdy;
+    std::int32_t from_x, from_y;         // from the first corner to the tile's first sample
     float rise[tile_size + lane_count];  // what depth adds in every row
 
-    OneTriangle(const TileTarget& where, const TriangleBatch& t, int which, std::uint32_t its_id)
+    // The block's triangle n, lane `which` of a batch.
+    OneTriangle(const TileTarget& where, const TriangleBatch& t, int which, const SetupBlock& block,
+                std::size_t n, std::uint32_t its_number)
         : target(where),
           batch(t),
           lane(which),
-          number(set(t.number[which])),
-          id(set(std::int32_t(its_id))),
-          z0(set(t.z0[which])),
-          dzdx(set(t.dzdx[which])),
-          z_low(set(t.z_low[which])),
-          z_high(set(t.z_high[which])) {
+          number(set(std::int32_t(its_number))),
+          id(set(block.id[n])),
+          z0(set(block.z0[n])),
+          dzdx(set(block.dzdx[n])),
+          z_low(set(block.z_low[n])),
+          z_high(set(block.z_high[n])),
+          dzdy(block.dzdy[n]),
+          from_x(where.place->x - block.x[0][n]),
+          from_y(where.place->y - block.y[0][n]) {
         constexpr float to_pixels = 1.0f / float(subpixels);
-        const F dzdy = set(t.dzdy[lane]);
         for (std::int32_t j = t.j0[lane]; j <= t.j1[lane]; j += lane_count) {
-            const I from = shift_left<subpixel_bits>(iota() + set(j)) + set(t.from_y[lane]);
-            store(dzdy * (to_float(from) * set(to_pixels)), rise + j);
+            const I from = shift_left<subpixel_bits>(iota() + set(j)) + set(from_y);
+            store(set(dzdy) * (to_float(from) * set(to_pixels)), rise + j);
         }
     }
 
@@ -77,8 +71,7 @@ struct OneTriangle {
         const I column = iota() + set(i), nothing = set(-1);
         const M in_box = column < set(batch.i1[lane] + 1);
         const F run =
-            dzdx * (to_float(shift_left<subpixel_bits>(column) + set(batch.from_x[lane])) *
-                    set(to_pixels));
+            dzdx * (to_float(shift_left<subpixel_bits>(column) + set(from_x)) * set(to_pixels));
         I e[3], down[3];
         for (int k = 0; edges && k < 3; ++k) {
             down[k] = set(batch.down[k][lane]);

@@ -19,11 +19,9 @@ struct TriangleLanes {
 };
 
 // The farthest depth of every block of a tile: what lies behind all blocks that it can reach need
-// not be drawn. Depths only ever come nearer, so that old values are safe; they are looked up again
-// after as many triangles as cost about as much.
+// not be drawn. Depths only ever come nearer, so that old values are safe.
 struct FarthestDepths {
     static constexpr std::int32_t block = 16, across = tile_size / block;
-    static constexpr std::size_t triangles_between = 128;
     float least[across * across];
 
     void look(const float* depths) {
