@@ -79,6 +79,13 @@ class Walker {
         kept_.append(reinterpret_cast<const char*>(bytes_.data()) + begin, end - begin);
     }
 
+    // OpenMesh adds the vertices when it reads their positions, and looks for them before without
+    // asking whether they are there.
+    Error before_positions() const {
+        return fail(
+            "vertices' normals, texture coordinates or connectivity before their positions");
+    }
+
     Result<void> complete() const {
         if (vertices_ > 0 && !have_positions_) return fail("the file has no positions");
         if (edges_ > 0 && !have_halfedges_) return fail("the file has no half-edges");
@@ -132,9 +139,15 @@ class Walker {
                                (entity == halfedges && type != positions);
             if (!known || !floats || bits > 1 || dim != (type == texcoords ? 2u : 3u))
                 return fail("positions, normals and texture coordinates of an unknown kind");
-            if (type == positions && have_positions_) return fail("positions a second time");
-            have_positions_ |= type == positions;
-            if (entity == vertices && !named) kind_ = Kind::mesh;
+            if (entity == vertices && !named) {
+                if (type == positions && have_positions_) return fail("positions a second time");
+                have_positions_ |= type == positions;
+                if (!have_positions_) return before_positions();
+                // Its reader takes texture coordinates in double for triples, and ends the process.
+                if (type == texcoords && bits != 0)
+                    return fail("texture coordinates in double, which OpenMesh does not read");
+                kind_ = Kind::mesh;
+            }
             size = count * dim * (std::uint64_t(4) << bits);
         } else if (type == status || type == color) {
             if (type == color && (dim < 3 || dim > 4)) return fail("colours of an unknown kind");
@@ -168,6 +181,7 @@ class Walker {
                      : entity == vertices ? have_outgoing_
                                           : have_faces_;
         if (have) return fail("connectivity a second time");
+        if (entity == vertices && !have_positions_) return before_positions();
         have = true;
         if (count * each * width > left())
             return fail("connectivity of " + std::to_string(count * each * width) +
