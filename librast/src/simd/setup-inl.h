@@ -3,7 +3,6 @@
 
 inline void set_up(const SetupTask& task, SetupBlock& out) {
     static_assert(SetupBlock::capacity % lane_count == 0);
-    // Corners first: their records, wherever they lie, are on their way before they are needed.
     std::uint32_t indices[3 * (SetupBlock::capacity + lane_count)];
     std::int32_t ids[SetupBlock::capacity + lane_count];
     std::uint32_t listed = 0;
@@ -12,13 +11,13 @@ inline void set_up(const SetupTask& task, SetupBlock& out) {
         ids[listed] =
             std::int32_t((task.first_id + number) | (entry & entry_back_face ? id_back_face : 0u));
         for (std::uint32_t k = 0; k < 3; ++k) {
-            const std::uint32_t vertex = task.indices[number * 3 + k];
-            indices[listed * 3 + k] = vertex;
-            __builtin_prefetch(task.records + vertex);
+            indices[listed * 3 + k] = task.indices[number * 3 + k];
         }
     }
-    for (; listed % std::uint32_t(lane_count) != 0; ++listed)
+    for (; listed % std::uint32_t(lane_count) != 0; ++listed) {  // lanes past the end
+        ids[listed] = ids[0];
         for (std::uint32_t k = 0; k < 3; ++k) indices[listed * 3 + k] = indices[k];
+    }
 
     for (std::uint32_t first = 0; first < task.count; first += std::uint32_t(lane_count)) {
         I x[3], y[3];
