@@ -29,35 +29,62 @@ std::int32_t tile_range(std::int32_t first_pixel, std::int32_t last_pixel) {
     return first_pixel / tile_size | last_pixel / tile_size << 16;
 }
 
-void bin(const Window& window, std::uint32_t kept, BinScratch& scratch, TriangleChunk& chunk) {
-    scratch.counts.resize(window.tile_count(), 0);
-    scratch.touched.clear();
-    const CullResult& list = scratch.kept;
-    const auto each_tile = [&](std::uint32_t e, const auto& visit) {
+// Calls visit(entry, tile) for every tile that an entry reaches, runs of the same tile at once:
+// visit_run(first, end, tile) for entries that reach it alone.
+template <class VisitRun, class Visit>
+void each_tile(const CullResult& list, std::uint32_t kept, std::int32_t tiles_x,
+               const VisitRun& visit_run, const Visit& visit) {
+    for (std::uint32_t e = 0, end = 0; e < kept; e = end) {
+        const std::int32_t tile = list.tile[e];
+        end = e + 1;
+        if (tile != CullResult::several_tiles) {
+            while (end < kept && list.tile[end] == tile) ++end;
+            visit_run(e, end, std::uint32_t(tile));
+            continue;
+        }
         const std::uint32_t columns = std::uint32_t(list.columns[e]);
         const std::uint32_t rows = std::uint32_t(list.rows[e]);
         for (std::uint32_t y = rows & 0xffffu; y <= rows >> 16; ++y)
             for (std::uint32_t x = columns & 0xffffu; x <= columns >> 16; ++x)
-                visit(y * std::uint32_t(window.tiles_x) + x);
+                visit(e, y * std::uint32_t(tiles_x) + x);
+    }
+}
+
+void bin(const Window& window, std::uint32_t kept, BinScratch& scratch, TriangleChunk& chunk) {
+    scratch.counts.resize(window.tile_count(), 0);
+    scratch.touched.clear();
+    const CullResult& list = scratch.kept;
+    std::uint32_t* const counts = scratch.counts.data();
+    const auto add = [&](std::uint32_t tile, std::uint32_t entries) {
+        if (counts[tile] == 0) scratch.touched.push_back(tile);
+        counts[tile] += entries;
     };
-    for (std::uint32_t e = 0; e < kept; ++e)
-        each_tile(e, [&](std::uint32_t tile) {
-            if (scratch.counts[tile]++ == 0) scratch.touched.push_back(tile);
-        });
+    each_tile(
+        list, kept, window.tiles_x,
+        [&](std::uint32_t first, std::uint32_t end, std::uint32_t tile) { add(tile, end - first); },
+        [&](std::uint32_t, std::uint32_t tile) { add(tile, 1); });
     chunk.slices.clear();
     std::uint32_t total = 0;
     for (const std::uint32_t tile : scratch.touched) {
-        const std::uint32_t count = scratch.counts[tile];
+        const std::uint32_t count = counts[tile];
         chunk.slices.push_back({tile, total, total + count});
-        scratch.counts[tile] = total;
+        counts[tile] = total;
         total += count;
     }
     chunk.order.resize(total);
-    for (std::uint32_t e = 0; e < kept; ++e)
-        each_tile(e, [&](std::uint32_t tile) {
-            chunk.order[scratch.counts[tile]++] = std::uint16_t(list.entries[e]);
+    std::uint16_t* const order = chunk.order.data();
+    each_tile(
+        list, kept, window.tiles_x,
+        [&](std::uint32_t first, std::uint32_t end, std::uint32_t tile) {
+            std::uint16_t* const to = order + counts[tile];
+            for (std::uint32_t e = first; e < end; ++e)
+                to[e - first] = std::uint16_t(list.entries[e]);
+            counts[tile] += end - first;
+        },
+        [&](std::uint32_t e, std::uint32_t tile) {
+            order[counts[tile]++] = std::uint16_t(list.entries[e]);
         });
-    for (const std::uint32_t tile : scratch.touched) scratch.counts[tile] = 0;
+    for (const std::uint32_t tile : scratch.touched) counts[tile] = 0;
 }
 
 // Sets up an entry that crosses; false: nothing of it is drawn.
@@ -96,16 +123,19 @@ std::uint32_t settle_crossing(const DrawGeometry& geometry, const Window& window
                               std::uint32_t kept, CullResult& list, TriangleChunk& chunk) {
     std::uint32_t settled = 0;
     for (std::uint32_t e = 0; e < kept; ++e) {
-        std::int32_t entry = list.entries[e], columns = list.columns[e], rows = list.rows[e];
+        std::int32_t entry = list.entries[e], tile = list.tile[e];
+        std::int32_t columns = list.columns[e], rows = list.rows[e];
         if (entry & entry_crossing) {
             PixelBox box{};
             if (!add_crossing(geometry, window, std::uint32_t(entry) & entry_number, chunk, box))
                 continue;
             entry = std::int32_t(chunk.crossing.size() - 1) | entry_crossing;
+            tile = CullResult::several_tiles;
             columns = tile_range(box.x0, box.x1);
             rows = tile_range(box.y0, box.y1);
         }
         list.entries[settled] = entry;
+        list.tile[settled] = tile;
         list.columns[settled] = columns;
         list.rows[settled++] = rows;
     }

@@ -78,11 +78,18 @@ inline std::uint32_t cull(const CullTask& task, CullResult& result, CullCounts& 
             const I low = shift_right<6>(max(from, set(0)));
             return low | shift_left<16>(shift_right<6>(min(to, set(extent - 1))));
         };
+        const I columns = tiles(from_x, to_x, window.width);
+        const I rows = tiles(from_y, to_y, window.height);
+        const I first_column = columns & set(0xffff), first_row = rows & set(0xffff);
+        const M single =
+            (first_column == shift_right<16>(columns)) & (first_row == shift_right<16>(rows));
+        const I tile = select(single, first_row * set(window.tiles_x) + first_column,
+                              set(CullResult::several_tiles));
         compress_store(kept_lanes, (iota() + set(std::int32_t(first))) | flags,
                        result.entries + kept);
-        compress_store(kept_lanes, tiles(from_x, to_x, window.width), result.columns + kept);
-        kept += std::uint32_t(
-            compress_store(kept_lanes, tiles(from_y, to_y, window.height), result.rows + kept));
+        compress_store(kept_lanes, tile, result.tile + kept);
+        compress_store(kept_lanes, columns, result.columns + kept);
+        kept += std::uint32_t(compress_store(kept_lanes, rows, result.rows + kept));
     }
     return kept;
 }

@@ -39,9 +39,10 @@ struct CullCounts {
 struct CullResult {
     static constexpr std::size_t capacity = chunk_triangles + tile_padding;
     std::int32_t entries[capacity];  // as TriangleChunk::order; crossing ones: their own number
-    // Tiles that the box of the triangle reaches, the first one and above it, from bit 16 on, the
-    // last one. Nothing for crossing ones.
-    std::int32_t columns[capacity], rows[capacity];
+    // The one tile that the box of the triangle reaches, or several_tiles; nothing for crossing
+    // ones. Its columns and rows: the first one and above it, from bit 16 on, the last one.
+    static constexpr std::int32_t several_tiles = -1;
+    std::int32_t tile[capacity], columns[capacity], rows[capacity];
 };
 
 // Entries of a chunk to be set up, none of them crossing.

@@ -4,7 +4,7 @@
 // Included once per instruction set, inside the namespace that has its lanes.
 
 // Boxes of at most so many pixels.
-inline constexpr std::int32_t points_across = 8, points_in_box = 32;
+inline constexpr std::int32_t points_across = 8, points_in_box = 20;
 
 // `chosen`: lanes to be drawn; their boxes are within the limits above.
 RAST_INLINE void raster_points(float* depths, std::uint32_t* ids, const DepthGrid& grid,

@@ -92,7 +92,8 @@ struct OneTriangle {
                 hit = hit & (z >= set(0.0f));
             }
             hit = hit & (z > load(depths));
-            if (!any(hit)) continue;
+            // Looking would be guessed wrong more often than it spares anything.
+            if (!plain && !any(hit)) continue;
             if (!plain && target.masked != nullptr)
                 hit = hit & alpha_passes(*target.masked,
                                          shift_left<subpixel_bits>(column) + set(target.place->x),
