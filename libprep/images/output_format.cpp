@@ -22,7 +22,16 @@ Result<std::unique_ptr<OIIO::ImageOutput>> output_for(const std::filesystem::pat
             "no image format is known for the ending '" + ending + "'; use .png, .jpg or .exr",
             place};
     }
+    if (!takes_proxies(*output, ending) && ending != ".tif" && ending != ".tiff")
+        return Error{ErrorCode::unsupported,
+                     "images are not written as '" + ending +
+                         "': its writer does not tell a full disk; use .png, .jpg or .exr",
+                     place};
     return output;
+}
+
+bool takes_proxies(const OIIO::ImageOutput& output, const std::string& ending) {
+    return output.supports("ioproxy") && ending != ".tif" && ending != ".tiff";
 }
 
 }  // namespace prep::detail

@@ -11,9 +11,13 @@
 
 namespace prep::detail {
 
-// By the ending of `path`, which is given back in lower case. Errors: unsupported (no ending, or
-// one that no writer knows).
+// By the ending of `path`, which is given back in lower case. Errors: unsupported (no ending,
+// one that no writer knows, or one whose writer does not notice that its bytes do not arrive).
 Result<std::unique_ptr<OIIO::ImageOutput>> output_for(const std::filesystem::path& path,
                                                       std::string& ending);
+
+// Whether it can be given a file of ours, or memory, in place of a name. That of TIFF says so and
+// gets it wrong (OpenImageIO 2.4); it checks its files itself.
+bool takes_proxies(const OIIO::ImageOutput& output, const std::string& ending);
 
 }  // namespace prep::detail

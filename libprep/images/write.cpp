@@ -95,8 +95,7 @@ Result<std::vector<std::byte>> encode_by_ending(const std::filesystem::path& pat
     auto made = detail::output_for(path, ending);
     if (!made) return made.error();
     std::unique_ptr<oiio::ImageOutput> output = *std::move(made);
-    // Of the writers that take memory, that of TIFF gets it wrong (OpenImageIO 2.4).
-    if (output->supports("ioproxy") && ending != ".tif" && ending != ".tiff")
+    if (detail::takes_proxies(*output, ending))
         return encode("memory" + ending, image, type, place);
     std::error_code error;
     const auto temporary =

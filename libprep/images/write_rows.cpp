@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "backend_parts.h"
+#include "checked_file.h"
 #include "encode_image.h"
 #include "output_format.h"
 #include "pixel_types.h"
@@ -20,9 +21,12 @@ Error failed(const std::string& why, const std::string& place) {
 
 class FileRows final : public RowWriter {
   public:
-    FileRows(std::unique_ptr<oiio::ImageOutput> output, const ImageLayout& layout,
-             std::string place)
-        : output_(std::move(output)), layout_(layout), place_(std::move(place)) {}
+    FileRows(std::unique_ptr<CheckedFile> file, std::unique_ptr<oiio::ImageOutput> output,
+             const ImageLayout& layout, std::string place)
+        : file_(std::move(file)),
+          output_(std::move(output)),
+          layout_(layout),
+          place_(std::move(place)) {}
 
     Result<void> write(const void* values, std::uint32_t rows) override {
         return guarded(ErrorCode::io, place_, [&]() -> Result<void> {
@@ -35,7 +39,10 @@ class FileRows final : public RowWriter {
 
     Result<void> close() override {
         return guarded(ErrorCode::io, place_, [&]() -> Result<void> {
-            if (!output_->close()) return failed(output_->geterror(), place_);
+            const bool good = output_->close();
+            const std::string problem = file_ ? file_->finish() : std::string();
+            if (!problem.empty()) return failed(problem, place_);
+            if (!good) return failed(output_->geterror(), place_);
             return {};
         });
     }
@@ -56,6 +63,7 @@ class FileRows final : public RowWriter {
         return put(oiio::TypeDesc::FLOAT, floats.data());
     }
 
+    std::unique_ptr<CheckedFile> file_;  // outlives the writer; none where that takes names only
     std::unique_ptr<oiio::ImageOutput> output_;
     ImageLayout layout_;
     std::string place_;
@@ -104,9 +112,18 @@ Result<std::unique_ptr<RowWriter>> open_checked(const std::filesystem::path& pat
         (!layout.integer.empty() && !output->supports("channelformats")))
         return Error{ErrorCode::unsupported,
                      "files of the ending '" + ending + "' hold no such channels; use .exr", place};
-    if (!output->open(file.string(), spec_of(layout, ending == ".exr")))
-        return failed(output->geterror(), place);
-    return std::unique_ptr<RowWriter>(std::make_unique<FileRows>(std::move(output), layout, place));
+    std::unique_ptr<CheckedFile> checked;
+    if (takes_proxies(*output, ending)) {
+        checked = std::make_unique<CheckedFile>(file.string());
+        output->set_ioproxy(checked.get());
+    }
+    if (!output->open(file.string(), spec_of(layout, ending == ".exr"))) {
+        const std::string why = output->geterror();
+        output.reset();  // before the file beneath it
+        return failed(why, place);
+    }
+    return std::unique_ptr<RowWriter>(
+        std::make_unique<FileRows>(std::move(checked), std::move(output), layout, place));
 }
 
 }  // namespace

@@ -1,11 +1,15 @@
 // Pictures written row by row, several files together.
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 
 #include <bit>
 #include <cmath>
+#include <csignal>
 #include <filesystem>
+#include <fstream>
 #include <limits>
+#include <random>
 
 #include "prep/image.h"
 #include "prep/io.h"
@@ -76,6 +80,50 @@ TEST_F(ImageFiles, RowsGiveTheBytesOfTheWholePicture) {
         ASSERT_TRUE(bytes);
         EXPECT_EQ(*bytes, written[0]);
     }
+}
+
+// What a full disk does, by a limit on the size of files.
+TEST_F(ImageFiles, AFileThatDoesNotFitIsAnErrorAndLeavesTheOldOne) {
+    rlimit before{};
+    ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
+    const auto old_handler = std::signal(SIGXFSZ, SIG_IGN);
+    std::mt19937 random(7);
+    std::vector<float> noise(300 * 200 * 3);
+    for (float& v : noise) v = float(random() % 256) / 255.0f;
+    for (const std::string ending :
+         {"png", "jpg", "bmp", "tga", "webp", "tif", "exr", "hdr", "ppm"}) {
+        SCOPED_TRACE(ending);
+        const bool floats = ending == "exr" || ending == "hdr";
+        const auto path = dir_ / ("a." + ending);
+        std::ofstream(path) << "old";
+        const rlimit small{8192, before.rlim_max};
+        ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &small), 0);
+        bool good = true;
+        {
+            prep::ImageFiles out;
+            const auto file = out.open(
+                path, layout(300, 200, 3, floats ? prep::PixelType::f32 : prep::PixelType::u8));
+            good = file.has_value();
+            good = good && out.write_rows(*file, noise).has_value();
+            good = out.commit().has_value() && good;
+        }
+        ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &before), 0);
+        EXPECT_FALSE(good);
+        const auto bytes = prep::read_file(path);
+        ASSERT_TRUE(bytes);
+        EXPECT_EQ(bytes->size(), 3u);
+        EXPECT_EQ(files(), 1u);
+        fs::remove(path);
+    }
+    std::signal(SIGXFSZ, old_handler);
+}
+
+TEST_F(ImageFiles, FormatsWhoseWritersMissAFullDiskAreNotWritten) {
+    prep::ImageFiles out;
+    const auto file = out.open(dir_ / "a.sgi", layout(3, 1, 3));
+    ASSERT_FALSE(file);
+    EXPECT_EQ(file.error().code, prep::ErrorCode::unsupported);
+    EXPECT_EQ(files(), 0u);
 }
 
 TEST_F(ImageFiles, FloatsKeepEveryBitInExr) {
