@@ -34,4 +34,9 @@ bool takes_proxies(const OIIO::ImageOutput& output, const std::string& ending) {
     return output.supports("ioproxy") && ending != ".tif" && ending != ".tiff";
 }
 
+void set_date(OIIO::ImageSpec& spec, const std::string& ending) {
+    for (const char* dated : {".exr", ".tif", ".tiff", ".dpx"})
+        if (ending == dated) spec.attribute("DateTime", "1970:01:01 00:00:00");
+}
+
 }  // namespace prep::detail

@@ -20,4 +20,7 @@ Result<std::unique_ptr<OIIO::ImageOutput>> output_for(const std::filesystem::pat
 // gets it wrong (OpenImageIO 2.4); it checks its files itself.
 bool takes_proxies(const OIIO::ImageOutput& output, const std::string& ending);
 
+// Formats that note when a file was written get one date for all: the same picture, the same bytes.
+void set_date(OIIO::ImageSpec& spec, const std::string& ending);
+
 }  // namespace prep::detail

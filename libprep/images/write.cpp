@@ -41,13 +41,16 @@ Result<void> check(const Image& image, const std::string& place) {
     return {};
 }
 
-oiio::ImageSpec spec_of(const Image& image, PixelType type, const std::string& name) {
+oiio::ImageSpec spec_of(const Image& image, PixelType type, const std::string& ending) {
     oiio::ImageSpec spec(int(image.width), int(image.height), int(image.channels), type_of(type));
     spec.attribute("oiio:ColorSpace", image.srgb ? "sRGB" : "Linear");
     spec.attribute("oiio:UnassociatedAlpha", 1);
-    // EXR files get the time of writing unless a date is given: the same picture, the same bytes.
-    if (name.ends_with(".exr")) spec.attribute("DateTime", "1970:01:01 00:00:00");
+    detail::set_date(spec, ending);
     return spec;
+}
+
+std::string ending_of(const std::string& name) {
+    return name.substr(name.rfind('.'));
 }
 
 Error failed(const std::string& why, const std::string& place) {
@@ -80,7 +83,7 @@ Result<std::vector<std::byte>> encode(const std::string& stand_in, const Image& 
         auto output = oiio::ImageOutput::create(stand_in);
         if (!output) return failed(oiio::geterror(), place);
         output->set_ioproxy(&memory);
-        if (!output->open(stand_in, spec_of(image, type, stand_in)) ||
+        if (!output->open(stand_in, spec_of(image, type, ending_of(stand_in))) ||
             !write_pixels(*output, image, type) || !output->close())
             return failed(output->geterror(), place);
     }
@@ -100,7 +103,7 @@ Result<std::vector<std::byte>> encode_by_ending(const std::filesystem::path& pat
     std::error_code error;
     const auto temporary =
         std::filesystem::temp_directory_path(error) / detail::unique_name("meshprep", ending);
-    const bool written = output->open(temporary.string(), spec_of(image, type, place)) &&
+    const bool written = output->open(temporary.string(), spec_of(image, type, ending)) &&
                          write_pixels(*output, image, type) && output->close();
     auto bytes = written ? read_file(temporary)
                          : Result<std::vector<std::byte>>(failed(output->geterror(), place));

@@ -85,7 +85,7 @@ Result<void> check(const ImageLayout& layout, const std::string& place) {
     return {};
 }
 
-oiio::ImageSpec spec_of(const ImageLayout& layout, bool exr) {
+oiio::ImageSpec spec_of(const ImageLayout& layout, const std::string& ending) {
     oiio::ImageSpec spec(int(layout.width), int(layout.height), int(layout.channels.size()),
                          type_of(layout.type));
     spec.channelnames = layout.channels;
@@ -95,8 +95,7 @@ oiio::ImageSpec spec_of(const ImageLayout& layout, bool exr) {
         spec.channelformats.push_back(integer ? oiio::TypeDesc::UINT32 : oiio::TypeDesc::FLOAT);
     spec.attribute("oiio:ColorSpace", layout.srgb ? "sRGB" : "Linear");
     spec.attribute("oiio:UnassociatedAlpha", 1);
-    // EXR files get the time of writing unless a date is given: the same picture, the same bytes.
-    if (exr) spec.attribute("DateTime", "1970:01:01 00:00:00");
+    set_date(spec, ending);
     return spec;
 }
 
@@ -117,7 +116,7 @@ Result<std::unique_ptr<RowWriter>> open_checked(const std::filesystem::path& pat
         checked = std::make_unique<CheckedFile>(file.string());
         output->set_ioproxy(checked.get());
     }
-    if (!output->open(file.string(), spec_of(layout, ending == ".exr"))) {
+    if (!output->open(file.string(), spec_of(layout, ending))) {
         const std::string why = output->geterror();
         output.reset();  // before the file beneath it
         return failed(why, place);

@@ -169,6 +169,7 @@ class Planner {
             plan_.view = orbit_view(prepared_, orbit);
             step("camera", true, "the scene has none: the whole of it is framed");
         }
+        plan_.view = bounded_view(prepared_, plan_.view);
         if (!(plan_.view.aspect > 0)) plan_.view.aspect = aspect;
     }
 

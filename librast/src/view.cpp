@@ -175,6 +175,18 @@ View orthographic_view(const prep::PreparedScene& scene, const View& view, doubl
     return out;
 }
 
+View bounded_view(const prep::PreparedScene& scene, const View& view) {
+    View out = view;
+    if (view.perspective || (view.zfar > 0 && std::isfinite(view.zfar))) return out;
+    out.zfar = std::max(2 * view.znear, 1e-30);
+    if (const std::optional<Bounds> bounds = world_bounds(scene)) {
+        const DepthRange range = depths_of(*bounds, view);
+        const double more = std::max(range.farthest - range.nearest, bounds->radius()) * 0.01;
+        out.zfar = std::max(out.zfar, range.farthest + more);
+    }
+    return out;
+}
+
 View turned_view(const View& view, const glm::dvec3& centre, double radians) {
     const double c = std::cos(radians), s = std::sin(radians);
     const glm::dmat3 turn(glm::dvec3(c, 0, -s), glm::dvec3(0, 1, 0), glm::dvec3(s, 0, c));

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace {
 
@@ -66,6 +67,30 @@ TEST(View, ProjectionRunsFromOneAtTheNearPlaneToZero) {
     const auto centre = rast::project(view, 100, 80, {0, 0, -2});
     EXPECT_DOUBLE_EQ(centre.x, 50);
     EXPECT_DOUBLE_EQ(centre.y, 40);
+}
+
+TEST(View, OrthographicWithoutAFarPlaneReachesBehindTheScene) {
+    const auto scene = box_scene({0, 0, -100}, {1, 1, 20});
+    rast::View view;
+    view.perspective = false;
+    view.znear = 0.01;
+    for (const double without : {0.0, std::numeric_limits<double>::infinity()}) {
+        view.zfar = without;
+        const rast::View bounded = rast::bounded_view(scene, view);
+        EXPECT_GT(bounded.zfar, 120);
+        EXPECT_LT(bounded.zfar, 121);
+        const auto projected = rast::project(bounded, 10, 10, {0, 0, -120});
+        EXPECT_GT(projected.depth, 0);
+        EXPECT_LT(projected.depth, 1);
+    }
+    view.zfar = 50;  // given: kept
+    EXPECT_EQ(rast::bounded_view(scene, view).zfar, 50);
+    view.perspective = true;
+    view.zfar = 0;  // infinity, which perspective can have
+    EXPECT_EQ(rast::bounded_view(scene, view).zfar, 0);
+    // All of it behind the eye: still a range.
+    view.perspective = false;
+    EXPECT_GT(rast::bounded_view(box_scene({0, 0, 100}, {1, 1, 1}), view).zfar, view.znear);
 }
 
 TEST(View, CameraLooksAlongItsNodesNegativeZ) {

@@ -127,6 +127,8 @@ TEST(RenderBuffers, UnknownOnesAreUsageErrors) {
              {"--look-at", "0,0,0"},
              {"--look-from", "1,2"},
              {"--look-from", "1,2,3", "--camera", "1,2"},
+             {"--look-from", "1,2,3", "--look-at", "1,2,3"},
+             {"--buffers", "depth", "--buffer-file", "x.png"},
              {"--fov", "180"},
              {"--fov", "nan"},
              {"--ortho", "0"},

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cmath>
 #include <numbers>
+#include <set>
 
 #include "meshprep/commands.h"
 #include "meshprep/file_list.h"
@@ -198,6 +199,31 @@ Result<Drawn> draw(rast::SceneRenderer& renderer, const rast::RenderPlan& plan,
     return drawn;
 }
 
+// What the scene has and no picture shows.
+std::vector<std::string> not_drawn(const prep::PreparedScene& prepared) {
+    std::set<std::uint32_t> materials;
+    std::size_t lines = 0, points = 0;
+    for (const prep::VertexMesh& mesh : prepared.meshes) {
+        for (const prep::VertexMesh::Range& range : mesh.ranges)
+            if (range.triangle_count > 0 && range.material != prep::no_index)
+                materials.insert(range.material);
+        lines += mesh.lines.size() / 2;
+        points += mesh.points.size();
+    }
+    std::vector<std::string> out;
+    for (const std::uint32_t m : materials) {
+        const prep::Material& material = prepared.scene.materials[m];
+        if (material.alpha_mode == prep::AlphaMode::blend)
+            out.push_back("material " +
+                          (material.name.empty() ? std::to_string(m) : "'" + material.name + "'") +
+                          " is drawn opaque: nothing is blended");
+    }
+    if (lines + points > 0)
+        out.push_back(count_of(lines, "line segment") + " and " + count_of(points, "point") +
+                      " are not drawn, only triangles are");
+    return out;
+}
+
 Result<Json> render_file(const RenderCommand& command, Console& console) {
     const CommonOptions& common = command.common;
     if (const Result<void> there = require_file(command.input); !there) return there.error();
@@ -262,7 +288,9 @@ Result<Json> render_file(const RenderCommand& command, Console& console) {
         for (const std::filesystem::path& path : drawn->paths)
             json["outputs"].push_back(path.string());
         if (n > 0) continue;
-        for (const std::string& text : drawn->frame.warnings) {
+        std::vector<std::string> warnings = not_drawn(*prepared);
+        warnings.insert(warnings.end(), drawn->frame.warnings.begin(), drawn->frame.warnings.end());
+        for (const std::string& text : warnings) {
             console.warning(common, text);
             json["warnings"].push_back(text);
         }

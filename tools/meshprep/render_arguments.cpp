@@ -274,6 +274,12 @@ CLI::App* define_render(CLI::App& app, RenderCommand& c) {
 void check_render(const RenderCommand& c) {
     if (!c.buffer_file.empty() && c.buffers.empty())
         usage_error("--buffer-file", "says where; give --buffers to say which");
+    if (!c.buffer_file.empty() && c.buffer_file.extension() != ".exr")
+        usage_error("--buffer-file",
+                    "'" + c.buffer_file.filename().string() + "' holds no buffers; name it .exr");
+    const auto* const place = std::get_if<PlaceChoice>(&c.camera);
+    if (place && place->at && *place->at == place->from)
+        usage_error("--look-at", "is where the camera stands");
     if (c.yfov && c.ortho_height)
         usage_error("--fov", "is an angle of perspective; --ortho has none, give one of them");
     const std::string name = c.output.filename().string();
