@@ -129,12 +129,12 @@ class Builder {
                                       : "a mesh has a 'file' or a 'shape', not both");
         if (spec.shape) {
             const ShapeSpec shape = with_defaults(*spec.shape);
-            const std::uint64_t faces = std::uint64_t(shape.segments) * shape.rings;
+            const std::uint64_t faces = face_count(shape);
             constexpr std::uint64_t most = std::uint64_t(1) << 24;
             if (faces > most - generated_faces_)
                 return error(
                     entry.name.pointer + "/shape",
-                    "segments × rings is " + std::to_string(faces) +
+                    "the shape has " + std::to_string(faces) + " faces" +
                         (generated_faces_ == 0 ? ", over 2^24"
                                                : ", and " + std::to_string(generated_faces_) +
                                                      " in the shapes before it; all "
@@ -167,6 +167,12 @@ class Builder {
         s.segments = std::max(s.segments == 0 ? (plane ? 1 : 64) : s.segments, fewest_segments);
         s.rings = std::max(s.rings == 0 ? (plane ? 1 : 32) : s.rings, fewest_rings);
         return s;
+    }
+
+    static std::uint64_t face_count(const ShapeSpec& s) {
+        if (s.kind == ShapeKind::box) return 6;
+        if (s.kind == ShapeKind::cylinder) return std::uint64_t(s.segments) + 2;
+        return std::uint64_t(s.segments) * s.rings;
     }
 
     static Mesh make_shape(const ShapeSpec& s) {
@@ -369,11 +375,15 @@ class Builder {
         if (!(glm::length(glm::cross(direction, c.up)) >
               1e-9 * glm::length(direction) * glm::length(c.up)))
             return error("/camera/up", "'up' is zero or points along the view; choose another");
+        if (c.fov && c.height)
+            return error("/camera/fov",
+                         "is an angle of perspective; 'height' makes the camera orthographic, give "
+                         "one of them");
         if (c.far > 0 && c.far <= c.near)
             return error("/camera/far", "'far' must lie beyond 'near'");
         Camera camera;
         camera.perspective = !c.height.has_value();
-        camera.yfov = c.fov * degrees;
+        camera.yfov = c.fov.value_or(45) * degrees;
         if (c.height) camera.xmag = camera.ymag = *c.height / 2;
         camera.znear = c.near;
         camera.zfar = c.far;

@@ -218,11 +218,35 @@ Table<ShapeSpec> shape_table() {
     };
 }
 
+bool has_key(ShapeKind kind, const std::string& key) {
+    const bool box = kind == ShapeKind::box, plane = kind == ShapeKind::plane;
+    const bool cylinder = kind == ShapeKind::cylinder;
+    if (key == "size") return box || plane;
+    if (key == "radius") return !box && !plane;
+    if (key == "height") return cylinder;
+    if (key == "tube") return kind == ShapeKind::torus;
+    if (key == "segments") return !box;
+    if (key == "rings") return !box && !cylinder;
+    return true;
+}
+
 Table<MeshSpec> mesh_table() {
     using T = MeshSpec;
     return {
         name("file", &T::file),
-        object("shape", &T::shape, shape_table()),
+        Field<T>{"shape",
+                 [](const Json& value, const std::string& pointer, T& out) -> Outcome {
+                     ShapeSpec shape;
+                     if (Outcome problem =
+                             schema::read_object(value, pointer, shape_table(), shape))
+                         return problem;
+                     for (const auto& [key, item] : value.items())
+                         if (!has_key(shape.kind, key))
+                             return Problem{pointer + "/" + pointer_key(key),
+                                            "a shape of this kind has no '" + key + "'"};
+                     out.shape = shape;
+                     return {};
+                 }},
         name("material", &T::material),
         Field<T>{"materials",
                  [](const Json& value, const std::string& pointer, T& out) -> Outcome {
@@ -317,7 +341,7 @@ Table<CameraSpec> camera_table() {
         optional_point("position", &T::position),
         optional_point("target", &T::target),
         numbers("up", &T::up, -huge, huge),
-        number("fov", &T::fov, 0.01, 179),
+        optional_number("fov", &T::fov, 0.01, 179),
         optional_number("height", &T::height, 1e-30, huge),
         number("near", &T::near, 1e-30, huge),
         number("far", &T::far, 0, huge),

@@ -88,7 +88,7 @@ struct OrbitSpec {
 struct CameraSpec {
     std::optional<glm::dvec3> position, target;
     glm::dvec3 up{0, 1, 0};
-    double fov = 45;               // degrees, vertical
+    std::optional<double> fov;     // degrees, vertical
     std::optional<double> height;  // orthographic
     double near = 0.01, far = 0;
     std::optional<OrbitSpec> orbit;

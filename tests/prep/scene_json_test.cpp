@@ -131,6 +131,8 @@ TEST(SceneJson, SaysWhereAndWhatContradictsTheFormat) {
             ErrorCode::invalid, "#/meshes/a/shape/radius", "-1"});
     expect({R"({"meshprep": 1, "meshes": {"a": {"shape": {"kind": "sphere", "radius": "1"}}}})",
             ErrorCode::invalid, "#/meshes/a/shape/radius", "number"});
+    expect({R"({"meshprep": 1, "meshes": {"a": {"shape": {"kind": "box", "radius": 1}}}})",
+            ErrorCode::invalid, "#/meshes/a/shape/radius", "no 'radius'"});
     expect({R"({"meshprep": 1, "meshes": {"a/b": {}}})", ErrorCode::invalid, "#/meshes/a~1b",
             "'file' or a 'shape'"});
     expect({R"({"meshprep": 1, "meshes": {"a": {"file": "x.obj", "shape": {"kind": "box"}}}})",
@@ -158,6 +160,8 @@ TEST(SceneJson, SaysWhichReferenceLeadsNowhereOrInACircle) {
            "no length");
     refuse(R"("camera": {"position": [1,1,1], "target": [1,1,1]})", "#/camera/target", "stands");
     refuse(R"("camera": {"position": [0,9,0], "target": [0,0,0]})", "#/camera/up", "along");
+    refuse(R"("camera": {"position": [0,0,1], "target": [0,0,0], "height": 2, "fov": 30})",
+           "#/camera/fov", "perspective");
     refuse(R"("camera": {"position": [0,0,1], "target": [0,0,0], "near": 2, "far": 1})",
            "#/camera/far", "beyond");
 }
@@ -165,7 +169,7 @@ TEST(SceneJson, SaysWhichReferenceLeadsNowhereOrInACircle) {
 TEST(SceneJson, GeneratedShapesAreLimitedTogether) {
     expect({R"({"meshprep": 1, "meshes": {"a": {"shape":
                {"kind": "sphere", "segments": 16777216, "rings": 2}}}})",
-            ErrorCode::limit, "#/meshes/a/shape", "33554432, over 2^24"});
+            ErrorCode::limit, "#/meshes/a/shape", "33554432 faces, over 2^24"});
     expect({R"({"meshprep": 1, "meshes": {"a": {"shape": {"kind": "plane", "segments": 64}},
                "b": {"shape": {"kind": "plane", "segments": 4096, "rings": 4096}}}})",
             ErrorCode::limit, "#/meshes/b/shape", "64 in the shapes before it"});
