@@ -218,7 +218,7 @@ class Resolver {
                 shade(p, corner_x + grid(share.centroid.x), corner_y + grid(share.centroid.y));
             sum += (glm::dvec4(glm::dvec3(color), 1.0) - empty) * share.area;
             ++counts.shaded;
-            counts.texture_samples += (*scene_.shade_draws)[p.draw].map_count();
+            counts.texture_samples += (*scene_.shade_draws)[p.draw].used_count;
         }
         frame_.color[std::size_t(y) * frame_.width + std::size_t(x)] = glm::vec4(sum);
         return counts;
@@ -226,8 +226,13 @@ class Resolver {
 
     glm::vec3 shade(const ScreenPolygon& p, std::int32_t x, std::int32_t y) const {
         std::array<std::array<float, tile_padding + 1>, 3> out;
-        const std::uint16_t first_pixel = 0;
-        ShadeTask task{{x, y, 1, 1, {}, true}, &first_pixel, &p.id, 1, {}};
+        const std::array<std::uint16_t, tile_padding + 1> pixels{};
+        const TriangleRun run{p.id, 1};
+        ShadeTask task;
+        task.place = {x, y, 1, 1, {}, true};
+        task.pixels = pixels.data();
+        task.runs = &run;
+        task.run_count = 1;
         for (std::size_t c = 0; c < 3; ++c) task.out[c] = out[c].data();
         scene_.kernels->shade((*scene_.shade_draws)[p.draw], *scene_.shade_frame, task);
         return {out[0][0], out[1][0], out[2][0]};

@@ -10,53 +10,108 @@ void copy3(const glm::dvec3& from, float to[3]) {
     for (int k = 0; k < 3; ++k) to[k] = float(from[k]);
 }
 
-BoundMap bind(const RenderPlan& plan, const prep::TextureRef& ref, const prep::VertexMesh& mesh,
-              const TextureSet& textures) {
-    BoundMap bound;
-    if (!ref || !plan.request.textures || ref.texture >= textures.size()) return bound;
-    if (!textures[ref.texture] || ref.uv_set >= mesh.uvs.size() || mesh.uvs[ref.uv_set].empty())
-        return bound;
-    bound.texture = textures[ref.texture].get();
-    bound.uv = &mesh.uvs[ref.uv_set][0].x;
-    bound.filter = plan.request.filter;
-    bound.most = plan.request.max_anisotropy;
-    // KHR_texture_transform: offset + rotation · scale · uv.
-    const double c = std::cos(double(ref.rotation)), s = std::sin(double(ref.rotation));
-    bound.matrix[0] = float(c * ref.scale.x);
-    bound.matrix[1] = float(s * ref.scale.y);
-    bound.matrix[2] = float(-s * ref.scale.x);
-    bound.matrix[3] = float(c * ref.scale.y);
-    bound.offset[0] = ref.offset.x;
-    bound.offset[1] = ref.offset.y;
-    bound.strength = ref.strength;
-    return bound;
-}
-
 // Maps of one draw. Where nothing is to be left out, those that a material does not have are
 // neutral ones: factors of 1, and normals straight up.
 class Binder {
   public:
-    Binder(const RenderPlan& plan, const prep::VertexMesh& mesh, const TextureSet& textures)
-        : plan_(plan), mesh_(mesh), textures_(textures) {}
+    Binder(const RenderPlan& plan, const prep::VertexMesh& mesh, const TextureSet& textures,
+           ShadeDraw& draw)
+        : plan_(plan), mesh_(mesh), textures_(textures), draw_(draw) {}
 
-    BoundMap factor(const prep::TextureRef& ref) const { return or_neutral(ref, white_map); }
-    BoundMap normals(const prep::TextureRef& ref) const { return or_neutral(ref, flat_map); }
+    bool bind(MapKind kind, const prep::TextureRef& ref) {
+        if (!ref || !plan_.request.textures || ref.texture >= textures_.size()) return false;
+        if (!textures_[ref.texture] || ref.uv_set >= mesh_.uvs.size() ||
+            mesh_.uvs[ref.uv_set].empty())
+            return false;
+        MapPlace place;
+        place.uv = &mesh_.uvs[ref.uv_set][0].x;
+        // KHR_texture_transform: offset + rotation · scale · uv.
+        const double c = std::cos(double(ref.rotation)), s = std::sin(double(ref.rotation));
+        place.matrix[0] = float(c * ref.scale.x);
+        place.matrix[1] = float(s * ref.scale.y);
+        place.matrix[2] = float(-s * ref.scale.x);
+        place.matrix[3] = float(c * ref.scale.y);
+        place.offset[0] = ref.offset.x;
+        place.offset[1] = ref.offset.y;
+        set(kind, *textures_[ref.texture], place, ref.strength);
+        return true;
+    }
+    bool factor(MapKind kind, const prep::TextureRef& ref) {
+        return bind(kind, ref) || neutral(kind, white_map);
+    }
+    bool normals(const prep::TextureRef& ref) {
+        return bind(normal_map, ref) || neutral(normal_map, flat_map);
+    }
+
+    // Those that read the same texels next to each other.
+    void order() {
+        bool taken[map_kinds] = {};
+        for (int first = 0; first < map_kinds; ++first)
+            for (int kind = first; kind < map_kinds; ++kind) {
+                BoundMap& map = draw_.maps[kind];
+                if (!map || taken[kind] || !draw_.maps[first]) continue;
+                if (kind != first && (!taken[first] || !alike(draw_.maps[first], map))) continue;
+                if (kind != first && draw_.maps[first].same_texels) continue;
+                map.same_texels = kind != first;
+                draw_.used[draw_.used_count++] = std::uint8_t(kind);
+                taken[kind] = true;
+            }
+    }
 
   private:
-    BoundMap or_neutral(const prep::TextureRef& ref, std::size_t from_end) const {
-        BoundMap bound = bind(plan_, ref, mesh_, textures_);
-        if (bound || plan_.request.prune || mesh_.uvs.empty() || mesh_.uvs[0].empty()) return bound;
-        bound.texture = textures_[textures_.size() - from_end].get();
-        bound.uv = &mesh_.uvs[0][0].x;
-        bound.filter = plan_.request.filter;
-        bound.most = plan_.request.max_anisotropy;
-        return bound;
+    static bool alike(const BoundMap& a, const BoundMap& b) {
+        const TextureView &x = a.texture->view(), &y = b.texture->view();
+        return a.place == b.place && a.filter == b.filter && x.by_lanes && y.by_lanes &&
+               x.level_count == y.level_count && x.widths[0] == y.widths[0] &&
+               x.heights[0] == y.heights[0] && x.wrap_u == y.wrap_u && x.wrap_v == y.wrap_v;
+    }
+
+    void set(MapKind kind, const MipTexture& texture, const MapPlace& place, float strength) {
+        std::uint8_t at = 0;
+        while (at < draw_.place_count && !(draw_.places[at] == place)) ++at;
+        draw_.places[at] = place;
+        draw_.place_count = std::max(draw_.place_count, std::uint8_t(at + 1));
+        BoundMap& map = draw_.maps[kind];
+        map.texture = &texture;
+        map.place = at;
+        map.filter = plan_.request.filter;
+        map.most = plan_.request.max_anisotropy;
+        map.strength = strength;
+    }
+
+    bool neutral(MapKind kind, std::size_t from_end) {
+        if (plan_.request.prune || mesh_.uvs.empty() || mesh_.uvs[0].empty()) return false;
+        MapPlace place;
+        place.uv = &mesh_.uvs[0][0].x;
+        set(kind, *textures_[textures_.size() - from_end], place, 1);
+        return true;
     }
 
     const RenderPlan& plan_;
     const prep::VertexMesh& mesh_;
     const TextureSet& textures_;
+    ShadeDraw& draw_;
 };
+
+// The material's maps and what depends on them.
+void bind_maps(const RenderPlan& plan, const prep::Material& material, Binder& binder,
+               ShadeDraw& s) {
+    binder.factor(diffuse_map, material.diffuse_map);
+    binder.factor(emissive_map, material.emissive_map);
+    if (material.unlit) return;
+    if (material.metallic_roughness)
+        binder.factor(metallic_roughness_map, material.metallic_roughness_map);
+    else
+        binder.factor(specular_map, material.specular_map);
+    binder.factor(occlusion_map, material.occlusion_map);
+    if (plan.request.shading != Shading::normal_mapped || s.normals == nullptr) return;
+    // A neutral map is one in tangent space.
+    if (material.normal_map_space == prep::NormalMapSpace::object) {
+        if (binder.bind(normal_map, material.normal_map)) s.source = NormalSource::object_map;
+    } else if (s.tangents != nullptr) {
+        if (binder.normals(material.normal_map)) s.source = NormalSource::tangent_map;
+    }
+}
 
 }  // namespace
 
@@ -156,30 +211,12 @@ ShadeDraw shade_draw(const RenderPlan& plan, const prep::PreparedScene& scene, c
     s.shininess = std::max(shininess, 0.0f);
     s.alpha_cutoff = material.alpha_cutoff;
     s.flip_green = material.normal_map_flip_green;
-    const Binder binder(plan, mesh, textures);
-    s.diffuse_map = binder.factor(material.diffuse_map);
-    s.emissive_map = binder.factor(material.emissive_map);
-    if (material.unlit) return s;
-    s.metallic_roughness = material.metallic_roughness;
+    s.metallic_roughness = !material.unlit && material.metallic_roughness;
     s.metallic = material.metallic;
     s.roughness = material.roughness;
-    if (material.metallic_roughness)
-        s.metallic_roughness_map = binder.factor(material.metallic_roughness_map);
-    else
-        s.specular_map = binder.factor(material.specular_map);
-    s.occlusion_map = binder.factor(material.occlusion_map);
-    if (plan.request.shading != Shading::normal_mapped || s.normals == nullptr) return s;
-    // A neutral map is one in tangent space.
-    s.normal_map = material.normal_map_space == prep::NormalMapSpace::object
-                       ? bind(plan, material.normal_map, mesh, textures)
-                       : binder.normals(material.normal_map);
-    if (!s.normal_map) return s;
-    if (material.normal_map_space == prep::NormalMapSpace::object)
-        s.source = NormalSource::object_map;
-    else if (s.tangents != nullptr)
-        s.source = NormalSource::tangent_map;
-    else
-        s.normal_map = {};
+    Binder binder(plan, mesh, textures, s);
+    bind_maps(plan, material, binder, s);
+    binder.order();
     return s;
 }
 

@@ -2,6 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <new>
+#if defined(__linux__)
+#include <sys/mman.h>
+#endif
 
 #include "color.h"
 #include "elementary.h"
@@ -9,27 +14,19 @@
 namespace rast {
 namespace {
 
-MipTexture::Level base_level(const prep::Image& image, bool colour) {
-    MipTexture::Level level(image.width, image.height);
-    level.allocate();
-    // 8-bit files have 256 values: the table saves a pow per channel and changes no bit.
-    float table[256];
-    for (int i = 0; i < 256; ++i) table[i] = srgb_to_linear(float(i) / 255.0f);
-    const auto decode = [&](float x) {
-        if (!colour) return x;
-        if (!(x >= 0 && x <= 1)) return srgb_to_linear(x);
-        const int i = int(x * 255.0f + 0.5f);
-        return float(i) / 255.0f == x ? table[i] : srgb_to_linear(x);
-    };
-    for (std::size_t i = 0; i < std::size_t(image.width) * image.height; ++i) {
-        const float* p = image.pixels.data() + i * image.channels;
-        glm::vec4& t = level.texels[level.at(i % image.width, i / image.width)];
-        if (image.channels >= 3)
-            t = {decode(p[0]), decode(p[1]), decode(p[2]), image.channels > 3 ? p[3] : 1.0f};
-        else
-            t = glm::vec4(glm::vec3(decode(p[0])), image.channels == 2 ? p[1] : 1.0f);
-    }
-    return level;
+// The number of a 16-bit file that a value is (8-bit ones are among them); below 0: none.
+std::int32_t code_of(float x) {
+    if (!(x >= 0 && x <= 1)) return -1;
+    const float scaled = x * 65535.0f;
+    const auto code = std::int32_t(scaled + 0.5f);
+    return std::abs(scaled - float(code)) < 0.01f ? code : -1;
+}
+
+bool fits_packed(const prep::Image& image) {
+    const std::size_t colours = image.channels >= 3 ? 3 : 1, channels = image.channels;
+    for (std::size_t i = 0; i < image.pixels.size(); ++i)
+        if (i % channels < colours && code_of(image.pixels[i]) < 0) return false;
+    return true;
 }
 
 // One axis of the next level: which texels of the finer one a texel covers, with weights. Box
@@ -52,26 +49,6 @@ std::vector<Tap> taps(std::uint32_t from, std::uint32_t to) {
         }
     }
     return result;
-}
-
-// Half the texels along the axes that are asked for.
-MipTexture::Level next_level(const MipTexture::Level& fine, bool halve_x, bool halve_y) {
-    MipTexture::Level coarse(halve_x ? std::max(1u, fine.width / 2) : fine.width,
-                             halve_y ? std::max(1u, fine.height / 2) : fine.height);
-    if (fine.texels.empty()) return coarse;  // its size is asked for
-    coarse.allocate();
-    const std::vector<Tap> across = taps(fine.width, coarse.width);
-    const std::vector<Tap> down = taps(fine.height, coarse.height);
-    for (std::uint32_t y = 0; y < coarse.height; ++y)
-        for (std::uint32_t x = 0; x < coarse.width; ++x) {
-            glm::vec4 sum(0.0f);
-            for (std::uint32_t j = 0; j < down[y].count; ++j)
-                for (std::uint32_t i = 0; i < across[x].count; ++i)
-                    sum += fine.texels[fine.at(across[x].first + i, down[y].first + j)] *
-                           (down[y].weight[j] * across[x].weight[i]);
-            coarse.texels[coarse.at(x, y)] = sum;
-        }
-    return coarse;
 }
 
 // Whole texel and the rest, for coordinates of any size (beyond 2^40 texels the rest is lost, and
@@ -118,46 +95,150 @@ TextureLevels levels_for(TextureFilter filter) {
     return TextureLevels::mipmap;
 }
 
+void MipTexture::add_level(std::vector<Level>& to, std::uint32_t width, std::uint32_t height) {
+    // Rows of a multiple of 4,096 bytes are a cache line longer: a column of texels would otherwise
+    // share a few sets of the caches and push itself out.
+    const std::uint32_t pitch = width % 256 == 0 ? width + 8 : width;
+    to.push_back({width, height, pitch, texel_count_});
+    texel_count_ += std::size_t(pitch) * height;
+}
+
 MipTexture::MipTexture(const prep::Image& image, const prep::Texture& sampler, bool colour,
                        TextureLevels levels)
     : lazy_(std::make_unique<Lazy>()), wrap_u_(sampler.wrap_u), wrap_v_(sampler.wrap_v) {
-    const Level sizes(image.width, image.height);
-    levels_.push_back(sizes);
+    const auto half = [](std::uint32_t size) { return std::max(1u, size / 2); };
+    add_level(levels_, image.width, image.height);
     if (levels == TextureLevels::mipmap)
         while (levels_.back().width > 1 || levels_.back().height > 1)
-            levels_.push_back(next_level(levels_.back(), true, true));
+            add_level(levels_, half(levels_.back().width), half(levels_.back().height));
     if (levels == TextureLevels::ripmap) {
-        rip_.push_back(sizes);
-        while (rip_.back().width > 1) rip_.push_back(next_level(rip_.back(), true, false));
+        rip_.push_back(levels_[0]);
+        while (rip_.back().width > 1) add_level(rip_, half(rip_.back().width), image.height);
         rip_columns_ = rip_.size();
         for (std::size_t above = 0; rip_[above].height > 1; above += rip_columns_)
             for (std::size_t c = 0; c < rip_columns_; ++c)
-                rip_.push_back(next_level(rip_[above + c], false, true));
+                add_level(rip_, rip_[c].width, half(rip_[above].height));
         lazy_->rip = std::vector<std::atomic<bool>>(rip_.size());
     }
-    levels_[0] = base_level(image, colour);
+    allocate(image);
+    make_first(image, colour);
     view_.level_count = std::uint32_t(levels_.size());
-    const auto by_lanes = [](prep::Wrap wrap, std::uint32_t size) {
-        return wrap == prep::Wrap::clamp ||
-               (wrap != prep::Wrap::border && (size & (size - 1)) == 0);
-    };
+    view_.wrap_u = wrap_u_;
+    view_.wrap_v = wrap_v_;
     view_.by_lanes = levels_.size() <= TextureView::most_levels &&
-                     by_lanes(wrap_u_, levels_[0].width) && by_lanes(wrap_v_, levels_[0].height);
-    view_.u.wrap = wrap_u_;
-    view_.v.wrap = wrap_v_;
+                     texel_count_ < (std::size_t(1) << 29);  // four floats each: below 2^31
     for (std::size_t l = 0; view_.by_lanes && l < levels_.size(); ++l) {
         view_.widths[l] = std::int32_t(levels_[l].width);
-        view_.pitches[l] = std::int32_t(levels_[l].pitch);
         view_.heights[l] = std::int32_t(levels_[l].height);
+        view_.pitches[l] = std::int32_t(levels_[l].pitch);
+        view_.firsts[l] = std::int32_t(levels_[l].first);
     }
-    view_.texels[0] = &levels_[0].texels[0].x;
+}
+
+void FreeTexels::operator()(std::byte* memory) const {
+    std::free(memory);
+}
+
+void MipTexture::allocate(const prep::Image& image) {
+    // Not initialised: levels that nobody reads shall take no memory.
+    const bool packed = fits_packed(image);
+    const bool alpha = packed && (image.channels == 2 || image.channels > 3);
+    const std::size_t texel_bytes = packed ? sizeof(std::uint64_t) : 4 * sizeof(float);
+    const std::size_t bytes = texel_count_ * (texel_bytes + (alpha ? sizeof(float) : 0));
+    // Neighbours in a column are a row apart: with small pages, each of them is a page of its own,
+    // and looking pages up takes longer than reading texels.
+    constexpr std::size_t large_page = std::size_t(1) << 21;
+    const std::size_t unit = bytes < large_page ? 64 : large_page;
+    memory_.reset(
+        static_cast<std::byte*>(std::aligned_alloc(unit, (bytes + unit - 1) / unit * unit)));
+    if (!memory_) throw std::bad_alloc();
+#if defined(__linux__)
+    if (unit == large_page) madvise(memory_.get(), bytes, MADV_HUGEPAGE);
+#endif
+    if (packed)
+        packed_ = reinterpret_cast<std::uint64_t*>(memory_.get());
+    else
+        floats_ = reinterpret_cast<float*>(memory_.get());
+    if (alpha) alpha_ = reinterpret_cast<float*>(memory_.get() + texel_count_ * texel_bytes);
+    view_.packed = packed_;
+    view_.floats = floats_;
+    view_.alpha = alpha_;
+}
+
+glm::vec4 MipTexture::raw(std::size_t index) const {
+    if (floats_) {
+        const float* const t = &floats_[index * 4];
+        return {t[0], t[1], t[2], t[3]};
+    }
+    constexpr std::uint32_t mask = (1u << packed_bits) - 1;
+    const std::uint32_t low = std::uint32_t(packed_[index]),
+                        high = std::uint32_t(packed_[index] >> 32);
+    return {float(low & mask), float(low >> packed_bits | high >> packed_bits << 11),
+            float(high & mask), alpha_ ? alpha_[index] : 1.0f};
+}
+
+glm::vec4 MipTexture::finished(const glm::vec4& filtered) const {
+    if (floats_) return filtered;
+    glm::vec4 out = filtered;
+    for (int k = 0; k < 3; ++k) out[k] = filtered[k] * unpack_high + filtered[k] * unpack_low;
+    return out;
+}
+
+void MipTexture::write(std::size_t index, const glm::vec4& value) const {
+    if (floats_) {
+        for (std::size_t k = 0; k < 4; ++k) floats_[index * 4 + k] = value[int(k)];
+        return;
+    }
+    std::uint32_t code[3];
+    for (int k = 0; k < 3; ++k)
+        code[k] = std::uint32_t(std::clamp(value[k] + 0.5f, 0.0f, float(texel_scale)));
+    constexpr std::uint32_t low_green = (1u << 11) - 1;
+    packed_[index] = std::uint64_t(code[0] | (code[1] & low_green) << packed_bits) |
+                     std::uint64_t(code[2] | code[1] >> 11 << packed_bits) << 32;
+    if (alpha_) alpha_[index] = value.a;
+}
+
+void MipTexture::make_first(const prep::Image& image, bool colour) {
+    std::vector<std::int32_t> decoded;  // of the codes that came, times texel_scale
+    if (packed_ && colour) decoded.assign(65536, -1);
+    const auto decode = [&](float x) {
+        if (!packed_) return colour ? srgb_to_linear(x) : x;
+        const std::int32_t code = code_of(x);
+        if (!colour) return float(code * (texel_scale / 65535));
+        std::int32_t& known = decoded[std::size_t(code)];
+        if (known < 0)
+            known =
+                std::int32_t(double(srgb_to_linear(float(code) / 65535.0f)) * texel_scale + 0.5);
+        return float(known);
+    };
+    for (std::size_t i = 0; i < std::size_t(image.width) * image.height; ++i) {
+        const float* p = image.pixels.data() + i * image.channels;
+        const std::size_t at = levels_[0].at(i % image.width, i / image.width);
+        if (image.channels >= 3)
+            write(at, {decode(p[0]), decode(p[1]), decode(p[2]), image.channels > 3 ? p[3] : 1.0f});
+        else
+            write(at, glm::vec4(glm::vec3(decode(p[0])), image.channels == 2 ? p[1] : 1.0f));
+    }
+}
+
+void MipTexture::make_next(const Level& fine, const Level& coarse) const {
+    const std::vector<Tap> across = taps(fine.width, coarse.width);
+    const std::vector<Tap> down = taps(fine.height, coarse.height);
+    for (std::uint32_t y = 0; y < coarse.height; ++y)
+        for (std::uint32_t x = 0; x < coarse.width; ++x) {
+            glm::vec4 sum(0.0f);
+            for (std::uint32_t j = 0; j < down[y].count; ++j)
+                for (std::uint32_t i = 0; i < across[x].count; ++i)
+                    sum += raw(fine.at(across[x].first + i, down[y].first + j)) *
+                           (down[y].weight[j] * across[x].weight[i]);
+            write(coarse.at(x, y), sum);
+        }
 }
 
 void MipTexture::make_pyramid(std::uint32_t last) const {
     const std::lock_guard lock(lazy_->mutex);
     for (std::uint32_t l = lazy_->pyramid; l <= last && l < levels_.size(); ++l) {
-        levels_[l] = next_level(levels_[l - 1], true, true);
-        if (l < TextureView::most_levels) view_.texels[l] = &levels_[l].texels[0].x;
+        make_next(levels_[l - 1], levels_[l]);
         lazy_->pyramid.store(l + 1, std::memory_order_release);
     }
 }
@@ -169,13 +250,13 @@ void MipTexture::make_rip(std::size_t index) const {
     make_rip(from);
     const std::lock_guard lock(lazy_->mutex);
     if (lazy_->rip[index]) return;
-    rip_[index] = next_level(from == 0 ? levels_[0] : rip_[from], first_row, !first_row);
+    make_next(rip_[from], rip_[index]);
     lazy_->rip[index].store(true, std::memory_order_release);
 }
 
 const MipTexture::Level& MipTexture::rip_level(std::size_t index) const {
     make_rip(index);
-    return index == 0 ? levels_[0] : rip_[index];
+    return rip_[index];
 }
 
 void MipTexture::make_all_levels() const {
@@ -193,7 +274,7 @@ glm::vec4 MipTexture::nearest(const Level& level, const glm::vec2& uv) const {
     const std::int64_t x = wrap_texel(whole(uv.x * float(level.width)), level.width, wrap_u_);
     const std::int64_t y = wrap_texel(whole(uv.y * float(level.height)), level.height, wrap_v_);
     if (x < 0 || y < 0) return glm::vec4(0.0f);
-    return level.texels[level.at(std::size_t(x), std::size_t(y))];
+    return raw(level.at(std::size_t(x), std::size_t(y)));
 }
 
 glm::vec4 MipTexture::bilinear(const Level& level, const glm::vec2& uv) const {
@@ -206,8 +287,7 @@ glm::vec4 MipTexture::bilinear(const Level& level, const glm::vec2& uv) const {
     const std::int64_t y0 = wrap_texel(y, level.height, wrap_v_);
     const std::int64_t y1 = wrap_texel(y + 1, level.height, wrap_v_);
     const auto at = [&](std::int64_t i, std::int64_t j) {
-        return i < 0 || j < 0 ? glm::vec4(0.0f)
-                              : level.texels[level.at(std::size_t(i), std::size_t(j))];
+        return i < 0 || j < 0 ? glm::vec4(0.0f) : raw(level.at(std::size_t(i), std::size_t(j)));
     };
     // a + f·(b − a): a constant texture stays bit-constant.
     const glm::vec4 a = at(x0, y0), c = at(x0, y1);

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <memory>
@@ -25,18 +26,33 @@ struct Footprint {
 enum class TextureLevels : std::uint8_t { base, mipmap, ripmap };
 TextureLevels levels_for(TextureFilter filter);
 
-// The pyramid as the kernels read it. `by_lanes`: without borders, and no axis that repeats has a
-// length other than a power of two.
-struct TextureAxis {
-    prep::Wrap wrap = prep::Wrap::repeat;
-};
+// How texels lie in memory, all levels one after the other. Files of 8 and 16 bits are packed: red,
+// green and blue of 21 bits each in 8 bytes, texel_scale being 1, which holds every value of such a
+// file exactly (decoded from sRGB, and in coarser levels, to 2^-22, a quarter of what half floats
+// would keep of white); alpha, where there is one, lies apart. Anything else stays floats.
+enum class TexelFormat : std::uint8_t { packed, floats };
+inline constexpr std::int32_t texel_scale = 65535 * 32;  // of 2^21 − 1
+inline constexpr int packed_bits = 21;
+// Filters work on the packed numbers; the sum of both products is then correctly rounded k / 255
+// and k / 65535 where the filtered texels are all alike.
+inline constexpr float unpack_high = 0x1p-21f, unpack_low = 0x1.0001p-37f;
+
+// The pyramid as the kernels read it. Index of a texel: firsts[level] + y · pitches[level] + x.
+// A packed texel: red and the low 11 bits of green, then blue and the high 10 bits of green.
 struct TextureView {
     static constexpr std::size_t most_levels = 17;  // of 65,536 texels a side
-    std::int32_t widths[most_levels] = {}, heights[most_levels] = {}, pitches[most_levels] = {};
-    std::array<const float*, most_levels> texels{};
+    std::int32_t widths[most_levels] = {}, heights[most_levels] = {};
+    std::int32_t pitches[most_levels] = {}, firsts[most_levels] = {};
     std::uint32_t level_count = 0;
-    TextureAxis u, v;
-    bool by_lanes = false;
+    const std::uint64_t* packed = nullptr;  // or
+    const float* floats = nullptr;          // four a texel
+    const float* alpha = nullptr;           // of packed texels; null: 1
+    prep::Wrap wrap_u = prep::Wrap::repeat, wrap_v = prep::Wrap::repeat;
+    bool by_lanes = false;  // texels can be told apart by 32 bits
+};
+
+struct FreeTexels {
+    void operator()(std::byte* memory) const;
 };
 
 class MipTexture {
@@ -77,23 +93,32 @@ class MipTexture {
     float level_of_detail(const Footprint& footprint) const;
 
     struct Level {
-        // Rows of a multiple of 4,096 bytes are a cache line longer: a column of texels would
-        // otherwise share a few sets of the caches and push itself out.
-        Level(std::uint32_t across, std::uint32_t down)
-            : width(across), height(down), pitch(across % 256 == 0 ? across + 4 : across) {}
-        void allocate() { texels.resize(std::size_t(pitch) * height); }
         std::uint32_t width = 0, height = 0, pitch = 0;  // pitch: texels from row to row
-        std::vector<glm::vec4> texels;
-        std::size_t at(std::size_t x, std::size_t y) const { return y * pitch + x; }
+        std::size_t first = 0;                           // where its texels start
+        std::size_t at(std::size_t x, std::size_t y) const { return first + y * pitch + x; }
     };
     const Level& level(std::uint32_t index) const {
         if (index >= pyramid_made()) make_pyramid(index);
         return levels_[index];
     }
+    // A texel of a level that has been made.
+    glm::vec4 texel(const Level& level, std::uint32_t x, std::uint32_t y) const {
+        return finished(raw(level.at(x, y)));
+    }
     const TextureView& view() const { return view_; }
 
   private:
-    glm::vec4 texel(const Level& level, std::int64_t x, std::int64_t y) const;
+    // As filters read them: packed colours times texel_scale. finished() undoes that.
+    glm::vec4 raw(std::size_t index) const;
+    glm::vec4 finished(const glm::vec4& filtered) const;
+    void write(std::size_t index, const glm::vec4& raw_value) const;
+    void add_level(std::vector<Level>& to, std::uint32_t width, std::uint32_t height);
+    void allocate(const prep::Image& image);
+    void make_first(const prep::Image& image, bool colour);
+    void make_next(const Level& fine, const Level& coarse) const;
+    glm::vec4 wrapped(const Level& level, std::int64_t x, std::int64_t y) const;
+    glm::vec4 filtered(const glm::vec2& uv, const Footprint& footprint, TextureFilter filter,
+                       int most) const;
     glm::vec4 nearest(const Level& level, const glm::vec2& uv) const;
     glm::vec4 bilinear(const Level& level, const glm::vec2& uv) const;
     glm::vec4 bicubic(const Level& level, const glm::vec2& uv) const;
@@ -116,12 +141,14 @@ class MipTexture {
         std::vector<std::atomic<bool>> rip;
     };
     std::unique_ptr<Lazy> lazy_;
-    // Sizes are there from the start, texels once they are made.
-    mutable std::vector<Level> levels_;
-    mutable std::vector<Level> rip_;  // rows of ever lower height, rip_columns_ widths each
-    std::size_t rip_columns_ = 0;
+    std::vector<Level> levels_, rip_;  // rip_: rows of ever lower height, rip_columns_ widths each
+    std::size_t rip_columns_ = 0, texel_count_ = 0;
+    // Room for all levels; the system gives memory as they are written.
+    std::unique_ptr<std::byte, FreeTexels> memory_;
+    std::uint64_t* packed_ = nullptr;
+    float *floats_ = nullptr, *alpha_ = nullptr;
     prep::Wrap wrap_u_, wrap_v_;
-    mutable TextureView view_;
+    TextureView view_;
 };
 
 // For the kernels: at = u, v, then their change per pixel right (u, v) and down (u, v).

@@ -70,11 +70,10 @@ const std::array<float, weight_entries>& gaussian_weights() {
 
 }  // namespace
 
-glm::vec4 MipTexture::texel(const Level& level, std::int64_t x, std::int64_t y) const {
+glm::vec4 MipTexture::wrapped(const Level& level, std::int64_t x, std::int64_t y) const {
     x = wrap_texel(x, level.width, wrap_u_);
     y = wrap_texel(y, level.height, wrap_v_);
-    return x < 0 || y < 0 ? glm::vec4(0.0f)
-                          : level.texels[level.at(std::size_t(x), std::size_t(y))];
+    return x < 0 || y < 0 ? glm::vec4(0.0f) : raw(level.at(std::size_t(x), std::size_t(y)));
 }
 
 glm::vec4 MipTexture::bicubic(const Level& level, const glm::vec2& uv) const {
@@ -82,12 +81,12 @@ glm::vec4 MipTexture::bicubic(const Level& level, const glm::vec2& uv) const {
     const std::int64_t x = whole(u), y = whole(v);
     const std::array<float, 4> across = keys_weights(rest(u, x)), down = keys_weights(rest(v, y));
     // Differences to one texel: a constant texture stays bit-constant.
-    const glm::vec4 base = texel(level, x, y);
+    const glm::vec4 base = wrapped(level, x, y);
     glm::vec4 sum(0.0f);
     for (int j = 0; j < 4; ++j) {
         glm::vec4 row(0.0f);
         for (int i = 0; i < 4; ++i)
-            row += (texel(level, x + i - 1, y + j - 1) - base) * across[std::size_t(i)];
+            row += (wrapped(level, x + i - 1, y + j - 1) - base) * across[std::size_t(i)];
         sum += row * down[std::size_t(j)];
     }
     return base + sum;
@@ -110,7 +109,8 @@ glm::vec4 MipTexture::bicubic(const glm::vec2& uv, const Footprint& footprint) c
 
 glm::vec4 MipTexture::anisotropic(const glm::vec2& uv, const Footprint& footprint, int most) const {
     const Sides s = sides_of(footprint, levels_[0]);
-    if (!s.usable || !(s.major_length > 1)) return sample(uv, footprint, TextureFilter::trilinear);
+    if (!s.usable || !(s.major_length > 1))
+        return filtered(uv, footprint, TextureFilter::trilinear, most);
     const double ratio = s.major_length / std::max(s.minor_length, 1e-30);
     const int probes = int(std::min(std::ceil(ratio), double(std::max(most, 1))));
     const float lod = float(std::max(0.0, log2_double(std::max(s.major_length / probes, 1e-300))));
@@ -144,7 +144,7 @@ glm::vec4 MipTexture::ellipse(const Level& level, const glm::vec2& uv, const glm
     const double v = std::abs(uv.y) < 1e9f ? double(uv.y) * level.height - 0.5 : 0;
     const std::array<float, weight_entries>& weights = gaussian_weights();
     const glm::vec4 base =
-        texel(level, std::int64_t(std::floor(u + 0.5)), std::int64_t(std::floor(v + 0.5)));
+        wrapped(level, std::int64_t(std::floor(u + 0.5)), std::int64_t(std::floor(v + 0.5)));
     glm::vec4 sum(0.0f);
     float total = 0;
     for (std::int64_t y = std::int64_t(std::ceil(v - reach_y)); double(y) <= v + reach_y; ++y) {
@@ -159,7 +159,7 @@ glm::vec4 MipTexture::ellipse(const Level& level, const glm::vec2& uv, const glm
             const double r2 = A * dx * dx + B * dx * dy + C * dy * dy;
             if (!(r2 < 1)) continue;
             const float w = weights[std::size_t(std::max(r2, 0.0) * weight_entries)];
-            sum += (texel(level, x, y) - base) * w;
+            sum += (wrapped(level, x, y) - base) * w;
             total += w;
         }
     }
@@ -168,7 +168,8 @@ glm::vec4 MipTexture::ellipse(const Level& level, const glm::vec2& uv, const glm
 
 glm::vec4 MipTexture::ewa(const glm::vec2& uv, const Footprint& footprint, int most) const {
     Sides s = sides_of(footprint, levels_[0]);
-    if (!s.usable || !(s.major_length > 1)) return sample(uv, footprint, TextureFilter::trilinear);
+    if (!s.usable || !(s.major_length > 1))
+        return filtered(uv, footprint, TextureFilter::trilinear, most);
     // The narrow side is widened where the ellipse would be longer than is paid for.
     const double least = s.major_length / std::max(most, 1);
     if (s.minor_length < least) {
@@ -208,6 +209,11 @@ glm::vec4 MipTexture::ripmap(const glm::vec2& uv, const Footprint& f) const {
 
 glm::vec4 MipTexture::sample(const glm::vec2& uv, const Footprint& footprint, TextureFilter filter,
                              int most) const {
+    return finished(filtered(uv, footprint, filter, most));
+}
+
+glm::vec4 MipTexture::filtered(const glm::vec2& uv, const Footprint& footprint,
+                               TextureFilter filter, int most) const {
     if (filter == TextureFilter::nearest) return nearest(levels_[0], uv);
     if (filter == TextureFilter::ripmap && !rip_.empty()) return ripmap(uv, footprint);
     if (filter == TextureFilter::bicubic) return bicubic(uv, footprint);

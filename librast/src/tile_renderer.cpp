@@ -30,12 +30,10 @@ class Tile {
                 collect_single();
             else
                 collect_several(in_.offsets->size());
-            counts.shaded = s_.pixel.size();
+            counts.shaded = fragments_;
             for (const TileScratch::Group& g : s_.groups)
-                counts.texture_samples +=
-                    (*in_.shade_draws)[g.draw].map_count() * (g.end - g.begin);
+                counts.texture_samples += (*in_.shade_draws)[g.draw].used_count * (g.end - g.begin);
             shade();
-            write_colors();
         }
         write_buffers();
         write_attributes();
@@ -119,12 +117,7 @@ class Tile {
         const std::size_t runs =
             in_.kernels->collect(s_.samples[0].id.data(), place_, s_.counts.data(), s_.runs.data());
         sort();
-        for (std::size_t r = 0; r < runs; ++r) {
-            const PixelRun& run = s_.runs[r];
-            std::uint16_t* const to = s_.pixel.data() + s_.counts[run.number];
-            s_.counts[run.number] += run.length;
-            for (std::uint32_t k = 0; k < run.length; ++k) to[k] = std::uint16_t(run.pixel + k);
-        }
+        in_.kernels->expand(s_.runs.data(), runs, s_.counts.data(), s_.pixel.data());
     }
 
     // The triangles of every pixel's first `samples` samples, each once, with how many it covers.
@@ -160,61 +153,77 @@ class Tile {
     void sort() {
         std::size_t fragments = 0;
         for (const std::uint32_t n : s_.counts) fragments += n;
-        s_.pixel.resize(fragments);
-        s_.ids.resize(fragments);
+        // Kernels read and write whole vectors.
+        s_.pixel.resize(fragments + tile_padding);
+        fragments_ = fragments;
+        s_.triangles.clear();
         s_.groups.clear();
         std::uint32_t begin = 0, number = 0;
         for (const TileWork& work : work_) {
             const TriangleChunk& chunk = (*in_.chunks)[work.chunk];
+            const auto first_run = std::uint32_t(s_.triangles.size());
             const std::uint32_t group_begin = begin;
             for (std::uint32_t i = work.begin; i < work.end; ++i, ++number) {
                 const std::uint32_t n = s_.counts[number];
                 s_.counts[number] = begin;
                 if (n == 0) continue;
-                std::fill_n(s_.ids.begin() + begin, n, chunk.id_of(chunk.order[i]));
                 begin += n;
+                s_.triangles.push_back({chunk.id_of(chunk.order[i]), begin});
             }
             if (begin == group_begin) continue;
-            if (!s_.groups.empty() && s_.groups.back().draw == chunk.draw)
-                s_.groups.back().end = begin;
-            else
-                s_.groups.push_back({chunk.draw, group_begin, begin});
+            if (s_.groups.empty() || s_.groups.back().draw != chunk.draw)
+                s_.groups.push_back({chunk.draw, group_begin, group_begin, first_run, 0});
+            TileScratch::Group& group = s_.groups.back();
+            group.end = begin;
+            group.run_count = std::uint32_t(s_.triangles.size()) - group.first_run;
         }
+    }
+
+    template <class Task>
+    Task task_of(const TileScratch::Group& g) const {
+        Task task;
+        task.place = place_;
+        task.pixels = s_.pixel.data();
+        task.runs = s_.triangles.data() + g.first_run;
+        task.run_count = g.run_count;
+        task.begin = g.begin;
+        return task;
+    }
+
+    bool whole() const {
+        return fragments_ == std::size_t(place_.width * place_.height) && in_.offsets->size() == 1;
     }
 
     void shade() {
-        // A kernel may write a whole vector at the last fragment.
-        const std::size_t padded = s_.pixel.size() + tile_padding;
-        for (std::size_t c = 0; c < 3; ++c)
-            if (s_.planes[c].size() < padded) s_.planes[c].resize(padded);
+        Frame& f = *in_.frame;
+        const bool to_bytes = request_.pixels == PixelFormat::bytes && in_.offsets->size() == 1;
+        if (to_bytes && !whole()) fill(f.bytes, background_bytes());
+        for (std::size_t c = 0; !to_bytes && c < 3; ++c)
+            if (s_.planes[c].size() < s_.pixel.size()) s_.planes[c].resize(s_.pixel.size());
         for (const TileScratch::Group& g : s_.groups) {
-            ShadeTask task;
-            task.place = place_;
-            task.pixels = s_.pixel.data() + g.begin;
-            task.ids = s_.ids.data() + g.begin;
-            task.count = g.end - g.begin;
-            for (std::size_t c = 0; c < 3; ++c) task.out[c] = s_.planes[c].data() + g.begin;
+            ShadeTask task = task_of<ShadeTask>(g);
+            if (to_bytes) {
+                task.bytes = f.bytes.data() + row_start(0);
+                task.stride = f.width;
+            }
+            for (std::size_t c = 0; !to_bytes && c < 3; ++c) task.out[c] = s_.planes[c].data();
             in_.kernels->shade((*in_.shade_draws)[g.draw], *in_.shade_frame, task);
         }
-    }
-
-    void write_colors() {
-        const bool whole = s_.pixel.size() == std::size_t(place_.width * place_.height) &&
-                           in_.offsets->size() == 1;
+        if (to_bytes) return;
         if (request_.pixels == PixelFormat::bytes)
-            write_bytes(whole);
+            average_samples();
         else
-            write_floats(whole);
+            write_floats();
     }
 
-    void write_floats(bool whole) {
+    void write_floats() {
         Frame& f = *in_.frame;
         const glm::vec4 background(request_.background, 0.0f);
-        if (!whole) fill(f.color, background);
+        if (!whole()) fill(f.color, background);
         const float* const planes[3] = {s_.planes[0].data(), s_.planes[1].data(),
                                         s_.planes[2].data()};
         const std::size_t samples = in_.offsets->size();
-        for (std::size_t k = 0; k < s_.pixel.size(); ++k) {
+        for (std::size_t k = 0; k < fragments_; ++k) {
             const glm::vec4 color(planes[0][k], planes[1][k], planes[2][k], 1.0f);
             glm::vec4& pixel = f.color[pixel_of(s_.pixel[k])];
             if (samples == 1 || s_.weight[k] == samples)
@@ -224,33 +233,13 @@ class Tile {
         }
     }
 
-    void write_bytes(bool whole) {
-        Frame& f = *in_.frame;
-        const std::size_t samples = in_.offsets->size(), count = s_.pixel.size();
-        if (samples > 1) {
-            average_samples();
-            return;
-        }
-        if (!whole) fill(f.bytes, background_bytes());
-        s_.bytes.resize(count + tile_padding);
-        std::uint32_t* const packed = s_.bytes.data();
-        in_.kernels->pack(s_.planes[0].data(), s_.planes[1].data(), s_.planes[2].data(), count,
-                          packed);
-        std::uint32_t* const first = f.bytes.data() + row_start(0);
-        const std::size_t stride = f.width;
-        for (std::size_t k = 0; k < count; ++k) {
-            const std::uint32_t p = s_.pixel[k];
-            first[p / tile_size * stride + p % tile_size] = packed[k];
-        }
-    }
-
     // Several samples a pixel, to bytes: summed as floats first.
     void average_samples() {
         Frame& f = *in_.frame;
         const glm::vec4 background(request_.background, 0.0f);
         const float share = 1.0f / float(in_.offsets->size());
         s_.colors.assign(tile_pixels, background);
-        for (std::size_t k = 0; k < s_.pixel.size(); ++k) {
+        for (std::size_t k = 0; k < fragments_; ++k) {
             const glm::vec4 color(s_.planes[0][k], s_.planes[1][k], s_.planes[2][k], 1.0f);
             glm::vec4& pixel = s_.colors[s_.pixel[k]];
             if (s_.weight[k] == in_.offsets->size())
@@ -293,13 +282,9 @@ class Tile {
         const RenderRequest& r = request_;
         if (!r.keep_normals && !r.keep_uvs && !r.keep_barycentrics && !r.keep_positions) return;
         collect_single();
-        for (std::vector<float>& plane : s_.planes) plane.resize(s_.pixel.size() + tile_padding);
+        for (std::vector<float>& plane : s_.planes) plane.resize(s_.pixel.size());
         for (const TileScratch::Group& g : s_.groups) {
-            AttributeTask task;
-            task.place = place_;
-            task.pixels = s_.pixel.data() + g.begin;
-            task.ids = s_.ids.data() + g.begin;
-            task.count = g.end - g.begin;
+            AttributeTask task = task_of<AttributeTask>(g);
             const prep::VertexMesh& mesh = (*in_.instances)[(*in_.draws)[g.draw].instance].mesh();
             if (!mesh.uvs.empty() && !mesh.uvs[0].empty()) task.uvs = &mesh.uvs[0][0].x;
             std::size_t plane = 0;
@@ -313,7 +298,7 @@ class Tile {
             ask(r.keep_positions, task.position, 3);
             in_.kernels->attributes((*in_.shade_draws)[g.draw], *in_.shade_frame, task);
             Frame& f = *in_.frame;
-            for (std::uint32_t k = 0; k < task.count; ++k) {
+            for (std::uint32_t k = g.begin; k < g.end; ++k) {
                 const std::size_t pixel = pixel_of(task.pixels[k]);
                 const auto vec3 = [&](float* const from[3]) {
                     return glm::vec3(from[0][k], from[1][k], from[2][k]);
@@ -333,6 +318,7 @@ class Tile {
     TilePlace place_;
     std::int32_t left_ = 0, top_ = 0;
     std::uint32_t count_ = 0;  // of entries
+    std::size_t fragments_ = 0;
 };
 
 }  // namespace

@@ -26,15 +26,14 @@ struct TileScratch {
     std::vector<PixelRun> runs;
     std::vector<std::uint32_t> numbers;  // several samples: per fragment, before they are sorted
     std::vector<std::uint16_t> pixels, weights;
-    struct Group {  // fragments of one draw
-        std::uint32_t draw = 0, begin = 0, end = 0;
+    struct Group {  // fragments of one draw, and the triangles that they belong to
+        std::uint32_t draw = 0, begin = 0, end = 0, first_run = 0, run_count = 0;
     };
     std::vector<Group> groups;
-    // Fragments by number, which is by draw and triangle: pixel of the tile, triangle, samples.
+    // Fragments by number, which is by draw and triangle: pixel of the tile, samples.
     std::vector<std::uint16_t> pixel, weight;
-    std::vector<std::uint32_t> ids;
+    std::vector<TriangleRun> triangles;
     std::array<std::vector<float>, 11> planes;  // results of the kernels
-    std::vector<std::uint32_t> bytes;           // per fragment
     std::vector<glm::vec4> colors;              // per pixel
 };
 

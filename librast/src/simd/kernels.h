@@ -56,16 +56,34 @@ struct SetupTask {
 
 enum class NormalSource : std::uint8_t { none, face, interpolated, tangent_map, object_map };
 
-// A texture map of a draw: the sampler, the UV layer, and uv' = offset + matrix · uv.
-struct BoundMap {
-    const MipTexture* texture = nullptr;
-    const float* uv = nullptr;       // two per vertex; nullptr: no map
+enum MapKind : std::uint8_t {
+    diffuse_map,
+    specular_map,
+    emissive_map,
+    occlusion_map,
+    normal_map,
+    metallic_roughness_map,
+    map_kinds
+};
+
+// Where maps are read: the UV layer, and uv' = offset + matrix · uv.
+struct MapPlace {
+    const float* uv = nullptr;       // two per vertex
     float matrix[4] = {1, 0, 0, 1};  // row by row
     float offset[2] = {0, 0};
+    friend bool operator==(const MapPlace&, const MapPlace&) = default;
+};
+
+// A texture map of a draw.
+struct BoundMap {
+    const MipTexture* texture = nullptr;  // null: no map
+    std::uint8_t place = 0;               // of ShadeDraw::places
+    // The same texels, with the same weights, are read of the map before it in ShadeDraw::used.
+    bool same_texels = false;
     float strength = 1;
     TextureFilter filter = TextureFilter::trilinear;
     int most = 8;  // anisotropy
-    explicit operator bool() const { return uv != nullptr; }
+    explicit operator bool() const { return texture != nullptr; }
 };
 
 struct ShadeLight {
@@ -111,19 +129,10 @@ struct ShadeDraw {
     float ambient[3] = {}, diffuse[4] = {}, specular[3] = {}, emissive[3] = {};
     float shininess = 0, alpha_cutoff = 0;
     bool flip_green = false;
-    BoundMap diffuse_map, specular_map, emissive_map, occlusion_map, normal_map;
-    BoundMap metallic_roughness_map;
-    std::size_t map_count() const {
-        std::size_t count = 0;
-        for (const BoundMap* map : {&diffuse_map, &specular_map, &emissive_map, &occlusion_map,
-                                    &normal_map, &metallic_roughness_map})
-            count += bool(*map);
-        return count;
-    }
-    bool textured() const {
-        return diffuse_map || specular_map || emissive_map || occlusion_map || normal_map ||
-               metallic_roughness_map;
-    }
+    BoundMap maps[map_kinds];
+    MapPlace places[map_kinds];
+    std::uint8_t used[map_kinds] = {};  // the kinds of its maps, those on the same texels together
+    std::uint8_t used_count = 0, place_count = 0;
 };
 
 // Pixels of a row that show the same triangle.
@@ -132,22 +141,33 @@ struct PixelRun {
     std::uint16_t pixel = 0, length = 0;
 };
 
-// Points of one draw, with their triangles. Fastest where points of one triangle follow each other.
+// Points of one triangle, which follow each other in a list.
+struct TriangleRun {
+    std::uint32_t id = 0, end = 0;  // one past its last point
+};
+
+// Points of one draw by triangle.
 struct ShadeTask {
     TilePlace place;
-    const std::uint16_t* pixels = nullptr;  // of the tile, row by row
-    const std::uint32_t* ids = nullptr;
-    std::size_t count = 0;
-    float* out[3] = {};  // red, green, blue; writable up to the lane count past the end
+    const std::uint16_t* pixels = nullptr;  // of the tile, row by row; readable to the lane count
+                                            // past the end
+    const TriangleRun* runs = nullptr;
+    std::size_t run_count = 0;
+    std::size_t begin = 0;  // of the first run
+    float* out[3] = {};     // red, green, blue of point 0; writable to the lane count past the
+                            // end; or
+    std::uint32_t* bytes = nullptr;  // of the tile's first pixel, as `pack` makes them, with
+    std::size_t stride = 0;          // so many from row to row
 };
 
 // What can be asked of a point beside its colour; three, two, three and three planes, each as
 // ShadeTask::out; null where not asked for.
 struct AttributeTask {
     TilePlace place;
-    const std::uint16_t* pixels = nullptr;
-    const std::uint32_t* ids = nullptr;
-    std::size_t count = 0;
+    const std::uint16_t* pixels = nullptr;  // as ShadeTask's
+    const TriangleRun* runs = nullptr;
+    std::size_t run_count = 0;
+    std::size_t begin = 0;
     const float* uvs = nullptr;  // of the mesh, two per vertex; null: none
     float* normal[3] = {};
     float* uv[2] = {};
@@ -169,6 +189,9 @@ struct Kernels {
     // added to. `runs` has room for every pixel.
     std::size_t (*collect)(const std::uint32_t* numbers, const TilePlace& place,
                            std::uint32_t* counts, PixelRun* runs);
+    // The runs' pixels, each number's from counts[number] on, which is moved past them.
+    void (*expand)(const PixelRun* runs, std::size_t count, std::uint32_t* counts,
+                   std::uint16_t* pixels);
     void (*shade)(const ShadeDraw& draw, const ShadeFrame& frame, const ShadeTask& task);
     void (*attributes)(const ShadeDraw& draw, const ShadeFrame& frame, const AttributeTask& task);
     // Gouraud: the listed vertices; out has vertex_light_floats for every vertex of the mesh.

@@ -25,7 +25,8 @@ namespace {
 #include "simd/math-inl.h"
 #include "simd/surface-inl.h"
 #include "simd/texture-inl.h"
-#include "simd/shade-inl.h"
+#include "simd/light-inl.h"
+#include "simd/points-inl.h"
 #include "simd/tile_depths-inl.h"
 #include "simd/raster_points-inl.h"
 #include "simd/raster_rows-inl.h"
@@ -37,9 +38,9 @@ namespace {
 }  // namespace
 
 const Kernels* kernels() {
-    static constexpr Kernels table{transform, cull,  set_up,         raster,
-                                   collect,   shade, attributes,     light_vertices,
-                                   covers,    pack,  specular_powers};
+    static constexpr Kernels table{transform,      cull,   set_up, raster,
+                                   collect,        expand, shade,  attributes,
+                                   light_vertices, covers, pack,   specular_powers};
     return &table;
 }
 

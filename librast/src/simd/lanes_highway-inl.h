@@ -144,6 +144,10 @@ template <int n>
 HWY_INLINE I shift_right(I a) {
     return {hn::ShiftRight<n>(a.v)};
 }
+template <int n>
+HWY_INLINE I shift_right_unsigned(I a) {
+    return {hn::BitCast(Ints(), hn::ShiftRight<n>(hn::BitCast(Unsigned(), a.v)))};
+}
 
 HWY_INLINE M operator&(M a, M b) {
     return {hn::And(a.v, b.v)};
@@ -201,8 +205,15 @@ HWY_INLINE F floor(F a) {
 HWY_INLINE F to_float(I a) {
     return {hn::ConvertTo(Floats(), a.v)};
 }
+// ConvertTo would mend what is out of range, which no caller asks for.
 HWY_INLINE I to_int(F a) {
-    return {hn::ConvertTo(Ints(), a.v)};
+#if HWY_TARGET <= HWY_AVX3
+    return {hn::Vec<Ints>{_mm512_cvttps_epi32(a.v.raw)}};
+#elif HWY_TARGET <= HWY_AVX2
+    return {hn::Vec<Ints>{_mm256_cvttps_epi32(a.v.raw)}};
+#else
+    return {hn::Vec<Ints>{_mm_cvttps_epi32(a.v.raw)}};
+#endif
 }
 HWY_INLINE I bits(F a) {
     return {hn::BitCast(Ints(), a.v)};
@@ -267,8 +278,19 @@ HWY_INLINE std::size_t compress_store(M m, I a, std::int32_t* p) {
 HWY_INLINE void load3(const float* p, F& x, F& y, F& z) {
     hn::LoadInterleaved3(Floats(), p, x.v, y.v, z.v);
 }
-HWY_INLINE void load_interleaved4(const float* p, F& x, F& y, F& z, F& w) {
-    hn::LoadInterleaved4(Floats(), p, x.v, y.v, z.v, w.v);
+HWY_INLINE void gather_pairs(const std::uint64_t* p, I index, I& low, I& high) {
+    const hn::RepartitionToWide<Ints> wide;
+    const hn::Repartition<std::uint64_t, Ints> pairs;
+    const auto first =
+        hn::GatherIndex(pairs, p, hn::PromoteTo(wide, hn::LowerHalf(HalfInts(), index.v)));
+    const auto last =
+        hn::GatherIndex(pairs, p, hn::PromoteTo(wide, hn::UpperHalf(HalfInts(), index.v)));
+    const auto a = hn::BitCast(Ints(), first), b = hn::BitCast(Ints(), last);
+    low = {hn::ConcatEven(Ints(), b, a)};
+    high = {hn::ConcatOdd(Ints(), b, a)};
+}
+HWY_INLINE void scatter(I v, std::uint32_t* p, I index) {
+    hn::ScatterIndex(hn::BitCast(Unsigned(), v.v), Unsigned(), p, index.v);
 }
 
 template <int stride>
@@ -303,43 +325,23 @@ HWY_INLINE void store_interleaved4(I a, I b, I c, I d, std::int32_t* p) {
     hn::StoreInterleaved4(a.v, b.v, c.v, d.v, Ints(), p);
 }
 
-// As many texels of four channels as a vector holds.
-inline constexpr int texels_at_once = lane_count / 4;
-struct Texels {
-    hn::Vec<Floats> v;
+HWY_INLINE void store_sequence(std::uint16_t first, std::size_t count, std::uint16_t* p) {
+    const hn::ScalableTag<std::uint16_t> d;
+    const std::size_t step = hn::Lanes(d);
+    for (std::size_t k = 0; k < count; k += step)
+        hn::BlendedStore(hn::Iota(d, std::uint16_t(first + k)), hn::FirstN(d, count - k), d, p + k);
+}
+
+struct Pick {
+    decltype(hn::IndicesFromVec(Floats(), hn::Zero(Ints()))) v;
 };
-HWY_INLINE hn::Vec<hn::FixedTag<float, 4>> texel_at(const float* p) {
-    return hn::LoadU(hn::FixedTag<float, 4>(), p);
+HWY_INLINE Pick pick_of(I index) {
+    return {hn::IndicesFromVec(Floats(), index.v)};
 }
-HWY_INLINE Texels load_texels(const float* const p[]) {
-#if HWY_TARGET <= HWY_AVX3
-    const hn::FixedTag<float, 8> half;
-    return {hn::Combine(Floats(), hn::Combine(half, texel_at(p[3]), texel_at(p[2])),
-                        hn::Combine(half, texel_at(p[1]), texel_at(p[0])))};
-#elif HWY_TARGET <= HWY_AVX2
-    return {hn::Combine(Floats(), texel_at(p[1]), texel_at(p[0]))};
-#else
-    return {texel_at(p[0])};
-#endif
+HWY_INLINE F pick(const float* table, Pick at) {
+    return {hn::TableLookupLanes(hn::LoadU(Floats(), table), at.v)};
 }
-// The values of lanes first … first + texels_at_once − 1, each for all channels of its texel.
-HWY_INLINE Texels spread(F v, int first) {
-    const auto number = hn::Add(hn::ShiftRight<2>(hn::Iota(Ints(), 0)), hn::Set(Ints(), first));
-    return {hn::TableLookupLanes(v.v, hn::IndicesFromVec(Floats(), number))};
-}
-HWY_INLINE void store(Texels a, float* p) {
-    hn::StoreU(a.v, Floats(), p);
-}
-HWY_INLINE Texels operator+(Texels a, Texels b) {
-    return {hn::Add(a.v, b.v)};
-}
-HWY_INLINE Texels operator-(Texels a, Texels b) {
-    return {hn::Sub(a.v, b.v)};
-}
-HWY_INLINE Texels operator*(Texels a, Texels b) {
-    return {hn::Mul(a.v, b.v)};
-}
-// `yes` where `part` is above zero.
-HWY_INLINE Texels where_positive(Texels part, Texels yes, Texels no) {
-    return {hn::IfThenElse(hn::Gt(part.v, hn::Zero(Floats())), yes.v, no.v)};
+HWY_INLINE I pick(const std::int32_t* table, Pick at) {
+    const auto as_floats = hn::BitCast(Floats(), hn::LoadU(Ints(), table));
+    return {hn::BitCast(Ints(), hn::TableLookupLanes(as_floats, at.v))};
 }

@@ -142,6 +142,10 @@ template <int n>
 I shift_right(I a) {  // arithmetic
     return {a.v >> n};
 }
+template <int n>
+I shift_right_unsigned(I a) {
+    return {std::int32_t(std::uint32_t(a.v) >> n)};
+}
 
 inline M operator&(M a, M b) {
     return {a.v && b.v};
@@ -277,13 +281,6 @@ inline std::size_t compress_store(M m, I a, std::int32_t* p) {
     return m.v ? 1 : 0;
 }
 
-inline void load_interleaved4(const float* p, F& x, F& y, F& z, F& w) {
-    x = {p[0]};
-    y = {p[1]};
-    z = {p[2]};
-    w = {p[3]};
-}
-
 // Four words at p + 4 · index of each lane; indices are `stride` apart.
 template <int stride>
 void load_each4(const std::int32_t* p, const std::uint32_t* index, I& a, I& b, I& c, I& d) {
@@ -301,31 +298,34 @@ inline void store_interleaved4(I a, I b, I c, I d, std::int32_t* p) {
     p[3] = d.v;
 }
 
-// Four channels of one texel.
-inline constexpr int texels_at_once = 1;
-struct Texels {
-    float v[4];
+// Eight bytes of each lane, as two halves.
+inline void gather_pairs(const std::uint64_t* p, I index, I& low, I& high) {
+    const std::uint64_t pair = p[index.v];
+    low = {std::int32_t(std::uint32_t(pair))};
+    high = {std::int32_t(std::uint32_t(pair >> 32))};
+}
+// Lanes of the same place overwrite each other.
+inline void scatter(I v, std::uint32_t* p, I index) {
+    p[index.v] = std::uint32_t(v.v);
+}
+
+// first, first + 1, …
+inline void store_sequence(std::uint16_t first, std::size_t count, std::uint16_t* p) {
+    for (std::size_t k = 0; k < count; ++k) p[k] = std::uint16_t(first + k);
+}
+
+// Which entry of tables with lane_count entries each lane reads.
+struct Pick {
+    std::int32_t v;
 };
-inline Texels load_texels(const float* const p[]) {
-    return {{p[0][0], p[0][1], p[0][2], p[0][3]}};
+inline Pick pick_of(I index) {
+    return {index.v};
 }
-inline Texels spread(F v, int) {
-    return {{v.v, v.v, v.v, v.v}};
+inline F pick(const float* table, Pick at) {
+    return {table[at.v]};
 }
-inline void store(Texels a, float* p) {
-    for (int k = 0; k < 4; ++k) p[k] = a.v[k];
-}
-inline Texels operator+(Texels a, Texels b) {
-    return {{a.v[0] + b.v[0], a.v[1] + b.v[1], a.v[2] + b.v[2], a.v[3] + b.v[3]}};
-}
-inline Texels operator-(Texels a, Texels b) {
-    return {{a.v[0] - b.v[0], a.v[1] - b.v[1], a.v[2] - b.v[2], a.v[3] - b.v[3]}};
-}
-inline Texels operator*(Texels a, Texels b) {
-    return {{a.v[0] * b.v[0], a.v[1] * b.v[1], a.v[2] * b.v[2], a.v[3] * b.v[3]}};
-}
-inline Texels where_positive(Texels part, Texels yes, Texels no) {
-    return part.v[0] > 0 ? yes : no;
+inline I pick(const std::int32_t* table, Pick at) {
+    return {table[at.v]};
 }
 
 }  // namespace rast::detail::scalar_lanes

@@ -1,4 +1,8 @@
-// Attributes at visible points: vectors, and the weights of a triangle's corners.
+// Attributes at visible points.
+//
+// Triangles are set up as many at a time as there are lanes, into tables with an entry for each;
+// vectors of points then pick from the tables what their triangles have. Large triangles cost no
+// more than a set-up, small ones fill the lanes as well, and the bits cannot depend on either.
 // Included once per instruction set, inside the namespace that has its lanes.
 
 struct V3 {
@@ -32,19 +36,18 @@ RAST_INLINE V3 select(M m, V3 yes, V3 no) {
     return {select(m, yes.x, no.x), select(m, yes.y, no.y), select(m, yes.z, no.z)};
 }
 
-// Perspective-correct weights of the second and the third corner, and their derivatives per pixel.
-struct Weights {
-    F b, c;
-    F b_x, c_x, b_y, c_y;
+// All lanes read the same entry.
+struct OnePick {
+    std::int32_t entry;
 };
-// Lanes in triangles of their own, or all in one; the same operations on the same numbers, so that
-// the bits do not depend on which is used.
-struct MixedSurface : Weights {
-    I corner[3];
-};
-struct UniformSurface : Weights {
-    std::uint32_t vertex[3];
-};
+RAST_INLINE F pick(const float* table, OnePick at) {
+    return set(table[at.entry]);
+}
+RAST_INLINE I pick(const std::int32_t* table, OnePick at) {
+    return set(table[at.entry]);
+}
+
+inline constexpr std::size_t vector_size = std::size_t(lane_count);
 
 template <int factor>
 RAST_INLINE I times(I v) {
@@ -54,189 +57,418 @@ RAST_INLINE I times(I v) {
     return v * set(factor);
 }
 
-// A component of the corners' vertices, `stride` floats each.
-template <int stride>
-RAST_INLINE F corner_value(const MixedSurface& s, const float* values, int k, int component) {
-    return gather(values + component, times<stride>(s.corner[k]));
-}
-template <int stride>
-RAST_INLINE F corner_value(const UniformSurface& s, const float* values, int k, int component) {
-    return set(values[std::size_t(s.vertex[k]) * stride + std::size_t(component)]);
-}
-
-// A value that is the same at all three corners comes out with the same bits.
-RAST_INLINE F blend(const Weights& s, F v0, F v1, F v2) {
-    return v0 + (s.b * (v1 - v0) + s.c * (v2 - v0));
-}
-// One that never leaves the range of the corners, not even by a rounding: colours, light and UVs.
-RAST_INLINE F blend_within(const Weights& s, F v0, F v1, F v2) {
-    return min(max(blend(s, v0, v1, v2), min(min(v0, v1), v2)), max(max(v0, v1), v2));
-}
-template <int stride, class S>
-RAST_INLINE F attribute_within(const S& s, const float* values, int component) {
-    return blend_within(s, corner_value<stride>(s, values, 0, component),
-                        corner_value<stride>(s, values, 1, component),
-                        corner_value<stride>(s, values, 2, component));
-}
-template <int stride, class S>
-RAST_INLINE F attribute(const S& s, const float* values, int component) {
-    return blend(s, corner_value<stride>(s, values, 0, component),
-                 corner_value<stride>(s, values, 1, component),
-                 corner_value<stride>(s, values, 2, component));
-}
-template <int stride = 3, class S>
-RAST_INLINE V3 attribute3(const S& s, const float* values) {
-    return {attribute<stride>(s, values, 0), attribute<stride>(s, values, 1),
-            attribute<stride>(s, values, 2)};
-}
-
 RAST_INLINE I triangle_of(const ShadeDraw& draw, I id) {
     return (id & set(0x7fffffff)) -
            set(std::int32_t(draw.first_id) - std::int32_t(draw.first_triangle));
 }
 
-// Weights of lanes whose triangle has a corner without a place on the screen.
-inline void mend_weights(const ShadeDraw& draw, const MixedSurface& s, M crossing, I x, I y, D q[3],
-                         D q_x[3], D q_y[3]) {
-    std::int32_t xs[lane_count], ys[lane_count];
-    std::uint32_t corners[3][lane_count];
-    double values[9][lane_count];
-    store(x, xs);
-    store(y, ys);
-    for (int k = 0; k < 3; ++k) {
-        store(s.corner[k], corners[k]);
-        store(q[k], values[k]);
-        store(q_x[k], values[3 + k]);
-        store(q_y[k], values[6 + k]);
-    }
-    for (std::uint32_t rest = bits_of(crossing); rest != 0; rest &= rest - 1) {
-        const int lane = __builtin_ctz(rest);
-        const std::uint32_t v[3] = {corners[0][lane], corners[1][lane], corners[2][lane]};
-        double patch[9];
-        crossing_weights(*draw.source_vertices, draw.records, v, double(xs[lane]) / subpixels,
-                         double(ys[lane]) / subpixels, patch);
-        for (int k = 0; k < 9; ++k) values[k][lane] = patch[k];
-    }
-    for (int k = 0; k < 3; ++k) {
-        q[k] = load(values[k]);
-        q_x[k] = load(values[3 + k]);
-        q_y[k] = load(values[6 + k]);
-    }
+// The corners of one triangle per lane.
+struct Corners {
+    I vertex[3];
+};
+RAST_INLINE Corners corners_of(const ShadeDraw& draw, I id) {
+    const I index = times<3>(triangle_of(draw, id));
+    return {{gather(draw.indices, index), gather(draw.indices + 1, index),
+             gather(draw.indices + 2, index)}};
+}
+// A component of their vertices, `stride` floats each.
+template <int stride>
+RAST_INLINE F corner_value(const Corners& s, const float* values, int k, int component) {
+    return gather(values + component, times<stride>(s.vertex[k]));
+}
+template <int stride = 3>
+RAST_INLINE V3 corner_vector(const Corners& s, const float* values, int k) {
+    return {corner_value<stride>(s, values, k, 0), corner_value<stride>(s, values, k, 1),
+            corner_value<stride>(s, values, k, 2)};
 }
 
-// Edge functions times area and the other corners' w, and the same per pixel.
-struct CornerWeights {
-    D q[3], q_x[3], q_y[3];
+// Weights of the second and the third corner. Where a corner has no place on the screen
+// (`crossing`), with their derivatives per pixel.
+struct Weights {
+    F b, c;
+    F inverse;         // of the sum of all three before they were divided by it
+    F from_x, from_y;  // of the point, from the first corner, in 1/256 pixels
+    M crossing;
+    bool any_crossing;
+    F b_x, c_x, b_y, c_y;
 };
 
-RAST_INLINE void set_weights(const CornerWeights& e, bool derivatives, Weights& s) {
-    const D zero = set_double(0.0);
-    // A covered point's weights are positive; outside its triangle (a pixel's centre where only
-    // other samples are covered) they are clamped.
-    D q[3];
-    for (int k = 0; k < 3; ++k) q[k] = max(e.q[k], zero);
-    const D inverse = set_double(1.0) / ((q[0] + q[1]) + q[2]);
-    const D b = q[1] * inverse, c = q[2] * inverse;
-    s.b = to_float(b);
-    s.c = to_float(c);
-    if (!derivatives) {
-        s.b_x = s.c_x = s.b_y = s.c_y = set(0.0f);
-        return;
-    }
-    const D sum_x = (e.q_x[0] + e.q_x[1]) + e.q_x[2], sum_y = (e.q_y[0] + e.q_y[1]) + e.q_y[2];
-    s.b_x = to_float((e.q_x[1] - b * sum_x) * inverse);
-    s.c_x = to_float((e.q_x[2] - c * sum_x) * inverse);
-    s.b_y = to_float((e.q_y[1] - b * sum_y) * inverse);
-    s.c_y = to_float((e.q_y[2] - c * sum_y) * inverse);
-}
+// A value of the corners.
+struct ValueTable {
+    alignas(64) float first[vector_size], second[vector_size],
+        third[vector_size];  // the others less the first
 
-// Differences to the snapped corners are integers; their products and the sums of those are exact.
-RAST_INLINE MixedSurface surface_at(const ShadeDraw& draw, I triangle, I px, I py,
-                                    bool derivatives) {
-    MixedSurface s;
-    const I index = times<3>(triangle);
-    const std::int32_t* xs = &draw.records->x;
-    const float* ws = &draw.records->w;
-    I raw[3];
-    D x[3], y[3], w[3];
-    for (int k = 0; k < 3; ++k) {
-        s.corner[k] = gather(draw.indices + k, index);
-        const I at = times<4>(s.corner[k]);
-        raw[k] = gather(xs, at);
-        x[k] = to_double(raw[k] - px);
-        y[k] = to_double(gather(xs + 1, at) - py);
-        w[k] = to_double(gather(ws, at));
+    RAST_INLINE void set_up(F v0, F v1, F v2) {
+        store(v0, first);
+        store(v1 - v0, second);
+        store(v2 - v0, third);
     }
-    const D per_pixel = set_double(double(subpixels));
-    CornerWeights out;
-    D e[3];
-    for (int k = 0; k < 3; ++k) {
-        const int a = k == 2 ? 0 : k + 1, b = a == 2 ? 0 : a + 1;
-        e[k] = x[a] * y[b] - x[b] * y[a];
+    template <int stride>
+    RAST_INLINE void set_up(const Corners& s, const float* values, int component) {
+        set_up(corner_value<stride>(s, values, 0, component),
+               corner_value<stride>(s, values, 1, component),
+               corner_value<stride>(s, values, 2, component));
     }
-    const D area = (e[0] + e[1]) + e[2];  // signed: clockwise corners turn all of them round
-    for (int k = 0; k < 3; ++k) {
-        const int a = k == 2 ? 0 : k + 1, b = a == 2 ? 0 : a + 1;
-        const D weight = area * (w[a] * w[b]);
-        out.q[k] = e[k] * weight;
-        if (!derivatives) {
-            out.q_x[k] = out.q_y[k] = set_double(0.0);
-            continue;
+    // A value that is the same at all three corners comes out with the same bits.
+    template <class At>
+    RAST_INLINE F operator()(const Weights& w, At at) const {
+        return pick(first, at) + (w.b * pick(second, at) + w.c * pick(third, at));
+    }
+};
+struct VectorTable {
+    ValueTable v[3];
+
+    RAST_INLINE void set_up(V3 v0, V3 v1, V3 v2) {
+        v[0].set_up(v0.x, v1.x, v2.x);
+        v[1].set_up(v0.y, v1.y, v2.y);
+        v[2].set_up(v0.z, v1.z, v2.z);
+    }
+    template <int stride = 3>
+    RAST_INLINE void set_up(const Corners& s, const float* values) {
+        set_up(corner_vector<stride>(s, values, 0), corner_vector<stride>(s, values, 1),
+               corner_vector<stride>(s, values, 2));
+    }
+    template <class At>
+    RAST_INLINE V3 operator()(const Weights& w, At at) const {
+        return {v[0](w, at), v[1](w, at), v[2](w, at)};
+    }
+};
+// A value that never leaves the range of the corners, not even by a rounding: colours, light, UVs.
+struct RangeTable : ValueTable {
+    alignas(64) float low[vector_size], high[vector_size];
+
+    RAST_INLINE void set_up(F v0, F v1, F v2) {
+        ValueTable::set_up(v0, v1, v2);
+        store(min(min(v0, v1), v2), low);
+        store(max(max(v0, v1), v2), high);
+    }
+    template <int stride>
+    RAST_INLINE void set_up(const Corners& s, const float* values, int component) {
+        set_up(corner_value<stride>(s, values, 0, component),
+               corner_value<stride>(s, values, 1, component),
+               corner_value<stride>(s, values, 2, component));
+    }
+    template <class At>
+    RAST_INLINE F within(F value, At at) const {
+        return min(max(value, pick(low, at)), pick(high, at));
+    }
+    template <class At>
+    RAST_INLINE F operator()(const Weights& w, At at) const {
+        return within(ValueTable::operator()(w, at), at);
+    }
+};
+
+// Edge functions are integers. Over a small triangle they fit 32 bits, where arithmetic that wraps
+// round is exact at last; those of wide ones are taken in double, which holds them exactly too.
+// Their weighted sums stay in double up to the division: each corner's weight is then off by the
+// rounding of its factor and its own last one, which three units in the last place of an
+// interpolated value have room for.
+struct TriangleTable {
+    static constexpr std::int32_t small_extent = 1 << 15;  // 128 pixels
+    // At the tile's first point, and per pixel.
+    alignas(64) std::int32_t edge[3][vector_size], edge_x[3][vector_size], edge_y[3][vector_size];
+    // Of corners 1 and 2: the first corner's w over theirs.
+    alignas(64) float weight[3][vector_size];
+    alignas(64) double exact_weight[3][vector_size];
+    alignas(64) std::int32_t from_x[vector_size], from_y[vector_size];  // first corner to tile
+    alignas(64) std::int32_t is_wide[vector_size], is_crossing[vector_size];
+    // Of wide ones, anywhere.
+    double constant[3][vector_size], slope_x[3][vector_size], slope_y[3][vector_size];
+    std::uint32_t vertex[3][vector_size];  // of crossing ones
+    bool any_wide, any_crossing;
+
+    // For the derivatives of what is interpolated, see PlaceTable: 256 · area · the factors of the
+    // edges that meet in a corner, and that times the way from there to the first corner.
+    struct Slopes {
+        D at[3], x[3], y[3];
+    };
+    RAST_INLINE Slopes set_up(const ShadeDraw& draw, const Corners& s, const TilePlace& place,
+                              bool derivatives) {
+        I x[3], y[3], dx[3], dy[3];
+        F w[3];
+        for (int k = 0; k < 3; ++k) {
+            std::uint32_t each[vector_size];
+            store(s.vertex[k], each);
+            I w_bits, depth_bits;
+            load_each4<1>(&draw.records->x, each, x[k], y[k], w_bits, depth_bits);
+            w[k] = from_bits(w_bits);
+            dx[k] = x[k] - set(place.x);
+            dy[k] = y[k] - set(place.y);
         }
-        out.q_x[k] = (y[a] - y[b]) * per_pixel * weight;
-        out.q_y[k] = (x[b] - x[a]) * per_pixel * weight;
+        const I limit = set(first_valid), one = set(1), none = set(0);
+        const M crossing = ((x[0] < limit) | (x[1] < limit)) | (x[2] < limit);
+        const auto extent = [](const I v[3]) {
+            return max(max(v[0], v[1]), v[2]) - min(min(v[0], v[1]), v[2]);
+        };
+        const I small = set(small_extent + 1);
+        const M narrow = (extent(x) < small) & (extent(y) < small);
+        const M wide = !(narrow | crossing);
+        any_crossing = any(crossing);
+        any_wide = any(wide);
+        store(select(crossing, one, none), is_crossing);
+        store(select(wide, one, none), is_wide);
+        // Clockwise corners would turn all edge functions round.
+        const D area = to_double(x[1] - x[0]) * to_double(y[2] - y[0]) -
+                       to_double(x[2] - x[0]) * to_double(y[1] - y[0]);
+        const M turned = to_float(area) < set(0.0f);
+        for (int k = 0; k < 3; ++k) {
+            const int a = k == 2 ? 0 : k + 1, b = a == 2 ? 0 : a + 1;
+            const auto positive = [&](I v) { return select(turned, none - v, v); };
+            const I slope_right = positive(y[a] - y[b]), slope_down = positive(x[b] - x[a]);
+            store(positive(dx[a] * dy[b] - dx[b] * dy[a]), edge[k]);
+            store(shift_left<subpixel_bits>(slope_right), edge_x[k]);
+            store(shift_left<subpixel_bits>(slope_down), edge_y[k]);
+            if (any_crossing) store(s.vertex[k], vertex[k]);
+            if (!any_wide) continue;
+            store(set_double(0.0) - (to_double(slope_right) * to_double(x[a]) +
+                                     to_double(slope_down) * to_double(y[a])),
+                  constant[k]);
+            store(to_double(slope_right), slope_x[k]);
+            store(to_double(slope_down), slope_y[k]);
+        }
+        // Where corners' distances are as far apart as float's exponents go, it does not matter
+        // how far.
+        F factor[3] = {set(1.0f), w[0] / w[1], w[0] / w[2]};
+        for (int k = 1; k < 3; ++k) {
+            factor[k] = min(max(factor[k], set(0x1p-60f)), set(0x1p60f));
+            store(factor[k], weight[k]);
+            store(to_double(factor[k]), exact_weight[k]);
+        }
+        Slopes out;
+        if (!derivatives) return out;
+        store(set(place.x) - x[0], from_x);
+        store(set(place.y) - y[0], from_y);
+        const D scaled = area * set_double(double(subpixels));
+        for (int k = 0; k < 3; ++k) {
+            const int a = k == 2 ? 0 : k + 1, b = a == 2 ? 0 : a + 1;
+            out.at[k] = scaled * (to_double(factor[a]) * to_double(factor[b]));
+            out.x[k] = out.at[k] * to_double(x[0] - x[k]);
+            out.y[k] = out.at[k] * to_double(y[0] - y[k]);
+        }
+        return out;
     }
-    const I limit = set(first_valid);
-    const M crossing = ((raw[0] < limit) | (raw[1] < limit)) | (raw[2] < limit);
-    if (any(crossing)) mend_weights(draw, s, crossing, px, py, out.q, out.q_x, out.q_y);
-    set_weights(out, derivatives, s);
-    return s;
-}
 
-// One triangle for all points: what does not depend on the point is computed once.
-struct UniformTriangle {
-    std::uint32_t vertex[3];
-    double constant[3], slope_x[3], slope_y[3];  // of the edge functions: integers, exact
-    double weight[3], q_x[3], q_y[3];
+    // `at` is `entry` as Pick. Points lie at pixels `i`, `j` of the tile.
+    template <class At>
+    RAST_INLINE Weights weights(const ShadeDraw& draw, const TilePlace& place, bool derivatives,
+                                I entry, At at, I i, I j) const {
+        // A covered point's edge functions are positive; outside its triangle (a pixel's centre
+        // where only other samples are covered) they are clamped.
+        D e[3];
+        for (int k = 0; k < 3; ++k)
+            e[k] = to_double(max(
+                (pick(edge[k], at) + i * pick(edge_x[k], at)) + j * pick(edge_y[k], at), set(0)));
+        if (any_wide) mend_wide(place, entry, i, j, e);
+        const D q1 = e[1] * weight_of(1, at), q2 = e[2] * weight_of(2, at);
+        const D sum = (e[0] + q1) + q2;
+        Weights w;
+        w.inverse = set(1.0f) / to_float(sum);
+        // One step of Newton's method: 46 bits.
+        const D rough = to_double(w.inverse);
+        const D inverse = rough * (set_double(2.0) - sum * rough);
+        w.b = to_float(q1 * inverse);
+        w.c = to_float(q2 * inverse);
+        if (derivatives) {
+            w.from_x = to_float(shift_left<subpixel_bits>(i) + pick(from_x, at));
+            w.from_y = to_float(shift_left<subpixel_bits>(j) + pick(from_y, at));
+        }
+        w.any_crossing = any_crossing;
+        if (any_crossing) mend_crossing(draw, place, entry, i, j, w);
+        return w;
+    }
+
+  private:
+    RAST_INLINE D weight_of(int k, Pick at) const { return to_double(pick(weight[k], at)); }
+    RAST_INLINE D weight_of(int k, OnePick at) const {
+        return set_double(exact_weight[k][at.entry]);
+    }
+
+    inline void mend_wide(const TilePlace& place, I entry, I i, I j, D e[3]) const {
+        std::int32_t entries_of[vector_size], columns[vector_size], rows[vector_size];
+        store(entry, entries_of);
+        const std::int32_t n = entries_of[0];
+        if (n == entries_of[vector_size - 1]) {
+            if (is_wide[n] == 0) return;
+            const D x = to_double(shift_left<subpixel_bits>(i) + set(place.x));
+            const D y = to_double(shift_left<subpixel_bits>(j) + set(place.y));
+            for (int k = 0; k < 3; ++k)
+                e[k] = max((set_double(slope_x[k][n]) * x + set_double(constant[k][n])) +
+                               set_double(slope_y[k][n]) * y,
+                           set_double(0.0));
+            return;
+        }
+        store(i, columns);
+        store(j, rows);
+        for (int k = 0; k < 3; ++k) {
+            double each[vector_size];
+            store(e[k], each);
+            for (std::size_t l = 0; l < vector_size; ++l) {
+                const std::int32_t m = entries_of[l];
+                if (is_wide[m] == 0) continue;
+                const double x = double(columns[l] * subpixels + place.x);
+                const double y = double(rows[l] * subpixels + place.y);
+                const double here = (slope_x[k][m] * x + constant[k][m]) + slope_y[k][m] * y;
+                each[l] = here > 0 ? here : 0.0;
+            }
+            e[k] = load(each);
+        }
+    }
+
+    inline void mend_crossing(const ShadeDraw& draw, const TilePlace& place, I entry, I i, I j,
+                              Weights& w) const {
+        std::int32_t entries_of[vector_size], columns[vector_size], rows[vector_size];
+        store(entry, entries_of);
+        store(i, columns);
+        store(j, rows);
+        float b[vector_size], c[vector_size], b_x[vector_size], c_x[vector_size], b_y[vector_size],
+            c_y[vector_size];
+        store(w.b, b);
+        store(w.c, c);
+        for (float* values : {b_x, c_x, b_y, c_y}) store(set(0.0f), values);
+        for (std::size_t l = 0; l < vector_size; ++l) {
+            const std::int32_t n = entries_of[l];
+            if (is_crossing[n] == 0) continue;
+            const std::uint32_t corners[3] = {vertex[0][n], vertex[1][n], vertex[2][n]};
+            double q[9];
+            crossing_weights(*draw.source_vertices, draw.records, corners,
+                             double(columns[l] * subpixels + place.x) / subpixels,
+                             double(rows[l] * subpixels + place.y) / subpixels, q);
+            for (int k = 0; k < 3; ++k) q[k] = q[k] > 0 ? q[k] : 0.0;
+            const double inverse = 1 / ((q[0] + q[1]) + q[2]);
+            const double mine_b = q[1] * inverse, mine_c = q[2] * inverse;
+            const double sum_right = (q[3] + q[4]) + q[5], sum_down = (q[6] + q[7]) + q[8];
+            b[l] = float(mine_b);
+            c[l] = float(mine_c);
+            b_x[l] = float((q[4] - mine_b * sum_right) * inverse);
+            c_x[l] = float((q[5] - mine_c * sum_right) * inverse);
+            b_y[l] = float((q[7] - mine_b * sum_down) * inverse);
+            c_y[l] = float((q[8] - mine_c * sum_down) * inverse);
+        }
+        w.crossing = pick(is_crossing, pick_of(entry)) > set(0);
+        w.b = load(b);
+        w.c = load(c);
+        w.b_x = load(b_x);
+        w.c_x = load(c_x);
+        w.b_y = load(b_y);
+        w.c_y = load(c_y);
+    }
 };
 
-// False: a corner has no place on the screen.
-RAST_INLINE bool uniform_triangle(const ShadeDraw& draw, std::uint32_t id, UniformTriangle& t) {
-    const std::size_t triangle = (id & ~id_back_face) - draw.first_id + draw.first_triangle;
-    double x[3], y[3], w[3];
-    for (int k = 0; k < 3; ++k) {
-        t.vertex[k] = draw.indices[triangle * 3 + std::size_t(k)];
-        const VertexRecord& record = draw.records[t.vertex[k]];
-        if (record.x < first_valid) return false;
-        x[k] = double(record.x);
-        y[k] = double(record.y);
-        w[k] = double(record.w);
-    }
-    const double area = (x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0]);
-    for (int k = 0; k < 3; ++k) {
-        const int a = k == 2 ? 0 : k + 1, b = a == 2 ? 0 : a + 1;
-        t.constant[k] = x[a] * y[b] - x[b] * y[a];
-        t.slope_x[k] = y[a] - y[b];
-        t.slope_y[k] = x[b] - x[a];
-        t.weight[k] = area * (w[a] * w[b]);
-        t.q_x[k] = t.slope_x[k] * double(subpixels) * t.weight[k];
-        t.q_y[k] = t.slope_y[k] * double(subpixels) * t.weight[k];
-    }
-    return true;
-}
+// Texture coordinates, and their change per pixel to the right and down.
+struct Coordinates {
+    F u, v, u_x, v_x, u_y, v_y;
+};
 
-RAST_INLINE UniformSurface surface_at(const UniformTriangle& t, I px, I py, bool derivatives) {
-    UniformSurface s;
-    const D x = to_double(px), y = to_double(py);
-    CornerWeights out;
-    for (int k = 0; k < 3; ++k) {
-        s.vertex[k] = t.vertex[k];
-        const D e = (set_double(t.slope_x[k]) * x + set_double(t.constant[k])) +
-                    set_double(t.slope_y[k]) * y;
-        out.q[k] = e * set_double(t.weight[k]);
-        out.q_x[k] = set_double(t.q_x[k]);
-        out.q_y[k] = set_double(t.q_y[k]);
+// The coordinates at one place of maps, and their derivatives.
+//
+// A value is Σ qᵢ uᵢ / S with qᵢ = fᵢ eᵢ (factor and edge function of the edge opposite to corner
+// i) and S = Σ qᵢ. Its derivative along x is Σ (qᵢ′ qⱼ − qⱼ′ qᵢ)(uᵢ − uⱼ) / S² over the pairs of
+// corners, and eᵢ′ eⱼ − eⱼ′ eᵢ depends on y alone: it is area · (y − yₖ), zero at the corner k
+// where both edges meet. So S² ∂u/∂x is linear in y, and S² ∂u/∂y in x: nothing large cancels,
+// however strong the perspective is.
+struct PlaceTable {
+    RangeTable u, v;
+    // Of the linear functions, from the first corner: ∂x = at_x + rise · y, ∂y = at_y − rise · x.
+    struct Derivative {
+        alignas(64) float rise[vector_size], at_x[vector_size], at_y[vector_size];
+    } of_u, of_v;
+
+    RAST_INLINE void set_up(const MapPlace& place, const Corners& s,
+                            const TriangleTable::Slopes& slopes) {
+        F us[3], vs[3];
+        for (int k = 0; k < 3; ++k) {
+            const F raw_u = corner_value<2>(s, place.uv, k, 0);
+            const F raw_v = corner_value<2>(s, place.uv, k, 1);
+            const auto turned = [&](int row) {
+                return (set(place.matrix[row * 2]) * raw_u +
+                        set(place.matrix[row * 2 + 1]) * raw_v) +
+                       set(place.offset[row]);
+            };
+            us[k] = turned(0);
+            vs[k] = turned(1);
+        }
+        u.set_up(us[0], us[1], us[2]);
+        v.set_up(vs[0], vs[1], vs[2]);
+        set_up(of_u, us, slopes);
+        set_up(of_v, vs, slopes);
     }
-    set_weights(out, derivatives, s);
-    return s;
+
+    template <class At>
+    RAST_INLINE Coordinates operator()(const Weights& w, At at) const {
+        Coordinates out;
+        out.u = u(w, at);
+        out.v = v(w, at);
+        const auto along = [&](const Derivative& d, F& x, F& y) {
+            const F rise = pick(d.rise, at);
+            x = ((pick(d.at_x, at) + rise * w.from_y) * w.inverse) * w.inverse;
+            y = ((pick(d.at_y, at) - rise * w.from_x) * w.inverse) * w.inverse;
+        };
+        along(of_u, out.u_x, out.u_y);
+        along(of_v, out.v_x, out.v_y);
+        if (w.any_crossing) {
+            const auto mended = [&](const RangeTable& value, F b, F c, F otherwise) {
+                return select(w.crossing, b * pick(value.second, at) + c * pick(value.third, at),
+                              otherwise);
+            };
+            out.u_x = mended(u, w.b_x, w.c_x, out.u_x);
+            out.v_x = mended(v, w.b_x, w.c_x, out.v_x);
+            out.u_y = mended(u, w.b_y, w.c_y, out.u_y);
+            out.v_y = mended(v, w.b_y, w.c_y, out.v_y);
+        }
+        return out;
+    }
+
+  private:
+    static RAST_INLINE void set_up(Derivative& out, const F value[3],
+                                   const TriangleTable::Slopes& slopes) {
+        D difference[3];
+        for (int k = 0; k < 3; ++k) {
+            const int a = k == 2 ? 0 : k + 1, b = a == 2 ? 0 : a + 1;
+            difference[k] = to_double(value[a]) - to_double(value[b]);
+        }
+        const auto sum = [&](const D factor[3]) {
+            return (difference[0] * factor[0] + difference[1] * factor[1]) +
+                   difference[2] * factor[2];
+        };
+        store(to_float(sum(slopes.at)), out.rise);
+        store(to_float(sum(slopes.y)), out.at_x);
+        store(-to_float(sum(slopes.x)), out.at_y);
+    }
+};
+
+// The next runs, as many as there are lanes.
+struct RunGroup {
+    const TriangleRun* runs;
+    std::size_t count;
+
+    RAST_INLINE std::size_t end() const { return runs[count - 1].end; }
+    RAST_INLINE I ids() const {
+        std::uint32_t each[vector_size];
+        for (std::size_t k = 0; k < vector_size; ++k) each[k] = runs[k < count ? k : count - 1].id;
+        return load(each);
+    }
+    RAST_INLINE std::size_t run_of(std::size_t point) const {
+        std::size_t run = 0;
+        while (run + 1 < count && runs[run].end <= point) ++run;
+        return run;
+    }
+    // Whether the vector from `point` on lies in one run.
+    RAST_INLINE bool is_one(std::size_t point, std::size_t run) const {
+        return runs[run].end >= point + vector_size || run + 1 == count;
+    }
+    // Which runs the points from `point` on belong to; `run` is that of the first, and is moved on
+    // to the first of the next vector. Lanes past the end belong to the last.
+    RAST_INLINE I entries(std::size_t point, std::size_t& run) const {
+        I entry = set(std::int32_t(run));
+        while (run + 1 < count && runs[run].end < point + vector_size) {
+            const I last = set(std::int32_t(runs[run].end - point) - 1);
+            ++run;
+            entry = select(iota() > last, set(std::int32_t(run)), entry);
+        }
+        if (run + 1 < count && runs[run].end == point + vector_size) ++run;
+        return entry;
+    }
+};
+RAST_INLINE RunGroup next_group(const TriangleRun* runs, std::size_t count) {
+    return {runs, count < vector_size ? count : vector_size};
 }

@@ -1,186 +1,268 @@
-// Maps of a draw at visible points.
+// Maps of a draw at points, a point per lane: nearest, bilinear and trilinear filters. The others,
+// and coordinates out of range, are left to MipTexture::sample, lane by lane.
 // Included once per instruction set, inside the namespace that has its lanes.
 
 struct Texel {
     F r, g, b, a;
 };
-
-// Texel coordinates beyond this are left to MipTexture::sample: below, float has them to a quarter.
-inline constexpr float most_texels = 1 << 21;
-
-// Texel numbers of a bilinear pair along one axis of a level of `size` texels.
-RAST_INLINE void wrap_pair(const TextureAxis& axis, I first, I size, I& low, I& high) {
-    const I one = set(1), zero = set(0);
-    low = first;
-    high = first + one;
-    if (axis.wrap == prep::Wrap::clamp) {
-        const I last = size - one;
-        low = min(max(low, zero), last);
-        high = min(max(high, zero), last);
-    } else if (axis.wrap == prep::Wrap::repeat) {
-        low = low & (size - one);
-        high = high & (size - one);
-    } else {
-        const I turn = size + size - one;
-        const auto mirrored = [&](I v) {
-            const I r = v & turn;
-            return select(r < size, r, turn - r);
-        };
-        low = mirrored(low);
-        high = mirrored(high);
-    }
+template <bool alpha>
+RAST_INLINE Texel mix(const Texel& from, const Texel& to, F part) {
+    const auto between = [&](F a, F b) { return a + (b - a) * part; };
+    return {between(from.r, to.r), between(from.g, to.g), between(from.b, to.b),
+            alpha ? between(from.a, to.a) : from.a};
+}
+RAST_INLINE Texel select(M m, const Texel& yes, const Texel& no) {
+    return {select(m, yes.r, no.r), select(m, yes.g, no.g), select(m, yes.b, no.b),
+            select(m, yes.a, no.a)};
+}
+RAST_INLINE Texel no_texel() {
+    return {set(0.0f), set(0.0f), set(0.0f), set(0.0f)};
 }
 
-// What the four texels of a bilinear filter are, for each lane on a level of its own.
+// Texel coordinates beyond this are left to MipTexture::sample: below, float has them to a quarter,
+// and the wrapping below is exact.
+inline constexpr float most_texels = 1 << 21;
+
+// i modulo `size`, for |i| ≤ most_texels.
+RAST_INLINE I modulo(I i, I size) {
+    const F turns = floor(to_float(i) / to_float(size));
+    return i - to_int(turns) * size;
+}
+
+// Texel numbers along one axis of a level of `size` texels. `powers`: sizes are powers of two.
+RAST_INLINE I wrapped(prep::Wrap wrap, bool powers, I i, I size) {
+    const I one = set(1);
+    if (wrap == prep::Wrap::repeat) return powers ? i & (size - one) : modulo(i, size);
+    if (wrap == prep::Wrap::mirror) {
+        const I turn = size + size;
+        const I r = powers ? i & (turn - one) : modulo(i, turn);
+        return select(r < size, r, turn - one - r);
+    }
+    return min(max(i, set(0)), size - one);  // border texels are blanked afterwards
+}
+
+// The four texels of a bilinear filter, each lane on a level of its own. Texels: top left and
+// right, bottom left and right.
 struct Taps {
-    std::int32_t at[4][lane_count];
+    I at[4];
     F across, down;
+    M inside[4];  // where there is a border
 };
+
+struct Sizes {
+    I width, height, pitch, first;
+};
+RAST_INLINE Sizes sizes_of(const TextureView& view, I level) {
+    std::int32_t each[vector_size];
+    store(level, each);
+    const std::int32_t l = each[0];
+    if (all(level == set(l)))
+        return {set(view.widths[l]), set(view.heights[l]), set(view.pitches[l]),
+                set(view.firsts[l])};
+    return {gather(view.widths, level), gather(view.heights, level), gather(view.pitches, level),
+            gather(view.firsts, level)};
+}
+RAST_INLINE bool is_power(std::int32_t v) {
+    return (v & (v - 1)) == 0;
+}
+RAST_INLINE bool has_border(const TextureView& view) {
+    return view.wrap_u == prep::Wrap::border || view.wrap_v == prep::Wrap::border;
+}
+
 RAST_INLINE void place_taps(const TextureView& view, F u, F v, I level, Taps& taps, M& good) {
-    const I width = gather(view.widths, level), height = gather(view.heights, level);
+    const Sizes size = sizes_of(view, level);
     const F half = set(0.5f), most = set(most_texels);
-    const F tu = u * to_float(width) - half, tv = v * to_float(height) - half;
+    const F tu = u * to_float(size.width) - half, tv = v * to_float(size.height) - half;
     good = good & ((abs(tu) < most) & (abs(tv) < most));
     const F su = select(good, tu, set(0.0f)), sv = select(good, tv, set(0.0f));
     const F fu = floor(su), fv = floor(sv);
     taps.across = su - fu;
     taps.down = sv - fv;
-    I x0, x1, y0, y1;
-    wrap_pair(view.u, to_int(fu), width, x0, x1);
-    wrap_pair(view.v, to_int(fv), height, y0, y1);
-    const I pitch = gather(view.pitches, level), top = y0 * pitch, bottom = y1 * pitch;
-    store(top + x0, taps.at[0]);
-    store(top + x1, taps.at[1]);
-    store(bottom + x0, taps.at[2]);
-    store(bottom + x1, taps.at[3]);
-}
-
-// All lanes' rows are asked for before the first is used: one after the other, each would wait for
-// memory by itself.
-RAST_INLINE void prefetch(const TextureView& view, const std::int32_t* levels, const Taps& taps) {
-    for (int lane = 0; lane < lane_count; ++lane) {
-        const float* const texels = view.texels[levels[lane]];
-        __builtin_prefetch(texels + std::size_t(taps.at[0][lane]) * 4);
-        __builtin_prefetch(texels + std::size_t(taps.at[2][lane]) * 4);
-    }
-}
-
-// The order of operations of MipTexture::bilinear: a + f·(b − a). For the lanes from `first` on.
-RAST_INLINE Texels bilinear(const TextureView& view, const std::int32_t* levels, const Taps& taps,
-                            int first) {
-    const auto at = [&](int k) {
-        const float* from[texels_at_once];
-        for (int i = 0; i < texels_at_once; ++i)
-            from[i] = view.texels[levels[first + i]] + std::size_t(taps.at[k][first + i]) * 4;
-        return load_texels(from);
+    const bool wide = is_power(view.widths[0]), high = is_power(view.heights[0]);
+    const I x0 = to_int(fu), y0 = to_int(fv), x1 = x0 + set(1), y1 = y0 + set(1);
+    const I left = wrapped(view.wrap_u, wide, x0, size.width);
+    const I right = wrapped(view.wrap_u, wide, x1, size.width);
+    const I top = wrapped(view.wrap_v, high, y0, size.height) * size.pitch + size.first;
+    const I bottom = wrapped(view.wrap_v, high, y1, size.height) * size.pitch + size.first;
+    taps.at[0] = top + left;
+    taps.at[1] = top + right;
+    taps.at[2] = bottom + left;
+    taps.at[3] = bottom + right;
+    if (!has_border(view)) return;
+    const M yes = set(0) == set(0);
+    const auto within = [&](prep::Wrap wrap, I i, I extent) {
+        return wrap == prep::Wrap::border ? (i > set(-1)) & (i < extent) : yes;
     };
-    const Texels fx = spread(taps.across, first), fy = spread(taps.down, first);
-    const Texels a = at(0), c = at(2);
-    const Texels top = a + (at(1) - a) * fx, bottom = c + (at(3) - c) * fx;
-    return top + (bottom - top) * fy;
+    const M in_left = within(view.wrap_u, x0, size.width);
+    const M in_right = within(view.wrap_u, x1, size.width);
+    const M in_top = within(view.wrap_v, y0, size.height);
+    const M in_bottom = within(view.wrap_v, y1, size.height);
+    taps.inside[0] = in_top & in_left;
+    taps.inside[1] = in_top & in_right;
+    taps.inside[2] = in_bottom & in_left;
+    taps.inside[3] = in_bottom & in_right;
+}
+
+// Colours as they are stored: packed ones times texel_scale.
+template <bool packed, bool alpha>
+RAST_INLINE Texel read_texels(const TextureView& view, I at) {
+    Texel t;
+    if constexpr (packed) {
+        const I mask = set((1 << packed_bits) - 1);
+        I low, high;
+        gather_pairs(view.packed, at, low, high);
+        t.r = to_float(low & mask);
+        t.g = to_float(shift_right_unsigned<packed_bits>(low) |
+                       shift_left<11>(shift_right_unsigned<packed_bits>(high)));
+        t.b = to_float(high & mask);
+        t.a = set(1.0f);
+        if (alpha && view.alpha != nullptr) t.a = gather(view.alpha, at);
+    } else {
+        const I first = times<4>(at);
+        t.r = gather(view.floats, first);
+        t.g = gather(view.floats + 1, first);
+        t.b = gather(view.floats + 2, first);
+        t.a = alpha ? gather(view.floats + 3, first) : set(1.0f);
+    }
+    return t;
+}
+
+// The order of operations of MipTexture::bilinear: a + f·(b − a).
+template <bool packed, bool alpha>
+RAST_INLINE Texel bilinear(const TextureView& view, const Taps& taps) {
+    const bool border = has_border(view);
+    const auto read = [&](int k) {
+        Texel t = read_texels<packed, alpha>(view, taps.at[k]);
+        return border ? select(taps.inside[k], t, no_texel()) : t;
+    };
+    const Texel top = mix<alpha>(read(0), read(1), taps.across);
+    return mix<alpha>(top, mix<alpha>(read(2), read(3), taps.across), taps.down);
 }
 
 // As MipTexture::level_of_detail.
-RAST_INLINE F level_of_detail(const TextureView& view, F dux, F dvx, F duy, F dvy) {
+RAST_INLINE F level_of_detail(const TextureView& view, const Coordinates& at) {
     const F width = set(float(view.widths[0])), height = set(float(view.heights[0]));
-    const F ax = dux * width, bx = dvx * height, ay = duy * width, by = dvy * height;
+    const F ax = at.u_x * width, bx = at.v_x * height;
+    const F ay = at.u_y * width, by = at.v_y * height;
     const F longest = max(ax * ax + bx * bx, ay * ay + by * by);
     const M minified = longest > set(1.0f), in_range = longest < set(1.0e30f);
+    if (!any(minified)) return set(0.0f);
     const F lod = set(0.5f) * log2(select(minified & in_range, longest, set(1.0f)));
     const F most = set(float(view.level_count - 1));
     return select(minified, select(in_range, min(lod, most), most), set(0.0f));
 }
 
-// `values`: u, v, then their change per pixel right and down. Texels go to `out`, lane by lane.
-inline void sample_lanes(const BoundMap& map, const F values[6], float* out) {
-    const TextureView& view = map.texture->view();
-    const bool several = map.filter == TextureFilter::trilinear && view.level_count > 1;
-    M good = set(0.0f) == set(0.0f);
-    I level = set(0);
-    F between = set(0.0f);
-    I next = level;
-    std::uint32_t two = 0;
-    if (several) {
-        const F lod = level_of_detail(view, values[2], values[3], values[4], values[5]);
-        const F whole = floor(lod);
-        level = to_int(whole);
-        between = lod - whole;
-        next = select(between > set(0.0f), level + set(1), level);
-        two = bits_of(between > set(0.0f));
-    }
-    std::int32_t levels[lane_count], next_levels[lane_count];
-    store(level, levels);
-    store(next, next_levels);
-    if (any(next > set(std::int32_t(map.texture->pyramid_made()) - 1)))
-        for (const std::int32_t l : next_levels) map.texture->make_pyramid(std::uint32_t(l));
+// Which texels a map reads at a vector of points, and how it mixes them.
+struct Reads {
     Taps near, far;
-    place_taps(view, values[0], values[1], level, near, good);
-    prefetch(view, levels, near);
-    if (two != 0) {
-        place_taps(view, values[0], values[1], next, far, good);
-        prefetch(view, next_levels, far);
+    F between;       // of near and far
+    I last;          // level of the pyramid
+    bool two, four;  // levels that some lane reads; texels a level, else one
+    M good;          // lanes whose coordinates are in range
+};
+
+inline void find_texels(const BoundMap& map, const Coordinates& at, Reads& reads) {
+    const TextureView& view = map.texture->view();
+    reads.good = set(0) == set(0);
+    reads.two = false;
+    reads.last = set(0);
+    reads.four = map.filter != TextureFilter::nearest;
+    I level = set(0);
+    if (map.filter == TextureFilter::trilinear && view.level_count > 1) {
+        const F lod = level_of_detail(view, at), whole = floor(lod);
+        level = to_int(whole);
+        reads.between = lod - whole;
+        const M mixed = reads.between > set(0.0f);
+        reads.two = any(mixed);
+        const I next = select(mixed, level + set(1), level);
+        reads.last = next;
+        if (reads.two) place_taps(view, at.u, at.v, next, reads.far, reads.good);
     }
-    for (int first = 0; first < lane_count; first += texels_at_once) {
-        Texels texels = bilinear(view, levels, near, first);
-        if (two >> first & ((1u << texels_at_once) - 1)) {
-            const Texels part = spread(between, first);
-            const Texels mixed = texels + (bilinear(view, next_levels, far, first) - texels) * part;
-            texels = where_positive(part, mixed, texels);
+    if (reads.four) {
+        place_taps(view, at.u, at.v, level, reads.near, reads.good);
+        return;
+    }
+    const I width = set(view.widths[0]), height = set(view.heights[0]);
+    const F tu = at.u * to_float(width), tv = at.v * to_float(height), most = set(most_texels);
+    reads.good = (abs(tu) < most) & (abs(tv) < most);
+    const I x = to_int(floor(select(reads.good, tu, set(0.0f))));
+    const I y = to_int(floor(select(reads.good, tv, set(0.0f))));
+    reads.near.at[0] =
+        wrapped(view.wrap_u, is_power(view.widths[0]), x, width) +
+        wrapped(view.wrap_v, is_power(view.heights[0]), y, height) * set(view.pitches[0]);
+    if (!has_border(view)) return;
+    const M in_u = (x > set(-1)) & (x < width), in_v = (y > set(-1)) & (y < height);
+    const M yes = set(0) == set(0);
+    reads.near.inside[0] = (view.wrap_u == prep::Wrap::border ? in_u : yes) &
+                           (view.wrap_v == prep::Wrap::border ? in_v : yes);
+}
+
+template <bool packed, bool alpha>
+RAST_INLINE Texel read_filtered(const TextureView& view, const Reads& reads) {
+    Texel t;
+    if (reads.four) {
+        t = bilinear<packed, alpha>(view, reads.near);
+        if (reads.two) {
+            const Texel far = bilinear<packed, alpha>(view, reads.far);
+            const Texel mixed = mix<alpha>(t, far, reads.between);
+            // Lanes that read one level alone have it on both sides; floats may be infinite.
+            t = packed ? mixed : select(reads.between > set(0.0f), mixed, t);
         }
-        store(texels, out + 4 * first);
+    } else {
+        t = read_texels<packed, alpha>(view, reads.near.at[0]);
+        if (has_border(view)) t = select(reads.near.inside[0], t, no_texel());
     }
-    const std::uint32_t usable = bits_of(good);
-    if (all(good)) return;
-    float v[6][lane_count];
-    for (int k = 0; k < 6; ++k) store(values[k], v[k]);
-    for (int lane = 0; lane < lane_count; ++lane) {
-        if (usable >> lane & 1u) continue;
-        const float at[6] = {v[0][lane], v[1][lane], v[2][lane],
-                             v[3][lane], v[4][lane], v[5][lane]};
-        sample_texture(*map.texture, map.filter, map.most, at, out + 4 * lane);
+    if constexpr (packed) {
+        const auto unpack = [](F v) { return v * set(unpack_high) + v * set(unpack_low); };
+        t = {unpack(t.r), unpack(t.g), unpack(t.b), t.a};
     }
+    return t;
 }
 
-inline void sample_each(const BoundMap& map, const F values[6], float* out) {
-    float v[6][lane_count];
-    for (int k = 0; k < 6; ++k) store(values[k], v[k]);
-    for (int lane = 0; lane < lane_count; ++lane) {
-        const float at[6] = {v[0][lane], v[1][lane], v[2][lane],
-                             v[3][lane], v[4][lane], v[5][lane]};
-        sample_texture(*map.texture, map.filter, map.most, at, out + 4 * lane);
+// Through MipTexture::sample; for the lanes that are not `done`.
+inline void sample_each(const BoundMap& map, const Coordinates& at, std::uint32_t done, Texel& t) {
+    float v[6][vector_size], out[4][vector_size];
+    store(at.u, v[0]);
+    store(at.v, v[1]);
+    store(at.u_x, v[2]);
+    store(at.v_x, v[3]);
+    store(at.u_y, v[4]);
+    store(at.v_y, v[5]);
+    store(t.r, out[0]);
+    store(t.g, out[1]);
+    store(t.b, out[2]);
+    store(t.a, out[3]);
+    for (std::size_t lane = 0; lane < vector_size; ++lane) {
+        if (done >> lane & 1u) continue;
+        const float from[6] = {v[0][lane], v[1][lane], v[2][lane],
+                               v[3][lane], v[4][lane], v[5][lane]};
+        float texel[4];
+        sample_texture(*map.texture, map.filter, map.most, from, texel);
+        for (int k = 0; k < 4; ++k) out[k][lane] = texel[k];
     }
+    t = {load(out[0]), load(out[1]), load(out[2]), load(out[3])};
 }
 
-template <class S>
-RAST_INLINE Texel sample_map(const BoundMap& map, const S& s) {
-    F uv[3][2];
-    for (int k = 0; k < 3; ++k)
-        for (int c = 0; c < 2; ++c) uv[k][c] = corner_value<2>(s, map.uv, k, c);
-    const auto turned = [&](int row, F u, F v) {
-        return set(map.matrix[row * 2]) * u + set(map.matrix[row * 2 + 1]) * v;
-    };
-    const F raw_u = blend_within(s, uv[0][0], uv[1][0], uv[2][0]);
-    const F raw_v = blend_within(s, uv[0][1], uv[1][1], uv[2][1]);
-    const F u1 = uv[1][0] - uv[0][0], u2 = uv[2][0] - uv[0][0];
-    const F v1 = uv[1][1] - uv[0][1], v2 = uv[2][1] - uv[0][1];
-    F values[6];
-    values[0] = turned(0, raw_u, raw_v) + set(map.offset[0]);
-    values[1] = turned(1, raw_u, raw_v) + set(map.offset[1]);
-    const auto step = [&](F b, F c, int at) {
-        const F du = b * u1 + c * u2, dv = b * v1 + c * v2;
-        values[at] = turned(0, du, dv);
-        values[at + 1] = turned(1, du, dv);
-    };
-    step(s.b_x, s.c_x, 2);
-    step(s.b_y, s.c_y, 4);
-    alignas(64) float out[4 * lane_count];
-    const bool by_lanes = map.texture->view().by_lanes && (map.filter == TextureFilter::trilinear ||
-                                                           map.filter == TextureFilter::bilinear);
-    if (by_lanes)
-        sample_lanes(map, values, out);
-    else
-        sample_each(map, values, out);
-    Texel texel;
-    load_interleaved4(out, texel.r, texel.g, texel.b, texel.a);
-    return texel;
+// `reads` holds those of the map before where the map has the same texels.
+template <bool alpha>
+inline Texel sample_map(const BoundMap& map, const Coordinates& at, Reads& reads) {
+    const TextureView& view = map.texture->view();
+    const bool by_lanes = view.by_lanes && (map.filter == TextureFilter::trilinear ||
+                                            map.filter == TextureFilter::bilinear ||
+                                            map.filter == TextureFilter::nearest);
+    Texel t = no_texel();
+    if (!by_lanes) {
+        sample_each(map, at, 0, t);
+        return t;
+    }
+    if (!map.same_texels) find_texels(map, at, reads);
+    if (any(reads.last > set(std::int32_t(map.texture->pyramid_made()) - 1))) {
+        std::int32_t last[vector_size];
+        store(reads.last, last);
+        for (const std::int32_t l : last) map.texture->make_pyramid(std::uint32_t(l));
+    }
+    t = view.packed != nullptr ? read_filtered<true, alpha>(view, reads)
+                               : read_filtered<false, alpha>(view, reads);
+    if (!all(reads.good)) sample_each(map, at, bits_of(reads.good), t);
+    return t;
 }

@@ -1,0 +1,491 @@
+// Visible points of one draw: their surface, their maps, their normals, the light on them, and
+// colours at last.
+// Included once per instruction set, inside the namespace that has its lanes.
+//
+// Points go through several short loops instead of one long one: the processor then works on
+// several vectors at a time, where one vector's chain of operations alone would keep it waiting.
+// Between the loops they lie in Points, few enough for the first-level cache.
+
+inline constexpr std::size_t points_at_once = 128;
+struct Points {
+    enum : int {
+        normal = 0,  // as it is interpolated, then unit
+        tangent = 3,
+        sign = 6,  // of the bitangent
+        color = 7,
+        position = 10,  // from the eye
+        vertex_light = 13,
+        light = 19,  // sums over the lights
+        gloss = 22,
+        n_l = 25,  // of one light
+        sine2,
+        cosine2,
+        weights,  // of the second and the third corner
+        uv = weights + 2,
+        texels = uv + 2,  // of each kind of map
+        coordinates = texels + 3 * int(map_kinds),
+        count = coordinates + 6 * int(map_kinds)
+    };
+    alignas(64) float v[count][points_at_once + vector_size];
+    alignas(64) std::int32_t id[points_at_once + vector_size];
+    std::size_t held = 0;
+
+    RAST_INLINE F get(int plane, std::size_t at) const { return load(v[plane] + at); }
+    RAST_INLINE V3 get3(int plane, std::size_t at) const {
+        return {load(v[plane] + at), load(v[plane + 1] + at), load(v[plane + 2] + at)};
+    }
+    RAST_INLINE void put(F value, int plane, std::size_t at) { store(value, v[plane] + at); }
+    RAST_INLINE void put3(V3 value, int plane, std::size_t at) {
+        put(value.x, plane, at);
+        put(value.y, plane + 1, at);
+        put(value.z, plane + 2, at);
+    }
+};
+
+// What is asked of the points of a draw.
+struct Wanted {
+    bool normals = false, positions = false, colors = false, vertex_light = false, maps = false;
+    bool weights = false;
+    const float* uvs = nullptr;
+};
+
+// The surface of as many triangles as there are lanes.
+struct SurfaceTable {
+    TriangleTable triangles;
+    alignas(64) std::int32_t id[vector_size];
+    alignas(64) float sign[vector_size], face[3][vector_size];
+    VectorTable normal, tangent, position;
+    RangeTable color[3], light[6], uv[2];
+    PlaceTable places[map_kinds];
+
+    inline void set_up(const ShadeDraw& draw, const TilePlace& place, const Wanted& wanted, I ids) {
+        const Corners s = corners_of(draw, ids);
+        const TriangleTable::Slopes slopes = triangles.set_up(draw, s, place, wanted.maps);
+        store(ids, id);
+        if (wanted.normals) {
+            if (draw.source == NormalSource::face) {
+                const F zero = set(0.0f);
+                const V3 n = face_normal(draw, s, {zero, zero, zero});
+                store(n.x, face[0]);
+                store(n.y, face[1]);
+                store(n.z, face[2]);
+            } else if (draw.source != NormalSource::object_map) {
+                normal.set_up(s, draw.normals);
+            }
+            if (draw.source == NormalSource::tangent_map) {
+                tangent.set_up<4>(s, draw.tangents);
+                store(corner_value<4>(s, draw.tangents, 0, 3), sign);
+            }
+        }
+        if (wanted.positions) position.set_up(s, draw.positions);
+        for (int c = 0; wanted.colors && c < 3; ++c) color[c].set_up<4>(s, draw.colors, c);
+        if (wanted.vertex_light) {
+            // The sums on the side that is seen.
+            const I from = select(ids < set(0), set(6), set(0));
+            for (int c = 0; c < 6; ++c) {
+                F values[3];
+                for (int k = 0; k < 3; ++k)
+                    values[k] = gather(draw.vertex_light + c,
+                                       times<int(vertex_light_floats)>(s.vertex[k]) + from);
+                light[c].set_up(values[0], values[1], values[2]);
+            }
+        }
+        for (int c = 0; wanted.uvs != nullptr && c < 2; ++c) uv[c].set_up<2>(s, wanted.uvs, c);
+        for (int p = 0; wanted.maps && p < draw.place_count; ++p)
+            places[p].set_up(draw.places[p], s, slopes);
+    }
+
+    // One vector's points. `at`: their triangles, as Pick or OnePick.
+    template <class At>
+    RAST_INLINE void put(const ShadeDraw& draw, const TilePlace& place, const Wanted& wanted,
+                         I entry, At at, I i, I j, Points& points) const {
+        const std::size_t n = points.held;
+        const Weights w = triangles.weights(draw, place, wanted.maps, entry, at, i, j);
+        store(pick(id, at), points.id + n);
+        if (wanted.normals) {
+            if (draw.source == NormalSource::face)
+                points.put3({pick(face[0], at), pick(face[1], at), pick(face[2], at)},
+                            Points::normal, n);
+            else if (draw.source != NormalSource::object_map)
+                points.put3(normal(w, at), Points::normal, n);
+            if (draw.source == NormalSource::tangent_map) {
+                points.put3(tangent(w, at), Points::tangent, n);
+                points.put(pick(sign, at), Points::sign, n);
+            }
+        }
+        if (wanted.positions)
+            points.put3(point_from_eye(draw, position(w, at)), Points::position, n);
+        for (int c = 0; wanted.colors && c < 3; ++c)
+            points.put(color[c](w, at), Points::color + c, n);
+        for (int c = 0; wanted.vertex_light && c < 6; ++c)
+            points.put(light[c](w, at), Points::vertex_light + c, n);
+        for (int c = 0; wanted.uvs != nullptr && c < 2; ++c)
+            points.put(uv[c](w, at), Points::uv + c, n);
+        if (wanted.weights) {
+            points.put(w.b, Points::weights, n);
+            points.put(w.c, Points::weights + 1, n);
+        }
+        for (int p = 0; wanted.maps && p < draw.place_count; ++p) {
+            const Coordinates c = places[p](w, at);
+            const F values[6] = {c.u, c.v, c.u_x, c.v_x, c.u_y, c.v_y};
+            for (int k = 0; k < 6; ++k) points.put(values[k], Points::coordinates + 6 * p + k, n);
+        }
+    }
+};
+
+// Pixels of the tile.
+RAST_INLINE void load_pixels(const std::uint16_t* pixels, I& i, I& j) {
+    static_assert(tile_size == 64);
+    const I at = load(pixels);
+    i = at & set(63);
+    j = shift_right<6>(at);
+}
+RAST_INLINE void load_places(const TilePlace& place, const std::uint16_t* pixels, I& x, I& y) {
+    load_pixels(pixels, x, y);
+    x = shift_left<subpixel_bits>(x) + set(place.x);
+    y = shift_left<subpixel_bits>(y) + set(place.y);
+}
+
+inline void expand(const PixelRun* runs, std::size_t count, std::uint32_t* counts,
+                   std::uint16_t* pixels) {
+    for (std::size_t r = 0; r < count; ++r) {
+        const PixelRun& run = runs[r];
+        store_sequence(run.pixel, run.length, pixels + counts[run.number]);
+        counts[run.number] += run.length;
+    }
+}
+
+// Takes the runs' points in portions; `take(first)` gets the number of the portion's first point.
+template <class Task, class Take>
+RAST_INLINE void for_each_portion(const ShadeDraw& draw, const Task& task, const Wanted& wanted,
+                                  Points& points, const Take& take) {
+    SurfaceTable table;
+    std::size_t point = task.begin;
+    points.held = 0;
+    for (std::size_t r = 0; r < task.run_count;) {
+        const RunGroup group = next_group(task.runs + r, task.run_count - r);
+        table.set_up(draw, task.place, wanted, group.ids());
+        std::size_t run = 0;
+        while (point < group.end()) {
+            I i, j;
+            load_pixels(task.pixels + point, i, j);
+            if (group.is_one(point, run)) {
+                const auto one = std::int32_t(run);
+                table.put(draw, task.place, wanted, set(one), OnePick{one}, i, j, points);
+                group.entries(point, run);
+            } else {
+                const I entry = group.entries(point, run);
+                table.put(draw, task.place, wanted, entry, pick_of(entry), i, j, points);
+            }
+            const std::size_t left = group.end() - point,
+                              n = left < vector_size ? left : vector_size;
+            point += n;
+            points.held += n;
+            if (points.held < points_at_once) continue;
+            // What the last vector has beyond the portion's end comes again.
+            const std::size_t more = points.held - points_at_once;
+            if (more > 0) {
+                points.held -= more;
+                point -= more;
+                run = group.run_of(point);
+            }
+            take(point - points.held);
+            points.held = 0;
+        }
+        r += group.count;
+    }
+    if (points.held > 0) take(point - points.held);
+}
+
+// The texels of all maps, or of one kind alone.
+inline void read_maps(const ShadeDraw& draw, Points& points, int only = map_kinds) {
+    for (std::size_t n = 0; n < points.held; n += vector_size) {
+        const M there = iota() < set(std::int32_t(points.held - n));
+        Reads reads;
+        for (int k = 0; k < draw.used_count; ++k) {
+            const int kind = draw.used[k];
+            if (only != map_kinds && kind != only) continue;
+            BoundMap map = draw.maps[kind];
+            if (only != map_kinds) map.same_texels = false;
+            F values[6];
+            for (int c = 0; c < 6; ++c) {
+                values[c] = points.get(Points::coordinates + 6 * map.place + c, n);
+                // Lanes past the end ask for no level of their own.
+                if (points.held - n < vector_size) values[c] = select(there, values[c], set(0.0f));
+            }
+            const Texel t = sample_map<false>(
+                map, {values[0], values[1], values[2], values[3], values[4], values[5]}, reads);
+            points.put3({t.r, t.g, t.b}, Points::texels + 3 * kind, n);
+        }
+    }
+}
+RAST_INLINE V3 texel_of(const Points& points, MapKind kind, std::size_t n) {
+    return points.get3(Points::texels + 3 * int(kind), n);
+}
+
+// Normals as they are lit: world axes, unit, on the side that is seen.
+inline void finish_normals(const ShadeDraw& draw, const ShadeFrame& frame, const TilePlace& place,
+                           const std::uint16_t* pixels, Points& points) {
+    // Lanes past the end have a triangle, if nothing else.
+    store(set(points.id[points.held - 1]), points.id + points.held);
+    for (std::size_t n = 0; n < points.held; n += vector_size) {
+        const I id = load(points.id + n);
+        const M there = iota() < set(std::int32_t(points.held - n));
+        I x, y;
+        load_places(place, pixels + n, x, y);
+        V3 normal = points.get3(Points::normal, n);
+        if (draw.source == NormalSource::face) {
+            const M good = largest(normal) > set(0.0f);
+            normal = on_seen_side(id, normal);
+            if (!all(good | !there))
+                normal = select(good, normal, mended_normal(draw, frame, id, x, y));
+        } else {
+            if (draw.source == NormalSource::tangent_map)
+                normal = tangent_space_normal(draw, normal, points.get3(Points::tangent, n),
+                                              points.get(Points::sign, n),
+                                              texel_of(points, normal_map, n));
+            if (draw.source == NormalSource::object_map)
+                normal = object_space_normal(draw, texel_of(points, normal_map, n));
+            normal = finished_normal(draw, frame, normal, there, id, x, y);
+        }
+        points.put3(normal, Points::normal, n);
+    }
+}
+
+RAST_INLINE void roughness_at(const ShadeDraw& draw, const Points& points, std::size_t n,
+                              F& metallic, F& roughness) {
+    metallic = set(draw.metallic);
+    roughness = set(draw.roughness);
+    if (!draw.maps[metallic_roughness_map]) return;
+    const V3 map = texel_of(points, metallic_roughness_map, n);
+    metallic = metallic * map.z;
+    roughness = roughness * map.y;
+}
+
+// How a point answers to light: base + diffuse · Σ light + specular · Σ highlights.
+struct Reflection {
+    V3 base;
+    Lobe lobe;
+};
+RAST_INLINE Reflection reflection_at(const ShadeDraw& draw, const ShadeFrame& frame,
+                                     const Points& points, std::size_t n) {
+    V3 albedo = set3(draw.diffuse);
+    if (draw.colors != nullptr) albedo = albedo * points.get3(Points::color, n);
+    if (draw.maps[diffuse_map]) albedo = albedo * texel_of(points, diffuse_map, n);
+    V3 emissive = set3(draw.emissive);
+    if (draw.maps[emissive_map]) emissive = emissive * texel_of(points, emissive_map, n);
+    Reflection r{albedo + emissive, {albedo, set3(draw.specular), set(draw.shininess)}};
+    if (draw.unlit) return r;
+    if (draw.metallic_roughness) {
+        F metallic, roughness;
+        roughness_at(draw, points, n, metallic, roughness);
+        r.lobe = metallic_lobe(albedo, metallic, roughness);
+    } else if (draw.maps[specular_map]) {
+        r.lobe.specular = r.lobe.specular * texel_of(points, specular_map, n);
+    }
+    V3 ambient = set3(frame.ambient) * set3(draw.ambient);
+    if (draw.maps[occlusion_map]) {
+        const F one = set(1.0f), open = texel_of(points, occlusion_map, n).x;
+        ambient = ambient * (one + set(draw.maps[occlusion_map].strength) * (open - one));
+    }
+    r.base = albedo * ambient + emissive;
+    return r;
+}
+
+// For each light two loops: angles first,
+inline void add_light(const ShadeFrame& frame, const ShadeLight& light, const TilePlace& place,
+                      const std::uint16_t* pixels, bool first, Points& points) {
+    const F none = set(0.0f);
+    const V3 zero{none, none, none};
+    for (std::size_t n = 0; n < points.held; n += vector_size) {
+        I x, y;
+        load_places(place, pixels + n, x, y);
+        const V3 normal = points.get3(Points::normal, n);
+        V3 position = zero;
+        if (frame.needs_position) position = points.get3(Points::position, n);
+        const Incoming in = incoming(light, normal, position);
+        const HalfAngle half = half_angle(normal, towards_eye(frame, x, y), in.l);
+        const V3 sum = first ? zero : points.get3(Points::light, n);
+        points.put3(sum + in.color * in.n_l, Points::light, n);
+        points.put(in.n_l, Points::n_l, n);
+        points.put(half.sine2, Points::sine2, n);
+        // Behind the surface: below every squared cosine.
+        points.put(select(half.behind, set(-1.0f), half.cosine2), Points::cosine2, n);
+    }
+}
+// then the sum of highlights up to this light's.
+RAST_INLINE V3 gloss_with(const ShadeDraw& draw, const ShadeLight& light, const Points& points,
+                          bool first, std::size_t n) {
+    const F none = set(0.0f);
+    const V3 zero{none, none, none};
+    const V3 sum = first ? zero : points.get3(Points::gloss, n);
+    const F n_l = points.get(Points::n_l, n);
+    if (!any(n_l > none)) return sum;  // adds nothing, to the bit
+    F shininess = set(draw.shininess);
+    if (draw.metallic_roughness) {
+        F metallic, roughness;
+        roughness_at(draw, points, n, metallic, roughness);
+        shininess = metallic_lobe(zero, metallic, roughness).shininess;
+    }
+    const F cosine2 = points.get(Points::cosine2, n);
+    const F strength =
+        highlight(n_l, points.get(Points::sine2, n), cosine2, cosine2 < none, shininess);
+    V3 color = set3(light.color);
+    if (light.kind != prep::LightKind::directional)
+        color =
+            incoming(light, points.get3(Points::normal, n), points.get3(Points::position, n)).color;
+    return sum + color * strength;
+}
+
+// Bytes of one channel; NaN is 0.
+RAST_INLINE I byte_of(F v) {
+    const F most = set(1.0f), clipped = select(v > set(0.0f), min(v, most), set(0.0f));
+    return to_int(clipped * set(255.0f) + set(0.5f));
+}
+RAST_INLINE I packed_color(V3 c) {
+    return (byte_of(c.x) | shift_left<8>(byte_of(c.y))) |
+           (shift_left<16>(byte_of(c.z)) | set(std::int32_t(0xff000000u)));
+}
+
+RAST_INLINE void write_bytes(V3 color, const std::uint16_t* pixels, std::size_t count,
+                             const ShadeTask& task) {
+    const I packed = packed_color(color);
+    if (count >= vector_size) {
+        I i, j;
+        load_pixels(pixels, i, j);
+        scatter(packed, task.bytes, j * set(std::int32_t(task.stride)) + i);
+        return;
+    }
+    std::uint32_t each[vector_size];
+    store(packed, each);
+    for (std::size_t k = 0; k < count; ++k) {
+        const std::size_t p = pixels[k];
+        task.bytes[p / tile_size * task.stride + p % tile_size] = each[k];
+    }
+}
+
+inline void shade(const ShadeDraw& draw, const ShadeFrame& frame, const ShadeTask& task) {
+    Points points;
+    const bool lit = !draw.unlit && draw.vertex_light == nullptr && frame.light_count > 0;
+    Wanted wanted;
+    wanted.normals = lit;
+    wanted.positions = lit && frame.needs_position;
+    wanted.colors = draw.colors != nullptr;
+    wanted.vertex_light = !draw.unlit && draw.vertex_light != nullptr;
+    wanted.maps = draw.used_count > 0;
+    for_each_portion(draw, task, wanted, points, [&](std::size_t first) {
+        const std::uint16_t* const pixels = task.pixels + first;
+        if (wanted.maps) read_maps(draw, points);
+        if (lit) finish_normals(draw, frame, task.place, pixels, points);
+        for (std::size_t l = 0; lit && l < frame.light_count; ++l) {
+            add_light(frame, frame.lights[l], task.place, pixels, l == 0, points);
+            if (l + 1 == frame.light_count) break;  // the last one's highlights wait for the end
+            for (std::size_t n = 0; n < points.held; n += vector_size)
+                points.put3(gloss_with(draw, frame.lights[l], points, l == 0, n), Points::gloss, n);
+        }
+        for (std::size_t n = 0; n < points.held; n += vector_size) {
+            const Reflection r = reflection_at(draw, frame, points, n);
+            V3 color = r.base;
+            if (lit)
+                color = (color + r.lobe.diffuse * points.get3(Points::light, n)) +
+                        r.lobe.specular * gloss_with(draw, frame.lights[frame.light_count - 1],
+                                                     points, frame.light_count == 1, n);
+            if (wanted.vertex_light)
+                color = (color + r.lobe.diffuse * points.get3(Points::vertex_light, n)) +
+                        r.lobe.specular * points.get3(Points::vertex_light + 3, n);
+            if (task.bytes != nullptr) {
+                write_bytes(color, pixels + n, points.held - n, task);
+                continue;
+            }
+            store(color.x, task.out[0] + first + n);
+            store(color.y, task.out[1] + first + n);
+            store(color.z, task.out[2] + first + n);
+        }
+    });
+}
+
+inline void pack(const float* red, const float* green, const float* blue, std::size_t count,
+                 std::uint32_t* out) {
+    if (count == 1) {
+        std::uint32_t each[vector_size];
+        store(packed_color({set(*red), set(*green), set(*blue)}), each);
+        *out = each[0];
+        return;
+    }
+    for (std::size_t n = 0; n < count; n += vector_size)
+        store(packed_color({load(red + n), load(green + n), load(blue + n)}), out + n);
+}
+
+inline void attributes(const ShadeDraw& draw, const ShadeFrame& frame, const AttributeTask& task) {
+    Points points;
+    Wanted wanted;
+    wanted.normals = task.normal[0] != nullptr;
+    wanted.positions = task.position[0] != nullptr;
+    wanted.weights = task.barycentric[0] != nullptr;
+    wanted.uvs = task.uv[0] != nullptr ? task.uvs : nullptr;
+    const bool mapped =
+        wanted.normals && draw.maps[normal_map] &&
+        (draw.source == NormalSource::tangent_map || draw.source == NormalSource::object_map);
+    wanted.maps = mapped;
+    for_each_portion(draw, task, wanted, points, [&](std::size_t first) {
+        if (mapped) read_maps(draw, points, normal_map);
+        if (wanted.normals) finish_normals(draw, frame, task.place, task.pixels + first, points);
+        for (std::size_t n = 0; n < points.held; n += vector_size) {
+            const auto write = [&](float* const out[], int c, F value) {
+                store(value, out[c] + first + n);
+            };
+            for (int c = 0; wanted.normals && c < 3; ++c)
+                write(task.normal, c, points.get(Points::normal + c, n));
+            for (int c = 0; wanted.positions && c < 3; ++c)
+                write(task.position, c, points.get(Points::position + c, n));
+            for (int c = 0; task.uv[0] != nullptr && c < 2; ++c)
+                write(task.uv, c,
+                      wanted.uvs != nullptr ? points.get(Points::uv + c, n) : set(0.0f));
+            if (!wanted.weights) continue;
+            const F b = points.get(Points::weights, n), c = points.get(Points::weights + 1, n);
+            write(task.barycentric, 0, max((set(1.0f) - b) - c, set(0.0f)));
+            write(task.barycentric, 1, b);
+            write(task.barycentric, 2, c);
+        }
+    });
+}
+
+// Points of one triangle, whole pixels from the first lane's.
+inline M alpha_passes(const ShadeDraw& draw, I px, I py, I id) {
+    F alpha = set(draw.diffuse[3]);
+    if (draw.colors != nullptr || draw.maps[diffuse_map]) {
+        std::int32_t x[vector_size], y[vector_size];
+        store(px, x);
+        store(py, y);
+        TilePlace place;
+        place.x = x[0];
+        place.y = y[0];
+        const I i = shift_right<subpixel_bits>(px - set(place.x));
+        const I j = shift_right<subpixel_bits>(py - set(place.y)), entry = set(0);
+        const Corners s = corners_of(draw, id);
+        const Pick at = pick_of(entry);
+        TriangleTable triangles;
+        const TriangleTable::Slopes slopes =
+            triangles.set_up(draw, s, place, bool(draw.maps[diffuse_map]));
+        const Weights w =
+            triangles.weights(draw, place, bool(draw.maps[diffuse_map]), entry, at, i, j);
+        if (draw.colors != nullptr) {
+            RangeTable table;
+            table.set_up<4>(s, draw.colors, 3);
+            alpha = alpha * table(w, at);
+        }
+        if (draw.maps[diffuse_map]) {
+            PlaceTable table;
+            BoundMap map = draw.maps[diffuse_map];
+            table.set_up(draw.places[map.place], s, slopes);
+            map.same_texels = false;
+            Reads reads;
+            alpha = alpha * sample_map<true>(map, table(w, at), reads).a;
+        }
+    }
+    return alpha >= set(draw.alpha_cutoff);
+}
+
+inline bool covers(const ShadeDraw& draw, std::int32_t x, std::int32_t y, std::uint32_t id) {
+    return (bits_of(alpha_passes(draw, set(x), set(y), set(std::int32_t(id)))) & 1u) != 0;
+}
