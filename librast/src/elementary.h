@@ -37,11 +37,10 @@ inline float log2_portable(float x) {
     const std::uint32_t bits = std::bit_cast<std::uint32_t>(x);
     const float exponent = float(std::int32_t(bits >> 23) - 126);
     const float f = std::bit_cast<float>((bits & 0x007fffffu) | 0x3f000000u) - 1.0f;
-    const float t = f / (2.0f + f), s = t * t;
-    float p = 2.0f / 15.0f;
-    for (const float c :
-         {2.0f / 13.0f, 2.0f / 11.0f, 2.0f / 9.0f, 2.0f / 7.0f, 2.0f / 5.0f, 2.0f / 3.0f, 2.0f})
-        p = p * s + c;
+    const float t = f / (2.0f + f), s = t * t, s2 = s * s;
+    const float p0 = 2.0f / 3.0f * s + 2.0f, p2 = 2.0f / 7.0f * s + 2.0f / 5.0f;
+    const float p4 = 2.0f / 11.0f * s + 2.0f / 9.0f, p6 = 2.0f / 15.0f * s + 2.0f / 13.0f;
+    const float p = ((p6 * s2 + p4) * (s2 * s2)) + (p2 * s2 + p0);
     return exponent + p * t * 1.44269504088896341f;
 }
 

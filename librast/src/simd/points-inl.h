@@ -197,24 +197,40 @@ RAST_INLINE void for_each_portion(const ShadeDraw& draw, const Task& task, const
     if (points.held > 0) take(point - points.held);
 }
 
-// The texels of all maps, or of one kind alone.
+RAST_INLINE Coordinates coordinates_at(const Points& points, const BoundMap& map, std::size_t n) {
+    F values[6];
+    for (int c = 0; c < 6; ++c) {
+        values[c] = points.get(Points::coordinates + 6 * map.place + c, n);
+        // Lanes past the end ask for no level of their own.
+        if (points.held - n < vector_size)
+            values[c] = select(iota() < set(std::int32_t(points.held - n)), values[c], set(0.0f));
+    }
+    return {values[0], values[1], values[2], values[3], values[4], values[5]};
+}
+
+// The texels of all maps, or of one kind alone. First what is to be read, and it is asked for;
+// then it is read.
 inline void read_maps(const ShadeDraw& draw, Points& points, int only = map_kinds) {
-    for (std::size_t n = 0; n < points.held; n += vector_size) {
-        const M there = iota() < set(std::int32_t(points.held - n));
-        Reads reads;
-        for (int k = 0; k < draw.used_count; ++k) {
-            const int kind = draw.used[k];
-            if (only != map_kinds && kind != only) continue;
-            BoundMap map = draw.maps[kind];
-            if (only != map_kinds) map.same_texels = false;
-            F values[6];
-            for (int c = 0; c < 6; ++c) {
-                values[c] = points.get(Points::coordinates + 6 * map.place + c, n);
-                // Lanes past the end ask for no level of their own.
-                if (points.held - n < vector_size) values[c] = select(there, values[c], set(0.0f));
-            }
-            const Texel t = sample_map<false>(
-                map, {values[0], values[1], values[2], values[3], values[4], values[5]}, reads);
+    Reads reads[points_at_once / vector_size];
+    for (int k = 0; k < draw.used_count; ++k) {
+        const int kind = draw.used[k];
+        if (only != map_kinds && kind != only) continue;
+        const BoundMap& map = draw.maps[kind];
+        const bool by_lanes = reads_by_lanes(map);
+        const bool found = map.same_texels && only == map_kinds;
+        for (std::size_t n = 0; by_lanes && n < points.held; n += vector_size) {
+            Reads& mine = reads[n / vector_size];
+            if (!found) find_texels(map, coordinates_at(points, map, n), mine);
+            make_levels(map, mine);
+            prefetch(map.texture->view(), mine);
+        }
+        for (std::size_t n = 0; n < points.held; n += vector_size) {
+            const Coordinates at = coordinates_at(points, map, n);
+            Texel t = no_texel();
+            if (by_lanes)
+                t = read_map<false>(map, at, reads[n / vector_size]);
+            else
+                sample_each(map, at, 0, t);
             points.put3({t.r, t.g, t.b}, Points::texels + 3 * kind, n);
         }
     }
@@ -476,11 +492,9 @@ inline M alpha_passes(const ShadeDraw& draw, I px, I py, I id) {
         }
         if (draw.maps[diffuse_map]) {
             PlaceTable table;
-            BoundMap map = draw.maps[diffuse_map];
+            const BoundMap& map = draw.maps[diffuse_map];
             table.set_up(draw.places[map.place], s, slopes);
-            map.same_texels = false;
-            Reads reads;
-            alpha = alpha * sample_map<true>(map, table(w, at), reads).a;
+            alpha = alpha * sample_map<true>(map, table(w, at)).a;
         }
     }
     return alpha >= set(draw.alpha_cutoff);

@@ -243,26 +243,58 @@ inline void sample_each(const BoundMap& map, const Coordinates& at, std::uint32_
     t = {load(out[0]), load(out[1]), load(out[2]), load(out[3])};
 }
 
-// `reads` holds those of the map before where the map has the same texels.
+RAST_INLINE bool reads_by_lanes(const BoundMap& map) {
+    return map.texture->view().by_lanes &&
+           (map.filter == TextureFilter::trilinear || map.filter == TextureFilter::bilinear ||
+            map.filter == TextureFilter::nearest);
+}
+
+// The levels that are read must be there.
+RAST_INLINE void make_levels(const BoundMap& map, const Reads& reads) {
+    if (!any(reads.last > set(std::int32_t(map.texture->pyramid_made()) - 1))) return;
+    std::int32_t last[vector_size];
+    store(reads.last, last);
+    for (const std::int32_t l : last) map.texture->make_pyramid(std::uint32_t(l));
+}
+
+// Asks for the rows of every other lane: neighbours' texels share cache lines. By the time they
+// are read, most have come.
+RAST_INLINE void prefetch(const TextureView& view, const Reads& reads) {
+    const auto ask = [&](I at) {
+        std::int32_t each[vector_size];
+        store(at, each);
+        for (std::size_t lane = 0; lane < vector_size; lane += 2) {
+            const std::size_t n = std::size_t(each[lane]);
+            __builtin_prefetch(view.packed != nullptr ? static_cast<const void*>(view.packed + n)
+                                                      : view.floats + n * 4);
+        }
+    };
+    ask(reads.near.at[0]);
+    if (reads.four) ask(reads.near.at[2]);
+    if (!reads.two) return;
+    ask(reads.far.at[0]);
+    ask(reads.far.at[2]);
+}
+
 template <bool alpha>
-inline Texel sample_map(const BoundMap& map, const Coordinates& at, Reads& reads) {
+RAST_INLINE Texel read_map(const BoundMap& map, const Coordinates& at, const Reads& reads) {
     const TextureView& view = map.texture->view();
-    const bool by_lanes = view.by_lanes && (map.filter == TextureFilter::trilinear ||
-                                            map.filter == TextureFilter::bilinear ||
-                                            map.filter == TextureFilter::nearest);
-    Texel t = no_texel();
-    if (!by_lanes) {
+    Texel t = view.packed != nullptr ? read_filtered<true, alpha>(view, reads)
+                                     : read_filtered<false, alpha>(view, reads);
+    if (!all(reads.good)) sample_each(map, at, bits_of(reads.good), t);
+    return t;
+}
+
+// One vector by itself.
+template <bool alpha>
+inline Texel sample_map(const BoundMap& map, const Coordinates& at) {
+    if (!reads_by_lanes(map)) {
+        Texel t = no_texel();
         sample_each(map, at, 0, t);
         return t;
     }
-    if (!map.same_texels) find_texels(map, at, reads);
-    if (any(reads.last > set(std::int32_t(map.texture->pyramid_made()) - 1))) {
-        std::int32_t last[vector_size];
-        store(reads.last, last);
-        for (const std::int32_t l : last) map.texture->make_pyramid(std::uint32_t(l));
-    }
-    t = view.packed != nullptr ? read_filtered<true, alpha>(view, reads)
-                               : read_filtered<false, alpha>(view, reads);
-    if (!all(reads.good)) sample_each(map, at, bits_of(reads.good), t);
-    return t;
+    Reads reads;
+    find_texels(map, at, reads);
+    make_levels(map, reads);
+    return read_map<alpha>(map, at, reads);
 }
