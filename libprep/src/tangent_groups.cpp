@@ -1,16 +1,15 @@
 #include "tangent_groups.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstring>
 #include <optional>
 #include <utility>
 
 #include "parallel.h"
-#include "tangent_fans.h"
 #include "tangent_math.h"
 #include "tangent_subgroups.h"
+#include "tangent_vertex_counts.h"
 
 namespace prep::detail {
 namespace {
@@ -155,7 +154,7 @@ class StarWorker {
     StarWorker(const CornerReader& read, const TangentTriangles& triangles, const Terms& terms,
                const TangentStars& stars, const EdgeOverrides& overrides,
                const EntangledStars& entangled, const GroupOptions& options,
-               std::span<Index> corner_values)
+               std::span<const std::uint8_t> states, std::span<Index> corner_values)
         : read_(read),
           triangles_(triangles),
           terms_(terms),
@@ -163,12 +162,10 @@ class StarWorker {
           overrides_(overrides),
           entangled_(entangled),
           options_(options),
+          states_(states),
           corner_values_(corner_values),
           subgroups_(read, triangles, terms, options.angular_threshold, options.bounded_effort),
-          opposites_only_(std::cos(options.angular_threshold) <= -0.9999),
-          fans_(opposites_only_
-                    ? fan_kernel(options.simd, triangles.count, read.in.normals.values.size())
-                    : nullptr) {}
+          opposites_only_(opposites_only(options.angular_threshold)) {}
 
     struct Block {
         std::size_t first_value = 0;         // of the first position that has members
@@ -184,44 +181,23 @@ class StarWorker {
         values_ = values;
         std::size_t next_entangled = entangled_.empty() ? 0 : entangled_.at(stars_.offsets[begin]);
         std::size_t value = block.first_value;
-        const FanInput input{
-            stars_.offsets.data(),
-            stars_.members.data(),
-            stars_.split.data(),
-            stars_.vertices.data(),
-            {terms_.planes[0].data(), terms_.planes[1].data(), terms_.planes[2].data()},
-            options_.review && triangles_.implicit() ? read_.in.normals.indices.data() : nullptr,
-            read_.in.normals.values};
-        std::array<FanSum, fan_batch> sums{};
         for (std::size_t v = begin; v < end; ++v) {
-            const std::size_t batched = (v - begin) % fan_batch;
-            if (fans_ != nullptr && batched == 0)
-                fans_(input, v, std::min(end, v + fan_batch), sums.data());
-            const Star all(stars_.members.data() + stars_.offsets[v],
-                           stars_.offsets[v + 1] - stars_.offsets[v]);
-            if (all.empty()) continue;
-            const FanSum& sum = sums[batched];
-            if (sum.code != 0 && !overrides_.touch(stars_, all)) {
-                const float sign = (sum.code & orientation_preserving) ? 1.0f : -1.0f;
-                values_[value] = {sum.x, sum.y, sum.z, sign * options_.positive};
-                for (const Index m : all) corner_values_[m - (m >> 2)] = Index(value);
-                if (options_.review && !(sum.code & fan_frame) && !is_frame(all[0], values_[value]))
-                    block.suspects.insert(block.suspects.end(), all.begin(), all.end());
-            } else {
-                first_free_ = true;
-                first_value_ = value;
-                stars_.for_each(v, v + 1, [&](Star star) {
-                    if (!entangled_.empty() && entangled_.is(next_entangled, star)) {
-                        const std::span<const Index> groups = entangled_.groups(next_entangled++);
-                        groups_.assign(groups.begin(), groups.end());
-                    } else {
-                        find_groups(star);
-                    }
-                    evaluate_groups(star);
-                });
-                if (first_free_) block.unused.push_back(Index(value));
+            if (stars_.offsets[v] == stars_.offsets[v + 1]) {
+                value += !states_.empty() && states_[v] != unused_vertex;
+                continue;
             }
-            ++value;
+            first_free_ = true;
+            first_value_ = value++;
+            stars_.for_each(v, v + 1, [&](Star star) {
+                if (!entangled_.empty() && entangled_.is(next_entangled, star)) {
+                    const std::span<const Index> groups = entangled_.groups(next_entangled++);
+                    groups_.assign(groups.begin(), groups.end());
+                } else {
+                    find_groups(star);
+                }
+                evaluate_groups(star);
+            });
+            if (first_free_) block.unused.push_back(Index(first_value_));
         }
     }
 
@@ -323,7 +299,7 @@ class StarWorker {
             }
             // All members have one normal.
             if (options_.review && !no_frames_[value].has_value())
-                no_frames_[value] = !is_frame(star[i], star_values_[value]);
+                no_frames_[value] = !has_frame(star[i], star_values_[value]);
             if (options_.review && *no_frames_[value]) block_->suspects.push_back(star[i]);
         }
     }
@@ -367,13 +343,8 @@ class StarWorker {
         }
     }
 
-    // By far: the caller looks at others again, exactly.
-    bool is_frame(Index member, const glm::vec4& value) const {
-        const glm::vec3 n = read_.normal(triangles_.corner(member >> 2, member & 3));
-        const glm::vec3 t(value);
-        const float length2 = mikk::dot(t, t), along = mikk::dot(n, t);
-        const bool has_normal = mikk::dot(n, n) > 0.5f;
-        return has_normal && std::abs(length2 - 1.0f) <= 1e-6f && std::abs(along) <= 5e-7f;
+    bool has_frame(Index member, const glm::vec4& value) const {
+        return is_frame(read_.normal(triangles_.corner(member >> 2, member & 3)), glm::vec3(value));
     }
 
     const CornerReader& read_;
@@ -383,10 +354,10 @@ class StarWorker {
     const EdgeOverrides& overrides_;
     const EntangledStars& entangled_;
     const GroupOptions& options_;
+    std::span<const std::uint8_t> states_;
     std::span<Index> corner_values_;
     SubgroupEvaluator subgroups_;
     bool opposites_only_;
-    FanKernel fans_;  // none where the threshold parts more than opposites
     Block* block_ = nullptr;
     std::span<glm::vec4> values_;
     bool first_free_ = false;      // no corner at the position has its place yet
@@ -425,7 +396,8 @@ void remove_unused(const std::vector<StarWorker::Block>& blocks, std::vector<glm
 GroupTangents group_tangents(const CornerReader& read, const TangentTriangles& triangles,
                              const Terms& terms, const TangentStars& stars,
                              const EdgeOverrides& overrides, const GroupOptions& options,
-                             std::vector<glm::vec4> room, std::span<Index> corner_values) {
+                             std::span<const std::uint8_t> states, std::vector<glm::vec4> values,
+                             std::span<Index> corner_values) {
     const EntangledStars entangled(triangles, terms, stars, overrides, options.threads);
     const std::size_t blocks = (stars.positions + position_grain - 1) / position_grain;
     std::vector<StarWorker::Block> results(blocks);
@@ -434,19 +406,20 @@ GroupTangents group_tangents(const CornerReader& read, const TangentTriangles& t
                     [&](std::size_t begin, std::size_t end) {
                         std::size_t& count = used[begin / position_grain];
                         for (std::size_t v = begin; v < end; ++v)
-                            count += stars.offsets[v] != stars.offsets[v + 1];
+                            count += states.empty() ? stars.offsets[v] != stars.offsets[v + 1]
+                                                    : states[v] != unused_vertex;
                     });
     std::size_t firsts = 0;
     for (std::size_t b = 0; b < blocks; ++b)
         results[b].first_value = std::exchange(firsts, firsts + used[b]);
 
     GroupTangents result;
-    result.values = std::move(room);
+    result.values = std::move(values);
     result.values.resize(firsts);
     parallel_blocks(stars.positions, position_grain, options.threads,
                     [&](std::size_t begin, std::size_t end) {
                         StarWorker worker(read, triangles, terms, stars, overrides, entangled,
-                                          options, corner_values);
+                                          options, states, corner_values);
                         worker.run(begin, end, result.values, results[begin / position_grain]);
                     });
 

@@ -16,7 +16,7 @@
 namespace prep::detail {
 
 struct GroupTangents {
-    // Tangent and w: the first of each position that has one, by position, then all others.
+    // Tangent and w: the first of each position that has corners, by position, then all others.
     std::vector<glm::vec4> values;
     // Triangle corners (as in TangentStars::members) whose value may be no frame, and those that no
     // group reached; ascending by vertex. Only where `review` is set.
@@ -29,14 +29,17 @@ struct GroupOptions {
     bool review = false;          // look for values that are no frames
     bool bounded_effort = false;  // large stars in O(k log k), not with the definition's bits
     int threads = 0;
-    SimdLevel simd = SimdLevel::automatic;
 };
 
-// room: becomes GroupTangents::values. corner_values: three per triangle, into values; no_index
-// where no group reached the corner (also for degenerate triangles).
+// Groups of the positions that `stars` lists. states: VertexCounts'; empty: the positions that are
+// listed are those that have corners. values: becomes GroupTangents::values; the first values of
+// positions that are not listed are there. corner_values: three per triangle, into values; those of
+// listed positions, and of degenerate triangles, are no_index, and stay that where no group reached
+// the corner.
 GroupTangents group_tangents(const CornerReader& read, const TangentTriangles& triangles,
                              const Terms& terms, const TangentStars& stars,
                              const EdgeOverrides& overrides, const GroupOptions& options,
-                             std::vector<glm::vec4> room, std::span<std::uint32_t> corner_values);
+                             std::span<const std::uint8_t> states, std::vector<glm::vec4> values,
+                             std::span<std::uint32_t> corner_values);
 
 }  // namespace prep::detail

@@ -63,4 +63,11 @@ inline glm::vec3 unit_normal(const glm::vec3& n) {
     return glm::vec3(glm::normalize(d / largest));
 }
 
+// Is t a tangent to n, by far? (Whoever finds none looks again, exactly.)
+inline bool is_frame(const glm::vec3& n, const glm::vec3& t) {
+    const float length2 = mikk::dot(t, t), along = mikk::dot(n, t);
+    const bool has_normal = mikk::dot(n, n) > 0.5f;
+    return has_normal && std::abs(length2 - 1.0f) <= 1e-6f && std::abs(along) <= 5e-7f;
+}
+
 }  // namespace prep::detail

@@ -20,6 +20,16 @@ const EdgeOverrides::Entry* EdgeOverrides::find(Index half_edge) const {
     return at != entries.end() && at->half_edge == half_edge ? &*at : nullptr;
 }
 
+void EdgeOverrides::name_vertices(const TangentStars& stars) {
+    vertices.clear();
+    for (const Entry& entry : entries) {
+        vertices.push_back(stars.vertex(entry.half_edge));
+        vertices.push_back(stars.vertex(next_corner(entry.half_edge)));
+    }
+    std::sort(vertices.begin(), vertices.end());
+    vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+}
+
 void Neighbours::find(const TangentStars& stars, std::span<const Index> star,
                       const EdgeOverrides& overrides) {
     const std::size_t n = star.size();

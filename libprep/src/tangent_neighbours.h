@@ -23,6 +23,8 @@ struct EdgeOverrides {
     std::vector<Entry> entries;           // ascending by half_edge
     std::vector<std::uint32_t> vertices;  // the welded vertices at their ends, ascending
     bool empty() const { return entries.empty(); }
+    // Finds `vertices`.
+    void name_vertices(const TangentStars& stars);
     const Entry* find(std::uint32_t half_edge) const;
     bool touch(const TangentStars& stars, std::span<const std::uint32_t> star) const {
         return !entries.empty() &&

@@ -175,8 +175,7 @@ std::vector<Index> reference_representatives(const TangentInput& input,
 }
 
 EdgeOverrides reference_pairs(const std::vector<Index>& representatives,
-                              const TangentTriangles& triangles, const Terms& terms,
-                              const TangentStars& stars) {
+                              const TangentTriangles& triangles, const Terms& terms) {
     const auto end_of = [&](Index half_edge) {
         return representatives[triangles.corner(half_edge >> 2, half_edge & 3)];
     };
@@ -221,16 +220,11 @@ EdgeOverrides reference_pairs(const std::vector<Index>& representatives,
         for (std::size_t i = begin; i < end; ++i) {
             const Index half_edge = edges[i].half_edge;
             overrides.entries.push_back({half_edge, mates[i - begin]});
-            overrides.vertices.push_back(stars.vertex(half_edge));
-            overrides.vertices.push_back(stars.vertex(next_corner(half_edge)));
         }
         begin = end;
     }
     std::sort(overrides.entries.begin(), overrides.entries.end(),
               [](const auto& a, const auto& b) { return a.half_edge < b.half_edge; });
-    std::sort(overrides.vertices.begin(), overrides.vertices.end());
-    overrides.vertices.erase(std::unique(overrides.vertices.begin(), overrides.vertices.end()),
-                             overrides.vertices.end());
     return overrides;
 }
 

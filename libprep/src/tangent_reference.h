@@ -20,9 +20,9 @@ std::vector<std::uint32_t> reference_representatives(const TangentInput& input,
 // The reference sorts all edges by their lower end, then runs of those by the upper end, then runs
 // of those by triangle; the last run of the second and of the third sort is left as it is. Edges
 // at the greatest lower end are therefore in the order that its quicksort left them in, and what
-// is not adjacent there is not paired. Expected O(triangles).
+// is not adjacent there is not paired. Expected O(triangles). EdgeOverrides::vertices is left
+// empty.
 EdgeOverrides reference_pairs(const std::vector<std::uint32_t>& representatives,
-                              const TangentTriangles& triangles, const Terms& terms,
-                              const TangentStars& stars);
+                              const TangentTriangles& triangles, const Terms& terms);
 
 }  // namespace prep::detail

@@ -15,8 +15,6 @@ constexpr std::size_t triangle_grain = 65536;
 // Up to this many corners at a position, classes are searched one by one; above, corners are
 // sorted.
 constexpr std::size_t small_star = 32;
-// For those who read members by whole vectors.
-constexpr std::size_t readable_behind = 16;
 
 // Cuts one position into welded vertices.
 class Splitter {
@@ -86,38 +84,78 @@ class Splitter {
     std::vector<Index> classes_, firsts_, order_, starts_, moved_, sorted_classes_;
 };
 
-// A counting sort. corner(i): the corner of the mesh that a triangle's corner is.
-template <class Corner>
-void sort_corners(const TangentInput& in, const TangentTriangles& triangles, TangentStars& stars,
-                  const Corner& corner) {
+// Per position the number of its lowest equal one among all that are.
+ScratchBuffer<Index> numbers_of(std::span<const Index> lowest, std::size_t& count) {
+    ScratchBuffer<Index> numbers(lowest.size());
+    count = 0;
+    for (std::size_t p = 0; p < lowest.size(); ++p)
+        numbers[p] = lowest[p] == p ? Index(count++) : numbers[lowest[p]];
+    return numbers;
+}
+
+}  // namespace
+
+TangentStars named_vertices(const TangentInput& in, const TangentTriangles& triangles,
+                            std::span<const Index> lowest, int threads) {
+    TangentStars stars;
+    stars.positions = in.positions.size();
+    if (triangles.implicit() && lowest.empty()) {
+        stars.vertices = in.corner_vertices;
+        return stars;
+    }
+    ScratchBuffer<Index> numbers;
+    if (!lowest.empty()) numbers = numbers_of(lowest, stars.positions);
+    stars.own_vertices = ScratchBuffer<Index>(3 * triangles.count);
+    parallel_blocks(triangles.count, triangle_grain, threads,
+                    [&](std::size_t begin, std::size_t end) {
+                        for (std::size_t i = 3 * begin; i < 3 * end; ++i) {
+                            const Index p = in.corner_vertices[triangles.corner(i)];
+                            stars.own_vertices[i] = numbers.empty() ? p : numbers[p];
+                        }
+                    });
+    stars.vertices = stars.own_vertices;
+    return stars;
+}
+
+// A counting sort.
+void list_members(const TangentInput& in, const TangentTriangles& triangles,
+                  const MemberLists& lists, TangentStars& stars) {
+    stars.offsets = ScratchBuffer<Index>(stars.positions + 2);
+    stars.split = ScratchBuffer<std::uint8_t>(stars.positions);
     // Local pointers: writing bytes may change whatever is reached through others.
-    const Index *const vertices = stars.vertices.data(), *const normals = in.normals.indices.data(),
-                       *const uvs = in.uv.indices.data();
+    const Index *const normals = in.normals.indices.data(), *const uvs = in.uv.indices.data();
     Index* const offsets = stars.offsets.data();
     ScratchBuffer<std::uint64_t> last_uses(stars.positions);  // the last corner's normal and UV
     std::uint64_t* const uses = last_uses.data();
-    const auto use = [&](std::size_t c) { return std::uint64_t(normals[c]) << 32 | uvs[c]; };
-    const std::size_t corners = 3 * triangles.count;
+    const auto use = [&](Index m) {
+        const Index c = triangles.corner(m >> 2, m & 3);
+        return std::uint64_t(normals[c]) << 32 | uvs[c];
+    };
     // Counted two places further on, offsets are starts one place further on after the sums, and
     // ends after that.
     std::memset(offsets, 0, stars.offsets.size() * sizeof(Index));
-    for (std::size_t i = 0; i < corners; ++i) {
-        ++offsets[vertices[i] + std::size_t(2)];
-        uses[vertices[i]] = use(corner(i));
+    std::size_t count = 0;
+    for (const auto& list : lists) {
+        count += list.size();
+        for (const Index m : list) {
+            const Index v = stars.vertex(m);
+            ++offsets[v + std::size_t(2)];
+            uses[v] = use(m);
+        }
     }
     for (std::size_t v = 0; v < stars.positions; ++v) offsets[v + 2] += offsets[v + 1];
 
-    stars.members = ScratchBuffer<Index>(corners + readable_behind);
+    stars.members = ScratchBuffer<Index>(count);
     Index* const members = stars.members.data();
     std::uint8_t* const split = stars.split.data();
-    std::memset(members + corners, 0, readable_behind * sizeof(Index));
     std::memset(split, 0, stars.positions);
     bool any = false;
-    for (std::size_t i = 0, t = 0; i < corners; ++t) {
-        for (std::size_t k = 0; k < 3; ++k, ++i) {
-            members[offsets[vertices[i] + std::size_t(1)]++] = Index(4 * t + k);
-            if (uses[vertices[i]] != use(corner(i))) {
-                split[vertices[i]] = 1;
+    for (const auto& list : lists) {
+        for (const Index m : list) {
+            const Index v = stars.vertex(m);
+            members[offsets[v + std::size_t(1)]++] = m;
+            if (uses[v] != use(m)) {
+                split[v] = 1;
                 any = true;
             }
         }
@@ -125,51 +163,8 @@ void sort_corners(const TangentInput& in, const TangentTriangles& triangles, Tan
     stars.any_split = any;
 }
 
-void remove_degenerate(const Terms& terms, TangentStars& stars) {
-    Index kept = 0, begin = 0;
-    for (std::size_t v = 0; v < stars.positions; ++v) {
-        const Index end = stars.offsets[v + 1];
-        for (Index i = begin; i < end; ++i) {
-            const Index m = stars.members[i];
-            if (!(terms.flags(m >> 2) & degenerate_triangle)) stars.members[kept++] = m;
-        }
-        begin = end;
-        stars.offsets[v + 1] = kept;
-    }
-}
-
-}  // namespace
-
-TangentStars stars_by_position(const TangentInput& in, const TangentTriangles& triangles,
-                               std::span<const Index> lowest, int threads) {
-    TangentStars stars;
-    stars.positions = in.positions.size();
-    stars.offsets = ScratchBuffer<Index>(stars.positions + 2 + readable_behind);
-    stars.split = ScratchBuffer<std::uint8_t>(stars.positions);
-    if (triangles.implicit() && lowest.empty()) {
-        stars.vertices = in.corner_vertices;
-    } else {
-        stars.own_vertices = ScratchBuffer<Index>(3 * triangles.count);
-        parallel_blocks(triangles.count, triangle_grain, threads,
-                        [&](std::size_t begin, std::size_t end) {
-                            for (std::size_t i = 3 * begin; i < 3 * end; ++i) {
-                                const Index p = in.corner_vertices[triangles.corner(i)];
-                                stars.own_vertices[i] = lowest.empty() ? p : lowest[p];
-                            }
-                        });
-        stars.vertices = stars.own_vertices;
-    }
-
-    if (triangles.implicit())
-        sort_corners(in, triangles, stars, [](std::size_t i) { return i; });
-    else
-        sort_corners(in, triangles, stars, [&](std::size_t i) { return triangles.corners[i]; });
-    return stars;
-}
-
 void split_stars(const CornerReader& read, const TangentTriangles& triangles, const Terms& terms,
                  int threads, TangentStars& stars) {
-    if (terms.counts.degenerate > 0) remove_degenerate(terms, stars);
     if (terms.counts.nan) {
         std::memset(stars.split.data(), 1, stars.positions);
         stars.any_split = true;

@@ -18,10 +18,11 @@ inline std::uint32_t previous_corner(std::uint32_t member) {
     return (member & 3) == 0 ? member + 2 : member - 1;
 }
 
-// Triangle corners by position; a position whose corners differ in normal or UV is several welded
-// vertices ("split"), one behind the other in its range. Degenerate triangles are left out.
+// Triangle corners by position, of the positions that need it; a position whose corners differ in
+// normal or UV is several welded vertices ("split"), one behind the other in its range. Degenerate
+// triangles are left out.
 struct TangentStars {
-    // Positions + 1, and some behind them. Position v's members are members[offsets[v]] …
+    // Positions + 1, and one behind them. Position v's members are members[offsets[v]] …
     // members[offsets[v + 1] − 1], by welded vertex (in the order of their first members),
     // ascending within one.
     ScratchBuffer<std::uint32_t> offsets;
@@ -29,7 +30,7 @@ struct TangentStars {
     std::size_t positions = 0;
 
     // The name of a triangle corner's welded vertex: equal for corners of one, different for
-    // others. For all but later parts of split positions it is the position (the lowest equal one).
+    // others. For all but later parts of split positions it is the position.
     std::uint32_t vertex(std::uint32_t member) const {
         return vertices[3 * std::size_t(member >> 2) + (member & 3)];
     }
@@ -62,12 +63,19 @@ struct TangentStars {
     ScratchBuffer<std::uint32_t> own_vertices;
 };
 
-// Members by position, those of degenerate triangles too. `lowest`: see equal_positions
-// (tangent_weld.h).
-TangentStars stars_by_position(const TangentInput& input, const TangentTriangles& triangles,
-                               std::span<const std::uint32_t> lowest, int threads);
+// Without members. Equal positions become one, numbered in the order of the lowest of each.
+// `lowest`: see equal_positions (tangent_weld.h).
+TangentStars named_vertices(const TangentInput& input, const TangentTriangles& triangles,
+                            std::span<const std::uint32_t> lowest, int threads);
 
-// Leaves degenerate triangles out and parts positions into welded vertices.
+// Some triangle corners (as in TangentStars::members), list after list, each ascending: all of a
+// position or none. None of degenerate triangles.
+using MemberLists = std::vector<std::vector<std::uint32_t>>;
+
+void list_members(const TangentInput& input, const TangentTriangles& triangles,
+                  const MemberLists& lists, TangentStars& stars);
+
+// Parts positions into welded vertices.
 void split_stars(const CornerReader& read, const TangentTriangles& triangles, const Terms& terms,
                  int threads, TangentStars& stars);
 

@@ -38,6 +38,7 @@ void SubgroupEvaluator::evaluate(std::span<const Index> members, std::vector<Gro
         return;
     }
     members_.clear();
+    members_.reserve(members.size());
     for (const Index m : members) {
         const Index triangle = m >> 2;
         glm::vec3 p[3];
@@ -127,9 +128,18 @@ void SubgroupEvaluator::split_by_angle(std::vector<GroupFrame>& frames,
 
 bool SubgroupEvaluator::lean_one_way(std::span<const Index> members) const {
     if (threshold_ > -0.9999f) return false;
-    std::uint32_t all = ~0u;
-    for (const Index m : members) all &= terms_.at(m >> 2, m & 3).code;
-    return (all & s_directions) && (all & t_directions);
+    std::uint32_t told = ~0u, all = s_directions | t_directions;
+    for (const Index m : members) told &= terms_.at(m >> 2, m & 3).code;
+    if ((told & s_directions) && (told & t_directions)) return true;
+    // Looked at more closely: at a cone's point the normals are far from the triangles'.
+    for (const Index m : members) {
+        const Index t = m >> 2;
+        if (terms_.flags(t) & group_with_anything) continue;
+        const TriangleFrame frame = triangle_frame(read_, triangles_, t);
+        all &= direction_code(read_.normal(triangles_.corner(t, m & 3)), frame.s, frame.t);
+        if (!(all & s_directions) || !(all & t_directions)) return false;
+    }
+    return true;
 }
 
 // All members have one normal, so their S lie in a plane: those within the threshold of one are an

@@ -2,6 +2,7 @@
 // threshold parts.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <span>
@@ -15,6 +16,11 @@ struct GroupFrame {  // all that two results are compared by when the halves of 
     glm::vec3 s, t;
     float s_length, t_length;
 };
+
+// Does the threshold part opposite directions alone?
+inline bool opposites_only(double angular_threshold) {
+    return std::cos(angular_threshold) <= -0.9999;
+}
 
 class SubgroupEvaluator {
   public:

@@ -3,6 +3,8 @@
 #include <hwy/highway.h>
 
 #include <algorithm>
+#include <bit>
+#include <memory>
 #include <mutex>
 
 #include "parallel.h"
@@ -18,16 +20,11 @@ constexpr std::size_t triangle_grain = 128 * TermBlock::size;
 // Up to this many normals are copied, so that the last is like the others.
 constexpr std::size_t few_normals = 1024;
 
-// See TermCode. Below the first bound squares lose their precision; above the second they overflow.
-std::uint32_t directions(const glm::vec3& v) {
-    const float length2 = mikk::length_squared(v);
-    if (!(length2 > 1e-20f && length2 < 1e20f)) return 0;
-    const float bound = 0.0025f * length2;
+// Bits of the components above the bound, and below its negative.
+std::uint32_t directions(const glm::vec3& v, float bound) {
     std::uint32_t bits = 0;
-    for (int k = 0; k < 3; ++k) {
-        const float square = v[k] * std::abs(v[k]);
-        bits |= (square > bound ? 1u : 0u) << k | (square < -bound ? 1u : 0u) << (k + 3);
-    }
+    for (int k = 0; k < 3; ++k)
+        bits |= (v[k] > bound ? 1u : 0u) << k | (v[k] < -bound ? 1u : 0u) << (k + 3);
     return bits;
 }
 
@@ -71,11 +68,11 @@ void stage_vectors(const glm::vec3* values, const Index* indices, float (*to)[Te
     const auto e = hn::LoadU(d, &values[indices[9]].x);
     const auto ab = hn::BitCast(pairs, hn::InterleaveLower(d, a, b));
     const auto ce = hn::BitCast(pairs, hn::InterleaveLower(d, c, e));
-    hn::Store(hn::BitCast(d, hn::InterleaveLower(pairs, ab, ce)), d, to[0] + i);
-    hn::Store(hn::BitCast(d, hn::InterleaveUpper(pairs, ab, ce)), d, to[1] + i);
+    hn::StoreU(hn::BitCast(d, hn::InterleaveLower(pairs, ab, ce)), d, to[0] + i);
+    hn::StoreU(hn::BitCast(d, hn::InterleaveUpper(pairs, ab, ce)), d, to[1] + i);
     const auto upper_ab = hn::BitCast(pairs, hn::InterleaveUpper(d, a, b));
     const auto upper_ce = hn::BitCast(pairs, hn::InterleaveUpper(d, c, e));
-    hn::Store(hn::BitCast(d, hn::InterleaveLower(pairs, upper_ab, upper_ce)), d, to[2] + i);
+    hn::StoreU(hn::BitCast(d, hn::InterleaveLower(pairs, upper_ab, upper_ce)), d, to[2] + i);
 }
 
 void stage_uvs(const glm::vec2* values, const Index* indices, float (*to)[TermBlock::size],
@@ -84,13 +81,13 @@ void stage_uvs(const glm::vec2* values, const Index* indices, float (*to)[TermBl
     const hn::Half<Four> half;
     const auto at = [&](std::size_t k) { return hn::LoadU(half, &values[indices[3 * k]].x); };
     const auto ab = hn::Combine(d, at(1), at(0)), ce = hn::Combine(d, at(3), at(2));
-    hn::Store(hn::ConcatEven(d, ce, ab), d, to[0] + i);
-    hn::Store(hn::ConcatOdd(d, ce, ab), d, to[1] + i);
+    hn::StoreU(hn::ConcatEven(d, ce, ab), d, to[0] + i);
+    hn::StoreU(hn::ConcatOdd(d, ce, ab), d, to[1] + i);
 }
 
-// normals: the input's, of which all but the last have something to read behind them.
+// Triangles from `first` on go to places from `to` on. normals: see TermMaker.
 void stage(const CornerReader& read, std::span<const glm::vec3> normals,
-           const TangentTriangles& triangles, std::size_t first, std::size_t count,
+           const TangentTriangles& triangles, std::size_t first, std::size_t count, std::size_t to,
            TermBlock& block) {
     const TangentInput& in = read.in;
     const bool plain = triangles.implicit() && read.representatives.empty() &&
@@ -104,14 +101,14 @@ void stage(const CornerReader& read, std::span<const glm::vec3> normals,
         if (plain && count - i >= 4 && all_below(p, in.positions.size() - 1) &&
             all_below(n, normals.size() - 1) && all_below(uv, in.uv.values.size())) {
             for (std::size_t k = 0; k < 3; ++k) {
-                stage_vectors(in.positions.data(), p + k, block.p[k], i);
-                stage_vectors(normals.data(), n + k, block.n[k], i);
-                stage_uvs(in.uv.values.data(), uv + k, block.uv[k], i);
+                stage_vectors(in.positions.data(), p + k, block.p[k], to + i);
+                stage_vectors(normals.data(), n + k, block.n[k], to + i);
+                stage_uvs(in.uv.values.data(), uv + k, block.uv[k], to + i);
             }
             i += 4;
         } else {
             const std::size_t end = std::min(count, i + 4);
-            for (; i < end; ++i) stage_one(read, triangles, first + i, i, block);
+            for (; i < end; ++i) stage_one(read, triangles, first + i, to + i, block);
         }
     }
 }
@@ -130,31 +127,6 @@ float uv_area2(const CornerReader& read, const TangentTriangles& triangles, std:
     const glm::vec2 a = read.uv(triangles.corner(t, 1)) - t0;
     const glm::vec2 b = read.uv(triangles.corner(t, 2)) - t0;
     return a.x * b.y - a.y * b.x;
-}
-
-// The halves of a quad must agree on their orientation: the one of the larger UV area decides.
-void settle_quads(const CornerReader& read, const TangentTriangles& triangles, Terms& terms) {
-    const auto set = [&](std::size_t t, std::uint32_t keep, std::uint32_t bits) {
-        for (auto& plane : terms.planes) plane[t].code = (plane[t].code & keep) | bits;
-    };
-    for (std::size_t t = 0; t < triangles.count; ++t) {
-        if (triangles.halves[t] == 0) continue;
-        set(t, ~0u, triangles.halves[t] == 1 ? quad_first : quad_second);
-        if (triangles.halves[t] == 1) continue;
-        const std::uint32_t first = terms.flags(t - 1), second = terms.flags(t);
-        if ((first ^ second) & degenerate_triangle) {
-            set(t - 1, ~0u, half_degenerate_quad);
-            set(t, ~0u, half_degenerate_quad);
-        }
-        if ((first | second) & degenerate_triangle) continue;
-        if (((first ^ second) & orientation_preserving) == 0) continue;
-        const bool first_decides =
-            (second & group_with_anything) ||
-            std::abs(uv_area2(read, triangles, t - 1)) >= std::abs(uv_area2(read, triangles, t));
-        const std::uint32_t orientation = (first_decides ? first : second) & orientation_preserving;
-        set(t - 1, ~std::uint32_t(orientation_preserving), orientation);
-        set(t, ~std::uint32_t(orientation_preserving), orientation);
-    }
 }
 
 }  // namespace
@@ -189,6 +161,15 @@ TriangleFrame triangle_frame(const CornerReader& read, const TangentTriangles& t
     return triangle_frame(p, uv);
 }
 
+std::uint32_t direction_code(const glm::vec3& n, const glm::vec3& s, const glm::vec3& t) {
+    const auto told = [](const glm::vec3& v) {
+        // Below the first bound squares lose their precision; above the second they overflow.
+        const float length2 = mikk::length_squared(v);
+        return length2 > 1e-20f && length2 < 1e20f ? directions(v, 0.05f * std::sqrt(length2)) : 0u;
+    };
+    return told(off_normal(n, s)) | told(off_normal(n, t)) << 6;
+}
+
 TermBlockResult terms_scalar(const TermBlock& block, std::size_t count, bool check_unit,
                              CornerTerm* const planes[3]) {
     TermBlockResult result;
@@ -202,8 +183,9 @@ TermBlockResult terms_scalar(const TermBlock& block, std::size_t count, bool che
             if (check_unit && far_from_unit(n[k])) result.far_from_unit = true;
         }
         const TriangleFrame frame = triangle_frame(p, uv);
-        std::uint32_t flags = frame.preserving ? orientation_preserving : 0u;
-        if (!frame.healthy) flags |= group_with_anything;
+        std::uint32_t flags =
+            code_float | (frame.preserving ? orientation_preserving : orientation_mirrored);
+        flags |= frame.healthy ? own_frame : group_with_anything;
         if (p[0] == p[1] || p[0] == p[2] || p[1] == p[2]) {
             flags |= degenerate_triangle;
             ++result.counts.degenerate;
@@ -223,59 +205,148 @@ TermBlockResult terms_scalar(const TermBlock& block, std::size_t count, bool che
             }
             const glm::vec3 s = off_normal(n[k], frame.s);
             const glm::vec3 weighted = mikk::scaled(angle, mikk::normalized_or_zero(s));
-            term = {weighted.x, weighted.y, weighted.z,
-                    flags | directions(s) | directions(off_normal(n[k], frame.t)) << 6};
+            term = {weighted.x, weighted.y, weighted.z, flags};
+            if (!far_from_unit(n[k]))
+                term.code |= directions(s, direction_bound) |
+                             directions(off_normal(n[k], frame.t), direction_bound) << 6;
         }
         result.counts.nan |= nan;
     }
     return result;
 }
 
-Terms compute_terms(const CornerReader& read, const TangentTriangles& triangles,
-                    const TangentOptions& options) {
-    Terms terms;
-    // Kernels write whole vectors.
-    const std::size_t padded =
-        (triangles.count + TermBlock::size - 1) / TermBlock::size * TermBlock::size;
-    for (auto& plane : terms.planes) plane = ScratchBuffer<CornerTerm>(padded);
+TermMaker::TermMaker(const CornerReader& read, const TangentTriangles& triangles,
+                     const TangentOptions& options)
+    : read_(read),
+      triangles_(triangles),
+      kernel_(term_kernel(options.simd)),
+      check_unit_(options.mode == TangentMode::mikktspace),
+      normals_(read.in.normals.values) {
     // A flat mesh may have a single normal.
-    std::span<const glm::vec3> normals = read.in.normals.values;
-    std::vector<glm::vec3> few(normals.begin(),
-                               normals.size() <= few_normals ? normals.end() : normals.begin());
-    if (!few.empty()) {
-        few.emplace_back(0.0f);
-        normals = few;
+    if (normals_.empty() || normals_.size() > few_normals) return;
+    few_normals_.assign(normals_.begin(), normals_.end());
+    few_normals_.emplace_back(0.0f);
+    normals_ = few_normals_;
+}
+
+std::size_t TermMaker::run(std::size_t first, std::size_t end, Room& room,
+                           TermCounts& counts) const {
+    const std::size_t count = triangles_.cut(std::min(first + TermBlock::size, end)) - first;
+    stage(read_, normals_, triangles_, first, count, 0, room.inputs);
+    counts.add(finish(count, room));
+    if (!triangles_.halves.empty()) settle_quads(first, count, room);
+    return count;
+}
+
+void TermMaker::run(std::span<const Index> list, Room& room) const {
+    for (std::size_t i = 0; i < list.size();) {
+        std::size_t end = i + 1;
+        while (end < list.size() && list[end] == list[end - 1] + 1) ++end;
+        stage(read_, normals_, triangles_, list[i], end - i, i, room.inputs);
+        i = end;
     }
-    const TermKernel kernel = term_kernel(options.simd);
-    const bool check_unit = options.mode == TangentMode::mikktspace;
+    finish(list.size(), room);
+}
+
+TermCounts TermMaker::finish(std::size_t count, Room& room) const {
+    CornerTerm* const planes[3] = {room.planes[0], room.planes[1], room.planes[2]};
+    TermBlockResult done = kernel_(room.inputs, count, check_unit_, planes);
+    if (done.far_from_unit) {
+        make_normals_unit(count, room.inputs);
+        done = kernel_(room.inputs, count, false, planes);
+    }
+    return done.counts;
+}
+
+// The halves of a quad must agree on their orientation: the one of the larger UV area decides.
+void TermMaker::settle_quads(std::size_t first, std::size_t count, Room& room) const {
+    const auto set = [&](std::size_t i, std::uint32_t keep, std::uint32_t bits) {
+        for (auto& plane : room.planes) plane[i].code = (plane[i].code & keep) | bits;
+    };
+    constexpr std::uint32_t both = orientation_preserving | orientation_mirrored;
+    for (std::size_t i = 0; i < count; ++i) {
+        const std::size_t t = first + i;
+        if (triangles_.halves[t] == 0) continue;
+        set(i, ~0u, triangles_.halves[t] == 1 ? quad_first : quad_second);
+        if (triangles_.halves[t] == 1) continue;
+        const std::uint32_t one = room.planes[0][i - 1].code, two = room.planes[0][i].code;
+        if ((one ^ two) & degenerate_triangle) {
+            set(i - 1, ~0u, half_degenerate_quad);
+            set(i, ~0u, half_degenerate_quad);
+        }
+        if ((one | two) & degenerate_triangle) continue;
+        if (((one ^ two) & orientation_preserving) == 0) continue;
+        const bool first_decides =
+            (two & group_with_anything) || std::abs(uv_area2(read_, triangles_, t - 1)) >=
+                                               std::abs(uv_area2(read_, triangles_, t));
+        const std::uint32_t orientation = (first_decides ? one : two) & both;
+        set(i - 1, ~both, orientation);
+        set(i, ~both, orientation);
+    }
+}
+
+std::size_t Terms::place(std::size_t triangle) const {
+    if (chosen.empty()) return triangle;
+    const std::uint64_t below = (std::uint64_t(1) << (triangle % 64)) - 1;
+    return chosen_before[triangle / 64] + std::size_t(std::popcount(chosen[triangle / 64] & below));
+}
+
+void compute_all_terms(const TermMaker& maker, const TangentTriangles& triangles, int threads,
+                       Terms& terms) {
+    for (auto& plane : terms.planes) plane = ScratchBuffer<CornerTerm>(triangles.count);
+    terms.triangle_flags = ScratchBuffer<std::uint8_t>(triangles.count);
+    terms.counts = {};
+    terms.chosen.clear();
     std::mutex merging;
-    parallel_blocks(triangles.count, triangle_grain, options.threads,
+    parallel_blocks(triangles.count, triangle_grain, threads,
                     [&](std::size_t begin, std::size_t end) {
-                        TermBlock block{};
+                        const auto room = std::make_unique<TermMaker::Room>();
                         TermCounts counts;
-                        for (std::size_t t = begin; t < end; t += TermBlock::size) {
-                            const std::size_t count = std::min(TermBlock::size, end - t);
-                            stage(read, normals, triangles, t, count, block);
-                            CornerTerm* const planes[3] = {&terms.planes[0][t], &terms.planes[1][t],
-                                                           &terms.planes[2][t]};
-                            TermBlockResult done = kernel(block, count, check_unit, planes);
-                            if (done.far_from_unit) {
-                                make_normals_unit(count, block);
-                                done = kernel(block, count, false, planes);
-                            }
-                            counts.mirrored += done.counts.mirrored;
-                            counts.anything += done.counts.anything;
-                            counts.degenerate += done.counts.degenerate;
-                            counts.nan |= done.counts.nan;
+                        const std::size_t last = triangles.cut(end);
+                        for (std::size_t t = triangles.cut(begin); t < last;) {
+                            const std::size_t n = maker.run(t, last, *room, counts);
+                            for (std::size_t k = 0; k < 3; ++k)
+                                std::copy_n(room->planes[k], n, &terms.planes[k][t]);
+                            for (std::size_t i = 0; i < n; ++i)
+                                terms.triangle_flags[t + i] =
+                                    std::uint8_t(room->planes[0][i].code >> triangle_flags_shift);
+                            t += n;
                         }
                         const std::lock_guard lock(merging);
-                        terms.counts.mirrored += counts.mirrored;
-                        terms.counts.anything += counts.anything;
-                        terms.counts.degenerate += counts.degenerate;
-                        terms.counts.nan |= counts.nan;
+                        terms.counts.add(counts);
                     });
-    if (!triangles.halves.empty()) settle_quads(read, triangles, terms);
-    return terms;
+}
+
+void compute_terms(const TermMaker& maker, std::vector<std::uint64_t> chosen, int threads,
+                   Terms& terms) {
+    terms.chosen = std::move(chosen);
+    terms.chosen_before.clear();
+    std::size_t count = 0;
+    for (const std::uint64_t word : terms.chosen) {
+        terms.chosen_before.push_back(Index(count));
+        count += std::size_t(std::popcount(word));
+    }
+    for (auto& plane : terms.planes) plane = ScratchBuffer<CornerTerm>(count);
+    parallel_blocks(
+        terms.chosen.size(), triangle_grain / 64, threads, [&](std::size_t begin, std::size_t end) {
+            const auto room = std::make_unique<TermMaker::Room>();
+            std::vector<Index> list;
+            std::size_t to = terms.chosen_before[begin];
+            const auto flush = [&] {
+                maker.run(list, *room);
+                for (std::size_t k = 0; k < 3; ++k)
+                    std::copy_n(room->planes[k], list.size(), terms.planes[k].data() + to);
+                to += list.size();
+                list.clear();
+            };
+            for (std::size_t w = begin; w < end; ++w) {
+                for (std::uint64_t rest = terms.chosen[w]; rest != 0; rest &= rest - 1) {
+                    list.push_back(Index(64 * w + std::size_t(std::countr_zero(rest))));
+                    if (list.size() == TermBlock::size) flush();
+                }
+            }
+            if (!list.empty()) flush();
+        });
 }
 
 }  // namespace prep::detail

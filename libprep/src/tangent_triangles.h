@@ -21,6 +21,11 @@ struct TangentTriangles {
     bool any_quad = false;
 
     bool implicit() const { return corners.empty(); }
+    // The nearest place up to `triangle` that parts no quad.
+    std::size_t cut(std::size_t triangle) const {
+        const bool parts = triangle < halves.size() && halves[triangle] == 2;
+        return parts ? triangle - 1 : triangle;
+    }
     std::uint32_t corner(std::size_t triangle, std::size_t k) const {
         return this->corner(3 * triangle + k);
     }
@@ -46,6 +51,10 @@ struct CornerReader {
     glm::vec3 normal(std::uint32_t corner) const {
         const std::uint32_t i = in.normals.indices[source(corner)];
         if (i == no_index) return glm::vec3(std::numeric_limits<float>::quiet_NaN());
+        return usable(i);
+    }
+    // A normal by its index.
+    glm::vec3 usable(std::uint32_t i) const {
         return unit_normals ? unit_normal(in.normals.values[i]) : in.normals.values[i];
     }
     glm::vec2 uv(std::uint32_t corner) const {

@@ -41,36 +41,40 @@ bool is_number(const glm::vec3& p) {
 // Positions that may equal others: all that do, and a few per cent of the rest.
 class Suspects {
   public:
-    explicit Suspects(std::span<const glm::vec3> positions)
+    Suspects(std::span<const glm::vec3> positions, int threads)
         : positions_(positions),
+          threads_(threads),
           words_(std::bit_ceil(positions.size() * bits_per_position / 64 + 1)) {}
 
     // Ascending; nothing where they are so many that looking at all is as good.
     std::optional<std::vector<Index>> find() {
         // A position whose bit is taken equals an earlier one, or shares its bit by chance; the
-        // second look finds the earlier ones.
-        std::vector<std::uint64_t> taken(words_, 0), shared(words_, 0);
-        std::size_t later = 0;
-        for (std::size_t i = 0; i < positions_.size();) {
-            const std::size_t end = std::min(positions_.size(), i + patience);
-            for (; i < end; ++i) {
+        // second look finds the earlier ones. Halves have bits of their own at first.
+        const std::size_t n = positions_.size();
+        const std::size_t parts = threads_ == 1 || n < 2 * position_grain ? 1 : 2;
+        const std::size_t half = (n + parts - 1) / parts;
+        std::vector<Half> halves(parts);
+        parallel_blocks(n, half, threads_, [&](std::size_t begin, std::size_t end) {
+            look(halves[begin / half], begin, end);
+        });
+        for (const Half& one : halves)
+            if (one.many) return std::nullopt;
+        std::vector<std::uint64_t>& shared = halves[0].shared;
+        for (std::size_t p = 1; p < parts; ++p) {
+            for (std::size_t w = 0; w < words_; ++w)
+                shared[w] |= halves[p].shared[w] | (halves[0].taken[w] & halves[p].taken[w]);
+        }
+        std::vector<std::vector<Index>> found((n + position_grain - 1) / position_grain);
+        parallel_blocks(n, position_grain, threads_, [&](std::size_t begin, std::size_t end) {
+            std::vector<Index>& list = found[begin / position_grain];
+            for (std::size_t i = begin; i < end; ++i) {
                 const Bit bit = bit_of(positions_[i]);
-                std::uint64_t& word = taken[bit.word];
-                if (word & bit.mask) {
-                    shared[bit.word] |= bit.mask;
-                    ++later;
-                }
-                word |= bit.mask;
+                if (shared[bit.word] & bit.mask) list.push_back(Index(i));
             }
-            if (later > i / 4) return std::nullopt;
-        }
-        std::vector<Index> list;
-        list.reserve(2 * later);
-        for (Index i = 0; i < positions_.size(); ++i) {
-            const Bit bit = bit_of(positions_[i]);
-            if (shared[bit.word] & bit.mask) list.push_back(i);
-        }
-        return list;
+        });
+        std::vector<Index> all;
+        for (const auto& list : found) all.insert(all.end(), list.begin(), list.end());
+        return all;
     }
 
   private:
@@ -81,6 +85,29 @@ class Suspects {
         std::size_t word;
         std::uint64_t mask;
     };
+    struct Half {
+        std::vector<std::uint64_t> taken, shared;
+        bool many = false;
+    };
+    void look(Half& half, std::size_t begin, std::size_t end) const {
+        half.taken.assign(words_, 0);
+        half.shared.assign(words_, 0);
+        std::uint64_t *const taken = half.taken.data(), *const shared = half.shared.data();
+        std::size_t later = 0;
+        for (std::size_t i = begin; i < end && !half.many;) {
+            const std::size_t stop = std::min(end, i + patience);
+            for (; i < stop; ++i) {
+                const Bit bit = bit_of(positions_[i]);
+                const std::uint64_t word = taken[bit.word];
+                if (word & bit.mask) {
+                    shared[bit.word] |= bit.mask;
+                    ++later;
+                }
+                taken[bit.word] = word | bit.mask;
+            }
+            half.many = later > (i - begin) / 4;
+        }
+    }
     // Adding 0 turns −0 into 0.
     Bit bit_of(const glm::vec3& p) const {
         const auto x = std::bit_cast<Index>(p.x + 0.0f), y = std::bit_cast<Index>(p.y + 0.0f),
@@ -91,6 +118,7 @@ class Suspects {
     }
 
     std::span<const glm::vec3> positions_;
+    int threads_;
     std::size_t words_;
 };
 
@@ -165,7 +193,7 @@ std::vector<Index> all_by_themselves(std::size_t n) {
 std::vector<Index> equal_positions(std::span<const glm::vec3> positions, int threads) {
     const std::size_t n = positions.size();
     if (n < 2) return {};
-    if (const auto suspects = Suspects(positions).find()) {
+    if (const auto suspects = Suspects(positions, threads).find()) {
         std::vector<std::vector<std::pair<Index, Index>>> equals(most_parts);
         equal_pairs(
             positions, suspects->size(), [&](std::size_t i) { return (*suspects)[i]; },

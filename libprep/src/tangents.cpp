@@ -6,8 +6,12 @@
 #include "parallel.h"
 #include "tangent_degenerate.h"
 #include "tangent_fallback.h"
+#include "tangent_fans.h"
 #include "tangent_groups.h"
+#include "tangent_listing.h"
 #include "tangent_reference.h"
+#include "tangent_subgroups.h"
+#include "tangent_vertex_sums.h"
 #include "tangent_weld.h"
 
 namespace prep {
@@ -70,7 +74,8 @@ class Run {
         : in_(input),
           shared_(shared),
           options_(options),
-          robust_(options.mode == TangentMode::mikktspace) {
+          robust_(options.mode == TangentMode::mikktspace),
+          positive_(options.uv_origin == UvOrigin::top_left ? -1.0f : 1.0f) {
         read_.unit_normals = robust_;
     }
 
@@ -82,19 +87,33 @@ class Run {
             representatives = detail::reference_representatives(in_, triangles_);
             read_.representatives = representatives;
         }
-        detail::TangentStars stars;
+        const detail::TermMaker maker(read_, triangles_, options_);
+        detail::TangentStars stars = detail::named_vertices(
+            in_, triangles_, shared_.lowest(in_, options_.threads), options_.threads);
+        detail::VertexCounts counts;
+        bool fans_told = detail::opposites_only(options_.angular_threshold);
         detail::parallel_both(
-            options_.threads, [&] { terms_ = detail::compute_terms(read_, triangles_, options_); },
+            options_.threads,
             [&] {
-                stars = detail::stars_by_position(
-                    in_, triangles_, shared_.lowest(in_, options_.threads), options_.threads);
-                make_room(stars);
-            });
-        detail::split_stars(read_, triangles_, terms_, options_.threads, stars);
+                if (fans_told)
+                    counts = detail::count_triangles(triangles_, stars.vertices, stars.positions,
+                                                     options_.threads);
+            },
+            [&] { make_room(stars); });
+        if (fans_told) {
+            const detail::FanMaker fans(read_, {positive_, robust_, options_.simd});
+            fans_told =
+                detail::add_up_vertices(in_, triangles_, stars.vertices, maker, fans,
+                                        options_.threads, counts, terms_, result_.tangents.values);
+        }
+        counts.words = {};
+        if (!fans_told) {
+            counts = {};
+            detail::compute_all_terms(maker, triangles_, options_.threads, terms_);
+        }
         detail::EdgeOverrides overrides;
-        if (as_reference)
-            overrides = detail::reference_pairs(representatives, triangles_, terms_, stars);
-        make_tangents(stars, overrides);
+        if (as_reference) overrides = detail::reference_pairs(representatives, triangles_, terms_);
+        make_tangents(maker, fans_told, counts, stars, overrides);
         count_triangles();
         return std::move(result_);
     }
@@ -105,10 +124,12 @@ class Run {
         std::vector<Index>& indices = result_.tangents.indices;
         indices.reserve(in_.corner_vertices.size());
         detail::advise_large_pages(indices.data(), indices.capacity() * sizeof(Index));
-        indices.assign(in_.corner_vertices.size(), no_index);
-        std::size_t firsts = 0;
-        for (std::size_t v = 0; v < stars.positions; ++v)
-            firsts += stars.offsets[v] != stars.offsets[v + 1];
+        // Most vertices' values have the vertex' number.
+        if (triangles_.implicit())
+            indices.assign(stars.vertices.begin(), stars.vertices.end());
+        else
+            indices.assign(in_.corner_vertices.size(), no_index);
+        const std::size_t firsts = std::min(stars.positions, 3 * triangles_.count);
         std::vector<glm::vec4>& values = result_.tangents.values;
         // For as many seams as most meshes have, and a default.
         values.reserve(firsts + firsts / 16 + 1);
@@ -116,34 +137,58 @@ class Run {
         values.resize(firsts);
     }
 
-    void make_tangents(const detail::TangentStars& stars, const detail::EdgeOverrides& overrides) {
+    void make_tangents(const detail::TermMaker& maker, bool fans_told, detail::VertexCounts& counts,
+                       detail::TangentStars& stars, detail::EdgeOverrides& overrides) {
         std::vector<Index>& indices = result_.tangents.indices;
-        detail::GroupOptions options;
-        options.angular_threshold = options_.angular_threshold;
-        options.positive = options_.uv_origin == UvOrigin::top_left ? -1.0f : 1.0f;
-        options.review = options.bounded_effort = robust_;
-        options.threads = options_.threads;
-        options.simd = options_.simd;
-        std::vector<Index> corner_values;
-        if (!triangles_.implicit()) corner_values.assign(3 * triangles_.count, no_index);
-        detail::GroupTangents groups = detail::group_tangents(
-            read_, triangles_, terms_, stars, overrides, options,
-            std::move(result_.tangents.values), triangles_.implicit() ? indices : corner_values);
-        result_.tangents.values = std::move(groups.values);
-        for (std::size_t i = 0; i < corner_values.size(); ++i) {
+        std::vector<Index> own_values;  // where triangles' corners are not the mesh's
+        if (!triangles_.implicit()) own_values.assign(stars.vertices.begin(), stars.vertices.end());
+        const std::span<Index> corner_values = triangles_.implicit() ? indices : own_values;
+
+        if (fans_told) {
+            for (const auto& entry : overrides.entries)
+                for (const Index m : {entry.half_edge, detail::next_corner(entry.half_edge)})
+                    counts.states[stars.vertex(m)] = detail::listed_vertex;
+            detail::list_split_neighbours(stars.vertices, options_.threads, counts.states);
+        }
+        detail::ListedCorners listed =
+            detail::place_corners(triangles_, terms_, stars.vertices, counts.states, counts.places,
+                                  options_.threads, corner_values);
+        counts.places = {};
+        std::vector<Index> suspects;
+        if (listed.any || !fans_told) {
+            if (fans_told)
+                detail::compute_terms(maker, std::move(listed.triangles), options_.threads, terms_);
+            detail::list_members(in_, triangles_, listed.lists, stars);
+            listed = {};
+            detail::split_stars(read_, triangles_, terms_, options_.threads, stars);
+            overrides.name_vertices(stars);
+            detail::GroupOptions options;
+            options.angular_threshold = options_.angular_threshold;
+            options.positive = positive_;
+            options.review = options.bounded_effort = robust_;
+            options.threads = options_.threads;
+            detail::GroupTangents groups = detail::group_tangents(
+                read_, triangles_, terms_, stars, overrides, options, counts.states,
+                std::move(result_.tangents.values), corner_values);
+            result_.tangents.values = std::move(groups.values);
+            suspects = std::move(groups.suspects);
+        } else {
+            result_.tangents.values.resize(counts.used);
+        }
+        for (std::size_t i = 0; i < own_values.size(); ++i) {
             // The halves of a quad agree by now; larger polygons keep their first triangle's.
             Index& index = indices[triangles_.corners[i]];
-            if (index == no_index) index = corner_values[i];
+            if (index == no_index) index = own_values[i];
         }
         std::vector<Index> moved = detail::copy_to_degenerate(read_, triangles_, terms_, indices);
         if (robust_) {
-            add_fallbacks(groups.suspects, moved, options.positive);
+            add_fallbacks(suspects, moved);
         } else {
-            add_default(options.positive);
+            add_default();
         }
     }
 
-    void add_default(float positive) {
+    void add_default() {
         CornerLayer<glm::vec4>& layer = result_.tangents;
         const Index none = Index(layer.values.size());
         bool any = false;
@@ -152,11 +197,10 @@ class Run {
             index = none;
             any = true;
         }
-        if (any) layer.values.push_back({1, 0, 0, -positive});
+        if (any) layer.values.push_back({1, 0, 0, -positive_});
     }
 
-    void add_fallbacks(const std::vector<Index>& members, std::vector<Index>& suspects,
-                       float positive) {
+    void add_fallbacks(const std::vector<Index>& members, std::vector<Index>& suspects) {
         for (const Index m : members) suspects.push_back(triangles_.corner(m >> 2, m & 3));
         const std::vector<Index>& indices = result_.tangents.indices;
         const bool all_set = triangles_.implicit() && terms_.counts.degenerate == 0;
@@ -174,7 +218,7 @@ class Run {
         if (suspects.empty()) return;
         std::sort(suspects.begin(), suspects.end());
         suspects.erase(std::unique(suspects.begin(), suspects.end()), suspects.end());
-        detail::apply_fallbacks({read_, shared_.lowest(in_, options_.threads), suspects, positive},
+        detail::apply_fallbacks({read_, shared_.lowest(in_, options_.threads), suspects, positive_},
                                 result_);
     }
 
@@ -194,6 +238,7 @@ class Run {
     Shared& shared_;
     const TangentOptions& options_;
     bool robust_;
+    float positive_;  // w where the definition's sign is +1
     CornerReader read_{in_};
     TangentTriangles triangles_;
     detail::Terms terms_;

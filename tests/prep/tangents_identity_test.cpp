@@ -1,8 +1,12 @@
 // The same bytes whatever the threads, the instruction set and the way the input is indexed.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <random>
+#include <utility>
+#include <vector>
 
 #include "corner_soup.h"
 
@@ -93,6 +97,30 @@ TEST(TangentsIdentity, SameForAnyThreadCountAndInstructionSet) {
                 expect_same(tangents(indexed.input(), mode, threads, simd), want_indexed);
             }
         }
+    }
+}
+
+// So many triangles that threads take ranges of them, in an order in which nearly every vertex is
+// in several ranges: what ranges note for each other's vertices is added in the triangles' order.
+TEST(TangentsIdentity, SameForManyThreadsOnShuffledTriangles) {
+    constexpr int n = 190;
+    const CornerSoup ordered = wavy_grid(n);
+    std::vector<std::uint32_t> order(2 * n * n);
+    for (std::uint32_t t = 0; t < order.size(); ++t) order[t] = t;
+    std::shuffle(order.begin(), order.end(), std::mt19937(7));
+    CornerSoup shuffled;
+    for (const std::uint32_t t : order) {
+        for (std::uint32_t c = 3 * t; c < 3 * t + 3; ++c)
+            shuffled.add(ordered.positions[c], ordered.normals[c], ordered.uvs[c]);
+        shuffled.end_face();
+    }
+    for (const CornerSoup* soup : {&ordered, &std::as_const(shuffled)}) {
+        const auto indexed = test::share_values(*soup);
+        const auto want = tangents(indexed.input(), TangentMode::mikktspace, 1, SimdLevel::scalar);
+        for (const int threads : {2, 3, 8})
+            expect_same(
+                tangents(indexed.input(), TangentMode::mikktspace, threads, SimdLevel::automatic),
+                want);
     }
 }
 

@@ -147,18 +147,14 @@ HWY_INLINE Codes bits_where(Mask m, std::uint32_t bits) {
 }
 
 HWY_INLINE Codes directions(const Vec3& v, std::uint32_t first_bit) {
-    const hn::RebindToUnsigned<Floats> du;
-    const F length2 = dot(v, v);
-    const Mask usable = hn::And(hn::Gt(length2, set(1e-20f)), hn::Lt(length2, set(1e20f)));
-    const F bound = hn::Mul(set(0.0025f), length2), minus_bound = hn::Neg(bound);
-    Codes bits = hn::Zero(du);
-    const F components[3] = {v.x, v.y, v.z};
+    Codes bits = hn::Zero(hn::RebindToUnsigned<Floats>());
+    const F components[3] = {v.x, v.y, v.z}, bound = set(direction_bound);
     for (int k = 0; k < 3; ++k) {
-        const F square = hn::Mul(components[k], hn::Abs(components[k]));
-        bits = hn::Or(bits, bits_where(hn::Gt(square, bound), first_bit << k));
-        bits = hn::Or(bits, bits_where(hn::Lt(square, minus_bound), first_bit << (k + 3)));
+        bits = hn::Or(bits, bits_where(hn::Gt(components[k], bound), first_bit << k));
+        bits =
+            hn::Or(bits, bits_where(hn::Lt(components[k], hn::Neg(bound)), first_bit << (k + 3)));
     }
-    return hn::IfThenElseZero(hn::RebindMask(du, usable), bits);
+    return bits;
 }
 
 HWY_INLINE Mask equal(const Vec3& a, const Vec3& b) {
@@ -215,8 +211,13 @@ TermBlockResult terms(const TermBlock& block, std::size_t count, bool check_unit
             hn::Or(equal(p[0], p[1]), hn::Or(equal(p[0], p[2]), equal(p[1], p[2])));
         const Mask adds = hn::AndNot(degenerate, healthy);
 
-        Codes flags = bits_where(preserving, orientation_preserving);
-        flags = hn::Or(flags, bits_where(hn::Not(healthy), group_with_anything));
+        Codes flags = hn::IfThenElse(hn::RebindMask(du, preserving),
+                                     hn::Set(du, std::uint32_t(orientation_preserving)),
+                                     hn::Set(du, std::uint32_t(orientation_mirrored)));
+        flags = hn::Or(
+            flags, hn::IfThenElse(hn::RebindMask(du, healthy),
+                                  hn::Set(du, std::uint32_t(code_float | own_frame)),
+                                  hn::Set(du, std::uint32_t(code_float | group_with_anything))));
         flags = hn::Or(flags, bits_where(degenerate, degenerate_triangle));
         result.counts.degenerate += hn::CountTrue(df, hn::And(inside, degenerate));
         result.counts.anything +=
@@ -235,17 +236,18 @@ TermBlockResult terms(const TermBlock& block, std::size_t count, bool check_unit
         const F minus_zero = set(-0.0f);
         for (int k = 0; k < 3; ++k) {
             const Vec3 n = load3(block.n[k]);
-            if (check_unit) {
-                const F off = hn::Abs(hn::Sub(dot(n, n), set(1.0f)));
-                far_from_unit = hn::Or(far_from_unit, hn::AndNot(hn::Le(off, set(2e-3f)), inside));
-            }
+            const F off = hn::Abs(hn::Sub(dot(n, n), set(1.0f)));
+            const Mask unit = hn::Le(off, set(most_off_unit));
+            if (check_unit) far_from_unit = hn::Or(far_from_unit, hn::AndNot(unit, inside));
             const F angle = corner_angle(n, edges[k][0], edges[k][1]);
             lane_nan = hn::Or(lane_nan, hn::IsNaN(angle));
             const Vec3 on_s = off_normal(n, s);
             const Vec3 weighted = scaled(angle, normalized_or_zero(on_s));
-            const Codes own = hn::Or(directions(on_s, 1), directions(off_normal(n, t), 1u << 6));
+            const Codes told = hn::IfThenElseZero(
+                hn::RebindMask(du, unit),
+                hn::Or(directions(on_s, 1), directions(off_normal(n, t), 1u << 6)));
             const Codes code = hn::Or(
-                flags, hn::IfThenElse(hn::RebindMask(du, adds), own,
+                flags, hn::IfThenElse(hn::RebindMask(du, adds), told,
                                       hn::Set(du, std::uint32_t(s_directions | t_directions))));
             hn::StoreInterleaved4(hn::IfThenElse(adds, weighted.x, minus_zero),
                                   hn::IfThenElse(adds, weighted.y, minus_zero),

@@ -1,0 +1,78 @@
+#include "tangent_listing.h"
+
+#include <atomic>
+
+#include "parallel.h"
+#include "tangent_vertex_counts.h"
+
+namespace prep::detail {
+namespace {
+
+using Index = std::uint32_t;
+// A multiple of 64, so that no two blocks have bits in one word.
+constexpr std::size_t triangle_grain = 65536;
+
+}  // namespace
+
+void list_split_neighbours(std::span<const Index> vertices, int threads,
+                           std::span<std::uint8_t> states) {
+    // Numbers, so that three are looked at without branches.
+    const auto is_split = [&](std::size_t i) -> unsigned {
+        return states[vertices[i]] == split_vertex;
+    };
+    const std::size_t triangles = vertices.size() / 3;
+    std::vector<std::vector<Index>> found((triangles + triangle_grain - 1) / triangle_grain);
+    parallel_blocks(triangles, triangle_grain, threads, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = 3 * begin; i < 3 * end; i += 3) {
+            if (!(is_split(i) | is_split(i + 1) | is_split(i + 2))) continue;
+            for (std::size_t k = 0; k < 3; ++k)
+                if (!is_split(i + k)) found[begin / triangle_grain].push_back(vertices[i + k]);
+        }
+    });
+    for (const auto& list : found)
+        for (const Index v : list) states[v] = listed_vertex;
+}
+
+ListedCorners place_corners(const TangentTriangles& triangles, const Terms& terms,
+                            std::span<const Index> vertices, std::span<const std::uint8_t> states,
+                            std::span<const Index> places, int threads,
+                            std::span<Index> corner_values) {
+    ListedCorners result;
+    result.lists.resize((triangles.count + triangle_grain - 1) / triangle_grain);
+    result.triangles.assign((triangles.count + 63) / 64, 0);
+    const bool any_degenerate = terms.counts.degenerate > 0;
+    std::atomic<bool> any = false;
+    parallel_blocks(
+        triangles.count, triangle_grain, threads, [&](std::size_t begin, std::size_t end) {
+            std::vector<Index>& list = result.lists[begin / triangle_grain];
+            const std::uint8_t* const state = states.data();
+            for (std::size_t t = begin; t < end; ++t) {
+                const Index* const v = vertices.data() + 3 * t;
+                Index* const values = corner_values.data() + 3 * t;
+                const bool fans = !states.empty() && !any_degenerate && places.empty() &&
+                                  (state[v[0]] | state[v[1]] | state[v[2]]) == fan_vertex;
+                if (fans) continue;
+                if (any_degenerate && (terms.flags(t) & degenerate_triangle)) {
+                    values[0] = values[1] = values[2] = no_index;
+                    continue;
+                }
+                if (!places.empty())
+                    for (std::size_t k = 0; k < 3; ++k) values[k] = places[v[k]];
+                const auto listed = [&](std::size_t k) -> unsigned {
+                    return states.empty() || needs_list(states[v[k]]);
+                };
+                if (!(listed(0) | listed(1) | listed(2))) continue;
+                result.triangles[t / 64] |= std::uint64_t(1) << (t % 64);
+                for (std::size_t k = 0; k < 3; ++k) {
+                    if (!listed(k)) continue;
+                    values[k] = no_index;
+                    list.push_back(Index(4 * t + k));
+                }
+            }
+            if (!list.empty()) any = true;
+        });
+    result.any = any;
+    return result;
+}
+
+}  // namespace prep::detail

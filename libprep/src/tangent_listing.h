@@ -1,0 +1,33 @@
+// Which triangle corners have a fan's value, and which have to be listed for tangent_groups.h.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "tangent_stars.h"
+#include "tangent_terms.h"
+
+namespace prep::detail {
+
+struct ListedCorners {
+    MemberLists lists;
+    std::vector<std::uint64_t> triangles;  // a bit for each that has such corners
+    bool any = false;
+};
+
+// Fans that share a triangle with a split vertex become listed: over an edge to it triangles may
+// part. O(triangles).
+void list_split_neighbours(std::span<const std::uint32_t> vertices, int threads,
+                           std::span<std::uint8_t> states);
+
+// states, places: VertexCounts'; no states: all vertices are listed. corner_values: in, the
+// vertices, three per triangle; out, the places of their fans' values, and no_index for listed
+// corners and those of degenerate triangles. O(triangles).
+ListedCorners place_corners(const TangentTriangles& triangles, const Terms& terms,
+                            std::span<const std::uint32_t> vertices,
+                            std::span<const std::uint8_t> states,
+                            std::span<const std::uint32_t> places, int threads,
+                            std::span<std::uint32_t> corner_values);
+
+}  // namespace prep::detail

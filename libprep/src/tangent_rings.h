@@ -1,0 +1,104 @@
+// The usual star: one fan of healthy triangles of one orientation, whose tangents only need to be
+// summed. Told from the sums of all vertices, many at once; whatever is no such star is left to
+// tangent_groups.h.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <span>
+
+#include "tangent_terms.h"
+#include "tangent_vertex_counts.h"
+
+namespace prep::detail {
+
+// Of a vertex' corners.
+struct alignas(32) VertexSum {
+    float x = 0, y = 0, z = 0;  // the sum of their terms, in the order of the triangles
+    std::uint32_t code = ~0u;   // the bits that all their terms have
+    // The bits that any of their uses has, and those that any has not: a use is the index of the
+    // normal and, above it, that of the UV. All are the same where one is the other's complement.
+    std::uint64_t uses_set = 0, uses_clear = 0;
+
+    bool one_use() const { return uses_set == ~uses_clear; }
+    std::uint32_t normal() const { return std::uint32_t(uses_set); }
+};
+
+// The vertices before and behind a vertex in its triangles, in the order of the triangles;
+// undefined behind the last, and of larger stars.
+struct alignas(64) VertexRing {
+    std::uint32_t previous[most_ring_members], next[most_ring_members];
+};
+
+// A vertex' sum, unit where it is not zero.
+struct alignas(16) StarSum {
+    float x, y, z;
+    std::uint32_t code;  // 0: not told to be a fan; else star_is_fan and what else is so of these
+};
+inline constexpr std::uint32_t star_is_fan = 1;     // and orientation_preserving, of all triangles
+inline constexpr std::uint32_t star_has_frame = 2;  // the sum makes a frame with the normal, by far
+
+struct RingInput {
+    const VertexSum* sums;  // slot by slot
+    const VertexRing* rings;
+    std::span<const std::uint32_t> slots;  // of the vertices, below most_slots
+    const std::uint8_t* counts;            // their triangles, up to most_ring_members + 1
+    // For star_has_frame; empty: it is not looked for.
+    std::span<const glm::vec3> normals;
+};
+
+// Up to this many vertices at once. A multiple of all vector lengths.
+inline constexpr std::size_t ring_batch = 1024;
+inline constexpr std::size_t most_slots = std::size_t(1) << VertexWord::slot_bits;
+
+// Writes stars[i] for the i-th vertex, and anything behind the last, up to ring_batch. A star is a
+// fan when it has up to most_ring_members members, each reached from the first over edges
+// that two triangles share and no more, when their S and their T share a half-space (see TermCode),
+// and when all corners have one normal and one UV.
+using RingKernel = void (*)(const RingInput& input, StarSum* stars);
+
+void rings_scalar(const RingInput& input, StarSum* stars);
+RingKernel ring_kernel(SimdLevel level, std::size_t normals);  // in simd/
+
+// What of a star can be told without its edges.
+inline bool may_be_fan(const VertexSum& sum, std::size_t count) {
+    const std::uint32_t code = sum.code;
+    if (count == 0 || count > most_ring_members || !sum.one_use()) return false;
+    if (!(code & own_frame)) return false;
+    if (!(code & (orientation_preserving | orientation_mirrored))) return false;
+    return count == 1 || ((code & s_directions) && (code & t_directions));
+}
+
+// Is the star one fan? Exact, for 2 … most_ring_members members.
+inline bool is_one_fan(const VertexRing& ring, std::size_t count) {
+    // Per member the one whose edge enters from the vertex to which its own edge leaves.
+    std::uint32_t successors[most_ring_members] = {};
+    std::uint32_t reached = 0, last = most_ring_members;
+    for (std::uint32_t i = 0; i < count; ++i) {
+        std::uint32_t found = most_ring_members;
+        for (std::uint32_t j = 0; j < count; ++j)
+            if (ring.previous[j] == ring.next[i]) found = found == most_ring_members ? j : 100;
+        if (found == 100) return false;
+        if (found == most_ring_members) {
+            if (last != most_ring_members) return false;  // a second open end
+            last = i;
+        } else {
+            if (reached >> found & 1) return false;  // two leave to one vertex
+            reached |= 1u << found;
+        }
+        successors[i] = found;
+    }
+    const std::uint32_t all = (1u << count) - 1;
+    // Closed: any is the first. Open: the one that none leads to.
+    std::uint32_t at = 0, seen = 0;
+    if (last != most_ring_members)
+        while (reached >> at & 1) ++at;
+    while (at != most_ring_members && !(seen >> at & 1)) {
+        seen |= 1u << at;
+        at = successors[at];
+    }
+    return seen == all;
+}
+
+}  // namespace prep::detail

@@ -1,0 +1,109 @@
+#include "tangent_vertex_counts.h"
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+
+#include "parallel.h"
+
+namespace prep::detail {
+namespace {
+
+using Index = std::uint32_t;
+// A multiple of 64, so that no two blocks have bits in one word.
+constexpr std::size_t vertex_grain = 65536;
+constexpr std::size_t least_range = 32768;
+constexpr std::size_t most_ranges = 64;
+constexpr std::size_t ranges_per_thread = 4;
+
+// Fills VertexCounts::shared.
+void find_shared(std::span<const Index> vertices, std::size_t words, int threads,
+                 VertexCounts& counts) {
+    std::vector<std::vector<std::uint64_t>> touched(counts.ranges.size());
+    parallel_blocks(counts.ranges.size(), 1, threads, [&](std::size_t r, std::size_t) {
+        touched[r].assign(words, 0);
+        std::uint64_t* const own = touched[r].data();
+        for (std::size_t i = 3 * counts.ranges[r].begin; i < 3 * counts.ranges[r].end; ++i)
+            own[vertices[i] / 64] |= std::uint64_t(1) << (vertices[i] % 64);
+    });
+    counts.shared.resize(words);
+    parallel_blocks(words, vertex_grain / 64, threads, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t w = begin; w < end; ++w) {
+            std::uint64_t any = 0, shared = 0;
+            for (const auto& own : touched) {
+                shared |= any & own[w];
+                any |= own[w];
+            }
+            counts.shared[w] = shared;
+        }
+    });
+}
+
+}  // namespace
+
+VertexCounts count_triangles(const TangentTriangles& triangles, std::span<const Index> vertices,
+                             std::size_t count, int threads) {
+    VertexCounts result;
+    const std::size_t most =
+        threads == 1
+            ? 1
+            : std::min(most_ranges,
+                       ranges_per_thread * std::size_t(tbb::this_task_arena::max_concurrency()));
+    const std::size_t n = std::clamp<std::size_t>(triangles.count / least_range, 1, most);
+    result.ranges.resize(n);
+    for (std::size_t r = 0; r < n; ++r) {
+        result.ranges[r].begin = triangles.cut(triangles.count * r / n);
+        result.ranges[r].end = triangles.cut(triangles.count * (r + 1) / n);
+    }
+    if (n > 1) find_shared(vertices, count / 64 + 1, threads, result);
+
+    result.states = ScratchBuffer<std::uint8_t>(count);
+    result.words = ScratchBuffer<Index>(count);
+    Index* const vertex_words = result.words.data();
+    const bool any_shared = n > 1;
+    parallel_blocks(count, vertex_grain, threads, [&](std::size_t begin, std::size_t end) {
+        std::memset(vertex_words + begin, 0, (end - begin) * sizeof(Index));
+    });
+    parallel_blocks(n, 1, threads, [&](std::size_t r, std::size_t) {
+        const Index* const last = vertices.data() + 3 * result.ranges[r].end;
+        const std::uint64_t* const shared = result.shared.data();
+        for (const Index* i = vertices.data() + 3 * result.ranges[r].begin; i < last; ++i) {
+            const Index v = *i;
+            if (any_shared && (shared[v / 64] >> (v % 64) & 1)) continue;
+            ++vertex_words[v];
+        }
+    });
+
+    std::vector<std::size_t> starts((count + vertex_grain - 1) / vertex_grain, 0);
+    parallel_blocks(count, vertex_grain, threads, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t w = begin / 64; any_shared && w < (end + 63) / 64; ++w)
+            for (std::uint64_t rest = result.shared[w]; rest != 0; rest &= rest - 1)
+                vertex_words[64 * w + std::size_t(std::countr_zero(rest))] = VertexWord::shared;
+        std::size_t used = 0;
+        for (std::size_t v = begin; v < end; ++v) {
+            Index& word = vertex_words[v];
+            used += word != 0;
+            const bool many = word > most_ring_members && word != VertexWord::shared;
+            result.states[v] = word == 0 ? unused_vertex : many ? listed_vertex : pending_vertex;
+            if (many) word = VertexWord::listed;
+        }
+        starts[begin / vertex_grain] = used;
+    });
+    for (std::size_t& start : starts) {
+        const std::size_t used = start;
+        start = result.used;
+        result.used += used;
+    }
+    if (result.used == count) return result;
+    result.places = ScratchBuffer<Index>(count);
+    parallel_blocks(count, vertex_grain, threads, [&](std::size_t begin, std::size_t end) {
+        std::size_t place = starts[begin / vertex_grain];
+        for (std::size_t v = begin; v < end; ++v) {
+            result.places[v] = Index(place);
+            place += vertex_words[v] != 0;
+        }
+    });
+    return result;
+}
+
+}  // namespace prep::detail

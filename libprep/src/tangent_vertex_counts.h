@@ -1,0 +1,57 @@
+// How many triangles vertices have, and which ranges of triangles threads take: what has to be
+// known before tangents are added up (tangent_vertex_sums.h).
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "scratch_buffer.h"
+#include "tangent_triangles.h"
+
+namespace prep::detail {
+
+inline constexpr std::size_t most_ring_members = 8;
+
+// What became of a vertex.
+enum VertexState : std::uint8_t {
+    unused_vertex = 0,   // has no triangles
+    fan_vertex = 1,      // has its tangent
+    split_vertex = 2,    // as the following; corners of several normals or UVs
+    listed_vertex = 3,   // needs a list of its triangles (tangent_groups.h)
+    pending_vertex = 4,  // nothing yet
+};
+inline bool needs_list(std::uint8_t state) {
+    return state == split_vertex || state == listed_vertex;
+}
+
+// A vertex while its triangles are counted down: how many are to come, how many there were, and its
+// slot when there was one; or one of the two values above all others.
+struct VertexWord {
+    static constexpr std::uint32_t to_come = 0x0f;
+    static constexpr int met_shift = 4, slot_shift = 8, slot_bits = 23;
+    static constexpr std::uint32_t shared = 1u << 31;  // by several ranges; not counted
+    static constexpr std::uint32_t listed = ~0u;       // more than most_ring_members
+    static std::uint32_t met(std::uint32_t word) { return (word >> met_shift) & 0x0f; }
+};
+
+struct VertexCounts {
+    struct Range {
+        std::size_t begin = 0, end = 0;  // triangles; parts no quad
+    };
+    ScratchBuffer<std::uint8_t> states;
+    ScratchBuffer<std::uint32_t> words;
+    std::size_t used = 0;  // vertices that have triangles
+    // Per vertex the number of used ones before it; empty where all are used.
+    ScratchBuffer<std::uint32_t> places;
+    std::vector<Range> ranges;
+    std::vector<std::uint64_t> shared;  // a bit per vertex; empty where there is one range
+};
+
+// vertices: three per triangle, below `count`. O(triangles); a bit per vertex and range, of which
+// there are up to 64.
+VertexCounts count_triangles(const TangentTriangles& triangles,
+                             std::span<const std::uint32_t> vertices, std::size_t count,
+                             int threads);
+
+}  // namespace prep::detail

@@ -1,0 +1,362 @@
+#include "tangent_vertex_sums.h"
+
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <atomic>
+#include <bit>
+#include <cstring>
+#include <deque>
+#include <memory>
+#include <type_traits>
+
+#include "parallel.h"
+
+namespace prep::detail {
+namespace {
+
+using Index = std::uint32_t;
+namespace hn = hwy::HWY_NAMESPACE;
+using Four = hn::FixedTag<float, 4>;
+using FourBits = hn::FixedTag<Index, 4>;
+
+// What is noted for shared vertices is sorted into that many parts by vertex, added at once.
+constexpr int part_bits = 4;
+constexpr std::size_t parts = std::size_t(1) << part_bits;
+// After so many triangles of a range it is looked whether lists are the better way.
+constexpr std::size_t trial = 4096;
+// Corners of a block of terms: so many vertices may be opened, and be done with, by one.
+constexpr std::size_t block_corners = 3 * TermBlock::size;
+
+struct Note {
+    float x, y, z;
+    Index code, member;  // four times the triangle plus 0, 1 or 2
+};
+
+// Room for vertices that are not done with.
+class Pool {
+  public:
+    VertexSum* sums() { return sums_.data(); }
+    VertexRing* rings() { return rings_.data(); }
+    Index* free() { return free_.data(); }
+    std::size_t& free_count() { return free_count_; }
+
+    // Makes that many slots free; false where there are too many.
+    bool ensure(std::size_t wanted) { return free_count_ >= wanted || grow(wanted); }
+    void release(Index slot) {
+        sums_[slot] = VertexSum();
+        free_[free_count_++] = slot;
+    }
+
+  private:
+    template <class T>
+    static void enlarge(ScratchBuffer<T>& buffer, std::size_t size) {
+        ScratchBuffer<T> larger(size);
+        std::copy_n(buffer.data(), buffer.size(), larger.data());
+        buffer = std::move(larger);
+    }
+    bool grow(std::size_t wanted) {
+        const std::size_t old = sums_.size(), size = std::max(2 * old, old + wanted);
+        if (size > most_slots) return false;
+        enlarge(sums_, size);
+        enlarge(rings_, size);
+        enlarge(free_, size);
+        // The lowest on top: those are used again and again.
+        for (std::size_t slot = size; slot-- > old;) release(Index(slot));
+        return true;
+    }
+
+    ScratchBuffer<VertexSum> sums_;
+    ScratchBuffer<VertexRing> rings_;
+    ScratchBuffer<Index> free_;
+    std::size_t free_count_ = 0;
+};
+
+struct RangeWork {
+    Pool pool;
+    std::deque<Note> notes[parts];
+    TermCounts counts;
+};
+
+// Adds terms to vertices. Local copies of all pointers, and nothing has a pointer to it: writing to
+// vertices could change what is reached through others.
+struct Cursor {
+    Cursor(const TangentInput& in, const TangentTriangles& triangles,
+           std::span<const Index> all_vertices, std::span<Index> all_words)
+        : vertices(all_vertices.data()),
+          normals(in.normals.indices.data()),
+          uvs(in.uv.indices.data()),
+          corners(triangles.implicit() ? nullptr : triangles.corners.data()),
+          words(all_words.data()) {}
+
+    void take(Pool& pool) {
+        free = pool.free();
+        free_count = pool.free_count();
+        sums = pool.sums();
+        rings = pool.rings();
+    }
+
+    // A term at corner K of a triangle, to a vertex that is counted (word: its own). No branches:
+    // whether the vertex is new or done with is not to be foreseen.
+    template <std::size_t K>
+    HWY_INLINE void add(std::size_t triangle, const CornerTerm& term, Index v, Index word) {
+        const Index met = VertexWord::met(word);
+        const Index slot = met == 0 ? free[free_count - 1] : word >> VertexWord::slot_shift;
+        free_count -= met == 0;
+        constexpr Index state = (1u << VertexWord::slot_shift) - 1;
+        const Index after =
+            (slot << VertexWord::slot_shift | (word & state)) + (1u << VertexWord::met_shift) - 1;
+        words[v] = after;
+        done_vertices[done] = v;
+        done += (after & VertexWord::to_come) == 0;
+        add_to<K>(triangle, hn::Load(Four(), &term.x), slot, met);
+    }
+
+    template <std::size_t K>
+    HWY_INLINE void add_to(std::size_t triangle, const hn::Vec<Four> term, Index slot, Index met) {
+        const FourBits bits;
+        const Four d;
+        const std::size_t own = 3 * triangle + K;
+        const std::size_t corner = corners == nullptr ? own : corners[own];
+        VertexSum& sum = sums[slot];
+        const auto old = hn::Load(d, &sum.x);
+        HWY_ALIGN constexpr Index xyz[4] = {~0u, ~0u, ~0u, 0};
+        const auto numbers = hn::MaskFromVec(hn::BitCast(d, hn::Load(bits, xyz)));
+        const auto code = hn::And(old, term);
+        hn::Store(hn::IfThenElse(numbers, hn::Add(old, term), code), d, &sum.x);
+        const std::uint64_t use = std::uint64_t(uvs[corner]) << 32 | normals[corner];
+        sum.uses_set |= use;
+        sum.uses_clear |= ~use;
+        VertexRing& ring = rings[slot];
+        ring.previous[met % most_ring_members] = vertices[3 * triangle + (K + 2) % 3];
+        ring.next[met % most_ring_members] = vertices[3 * triangle + (K + 1) % 3];
+    }
+
+    const Index *vertices, *normals, *uvs, *corners;
+    Index* words;
+    Index* free = nullptr;  // the pool's
+    std::size_t free_count = 0;
+    VertexSum* sums = nullptr;
+    VertexRing* rings = nullptr;
+    Index* done_vertices = nullptr;
+    std::size_t done = 0;
+};
+
+class Adder {
+  public:
+    Adder(const TangentInput& in, const TangentTriangles& triangles,
+          std::span<const Index> vertices, const TermMaker& maker, const FanMaker& fans,
+          VertexCounts& counts, Terms& terms, std::span<glm::vec4> values)
+        : cursor_(in, triangles, vertices, counts.words),
+          vertices_(vertices.data()),
+          words_(counts.words.data()),
+          maker_(maker),
+          fans_(fans),
+          counts_(counts),
+          terms_(terms),
+          values_(values),
+          part_shift_(std::max(0, int(std::bit_width(counts.words.size())) - part_bits)),
+          work_(counts.ranges.size()) {}
+
+    bool run(std::size_t triangles, int threads) {
+        terms_.triangle_flags = ScratchBuffer<std::uint8_t>(triangles);
+        parallel_blocks(work_.size(), 1, threads, [&](std::size_t r, std::size_t) {
+            go_through(r);
+            work_[r].pool = {};
+        });
+        if (given_up_) return false;
+        terms_.counts = {};
+        for (const RangeWork& work : work_) terms_.counts.add(work.counts);
+        if (terms_.counts.nan) return false;
+        if (work_.size() > 1)
+            parallel_blocks(parts, 1, threads,
+                            [&](std::size_t part, std::size_t) { add_notes(part); });
+        return !given_up_;
+    }
+
+  private:
+    void go_through(std::size_t r) {
+        const VertexCounts::Range& range = counts_.ranges[r];
+        RangeWork& work = work_[r];
+        const auto room = std::make_unique<TermMaker::Room>();
+        const std::size_t trial_end = std::min(range.end, range.begin + trial);
+        bool tried = range.end - range.begin < trial;
+        std::uint8_t* const triangle_flags = terms_.triangle_flags.data();
+        std::vector<Index> done_vertices(ring_batch + 1);
+        std::size_t done = 0;
+        const auto flush = [&] {
+            finish(work.pool, {done_vertices.data(), done});
+            done = 0;
+        };
+        for (std::size_t t = range.begin; t < range.end && !given_up_;) {
+            const std::uint64_t degenerate = work.counts.degenerate;
+            const std::size_t n = maker_.run(t, range.end, *room, work.counts);
+            const bool any_degenerate = work.counts.degenerate != degenerate;
+            for (std::size_t i = 0; i < n; ++i)
+                triangle_flags[t + i] =
+                    std::uint8_t(room->planes[0][i].code >> triangle_flags_shift);
+            if (done > ring_batch - block_corners) flush();
+            if (!work.pool.ensure(block_corners)) {
+                given_up_ = true;
+                return;
+            }
+            done = add_block(t, n, any_degenerate, *room, work, done_vertices.data(), done);
+            t += n;
+            if (!tried && t >= trial_end) {
+                tried = true;
+                flush();
+                if (lists_are_better(range.begin, t)) given_up_ = true;
+            }
+        }
+        flush();
+    }
+
+    // Adds the terms of n triangles from t on; gives the number of vertices that are done with.
+    std::size_t add_block(std::size_t t, std::size_t n, bool any_degenerate,
+                          const TermMaker::Room& room, RangeWork& work, Index* done_vertices,
+                          std::size_t done) {
+        Cursor cursor = cursor_;
+        cursor.take(work.pool);
+        cursor.done_vertices = done_vertices;
+        cursor.done = done;
+        const Index* vertices = vertices_ + 3 * t;
+        const auto add = [&](auto k, std::size_t i) HWY_ATTR {
+            constexpr std::size_t K = decltype(k)::value;
+            const Index v = vertices[K], word = cursor.words[v];
+            if (HWY_LIKELY(word < VertexWord::shared))
+                cursor.add<K>(t + i, room.planes[K][i], v, word);
+            else if (word != VertexWord::listed)
+                note(v, 4 * (t + i) + K, room.planes[K][i], work);
+        };
+        for (std::size_t i = 0; i < n; ++i, vertices += 3) {
+            if (any_degenerate && (room.planes[0][i].code & degenerate_triangle)) {
+                for (std::size_t k = 0; k < 3; ++k) {
+                    Index& word = cursor.words[vertices[k]];
+                    if (word >= VertexWord::shared) continue;
+                    --word;
+                    if ((word & VertexWord::to_come) == 0)
+                        cursor.done_vertices[cursor.done++] = vertices[k];
+                }
+                continue;
+            }
+            add(std::integral_constant<std::size_t, 0>(), i);
+            add(std::integral_constant<std::size_t, 1>(), i);
+            add(std::integral_constant<std::size_t, 2>(), i);
+        }
+        work.pool.free_count() = cursor.free_count;
+        return cursor.done;
+    }
+
+    HWY_NOINLINE void note(Index v, std::size_t member, const CornerTerm& term,
+                           RangeWork& work) const {
+        work.notes[v >> part_shift_].push_back({term.x, term.y, term.z, term.code, Index(member)});
+    }
+
+    // More than half of the corners at vertices that are done with are at split ones.
+    bool lists_are_better(std::size_t begin, std::size_t end) const {
+        std::size_t done = 0, split = 0;
+        for (std::size_t i = 3 * begin; i < 3 * end; ++i) {
+            const Index v = vertices_[i];
+            if (words_[v] >= VertexWord::shared || (words_[v] & VertexWord::to_come)) continue;
+            ++done;
+            split += counts_.states[v] == split_vertex;
+        }
+        return split > done / 2;
+    }
+
+    // Up to ring_batch vertices that have met all their triangles: their slots become free.
+    void finish(Pool& pool, std::span<const Index> vertices) {
+        if (vertices.empty()) return;
+        Index slots[ring_batch];
+        std::uint8_t counts[ring_batch];
+        for (std::size_t i = 0; i < vertices.size(); ++i) {
+            const Index word = words_[vertices[i]] & ~VertexWord::shared;
+            slots[i] = word >> VertexWord::slot_shift;
+            counts[i] = std::uint8_t(VertexWord::met(word));
+            if (counts[i] == 0) given_up_ = true;
+        }
+        if (given_up_) return;
+        fans_.make({pool.sums(), pool.rings(), {slots, vertices.size()}, counts, {}}, vertices,
+                   counts_.places, values_, counts_.states);
+        for (std::size_t i = 0; i < vertices.size(); ++i) pool.release(slots[i]);
+    }
+
+    // The shared vertices of a part.
+    void add_notes(std::size_t part) {
+        Pool pool;
+        for (RangeWork& work : work_) {
+            for (const Note& note : work.notes[part]) {
+                if (!pool.ensure(1)) {
+                    given_up_ = true;
+                    return;
+                }
+                add_note(pool, note);
+            }
+            work.notes[part] = {};
+        }
+        const std::size_t count = counts_.words.size();
+        const std::size_t end = std::min(count, (part + 1) << part_shift_);
+        std::vector<Index> done;
+        const auto flush = [&] {
+            finish(pool, done);
+            done.clear();
+        };
+        for (std::size_t v = std::min(count, part << part_shift_); v < end; ++v) {
+            const std::uint64_t word = counts_.shared[v / 64] >> (v % 64);
+            if (word == 0) {
+                v |= 63;  // the last of the word
+                continue;
+            }
+            v += std::size_t(std::countr_zero(word));
+            if (v >= end) break;
+            done.push_back(Index(v));
+            if (done.size() == ring_batch) flush();
+        }
+        flush();
+    }
+
+    void add_note(Pool& pool, const Note& note) {
+        Cursor cursor = cursor_;
+        cursor.take(pool);
+        const std::size_t triangle = note.member >> 2, k = note.member & 3;
+        Index& word = words_[vertices_[3 * triangle + k]];
+        Index met = VertexWord::met(word);
+        const Index slot = met == 0 ? cursor.free[--pool.free_count()]
+                                    : (word & ~VertexWord::shared) >> VertexWord::slot_shift;
+        HWY_ALIGN const Index values[4] = {std::bit_cast<Index>(note.x),
+                                           std::bit_cast<Index>(note.y),
+                                           std::bit_cast<Index>(note.z), note.code};
+        const auto term = hn::BitCast(Four(), hn::Load(FourBits(), values));
+        if (k == 0)
+            cursor.add_to<0>(triangle, term, slot, met);
+        else if (k == 1)
+            cursor.add_to<1>(triangle, term, slot, met);
+        else
+            cursor.add_to<2>(triangle, term, slot, met);
+        met = std::min<Index>(met + 1, most_ring_members + 1);
+        word = VertexWord::shared | slot << VertexWord::slot_shift | met << VertexWord::met_shift;
+    }
+
+    const Cursor cursor_;
+    const Index* vertices_;
+    Index* words_;
+    const TermMaker& maker_;
+    const FanMaker& fans_;
+    VertexCounts& counts_;
+    Terms& terms_;
+    std::span<glm::vec4> values_;
+    int part_shift_;
+    std::vector<RangeWork> work_;
+    std::atomic<bool> given_up_ = false;
+};
+
+}  // namespace
+
+bool add_up_vertices(const TangentInput& input, const TangentTriangles& triangles,
+                     std::span<const Index> vertices, const TermMaker& maker, const FanMaker& fans,
+                     int threads, VertexCounts& counts, Terms& terms, std::span<glm::vec4> values) {
+    return Adder(input, triangles, vertices, maker, fans, counts, terms, values)
+        .run(triangles.count, threads);
+}
+
+}  // namespace prep::detail
