@@ -21,8 +21,8 @@ void FanMaker::make(RingInput input, std::span<const std::uint32_t> vertices,
         const std::uint32_t v = vertices[i];
         const glm::vec3 tangent(star.x, star.y, star.z);
         const bool fan = star.code != 0 && (!options_.review || (star.code & star_has_frame) ||
-                                            is_frame(read_.usable(sum.normal()), tangent));
-        states[v] = fan ? fan_vertex : sum.one_use() ? listed_vertex : split_vertex;
+                                            is_frame(read_.usable(sum.normal), tangent));
+        states[v] = fan ? fan_vertex : sum.split ? split_vertex : listed_vertex;
         if (!fan) continue;
         const float sign = (star.code & orientation_preserving) ? 1.0f : -1.0f;
         values[places.empty() ? v : places[v]] = glm::vec4(tangent, sign * options_.positive);

@@ -15,14 +15,11 @@ namespace prep::detail {
 
 // Of a vertex' corners.
 struct alignas(32) VertexSum {
-    float x = 0, y = 0, z = 0;  // the sum of their terms, in the order of the triangles
-    std::uint32_t code = ~0u;   // the bits that all their terms have
-    // The bits that any of their uses has, and those that any has not: a use is the index of the
-    // normal and, above it, that of the UV. All are the same where one is the other's complement.
-    std::uint64_t uses_set = 0, uses_clear = 0;
-
-    bool one_use() const { return uses_set == ~uses_clear; }
-    std::uint32_t normal() const { return std::uint32_t(uses_set); }
+    float x = 0, y = 0, z = 0;         // the sum of their terms, in the order of the triangles
+    std::uint32_t code = ~0u;          // the bits that all their terms have
+    std::uint32_t normal = 0, uv = 0;  // the indices of the first corner
+    std::uint32_t split = 0;           // not 0: a corner's are of other values
+    std::uint32_t padding = 0;
 };
 
 // The vertices before and behind a vertex in its triangles, in the order of the triangles;
@@ -64,7 +61,7 @@ RingKernel ring_kernel(SimdLevel level, std::size_t normals);  // in simd/
 // What of a star can be told without its edges.
 inline bool may_be_fan(const VertexSum& sum, std::size_t count) {
     const std::uint32_t code = sum.code;
-    if (count == 0 || count > most_ring_members || !sum.one_use()) return false;
+    if (count == 0 || count > most_ring_members || sum.split) return false;
     if (!(code & own_frame)) return false;
     if (!(code & (orientation_preserving | orientation_mirrored))) return false;
     return count == 1 || ((code & s_directions) && (code & t_directions));

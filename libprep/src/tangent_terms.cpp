@@ -296,6 +296,7 @@ void compute_all_terms(const TermMaker& maker, const TangentTriangles& triangles
     for (auto& plane : terms.planes) plane = ScratchBuffer<CornerTerm>(triangles.count);
     terms.triangle_flags = ScratchBuffer<std::uint8_t>(triangles.count);
     terms.counts = {};
+    terms.complete = true;
     terms.chosen.clear();
     std::mutex merging;
     parallel_blocks(triangles.count, triangle_grain, threads,

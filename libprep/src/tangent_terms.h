@@ -122,6 +122,7 @@ struct Terms {
     ScratchBuffer<std::uint8_t> triangle_flags;
     TermCounts counts;
     ScratchBuffer<CornerTerm> planes[3];
+    bool complete = false;  // all triangles have terms
     // Which triangles have terms, and how many do before each 64 of them; empty: all have.
     std::vector<std::uint64_t> chosen;
     std::vector<std::uint32_t> chosen_before;

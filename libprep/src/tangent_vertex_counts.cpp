@@ -1,6 +1,7 @@
 #include "tangent_vertex_counts.h"
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <cstring>
 
@@ -74,21 +75,27 @@ VertexCounts count_triangles(const TangentTriangles& triangles, std::span<const 
         }
     });
 
+    std::atomic<std::size_t> listed_corners = 0;
     std::vector<std::size_t> starts((count + vertex_grain - 1) / vertex_grain, 0);
     parallel_blocks(count, vertex_grain, threads, [&](std::size_t begin, std::size_t end) {
         for (std::size_t w = begin / 64; any_shared && w < (end + 63) / 64; ++w)
             for (std::uint64_t rest = result.shared[w]; rest != 0; rest &= rest - 1)
                 vertex_words[64 * w + std::size_t(std::countr_zero(rest))] = VertexWord::shared;
-        std::size_t used = 0;
+        std::size_t used = 0, listed = 0;
         for (std::size_t v = begin; v < end; ++v) {
             Index& word = vertex_words[v];
             used += word != 0;
             const bool many = word > most_ring_members && word != VertexWord::shared;
-            result.states[v] = word == 0 ? unused_vertex : many ? listed_vertex : pending_vertex;
-            if (many) word = VertexWord::listed;
+            result.states[v] = word == 0 ? unused_vertex : pending_vertex;
+            if (many) {
+                listed += word;
+                word = VertexWord::listed;
+            }
         }
+        listed_corners += listed;
         starts[begin / vertex_grain] = used;
     });
+    result.listed_corners = listed_corners;
     for (std::size_t& start : starts) {
         const std::size_t used = start;
         start = result.used;

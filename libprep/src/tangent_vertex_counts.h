@@ -41,7 +41,8 @@ struct VertexCounts {
     };
     ScratchBuffer<std::uint8_t> states;
     ScratchBuffer<std::uint32_t> words;
-    std::size_t used = 0;  // vertices that have triangles
+    std::size_t used = 0;            // vertices that have triangles
+    std::size_t listed_corners = 0;  // corners at vertices whose word is `listed`
     // Per vertex the number of used ones before it; empty where all are used.
     ScratchBuffer<std::uint32_t> places;
     std::vector<Range> ranges;

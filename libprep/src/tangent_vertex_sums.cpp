@@ -25,6 +25,9 @@ constexpr int part_bits = 4;
 constexpr std::size_t parts = std::size_t(1) << part_bits;
 // After so many triangles of a range it is looked whether lists are the better way.
 constexpr std::size_t trial = 4096;
+// Terms of all triangles are kept up to so many, and where more than an eighth of the corners are
+// at vertices that will be listed: to make them again would take longer.
+constexpr std::size_t few_triangles = 65536;
 // Corners of a block of terms: so many vertices may be opened, and be done with, by one.
 constexpr std::size_t block_corners = 3 * TermBlock::size;
 
@@ -87,6 +90,8 @@ struct Cursor {
           normals(in.normals.indices.data()),
           uvs(in.uv.indices.data()),
           corners(triangles.implicit() ? nullptr : triangles.corners.data()),
+          normal_values(in.normals.values.data()),
+          uv_values(in.uv.values.data()),
           words(all_words.data()) {}
 
     void take(Pool& pool) {
@@ -116,23 +121,37 @@ struct Cursor {
     HWY_INLINE void add_to(std::size_t triangle, const hn::Vec<Four> term, Index slot, Index met) {
         const FourBits bits;
         const Four d;
-        const std::size_t own = 3 * triangle + K;
-        const std::size_t corner = corners == nullptr ? own : corners[own];
+        const std::size_t own = corner(3 * triangle + K);
         VertexSum& sum = sums[slot];
         const auto old = hn::Load(d, &sum.x);
         HWY_ALIGN constexpr Index xyz[4] = {~0u, ~0u, ~0u, 0};
         const auto numbers = hn::MaskFromVec(hn::BitCast(d, hn::Load(bits, xyz)));
         const auto code = hn::And(old, term);
         hn::Store(hn::IfThenElse(numbers, hn::Add(old, term), code), d, &sum.x);
-        const std::uint64_t use = std::uint64_t(uvs[corner]) << 32 | normals[corner];
-        sum.uses_set |= use;
-        sum.uses_clear |= ~use;
+        const Index normal = normals[own], uv = uvs[own];
+        sum.normal = met == 0 ? normal : sum.normal;
+        sum.uv = met == 0 ? uv : sum.uv;
+        if ((normal ^ sum.normal) | (uv ^ sum.uv))
+            sum.split |= !same_values(normal, uv, sum.normal, sum.uv);
         VertexRing& ring = rings[slot];
         ring.previous[met % most_ring_members] = vertices[3 * triangle + (K + 2) % 3];
         ring.next[met % most_ring_members] = vertices[3 * triangle + (K + 1) % 3];
     }
 
+    // Other indices may have the same values.
+    bool same_values(Index normal, Index uv, Index other_normal, Index other_uv) const {
+        if (normal == other_normal && uv == other_uv) return true;
+        if (normal == no_index || uv == no_index || other_normal == no_index ||
+            other_uv == no_index)
+            return false;
+        return normal_values[normal] == normal_values[other_normal] &&
+               uv_values[uv] == uv_values[other_uv];
+    }
+    std::size_t corner(std::size_t own) const { return corners == nullptr ? own : corners[own]; }
+
     const Index *vertices, *normals, *uvs, *corners;
+    const glm::vec3* normal_values;
+    const glm::vec2* uv_values;
     Index* words;
     Index* free = nullptr;  // the pool's
     std::size_t free_count = 0;
@@ -156,21 +175,29 @@ class Adder {
           terms_(terms),
           values_(values),
           part_shift_(std::max(0, int(std::bit_width(counts.words.size())) - part_bits)),
+          first_uses_(counts.listed_corners > 0 ? counts.words.size() : 0),
           work_(counts.ranges.size()) {}
 
     bool run(std::size_t triangles, int threads) {
         terms_.triangle_flags = ScratchBuffer<std::uint8_t>(triangles);
+        terms_.complete = triangles <= few_triangles || 8 * counts_.listed_corners > 3 * triangles;
+        if (terms_.complete)
+            for (auto& plane : terms_.planes) plane = ScratchBuffer<CornerTerm>(triangles);
         parallel_blocks(work_.size(), 1, threads, [&](std::size_t r, std::size_t) {
             go_through(r);
             work_[r].pool = {};
         });
-        if (given_up_) return false;
         terms_.counts = {};
         for (const RangeWork& work : work_) terms_.counts.add(work.counts);
-        if (terms_.counts.nan) return false;
-        if (work_.size() > 1)
+        if (terms_.counts.nan) given_up_ = true;
+        if (work_.size() > 1 && !given_up_)
             parallel_blocks(parts, 1, threads,
                             [&](std::size_t part, std::size_t) { add_notes(part); });
+        // A listed vertex that met nothing has degenerate triangles alone.
+        if (!first_uses_.empty() &&
+            std::memchr(counts_.states.data(), pending_vertex, counts_.states.size()) != nullptr)
+            given_up_ = true;
+        terms_.complete &= !given_up_;
         return !given_up_;
     }
 
@@ -195,6 +222,9 @@ class Adder {
             for (std::size_t i = 0; i < n; ++i)
                 triangle_flags[t + i] =
                     std::uint8_t(room->planes[0][i].code >> triangle_flags_shift);
+            if (terms_.complete)
+                for (std::size_t k = 0; k < 3; ++k)
+                    std::copy_n(room->planes[k], n, terms_.planes[k].data() + t);
             if (done > ring_batch - block_corners) flush();
             if (!work.pool.ensure(block_corners)) {
                 given_up_ = true;
@@ -227,6 +257,8 @@ class Adder {
                 cursor.add<K>(t + i, room.planes[K][i], v, word);
             else if (word != VertexWord::listed)
                 note(v, 4 * (t + i) + K, room.planes[K][i], work);
+            else
+                look_at_use(v, cursor_.corner(3 * (t + i) + K));
         };
         for (std::size_t i = 0; i < n; ++i, vertices += 3) {
             if (any_degenerate && (room.planes[0][i].code & degenerate_triangle)) {
@@ -250,6 +282,17 @@ class Adder {
     HWY_NOINLINE void note(Index v, std::size_t member, const CornerTerm& term,
                            RangeWork& work) const {
         work.notes[v >> part_shift_].push_back({term.x, term.y, term.z, term.code, Index(member)});
+    }
+
+    // Of a listed vertex: has it several normals or UVs?
+    HWY_NOINLINE void look_at_use(Index v, std::size_t corner) {
+        const Index normal = cursor_.normals[corner], uv = cursor_.uvs[corner];
+        if (counts_.states[v] == pending_vertex) {
+            counts_.states[v] = listed_vertex;
+            first_uses_[v] = {normal, uv};
+        } else if (!cursor_.same_values(normal, uv, first_uses_[v].normal, first_uses_[v].uv)) {
+            counts_.states[v] = split_vertex;
+        }
     }
 
     // More than half of the corners at vertices that are done with are at split ones.
@@ -346,6 +389,10 @@ class Adder {
     Terms& terms_;
     std::span<glm::vec4> values_;
     int part_shift_;
+    struct Use {
+        Index normal, uv;
+    };
+    ScratchBuffer<Use> first_uses_;  // of listed vertices
     std::vector<RangeWork> work_;
     std::atomic<bool> given_up_ = false;
 };

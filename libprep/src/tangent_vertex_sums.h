@@ -14,8 +14,8 @@
 namespace prep::detail {
 
 // Writes the tangents of fans to their places, what became of all vertices to counts.states, and
-// the flags and counts of all triangles (no terms) to `terms`. Degenerate triangles are left out.
-// vertices: as in count_triangles.
+// the flags and counts of all triangles to `terms`, and all terms where many will be needed.
+// Degenerate triangles are left out. vertices: as in count_triangles.
 //
 // False, with nothing of use: so many vertices have corners of several normals or UVs that lists
 // are the better way; something is NaN; or a vertex has degenerate triangles alone.

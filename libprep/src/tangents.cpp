@@ -156,7 +156,7 @@ class Run {
         counts.places = {};
         std::vector<Index> suspects;
         if (listed.any || !fans_told) {
-            if (fans_told)
+            if (!terms_.complete)
                 detail::compute_terms(maker, std::move(listed.triangles), options_.threads, terms_);
             detail::list_members(in_, triangles_, listed.lists, stars);
             listed = {};

@@ -100,6 +100,48 @@ TEST(TangentsIdentity, SameForAnyThreadCountAndInstructionSet) {
     }
 }
 
+// Two poles of 12 triangles and the equator between them. Every triangle has a UV of its own at its
+// pole, so that over the edges to the poles no triangles are neighbours: the stars of the equator,
+// rings as far as positions go, part into a left and a right half.
+CornerSoup spindle() {
+    constexpr int segments = 12;
+    CornerSoup soup;
+    const auto corner = [&](float turn, float height, float u) {
+        const float a = turn * 6.2831853f / segments, r = 1 - std::abs(height);
+        const glm::vec3 normal(r * std::cos(a), r * std::sin(a), height);
+        soup.add({r * std::cos(a), r * std::sin(a), 0.7f * height}, normal, {u, height});
+    };
+    for (int j = 0; j < segments; ++j) {
+        const float here = float(j), next = float((j + 1) % segments);
+        corner(0, 1, here + 0.3f);
+        corner(here, 0, here);
+        corner(next, 0, here + 1);
+        soup.end_face();
+        corner(0, -1, here + 0.8f);
+        corner(next, 0, here + 1);
+        corner(here, 0, here);
+        soup.end_face();
+    }
+    return soup;
+}
+
+// At 180° fans are summed while triangles are gone through; below, every vertex has a list of its
+// triangles. Where no two directions at a vertex are near opposite both must give the same bits.
+TEST(TangentsIdentity, SameWhetherVerticesAreListedOrNot) {
+    for (const CornerSoup& soup : {spindle(), wavy_grid(40)}) {
+        const auto indexed = test::share_values(soup);
+        for (const prep::TangentInput& input : {soup.input(), indexed.input()}) {
+            prep::TangentOptions options;
+            options.mode = TangentMode::definition;
+            const auto at_once = prep::corner_tangents(input, options);
+            options.angular_threshold = 3.1f;
+            const auto listed = prep::corner_tangents(input, options);
+            ASSERT_TRUE(at_once.has_value() && listed.has_value());
+            expect_same_corners(*at_once, *listed);
+        }
+    }
+}
+
 // So many triangles that threads take ranges of them, in an order in which nearly every vertex is
 // in several ranges: what ranges note for each other's vertices is added in the triangles' order.
 TEST(TangentsIdentity, SameForManyThreadsOnShuffledTriangles) {

@@ -123,8 +123,7 @@ void rings(const RingInput& in, StarSum* stars) {
     const bool look = !in.normals.empty();
     const float* const normals = look ? &in.normals[0].x : nullptr;
     const Index last_normal = look ? Index(in.normals.size() - 1) : 0;
-    // The lower halves of the uses (this is for x86).
-    const Index* const uses = reinterpret_cast<const Index*>(&in.sums[0].uses_set);
+    const Index* const uses = &in.sums[0].normal;
     constexpr int sum_words_shift = 3;
     static_assert(sizeof(VertexSum) == sizeof(Index) << sum_words_shift);
     for (std::size_t i = 0; i < n; i += hn::Lanes(d)) {
