@@ -158,18 +158,23 @@ class Preparer {
 
     Result<CornerNormals> compute_normals(const Mesh& mesh, const std::string& reason) {
         const MeshView view(mesh);
-        const bool weld = !geometry_.shared &&
-                          (options_.weld == WeldMode::exact ||
-                           (options_.weld == WeldMode::automatic && indexed_by_vertex(mesh)));
+        // glTF has one index per corner, whatever attributes it carries or lacks; two primitives
+        // never share a vertex.
+        const bool weld = !geometry_.shared && (options_.weld == WeldMode::exact ||
+                                                (options_.weld == WeldMode::automatic &&
+                                                 (out_.scene.document || indexed_by_vertex(mesh))));
         std::vector<std::uint32_t> welded;
         if (weld) {
             welded =
                 log_.run("weld", "vertices are repeated at seams: equal positions are one point",
                          [&] { return weld_exact(view.positions, options_.threads); });
         } else if (!geometry_.shared) {
-            log_.skipped("weld", options_.weld == WeldMode::none
-                                     ? "switched off"
-                                     : "the file indexes positions apart from attributes");
+            const bool attributes =
+                !mesh.normals.empty() || !mesh.tangents.empty() || !mesh.uvs.empty();
+            log_.skipped("weld", options_.weld == WeldMode::none ? "switched off"
+                                 : attributes
+                                     ? "the file indexes positions apart from attributes"
+                                     : "the file's faces share vertices, and nothing repeats them");
         }
         geometry_.topology = log_.run(
             "topology", reason, [&] { return build_topology(view, welded, options_.threads); });
