@@ -223,21 +223,30 @@ class BlockParser {
     }
 
     void statement(const char* begin, const char* end) {
-        LineScanner scan(begin, end);
-        scan.skip_blanks();
-        const char first = scan.peek();
+        LineScanner named(begin, end);
+        named.skip_blanks();
+        const char first = named.peek();
         if (first == '\0' || first == '#') return;
-        const std::string_view word = scan.word();
+        const std::string_view word = named.word();
+        if (word == "usemtl") return event(ObjEvent::Kind::material, named);
+        if (word == "g") return event(ObjEvent::Kind::group, named);
+        if (word == "o") return event(ObjEvent::Kind::object, named);
+        if (word == "mtllib") return event(ObjEvent::Kind::library, named);
+        numbers(word.substr(0, word.find('#')), begin, end);
+    }
+
+    // A comment runs from # to the end of any line. Only names go to the end of their line with
+    // every #: exporters write such ("Material #25"), and the reader of names looks for the one
+    // without the comment where that with it is unknown.
+    void numbers(std::string_view word, const char* begin, const char* end) {
+        LineScanner scan(begin, std::find(begin, end, '#'));
+        scan.word();
         if (word == "v") return position(scan, begin, end);
         if (word == "vt") return texture(scan, begin, end);
         if (word == "vn") return normal(scan, begin, end);
         if (word == "f" || word == "fo") return face(scan, begin, end);
         if (word == "l") return element(scan, begin, end, block_.polylines, 2);
         if (word == "p") return element(scan, begin, end, block_.points, 1);
-        if (word == "usemtl") return event(ObjEvent::Kind::material, scan);
-        if (word == "g") return event(ObjEvent::Kind::group, scan);
-        if (word == "o") return event(ObjEvent::Kind::object, scan);
-        if (word == "mtllib") return event(ObjEvent::Kind::library, scan);
         if (word == "s") return smoothing(scan, begin, end);
         if (word == "t") {
             block_.tags.push_back({line_number_, std::string(scan.rest())});
@@ -257,6 +266,9 @@ class BlockParser {
         if (std::find(std::begin(free_form), std::end(free_form), word) != std::end(free_form)) {
             if (block_.free_form++ == 0) block_.free_form_line = line_number_;
         } else if (std::find(std::begin(ignored), std::end(ignored), word) == std::end(ignored)) {
+            if (word.find('\0') != std::string_view::npos)
+                return fail("a zero byte: this is no OBJ text (binary, or UTF-16)", word.data(),
+                            word.data() + word.size());
             if (block_.unknown++ == 0) {
                 block_.unknown_line = line_number_;
                 block_.unknown_word = quoted_line(word.substr(0, 24));
@@ -329,7 +341,6 @@ class BlockParser {
     bool corners(LineScanner& scan, const char* begin, const char* end, std::size_t least) {
         line_corners_.clear();
         while (!scan.at_end()) {
-            if (scan.peek() == '#') break;
             Corner corner;
             bool good = index(scan, block_.positions.size(), corner.v);
             if (good && scan.peek() == '/') {

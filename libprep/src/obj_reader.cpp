@@ -7,6 +7,7 @@
 #include "parallel.h"
 #include "prep/io.h"
 #include "prep/obj.h"
+#include "text_scan.h"
 
 namespace prep {
 namespace {
@@ -294,7 +295,13 @@ class Assembler {
         return it->second;
     }
 
-    Index material_named(const std::string& name) {
+    // A name may hold a #; one that only exists without what looks like a comment is meant so.
+    Index material_named(const std::string& whole) {
+        std::string name = whole;
+        if (!materials_.contains(name)) {
+            const std::string before = before_comment(whole);
+            if (!before.empty() && materials_.contains(before)) name = before;
+        }
         const auto [it, added] = materials_.emplace(name, Index(scene_.materials.size()));
         if (added) {
             scene_.materials.emplace_back();
@@ -306,10 +313,12 @@ class Assembler {
         return it->second;
     }
 
-    void libraries(const std::string& names) {
+    void libraries(const std::string& whole) {
         if (!options_.read_materials) return;
         // One file name with blanks, or several names: what exists decides.
-        if (library(names)) return;
+        if (library(whole)) return;
+        const std::string names = before_comment(whole);
+        if (names != whole && library(names)) return;
         LineWords words(names);
         bool several = false;
         for (std::string word; words.next(word);) {
@@ -434,7 +443,19 @@ class Assembler {
     bool missing_library_ = false;
 };
 
+// A zero byte in one of the first two characters, or the byte order mark that says it.
+bool is_utf16(const ObjSource& source) {
+    char text[2];
+    if (source.size() < 2 || !source.read(0, 2, text)) return false;
+    const std::string_view mark(text, 2);
+    return text[0] == '\0' || text[1] == '\0' || mark == "\xff\xfe" || mark == "\xfe\xff";
+}
+
 Result<Scene> read_obj(const ObjSource& source, const ObjOptions& options) {
+    if (is_utf16(source))
+        return Error{ErrorCode::syntax,
+                     "this is UTF-16 or no text; expected OBJ as ASCII or UTF-8: save it so",
+                     options.name + ":1"};
     auto blocks = parse_obj_blocks(source, options.name, options.threads);
     if (!blocks) return std::move(blocks).error();
     PositionBounds bounds;

@@ -19,6 +19,13 @@ bool LineScanner::number(double& value) {
     return true;
 }
 
+std::string before_comment(const std::string& text) {
+    for (std::size_t at = text.find('#'); at != std::string::npos; at = text.find('#', at + 1))
+        if (at > 0 && is_blank(text[at - 1]))
+            return text.substr(0, text.find_last_not_of(" \t\f\v", at - 1) + 1);
+    return text;
+}
+
 std::string quoted_line(std::string_view line) {
     constexpr std::size_t limit = 60;
     while (!line.empty() && is_blank(line.back())) line.remove_suffix(1);

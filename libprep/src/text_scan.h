@@ -62,6 +62,9 @@ class LineScanner {
     const char* end_;
 };
 
+// What stands before a # after a blank, without that blank; the whole where there is none.
+std::string before_comment(const std::string& text);
+
 // The line, shortened to what fits a message, with quotes.
 std::string quoted_line(std::string_view line);
 

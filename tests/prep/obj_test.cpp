@@ -5,6 +5,8 @@
 #include <cmath>
 #include <string>
 
+#include "mesh_files.h"
+#include "prep/io.h"
 #include "shared_data.h"
 
 namespace {
@@ -50,12 +52,61 @@ TEST(Obj, NegativeIndicesCountBackFromTheirLine) {
 }
 
 TEST(Obj, ContinuationsCommentsAndCarriageReturns) {
-    const auto scene = parse("v 0 0 \\\r\n0\r\nv 1 0 0 # a comment is no number\r\n");
-    EXPECT_FALSE(scene.has_value());  // the format knows comments only at the start of a line …
     const auto good =
-        parse("# v nonsense\r\nv 0 0 \\\r\n0\r\nv 1 0 0\r\nv 0 1 0\r\nf 1 2 \\\n3 # ok\r\n");
-    ASSERT_TRUE(good.has_value());  // … but after a face's corners nothing else can be meant
+        parse("# v nonsense\r\nv 0 0 \\\r\n0\r\nv 1 0 0 # x\r\nv 0 1 0\r\nf 1 2 \\\n3 # ok\r\n");
+    ASSERT_TRUE(good.has_value()) << prep::to_string(good.error());
+    EXPECT_EQ(good->meshes[0].positions[1], glm::vec3(1, 0, 0));
     EXPECT_EQ(good->meshes[0].face_count(), 1u);
+}
+
+TEST(Obj, CommentsEndAnyLine) {
+    const auto scene = parse(
+        "v 0 0 0 # a\nv 1 0 0#b\nv 1 1 0 #\nv 0 1 0 1 0.5 0 # with a colour\nvt 0.5 # u alone\n"
+        "vt 0.5 0.25#c\nvn 0 0 1 # up\ns 3 # group\nf 1 2 3#c\nf 1/1/1 3/2/1 4/2/1 # 9 9 9\n"
+        "l 1 2 # 3\np 4#1\nt crease 2/1/0 0 1 2.0 # sharp\n#\ng # not a name\n");
+    ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
+    const prep::Mesh& m = scene->meshes[0];
+    EXPECT_EQ(m.positions, (std::vector<glm::vec3>{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}));
+    EXPECT_EQ(m.corner_vertices, (std::vector<std::uint32_t>{0, 1, 2, 0, 2, 3}));
+    EXPECT_EQ(m.uvs[0].values, (std::vector<glm::vec2>{{0.5f, 1}, {0.5f, 0.75f}}));
+    EXPECT_EQ(m.normals.values, std::vector<glm::vec3>{glm::vec3(0, 0, 1)});
+    EXPECT_EQ(m.face_smoothing, (std::vector<std::uint32_t>{3, 3}));
+    EXPECT_EQ(m.line_vertices, (std::vector<std::uint32_t>{0, 1}));
+    EXPECT_EQ(m.points, std::vector<std::uint32_t>{3});
+    EXPECT_EQ(m.subdivision.creases.size(), 1u);
+    EXPECT_EQ(scene->warnings, std::vector<std::string>{});
+    EXPECT_EQ(error_of("v 0 0 # 0\n"), "test.obj:1: expected three coordinates in 'v 0 0 # 0'");
+}
+
+// Exporters write names such as "Material #25": a # belongs to the name, unless only the name in
+// front of it is known.
+TEST(Obj, NamesKeepTheirHash) {
+    const test::TempDir dir;
+    test::write_text(dir / "a.mtl", "newmtl Material #25\nnewmtl red\nKd 1 0 0 # red\n");
+    test::write_text(dir / "a.obj",
+                     "mtllib a.mtl # the library\nv 0 0 0\nv 1 0 0\nv 0 1 0\ng part #1\n"
+                     "usemtl Material #25\nf 1 2 3\nusemtl red # the red one\nf 1 2 3\n"
+                     "usemtl blue #2\nf 1 2 3\n");
+    const auto scene = prep::load_scene(dir / "a.obj");
+    ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
+    EXPECT_EQ(scene->meshes[0].parts, std::vector<std::string>{"part #1"});
+    EXPECT_EQ(scene->meshes[0].face_materials, (std::vector<std::uint32_t>{0, 1, 2}));
+    ASSERT_EQ(scene->materials.size(), 3u);
+    EXPECT_EQ(scene->materials[0].name, "Material #25");
+    EXPECT_EQ(scene->materials[1].diffuse, glm::vec4(1, 0, 0, 1));
+    EXPECT_EQ(
+        scene->warnings,
+        std::vector<std::string>{"material 'blue #2' is in no library: the default look is used"});
+}
+
+TEST(Obj, Utf16AndBinaryAreRefused) {
+    const std::string why =
+        "test.obj:1: this is UTF-16 or no text; expected OBJ as ASCII or UTF-8: save it so";
+    EXPECT_EQ(error_of(std::string("v\0 \0000", 5)), why);
+    EXPECT_EQ(error_of("\xff\xfev"), why);
+    EXPECT_EQ(error_of("\xfe\xff"), why);
+    EXPECT_EQ(error_of(std::string("v 0 0 0\nab\0c 1\n", 15)),
+              "test.obj:2: a zero byte: this is no OBJ text (binary, or UTF-16) in 'ab?c'");
 }
 
 TEST(Obj, SmoothingGroupsMaterialsAndParts) {
