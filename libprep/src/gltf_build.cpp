@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <set>
 
@@ -35,6 +36,7 @@ class Builder {
           notes_(notes) {}
 
     void run() {
+        choose_materials();
         meshes();
         materials();
         lights();
@@ -47,6 +49,57 @@ class Builder {
   private:
     void note_once(const std::string& text) {
         if (std::find(notes_.begin(), notes_.end(), text) == notes_.end()) notes_.push_back(text);
+    }
+
+    // How many UV sets the maps that glTF has a place for read: 0 where there is no such map.
+    static std::uint64_t uv_sets_read(const Material& m) {
+        std::uint64_t sets = 0;
+        const auto read = [&](const TextureRef& ref) {
+            if (ref) sets = std::max(sets, std::uint64_t(ref.uv_set) + 1);
+        };
+        for (const TextureRef* ref : {&m.diffuse_map, &m.occlusion_map, &m.emissive_map})
+            read(*ref);
+        if (m.normal_map_space == NormalMapSpace::tangent) read(m.normal_map);
+        read(m.metallic_roughness ? m.metallic_roughness_map : m.specular_map);
+        return sets;
+    }
+
+    // A map may only read UV sets that the primitive has. Where one lacks some, it gets a variant
+    // of its material without those maps; the first variant stands at the material's own place
+    // where no primitive needs the whole.
+    void choose_materials() {
+        const std::uint64_t whole = std::numeric_limits<std::uint64_t>::max();
+        std::vector<std::set<std::uint64_t>> sets(scene_.materials.size());
+        for (const VertexMesh& mesh : prepared_.meshes)
+            for (const VertexMesh::Range& range : mesh.ranges) {
+                if (range.material >= scene_.materials.size()) continue;
+                const bool enough =
+                    uv_sets_read(scene_.materials[range.material]) <= mesh.uvs.size();
+                sets[range.material].insert(enough ? whole : mesh.uvs.size());
+            }
+        std::uint64_t count = 0;
+        for (Index m = 0; m < sets.size(); ++m) variants_.push_back({m, whole});
+        for (Index m = 0; m < sets.size(); ++m) {
+            bool own_place = !sets[m].contains(whole);
+            for (const std::uint64_t n : sets[m]) {
+                if (n == whole) continue;
+                ++count;
+                if (own_place)
+                    variants_[m].uv_sets = n;
+                else
+                    variants_.push_back({m, n});
+                variant_index_[{m, n}] = own_place ? m : Index(variants_.size() - 1);
+                own_place = false;
+            }
+        }
+        if (count > 0)
+            notes_.push_back("maps were left out where faces have no UVs for them (" +
+                             std::to_string(count) + (count == 1 ? " material)" : " materials)"));
+    }
+
+    Index material_for(const VertexMesh& mesh, Index material) const {
+        const auto variant = variant_index_.find({material, mesh.uvs.size()});
+        return variant == variant_index_.end() ? material : variant->second;
     }
 
     void meshes() {
@@ -130,7 +183,8 @@ class Builder {
             attributes["COLOR_" + std::to_string(s)] = add(clamped_colors(mesh.colors[s]), 4);
         Json primitive{{"attributes", std::move(attributes)}};
         primitive["indices"] = buffer_.add_indices(indices, count);
-        if (material < scene_.materials.size()) primitive["material"] = material;
+        if (material < scene_.materials.size())
+            primitive["material"] = material_for(mesh, material);
         if (mode != 4) primitive["mode"] = mode;
         primitives.push_back(std::move(primitive));
     }
@@ -258,7 +312,11 @@ class Builder {
     }
 
     void materials() {
-        for (const Material& m : scene_.materials) {
+        for (const Variant& variant : variants_) {
+            Material m = scene_.materials[variant.material];
+            for (TextureRef* ref : {&m.diffuse_map, &m.specular_map, &m.emissive_map,
+                                    &m.occlusion_map, &m.normal_map, &m.metallic_roughness_map})
+                if (ref->uv_set >= variant.uv_sets) *ref = {};
             const auto unit = [](float x) { return std::clamp(x, 0.0f, 1.0f); };
             Json out, pbr;
             if (!m.name.empty()) out["name"] = m.name;
@@ -319,7 +377,9 @@ class Builder {
             // A dielectric reflects 4 % of light that falls in straight: the factor scales that.
             extensions_.insert("KHR_materials_specular");
             Json& specular = out["extensions"]["KHR_materials_specular"];
-            specular["specularColorFactor"] = array3(glm::max(m.specular, glm::vec3(0.0f)) / 0.04f);
+            const float most = std::numeric_limits<float>::max();
+            specular["specularColorFactor"] =
+                array3(glm::clamp(m.specular / 0.04f, glm::vec3(0.0f), glm::vec3(most)));
             set_texture(specular, "specularColorTexture", m.specular_map);
         }
         Json& exact = out["extras"]["blinnPhong"];
@@ -433,6 +493,12 @@ class Builder {
     std::vector<std::string>& notes_;
     std::uint64_t dropped_triangles_ = 0;
     std::vector<Index> mesh_index_, light_index_;
+    struct Variant {
+        Index material;
+        std::uint64_t uv_sets;  // maps that read others are left out
+    };
+    std::vector<Variant> variants_;  // by index in the output
+    std::map<std::pair<Index, std::uint64_t>, Index> variant_index_;
     std::map<Index, Index> texture_map_, image_map_;
     std::set<std::string> extensions_;
 };

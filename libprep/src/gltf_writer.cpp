@@ -61,6 +61,7 @@ Result<Encoded> encode(const PreparedScene& prepared, std::vector<std::string>& 
         GltfBuffer buffer(out.document);
         buffer.bytes().reserve(expected_bytes(prepared));
         build_gltf(prepared, out.document, buffer, notes);
+        note_groups(prepared, "glTF", notes);
         out.binary = std::move(buffer.bytes());
     }
     out.document["asset"]["generator"] = fmt::format("meshprep {}", version());

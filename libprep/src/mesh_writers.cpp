@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <set>
 #include <type_traits>
 
 #include "file_set.h"
@@ -34,6 +35,7 @@ struct Flat {
     std::span<const glm::vec2> uvs;
     std::span<const Index> face_offsets, corner_vertices;  // polygons, by split vertex
     std::span<const Index> triangles, lines;
+    std::size_t points = 0;
 
     struct Own {
         std::vector<glm::vec3> floats, normals;
@@ -124,11 +126,21 @@ void append_instance(const Instance& instance, bool moved, bool normals, bool ta
     for (const Index v : mesh.lines) to.lines.push_back(base + v);
 }
 
+// Vertices of the source that are not in the split mesh.
+std::size_t unused_vertices(const VertexMesh& mesh, const Mesh& source) {
+    std::size_t used = 0;  // they come sorted by source vertex
+    for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
+        used += v == 0 || mesh.source_vertices[v] != mesh.source_vertices[v - 1];
+    return source.vertex_count() - used;
+}
+
 void flatten(const PreparedScene& prepared, const char* format, std::vector<std::string>& notes,
              Flat& flat) {
     const std::vector<glm::dmat4> world = world_transforms(prepared.scene);
     std::vector<Instance> instances;
     bool moved = false, normals = false, tangents = false, uvs = false, colors = false;
+    std::set<Index> seen;
+    std::size_t unused = 0;
     for (std::size_t n = 0; n < prepared.scene.nodes.size(); ++n) {
         const Index m = prepared.scene.nodes[n].mesh;
         if (m == no_index) continue;
@@ -139,6 +151,8 @@ void flatten(const PreparedScene& prepared, const char* format, std::vector<std:
         tangents |= !mesh.tangents.empty();
         uvs |= !mesh.uvs.empty();
         colors |= !mesh.colors.empty();
+        flat.points += mesh.points.size();
+        if (seen.insert(m).second) unused += unused_vertices(mesh, prepared.scene.meshes[m]);
         if (mesh.uvs.size() > 1)
             note_once(notes, fmt::format("{} holds one UV set: the others are left out", format));
     }
@@ -147,6 +161,10 @@ void flatten(const PreparedScene& prepared, const char* format, std::vector<std:
                   fmt::format("{} holds one mesh: {} were joined", format, instances.size()));
     if (!prepared.scene.materials.empty())
         note_once(notes, fmt::format("{} holds no materials: left out", format));
+    note_groups(prepared, format, notes);
+    if (unused > 0)
+        notes.push_back(fmt::format("{} that no face, line or point uses left out",
+                                    unused == 1 ? "1 vertex" : fmt::format("{} vertices", unused)));
     if (instances.size() == 1 && !moved) {
         const VertexMesh& mesh = *instances[0].mesh;
         flat.floats = mesh.positions;
@@ -178,6 +196,14 @@ void flatten(const PreparedScene& prepared, const char* format, std::vector<std:
 unsigned char encoded(float linear) {
     const double x = std::clamp(double(linear), 0.0, 1.0);
     return static_cast<unsigned char>(std::lround(linear_to_srgb(x) * 255));
+}
+
+// A vertex that nothing else uses is a point in a file without faces and segments only.
+void note_points(const Flat& flat, const char* format, std::vector<std::string>& notes) {
+    if (flat.points > 0 && (flat.faces() > 0 || !flat.lines.empty()))
+        note_once(notes, fmt::format("{} has no points beside faces or lines: {} written as "
+                                     "vertices that nothing uses",
+                                     format, flat.points));
 }
 
 Result<void> check_count(std::size_t count, const std::filesystem::path& path) {
@@ -238,6 +264,7 @@ WriteResult write_ply(const PreparedScene& prepared, const std::filesystem::path
     std::vector<std::string> notes;
     Flat flat;
     flatten(prepared, "PLY", notes, flat);
+    note_points(flat, "PLY", notes);
     if (auto done = check_count(flat.corner_vertices.size(), path); !done)
         return std::move(done).error();
     if (flat.vertices() > 0x7fffffff)
@@ -340,6 +367,8 @@ WriteResult write_stl(const PreparedScene& prepared, const std::filesystem::path
     if (!flat.normals.empty())
         note_once(notes, "STL holds facet normals only: vertex normals left out");
     if (!flat.lines.empty()) note_once(notes, "STL holds no lines: left out");
+    if (flat.points > 0)
+        note_once(notes, fmt::format("STL holds no points: {} left out", flat.points));
     const std::size_t facets = flat.triangles.size() / 3;
     if (auto done = check_count(facets, path); !done) return std::move(done).error();
     TextBlocks out;
@@ -384,6 +413,7 @@ WriteResult write_off(const PreparedScene& prepared, const std::filesystem::path
     std::vector<std::string> notes;
     Flat flat;
     flatten(prepared, "OFF", notes, flat);
+    note_points(flat, "OFF", notes);
     if (!flat.tangents.empty()) note_once(notes, "OFF holds no tangents: left out");
     TextBlocks out;
     out.text() = fmt::format("{}{}{}OFF\n{} {} 0\n", flat.uvs.empty() ? "" : "ST",

@@ -104,8 +104,11 @@ class Preparer {
         if (auto done = prepare_tangents(index, mesh, need, normals_changed); !done)
             return std::move(done).error();
         auto split_mesh = log_.run("split", "vertices carry one set of attributes each", [&] {
-            return split(mesh, geometry_.hard ? &*geometry_.hard : nullptr,
-                         {.parts_apart = true, .threads = options_.threads});
+            // The parts of a glTF are its primitives, each with vertices of its own to be written
+            // back; everywhere else they are names.
+            return split(
+                mesh, geometry_.hard ? &*geometry_.hard : nullptr,
+                {.parts_apart = out_.scene.document != nullptr, .threads = options_.threads});
         });
         if (!split_mesh) return std::move(split_mesh).error();
         out_.meshes[index] = *std::move(split_mesh);

@@ -19,6 +19,16 @@ FileSetRules rules_for(const PreparedScene& prepared, const std::filesystem::pat
     return rules;
 }
 
+void note_groups(const PreparedScene& prepared, const std::string& format,
+                 std::vector<std::string>& notes) {
+    std::size_t count = 0;
+    for (const Mesh& mesh : prepared.scene.meshes)
+        for (const std::string& part : mesh.parts) count += !part.empty();
+    if (count > 0)
+        notes.push_back(format + " holds no groups within a mesh: " + std::to_string(count) +
+                        (count == 1 ? " name was left out" : " names were left out"));
+}
+
 }  // namespace detail
 
 Result<std::vector<std::string>> save_scene(const PreparedScene& prepared,

@@ -61,12 +61,10 @@ class Attributes {
             if (!layer.empty()) uvs_.emplace_back(layer, missing_uv);
         for (const auto& layer : mesh.colors)
             if (!layer.empty()) colors_.emplace_back(layer, missing_color);
-        if (parts_apart && (!mesh.face_parts.empty() || !mesh.face_materials.empty()) &&
-            !uniform_parts()) {
-            groups_apart_ = true;
-        }
+        parts_apart_ = parts_apart && !uniform(mesh.face_parts);
+        materials_apart_ = !uniform(mesh.face_materials);
         triangles_ = detail::all_triangles(MeshView(mesh));
-        if ((groups_apart_ || hard) && !triangles_) {
+        if ((parts_apart_ || materials_apart_ || hard) && !triangles_) {
             corner_faces_.resize(mesh.corner_count());
             for (Index f = 0; f < mesh.face_count(); ++f)
                 for (Index c = mesh.face_offsets[f]; c < mesh.face_offsets[f + 1]; ++c)
@@ -128,17 +126,14 @@ class Attributes {
     }
 
   private:
-    bool uniform_parts() const {
-        const auto uniform = [](const std::vector<Index>& v) {
-            return std::all_of(v.begin(), v.end(), [&](Index x) { return x == v.front(); });
-        };
-        return uniform(mesh_.face_parts) && uniform(mesh_.face_materials);
+    static bool uniform(const std::vector<Index>& v) {
+        return std::all_of(v.begin(), v.end(), [&](Index x) { return x == v.front(); });
     }
     bool same_group(Index a, Index b) const {
-        if (!groups_apart_) return true;
+        if (!parts_apart_ && !materials_apart_) return true;
         const Index f = face_of(a), g = face_of(b);
-        return (mesh_.face_parts.empty() || mesh_.face_parts[f] == mesh_.face_parts[g]) &&
-               (mesh_.face_materials.empty() || mesh_.face_materials[f] == mesh_.face_materials[g]);
+        return (!parts_apart_ || mesh_.face_parts[f] == mesh_.face_parts[g]) &&
+               (!materials_apart_ || mesh_.face_materials[f] == mesh_.face_materials[g]);
     }
     Index face_of(Index c) const { return triangles_ ? c / 3 : corner_faces_[c]; }
     std::uint8_t edge_reasons(Index c) const {
@@ -149,7 +144,7 @@ class Attributes {
 
     const Mesh& mesh_;
     const HardEdges* hard_;
-    bool groups_apart_ = false, triangles_ = false;
+    bool parts_apart_ = false, materials_apart_ = false, triangles_ = false;
     std::vector<Layer<glm::vec3>> normals_;
     std::vector<Layer<glm::vec4>> tangents_;
     std::vector<Layer<glm::vec2>> uvs_;
@@ -215,8 +210,11 @@ class VertexSplitter {
 // Triangles sorted by (part, material), source order within.
 class RangeMaker {
   public:
-    RangeMaker(const Mesh& mesh, int threads, VertexMesh& out)
-        : mesh_(mesh), threads_(threads), out_(out) {}
+    RangeMaker(const Mesh& mesh, const SplitOptions& options, VertexMesh& out)
+        : mesh_(mesh),
+          threads_(options.threads),
+          by_part_(options.parts_apart && !mesh.face_parts.empty()),
+          out_(out) {}
 
     void run() {
         const MeshView view(mesh_);
@@ -254,9 +252,9 @@ class RangeMaker {
     Index face(std::size_t t) const {
         return cut_.corners.empty() ? Index(t) : cut_.triangle_faces[t];
     }
-    bool keyed() const { return !mesh_.face_parts.empty() || !mesh_.face_materials.empty(); }
+    bool keyed() const { return by_part_ || !mesh_.face_materials.empty(); }
     std::uint64_t key_of(Index f) const {
-        const Index part = mesh_.face_parts.empty() ? no_index : mesh_.face_parts[f];
+        const Index part = by_part_ ? mesh_.face_parts[f] : no_index;
         const Index material = mesh_.face_materials.empty() ? no_index : mesh_.face_materials[f];
         return std::uint64_t(part) << 32 | material;
     }
@@ -276,6 +274,7 @@ class RangeMaker {
 
     const Mesh& mesh_;
     int threads_;
+    bool by_part_;
     VertexMesh& out_;
     std::size_t triangles_ = 0;
     Triangulation cut_;  // empty where every face is a triangle
@@ -373,7 +372,7 @@ Result<VertexMesh> split(const Mesh& mesh, const HardEdges* hard, const SplitOpt
             }
         });
 
-    RangeMaker(mesh, options.threads, out).run();
+    RangeMaker(mesh, options, out).run();
 
     if (!mesh.line_vertices.empty() || !mesh.points.empty()) {
         std::vector<Index> first_vertex(sources, no_index);

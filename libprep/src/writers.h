@@ -16,6 +16,10 @@ using WriteResult = Result<std::vector<std::string>>;
 FileSetRules rules_for(const PreparedScene& prepared, const std::filesystem::path& path,
                        const SaveOptions& options);
 
+// Says how many group names a format without groups loses; nothing where there are none.
+void note_groups(const PreparedScene& prepared, const std::string& format,
+                 std::vector<std::string>& notes);
+
 WriteResult write_gltf(const PreparedScene& prepared, const std::filesystem::path& path,
                        const SaveOptions& options);
 WriteResult write_obj(const PreparedScene& prepared, const std::filesystem::path& path,

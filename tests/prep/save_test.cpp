@@ -169,6 +169,105 @@ TEST(Save, NotesSayWhatTheFormatCannotHold) {
                           "STL holds facet normals only: vertex normals left out"}));
 }
 
+TEST(Save, NotesSayWhatBecomesOfPointsAndUnusedVertices) {
+    const test::TempDir dir;
+    const auto notes = [&](const std::string& text, const std::string& name) {
+        const auto saved = prep::save_scene(test::untouched(parse(text)), dir / name);
+        EXPECT_TRUE(saved.has_value());
+        return saved ? *saved : std::vector<std::string>{};
+    };
+    const std::string three = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+    using Notes = std::vector<std::string>;
+    EXPECT_EQ(notes(three, "a.ply"), Notes{"3 vertices that no face, line or point uses left out"});
+    EXPECT_EQ(notes(three + "p 1 3\n", "a.ply"),
+              Notes{"1 vertex that no face, line or point uses left out"});
+    const auto again = prep::load_scene(dir / "a.ply");
+    ASSERT_TRUE(again.has_value());
+    EXPECT_EQ(again->meshes[0].positions, (std::vector<glm::vec3>{{0, 0, 0}, {0, 1, 0}}));
+    EXPECT_EQ(again->meshes[0].points.size(), 2u);
+    EXPECT_EQ(notes(three + "p 1 2 3\n", "a.stl"), Notes{"STL holds no points: 3 left out"});
+    EXPECT_EQ(notes(three + "v 5 5 5\nf 1 2 3\np 4\n", "a.off"),
+              Notes{"OFF has no points beside faces or lines: 1 written as vertices that nothing "
+                    "uses"});
+    EXPECT_EQ(notes(three + "p 1 2 3\n", "a.obj"), Notes{});
+}
+
+// Groups are names: they cut no vertex and make no primitive. Two triangles that share an edge,
+// each in a group of its own, and a third of another material.
+TEST(Save, GroupsBecomeNeitherVerticesNorPrimitives) {
+    const prep::Scene scene = parse(
+        "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 2 0 0\ng left\nf 1 2 3\ng right\nf 1 3 4\n"
+        "o other\nusemtl red\nf 2 5 3\n");
+    const test::TempDir dir;
+    const std::string note = " holds no groups within a mesh: 3 names were left out";
+    const prep::PreparedScene prepared = test::untouched(scene);
+    EXPECT_EQ(prepared.meshes[0].vertex_count(), 7u);  // 2 and 3 have two materials
+    EXPECT_EQ(prepared.splits.material, 2u);
+    const auto notes = prep::save_scene(prepared, dir / "a.glb");
+    ASSERT_TRUE(notes.has_value()) << prep::to_string(notes.error());
+    EXPECT_EQ(*notes, std::vector<std::string>{"glTF" + note});
+    const auto again = prep::load_scene(dir / "a.glb");
+    ASSERT_TRUE(again.has_value()) << prep::to_string(again.error());
+    EXPECT_EQ(again->meshes[0].parts.size(), 2u);  // primitives
+    EXPECT_EQ(again->meshes[0].vertex_count(), 7u);
+    for (const auto& [ending, format] :
+         std::vector<std::pair<std::string, std::string>>{{"ply", "PLY"}, {"off", "OFF"}}) {
+        const auto said = prep::save_scene(prepared, dir / ("a." + ending));
+        ASSERT_TRUE(said.has_value());
+        EXPECT_EQ(*said, (std::vector<std::string>{format + " holds no materials: left out",
+                                                   format + note}));
+    }
+    const auto obj = prep::save_scene(prepared, dir / "a.obj");
+    ASSERT_TRUE(obj.has_value());
+    EXPECT_EQ(*obj, std::vector<std::string>{});
+    const auto obj_again = prep::load_scene(dir / "a.obj");
+    ASSERT_TRUE(obj_again.has_value());
+    EXPECT_EQ(obj_again->meshes[0].parts, (std::vector<std::string>{"left", "right", "other"}));
+}
+
+// A material with a texture on one mesh with UVs and one without: the second gets a copy without.
+TEST(Save, TexturesNeedUvs) {
+    const test::TempDir dir;
+    const std::string png(
+        "\211PNG\015\012\032\012\000\000\000\015IHDR\000\000\000\001\000\000\000\001\010\000\000"
+        "\000\000:~\233U\000\000\000\012IDATx\332c`\000\000\000\002\000\001\345'"
+        "\336\374\000\000\000\000IEND\256B`\202",
+        67);
+    test::write_text(dir / "a.png", png);
+    test::write_text(dir / "a.mtl", "newmtl skin\nKd 0.5 0.25 1\nmap_Kd a.png\n");
+    const std::string head = "mtllib a.mtl\nusemtl skin\nv 0 0 0\nv 1 0 0\nv 0 1 0\n";
+    test::write_text(dir / "with.obj", head + "vt 0 0\nf 1/1 2/1 3/1\n");
+    test::write_text(dir / "without.obj", head + "f 1 2 3\n");
+    const std::string note = "maps were left out where faces have no UVs for them (1 material)";
+    auto with = prep::load_scene(dir / "with.obj");
+    const auto without = prep::load_scene(dir / "without.obj");
+    ASSERT_TRUE(with.has_value() && without.has_value());
+
+    auto saved = prep::save_scene(test::untouched(*without), dir / "a.glb");
+    ASSERT_TRUE(saved.has_value());
+    EXPECT_EQ(*saved, std::vector<std::string>{note});
+    auto again = prep::load_scene(dir / "a.glb");
+    ASSERT_TRUE(again.has_value()) << prep::to_string(again.error());
+    ASSERT_EQ(again->materials.size(), 1u);
+    EXPECT_FALSE(bool(again->materials[0].diffuse_map));
+    EXPECT_EQ(again->materials[0].diffuse, glm::vec4(0.5f, 0.25f, 1, 1));
+    EXPECT_TRUE(again->images.empty());
+
+    with->meshes.push_back(without->meshes[0]);
+    prep::instance_unused_meshes(*with);
+    saved = prep::save_scene(test::untouched(*with), dir / "a.glb");
+    ASSERT_TRUE(saved.has_value());
+    EXPECT_EQ(*saved, std::vector<std::string>{note});
+    again = prep::load_scene(dir / "a.glb");
+    ASSERT_TRUE(again.has_value()) << prep::to_string(again.error());
+    ASSERT_EQ(again->materials.size(), 2u);
+    EXPECT_TRUE(bool(again->materials[0].diffuse_map));
+    EXPECT_FALSE(bool(again->materials[1].diffuse_map));
+    EXPECT_EQ(again->materials[1].name, "skin");
+    EXPECT_EQ(again->meshes[0].face_materials, std::vector<std::uint32_t>{0});
+    EXPECT_EQ(again->meshes[1].face_materials, std::vector<std::uint32_t>{1});
+}
+
 TEST(ObjRoundTrip, PolygonsNegativeIndicesAndPartialAttributes) {
     expect_obj_round_trip(
         "v 0.1 -0 1e-42\nv 3.4e38 0 0\nv 1 1 0\nv 0 1 0\nv 0.5 2 0\nv nan inf 0\n"

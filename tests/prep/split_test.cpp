@@ -178,15 +178,27 @@ TEST(Split, ReasonsAddUp) {
               std::vector<unsigned>(2, bits(SplitReason::uv_seam, SplitReason::material)));
 }
 
-TEST(Split, PartsStayTogetherOnRequest) {
-    Mesh mesh = two_quads();
-    mesh.face_materials = {1, 0};
-    mesh.face_parts = {0, 1};
+TEST(Split, PartsStayTogetherOnRequestMaterialsDoNot) {
+    Mesh mesh = shapes::grid(4, 1);  // vertices 0…4 below, 5…9 above
+    mesh.face_materials = {1, 1, 0, 0};
+    mesh.face_parts = {0, 1, 2, 0};
     const VertexMesh out = split_of(mesh, nullptr, {.parts_apart = false, .threads = 0});
-    EXPECT_EQ(out.vertex_count(), 6u);
+    EXPECT_EQ(out.vertex_count(), 12u);
+    EXPECT_EQ(copies(out), std::vector<unsigned>(2, bits(SplitReason::material)));
     ASSERT_EQ(out.ranges.size(), 2u);
-    EXPECT_EQ(out.ranges[0].material, 1u);
-    EXPECT_EQ(out.ranges[1].part, 1u);
+    for (std::uint32_t r = 0; r < 2; ++r) {
+        EXPECT_EQ(out.ranges[r].material, r);
+        EXPECT_EQ(out.ranges[r].part, no_index);
+        EXPECT_EQ(out.ranges[r].triangle_count, 4u);
+    }
+    EXPECT_EQ(out.triangle_faces, (Indices{2, 2, 3, 3, 0, 0, 1, 1}));
+    mesh.face_parts.clear();
+    split_oracle::expect_right(mesh, out);
+    mesh.face_materials.clear();
+    mesh.face_parts = {0, 1, 2, 3};
+    const VertexMesh names = split_of(mesh, nullptr, {.parts_apart = false, .threads = 0});
+    EXPECT_EQ(names.vertex_count(), 10u);
+    EXPECT_EQ(names.ranges.size(), 1u);
 }
 
 TEST(Split, RangesAreSortedByPartThenMaterialInSourceOrder) {

@@ -10,7 +10,9 @@
 namespace prep {
 
 struct SplitOptions {
-    bool parts_apart = true;  // faces of different part or material never share a vertex (glTF)
+    // Faces of different part never share a vertex or a range, as glTF's primitives need it. False:
+    // parts are names only, and ranges have none (`no_index`). Materials always stay apart.
+    bool parts_apart = true;
     int threads = 0;
 };
 
