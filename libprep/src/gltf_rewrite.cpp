@@ -7,6 +7,7 @@
 #include <set>
 
 #include "gltf_build.h"
+#include "gltf_mend.h"
 
 namespace prep::detail {
 namespace {
@@ -50,6 +51,17 @@ class Rewriter {
     }
 
   private:
+    struct Gathered {
+        std::size_t accessor = 0;  // of the file
+        bool implied = false;      // zeros, of which the file stores none
+        RawAccessor values;        // at the primitive's vertices
+    };
+    using AttributeMap = std::map<std::string, Gathered>;
+    struct GatheredPrimitive {
+        AttributeMap attributes;  // but normals and tangents, which the mesh has
+        std::vector<AttributeMap> targets;
+    };
+
     void note_once(const std::string& text) {
         if (std::find(notes_.begin(), notes_.end(), text) == notes_.end()) notes_.push_back(text);
     }
@@ -109,23 +121,23 @@ class Rewriter {
         }
 
         Json& out = json_["meshes"][m]["primitives"][p];
-        if (untouched(m, out, source, mesh, used, local, indices)) return {};
+        auto gathered = gather_all(source, out, local);
+        if (!gathered) return std::move(gathered).error();
+        const std::vector<glm::vec3> normals = mended_normals(mesh.normals, used);
+        const std::vector<glm::vec4> tangents = mended_tangents(mesh.tangents, normals, used);
+        if (!mended_ && untouched(m, out, source, local, indices, normals, tangents)) return {};
 
         const bool had_tangents = out["attributes"].contains("TANGENT");
-        if (auto done = sum_weights(source, out["attributes"]); !done) return done;
         Json attributes = Json::object();
-        for (const auto& item : out["attributes"].items()) {
-            if (item.key() == "NORMAL" || item.key() == "TANGENT") continue;
-            auto accessor = gathered(source, item.key(), item.value().get<std::size_t>(), local);
-            if (!accessor) return std::move(accessor).error();
-            attributes[item.key()] = *accessor;
-        }
-        if (!mesh.normals.empty()) attributes["NORMAL"] = floats(mesh.normals, used);
-        if (!mesh.tangents.empty() && !mesh.normals.empty() &&
-            (had_tangents || wants_tangents(m, out)))
-            attributes["TANGENT"] = floats(mesh.tangents, used);
+        for (const auto& item : out["attributes"].items())
+            if (const auto it = gathered->attributes.find(item.key());
+                it != gathered->attributes.end())
+                attributes[item.key()] = emit(item.key(), std::move(it->second));
+        if (!normals.empty()) attributes["NORMAL"] = floats(normals);
+        if (!tangents.empty() && !normals.empty() && (had_tangents || wants_tangents(m, out)))
+            attributes["TANGENT"] = floats(tangents);
         out["attributes"] = std::move(attributes);
-        if (auto done = targets(m, local, used, out); !done) return done;
+        targets(m, used, std::move(gathered->targets), out);
         out["indices"] = index_accessor(indices, used.size());
         // Strips and fans have become triangles, the default.
         out.erase("mode");
@@ -140,9 +152,9 @@ class Rewriter {
 
     // Morph targets: what was computed for them, else their own data at the new vertices. What
     // turns an attribute that the primitive does not have is left out.
-    Result<void> targets(std::size_t m, const std::vector<Index>& local,
-                         const std::vector<Index>& used, Json& primitive) {
-        if (!primitive.contains("targets")) return {};
+    void targets(std::size_t m, const std::vector<Index>& used, std::vector<AttributeMap> gathered,
+                 Json& primitive) {
+        if (!primitive.contains("targets")) return;
         const Json& attributes = primitive["attributes"];
         const std::span<const MorphDeltas> made = morphs(m);
         for (std::size_t t = 0; t < primitive["targets"].size(); ++t) {
@@ -161,17 +173,14 @@ class Rewriter {
                 const bool normal = item.key() == "NORMAL", tangent = item.key() == "TANGENT";
                 if ((normal && new_normals) || (tangent && new_tangents)) continue;
                 if ((normal || tangent) && !attributes.contains(item.key())) continue;
-                auto accessor = gathered({}, item.key(), item.value().get<std::size_t>(), local);
-                if (!accessor) return std::move(accessor).error();
-                result[item.key()] = *accessor;
+                result[item.key()] = emit(item.key(), std::move(gathered[t].at(item.key())));
             }
             if (new_normals && attributes.contains("NORMAL"))
-                result["NORMAL"] = floats(made[t].normals, used);
+                result["NORMAL"] = floats(at_vertices(made[t].normals, used));
             if (new_tangents && attributes.contains("TANGENT"))
-                result["TANGENT"] = floats(made[t].tangents, used);
+                result["TANGENT"] = floats(at_vertices(made[t].tangents, used));
             target = std::move(result);
         }
-        return {};
     }
 
     // A mesh carries tangents as a whole; primitives whose material has no normal map need none,
@@ -184,73 +193,80 @@ class Rewriter {
         return bool(prepared_.scene.materials[material].normal_map);
     }
 
-    // --- skin weights
-    // ---------------------------------------------------------------------------------
+    // --- values
+    // -----------------------------------------------------------------------------------------
 
-    // The format wants the weights of a vertex to add up to 1; the tolerance is its validator's.
-    static bool balanced(double sum, int parts) { return std::abs(sum - 1) <= 2e-7 * parts; }
+    void note_mended(unsigned kinds) {
+        for (unsigned k = 0; k < mend_kinds; ++k)
+            if (kinds >> k & 1u) note_once(mend_notes[k]);
+        mended_ |= kinds != 0;
+    }
 
-    struct WeightSums {
-        std::vector<double> sums;
-        std::vector<int> parts;  // weights that are not zero
-    };
-
-    Result<WeightSums> weight_sums(const GltfPrimitive& source, const Json& attributes) const {
-        WeightSums result;
-        for (const auto& item : attributes.items()) {
-            if (!item.key().starts_with("WEIGHTS_")) continue;
-            RawAccessor raw;
-            if (const auto draco = source.draco.find(item.key()); draco != source.draco.end()) {
-                raw = draco->second;
-            } else {
-                auto read = document_.raw_accessor(item.value().get<std::size_t>());
-                if (!read) return std::move(read).error();
-                raw = *std::move(read);
-            }
-            const std::vector<float> values = to_floats(raw);
-            result.sums.resize(raw.count, 0);
-            result.parts.resize(raw.count, 0);
-            for (std::size_t i = 0; i < values.size(); ++i) {
-                result.sums[i / std::size_t(raw.width)] += double(values[i]);
-                result.parts[i / std::size_t(raw.width)] += values[i] != 0;
+    // All that is carried over, valid: sets mended_ where that took a change.
+    Result<GatheredPrimitive> gather_all(const GltfPrimitive& source, const Json& primitive,
+                                         const std::vector<Index>& local) {
+        GatheredPrimitive result;
+        mended_ = false;
+        std::vector<RawAccessor*> weights;
+        for (const auto& item : primitive["attributes"].items()) {
+            if (item.key() == "NORMAL" || item.key() == "TANGENT") continue;
+            auto values = gather(source, item.key(), item.value().get<std::size_t>(), local);
+            if (!values) return std::move(values).error();
+            Gathered& kept = result.attributes[item.key()] = *std::move(values);
+            note_mended(mend_values(item.key(), kept.values));
+            if (item.key().starts_with("WEIGHTS_")) weights.push_back(&kept.values);
+        }
+        if (normalise_weights(weights)) note_mended(mend_weight_sum);
+        if (!primitive.contains("targets")) return result;
+        for (const Json& target : primitive["targets"]) {
+            AttributeMap& kept = result.targets.emplace_back();
+            for (const auto& item : target.items()) {
+                auto values = gather({}, item.key(), item.value().get<std::size_t>(), local);
+                if (!values) return std::move(values).error();
+                Gathered& to = kept[item.key()] = *std::move(values);
+                note_mended(mend_values(item.key(), to.values));
             }
         }
         return result;
     }
 
-    bool has_unbalanced_weights(const GltfPrimitive& source, const Json& attributes) const {
-        const auto sums = weight_sums(source, attributes);
-        if (!sums) return false;
-        for (std::size_t v = 0; v < sums->sums.size(); ++v)
-            if (sums->parts[v] > 0 && !balanced(sums->sums[v], sums->parts[v])) return true;
-        return false;
+    template <class T>
+    static std::vector<T> at_vertices(const std::vector<T>& values,
+                                      const std::vector<Index>& used) {
+        std::vector<T> result;
+        if (values.empty()) return result;
+        result.reserve(used.size());
+        for (const Index v : used) result.push_back(values[v]);
+        return result;
     }
 
-    Result<void> sum_weights(const GltfPrimitive& source, const Json& attributes) {
-        auto sums = weight_sums(source, attributes);
-        if (!sums) return std::move(sums).error();
-        weights_ = *std::move(sums);
-        return {};
-    }
-
-    // Scales float weights that do not add up; integer ones are exact where their writer cared.
-    void balance(RawAccessor& raw) {
-        if (raw.component_type != 5126) return;
-        for (std::size_t v = 0; v < raw.count; ++v) {
-            const double sum = weights_.sums[v];
-            if (weights_.parts[v] == 0 || balanced(sum, weights_.parts[v]) || !(sum > 0) ||
-                !std::isfinite(sum))
-                continue;
-            note_once("skin weights that do not add up to 1 were rescaled");
-            for (int k = 0; k < raw.width; ++k) {
-                std::byte* at =
-                    raw.bytes.data() + (v * std::size_t(raw.width) + std::size_t(k)) * 4;
-                float w;
-                std::memcpy(&w, at, 4);
-                w = float(double(w) / sum);
-                std::memcpy(at, &w, 4);
+    std::vector<glm::vec3> mended_normals(const std::vector<glm::vec3>& values,
+                                          const std::vector<Index>& used) {
+        std::vector<glm::vec3> result = at_vertices(values, used);
+        for (glm::vec3& n : result)
+            if (!finite(n)) {
+                n = glm::vec3(0, 0, 1);
+                note_once("normals that are not finite were written as (0, 0, 1)");
+                mended_ = true;
             }
+        return result;
+    }
+
+    // Where nothing calls for tangents, the file's own may be anything.
+    std::vector<glm::vec4> mended_tangents(const std::vector<glm::vec4>& values,
+                                           const std::vector<glm::vec3>& normals,
+                                           const std::vector<Index>& used) {
+        std::vector<glm::vec4> result = at_vertices(values, used);
+        for (std::size_t i = 0; i < result.size(); ++i) {
+            glm::vec4& t = result[i];
+            if (finite(glm::vec3(t)) && std::isfinite(t.w)) continue;
+            const glm::vec3 n = normals.empty() ? glm::vec3(0, 0, 1) : normals[i];
+            const glm::vec3 axis = std::abs(n.x) < 0.5f ? glm::vec3(1, 0, 0) : glm::vec3(0, 1, 0);
+            t = glm::vec4(glm::normalize(glm::cross(n, axis)), 1.0f);
+            note_once("tangents that are not finite were replaced by any in the surface");
+            mended_ = true;
         }
+        return result;
     }
 
     // --- helpers of primitive()
@@ -271,18 +287,18 @@ class Rewriter {
     // Same vertices in the same order, the same triangles, the same normals and tangents: the
     // primitive's accessors stay.
     bool untouched(std::size_t m, const Json& out, const GltfPrimitive& source,
-                   const VertexMesh& mesh, const std::vector<Index>& used,
-                   const std::vector<Index>& local, const std::vector<Index>& indices) const {
-        if (!source.draco.empty() || used.size() != source.vertex_count) return false;
+                   const std::vector<Index>& local, const std::vector<Index>& indices,
+                   const std::vector<glm::vec3>& normals,
+                   const std::vector<glm::vec4>& tangents) const {
+        if (!source.draco.empty() || local.size() != source.vertex_count) return false;
         for (std::size_t i = 0; i < local.size(); ++i)
             if (local[i] != i) return false;
         if (out.value("mode", 4) != 4) return false;
         if (!morphs(m).empty() && out.contains("targets")) return false;
         const Json& attributes = out["attributes"];
-        if (has_unbalanced_weights(source, attributes)) return false;
-        if (attributes.contains("NORMAL") != !mesh.normals.empty() ||
-            (!mesh.tangents.empty() && wants_tangents(m, out) && !attributes.contains("TANGENT")) ||
-            (mesh.tangents.empty() && attributes.contains("TANGENT")))
+        if (attributes.contains("NORMAL") != !normals.empty() ||
+            (!tangents.empty() && wants_tangents(m, out) && !attributes.contains("TANGENT")) ||
+            (tangents.empty() && attributes.contains("TANGENT")))
             return false;
         if (out.contains("indices")) {
             const auto raw = document_.raw_accessor(out["indices"].get<std::size_t>());
@@ -291,64 +307,80 @@ class Rewriter {
             for (std::size_t i = 0; i < indices.size(); ++i)
                 if (indices[i] != i) return false;
         }
-        return same_values(attributes, "NORMAL", 3, mesh.normals, used) &&
-               same_values(attributes, "TANGENT", 4, mesh.tangents, used);
+        return same_values(attributes, "NORMAL", 3, normals) &&
+               same_values(attributes, "TANGENT", 4, tangents);
     }
 
     template <class T>
     bool same_values(const Json& attributes, const char* semantic, std::size_t width,
-                     const std::vector<T>& values, const std::vector<Index>& used) const {
+                     const std::vector<T>& values) const {
         if (values.empty() || !attributes.contains(semantic)) return true;
         const auto raw = document_.raw_accessor(attributes[semantic].get<std::size_t>());
         if (!raw) return false;
         const std::vector<float> before = to_floats(*raw);
-        if (before.size() != used.size() * width) return false;
-        for (std::size_t i = 0; i < used.size(); ++i)
-            if (std::memcmp(&values[used[i]], &before[i * width], width * sizeof(float)) != 0)
-                return false;
-        return true;
+        return before.size() == values.size() * width &&
+               std::memcmp(values.data(), before.data(), before.size() * sizeof(float)) == 0;
     }
 
     // An accessor's elements for the given source vertices, in the accessor's own type.
-    Result<std::size_t> gathered(const GltfPrimitive& source, const std::string& semantic,
-                                 std::size_t accessor, const std::vector<Index>& local) {
+    Result<Gathered> gather(const GltfPrimitive& source, const std::string& semantic,
+                            std::size_t accessor, const std::vector<Index>& local) const {
         RawAccessor raw;
-        if (const auto draco = source.draco.find(semantic); draco != source.draco.end()) {
+        const auto draco = source.draco.find(semantic);
+        if (draco != source.draco.end()) {
             raw = draco->second;
         } else {
             auto read = document_.raw_accessor(accessor);
             if (!read) return std::move(read).error();
             raw = *std::move(read);
         }
-        if (semantic.starts_with("WEIGHTS_")) balance(raw);
-        Json out = document_.json["accessors"][accessor];
-        const bool implied = !source.draco.contains(semantic) && !out.contains("bufferView") &&
-                             !out.contains("sparse");  // zeros, of which the file stores none
+        const Json& in = document_.json["accessors"][accessor];
+        Gathered result;
+        result.accessor = accessor;
+        result.implied =
+            draco == source.draco.end() && !in.contains("bufferView") && !in.contains("sparse");
+        const std::size_t size = raw.element_size();
+        std::vector<std::byte> bytes(local.size() * size);
+        for (std::size_t i = 0; i < local.size(); ++i)
+            std::memcpy(bytes.data() + i * size, raw.bytes.data() + local[i] * size, size);
+        result.values = std::move(raw);
+        result.values.bytes = std::move(bytes);
+        result.values.count = local.size();
+        return result;
+    }
+
+    // Writes them; returns the new accessor.
+    std::size_t emit(const std::string& semantic, Gathered gathered) {
+        RawAccessor& raw = gathered.values;
+        Json out = document_.json["accessors"][gathered.accessor];
+        const bool bounded = out.contains("min") || semantic == "POSITION";
         for (const char* key : {"bufferView", "byteOffset", "sparse", "min", "max"}) out.erase(key);
-        const bool bounded =
-            document_.json["accessors"][accessor].contains("min") || semantic == "POSITION";
-        if (!implied) {
+        out["count"] = raw.count;
+        if (bounded) set_bounds(raw, out);
+        if (!gathered.implied) {
             const std::size_t size = raw.element_size();
             const std::size_t stride = (size + 3) & ~std::size_t(3);  // vertex data is aligned
-            std::vector<std::byte> bytes(local.size() * stride);
-            for (std::size_t i = 0; i < local.size(); ++i)
-                std::memcpy(bytes.data() + i * stride, raw.bytes.data() + local[i] * size, size);
+            std::vector<std::byte> bytes = std::move(raw.bytes);
+            if (stride != size) {
+                std::vector<std::byte> apart(raw.count * stride);
+                for (std::size_t i = 0; i < raw.count; ++i)
+                    std::memcpy(apart.data() + i * stride, bytes.data() + i * size, size);
+                bytes = std::move(apart);
+            }
             out["bufferView"] = new_view(std::move(bytes), 34962, stride == size ? 0 : stride);
         }
-        out["count"] = local.size();
-        if (bounded) set_bounds(raw, local, out);
         return new_accessor(std::move(out));
     }
 
-    static void set_bounds(const RawAccessor& raw, const std::vector<Index>& local, Json& out) {
+    static void set_bounds(const RawAccessor& raw, Json& out) {
         // Bounds are of the stored numbers, not of what normalisation makes of them.
         RawAccessor plain = raw;
         plain.normalized = false;
         const std::vector<float> values = to_floats(plain);
         Json low = Json::array(), high = Json::array();
         for (int k = 0; k < raw.width; ++k) {
-            float least = values[local[0] * std::size_t(raw.width) + std::size_t(k)], most = least;
-            for (const Index v : local) {
+            float least = values[std::size_t(k)], most = least;
+            for (std::size_t v = 0; v < raw.count; ++v) {
                 const float x = values[v * std::size_t(raw.width) + std::size_t(k)];
                 least = std::min(least, x);
                 most = std::max(most, x);
@@ -366,13 +398,12 @@ class Rewriter {
     }
 
     template <class T>
-    std::size_t floats(const std::vector<T>& values, const std::vector<Index>& used) {
-        std::vector<std::byte> bytes(used.size() * sizeof(T));
-        for (std::size_t i = 0; i < used.size(); ++i)
-            std::memcpy(bytes.data() + i * sizeof(T), &values[used[i]], sizeof(T));
+    std::size_t floats(const std::vector<T>& values) {
+        std::vector<std::byte> bytes(values.size() * sizeof(T));
+        std::memcpy(bytes.data(), values.data(), bytes.size());
         return new_accessor(Json{{"bufferView", new_view(std::move(bytes), 34962, 0)},
                                  {"componentType", 5126},
-                                 {"count", used.size()},
+                                 {"count", values.size()},
                                  {"type", sizeof(T) == 12 ? "VEC3" : "VEC4"}});
     }
 
@@ -612,7 +643,7 @@ class Rewriter {
     std::vector<std::string>& notes_;
     std::uint64_t dropped_triangles_ = 0;
     Json json_;
-    WeightSums weights_;                                       // of the primitive at hand
+    bool mended_ = false;  // the primitive at hand: values were made valid
     std::map<std::size_t, std::vector<std::byte>> new_bytes_;  // by bufferView
     std::vector<std::byte> binary_;
 };

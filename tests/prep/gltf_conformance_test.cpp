@@ -89,9 +89,9 @@ constexpr Leniency leniencies[] = {
     {"MESH_INVALID_WEIGHTS_COUNT", "", "morph weights are carried, not applied"},
     {"MESH_PRIMITIVE_JOINTS_WEIGHTS_MISMATCH", "", "joints without weights move nothing"},
     {"ACCESSOR_JOINTS_INDEX_DUPLICATE", "", "the weights of a joint named twice add up"},
-    {"ACCESSOR_WEIGHTS_NEGATIVE", "", "weights are carried, not applied"},
+    {"ACCESSOR_WEIGHTS_NEGATIVE", "", "weights are carried, not applied; written as 0"},
     {"ACCESSOR_WEIGHTS_NON_NORMALIZED", "",
-     "weights are carried, not applied; scaled to the sum 1 when written"},
+     "weights are carried, not applied; scaled to the sum 1 when written, as said below"},
     {"ACCESSOR_INVALID_IBM", "", "inverse bind matrices are carried, not applied"},
     {"NODE_SKIN_NO_SCENE", "", "skins are carried, not applied"},
     {"UNSATISFIED_DEPENDENCY", "/nodes/",
@@ -225,6 +225,26 @@ std::string page(const std::vector<std::string>& rows, std::size_t loaded, std::
         "| (none) | /buffers | a mesh needs vertex data that are nowhere to be found; the "
         "validator "
         "judges the rest without them |\n";
+    out +=
+        "\n## What is made valid when a file is written back\n\n"
+        "Each with a note, and only at the vertices that are written; all else keeps its bytes.\n\n"
+        "- Skin weights: all sets of a vertex are scaled together to the sum 1, so that their "
+        "ratios stay.\n"
+        "  Floats are divided by the sum. Normalised integers get all 255 or 65535 of their steps "
+        "by largest\n"
+        "  remainder: they add up exactly. Where a vertex has sets of several types, the coarser "
+        "take their\n"
+        "  share of the sum, rounded down to their step, and the finer share what is left to 1. "
+        "Weights of 0\n"
+        "  stay 0; vertices without any weight, and those whose sum is 1 within the validator's "
+        "tolerance,\n"
+        "  are left alone. Weights that are negative or not finite become 0 first.\n"
+        "- UVs and other vertex data that are not finite become 0; float colours are clamped to "
+        "0 … 1.\n"
+        "- Normals that are not finite become (0, 0, 1), such tangents any in the surface, where "
+        "nothing asked\n"
+        "  for computed ones.\n"
+        "- Triangles with a position that is not finite are left out.\n";
     out += "\n## File by file\n\n| file | validator | meshprep |\n|---|---|---|\n";
     for (const std::string& r : rows) out += r + "\n";
     return out;
