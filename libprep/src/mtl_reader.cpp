@@ -2,6 +2,7 @@
 #include <array>
 #include <cctype>
 #include <cmath>
+#include <limits>
 #include <unordered_map>
 
 #include "prep/obj.h"
@@ -42,11 +43,8 @@ class MtlParser {
             statement(text.substr(0, end));
             text.remove_prefix(std::min(end + 1, text.size()));
         }
-        if (!not_taken_.empty()) {
-            std::string words;
-            for (const std::string& word : not_taken_) words += (words.empty() ? "" : ", ") + word;
-            out_.warnings.push_back(name_ + ": statements that were not taken: " + words);
-        }
+        tell_left("statements", not_taken_);
+        tell_left("map options", options_not_taken_);
     }
 
   private:
@@ -60,6 +58,12 @@ class MtlParser {
         LineScanner scan(line);
         const std::string word = lower(scan.word());
         if (word.empty() || word[0] == '#') return;
+        // A comment runs from # to the end of any line, but names go to the end of theirs with
+        // every #, as in OBJ.
+        if (word != "newmtl" && !takes_a_map(word)) {
+            scan = LineScanner(line.substr(0, line.find('#')));
+            scan.word();
+        }
         if (word == "newmtl") {
             out_.materials.emplace_back();
             material_ = &out_.materials.back();
@@ -99,20 +103,36 @@ class MtlParser {
         else if (word == "bump" || word == "map_bump")
             bump(scan);
         else if (word != "ni" && word != "tf" && word != "sharpness")  // refraction and reflection
-            leave(word);
+            leave(word, not_taken_);
+    }
+
+    static bool takes_a_map(const std::string& word) {
+        return word.starts_with("map_") || word == "disp" || word == "norm" || word == "bump";
     }
 
     // A file that is no MTL at all must not flood the report.
-    void leave(const std::string& word) {
+    static void leave(const std::string& word, std::vector<std::string>& list) {
         constexpr std::size_t most = 12, longest = 32;
-        if (not_taken_.size() < most && word.size() <= longest &&
-            std::find(not_taken_.begin(), not_taken_.end(), word) == not_taken_.end())
-            not_taken_.push_back(word);
+        if (list.size() < most && word.size() <= longest &&
+            std::find(list.begin(), list.end(), word) == list.end())
+            list.push_back(word);
+    }
+
+    void tell_left(const char* what, const std::vector<std::string>& list) {
+        if (list.empty()) return;
+        std::string words;
+        for (const std::string& word : list) words += (words.empty() ? "" : ", ") + word;
+        out_.warnings.push_back(name_ + ": " + what + " that were not taken: " + words);
     }
 
     bool number(LineScanner& scan, double& value) {
-        if (scan.number(value) && std::isfinite(value)) return true;
-        warn("expected a number; the statement was skipped");
+        constexpr double most = std::numeric_limits<float>::max();
+        if (!scan.number(value) || !std::isfinite(value)) {
+            warn("expected a number; the statement was skipped");
+            return false;
+        }
+        if (std::abs(value) <= most) return true;
+        warn("expected a number of at most 3.4e38; the statement was skipped");
         return false;
     }
 
@@ -166,6 +186,22 @@ class MtlParser {
         (names_normal_map(file) ? material_->normal_map : material_->bump_map) = ref;
     }
 
+    // Offsets and scales of that size still add up to finite floats.
+    static constexpr double largest_option = 1e30;
+
+    // Whether an option with this word makes another picture than without.
+    static bool changes_values(const std::string& option, const std::string& word) {
+        if (option == "-cc") return word == "on";
+        if (option == "-blendu" || option == "-blendv") return word == "off";
+        return option == "-imfchan" || option == "-type" || option == "-colorspace";
+    }
+
+    bool exists(std::string file) const {
+        std::replace(file.begin(), file.end(), '\\', '/');
+        std::error_code ec;
+        return std::filesystem::is_regular_file(directory_ / file, ec);
+    }
+
     // Options, then a file name that may contain blanks. Returns the name.
     std::string map(LineScanner& scan, TextureRef& to) {
         TextureRef ref;
@@ -179,19 +215,35 @@ class MtlParser {
             scan = probe;
             double values[3] = {0, 0, 0};
             int have = 0;
+            bool good = true;
             while (have < arguments) {
                 LineScanner next = scan;
                 if (is_numeric(option)) {
-                    if (!next.number(values[have])) break;
+                    double value = 0;
+                    if (!next.number(value)) break;
+                    if (std::abs(value) <= largest_option)
+                        values[have] = value;
+                    else
+                        good = false;
                 } else {
                     const std::string word = lower(next.word());
                     if (option == "-clamp" && word == "on")
                         texture.wrap_u = texture.wrap_v = Wrap::clamp;
+                    if (changes_values(option, word)) leave(option, options_not_taken_);
                 }
                 scan = next;
                 ++have;
             }
             if (have == 0 && arguments > 0) warn("option " + option + " lacks its argument");
+            if (!good) {
+                warn("option " + option + " has a value beyond 1e30; it was skipped");
+                continue;
+            }
+            const bool plain = values[0] == 0 && (values[1] == 0 || have < 2) && values[2] == 0;
+            const bool whole_range = values[0] == 0 && (have < 2 || values[1] == 1);
+            if ((option == "-t" && !plain) || (option == "-mm" && !whole_range) ||
+                (option == "-boost" && values[0] != 0))
+                leave(option, options_not_taken_);
             if (option == "-o") up = glm::dvec2(values[0], values[1]);
             if (option == "-s" && have > 0)
                 ref.scale = glm::vec2(float(values[0]), float(have > 1 ? values[1] : 1.0));
@@ -204,6 +256,9 @@ class MtlParser {
             warn("a map without a file name was skipped");
             return file;
         }
+        if (const std::string before = detail::before_comment(file);
+            before != file && !exists(file) && exists(before))
+            file = before;
         std::replace(file.begin(), file.end(), '\\', '/');
         ref.texture = texture_of(file, texture);
         to = ref;
@@ -253,7 +308,8 @@ class MtlParser {
     Material* material_ = nullptr;
     bool has_d_ = false;  // of the current material
     std::size_t line_ = 0;
-    std::vector<std::string> not_taken_;  // statements, in the order of their first use
+    // In the order of their first use.
+    std::vector<std::string> not_taken_, options_not_taken_;
     std::unordered_map<std::string, std::uint32_t> images_;
 };
 

@@ -335,6 +335,11 @@ class ObjWriter {
         // v runs upwards there: 1 − v' = s · (1 − v) + o.
         const float up = 1 - ref.scale.y - ref.offset.y;
         if (ref.offset.x != 0 || up != 0) mtl += fmt::format(" -o {} {} 0", ref.offset.x, up);
+        const Texture& texture = scene_.textures[ref.texture];
+        if (texture.wrap_u == Wrap::clamp && texture.wrap_v == Wrap::clamp)
+            mtl += " -clamp on";
+        else if (texture.wrap_u != Wrap::repeat || texture.wrap_v != Wrap::repeat)
+            note("MTL repeats or clamps textures in both directions: others will repeat");
         if (ref.rotation != 0) note("MTL has no texture rotation: left out");
         mtl += fmt::format(" {}\n", file);
     }

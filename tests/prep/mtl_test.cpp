@@ -97,6 +97,56 @@ TEST(MtlFile, WarningsNameTheLineAndAreNotEndless) {
     EXPECT_EQ(parse("newmtl a\n" + flood).warnings.size(), 20u);
 }
 
+TEST(MtlFile, ValuesBeyondFloatsAreWarningsAndTheDefaultStays) {
+    const auto lib = parse(
+        "newmtl a\nKs 1e40\nKd 0.5 -1e39 0\nNs inf\nKe 3.4e38\nmap_Kd -s 1e31 2 -bm 1e39 t.png\n");
+    EXPECT_EQ(std::vector<std::string>(lib.warnings.begin(), lib.warnings.begin() + 5),
+              (std::vector<std::string>{
+                  "m.mtl:2: expected a number of at most 3.4e38; the statement was skipped",
+                  "m.mtl:3: expected a number of at most 3.4e38; the statement was skipped",
+                  "m.mtl:4: expected a number; the statement was skipped",
+                  "m.mtl:6: option -s has a value beyond 1e30; it was skipped",
+                  "m.mtl:6: option -bm has a value beyond 1e30; it was skipped"}));
+    const prep::Material& m = lib.materials[0];
+    EXPECT_EQ(m.specular, glm::vec3(0));
+    EXPECT_EQ(m.diffuse, prep::Material{}.diffuse);
+    EXPECT_EQ(m.shininess, prep::Material{}.shininess);
+    EXPECT_EQ(m.emissive, glm::vec3(3.4e38f));
+    EXPECT_EQ(m.diffuse_map.scale, glm::vec2(1));
+    EXPECT_EQ(m.diffuse_map.strength, 1.0f);
+}
+
+TEST(MtlFile, CommentsEndAnyLineButNamesKeepTheirHash) {
+    const test::TempDir dir;
+    test::write_text(dir / "t#1.png", "x");
+    test::write_text(dir / "u.png", "x");
+    const auto lib = prep::parse_mtl(
+        "newmtl Material #25\nKd 1 0 0 # red\nKs 0.5 # grey\nNs 7#x\nillum 2 # on\n"
+        "map_Kd t#1.png\nmap_Ks u.png # the second\n",
+        "m.mtl", dir.path());
+    EXPECT_EQ(lib.warnings, std::vector<std::string>{});
+    const prep::Material& m = lib.materials[0];
+    EXPECT_EQ(m.name, "Material #25");
+    EXPECT_EQ(m.diffuse, glm::vec4(1, 0, 0, 1));
+    EXPECT_EQ(m.specular, glm::vec3(0.5f));
+    EXPECT_EQ(m.shininess, 7.0f);
+    EXPECT_EQ(lib.images[0].name, "t#1.png");
+    EXPECT_EQ(lib.images[1].name, "u.png");
+}
+
+TEST(MtlFile, MapOptionsThatAreNotTakenAreNamedOnce) {
+    const std::string file = " t.png\n";
+    const auto warnings = [&](const std::string& options) {
+        auto all = parse("newmtl a\nmap_Kd" + options + file + "map_Ks" + options + file).warnings;
+        return std::vector<std::string>(all.begin() + 1, all.end());  // the missing picture
+    };
+    const std::vector<std::string> none;
+    EXPECT_EQ(warnings(" -mm 0 1 -blendu on -t 0 0 0 -cc off -boost 0 -texres 64 -clamp on"), none);
+    EXPECT_EQ(warnings(" -mm 0.1 0.9 -blendv off -t 1 -imfchan r"),
+              std::vector<std::string>{
+                  "m.mtl: map options that were not taken: -mm, -blendv, -t, -imfchan"});
+}
+
 TEST(MtlFile, StatementsThatAreNotTakenAreNamedOnce) {
     const auto lib =
         parse("newmtl a\nNi 1.5\nTf 1 1 1\nPr 0.3\nmap_Ka x.png\nnewmtl b\nPr 0.4\nhaste 3\n");
@@ -132,10 +182,11 @@ TEST(MtlFile, LibrariesAreFoundBesideTheObj) {
 
 TEST(MtlFile, WrittenMaterialsReadBack) {
     const test::TempDir dir;
-    test::write_text(dir / "in.mtl",
-                     "newmtl a b\nKa 0.1 0.2 0.3\nKd 0.3 0.5 0.7\nKs 0.25 0.5 1\nKe 0 2 0\nNs 333\n"
-                     "d 0.125\nmap_Kd -s 2 3 1 -o 0.5 0.25 0 tex 1.png\nnorm -bm 0.5 n.png\n"
-                     "newmtl flat\nKd 1 1 1\nillum 0\n");
+    test::write_text(
+        dir / "in.mtl",
+        "newmtl a b\nKa 0.1 0.2 0.3\nKd 0.3 0.5 0.7\nKs 0.25 0.5 1\nKe 0 2 0\nNs 333\n"
+        "d 0.125\nmap_Kd -s 2 3 1 -o 0.5 0.25 0 -clamp on tex 1.png\nnorm -bm 0.5 n.png\n"
+        "newmtl flat\nKd 1 1 1\nillum 0\n");
     test::write_text(dir / "in.obj",
                      "mtllib in.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a b\nf 1 2 3\nusemtl "
                      "flat\nf 3 2 1\n");
@@ -157,6 +208,9 @@ TEST(MtlFile, WrittenMaterialsReadBack) {
     EXPECT_EQ(n.diffuse_map.scale, m.diffuse_map.scale);
     EXPECT_EQ(n.diffuse_map.offset, m.diffuse_map.offset);
     EXPECT_EQ(n.normal_map.strength, m.normal_map.strength);
+    EXPECT_EQ(again->textures[n.diffuse_map.texture].wrap_u, prep::Wrap::clamp);
+    EXPECT_EQ(again->textures[n.diffuse_map.texture].wrap_v, prep::Wrap::clamp);
+    EXPECT_EQ(again->textures[n.normal_map.texture].wrap_u, prep::Wrap::repeat);
     EXPECT_EQ(again->images[again->textures[n.diffuse_map.texture].image].path,
               (dir / "tex 1.png").lexically_normal());
     EXPECT_TRUE(again->materials[1].unlit);
