@@ -220,7 +220,20 @@ class PlyParser {
         return true;
     }
 
+    // Names for the report; a file of nonsense must not flood it.
+    void leave(const PlyElement& element, const PlyProperty& property) {
+        constexpr std::size_t most = 12, longest = 32;
+        const std::string name = element.name + " " + property.name;
+        const bool plain = std::all_of(name.begin(), name.end(), [](char c) {
+            return static_cast<unsigned char>(c) >= 32 && c != 127;
+        });
+        if (element.count > 0 && not_taken_.size() < most && name.size() <= longest && plain &&
+            std::find(not_taken_.begin(), not_taken_.end(), name) == not_taken_.end())
+            not_taken_.push_back(name);
+    }
+
     Result<void> skip(const PlyElement& element) {
+        for (const PlyProperty& p : element.properties) leave(element, p);
         if (element.properties.empty()) return {};
         for (std::uint64_t i = 0; i < element.count; ++i)
             for (const PlyProperty& p : element.properties)
@@ -244,6 +257,13 @@ class PlyParser {
         has_normals_ = has[nx] && has[ny] && has[nz];
         has_colors_ = has[red] && has[green] && has[blue];
         has_uvs_ = has[tu] && has[tv];
+        for (std::size_t p = 0; p < slots.size(); ++p) {
+            const auto slot = slots[p];
+            const bool taken = slot && (*slot <= pz || (*slot <= nz && has_normals_) ||
+                                        (*slot >= red && *slot <= alpha && has_colors_) ||
+                                        (*slot >= tu && has_uvs_));
+            if (!taken) leave(element, element.properties[p]);
+        }
         positions_.reserve(element.count);
         for (std::uint64_t i = 0; i < element.count; ++i) {
             std::array<double, slot_count> v{};
@@ -267,15 +287,20 @@ class PlyParser {
         return {};
     }
 
+    static bool lists_corners(const PlyProperty& p) {
+        return p.list && (p.name == "vertex_indices" || p.name == "vertex_index");
+    }
+
     Result<void> faces(const PlyElement& element, Mesh& mesh) {
         std::vector<double> texcoords;
+        for (const PlyProperty& p : element.properties)
+            if (!lists_corners(p) && !(p.list && p.name == "texcoord")) leave(element, p);
         for (std::uint64_t f = 0; f < element.count; ++f) {
             const std::size_t first = mesh.corner_vertices.size();
             bool have_corners = false;
             texcoords.clear();
             for (const PlyProperty& p : element.properties) {
-                const bool corners =
-                    p.list && (p.name == "vertex_indices" || p.name == "vertex_index");
+                const bool corners = lists_corners(p);
                 const bool coordinates = p.list && p.name == "texcoord";
                 if (!corners && !coordinates) {
                     if (!skip_property(p)) return cut_short(element, f);
@@ -331,7 +356,7 @@ class PlyParser {
         if (element.properties.empty()) return {};
         for (std::uint64_t i = 0; i < element.count; ++i)
             for (const PlyProperty& p : element.properties) {
-                if (!p.list || (p.name != "vertex_indices" && p.name != "vertex_index")) {
+                if (!lists_corners(p)) {
                     if (!skip_property(p)) return cut_short(element, i);
                     continue;
                 }
@@ -408,6 +433,17 @@ class PlyParser {
             mesh.points.resize(count);
             for (std::uint32_t v = 0; v < count; ++v) mesh.points[v] = v;
         }
+        if (!faces && (has_normals_ || has_uvs_) && count > 0)
+            scene_.warnings.push_back(name_ + ": " +
+                                      (has_normals_ && has_uvs_ ? "normals and UVs"
+                                       : has_normals_           ? "normals"
+                                                                : "UVs") +
+                                      " of points were not taken: only faces have them here");
+        if (!not_taken_.empty()) {
+            std::string names;
+            for (const std::string& n : not_taken_) names += (names.empty() ? "" : ", ") + n;
+            scene_.warnings.push_back(name_ + ": properties that were not taken: " + names);
+        }
         if (short_faces_)
             scene_.warnings.push_back(name_ + ": " + std::to_string(short_faces_) +
                                       " faces with fewer than three corners were dropped");
@@ -427,6 +463,7 @@ class PlyParser {
     std::array<PlyType, slot_count> types_{};
     bool have_vertices_ = false, has_normals_ = false, has_colors_ = false, has_uvs_ = false;
     std::uint64_t short_faces_ = 0;
+    std::vector<std::string> not_taken_;  // "element property"
 };
 
 }  // namespace

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <string_view>
@@ -48,8 +49,10 @@ Result<Scene> parse_binary(std::span<const std::byte> bytes, const std::string& 
                      name};
     std::vector<glm::dvec3> positions;
     positions.reserve(std::size_t(count) * 3);
+    std::size_t attributes = 0;
     for (std::size_t f = 0; f < count; ++f) {
         const std::byte* at = bytes.data() + header_size + f * facet_size + 12;
+        attributes += at[36] != std::byte(0) || at[37] != std::byte(0);
         for (int k = 0; k < 3; ++k, at += 12)
             positions.push_back({read_float(at), read_float(at + 4), read_float(at + 8)});
     }
@@ -58,64 +61,220 @@ Result<Scene> parse_binary(std::span<const std::byte> bytes, const std::string& 
     if (extra > 0)
         scene.warnings.push_back(name + ": " + std::to_string(extra) +
                                  " bytes after the last facet were ignored");
+    if (attributes > 0)
+        scene.warnings.push_back(name + ": the attribute bytes of " + std::to_string(attributes) +
+                                 " facets (some programs' colours) were not taken");
     return scene;
 }
 
-Result<Scene> parse_ascii(std::string_view text, const std::string& name) {
-    std::vector<glm::dvec3> positions;
-    std::vector<std::uint32_t> parts;
-    std::vector<std::string> part_names;
-    std::size_t line = 0, in_facet = 0, odd_facets = 0;
-    bool facet = false;
-    const auto fail = [&](const std::string& what, std::string_view content) {
-        return Error{ErrorCode::syntax, what + " in " + detail::quoted_line(content),
-                     name + ":" + std::to_string(line)};
-    };
-    while (!text.empty()) {
-        const std::size_t end = std::min(text.find('\n'), text.size());
-        const std::string_view content = text.substr(0, end);
-        text.remove_prefix(std::min(end + 1, text.size()));
-        ++line;
-        LineScanner scan(content);
-        std::string word;
-        for (const char c : scan.word()) word += char(c >= 'A' && c <= 'Z' ? c + 32 : c);
-        if (word.empty() || word == "outer" || word == "endloop" || word == "endsolid") continue;
-        if (word == "solid") {
-            part_names.push_back(std::string(scan.rest()));
-        } else if (word == "facet") {
-            if (facet) return fail("a facet inside a facet", content);
-            facet = true;
-            in_facet = 0;
-        } else if (word == "vertex") {
-            double x, y, z;
-            if (!scan.number(x) || !scan.number(y) || !scan.number(z))
-                return fail("expected three coordinates", content);
-            if (!facet) return fail("a vertex outside a facet", content);
-            if (in_facet < 3) positions.push_back({x, y, z});
-            ++in_facet;
-        } else if (word == "endfacet") {
-            if (!facet) return fail("an endfacet without its facet", content);
-            facet = false;
-            if (in_facet != 3) {
-                ++odd_facets;
-                positions.resize(positions.size() - std::min<std::size_t>(in_facet, 3));
-                continue;
+// Words of a text, whatever white space stands between them. Keywords are in any case.
+class Words {
+  public:
+    explicit Words(std::string_view text) : text_(text) {}
+
+    // The next word; empty at the end of the text.
+    std::string_view next() {
+        while (at_ < text_.size() && is_space(text_[at_])) {
+            if (text_[at_] == '\n') {
+                ++line_;
+                line_begin_ = true;
             }
-            if (positions.size() >= no_index)
-                return Error{ErrorCode::limit, "more than 2^32 - 2 corners", name};
-            parts.push_back(part_names.empty() ? 0 : std::uint32_t(part_names.size() - 1));
-        } else {
-            return fail("expected solid, facet, outer loop, vertex, endloop, endfacet or endsolid",
-                        content);
+            ++at_;
+        }
+        // The last line's end begins no other line.
+        if (at_ == text_.size() && line_begin_ && line_ > 1 && text_.back() == '\n' && !ended_) {
+            --line_;
+            ended_ = true;
+        }
+        begin_ = at_;
+        first_of_line_ = line_begin_;
+        line_begin_ = false;
+        while (at_ < text_.size() && !is_space(text_[at_])) ++at_;
+        return text_.substr(begin_, at_ - begin_);
+    }
+    void back() {  // over the last word, which is read again
+        at_ = begin_;
+        line_begin_ = first_of_line_;
+    }
+    bool first_of_line() const { return first_of_line_; }
+    std::size_t line() const { return line_; }
+    std::string_view rest_of_line() const { return text_.substr(at_, line_end() - at_); }
+    std::string_view from_word() const { return text_.substr(begin_, line_end() - begin_); }
+
+    // Where the line's next "facet" begins; npos where it has none.
+    std::size_t facet_in_line() const {
+        if (facet_ == unknown || facet_ < at_) {
+            facet_ = at_;
+            for (; facet_ < text_.size(); ++facet_) {
+                const bool alone = (facet_ == 0 || is_space(text_[facet_ - 1])) &&
+                                   (facet_ + 5 >= text_.size() || is_space(text_[facet_ + 5]));
+                if (alone && lower(text_.substr(facet_, 5)) == "facet") break;
+            }
+        }
+        return facet_ < line_end() ? facet_ : std::string_view::npos;
+    }
+    std::size_t at() const { return at_; }
+    void go_to(std::size_t at) { at_ = at; }
+
+    static bool is_space(char c) { return c == '\n' || detail::is_blank(c); }
+    static std::string lower(std::string_view word) {
+        std::string out;
+        for (const char c : word.substr(0, 16)) out += char(c >= 'A' && c <= 'Z' ? c + 32 : c);
+        return out;
+    }
+
+  private:
+    // Both places are kept: a file may be one line, with very many solids in it.
+    std::size_t line_end() const {
+        if (line_end_ == unknown || line_end_ < at_)
+            line_end_ = std::min(text_.find('\n', at_), text_.size());
+        return line_end_;
+    }
+
+    static constexpr std::size_t unknown = std::string_view::npos;
+    std::string_view text_;
+    std::size_t at_ = 0, begin_ = 0, line_ = 1;
+    bool line_begin_ = true, first_of_line_ = true, ended_ = false;
+    mutable std::size_t line_end_ = unknown, facet_ = unknown;
+};
+
+class AsciiParser {
+  public:
+    AsciiParser(std::string_view text, const std::string& name) : words_(text), name_(name) {}
+
+    Result<Scene> run() {
+        for (;;) {
+            const std::string_view word = words_.next();
+            if (word.empty()) break;
+            const std::string key = Words::lower(word);
+            if (auto done = statement(key); !done) return std::move(done).error();
+            skip_to_keyword();
+        }
+        if (facet_) return fail("the file ends inside a facet");
+        if (odd_facets_ > 0 && positions_.empty())
+            return Error{ErrorCode::invalid,
+                         "none of the " + std::to_string(odd_facets_) +
+                             " facets has exactly three corners: there is no triangle to read",
+                         name_};
+        Scene scene =
+            make_scene(name_, std::move(positions_), std::move(parts_), std::move(part_names_));
+        if (odd_facets_ > 0)
+            scene.warnings.push_back(name_ + ": " + std::to_string(odd_facets_) +
+                                     " facets without exactly three corners were dropped");
+        return scene;
+    }
+
+  private:
+    Error fail(const std::string& what) const {
+        return {ErrorCode::syntax, what + " in " + detail::quoted_line(words_.from_word()),
+                name_ + ":" + std::to_string(words_.line())};
+    }
+
+    static bool is_keyword(const std::string& key) {
+        static constexpr std::string_view keys[] = {"solid",   "facet",    "normal",
+                                                    "outer",   "loop",     "vertex",
+                                                    "endloop", "endfacet", "endsolid"};
+        return std::find(std::begin(keys), std::end(keys), key) != std::end(keys);
+    }
+
+    // What else stands in a statement's line.
+    void skip_to_keyword() {
+        for (;;) {
+            const std::string_view word = words_.next();
+            if (word.empty()) return;
+            if (words_.first_of_line() || is_keyword(Words::lower(word))) return words_.back();
         }
     }
-    if (facet) return fail("the file ends inside a facet", "");
-    Scene scene = make_scene(name, std::move(positions), std::move(parts), std::move(part_names));
-    if (odd_facets > 0)
-        scene.warnings.push_back(name + ": " + std::to_string(odd_facets) +
-                                 " facets without exactly three corners were dropped");
-    return scene;
-}
+
+    Result<void> statement(const std::string& key) {
+        if (key == "outer" || key == "loop" || key == "endloop") return {};
+        if (key == "solid") return solid();
+        if (key == "endsolid") return end_solid();
+        if (key == "normal") return normal();
+        if (key == "vertex") return vertex();
+        if (key == "facet") {
+            if (facet_) return fail("a facet inside a facet");
+            facet_ = true;
+            in_facet_ = 0;
+            return {};
+        }
+        if (key == "endfacet") return end_facet();
+        return fail("expected solid, facet, outer loop, vertex, endloop, endfacet or endsolid");
+    }
+
+    // The name goes to the line's end, or to the first facet in that line.
+    Result<void> solid() {
+        const std::size_t facet = words_.facet_in_line();
+        std::string_view name = words_.rest_of_line();
+        if (facet != std::string_view::npos) name = name.substr(0, facet - words_.at());
+        words_.go_to(words_.at() + name.size());
+        part_names_.push_back(std::string(LineScanner(name).rest()));
+        return {};
+    }
+
+    // The name again, which may hold any word; but where a facet follows in the line, so does the
+    // solid that it is in.
+    Result<void> end_solid() {
+        const std::size_t facet = words_.facet_in_line();
+        if (facet == std::string_view::npos) {
+            words_.go_to(words_.at() + words_.rest_of_line().size());
+            return {};
+        }
+        while (words_.at() < facet) {
+            const std::string key = Words::lower(words_.next());
+            if (key == "solid" || key == "facet") {
+                words_.back();
+                break;
+            }
+        }
+        return {};
+    }
+
+    Result<void> normal() {  // the corners say it better
+        for (int k = 0; k < 3; ++k)
+            if (is_keyword(Words::lower(words_.next()))) {
+                words_.back();
+                break;
+            }
+        return {};
+    }
+
+    Result<void> vertex() {
+        if (!facet_) return fail("a vertex outside a facet");
+        const Words keyword = words_;  // for a message that shows the whole statement
+        glm::dvec3 p(0.0);
+        for (int k = 0; k < 3; ++k)
+            if (!LineScanner(words_.next()).number(p[k])) {
+                words_ = keyword;
+                return fail("expected three coordinates");
+            }
+        if (in_facet_ < 3) positions_.push_back(p);
+        ++in_facet_;
+        return {};
+    }
+
+    Result<void> end_facet() {
+        if (!facet_) return fail("an endfacet without its facet");
+        facet_ = false;
+        if (in_facet_ != 3) {
+            ++odd_facets_;
+            positions_.resize(positions_.size() - std::min<std::size_t>(in_facet_, 3));
+            return {};
+        }
+        if (positions_.size() >= no_index)
+            return Error{ErrorCode::limit, "more than 2^32 - 2 corners", name_};
+        parts_.push_back(part_names_.empty() ? 0 : std::uint32_t(part_names_.size() - 1));
+        return {};
+    }
+
+    Words words_;
+    const std::string& name_;
+    std::vector<glm::dvec3> positions_;
+    std::vector<std::uint32_t> parts_;
+    std::vector<std::string> part_names_;
+    std::size_t in_facet_ = 0, odd_facets_ = 0;
+    bool facet_ = false;
+};
 
 }  // namespace
 
@@ -139,7 +298,7 @@ Result<Scene> parse_stl(std::span<const std::byte> bytes, const std::string& nam
                              ": the file is cut short or not STL",
                          name + ", byte 80"};
     }
-    if (says_solid) return parse_ascii(text, name);
+    if (says_solid) return AsciiParser(text, name).run();
     return Error{ErrorCode::syntax,
                  "neither \"solid\" at the beginning nor a binary header of 84 bytes: not STL",
                  name};

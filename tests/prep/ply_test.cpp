@@ -168,6 +168,27 @@ TEST(Ply, EdgesAndShortFaces) {
     EXPECT_EQ(scene->warnings[0], "test.ply: 1 faces with fewer than three corners were dropped");
 }
 
+TEST(Ply, WhatIsNotTakenIsNamedOnce) {
+    const auto faces = parse(
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+        "property float z\nproperty float quality\nproperty float nx\nelement face 2\n"
+        "property list uchar int vertex_indices\nproperty uchar red\nproperty uchar green\n"
+        "element camera 1\nproperty float view\nend_header\n0 0 0 1 0\n1 0 0 1 0\n0 1 0 1 0\n"
+        "3 0 1 2 255 0\n3 0 2 1 255 0\n5\n");
+    ASSERT_TRUE(faces.has_value()) << prep::to_string(faces.error());
+    EXPECT_EQ(faces->warnings,
+              std::vector<std::string>{"test.ply: properties that were not taken: vertex quality, "
+                                       "vertex nx, face red, face green, camera view"});
+    const auto cloud = parse(
+        "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\n"
+        "property float z\nproperty float nx\nproperty float ny\nproperty float nz\nend_header\n"
+        "0 0 0 1 0 0\n1 0 0 0 1 0\n");
+    ASSERT_TRUE(cloud.has_value());
+    EXPECT_EQ(cloud->warnings,
+              std::vector<std::string>{
+                  "test.ply: normals of points were not taken: only faces have them here"});
+}
+
 TEST(Ply, NanAndInfinityAreKept) {
     const auto scene = parse(header("ascii", "element vertex 1\n" + xyz) + "nan inf -inf\n");
     ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());

@@ -101,6 +101,52 @@ TEST(Stl, FacetsWithoutThreeCornersAreDropped) {
     EXPECT_EQ(scene->warnings[0], "test.stl: 2 facets without exactly three corners were dropped");
 }
 
+TEST(Stl, AnyWhiteSpaceSeparatesWords) {
+    const std::string text = "solid lid\n" + facet + facet + "endsolid lid\nsolid big box\n" +
+                             facet + "endsolid solid box\n";
+    const auto lines = parse(text);
+    ASSERT_TRUE(lines.has_value()) << prep::to_string(lines.error());
+    std::string one = text, many = text;
+    for (char& c : one)
+        if (c == '\n') c = ' ';
+    for (char& c : many)
+        if (c == ' ' && &c > &many[text.find("facet")] && &c < &many[text.find("endsolid")])
+            c = '\n';
+    for (const std::string& variant : {one, many, one + "\n\n"}) {
+        const auto scene = parse(variant);
+        ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
+        EXPECT_EQ(test::exact_difference(lines->meshes[0], scene->meshes[0]), "") << variant;
+        EXPECT_EQ(scene->meshes[0].parts, (std::vector<std::string>{"lid", "big box"}));
+        EXPECT_EQ(scene->meshes[0].face_count(), 3u);
+    }
+    EXPECT_EQ(error_of("solid x facet normal 0 0 1 outer loop vertex 0 0 0 vertex 1 2 x"),
+              "test.stl:1: expected three coordinates in 'vertex 1 2 x'");
+    // Very many solids in one line take linear time.
+    std::string flood;
+    for (int i = 0; i < 200'000; ++i) flood += "solid a endsolid a ";
+    EXPECT_TRUE(parse(flood).has_value());
+    flood = "solid a ";
+    for (int i = 0; i < 100'000; ++i) flood += "endsolid solid facet endfacet ";
+    EXPECT_FALSE(parse(flood).has_value());
+}
+
+TEST(Stl, FacetsOfWhichNoneIsATriangleAreAnError) {
+    EXPECT_EQ(
+        error_of("solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nendloop\n"
+                 "endfacet\nfacet\nendfacet\nendsolid\n"),
+        "test.stl: none of the 2 facets has exactly three corners: there is no triangle to "
+        "read");
+}
+
+TEST(Stl, AttributeBytesAreNamed) {
+    EXPECT_EQ(parse(binary(2, 2))->warnings,
+              std::vector<std::string>{"test.stl: the attribute bytes of 2 facets (some programs' "
+                                       "colours) were not taken"});
+    std::string plain = binary(1, 1);
+    plain[plain.size() - 1] = plain[plain.size() - 2] = 0;
+    EXPECT_EQ(parse(plain)->warnings, std::vector<std::string>{});
+}
+
 TEST(Stl, NanIsKept) {
     const auto scene = parse(
         "solid\nfacet normal nan nan nan\nouter loop\nvertex nan 0 0\nvertex 1 inf 0\nvertex 0 1 "
