@@ -8,7 +8,8 @@ BlinnPhong blinn_phong(const glm::vec3& base, float metallic, float roughness) {
     const float alpha = std::max(roughness * roughness, 0.02f);
     const float shininess = std::max(2 / (alpha * alpha) - 2, 0.0f);
     const glm::vec3 reflectance = glm::vec3(0.04f) + (base - glm::vec3(0.04f)) * metallic;
-    return {base * (1 - metallic), reflectance * ((shininess + 8) / 8), shininess};
+    const float width = shininess + 2;
+    return {base * (1 - metallic), reflectance * (width / 8 + 0.5f / width), shininess};
 }
 
 std::vector<glm::dmat4> world_transforms(const Scene& scene) {

@@ -1,6 +1,7 @@
 #include "tile_renderer.h"
 
 #include <algorithm>
+#include <bit>
 #include <cstring>
 
 namespace rast::detail {
@@ -26,14 +27,13 @@ class Tile {
         if (work_.empty()) return counts;
         raster();
         if (request_.keep_color) {
-            if (in_.offsets->size() == 1)
+            if (in_.offsets->size() == 1) {
                 collect_single();
-            else
-                collect_several(in_.offsets->size());
-            counts.shaded = fragments_;
-            for (const TileScratch::Group& g : s_.groups)
-                counts.texture_samples += (*in_.shade_draws)[g.draw].used_count * (g.end - g.begin);
-            shade();
+                add_to(counts);
+                shade_single();
+            } else {
+                shade_several(counts);
+            }
         }
         write_buffers();
         write_attributes();
@@ -96,18 +96,10 @@ class Tile {
         }
     }
 
-    void count(std::uint32_t number, std::size_t pixel, std::uint32_t weight) {
-        s_.numbers.push_back(number);
-        s_.pixels.push_back(std::uint16_t(pixel));
-        s_.weights.push_back(std::uint16_t(weight));
-        ++s_.counts[number];
-    }
-
-    void start_collecting() {
-        s_.counts.assign(count_ + 1, 0);
-        s_.numbers.clear();
-        s_.pixels.clear();
-        s_.weights.clear();
+    void add_to(TileCounts& counts) const {
+        counts.shaded += fragments_;
+        for (const TileScratch::Group& g : s_.groups)
+            counts.texture_samples += (*in_.shade_draws)[g.draw].used_count * (g.end - g.begin);
     }
 
     // One sample a pixel.
@@ -120,32 +112,46 @@ class Tile {
         in_.kernels->expand(s_.runs.data(), runs, s_.counts.data(), s_.pixel.data());
     }
 
-    // The triangles of every pixel's first `samples` samples, each once, with how many it covers.
-    void collect_several(std::size_t samples) {
-        start_collecting();
+    // The triangles of every pixel's samples, each once, with the samples that it covers.
+    void collect_several() {
+        const std::size_t samples = in_.offsets->size();
+        s_.fragments.clear();
         for (std::int32_t y = 0; y < place_.height; ++y)
             for (std::int32_t x = 0; x < place_.width; ++x) {
                 const std::size_t at = std::size_t(y) * tile_size + std::size_t(x);
-                const std::size_t first = s_.numbers.size();
+                const std::size_t first = s_.fragments.size();
                 for (std::size_t i = 0; i < samples; ++i) {
                     const std::uint32_t number = s_.samples[i].id[at];
                     if (number == id_none) continue;
                     std::size_t f = first;
-                    while (f < s_.numbers.size() && s_.numbers[f] != number) ++f;
-                    if (f == s_.numbers.size())
-                        count(number, at, 1);
-                    else
-                        ++s_.weights[f];
+                    while (f < s_.fragments.size() && s_.fragments[f].number != number) ++f;
+                    if (f == s_.fragments.size())
+                        s_.fragments.push_back({number, std::uint16_t(at), 0});
+                    s_.fragments[f].samples |= std::uint16_t(1u << i);
                 }
             }
+    }
+
+    // Those to be shaded at one place: at sample `sample`, or at the pixel's centre (none).
+    // Returns whether there are any.
+    bool gather(std::size_t sample, const std::vector<std::uint8_t>& places) {
+        s_.counts.assign(count_ + 1, 0);
+        bool any = false;
+        for (std::size_t f = 0; f < places.size(); ++f)
+            if (places[f] == sample) {
+                ++s_.counts[s_.fragments[f].number];
+                any = true;
+            }
+        if (!any) return false;
         sort();
-        const std::size_t fragments = s_.numbers.size();
-        s_.weight.resize(fragments);
-        for (std::size_t i = 0; i < fragments; ++i) {
-            const std::uint32_t to = s_.counts[s_.numbers[i]]++;
-            s_.pixel[to] = s_.pixels[i];
-            s_.weight[to] = s_.weights[i];
+        s_.weight.resize(fragments_);
+        for (std::size_t f = 0; f < places.size(); ++f) {
+            if (places[f] != sample) continue;
+            const std::uint32_t to = s_.counts[s_.fragments[f].number]++;
+            s_.pixel[to] = s_.fragments[f].pixel;
+            s_.weight[to] = std::uint16_t(std::popcount(s_.fragments[f].samples));
         }
+        return true;
     }
 
     // From how many fragments a number has to where its first one goes: by number, in tile order
@@ -180,9 +186,9 @@ class Tile {
     }
 
     template <class Task>
-    Task task_of(const TileScratch::Group& g) const {
+    Task task_of(const TileScratch::Group& g, const TilePlace& place) const {
         Task task;
-        task.place = place_;
+        task.place = place;
         task.pixels = s_.pixel.data();
         task.runs = s_.triangles.data() + g.first_run;
         task.run_count = g.run_count;
@@ -190,67 +196,84 @@ class Tile {
         return task;
     }
 
-    bool whole() const {
-        return fragments_ == std::size_t(place_.width * place_.height) && in_.offsets->size() == 1;
-    }
-
-    void shade() {
-        Frame& f = *in_.frame;
-        const bool to_bytes = request_.pixels == PixelFormat::bytes && in_.offsets->size() == 1;
-        if (to_bytes && !whole()) fill(f.bytes, background_bytes());
-        for (std::size_t c = 0; !to_bytes && c < 3; ++c)
+    void shade_to_planes(const TilePlace& place) {
+        for (std::size_t c = 0; c < 3; ++c)
             if (s_.planes[c].size() < s_.pixel.size()) s_.planes[c].resize(s_.pixel.size());
         for (const TileScratch::Group& g : s_.groups) {
-            ShadeTask task = task_of<ShadeTask>(g);
-            if (to_bytes) {
-                task.bytes = f.bytes.data() + row_start(0);
-                task.stride = f.width;
-            }
-            for (std::size_t c = 0; !to_bytes && c < 3; ++c) task.out[c] = s_.planes[c].data();
+            ShadeTask task = task_of<ShadeTask>(g, place);
+            for (std::size_t c = 0; c < 3; ++c) task.out[c] = s_.planes[c].data();
             in_.kernels->shade((*in_.shade_draws)[g.draw], *in_.shade_frame, task);
         }
-        if (to_bytes) return;
-        if (request_.pixels == PixelFormat::bytes)
-            average_samples();
-        else
-            write_floats();
+    }
+    glm::vec4 shaded(std::size_t k) const {
+        return {s_.planes[0][k], s_.planes[1][k], s_.planes[2][k], 1.0f};
     }
 
-    void write_floats() {
+    void shade_single() {
         Frame& f = *in_.frame;
-        const glm::vec4 background(request_.background, 0.0f);
-        if (!whole()) fill(f.color, background);
-        const float* const planes[3] = {s_.planes[0].data(), s_.planes[1].data(),
-                                        s_.planes[2].data()};
-        const std::size_t samples = in_.offsets->size();
-        for (std::size_t k = 0; k < fragments_; ++k) {
-            const glm::vec4 color(planes[0][k], planes[1][k], planes[2][k], 1.0f);
-            glm::vec4& pixel = f.color[pixel_of(s_.pixel[k])];
-            if (samples == 1 || s_.weight[k] == samples)
-                pixel = color;
-            else
-                pixel += (color - background) * (float(s_.weight[k]) * (1.0f / float(samples)));
+        const bool whole = fragments_ == std::size_t(place_.width * place_.height);
+        if (request_.pixels != PixelFormat::bytes) {
+            if (!whole) fill(f.color, glm::vec4(request_.background, 0.0f));
+            shade_to_planes(place_);
+            for (std::size_t k = 0; k < fragments_; ++k) f.color[pixel_of(s_.pixel[k])] = shaded(k);
+            return;
+        }
+        if (!whole) fill(f.bytes, background_bytes());
+        for (const TileScratch::Group& g : s_.groups) {
+            ShadeTask task = task_of<ShadeTask>(g, place_);
+            task.bytes = f.bytes.data() + row_start(0);
+            task.stride = f.width;
+            in_.kernels->shade((*in_.shade_draws)[g.draw], *in_.shade_frame, task);
         }
     }
 
-    // Several samples a pixel, to bytes: summed as floats first.
-    void average_samples() {
-        Frame& f = *in_.frame;
+    // A triangle that covers all samples of a pixel is shaded at the pixel's centre, any other at
+    // the covered sample nearest to it: nothing is ever shaded outside its triangle.
+    void shade_several(TileCounts& counts) {
+        const std::vector<SampleOffset>& offsets = *in_.offsets;
+        const std::size_t samples = offsets.size();
+        collect_several();
+        std::vector<std::uint8_t>& places = s_.shaded_at;
+        places.clear();
+        for (const TileScratch::Fragment& f : s_.fragments) {
+            std::size_t nearest = samples;
+            if (std::size_t(std::popcount(f.samples)) != samples)
+                for (std::size_t i = 0; i < samples; ++i)
+                    if ((f.samples >> i & 1) != 0 &&
+                        (nearest == samples || length2(offsets[i]) < length2(offsets[nearest])))
+                        nearest = i;
+            places.push_back(std::uint8_t(nearest));
+        }
         const glm::vec4 background(request_.background, 0.0f);
-        const float share = 1.0f / float(in_.offsets->size());
         s_.colors.assign(tile_pixels, background);
-        for (std::size_t k = 0; k < fragments_; ++k) {
-            const glm::vec4 color(s_.planes[0][k], s_.planes[1][k], s_.planes[2][k], 1.0f);
-            glm::vec4& pixel = s_.colors[s_.pixel[k]];
-            if (s_.weight[k] == in_.offsets->size())
-                pixel = color;
-            else
-                pixel += (color - background) * (float(s_.weight[k]) * share);
+        for (std::size_t sample = 0; sample <= samples; ++sample) {
+            if (!gather(sample, places)) continue;
+            add_to(counts);
+            shade_to_planes(sample < samples ? s_.places[sample] : place_);
+            for (std::size_t k = 0; k < fragments_; ++k) {
+                glm::vec4& pixel = s_.colors[s_.pixel[k]];
+                if (s_.weight[k] == samples)
+                    pixel = shaded(k);
+                else
+                    pixel +=
+                        (shaded(k) - background) * (float(s_.weight[k]) * (1.0f / float(samples)));
+            }
         }
+        write_colors();
+    }
+    static std::int32_t length2(const SampleOffset& o) { return o.x * o.x + o.y * o.y; }
+
+    void write_colors() {
+        Frame& f = *in_.frame;
         for (std::int32_t y = 0; y < place_.height; ++y)
             for (std::int32_t x = 0; x < place_.width; ++x) {
                 const glm::vec4& c = s_.colors[std::size_t(y * tile_size + x)];
-                std::uint32_t& out = f.bytes[row_start(y) + std::size_t(x)];
+                const std::size_t pixel = row_start(y) + std::size_t(x);
+                if (request_.pixels != PixelFormat::bytes) {
+                    f.color[pixel] = c;
+                    continue;
+                }
+                std::uint32_t& out = f.bytes[pixel];
                 in_.kernels->pack(&c.x, &c.y, &c.z, 1, &out);
                 out = (out & 0x00ffffffu) | std::uint32_t(c.w * 255.0f + 0.5f) << 24;
             }
@@ -284,7 +307,7 @@ class Tile {
         collect_single();
         for (std::vector<float>& plane : s_.planes) plane.resize(s_.pixel.size());
         for (const TileScratch::Group& g : s_.groups) {
-            AttributeTask task = task_of<AttributeTask>(g);
+            AttributeTask task = task_of<AttributeTask>(g, s_.places[0]);
             const prep::VertexMesh& mesh = (*in_.instances)[(*in_.draws)[g.draw].instance].mesh();
             if (!mesh.uvs.empty() && !mesh.uvs[0].empty()) task.uvs = &mesh.uvs[0][0].x;
             std::size_t plane = 0;

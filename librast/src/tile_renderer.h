@@ -24,8 +24,12 @@ struct TileScratch {
     std::vector<TilePlace> places;      // of each sample
     std::vector<std::uint32_t> counts;  // per number
     std::vector<PixelRun> runs;
-    std::vector<std::uint32_t> numbers;  // several samples: per fragment, before they are sorted
-    std::vector<std::uint16_t> pixels, weights;
+    struct Fragment {  // several samples: a triangle in a pixel, the samples that it covers
+        std::uint32_t number = 0;
+        std::uint16_t pixel = 0, samples = 0;
+    };
+    std::vector<Fragment> fragments;
+    std::vector<std::uint8_t> shaded_at;  // per fragment: the sample, or how many there are: centre
     struct Group {  // fragments of one draw, and the triangles that they belong to
         std::uint32_t draw = 0, begin = 0, end = 0, first_run = 0, run_count = 0;
     };

@@ -258,4 +258,34 @@ TEST(Supersampling, UnofferedChoicesAreErrors) {
     EXPECT_FALSE(rast::plan(scene, request));
 }
 
+// A fan of slivers, far thinner than pixels near its tip, in colours that are the place: whatever
+// sample a pixel is shaded at, its colour cannot be farther off than half a pixel's diagonal.
+TEST(Multisampling, ShadesNothingOutsideItsTriangle) {
+    constexpr int slivers = 400, size = 64;
+    prep::VertexMesh mesh;
+    mesh.colors.emplace_back();
+    const auto add = [&](float x, float y) {
+        mesh.positions.emplace_back(x, y, 0.0f);
+        mesh.colors[0].emplace_back((x + 32) / 64, (y + 32) / 64, 0.0f, 1.0f);
+    };
+    add(-32, -32);
+    for (int k = 0; k <= slivers; ++k) add(32, -32 + 64.0f * float(k) / slivers);
+    for (std::uint32_t k = 0; k < slivers; ++k)
+        for (const std::uint32_t v : {0u, k + 1, k + 2}) mesh.indices.push_back(v);
+    const prep::PreparedScene scene = test::scene_of(mesh, white());
+    for (const int samples : {2, 4, 8, 16}) {
+        rast::RenderRequest request = flat(size);
+        request.samples = samples;
+        const rast::Frame frame = test::draw(scene, request);
+        double worst = 0;
+        for (int y = 1; y < size - 1; ++y)
+            for (int x = size - y + 1; x < size - 1; ++x) {  // wholly below the diagonal
+                const glm::vec4& c = frame.color[std::size_t(y * size + x)];
+                worst = std::max({worst, std::abs(c.r * 64.0 - (x + 0.5)),
+                                  std::abs(c.g * 64.0 - (size - y - 0.5))});
+            }
+        EXPECT_LT(worst, 0.5 + 1e-4) << samples;  // pixels, along either axis
+    }
+}
+
 }  // namespace

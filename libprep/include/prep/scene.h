@@ -135,8 +135,8 @@ struct BlinnPhong {
 // `base` linear, `metallic` and `roughness` 0…1. The exponent is that of the lobe as wide as the
 // microfacet distribution of this roughness, 2/α² − 2 with α = roughness² (Karis 2013), at most
 // 4998; the reflectance at normal incidence, 4 % for dielectrics and the base colour for metals, is
-// spread over it by the factor (shininess + 8)/8 (Akenine-Möller et al. 2008, eq. 7.49, times π),
-// so that the lobe as a whole reflects it: 1.0 to 1.08 times, whatever the roughness.
+// spread over it by (shininess + 2)/8 + 1/(2 shininess + 4), so that the lobe as a whole reflects
+// it: 0.931 to 1.013 times, whatever the roughness.
 BlinnPhong blinn_phong(const glm::vec3& base, float metallic, float roughness);
 
 // World transform of every node, parents applied first. O(nodes).
