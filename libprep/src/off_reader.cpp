@@ -208,6 +208,12 @@ class OffParser {
                                       " faces with fewer than two corners were dropped");
         if (face_colors) scene_.warnings.push_back(name_ + ": colours of faces were skipped");
         if (mesh.face_count() == 0) {  // nothing to hang normals and UVs on
+            if ((header_.n || header_.st) && !mesh.positions.empty())
+                scene_.warnings.push_back(name_ + ": " +
+                                          (header_.n && header_.st ? "normals and UVs"
+                                           : header_.n             ? "normals"
+                                                                   : "UVs") +
+                                          " of points were not taken: only faces have them here");
             if (mesh.line_vertices.empty())
                 for (std::uint32_t v = 0; v < mesh.positions.size(); ++v) mesh.points.push_back(v);
             return {};

@@ -80,6 +80,13 @@ bool indexed_by_vertex(const Mesh& mesh) {
     return detail::is_soup(mesh);
 }
 
+// glTF has one index per corner, whatever attributes it carries or lacks, and two primitives never
+// share a vertex. They are the parts that have no names, also in a scene of several files.
+bool has_gltf_primitives(const Mesh& mesh) {
+    return !mesh.parts.empty() && std::all_of(mesh.parts.begin(), mesh.parts.end(),
+                                              [](const std::string& p) { return p.empty(); });
+}
+
 class Preparer {
   public:
     Preparer(const PrepareOptions& options, PreparedScene& out) : options_(options), out_(out) {}
@@ -161,11 +168,10 @@ class Preparer {
 
     Result<CornerNormals> compute_normals(const Mesh& mesh, const std::string& reason) {
         const MeshView view(mesh);
-        // glTF has one index per corner, whatever attributes it carries or lacks; two primitives
-        // never share a vertex.
-        const bool weld = !geometry_.shared && (options_.weld == WeldMode::exact ||
-                                                (options_.weld == WeldMode::automatic &&
-                                                 (out_.scene.document || indexed_by_vertex(mesh))));
+        const bool weld =
+            !geometry_.shared && (options_.weld == WeldMode::exact ||
+                                  (options_.weld == WeldMode::automatic &&
+                                   (has_gltf_primitives(mesh) || indexed_by_vertex(mesh))));
         std::vector<std::uint32_t> welded;
         if (weld) {
             welded =

@@ -27,7 +27,7 @@ RawAccessor set_of(const std::vector<T>& values) {
     raw.normalized = sizeof(T) < 4;
     raw.count = values.size() / 4;
     raw.bytes.resize(values.size() * sizeof(T));
-    std::memcpy(raw.bytes.data(), values.data(), raw.bytes.size());
+    if (!values.empty()) std::memcpy(raw.bytes.data(), values.data(), raw.bytes.size());
     return raw;
 }
 

@@ -82,6 +82,9 @@ TEST(Off, SegmentsPointCloudsAndFaceColours) {
     ASSERT_TRUE(cloud.has_value());
     EXPECT_EQ(cloud->meshes[0].points, (std::vector<std::uint32_t>{0, 1}));
     EXPECT_TRUE(cloud->meshes[0].normals.empty());
+    EXPECT_EQ(cloud->warnings,
+              std::vector<std::string>{
+                  "test.off: normals of points were not taken: only faces have them here"});
     const auto nothing = parse("OFF\n0 0 0\n");
     ASSERT_TRUE(nothing.has_value());
     EXPECT_EQ(nothing->meshes[0].vertex_count(), 0u);
