@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 namespace prep::detail {
 namespace {
@@ -14,17 +15,54 @@ const Json* targets_of(const GltfDocument& document, std::size_t mesh, std::size
     return targets == entry.end() ? nullptr : &*targets;
 }
 
+// The mesh's vertices by primitive: looked up once for all attributes, however many primitives.
+class PrimitiveVertices {
+  public:
+    PrimitiveVertices(const std::vector<GltfPrimitive>& primitives, const Mesh& mesh)
+        : starts_(primitives.size() + 1, 0) {
+        // Primitives' vertices follow one another; those without any would hide others.
+        std::vector<Index> firsts, numbers;
+        for (std::size_t p = 0; p < primitives.size(); ++p) {
+            if (primitives[p].vertex_count == 0) continue;
+            firsts.push_back(primitives[p].first_vertex);
+            numbers.push_back(Index(p));
+        }
+        const auto primitive_of = [&](Index v) {
+            const Index in_file = mesh.file_vertices.empty() ? v : mesh.file_vertices[v];
+            const auto behind = std::upper_bound(firsts.begin(), firsts.end(), in_file);
+            if (behind == firsts.begin()) return no_index;
+            const Index p = numbers[std::size_t(behind - firsts.begin()) - 1];
+            return in_file - primitives[p].first_vertex < primitives[p].vertex_count ? p : no_index;
+        };
+        std::vector<Index> owners(mesh.vertex_count());
+        for (Index v = 0; v < owners.size(); ++v) {
+            owners[v] = primitive_of(v);
+            if (owners[v] != no_index) ++starts_[owners[v] + std::size_t(1)];
+        }
+        for (std::size_t p = 0; p < primitives.size(); ++p) starts_[p + 1] += starts_[p];
+        vertices_.resize(starts_.back());
+        std::vector<std::size_t> cursors(starts_.begin(), starts_.end() - 1);
+        for (Index v = 0; v < owners.size(); ++v)
+            if (owners[v] != no_index) vertices_[cursors[owners[v]]++] = v;
+    }
+    std::span<const Index> of(std::size_t primitive) const {
+        return {vertices_.data() + starts_[primitive], starts_[primitive + 1] - starts_[primitive]};
+    }
+
+  private:
+    std::vector<std::size_t> starts_;
+    std::vector<Index> vertices_;
+};
+
 // Adds a target's vectors to those of the primitive's vertices.
 Result<void> add(const GltfDocument& document, const Json& target, const char* semantic,
-                 const GltfPrimitive& primitive, const Mesh& mesh, std::vector<glm::vec3>& to) {
+                 const GltfPrimitive& primitive, const Mesh& mesh, std::span<const Index> vertices,
+                 std::vector<glm::vec3>& to) {
     auto raw = document.raw_accessor(target[semantic].get<std::size_t>());
     if (!raw) return std::move(raw).error();
     const std::vector<float> values = to_floats(*raw);
-    for (Index v = 0; v < mesh.vertex_count(); ++v) {
+    for (const Index v : vertices) {
         const Index in_file = mesh.file_vertices.empty() ? v : mesh.file_vertices[v];
-        if (in_file < primitive.first_vertex ||
-            in_file - primitive.first_vertex >= primitive.vertex_count)
-            continue;
         const float* delta =
             &values[3 * std::size_t(primitive.element_of(in_file - primitive.first_vertex))];
         to[v] += glm::vec3(delta[0], delta[1], delta[2]);
@@ -52,20 +90,22 @@ Result<MorphShape> morph_shape(const GltfDocument& document, std::size_t mesh_in
     MorphShape shape;
     shape.positions = mesh.positions;
     const std::vector<GltfPrimitive>& primitives = document.primitives[mesh_index];
+    const PrimitiveVertices vertices(primitives, mesh);
     for (std::size_t p = 0; p < primitives.size(); ++p) {
         const Json* targets = targets_of(document, mesh_index, p);
         if (!targets || target >= targets->size()) continue;
         const Json& entry = (*targets)[target];
         if (entry.contains("POSITION")) {
             shape.moves = true;
-            if (auto done = add(document, entry, "POSITION", primitives[p], mesh, shape.positions);
+            if (auto done = add(document, entry, "POSITION", primitives[p], mesh, vertices.of(p),
+                                shape.positions);
                 !done)
                 return std::move(done).error();
         }
         if (entry.contains("NORMAL")) {
             shape.normal_deltas.resize(mesh.vertex_count(), glm::vec3(0.0f));
-            if (auto done =
-                    add(document, entry, "NORMAL", primitives[p], mesh, shape.normal_deltas);
+            if (auto done = add(document, entry, "NORMAL", primitives[p], mesh, vertices.of(p),
+                                shape.normal_deltas);
                 !done)
                 return std::move(done).error();
         }

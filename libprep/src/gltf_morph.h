@@ -21,8 +21,8 @@ struct MorphShape {
 // The most targets that a primitive of the mesh has.
 std::size_t morph_target_count(const GltfDocument& document, std::size_t mesh_index);
 
-// Primitives without the target, or without one of its attributes, stay as they are in it. Errors:
-// those of GltfDocument::raw_accessor.
+// O(vertices · log(primitives)). Primitives without the target, or without one of its attributes,
+// stay as they are in it. Errors: those of GltfDocument::raw_accessor.
 Result<MorphShape> morph_shape(const GltfDocument& document, std::size_t mesh_index,
                                const Mesh& mesh, std::size_t target);
 

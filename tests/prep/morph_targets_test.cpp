@@ -284,6 +284,47 @@ TEST(MorphTargets, TheFormatsValidatorFindsNoFault) {
     }
 }
 
+// Targets that share their data cost a file three bytes each, and each of them a whole mesh when
+// tangents are made: 2^26 vectors and 16 for each byte are the limit.
+TEST(MorphTargets, ManyTimesTheirFileAreRefused) {
+    constexpr std::uint32_t side = 200;
+    constexpr std::size_t corners = 6 * side * side;
+    Document d;
+    Vectors positions;
+    std::vector<glm::vec2> uvs;
+    std::vector<std::uint32_t> indices;
+    for (std::uint32_t i = 0; i <= side; ++i) {
+        for (std::uint32_t j = 0; j <= side; ++j) {
+            positions.push_back({float(i), float(j), 0});
+            uvs.push_back({float(i) / side, float(j) / side});
+            if (i == side || j == side) continue;
+            const std::uint32_t a = i * (side + 1) + j, b = a + side + 1;
+            indices.insert(indices.end(), {a, b, b + 1, a, b + 1, a + 1});
+        }
+    }
+    ASSERT_EQ(indices.size(), corners);
+    const Json target{{"POSITION", d.add_positions(Vectors(positions.size(), {0, 0, 1}))}};
+    const Json attributes{{"POSITION", d.add_positions(positions)},
+                          {"TEXCOORD_0", d.add(uvs, 5126, "VEC2")}};
+    const Json primitive{{"attributes", attributes}, {"indices", d.add(indices, 5125, "SCALAR")}};
+    const auto prepare_with = [&](std::size_t targets) {
+        d.json["meshes"] = {{{"primitives", {primitive}}}};
+        Json& list = d.json["meshes"][0]["primitives"][0]["targets"];
+        for (std::size_t t = 0; t < targets; ++t) list.push_back(target);
+        prep::PrepareOptions options;
+        options.request.tangents = prep::Request::Level::always;
+        return prep::prepare(d.parse(), options);
+    };
+    const auto few = prepare_with(2);
+    EXPECT_TRUE(few.has_value()) << prep::to_string(few.error());
+
+    const auto many = prepare_with(1000);  // of 240,000 corners, in a file of about 4 MB
+    ASSERT_FALSE(many.has_value());
+    EXPECT_EQ(many.error().code, prep::ErrorCode::limit);
+    EXPECT_NE(many.error().text.find("1000 morph targets of 240000 corners"), std::string::npos)
+        << many.error().text;
+}
+
 TEST(MorphTargets, DeltasThatAreNotFiniteSpoilNothing) {
     Document document = turning_square(false);
     Json& targets = document.json["meshes"][0]["primitives"][0]["targets"];
