@@ -18,6 +18,8 @@ using Index = std::uint32_t;
 using Star = std::span<const Index>;
 // Positions per block of work, about 0.5 ms.
 constexpr std::size_t position_grain = 8192;
+// Lists of larger stars are given back before others are made.
+constexpr std::size_t most_kept = 4096;
 
 // Stars that triangles which group with anything touch, grouped in the mesh's triangle order.
 class EntangledStars {
@@ -224,6 +226,11 @@ class StarWorker {
                 }
             }
             ++count;
+        }
+        // A pole's lists would be beside those of its frames.
+        if (star.size() > most_kept) {
+            neighbours_ = {};
+            stack_ = {};
         }
     }
 

@@ -46,12 +46,11 @@ ListedCorners place_corners(const TangentTriangles& triangles, const Terms& term
         triangles.count, triangle_grain, threads, [&](std::size_t begin, std::size_t end) {
             std::vector<Index>& list = result.lists[begin / triangle_grain];
             const std::uint8_t* const state = states.data();
+            const bool plain = !states.empty() && !any_degenerate && places.empty();
             for (std::size_t t = begin; t < end; ++t) {
                 const Index* const v = vertices.data() + 3 * t;
                 Index* const values = corner_values.data() + 3 * t;
-                const bool fans = !states.empty() && !any_degenerate && places.empty() &&
-                                  (state[v[0]] | state[v[1]] | state[v[2]]) == fan_vertex;
-                if (fans) continue;
+                if (plain && (state[v[0]] | state[v[1]] | state[v[2]]) == fan_vertex) continue;
                 if (any_degenerate && (terms.flags(t) & degenerate_triangle)) {
                     values[0] = values[1] = values[2] = no_index;
                     continue;

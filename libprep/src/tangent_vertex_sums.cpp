@@ -8,9 +8,11 @@
 #include <cstring>
 #include <deque>
 #include <memory>
+#include <mutex>
 #include <type_traits>
 
 #include "parallel.h"
+#include "tangent_listing.h"
 
 namespace prep::detail {
 namespace {
@@ -198,7 +200,13 @@ class Adder {
             std::memchr(counts_.states.data(), pending_vertex, counts_.states.size()) != nullptr)
             given_up_ = true;
         terms_.complete &= !given_up_;
-        return !given_up_;
+        if (given_up_) return false;
+        if (large_split_)
+            list_split_neighbours({vertices_, 3 * triangles}, threads, counts_.states);
+        else
+            for (const Index v : split_neighbours_)
+                if (counts_.states[v] == fan_vertex) counts_.states[v] = listed_vertex;
+        return true;
     }
 
   private:
@@ -292,6 +300,7 @@ class Adder {
             first_uses_[v] = {normal, uv};
         } else if (!cursor_.same_values(normal, uv, first_uses_[v].normal, first_uses_[v].uv)) {
             counts_.states[v] = split_vertex;
+            large_split_ = true;
         }
     }
 
@@ -321,7 +330,24 @@ class Adder {
         if (given_up_) return;
         fans_.make({pool.sums(), pool.rings(), {slots, vertices.size()}, counts, {}}, vertices,
                    counts_.places, values_, counts_.states);
-        for (std::size_t i = 0; i < vertices.size(); ++i) pool.release(slots[i]);
+        for (std::size_t i = 0; i < vertices.size(); ++i) {
+            if (counts_.states[vertices[i]] == split_vertex)
+                note_neighbours(pool.rings()[slots[i]], counts[i]);
+            pool.release(slots[i]);
+        }
+    }
+
+    // Over edges to a split vertex triangles may part.
+    void note_neighbours(const VertexRing& ring, std::size_t count) {
+        if (count > most_ring_members) {
+            large_split_ = true;
+            return;
+        }
+        const std::lock_guard lock(noting_);
+        for (std::size_t i = 0; i < count; ++i) {
+            split_neighbours_.push_back(ring.previous[i]);
+            split_neighbours_.push_back(ring.next[i]);
+        }
     }
 
     // The shared vertices of a part.
@@ -394,6 +420,11 @@ class Adder {
     };
     ScratchBuffer<Use> first_uses_;  // of listed vertices
     std::vector<RangeWork> work_;
+    // Vertices that share a triangle with split ones, but for split ones of large stars: is there
+    // any such?
+    std::mutex noting_;
+    std::vector<Index> split_neighbours_;
+    std::atomic<bool> large_split_ = false;
     std::atomic<bool> given_up_ = false;
 };
 

@@ -148,7 +148,6 @@ class Run {
             for (const auto& entry : overrides.entries)
                 for (const Index m : {entry.half_edge, detail::next_corner(entry.half_edge)})
                     counts.states[stars.vertex(m)] = detail::listed_vertex;
-            detail::list_split_neighbours(stars.vertices, options_.threads, counts.states);
         }
         detail::ListedCorners listed =
             detail::place_corners(triangles_, terms_, stars.vertices, counts.states, counts.places,
