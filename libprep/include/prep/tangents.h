@@ -9,8 +9,8 @@
 // left, as glTF's, green in a normal map points against +v: the sign is then the opposite of what
 // the definition gives for the same numbers. docs/tangents.md shows both.
 //
-// Cost: O(corners · log(valence)), linear in practice; at most 90 bytes per triangle beside input
-// and output, 145 for soups, 120 at poles (measured). The same bits for any thread count and any
+// Cost: O(corners · log(valence)), linear in practice; beside input and output some 20 bytes per
+// triangle, up to 60 for soups, 140 at poles (measured). The same bits for any thread count and any
 // instruction set.
 #pragma once
 
