@@ -165,18 +165,6 @@ void MipTexture::allocate(const prep::Image& image) {
     view_.alpha = alpha_;
 }
 
-glm::vec4 MipTexture::raw(std::size_t index) const {
-    if (floats_) {
-        const float* const t = &floats_[index * 4];
-        return {t[0], t[1], t[2], t[3]};
-    }
-    constexpr std::uint32_t mask = (1u << packed_bits) - 1;
-    const std::uint32_t low = std::uint32_t(packed_[index]),
-                        high = std::uint32_t(packed_[index] >> 32);
-    return {float(low & mask), float(low >> packed_bits | high >> packed_bits << 11),
-            float(high & mask), alpha_ ? alpha_[index] : 1.0f};
-}
-
 glm::vec4 MipTexture::finished(const glm::vec4& filtered) const {
     if (floats_) return filtered;
     glm::vec4 out = filtered;

@@ -109,7 +109,17 @@ class MipTexture {
 
   private:
     // As filters read them: packed colours times texel_scale. finished() undoes that.
-    glm::vec4 raw(std::size_t index) const;
+    glm::vec4 raw(std::size_t index) const {
+        if (floats_) {
+            const float* const t = &floats_[index * 4];
+            return {t[0], t[1], t[2], t[3]};
+        }
+        constexpr std::uint32_t mask = (1u << packed_bits) - 1;
+        const std::uint32_t low = std::uint32_t(packed_[index]),
+                            high = std::uint32_t(packed_[index] >> 32);
+        return {float(low & mask), float(low >> packed_bits | high >> packed_bits << 11),
+                float(high & mask), alpha_ ? alpha_[index] : 1.0f};
+    }
     glm::vec4 finished(const glm::vec4& filtered) const;
     void write(std::size_t index, const glm::vec4& raw_value) const;
     void add_level(std::vector<Level>& to, std::uint32_t width, std::uint32_t height);

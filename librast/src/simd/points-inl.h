@@ -321,8 +321,8 @@ inline void add_light(const ShadeFrame& frame, const ShadeLight& light, const Ti
         if (frame.needs_position) position = points.get3(Points::position, n);
         const Incoming in = incoming(light, normal, position);
         const HalfAngle half = half_angle(normal, towards_eye(frame, x, y), in.l);
-        const V3 sum = first ? zero : points.get3(Points::light, n);
-        points.put3(sum + in.color * in.n_l, Points::light, n);
+        const V3 sent = in.color * in.n_l;
+        points.put3(first ? sent : points.get3(Points::light, n) + sent, Points::light, n);
         points.put(in.n_l, Points::n_l, n);
         points.put(half.sine2, Points::sine2, n);
         // Behind the surface: below every squared cosine.
@@ -334,7 +334,8 @@ RAST_INLINE V3 gloss_with(const ShadeDraw& draw, const ShadeLight& light, const 
                           bool first, std::size_t n) {
     const F none = set(0.0f);
     const V3 zero{none, none, none};
-    const V3 sum = first ? zero : points.get3(Points::gloss, n);
+    V3 sum = zero;
+    if (!first) sum = points.get3(Points::gloss, n);
     const F n_l = points.get(Points::n_l, n);
     if (!any(n_l > none)) return sum;  // adds nothing, to the bit
     F shininess = set(draw.shininess);
@@ -350,12 +351,12 @@ RAST_INLINE V3 gloss_with(const ShadeDraw& draw, const ShadeLight& light, const 
     if (light.kind != prep::LightKind::directional)
         color =
             incoming(light, points.get3(Points::normal, n), points.get3(Points::position, n)).color;
-    return sum + color * strength;
+    return first ? color * strength : sum + color * strength;
 }
 
 // Bytes of one channel; NaN is 0.
 RAST_INLINE I byte_of(F v) {
-    const F most = set(1.0f), clipped = select(v > set(0.0f), min(v, most), set(0.0f));
+    const F clipped = min(max(v, set(0.0f)), set(1.0f));
     return to_int(clipped * set(255.0f) + set(0.5f));
 }
 RAST_INLINE I packed_color(V3 c) {
