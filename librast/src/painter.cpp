@@ -7,11 +7,6 @@
 namespace rast::detail {
 namespace {
 
-bool keeps_buffers(const RenderRequest& r) {
-    return r.keep_depth || r.keep_ids || r.keep_normals || r.keep_uvs || r.keep_barycentrics ||
-           r.keep_positions;
-}
-
 void to_bytes(const Kernels& kernels, Frame& frame) {
     frame.bytes.resize(frame.color.size());
     for (std::size_t i = 0; i < frame.color.size(); ++i) {
@@ -46,33 +41,53 @@ void Painter::begin(const RenderPlan& plan) {
     }
 }
 
-void Painter::draw(const Crop& part, Frame& frame) {
-    draw_floats(part, frame);
+void Painter::place(const Crop& part) {
+    part_ = part;
+    if (draws_plain_) plain_.place(part);
+    if (!draws_fine_) return;
+    const auto factor = std::uint32_t(plan_->request.supersample);
+    fine_.place({part.x * factor, part.y * factor, part.width * factor, part.height * factor});
+}
+
+void Painter::draw_rows(std::uint32_t first, std::uint32_t rows, Frame& frame) {
+    draw_floats(first, rows, frame);
     if (plan_->request.pixels == PixelFormat::bytes && frame.bytes.empty())
         to_bytes(kernels_for(plan_->request.simd), frame);
     frame.counters.buffer_bytes = buffer_bytes(frame);
 }
 
-void Painter::draw_floats(const Crop& part, Frame& frame) {
+void Painter::draw_floats(std::uint32_t first, std::uint32_t rows, Frame& frame) {
     if (draws_plain_)
-        plain_.draw(part, frame);
+        plain_.draw_rows(first, rows, frame);
     else
         frame = {};
     if (!draws_fine_) return;
-    frame.width = part.width;
-    frame.height = part.height;
-    frame.color.resize(std::size_t(part.width) * part.height);
+    frame.width = part_.width;
+    frame.height = rows;
+    frame.color.resize(std::size_t(frame.width) * rows);
     frame.counters = {};
-    const auto factor = std::uint32_t(plan_->request.supersample);
-    const std::uint32_t step = (std::uint32_t(tile_size) + factor - 1) / factor;
-    for (std::uint32_t row = 0; row < part.height; row += step) {
-        const std::uint32_t rows = std::min(step, part.height - row);
-        fine_.draw({part.x * factor, (part.y + row) * factor, part.width * factor, rows * factor},
-                   fine_frame_);
-        reduce(fine_frame_, factor, row, frame);
+    draw_fine(first, rows, frame);
+}
+
+// A row of the finer picture's tiles at a time.
+void Painter::draw_fine(std::uint32_t first, std::uint32_t rows, Frame& frame) {
+    const auto factor = std::uint32_t(plan_->request.supersample), tile = std::uint32_t(tile_size);
+    const std::uint32_t end = (first + rows) * factor;
+    const std::size_t width = std::size_t(frame.width) * factor;
+    std::uint32_t done = 0;
+    left_over_.clear();
+    for (std::uint32_t row = first * factor; row < end; row += tile) {
+        fine_.draw_rows(row, std::min(tile, end - row), fine_frame_);
         add_counters(frame.counters, fine_frame_.counters);
         frame.geometry_ms += fine_frame_.geometry_ms;
         frame.raster_ms += fine_frame_.raster_ms;
+        // What the row of tiles before left belongs in front.
+        std::vector<glm::vec4>& color = fine_frame_.color;
+        if (!left_over_.empty()) color.insert(color.begin(), left_over_.begin(), left_over_.end());
+        const auto whole = std::uint32_t(color.size() / width) / factor;
+        reduce(color.data(), factor, done, whole, frame);
+        done += whole;
+        left_over_.assign(color.begin() + std::ptrdiff_t(whole * factor * width), color.end());
     }
 }
 

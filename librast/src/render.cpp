@@ -23,7 +23,9 @@ SceneRenderer::~SceneRenderer() = default;
 
 prep::Result<void> SceneRenderer::render(const RenderPlan& plan, Frame& frame) {
     painter_->begin(plan);
-    painter_->draw(picture_part(plan), frame);
+    const Crop part = picture_part(plan);
+    painter_->place(part);
+    painter_->draw_rows(0, part.height, frame);
     frame.warnings = painter_->warnings();
     return {};
 }
@@ -45,9 +47,14 @@ prep::Result<Frame> SceneRenderer::render_bands(const RenderPlan& plan, const Ba
     Frame all, band;
     all.width = part.width;
     all.height = part.height;
+    // Bands of whole tiles share what was sorted by tile; thinner ones do without.
+    const std::uint32_t step = std::max(plan.band_rows, 1u);
+    const bool share = step % std::uint32_t(detail::tile_size) == 0 || step >= part.height;
+    if (share) painter_->place(part);
     for (std::uint32_t row = 0; row < part.height;) {
-        const std::uint32_t rows = std::min(std::max(plan.band_rows, 1u), part.height - row);
-        painter_->draw({part.x, part.y + row, part.width, rows}, band);
+        const std::uint32_t rows = std::min(step, part.height - row);
+        if (!share) painter_->place({part.x, part.y + row, part.width, rows});
+        painter_->draw_rows(share ? row : 0, rows, band);
         detail::add_counters(all.counters, band.counters);
         all.geometry_ms += band.geometry_ms;
         all.raster_ms += band.raster_ms;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <numeric>
 
 #include "coverage_resolve.h"
 #include "parallel_tiles.h"
@@ -63,6 +64,7 @@ void add_counters(Counters& to, const Counters& from) {
     to.outside += from.outside;
     to.between_samples += from.between_samples;
     to.crossing += from.crossing;
+    to.vertices_lit += from.vertices_lit;
     to.pixels_shaded += from.pixels_shaded;
     to.texture_samples += from.texture_samples;
     // Held by all parts, or by one at a time.
@@ -77,13 +79,14 @@ void Renderer::begin(const RenderPlan& plan) {
     kernels_ = &kernels_for(plan.request.simd);
     threads_ = plan.request.threads;
     offsets_ = sample_offsets(plan.request.samples);
+    shared_counters_ = {};
     load_textures();
     transform();
     make_draws();
     shared_ms_ = milliseconds_since(start);
 }
 
-void Renderer::draw(const Crop& part, Frame& frame) {
+void Renderer::place(const Crop& part) {
     const Clock::time_point start = Clock::now();
     const auto first = [](std::uint32_t at, std::uint32_t extent) {
         return (1 - std::int32_t(extent)) * (subpixels / 2) + std::int32_t(at) * subpixels;
@@ -95,13 +98,18 @@ void Renderer::draw(const Crop& part, Frame& frame) {
     window_.tiles_x = (window_.width + tile_size - 1) / tile_size;
     window_.tiles_y = (window_.height + tile_size - 1) / tile_size;
     window_.grid = depth_grid(plan_->request.depth_format);
-    set_up();
-    frame.geometry_ms = shared_ms_ + milliseconds_since(start);
-    shared_ms_ = 0;
+    sort_by_tile();
+    for (std::size_t c = 0; c < chunk_count_; ++c)
+        add_counters(shared_counters_, chunks_[c].counters);
+    shared_ms_ += milliseconds_since(start);
+}
 
-    const Clock::time_point raster_start = Clock::now();
-    frame.width = part.width;
-    frame.height = part.height;
+void Renderer::draw_rows(std::uint32_t first, std::uint32_t rows, Frame& frame) {
+    frame.geometry_ms = shared_ms_;
+    shared_ms_ = 0;
+    const Clock::time_point start = Clock::now();
+    frame.width = std::uint32_t(window_.width);
+    frame.height = rows;
     size_buffers(frame);
     TileInputs inputs;
     inputs.plan = plan_;
@@ -111,19 +119,29 @@ void Renderer::draw(const Crop& part, Frame& frame) {
     inputs.draws = &draws_;
     inputs.shade_draws = &shade_draws_;
     inputs.chunks = &chunks_;
-    inputs.work = &tile_work_;
+    inputs.work = tile_work_.data();
+    inputs.work_begin = tile_begin_.data();
     inputs.shade_frame = &inputs_.frame;
     inputs.window = window_;
+    inputs.first_row = std::int32_t(first);
     inputs.frame = &frame;
-    tile_counts_.resize(window_.tile_count());
-    parallel_items(window_.tile_count(), threads_, [&](std::size_t tile) {
-        tile_counts_[tile] = draw_tile(inputs, std::uint32_t(tile), tile_scratch_.local());
+    const std::size_t first_tile = std::size_t(first) / tile_size * std::size_t(window_.tiles_x);
+    const std::size_t tiles =
+        (std::size_t(rows) + tile_size - 1) / tile_size * std::size_t(window_.tiles_x);
+    tile_counts_.resize(tiles);
+    parallel_items(tiles, threads_, [&](std::size_t tile) {
+        tile_counts_[tile] =
+            draw_tile(inputs, std::uint32_t(first_tile + tile), tile_scratch_.local());
     });
-    if (plan_->request.coverage == Coverage::area && plan_->request.keep_color)
-        tile_counts_.assign(1, resolve_areas(frame));
-    frame.counters = {};
-    for (std::size_t c = 0; c < chunk_count_; ++c)
-        add_counters(frame.counters, chunks_[c].counters);
+    if (plan_->request.coverage == Coverage::area && plan_->request.keep_color) {
+        Window part = window_;
+        part.first_y += std::int32_t(first) * subpixels;
+        part.height = std::int32_t(rows);
+        part.tiles_y = (part.height + tile_size - 1) / tile_size;
+        tile_counts_.push_back(resolve_areas(part, frame));
+    }
+    frame.counters = shared_counters_;
+    shared_counters_ = {};
     for (const TileCounts& counts : tile_counts_) {
         frame.counters.pixels_shaded += counts.shaded;
         frame.counters.texture_samples += counts.texture_samples;
@@ -131,7 +149,7 @@ void Renderer::draw(const Crop& part, Frame& frame) {
     frame.counters.textures_read = textures_read_;
     frame.counters.texture_levels = texture_levels();
     frame.counters.buffer_bytes = buffer_bytes(frame);
-    frame.raster_ms = milliseconds_since(raster_start);
+    frame.raster_ms = milliseconds_since(start);
 }
 
 void Renderer::load_textures() {
@@ -215,7 +233,8 @@ void Renderer::make_draws() {
             }
             id += range.triangle_count;
         }
-    if (plan_->request.shading == Shading::gouraud)
+    const bool colors = plan_->request.keep_color || !plan_->request.prune;
+    if (plan_->request.shading == Shading::gouraud && colors)
         for (std::size_t d = 0; d < draws_.size(); ++d) light_vertices(d);
 }
 
@@ -229,6 +248,7 @@ void Renderer::light_vertices(std::size_t d) {
         draw.indices + (std::size_t(draw.first_triangle) + draw.triangle_count) * 3);
     std::sort(vertices.begin(), vertices.end());
     vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+    shared_counters_.vertices_lit += vertices.size();
     const std::size_t blocks = (vertices.size() + vertex_grain - 1) / vertex_grain;
     parallel_items(blocks, threads_, [&](std::size_t b) {
         const std::size_t begin = b * vertex_grain;
@@ -239,7 +259,7 @@ void Renderer::light_vertices(std::size_t d) {
     draw.vertex_light = instance.vertex_light.data();
 }
 
-void Renderer::set_up() {
+void Renderer::sort_by_tile() {
     parallel_items(chunk_count_, threads_, [&](std::size_t c) {
         TriangleChunk& chunk = chunks_[c];
         const Draw& draw = draws_[chunk.draw];
@@ -250,18 +270,24 @@ void Renderer::set_up() {
         set_up_chunk(geometry, window_, offsets_.size() > 1, *kernels_, bin_scratch_.local(),
                      chunk);
     });
-    tile_work_.resize(window_.tile_count());
-    for (std::vector<TileWork>& work : tile_work_) work.clear();
+    tile_begin_.assign(window_.tile_count() + 1, 0);
+    for (std::size_t c = 0; c < chunk_count_; ++c)
+        for (const TileSlice& slice : chunks_[c].slices) ++tile_begin_[slice.tile + 1];
+    std::partial_sum(tile_begin_.begin(), tile_begin_.end(), tile_begin_.begin());
+    tile_work_.resize(tile_begin_.back());
+    // Each tile's begin moves to its end, which is the next one's begin.
     for (std::uint32_t c = 0; c < chunk_count_; ++c)
         for (const TileSlice& slice : chunks_[c].slices)
-            tile_work_[slice.tile].push_back({c, slice.begin, slice.end});
+            tile_work_[tile_begin_[slice.tile]++] = {c, slice.begin, slice.end};
+    std::copy_backward(tile_begin_.begin(), tile_begin_.end() - 1, tile_begin_.end());
+    tile_begin_[0] = 0;
 }
 
-TileCounts Renderer::resolve_areas(Frame& frame) {
+TileCounts Renderer::resolve_areas(const Window& rows, Frame& frame) {
     CoverageScene scene{plan_, kernels_, &instances_, &draws_, &shade_draws_, &inputs_.frame, {}};
     for (const Draw& draw : draws_)
         scene.cull.push_back(cull_side(*plan_, prepared_, draw.material));
-    return resolve_coverage(scene, window_, threads_, frame);
+    return resolve_coverage(scene, rows, threads_, frame);
 }
 
 std::uint64_t Renderer::texture_levels() const {

@@ -23,17 +23,20 @@ class Renderer {
     // Textures, vertices and draws for this plan, which must stay while it is drawn.
     void begin(const RenderPlan& plan);
     const std::vector<std::string>& warnings() const { return warnings_; }  // of begin()
-    // A part of the picture; parts may be drawn in any order. `frame` may hold an older picture,
-    // whose memory is used again.
-    void draw(const Crop& part, Frame& frame);
+    // A part of the picture: its triangles are culled and sorted by tile, once for all its rows.
+    void place(const Crop& part);
+    // Rows of that part, in any order: from a multiple of tile_size to another one, or to the
+    // part's end. `frame` may hold an older picture, whose memory is used again. What is counted
+    // once for the part is in the first rows' counters.
+    void draw_rows(std::uint32_t first, std::uint32_t rows, Frame& frame);
 
   private:
     void load_textures();
     void transform();
     void make_draws();
     void light_vertices(std::size_t draw);
-    void set_up();
-    TileCounts resolve_areas(Frame& frame);
+    void sort_by_tile();
+    TileCounts resolve_areas(const Window& rows, Frame& frame);
     void size_buffers(Frame& frame) const;
     std::uint64_t texture_levels() const;
 
@@ -43,7 +46,9 @@ class Renderer {
     int threads_ = 0;
     std::vector<SampleOffset> offsets_;
     Window window_;
-    double shared_ms_ = 0;  // spent on what all parts share, until a part has told it
+    // Spent and counted on what several pictures share, until one of them has told it.
+    double shared_ms_ = 0;
+    Counters shared_counters_;
     std::vector<std::string> warnings_;
     struct KeptTexture {
         bool tried = false, colour = false;
@@ -60,7 +65,8 @@ class Renderer {
     std::vector<ShadeDraw> shade_draws_;
     std::vector<TriangleChunk> chunks_;
     std::size_t chunk_count_ = 0;
-    std::vector<std::vector<TileWork>> tile_work_;
+    std::vector<TileWork> tile_work_;        // by tile
+    std::vector<std::uint32_t> tile_begin_;  // in tile_work_, and one past the last one's end
     std::vector<TileCounts> tile_counts_;
     std::uint64_t textures_read_ = 0;  // those of the plan
     tbb::enumerable_thread_specific<BinScratch> bin_scratch_;

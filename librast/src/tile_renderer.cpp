@@ -10,7 +10,10 @@ namespace {
 class Tile {
   public:
     Tile(const TileInputs& in, std::uint32_t tile, TileScratch& scratch)
-        : in_(in), s_(scratch), request_(in.plan->request), work_((*in.work)[tile]) {
+        : in_(in),
+          s_(scratch),
+          request_(in.plan->request),
+          work_(in.work + in.work_begin[tile], in.work + in.work_begin[tile + 1]) {
         left_ = std::int32_t(tile) % in.window.tiles_x * tile_size;
         top_ = std::int32_t(tile) / in.window.tiles_x * tile_size;
         place_ = {in.window.first_x + left_ * subpixels,
@@ -24,9 +27,12 @@ class Tile {
     TileCounts draw() {
         TileCounts counts;
         clear();
-        if (work_.empty()) return counts;
+        // Colours come later, from areas.
+        const bool areas = request_.coverage == Coverage::area;
+        if (areas) fill(in_.frame->color, glm::vec4(request_.background, 0.0f));
+        if (work_.empty() || (areas && !keeps_buffers(request_))) return counts;
         raster();
-        if (request_.keep_color) {
+        if (request_.keep_color && !areas) {
             if (in_.offsets->size() == 1) {
                 collect_single();
                 add_to(counts);
@@ -42,7 +48,7 @@ class Tile {
 
   private:
     std::size_t row_start(std::int32_t y) const {
-        return std::size_t(top_ + y) * in_.frame->width + std::size_t(left_);
+        return std::size_t(top_ - in_.first_row + y) * in_.frame->width + std::size_t(left_);
     }
     std::size_t pixel_of(std::uint16_t p) const {
         return row_start(p / tile_size) + std::size_t(p % tile_size);
@@ -337,7 +343,7 @@ class Tile {
     const TileInputs& in_;
     TileScratch& s_;
     const RenderRequest& request_;
-    const std::vector<TileWork>& work_;
+    std::span<const TileWork> work_;
     TilePlace place_;
     std::int32_t left_ = 0, top_ = 0;
     std::uint32_t count_ = 0;  // of entries
@@ -345,6 +351,11 @@ class Tile {
 };
 
 }  // namespace
+
+bool keeps_buffers(const RenderRequest& r) {
+    return r.keep_depth || r.keep_ids || r.keep_normals || r.keep_uvs || r.keep_barycentrics ||
+           r.keep_positions;
+}
 
 void raster_slice(const TriangleChunk& chunk, std::uint32_t begin, std::uint32_t end,
                   std::uint32_t first_number, std::span<const TilePlace> places,

@@ -50,15 +50,21 @@ struct TileInputs {
     const std::vector<Draw>* draws = nullptr;
     const std::vector<ShadeDraw>* shade_draws = nullptr;
     const std::vector<TriangleChunk>* chunks = nullptr;
-    const std::vector<std::vector<TileWork>>* work = nullptr;  // per tile
+    // Tile t draws work_begin[t] … work_begin[t + 1] of these.
+    const TileWork* work = nullptr;
+    const std::uint32_t* work_begin = nullptr;
     const ShadeFrame* shade_frame = nullptr;
     Window window;
-    Frame* frame = nullptr;  // its buffers have their size
+    std::int32_t first_row = 0;  // of the window, in the frame
+    Frame* frame = nullptr;      // its buffers have their size
 };
 
 struct TileCounts {
     std::uint64_t shaded = 0, texture_samples = 0;
 };
+
+// Whether something beside colours is asked for.
+bool keeps_buffers(const RenderRequest& request);
 
 // Tiles may be drawn by several threads at once.
 TileCounts draw_tile(const TileInputs& inputs, std::uint32_t tile, TileScratch& scratch);

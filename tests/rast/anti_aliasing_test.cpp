@@ -204,6 +204,42 @@ TEST(ExactAreas, BrokenAndHugeCornersAddNothingOrTheirPart) {
     for (const glm::vec4& c : frame.color) EXPECT_TRUE(c.a >= 0 && c.a <= 1.0000001f);
 }
 
+// One wall before everything: as many shares as pixels, and no sample shaded beside them.
+TEST(ExactAreas, ShadeEveryShareOnce) {
+    prep::VertexMesh mesh;
+    mesh.positions = {{-900, -900, 0}, {900, -900, 0}, {0, 900, 0}};
+    mesh.indices = {0, 1, 2};
+    const prep::PreparedScene scene = test::scene_of(mesh, white());
+    rast::RenderRequest request = flat(100);
+    request.coverage = Coverage::area;
+    EXPECT_EQ(test::draw(scene, request).counters.pixels_shaded, 100u * 100);
+    request.keep_depth = request.keep_normals = true;
+    const rast::Frame buffers = test::draw(scene, request);
+    EXPECT_EQ(buffers.counters.pixels_shaded, 100u * 100);
+    EXPECT_GT(buffers.depth[50 * 100 + 50], 0.0f);
+    EXPECT_NEAR(buffers.normal[50 * 100 + 50].z, 1, 1e-6);
+}
+
+// However many rows of tiles the finer picture has.
+TEST(Supersampling, CountsTrianglesOnce) {
+    const prep::PreparedScene scene = test::scene_of(test::sphere(60, 40), prep::Material{});
+    rast::RenderRequest request;
+    request.width = 150;
+    request.height = 170;
+    for (const int factor : {2, 3, 5, 16}) {
+        request.supersample = factor;
+        const rast::Counters fine = test::draw(scene, request).counters;
+        rast::RenderRequest larger = request;
+        larger.width *= std::uint32_t(factor);
+        larger.height *= std::uint32_t(factor);
+        larger.supersample = 1;
+        const rast::Counters whole = test::draw(scene, larger).counters;
+        EXPECT_EQ(fine.triangles, whole.triangles) << factor;
+        EXPECT_EQ(fine.facing_away, whole.facing_away) << factor;
+        EXPECT_EQ(fine.pixels_shaded, whole.pixels_shaded) << factor;
+    }
+}
+
 TEST(Supersampling, IsTheMeanOfTheFinerPicture) {
     const prep::PreparedScene scene = test::scene_of(test::sphere(20, 14), prep::Material{});
     rast::RenderRequest request;
@@ -226,6 +262,27 @@ TEST(Supersampling, IsTheMeanOfTheFinerPicture) {
             for (int c = 0; c < 4; ++c)
                 ASSERT_FLOAT_EQ(coarse.color[y * 50 + x][c], float(sum[c] / 9)) << x << " " << y;
         }
+    // Rows of tiles that end within a pixel.
+    for (const int factor : {3, 5}) {
+        rast::RenderRequest tall;
+        tall.width = 20;
+        tall.height = 90;
+        tall.supersample = factor;
+        const rast::Frame reduced = test::draw(scene, tall);
+        tall.width *= std::uint32_t(factor);
+        tall.height *= std::uint32_t(factor);
+        tall.supersample = 1;
+        const rast::Frame whole = test::draw(scene, tall);
+        const std::uint32_t n = std::uint32_t(factor);
+        for (std::uint32_t y = 0; y < 90; ++y)
+            for (std::uint32_t x = 0; x < 20; ++x) {
+                double sum = 0;
+                for (std::uint32_t j = 0; j < n; ++j)
+                    for (std::uint32_t i = 0; i < n; ++i)
+                        sum += whole.color[(y * n + j) * 20 * n + x * n + i].g;
+                ASSERT_FLOAT_EQ(reduced.color[y * 20 + x].g, float(sum / double(n * n))) << y;
+            }
+    }
     // A crop of it is part of it; buffers are those of the plain picture.
     request.crop = rast::Crop{7, 9, 30, 20};
     const rast::Frame part = test::draw(scene, request);

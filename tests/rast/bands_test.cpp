@@ -56,7 +56,35 @@ TEST(Bands, JoinToTheWholePictureBitForBit) {
             ASSERT_TRUE(done);
             EXPECT_EQ(next, 257u);
             EXPECT_EQ(done->counters.pixels_shaded, whole.counters.pixels_shaded);
+            if (rows < 64) continue;
+            // Sorted by tile once, not once for each band.
+            EXPECT_EQ(done->counters.triangles, whole.counters.triangles);
+            EXPECT_EQ(done->counters.facing_away, whole.counters.facing_away);
+            EXPECT_EQ(done->counters.outside, whole.counters.outside);
         }
+    }
+}
+
+TEST(Bands, OfExactAreasAndSupersamplingJoinAsWell) {
+    const prep::PreparedScene scene = test::scene_of(test::sphere(30, 20), prep::Material{});
+    for (const bool areas : {false, true}) {
+        rast::RenderRequest request;
+        request.width = 90;
+        request.height = 200;
+        if (areas)
+            request.coverage = rast::Coverage::area;
+        else
+            request.supersample = 3;
+        const rast::Frame whole = test::draw(scene, request);
+        request.band_bytes = 64 * 90 * 16;
+        const auto done = rast::render_bands(
+            scene, plan_of(scene, request), [&](const rast::Frame& band, std::uint32_t first) {
+                EXPECT_EQ(band.height, first == 192 ? 8u : 64u);
+                EXPECT_TRUE(rows_equal(whole.color, band.color, std::size_t(first) * 90));
+                return prep::Result<void>();
+            });
+        ASSERT_TRUE(done);
+        EXPECT_EQ(done->counters.triangles, whole.counters.triangles);
     }
 }
 

@@ -225,6 +225,26 @@ TEST(Pruning, ColoursThatNobodyReadsAreNotShaded) {
     EXPECT_TRUE(test::draw(scene, request).color.empty());
 }
 
+TEST(Pruning, VerticesAreLitForColoursAlone) {
+    const prep::PreparedScene scene = two_spheres(false, false);
+    rast::RenderRequest request = small();
+    request.shading = rast::Shading::gouraud;
+    request.keep_normals = true;
+    const rast::Frame all = test::draw(scene, request);
+    std::size_t vertices = 0;  // of every instance
+    for (const prep::Node& node : scene.scene.nodes)
+        if (node.mesh != prep::no_index) vertices += scene.meshes[node.mesh].vertex_count();
+    EXPECT_GT(all.counters.vertices_lit, 0u);
+    EXPECT_LE(all.counters.vertices_lit, vertices);
+    request.keep_color = false;
+    const rast::Frame bare = test::draw(scene, request);
+    EXPECT_EQ(bare.counters.vertices_lit, 0u);
+    EXPECT_EQ(bare.normal, all.normal);
+    request.shading = rast::Shading::phong;
+    request.keep_color = true;
+    EXPECT_EQ(test::draw(scene, request).counters.vertices_lit, 0u);
+}
+
 TEST(Plan, NamesSamplesFiltersLevelsBuffersVariantsAndBands) {
     const prep::PreparedScene scene = two_spheres(true, false);
     rast::RenderRequest request = small();

@@ -154,6 +154,7 @@ Json counters_json(const rast::Counters& c) {
             {"outside", c.outside},
             {"between_samples", c.between_samples},
             {"crossing", c.crossing},
+            {"vertices_lit", c.vertices_lit},
             {"pixels_shaded", c.pixels_shaded},
             {"texture_samples", c.texture_samples},
             {"textures_read", c.textures_read},

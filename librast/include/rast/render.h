@@ -129,6 +129,7 @@ struct Counters {
     std::uint64_t outside = 0;          // off the picture or behind the near plane
     std::uint64_t between_samples = 0;  // cover no pixel centre
     std::uint64_t crossing = 0;         // drawn through homogeneous edges (near plane, guard band)
+    std::uint64_t vertices_lit = 0;     // Gouraud
     std::uint64_t pixels_shaded = 0;
     std::uint64_t texture_samples = 0;  // maps read at shaded points
     std::uint64_t textures_read = 0;    // files and embedded pictures decoded
@@ -160,7 +161,7 @@ prep::Result<Frame> render(const prep::PreparedScene& scene, const RenderPlan& p
 // The picture of render(), bit for bit, in bands of plan.band_rows rows from top to bottom, so that
 // large ones need never be held: take(band, first row) gets each once. An error of `take` ends it
 // and is returned. The frame that comes back has no pixels; its counters are the sums over the
-// bands (a triangle counts once in each).
+// bands (a triangle counts once, in bands of fewer than 64 rows once in each).
 using BandSink = std::function<prep::Result<void>(const Frame& band, std::uint32_t first_row)>;
 prep::Result<Frame> render_bands(const prep::PreparedScene& scene, const RenderPlan& plan,
                                  const BandSink& take);
