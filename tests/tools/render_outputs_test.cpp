@@ -145,6 +145,32 @@ TEST(RenderBuffers, UnknownOnesAreUsageErrors) {
     EXPECT_EQ(dir.names(), std::vector<std::string>{"square.obj"});
 }
 
+TEST(RenderCommand, ChoicesThatWouldChangeNothingAreErrors) {
+    const TemporaryDirectory dir;
+    const std::string in = (dir / "scene.json").string();
+    write_text(dir / "scene.json",
+               R"({"meshprep": 1, "meshes": {"ball": {"shape": {"kind": "sphere"}}},
+                   "camera": {"position": [0, 0, 5], "target": [0, 0, 0], "height": 3},
+                   "picture": {"size": [16, 16]}})");
+    // Linear files have no tone curve; "off" says what they do.
+    for (const std::string ending : {"exr", "hdr"}) {
+        const std::string out = (dir / ("a." + ending)).string();
+        const test::Ran ran = run_command({"render", in, "-o", out, "--tone-map", "reinhard"});
+        EXPECT_EQ(ran.exit_code, 2);
+        EXPECT_NE(ran.err.find("--tone-map"), std::string::npos) << ran.err;
+    }
+    // The file's own camera is orthographic.
+    const std::string out = (dir / "a.png").string();
+    const test::Ran ran = run_command({"render", in, "-o", out, "--fov", "40"});
+    EXPECT_EQ(ran.exit_code, 1);
+    EXPECT_NE(ran.err.find("--fov"), std::string::npos) << ran.err;
+    EXPECT_EQ(dir.names(), std::vector<std::string>{"scene.json"});
+    EXPECT_EQ(run_command({"render", in, "-o", out, "--fov", "40", "--camera", "0,0"}).exit_code,
+              0);
+    const std::string linear = (dir / "a.exr").string();
+    EXPECT_EQ(run_command({"render", in, "-o", linear, "--tone-map", "off"}).exit_code, 0);
+}
+
 TEST(RenderCrop, IsThePartOfTheWholePicture) {
     const TemporaryDirectory dir;
     write_text(dir / "sphere.obj", test::sphere_obj(24, 16));

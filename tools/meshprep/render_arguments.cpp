@@ -283,6 +283,8 @@ void check_render(const RenderCommand& c) {
     if (c.yfov && c.ortho_height)
         usage_error("--fov", "is an angle of perspective; --ortho has none, give one of them");
     const std::string name = c.output.filename().string();
+    if (c.tone_map.value_or(false) && keeps_float(c.output))
+        usage_error("--tone-map", "'" + name + "' keeps linear light as it is; leave one of them");
     if (c.turntable == 0 && pattern_digits(name))
         usage_error("--output", "'" + name + "' numbers pictures; give --turntable N");
     if (c.turntable > 0 && !c.buffer_file.empty() &&

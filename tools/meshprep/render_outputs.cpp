@@ -13,11 +13,6 @@ namespace {
 
 using prep::Result;
 
-bool keeps_float(const std::filesystem::path& path) {
-    const std::string ending = lower_ending(path);
-    return ending == "exr" || ending == "hdr";
-}
-
 // Where "%d" or "%04d" stands in a name.
 struct Pattern {
     std::size_t at = 0, length = 0;
@@ -112,6 +107,11 @@ void put_buffer(std::vector<T>& row, const rast::Frame& band, const rast::View& 
 }
 
 }  // namespace
+
+bool keeps_float(const std::filesystem::path& path) {
+    const std::string ending = lower_ending(path);
+    return ending == "exr" || ending == "hdr";
+}
 
 std::optional<int> pattern_digits(const std::string& name) {
     const std::optional<Pattern> pattern = find_pattern(name);

@@ -21,6 +21,9 @@ std::optional<int> pattern_digits(const std::string& name);
 std::filesystem::path sequence_name(const std::filesystem::path& path, std::uint32_t number,
                                     std::uint32_t count);
 
+// Whether a picture of that name keeps linear floats (.exr, .hdr), which no tone curve changes.
+bool keeps_float(const std::filesystem::path& path);
+
 // Asks for what the buffers need.
 void keep(rast::RenderRequest& request, const std::vector<Buffer>& buffers);
 

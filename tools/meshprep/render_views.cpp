@@ -83,13 +83,25 @@ class Viewer {
         return views;
     }
 
-    std::vector<rast::View> cameras(std::uint32_t node) const {
+    Result<std::vector<rast::View>> cameras(std::uint32_t node) const {
         rast::View view = rast::camera_view(prepared_.scene, node);
+        if (command_.yfov && !view.perspective)
+            return Error{ErrorCode::invalid,
+                         "--fov is an angle of perspective, and the camera '" +
+                             prepared_.scene.nodes[node].name +
+                             "' has none: --ortho HEIGHT changes what it shows",
+                         prepared_.scene.source.string()};
         if (command_.yfov) view.yfov = *command_.yfov;
         std::vector<rast::View> views;
         for (std::uint32_t n = 0; n < count_; ++n)
             views.push_back(n == 0 ? view : rast::turned_view(view, centre_, angle(n)));
         return views;
+    }
+
+    Result<std::vector<std::optional<rast::View>>> through_camera(std::uint32_t node) const {
+        const Result<std::vector<rast::View>> views = cameras(node);
+        if (!views) return views.error();
+        return finished(*views);
     }
 
     // With the projection asked for.
@@ -142,7 +154,7 @@ Result<std::vector<std::optional<rast::View>>> views_of(const RenderCommand& com
     if (const auto* name = std::get_if<std::string>(&command.camera)) {
         const Result<std::uint32_t> node = find_camera(prepared.scene, *name);
         if (!node) return node.error();
-        return viewer.finished(viewer.cameras(*node));
+        return viewer.through_camera(*node);
     }
     if (picture.orbit_azimuth)
         return viewer.finished(
@@ -151,7 +163,7 @@ Result<std::vector<std::optional<rast::View>>> views_of(const RenderCommand& com
     if (command.turntable == 0 && !command.yfov && !command.ortho_height)
         return std::vector<std::optional<rast::View>>(1);
     if (prepared.scene.active_camera != prep::no_index)
-        return viewer.finished(viewer.cameras(prepared.scene.active_camera));
+        return viewer.through_camera(prepared.scene.active_camera);
     return viewer.finished(viewer.orbits({}));
 }
 
