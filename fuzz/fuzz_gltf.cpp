@@ -9,6 +9,7 @@
 #include "gltf_writer.h"
 #include "invariants.h"
 #include "prep/gltf.h"
+#include "prep/tangent_conventions.h"
 
 namespace {
 
@@ -40,6 +41,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     auto scene = prep::parse_gltf(std::as_bytes(std::span(data, size)), options);
     if (!scene) return 0;
     if (!test::broken_promise(*scene).empty()) std::abort();
+    for (const prep::Mesh& mesh : scene->meshes) prep::tangent_conventions(mesh, 0, 1);
     const auto first = prepared(std::move(*scene));
     if (!first) return 0;
     std::vector<std::string> notes;

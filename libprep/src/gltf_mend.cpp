@@ -126,9 +126,10 @@ const char* const mend_notes[mend_kinds] = {
     "vertex data that are not finite were written as 0",
 };
 
-unsigned mend_values(const std::string& semantic, RawAccessor& values) {
+unsigned mend_values(const std::string& semantic, MendOf of, RawAccessor& values) {
     if (values.component_type != float_type) return 0;
-    const bool color = is_color(semantic), weight = is_weight(semantic);
+    const bool own = of == MendOf::attribute;
+    const bool color = own && is_color(semantic), weight = own && is_weight(semantic);
     bool changed = false;
     for (std::size_t at = 0; at + 4 <= values.bytes.size(); at += 4) {
         float x;

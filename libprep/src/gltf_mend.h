@@ -20,9 +20,11 @@ enum Mend : std::uint8_t {
 inline constexpr unsigned mend_kinds = 5;
 extern const char* const mend_notes[mend_kinds];  // by bit
 
-// Floats that are not finite become 0; colours are clamped to 0 … 1; weights below 0 become 0.
-// Integers are left alone. Returns what was changed. O(values).
-unsigned mend_values(const std::string& semantic, RawAccessor& values);
+// Floats that are not finite become 0. Of a primitive's own attributes, colours are clamped to 0 …
+// 1 and weights below 0 become 0; what a morph target adds may have any sign. Integers are left
+// alone. Returns what was changed. O(values).
+enum class MendOf { attribute, morph_target };
+unsigned mend_values(const std::string& semantic, MendOf of, RawAccessor& values);
 
 // Scales the weights of each vertex, in all its sets together, to the sum 1, which the format asks
 // for; their ratios stay. Vertices whose weights are 0 throughout, or whose sum is 1 within the

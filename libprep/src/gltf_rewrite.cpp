@@ -213,7 +213,7 @@ class Rewriter {
             auto values = gather(source, item.key(), item.value().get<std::size_t>(), local);
             if (!values) return std::move(values).error();
             Gathered& kept = result.attributes[item.key()] = *std::move(values);
-            note_mended(mend_values(item.key(), kept.values));
+            note_mended(mend_values(item.key(), MendOf::attribute, kept.values));
             if (item.key().starts_with("WEIGHTS_")) weights.push_back(&kept.values);
         }
         if (normalise_weights(weights)) note_mended(mend_weight_sum);
@@ -224,7 +224,7 @@ class Rewriter {
                 auto values = gather({}, item.key(), item.value().get<std::size_t>(), local);
                 if (!values) return std::move(values).error();
                 Gathered& to = kept[item.key()] = *std::move(values);
-                note_mended(mend_values(item.key(), to.values));
+                note_mended(mend_values(item.key(), MendOf::morph_target, to.values));
             }
         }
         return result;
@@ -260,11 +260,17 @@ class Rewriter {
         for (std::size_t i = 0; i < result.size(); ++i) {
             glm::vec4& t = result[i];
             if (finite(glm::vec3(t)) && std::isfinite(t.w)) continue;
-            const glm::vec3 n = normals.empty() ? glm::vec3(0, 0, 1) : normals[i];
+            mended_ = true;
+            if (finite(glm::vec3(t))) {
+                t.w = 1;
+                note_once("signs of tangents that are not finite were written as 1");
+                continue;
+            }
+            glm::vec3 n = normals.empty() ? glm::vec3(0, 0, 1) : normals[i];
+            if (n == glm::vec3(0.0f)) n = glm::vec3(0, 0, 1);
             const glm::vec3 axis = std::abs(n.x) < 0.5f ? glm::vec3(1, 0, 0) : glm::vec3(0, 1, 0);
             t = glm::vec4(glm::normalize(glm::cross(n, axis)), 1.0f);
             note_once("tangents that are not finite were replaced by any in the surface");
-            mended_ = true;
         }
         return result;
     }

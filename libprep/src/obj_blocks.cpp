@@ -225,8 +225,7 @@ class BlockParser {
     void statement(const char* begin, const char* end) {
         LineScanner named(begin, end);
         named.skip_blanks();
-        const char first = named.peek();
-        if (first == '\0' || first == '#') return;
+        if (named.at_end() || named.peek() == '#') return;
         const std::string_view word = named.word();
         if (word == "usemtl") return event(ObjEvent::Kind::material, named);
         if (word == "g") return event(ObjEvent::Kind::group, named);

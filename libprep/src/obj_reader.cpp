@@ -280,6 +280,11 @@ class Assembler {
                 }
             }
         fill(faces);
+        // Groups without a name say nothing either.
+        if (mesh_->parts.size() == 1 && mesh_->parts[0].empty()) {
+            mesh_->parts.clear();
+            mesh_->face_parts.clear();
+        }
         // "s off" throughout is what exporters write when they know of no groups: no information.
         if (std::all_of(mesh_->face_smoothing.begin(), mesh_->face_smoothing.end(),
                         [](Index s) { return s == 0; }))

@@ -108,10 +108,19 @@ class Words {
             for (; facet_ < text_.size(); ++facet_) {
                 const bool alone = (facet_ == 0 || is_space(text_[facet_ - 1])) &&
                                    (facet_ + 5 >= text_.size() || is_space(text_[facet_ + 5]));
-                if (alone && lower(text_.substr(facet_, 5)) == "facet") break;
+                if (alone && lower(text_.substr(facet_, 5)) == "facet" && begins_facet(facet_ + 5))
+                    break;
             }
         }
         return facet_ < line_end() ? facet_ : std::string_view::npos;
+    }
+    // A name may hold the word too: what follows it tells.
+    bool begins_facet(std::size_t after) const {
+        while (after < text_.size() && is_space(text_[after])) ++after;
+        std::size_t end = after;
+        while (end < text_.size() && !is_space(text_[end])) ++end;
+        const std::string next = lower(text_.substr(after, end - after));
+        return next == "normal" || next == "outer" || next == "vertex";
     }
     std::size_t at() const { return at_; }
     void go_to(std::size_t at) { at_ = at; }

@@ -39,7 +39,7 @@ enum TermCode : std::uint32_t {
 };
 inline constexpr float direction_bound = 0.051f;
 inline constexpr float most_off_unit = 2e-3f;    // of a normal's squared length, from 1
-inline constexpr int triangle_flags_shift = 12;  // six bits from there on are kept per triangle
+inline constexpr int triangle_flags_shift = 12;  // eight bits from there on are kept per triangle
 
 struct TermCounts {
     std::uint64_t mirrored = 0, anything = 0, degenerate = 0;  // disjoint

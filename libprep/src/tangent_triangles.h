@@ -49,12 +49,11 @@ struct CornerReader {
         return in.positions[in.corner_vertices[source(corner)]];
     }
     glm::vec3 normal(std::uint32_t corner) const {
-        const std::uint32_t i = in.normals.indices[source(corner)];
-        if (i == no_index) return glm::vec3(std::numeric_limits<float>::quiet_NaN());
-        return usable(i);
+        return usable(in.normals.indices[source(corner)]);
     }
-    // A normal by its index.
+    // A normal by its index; none is NaN.
     glm::vec3 usable(std::uint32_t i) const {
+        if (i == no_index) return glm::vec3(std::numeric_limits<float>::quiet_NaN());
         return unit_normals ? unit_normal(in.normals.values[i]) : in.normals.values[i];
     }
     glm::vec2 uv(std::uint32_t corner) const {

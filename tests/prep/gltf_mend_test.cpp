@@ -138,7 +138,7 @@ TEST(SkinWeights, OddInputIsLeftAlone) {
 // One triangle whose attributes are what the format forbids, through load, prepare and save.
 struct OddFile {
     std::string json, bytes;
-    std::string attributes, views,
+    std::string attributes, targets, views,
         accessors = R"({"bufferView":0,"componentType":5126,"count":3,)"
                     R"("type":"VEC3","min":[0,0,0],"max":[1,1,0]})";
     int count = 1;
@@ -165,7 +165,9 @@ struct OddFile {
             dir / "in.gltf",
             R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],)"
             R"("meshes":[{"primitives":[{"attributes":{"POSITION":0)" +
-                attributes + R"(}}]}],"accessors":[)" + accessors + R"(],"bufferViews":[)" + views +
+                attributes + "}" +
+                (targets.empty() ? std::string() : ",\"targets\":[{" + targets + "}]") +
+                R"(}]}],"accessors":[)" + accessors + R"(],"bufferViews":[)" + views +
                 R"(],"buffers":[{"uri":"in.bin","byteLength":)" + std::to_string(bytes.size()) +
                 "}]}");
         test::write_text(dir / "in.bin", bytes);
@@ -192,7 +194,8 @@ TEST(GltfMend, ForbiddenValuesAreReplacedAndNamed) {
                           "skin weights that are negative or not finite were written as 0",
                           "skin weights that do not add up to 1 were rescaled",
                           "normals that are not finite were written as (0, 0, 1)",
-                          "tangents that are not finite were replaced by any in the surface"}));
+                          "tangents that are not finite were replaced by any in the surface",
+                          "signs of tangents that are not finite were written as 1"}));
     const auto out = prep::load_scene(dir / "out.gltf");
     ASSERT_TRUE(out.has_value()) << prep::to_string(out.error());
     const prep::Mesh& mesh = out->meshes[0];
@@ -208,6 +211,23 @@ TEST(GltfMend, ForbiddenValuesAreReplacedAndNamed) {
     const std::string binary = test::file_text(dir / "out.bin");
     const float weights[12] = {0.5f, 0.5f, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0};
     EXPECT_NE(binary.find(std::string(reinterpret_cast<const char*>(weights), 48)),
+              std::string::npos);
+}
+
+TEST(GltfMend, WhatMorphTargetsAddToColoursKeepsItsSign) {
+    OddFile file;
+    file.add<float>("COLOR_0", "VEC3", {1, 0, 1, 0.5f, 1, 0, 1, 0, 0.25f});
+    const std::vector<float> deltas = {-0.5f, 0.25f, 2, 0, 0, 0, -1, 0, 0};
+    const std::string own = file.attributes;
+    file.add<float>("COLOR_0", "VEC3", deltas);
+    file.targets = file.attributes.substr(own.size() + 1);
+    file.attributes = own;
+    const test::TempDir dir;
+    const auto notes = file.save(dir);
+    ASSERT_TRUE(notes.has_value()) << prep::to_string(notes.error());
+    EXPECT_EQ(*notes, std::vector<std::string>{});
+    EXPECT_NE(test::file_text(dir / "out.bin")
+                  .find(std::string(reinterpret_cast<const char*>(deltas.data()), 36)),
               std::string::npos);
 }
 

@@ -103,8 +103,8 @@ TEST_F(ImageFiles, AFileThatDoesNotFitIsAnErrorAndLeavesTheOldOne) {
             prep::ImageFiles out;
             const auto file = out.open(
                 path, layout(300, 200, 3, floats ? prep::PixelType::f32 : prep::PixelType::u8));
-            good = file.has_value();
-            good = good && out.write_rows(*file, noise).has_value();
+            ASSERT_TRUE(file) << to_string(file.error());  // nothing is written yet
+            good = out.write_rows(*file, noise).has_value();
             good = out.commit().has_value() && good;
         }
         ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &before), 0);

@@ -105,8 +105,17 @@ TEST(Obj, Utf16AndBinaryAreRefused) {
     EXPECT_EQ(error_of(std::string("v\0 \0000", 5)), why);
     EXPECT_EQ(error_of("\xff\xfev"), why);
     EXPECT_EQ(error_of("\xfe\xff"), why);
+    EXPECT_EQ(error_of(std::string("v 0 0 0\n\0\0v 1 0 0\n", 18)).substr(0, 26),
+              "test.obj:2: a zero byte: t");  // a hole in the file
     EXPECT_EQ(error_of(std::string("v 0 0 0\nab\0c 1\n", 15)),
               "test.obj:2: a zero byte: this is no OBJ text (binary, or UTF-16) in 'ab?c'");
+}
+
+TEST(Obj, AGroupWithoutANameIsNone) {
+    const auto scene = parse("g\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    ASSERT_TRUE(scene.has_value());
+    EXPECT_TRUE(scene->meshes[0].parts.empty());
+    EXPECT_TRUE(scene->meshes[0].face_parts.empty());
 }
 
 TEST(Obj, SmoothingGroupsMaterialsAndParts) {

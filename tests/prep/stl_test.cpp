@@ -101,6 +101,14 @@ TEST(Stl, FacetsWithoutThreeCornersAreDropped) {
     EXPECT_EQ(scene->warnings[0], "test.stl: 2 facets without exactly three corners were dropped");
 }
 
+TEST(Stl, NamesMayHoldTheWordFacet) {
+    const auto scene = parse("solid big facet\n" + facet + "endsolid big facet\nsolid Facet\n" +
+                             facet + "endsolid Facet\n");
+    ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
+    EXPECT_EQ(scene->meshes[0].face_count(), 2u);
+    EXPECT_EQ(scene->meshes[0].parts, (std::vector<std::string>{"big facet", "Facet"}));
+}
+
 TEST(Stl, AnyWhiteSpaceSeparatesWords) {
     const std::string text = "solid lid\n" + facet + facet + "endsolid lid\nsolid big box\n" +
                              facet + "endsolid solid box\n";
@@ -126,7 +134,7 @@ TEST(Stl, AnyWhiteSpaceSeparatesWords) {
     for (int i = 0; i < 200'000; ++i) flood += "solid a endsolid a ";
     EXPECT_TRUE(parse(flood).has_value());
     flood = "solid a ";
-    for (int i = 0; i < 100'000; ++i) flood += "endsolid solid facet endfacet ";
+    for (int i = 0; i < 100'000; ++i) flood += "endsolid solid facet normal endfacet ";
     EXPECT_FALSE(parse(flood).has_value());
 }
 

@@ -289,4 +289,52 @@ TEST(TangentFallback, FramesEverywhereAfterPrepare) {
     }
 }
 
+// A corner without a normal or UV counts as one of NaN, wherever it lies and whatever is read
+// first.
+TEST(TangentFallback, AbsentNormalsAndUvsAreNaN) {
+    std::mt19937 random(11);
+    for (int round = 0; round < 60; ++round) {
+        test::CornerSoup soup;
+        if (round < 3) {  // one triangle
+            add_face(soup, {{{0, 0, 0}, {0, 0}}, {{1, 0, 0}, {1, 0}}, {{0, 1, 0}, {0, 1}}});
+        } else {
+            test::HostileOptions hostile;
+            hostile.quads = round % 2 == 0;
+            soup = test::hostile_soup(random, hostile);
+        }
+        test::IndexedSoup absent = test::share_values(soup), explicit_nan = absent;
+        explicit_nan.normals.push_back(glm::vec3(nan));
+        explicit_nan.uvs.push_back(glm::vec2(nan));
+        for (std::size_t c = 0; c < soup.corners(); ++c) {
+            if (round == 0 || random() % 4 == 0) {
+                absent.normal_indices[c] = prep::no_index;
+                explicit_nan.normal_indices[c] = std::uint32_t(explicit_nan.normals.size() - 1);
+            }
+            if (random() % 8 == 0) {
+                absent.uv_indices[c] = prep::no_index;
+                explicit_nan.uv_indices[c] = std::uint32_t(explicit_nan.uvs.size() - 1);
+            }
+        }
+        for (const auto mode : {prep::TangentMode::mikktspace, prep::TangentMode::definition,
+                                prep::TangentMode::mikktspace_exact})
+            for (const auto simd : {prep::SimdLevel::scalar, prep::SimdLevel::automatic}) {
+                prep::TangentOptions options;
+                options.mode = mode;
+                options.simd = simd;
+                options.threads = 1 + round % 3;
+                const auto a = prep::corner_tangents(absent.input(), options);
+                const auto b = prep::corner_tangents(explicit_nan.input(), options);
+                ASSERT_TRUE(a.has_value());
+                ASSERT_TRUE(b.has_value());
+                const auto x = test::flattened(*a), y = test::flattened(*b);
+                ASSERT_EQ(x.size(), y.size());
+                for (std::size_t c = 0; c < x.size(); ++c)
+                    for (int k = 0; k < 4; ++k)
+                        EXPECT_TRUE(x[c][k] == y[c][k] ||
+                                    (std::isnan(x[c][k]) && std::isnan(y[c][k])))
+                            << "round " << round << ", corner " << c;
+            }
+    }
+}
+
 }  // namespace

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <sstream>
 
+#include "meshprep/file_list.h"
 #include "meshprep/render_outputs.h"
 #include "meshprep/render_words.h"
 
@@ -274,7 +275,7 @@ CLI::App* define_render(CLI::App& app, RenderCommand& c) {
 void check_render(const RenderCommand& c) {
     if (!c.buffer_file.empty() && c.buffers.empty())
         usage_error("--buffer-file", "says where; give --buffers to say which");
-    if (!c.buffer_file.empty() && c.buffer_file.extension() != ".exr")
+    if (!c.buffer_file.empty() && lower_ending(c.buffer_file) != "exr")
         usage_error("--buffer-file",
                     "'" + c.buffer_file.filename().string() + "' holds no buffers; name it .exr");
     const auto* const place = std::get_if<PlaceChoice>(&c.camera);

@@ -70,8 +70,8 @@ View orthographic_view(const prep::PreparedScene& scene, const View& view, doubl
 // grows.
 View turned_view(const View& view, const glm::dvec3& centre, double radians);
 
-// The same view, but that an orthographic one without a far plane (zfar 0 or infinite, which depth in
-// equal steps cannot have) gets one just behind the scene.
+// The same view, but that an orthographic one without a far plane (zfar 0 or infinite, which depth
+// in equal steps cannot have) gets one just behind the scene.
 View bounded_view(const prep::PreparedScene& scene, const View& view);
 
 // The view of a camera node (its aspect, or the picture's where it names none).
