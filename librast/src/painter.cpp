@@ -76,6 +76,7 @@ void Painter::draw_fine(std::uint32_t first, std::uint32_t rows, Frame& frame) {
     const std::size_t width = std::size_t(frame.width) * factor;
     std::uint32_t done = 0;
     left_over_.clear();
+    fine_frame_.color.reserve((std::size_t(tile) + factor - 1) * width);
     for (std::uint32_t row = first * factor; row < end; row += tile) {
         fine_.draw_rows(row, std::min(tile, end - row), fine_frame_);
         add_counters(frame.counters, fine_frame_.counters);

@@ -136,7 +136,7 @@ class Planner {
         // Supersampled, a row of tiles of the finer picture at a time.
         const std::uint64_t factor = std::uint64_t(r.supersample);
         const std::uint64_t fine =
-            factor > 1 ? 16 * width * factor * ((tile + factor - 1) / factor * factor) : 0;
+            factor > 1 ? 16 * width * factor * (tile + 2 * (factor - 1)) : 0;  // and what is left
         plan_.memory_estimate = height * row + fine + geometry;
         plan_.band_memory_estimate = plan_.band_rows * row + fine + geometry;
         step("bands", plan_.band_rows < height,

@@ -19,7 +19,7 @@ std::int32_t code_of(float x) {
     if (!(x >= 0 && x <= 1)) return -1;
     const float scaled = x * 65535.0f;
     const auto code = std::int32_t(scaled + 0.5f);
-    return std::abs(scaled - float(code)) < 0.01f ? code : -1;
+    return std::abs(scaled - float(code)) <= float(code) * 0x1p-22f ? code : -1;
 }
 
 bool fits_packed(const prep::Image& image) {
@@ -96,8 +96,8 @@ TextureLevels levels_for(TextureFilter filter) {
 }
 
 void MipTexture::add_level(std::vector<Level>& to, std::uint32_t width, std::uint32_t height) {
-    // Rows of a multiple of 4,096 bytes are a cache line longer: a column of texels would otherwise
-    // share a few sets of the caches and push itself out.
+    // Rows of a power of two of bytes, or nearly, are a little longer: a column of texels would
+    // otherwise share a few sets of the caches and push itself out.
     const std::uint32_t pitch = width % 256 == 0 ? width + 8 : width;
     to.push_back({width, height, pitch, texel_count_});
     texel_count_ += std::size_t(pitch) * height;

@@ -26,11 +26,11 @@ struct Footprint {
 enum class TextureLevels : std::uint8_t { base, mipmap, ripmap };
 TextureLevels levels_for(TextureFilter filter);
 
-// How texels lie in memory, all levels one after the other. Files of 8 and 16 bits are packed: red,
-// green and blue of 21 bits each in 8 bytes, texel_scale being 1, which holds every value of such a
-// file exactly (decoded from sRGB, and in coarser levels, to 2^-22, a quarter of what half floats
-// would keep of white); alpha, where there is one, lies apart. Anything else stays floats.
-enum class TexelFormat : std::uint8_t { packed, floats };
+// How texels lie in memory, all levels one after the other. Files whose colours are all values of 8
+// or 16 bits are packed: red, green and blue of 21 bits each in 8 bytes, texel_scale being 1, which
+// holds every such value exactly. What is decoded from sRGB is off by half a step at most, 2^-22,
+// and every coarser level by half a step more; steps are absolute, so that dark colours keep fewer
+// digits. Alpha, where there is one, lies apart. Anything else stays floats.
 inline constexpr std::int32_t texel_scale = 65535 * 32;  // of 2^21 − 1
 inline constexpr int packed_bits = 21;
 // Filters work on the packed numbers; the sum of both products is then correctly rounded k / 255

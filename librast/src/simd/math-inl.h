@@ -25,7 +25,7 @@ RAST_INLINE F log2_one_plus(F f) {
     return p * t * set(1.44269504088896341f);
 }
 
-// Precondition as for split_exponent. Absolute error below 2e-7 + 1 ulp of the result.
+// Precondition as for split_exponent. Absolute error below 3.1e-7 + 1 ulp of the result.
 RAST_INLINE F log2(F m) {
     const Parts parts = split_exponent(m);
     return parts.exponent + log2_one_plus(parts.fraction - set(1.0f));

@@ -206,7 +206,11 @@ RAST_INLINE Texel read_filtered(const TextureView& view, const Reads& reads) {
             const Texel far = bilinear<packed, alpha>(view, reads.far);
             const Texel mixed = mix<alpha>(t, far, reads.between);
             // Lanes that read one level alone have it on both sides; floats may be infinite.
-            t = packed ? mixed : select(reads.between > set(0.0f), mixed, t);
+            const M several = reads.between > set(0.0f);
+            if (packed)
+                t = {mixed.r, mixed.g, mixed.b, alpha ? select(several, mixed.a, t.a) : mixed.a};
+            else
+                t = select(several, mixed, t);
         }
     } else {
         t = read_texels<packed, alpha>(view, reads.near.at[0]);

@@ -1,0 +1,104 @@
+// Textured pictures on every instruction set: texels of 8 bits, 16 bits and floats, every way to
+// wrap, sizes that are no power of two, every filter, with and without an alpha mask.
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <filesystem>
+#include <random>
+
+#include "builders.h"
+#include "prep/image.h"
+#include "prep/io.h"
+#include "prep/simd.h"
+
+namespace {
+
+prep::ImageRef noise(std::uint32_t width, std::uint32_t height, std::uint32_t channels,
+                     prep::PixelType type) {
+    std::mt19937 random(width * 7 + channels);
+    const int steps = type == prep::PixelType::u8 ? 255 : 65535;
+    prep::Image image{width, height, channels, {}, type == prep::PixelType::u8};
+    for (std::uint32_t i = 0; i < width * height * channels; ++i) {
+        const float value = float(random() % std::uint32_t(steps + 1)) / float(steps);
+        image.pixels.push_back(type == prep::PixelType::f32 ? value * 1.7f - 0.1f : value);
+    }
+    prep::ImageRef ref;
+    if (type == prep::PixelType::f32) {  // beside what it is tested with, as a file
+        const auto path = std::filesystem::temp_directory_path() /
+                          ("meshprep-texture-instructions-" + std::to_string(channels) + ".exr");
+        EXPECT_TRUE(prep::save_image(path, image, type).has_value());
+        ref.bytes = *prep::read_file(path);
+        std::filesystem::remove(path);
+        ref.name = "memory.exr";
+    } else {
+        ref.bytes = *prep::encode_png(image, type);
+        ref.name = "memory.png";
+    }
+    return ref;
+}
+
+// A square that leaves its texture on all sides, close on the left and far on the right.
+prep::VertexMesh receding_square() {
+    prep::VertexMesh mesh;
+    mesh.positions = {{-1, -1, 0}, {3, -1, -6}, {3, 1, -6}, {-1, 1, 0}};
+    mesh.normals.assign(4, glm::vec3(0, 0, 1));
+    mesh.uvs = {{{-1.3f, -0.7f}, {3.1f, -0.9f}, {2.9f, 2.2f}, {-1.1f, 1.8f}}};
+    mesh.indices = {0, 1, 2, 0, 2, 3};
+    return mesh;
+}
+
+class TextureInstructions : public testing::TestWithParam<prep::PixelType> {};
+
+TEST_P(TextureInstructions, GiveTheSameBytesForEveryWrapFilterAndMask) {
+    using prep::Wrap;
+    const Wrap wraps[] = {Wrap::repeat, Wrap::mirror, Wrap::clamp, Wrap::border};
+    for (const bool masked : {false, true}) {
+        const prep::ImageRef image = noise(37, 23, masked ? 4 : 3, GetParam());
+        for (int wrap = 0; wrap < 16; ++wrap) {
+            prep::Material material;
+            material.unlit = material.double_sided = true;
+            material.diffuse_map.texture = 0;
+            if (masked) material.alpha_mode = prep::AlphaMode::mask;
+            prep::PreparedScene scene = test::scene_of(receding_square(), material);
+            scene.scene.images.push_back(image);
+            prep::Texture texture;
+            texture.image = 0;
+            texture.wrap_u = wraps[wrap % 4];
+            texture.wrap_v = wraps[wrap / 4];
+            scene.scene.textures.push_back(texture);
+            for (const rast::TextureFilter filter :
+                 {rast::TextureFilter::nearest, rast::TextureFilter::bilinear,
+                  rast::TextureFilter::trilinear, rast::TextureFilter::anisotropic}) {
+                // The costly one not with every wrap.
+                if (filter == rast::TextureFilter::anisotropic && wrap % 5 != 0) continue;
+                rast::RenderRequest request;
+                request.width = 123;
+                request.height = 95;
+                request.filter = filter;
+                request.view = test::look_at({-0.4, 0.3, 1.2}, {0.6, 0, -1.5});
+                request.simd = prep::SimdLevel::scalar;
+                const rast::Frame scalar = test::draw(scene, request);
+                std::size_t seen = 0;
+                for (const glm::vec4& c : scalar.color) seen += c.a > 0;
+                EXPECT_GT(seen, 50u);
+                for (const auto level :
+                     {prep::SimdLevel::sse4, prep::SimdLevel::avx2, prep::SimdLevel::avx512}) {
+                    if (!prep::simd_available(level)) continue;
+                    request.simd = level;
+                    const rast::Frame other = test::draw(scene, request);
+                    EXPECT_EQ(std::memcmp(scalar.color.data(), other.color.data(),
+                                          scalar.color.size() * sizeof(glm::vec4)),
+                              0)
+                        << to_string(level) << ", wrap " << wrap << ", filter " << int(filter)
+                        << (masked ? ", masked" : "");
+                }
+            }
+        }
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(Texels, TextureInstructions,
+                         testing::Values(prep::PixelType::u8, prep::PixelType::u16,
+                                         prep::PixelType::f32));
+
+}  // namespace
