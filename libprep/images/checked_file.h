@@ -36,7 +36,7 @@ class CheckedFile final : public OIIO::Filesystem::IOProxy {
         return false;
     }
     std::size_t write(const void* bytes, std::size_t count) override {
-        if (!file_) return 0;
+        if (!file_ || count == 0) return 0;
         const std::size_t done = std::fwrite(bytes, 1, count, file_);
         if (done != count) fail();
         m_pos += std::int64_t(done);
