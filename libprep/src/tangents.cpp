@@ -81,6 +81,7 @@ class Run {
 
     CornerTangents operator()() {
         triangles_ = detail::tangent_triangles(in_, robust_, options_.threads);
+        if (triangles_.count == 0) return without_triangles();
         const bool as_reference = options_.mode == TangentMode::mikktspace_exact;
         std::vector<Index> representatives;
         if (as_reference) {
@@ -119,6 +120,18 @@ class Run {
     }
 
   private:
+    // No face, or only such as the definition does not know (polygons of five corners and more).
+    CornerTangents without_triangles() {
+        result_.tangents.indices.assign(in_.corner_vertices.size(), no_index);
+        if (robust_) {
+            std::vector<Index> none;
+            add_fallbacks({}, none);
+        } else {
+            add_default();
+        }
+        return std::move(result_);
+    }
+
     // The result's memory, touched here rather than later because another thread has work then.
     void make_room(const detail::TangentStars& stars) {
         std::vector<Index>& indices = result_.tangents.indices;
@@ -202,7 +215,8 @@ class Run {
     void add_fallbacks(const std::vector<Index>& members, std::vector<Index>& suspects) {
         for (const Index m : members) suspects.push_back(triangles_.corner(m >> 2, m & 3));
         const std::vector<Index>& indices = result_.tangents.indices;
-        const bool all_set = triangles_.implicit() && terms_.counts.degenerate == 0;
+        const bool all_set =
+            triangles_.count > 0 && triangles_.implicit() && terms_.counts.degenerate == 0;
         if (!all_set) {
             for (Index c = 0; c < indices.size(); ++c)
                 if (indices[c] == no_index) suspects.push_back(c);

@@ -337,4 +337,22 @@ TEST(TangentFallback, AbsentNormalsAndUvsAreNaN) {
     }
 }
 
+// The definition knows triangles and quads: a pentagon alone leaves every corner without a tangent.
+TEST(TangentFallback, PolygonsThatTheDefinitionSkipsGetItsDefault) {
+    CornerSoup soup;
+    add_face(soup, {{{0, 0, 0}, {0, 0}},
+                    {{1, 0, 0}, {1, 0}},
+                    {{1.5f, 1, 0}, {1, 1}},
+                    {{0.5f, 2, 0}, {0.5f, 2}},
+                    {{-0.5f, 1, 0}, {0, 1}}});
+    for (const auto mode : {prep::TangentMode::definition, prep::TangentMode::mikktspace_exact}) {
+        prep::TangentOptions options;
+        options.mode = mode;
+        const auto made = prep::corner_tangents(soup.input(), options);
+        ASSERT_TRUE(made.has_value());
+        ASSERT_EQ(made->tangents.indices.size(), 5u);
+        for (const glm::vec4& t : test::flattened(*made)) EXPECT_EQ(t, glm::vec4(1, 0, 0, 1));
+    }
+}
+
 }  // namespace
