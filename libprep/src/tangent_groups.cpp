@@ -1,6 +1,7 @@
 #include "tangent_groups.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <optional>
@@ -8,16 +9,16 @@
 
 #include "parallel.h"
 #include "tangent_math.h"
+#include "tangent_small_stars.h"
 #include "tangent_subgroups.h"
-#include "tangent_vertex_counts.h"
 
 namespace prep::detail {
 namespace {
 
 using Index = std::uint32_t;
 using Star = std::span<const Index>;
-// Positions per block of work, about 0.5 ms.
-constexpr std::size_t position_grain = 8192;
+// Listed positions per block of work, about 0.5 ms.
+constexpr std::size_t position_grain = 4096;
 // Lists of larger stars are given back before others are made.
 constexpr std::size_t most_kept = 4096;
 
@@ -49,9 +50,9 @@ class EntangledStars {
 
   private:
     void collect(int threads) {
-        const std::size_t blocks = (stars_.positions + position_grain - 1) / position_grain;
+        const std::size_t blocks = (stars_.count + position_grain - 1) / position_grain;
         std::vector<std::vector<Star>> found(blocks);
-        parallel_blocks(stars_.positions, position_grain, threads,
+        parallel_blocks(stars_.count, position_grain, threads,
                         [&](std::size_t begin, std::size_t end) {
                             auto& list = found[begin / position_grain];
                             stars_.for_each(begin, end, [&](Star star) {
@@ -156,7 +157,7 @@ class StarWorker {
     StarWorker(const CornerReader& read, const TangentTriangles& triangles, const Terms& terms,
                const TangentStars& stars, const EdgeOverrides& overrides,
                const EntangledStars& entangled, const GroupOptions& options,
-               std::span<const std::uint8_t> states, std::span<Index> corner_values)
+               const FirstValues& firsts, std::span<Index> corner_values)
         : read_(read),
           triangles_(triangles),
           terms_(terms),
@@ -164,37 +165,33 @@ class StarWorker {
           overrides_(overrides),
           entangled_(entangled),
           options_(options),
-          states_(states),
+          firsts_(firsts),
           corner_values_(corner_values),
           subgroups_(read, triangles, terms, options.angular_threshold, options.bounded_effort),
-          opposites_only_(opposites_only(options.angular_threshold)) {}
+          sums_tell_(opposites_only(options.angular_threshold) && !triangles.any_quad) {}
 
     struct Block {
-        std::size_t first_value = 0;         // of the first position that has members
         std::vector<glm::vec4> further;      // values behind the first of a position
         std::vector<Index> further_corners;  // corners with those: indices into `further` so far
         std::vector<Index> unused;           // first values that no corner has
         std::vector<Index> suspects;
     };
 
-    // values: where first values go, one for each position that has members.
+    // values: where first values go.
     void run(std::size_t begin, std::size_t end, std::span<glm::vec4> values, Block& block) {
         block_ = &block;
         values_ = values;
         std::size_t next_entangled = entangled_.empty() ? 0 : entangled_.at(stars_.offsets[begin]);
-        std::size_t value = block.first_value;
-        for (std::size_t v = begin; v < end; ++v) {
-            if (stars_.offsets[v] == stars_.offsets[v + 1]) {
-                value += !states_.empty() && states_[v] != unused_vertex;
-                continue;
-            }
+        for (std::size_t i = begin; i < end; ++i) {
+            const Index v = stars_.listed[i];
             first_free_ = true;
-            first_value_ = value++;
-            stars_.for_each(v, v + 1, [&](Star star) {
+            first_value_ = firsts_.all_listed ? i : firsts_.places.empty() ? v : firsts_.places[v];
+            stars_.for_each(i, i + 1, [&](Star star) {
                 if (!entangled_.empty() && entangled_.is(next_entangled, star)) {
                     const std::span<const Index> groups = entangled_.groups(next_entangled++);
                     groups_.assign(groups.begin(), groups.end());
                 } else {
+                    if (sums_tell_ && take_small(star)) return;
                     find_groups(star);
                 }
                 evaluate_groups(star);
@@ -204,6 +201,33 @@ class StarWorker {
     }
 
   private:
+    // The usual listed star; false: not this one.
+    bool take_small(Star star) {
+        if (star.size() > most_small || overrides_.touch(stars_, star)) return false;
+        if (!find_small_groups(stars_, terms_, star, small_)) return false;
+        for (std::size_t g = 0; g < small_.count; ++g) {
+            const SmallGroups::Group& group = small_.groups[g];
+            const float sign = group.preserving ? 1.0f : -1.0f;
+            const glm::vec4 value(group.tangent, sign * options_.positive);
+            const bool first = std::exchange(first_free_, false);
+            const Index place = first ? Index(first_value_) : Index(block_->further.size());
+            if (first)
+                values_[first_value_] = value;
+            else
+                block_->further.push_back(value);
+            const bool no_frame =
+                options_.review &&
+                !has_frame(star[std::size_t(std::countr_zero(group.members))], value);
+            for (std::uint32_t rest = group.members; rest != 0; rest &= rest - 1) {
+                const Index m = star[std::size_t(std::countr_zero(rest))];
+                corner_values_[m - (m >> 2)] = place;
+                if (!first) block_->further_corners.push_back(m - (m >> 2));
+                if (no_frame) block_->suspects.push_back(m);
+            }
+        }
+        return true;
+    }
+
     // Step 6 where no triangle groups with anything.
     void find_groups(Star star) {
         neighbours_.find(stars_, star, overrides_);
@@ -314,7 +338,7 @@ class StarWorker {
     // The sum of a group whose S and T share a half-space. Frames of quads' halves are compared in
     // more than their S: those are evaluated in full.
     std::optional<glm::vec3> sum_of_terms(Star members) const {
-        if (!opposites_only_ || triangles_.any_quad) return std::nullopt;
+        if (!sums_tell_) return std::nullopt;
         glm::vec3 sum(0.0f);
         std::uint32_t all = ~0u;
         for (const Index m : members) {
@@ -361,10 +385,11 @@ class StarWorker {
     const EdgeOverrides& overrides_;
     const EntangledStars& entangled_;
     const GroupOptions& options_;
-    std::span<const std::uint8_t> states_;
+    const FirstValues& firsts_;
     std::span<Index> corner_values_;
     SubgroupEvaluator subgroups_;
-    bool opposites_only_;
+    bool sums_tell_;  // are frames of sums alone those of groups whose S and T share a half-space?
+    SmallGroups small_;
     Block* block_ = nullptr;
     std::span<glm::vec4> values_;
     bool first_free_ = false;      // no corner at the position has its place yet
@@ -403,34 +428,22 @@ void remove_unused(const std::vector<StarWorker::Block>& blocks, std::vector<glm
 GroupTangents group_tangents(const CornerReader& read, const TangentTriangles& triangles,
                              const Terms& terms, const TangentStars& stars,
                              const EdgeOverrides& overrides, const GroupOptions& options,
-                             std::span<const std::uint8_t> states, std::vector<glm::vec4> values,
+                             const FirstValues& firsts, std::vector<glm::vec4> values,
                              std::span<Index> corner_values) {
     const EntangledStars entangled(triangles, terms, stars, overrides, options.threads);
-    const std::size_t blocks = (stars.positions + position_grain - 1) / position_grain;
+    const std::size_t blocks = (stars.count + position_grain - 1) / position_grain;
     std::vector<StarWorker::Block> results(blocks);
-    std::vector<std::size_t> used(blocks, 0);
-    parallel_blocks(stars.positions, position_grain, options.threads,
-                    [&](std::size_t begin, std::size_t end) {
-                        std::size_t& count = used[begin / position_grain];
-                        for (std::size_t v = begin; v < end; ++v)
-                            count += states.empty() ? stars.offsets[v] != stars.offsets[v + 1]
-                                                    : states[v] != unused_vertex;
-                    });
-    std::size_t firsts = 0;
-    for (std::size_t b = 0; b < blocks; ++b)
-        results[b].first_value = std::exchange(firsts, firsts + used[b]);
-
     GroupTangents result;
     result.values = std::move(values);
-    result.values.resize(firsts);
-    parallel_blocks(stars.positions, position_grain, options.threads,
+    result.values.resize(firsts.count);
+    parallel_blocks(stars.count, position_grain, options.threads,
                     [&](std::size_t begin, std::size_t end) {
                         StarWorker worker(read, triangles, terms, stars, overrides, entangled,
-                                          options, states, corner_values);
+                                          options, firsts, corner_values);
                         worker.run(begin, end, result.values, results[begin / position_grain]);
                     });
 
-    std::vector<std::size_t> bases(blocks + 1, firsts);
+    std::vector<std::size_t> bases(blocks + 1, firsts.count);
     for (std::size_t b = 0; b < blocks; ++b) bases[b + 1] = bases[b] + results[b].further.size();
     result.values.reserve(bases[blocks] + 1);
     std::size_t unused = 0;

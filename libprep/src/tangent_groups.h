@@ -31,15 +31,21 @@ struct GroupOptions {
     int threads = 0;
 };
 
-// Groups of the positions that `stars` lists. states: VertexCounts'; empty: the positions that are
-// listed are those that have corners. values: becomes GroupTangents::values; the first values of
-// positions that are not listed are there. corner_values: three per triangle, into values; those of
-// listed positions, and of degenerate triangles, are no_index, and stay that where no group reached
-// the corner.
+// Where positions' first values are.
+struct FirstValues {
+    std::size_t count = 0;
+    bool all_listed = false;                // listed position i's is i; else position v's is
+    std::span<const std::uint32_t> places;  // places[v], or v where there are none
+};
+
+// Groups of the positions that `stars` lists. values: becomes GroupTangents::values; the first
+// values of positions that are not listed are there. corner_values: three per triangle, into
+// values; those of listed positions, and of degenerate triangles, are no_index, and stay that where
+// no group reached the corner.
 GroupTangents group_tangents(const CornerReader& read, const TangentTriangles& triangles,
                              const Terms& terms, const TangentStars& stars,
                              const EdgeOverrides& overrides, const GroupOptions& options,
-                             std::span<const std::uint8_t> states, std::vector<glm::vec4> values,
+                             const FirstValues& firsts, std::vector<glm::vec4> values,
                              std::span<std::uint32_t> corner_values);
 
 }  // namespace prep::detail

@@ -1,6 +1,8 @@
 #include "tangent_stars.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cstring>
 
 #include "parallel.h"
@@ -10,8 +12,8 @@ namespace prep::detail {
 namespace {
 
 using Index = std::uint32_t;
-constexpr std::size_t position_grain = 16384;
-constexpr std::size_t triangle_grain = 65536;
+constexpr std::size_t position_grain = 2048;
+constexpr std::size_t triangle_grain = 65536;  // a multiple of 64
 // Up to this many corners at a position, classes are searched one by one; above, corners are
 // sorted.
 constexpr std::size_t small_star = 32;
@@ -19,18 +21,15 @@ constexpr std::size_t small_star = 32;
 // Cuts one position into welded vertices.
 class Splitter {
   public:
-    Splitter(const CornerReader& read, const TangentTriangles& triangles)
-        : read_(read), triangles_(triangles) {}
+    Splitter(const CornerReader& read, const TangentTriangles& triangles, bool nan)
+        : read_(read), triangles_(triangles), nan_(nan) {}
 
     // Reorders `members` by class (classes by their first member) and gives classes[i], the class
     // of members[i] after that. One class: false, nothing changed.
     bool split(std::span<Index> members) {
         const std::size_t n = members.size();
-        keys_.clear();
-        for (const Index m : members)
-            keys_.push_back(corner_key(read_, triangles_.corner(m >> 2, m & 3)));
-        classes_.assign(n, 0);
-        const Index count = n <= small_star ? search() : sort();
+        classes_.resize(n);
+        const Index count = n > small_star || nan_ ? sort(members) : search(members);
         if (count == 1) return false;
         starts_.assign(count + 1, 0);
         for (const Index c : classes_) ++starts_[c + 1];
@@ -48,18 +47,35 @@ class Splitter {
     const std::vector<Index>& classes() const { return sorted_classes_; }
 
   private:
-    Index search() {
-        firsts_.clear();
-        for (Index i = 0; i < keys_.size(); ++i) {
+    // Where nothing is NaN: equal indices have equal values.
+    Index search(std::span<const Index> members) {
+        const Index* const normals = read_.in.normals.indices.data();
+        const Index* const uvs = read_.in.uv.indices.data();
+        std::array<Use, small_star> firsts;
+        Index count = 0;
+        for (std::size_t i = 0; i < members.size(); ++i) {
+            const Index corner = triangles_.corner(members[i] >> 2, members[i] & 3);
+            const Use use{normals[corner], uvs[corner]};
             Index c = 0;
-            while (c < firsts_.size() && !(keys_[i] == keys_[firsts_[c]])) ++c;
-            if (c == firsts_.size()) firsts_.push_back(i);
+            while (c < count && !same(use, firsts[c])) ++c;
+            if (c == count) firsts[count++] = use;
             classes_[i] = c;
         }
-        return Index(firsts_.size());
+        return count;
     }
-    Index sort() {
-        const std::size_t n = keys_.size();
+    struct Use {
+        Index normal, uv;
+    };
+    bool same(const Use& a, const Use& b) const {
+        return (a.normal == b.normal ||
+                read_.in.normals.values[a.normal] == read_.in.normals.values[b.normal]) &&
+               (a.uv == b.uv || read_.in.uv.values[a.uv] == read_.in.uv.values[b.uv]);
+    }
+    Index sort(std::span<const Index> members) {
+        const std::size_t n = members.size();
+        keys_.clear();
+        for (const Index m : members)
+            keys_.push_back(corner_key(read_, triangles_.corner(m >> 2, m & 3)));
         order_.resize(n);
         for (Index i = 0; i < n; ++i) order_[i] = i;
         std::sort(order_.begin(), order_.end(), [&](Index a, Index b) {
@@ -69,8 +85,8 @@ class Splitter {
         });
         firsts_.resize(n);  // per corner: the first of its class
         for (std::size_t i = 0; i < n; ++i) {
-            const bool same = i > 0 && keys_[order_[i]] == keys_[order_[i - 1]];
-            firsts_[order_[i]] = same ? firsts_[order_[i - 1]] : order_[i];
+            const bool same_key = i > 0 && keys_[order_[i]] == keys_[order_[i - 1]];
+            firsts_[order_[i]] = same_key ? firsts_[order_[i - 1]] : order_[i];
         }
         Index count = 0;
         for (Index i = 0; i < n; ++i)
@@ -80,6 +96,7 @@ class Splitter {
 
     const CornerReader& read_;
     const TangentTriangles& triangles_;
+    bool nan_;
     std::vector<CornerKey> keys_;
     std::vector<Index> classes_, firsts_, order_, starts_, moved_, sorted_classes_;
 };
@@ -91,6 +108,26 @@ ScratchBuffer<Index> numbers_of(std::span<const Index> lowest, std::size_t& coun
     for (std::size_t p = 0; p < lowest.size(); ++p)
         numbers[p] = lowest[p] == p ? Index(count++) : numbers[lowest[p]];
     return numbers;
+}
+
+// Three for each triangle that has terms, all positions so far.
+ScratchBuffer<Index> names_of(std::span<const Index> vertices, const Terms& terms, int threads) {
+    const std::size_t triangles = vertices.size() / 3;
+    ScratchBuffer<Index> names(3 * (terms.chosen.empty() ? triangles : terms.planes[0].size()));
+    parallel_blocks(triangles, triangle_grain, threads, [&](std::size_t begin, std::size_t end) {
+        if (terms.chosen.empty()) {
+            std::copy_n(vertices.data() + 3 * begin, 3 * (end - begin), names.data() + 3 * begin);
+            return;
+        }
+        Index* to = names.data() + 3 * std::size_t(terms.chosen_before[begin / 64]);
+        for (std::size_t w = begin / 64; w < (end + 63) / 64; ++w) {
+            for (std::uint64_t rest = terms.chosen[w]; rest != 0; rest &= rest - 1, to += 3) {
+                const std::size_t t = 64 * w + std::size_t(std::countr_zero(rest));
+                std::copy_n(vertices.data() + 3 * t, 3, to);
+            }
+        }
+    });
+    return names;
 }
 
 }  // namespace
@@ -120,12 +157,39 @@ TangentStars named_vertices(const TangentInput& in, const TangentTriangles& tria
 // A counting sort.
 void list_members(const TangentInput& in, const TangentTriangles& triangles,
                   const MemberLists& lists, TangentStars& stars) {
-    stars.offsets = ScratchBuffer<Index>(stars.positions + 2);
-    stars.split = ScratchBuffer<std::uint8_t>(stars.positions);
+    const Index* const vertices = stars.vertices.data();
+    const auto position = [&](Index m) { return vertices[3 * std::size_t(m >> 2) + (m & 3)]; };
+    // A bit for each listed position, and how many there are before each 64.
+    const std::size_t words = stars.positions / 64 + 1;
+    std::vector<std::uint64_t> bits(words, 0);
+    std::size_t count = 0;
+    for (const auto& list : lists) {
+        count += list.size();
+        for (const Index m : list) bits[position(m) / 64] |= std::uint64_t(1) << (position(m) % 64);
+    }
+    std::vector<Index> before(words);
+    stars.count = 0;
+    for (std::size_t w = 0; w < words; ++w) {
+        before[w] = Index(stars.count);
+        stars.count += std::size_t(std::popcount(bits[w]));
+    }
+    const auto number = [&](Index m) -> std::size_t {
+        const Index v = position(m);
+        const std::uint64_t below = (std::uint64_t(1) << (v % 64)) - 1;
+        return before[v / 64] + std::size_t(std::popcount(bits[v / 64] & below));
+    };
+    stars.listed = ScratchBuffer<Index>(stars.count);
+    Index* next_listed = stars.listed.data();
+    for (std::size_t w = 0; w < words; ++w)
+        for (std::uint64_t rest = bits[w]; rest != 0; rest &= rest - 1)
+            *next_listed++ = Index(64 * w + std::size_t(std::countr_zero(rest)));
+
+    stars.offsets = ScratchBuffer<Index>(stars.count + 2);
+    stars.split = ScratchBuffer<std::uint8_t>(stars.count);
     // Local pointers: writing bytes may change whatever is reached through others.
     const Index *const normals = in.normals.indices.data(), *const uvs = in.uv.indices.data();
     Index* const offsets = stars.offsets.data();
-    ScratchBuffer<std::uint64_t> last_uses(stars.positions);  // the last corner's normal and UV
+    ScratchBuffer<std::uint64_t> last_uses(stars.count);  // the last corner's normal and UV
     std::uint64_t* const uses = last_uses.data();
     const auto use = [&](Index m) {
         const Index c = triangles.corner(m >> 2, m & 3);
@@ -134,28 +198,26 @@ void list_members(const TangentInput& in, const TangentTriangles& triangles,
     // Counted two places further on, offsets are starts one place further on after the sums, and
     // ends after that.
     std::memset(offsets, 0, stars.offsets.size() * sizeof(Index));
-    std::size_t count = 0;
     for (const auto& list : lists) {
-        count += list.size();
         for (const Index m : list) {
-            const Index v = stars.vertex(m);
-            ++offsets[v + std::size_t(2)];
-            uses[v] = use(m);
+            const std::size_t i = number(m);
+            ++offsets[i + 2];
+            uses[i] = use(m);
         }
     }
-    for (std::size_t v = 0; v < stars.positions; ++v) offsets[v + 2] += offsets[v + 1];
+    for (std::size_t i = 0; i < stars.count; ++i) offsets[i + 2] += offsets[i + 1];
 
     stars.members = ScratchBuffer<Index>(count);
     Index* const members = stars.members.data();
     std::uint8_t* const split = stars.split.data();
-    std::memset(split, 0, stars.positions);
+    std::memset(split, 0, stars.count);
     bool any = false;
     for (const auto& list : lists) {
         for (const Index m : list) {
-            const Index v = stars.vertex(m);
-            members[offsets[v + std::size_t(1)]++] = m;
-            if (uses[v] != use(m)) {
-                split[v] = 1;
+            const std::size_t i = number(m);
+            members[offsets[i + 1]++] = m;
+            if (uses[i] != use(m)) {
+                split[i] = 1;
                 any = true;
             }
         }
@@ -166,42 +228,37 @@ void list_members(const TangentInput& in, const TangentTriangles& triangles,
 void split_stars(const CornerReader& read, const TangentTriangles& triangles, const Terms& terms,
                  int threads, TangentStars& stars) {
     if (terms.counts.nan) {
-        std::memset(stars.split.data(), 1, stars.positions);
+        std::memset(stars.split.data(), 1, stars.count);
         stars.any_split = true;
     }
+    stars.terms = &terms;
     if (!stars.any_split) return;
 
-    if (stars.own_vertices.empty()) {
-        stars.own_vertices = ScratchBuffer<Index>(3 * triangles.count);
-        parallel_blocks(stars.vertices.size(), triangle_grain, threads,
-                        [&](std::size_t begin, std::size_t end) {
-                            std::copy(stars.vertices.begin() + std::ptrdiff_t(begin),
-                                      stars.vertices.begin() + std::ptrdiff_t(end),
-                                      stars.own_vertices.data() + begin);
-                        });
-        stars.vertices = stars.own_vertices;
+    if (!stars.own_vertices.empty() && terms.chosen.empty()) {
+        stars.names = std::move(stars.own_vertices);
+    } else {
+        stars.names = names_of(stars.vertices, terms, threads);
     }
-    parallel_blocks(stars.positions, position_grain, threads,
-                    [&](std::size_t begin, std::size_t end) {
-                        Splitter splitter(read, triangles);
-                        for (std::size_t v = begin; v < end; ++v) {
-                            if (!stars.split[v]) continue;
-                            const Index first = stars.offsets[v];
-                            const std::span<Index> members(stars.members.data() + first,
-                                                           stars.offsets[v + 1] - first);
-                            if (members.empty() || !splitter.split(members)) {
-                                stars.split[v] = 0;
-                                continue;
-                            }
-                            Index name = Index(v);
-                            for (std::size_t i = 0; i < members.size(); ++i) {
-                                if (i > 0 && splitter.classes()[i] != splitter.classes()[i - 1])
-                                    name = Index(stars.positions + first + i);
-                                const Index m = members[i];
-                                stars.own_vertices[3 * std::size_t(m >> 2) + (m & 3)] = name;
-                            }
-                        }
-                    });
+    parallel_blocks(stars.count, position_grain, threads, [&](std::size_t begin, std::size_t end) {
+        Splitter splitter(read, triangles, terms.counts.nan);
+        for (std::size_t i = begin; i < end; ++i) {
+            if (!stars.split[i]) continue;
+            const Index first = stars.offsets[i];
+            const std::span<Index> members(stars.members.data() + first,
+                                           stars.offsets[i + 1] - first);
+            if (!splitter.split(members)) {
+                stars.split[i] = 0;
+                continue;
+            }
+            Index name = stars.listed[i];
+            for (std::size_t k = 0; k < members.size(); ++k) {
+                if (k > 0 && splitter.classes()[k] != splitter.classes()[k - 1])
+                    name = Index(stars.positions + first + k);
+                const Index m = members[k];
+                stars.names[3 * terms.place(m >> 2) + (m & 3)] = name;
+            }
+        }
+    });
 }
 
 }  // namespace prep::detail

@@ -165,13 +165,13 @@ class Run {
         detail::ListedCorners listed =
             detail::place_corners(triangles_, terms_, stars.vertices, counts.states, counts.places,
                                   options_.threads, corner_values);
-        counts.places = {};
         std::vector<Index> suspects;
         if (listed.any || !fans_told) {
             if (!terms_.complete)
                 detail::compute_terms(maker, std::move(listed.triangles), options_.threads, terms_);
             detail::list_members(in_, triangles_, listed.lists, stars);
             listed = {};
+            counts.states = {};
             detail::split_stars(read_, triangles_, terms_, options_.threads, stars);
             overrides.name_vertices(stars);
             detail::GroupOptions options;
@@ -179,9 +179,11 @@ class Run {
             options.positive = positive_;
             options.review = options.bounded_effort = robust_;
             options.threads = options_.threads;
-            detail::GroupTangents groups = detail::group_tangents(
-                read_, triangles_, terms_, stars, overrides, options, counts.states,
-                std::move(result_.tangents.values), corner_values);
+            detail::FirstValues firsts{fans_told ? counts.used : stars.count, !fans_told,
+                                       counts.places};
+            detail::GroupTangents groups =
+                detail::group_tangents(read_, triangles_, terms_, stars, overrides, options, firsts,
+                                       std::move(result_.tangents.values), corner_values);
             result_.tangents.values = std::move(groups.values);
             suspects = std::move(groups.suspects);
         } else {
@@ -258,12 +260,19 @@ class Run {
     CornerTangents result_;
 };
 
+// Up to so many corners threads take longer to begin than they save.
+constexpr std::size_t few_corners = 30000;
+
+int useful_threads(const TangentInput& input, const TangentOptions& options) {
+    return input.corner_vertices.size() <= few_corners ? 1 : options.threads;
+}
+
 }  // namespace
 
 Result<CornerTangents> corner_tangents(const TangentInput& input, const TangentOptions& options) {
     if (auto valid = check_input(input, options); !valid) return std::move(valid).error();
     CornerTangents result;
-    detail::with_threads(options.threads, [&](int threads) {
+    detail::with_threads(useful_threads(input, options), [&](int threads) {
         TangentOptions here = options;
         here.threads = threads;
         Shared shared;
@@ -285,7 +294,7 @@ Result<std::vector<CornerTangents>> corner_tangents(
         }
     }
     std::vector<CornerTangents> results;
-    detail::with_threads(options.threads, [&](int threads) {
+    detail::with_threads(useful_threads(input, options), [&](int threads) {
         TangentOptions here = options;
         here.threads = threads;
         Shared shared;
