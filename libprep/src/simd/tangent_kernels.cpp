@@ -130,13 +130,13 @@ HWY_INLINE F acos_rounded(F x) {
     return hn::Load(df, values);
 }
 
-HWY_INLINE F corner_angle(const Vec3& n, const Vec3& to_previous, const Vec3& to_next) {
+// Of the angle at a corner, between −1 and 1.
+HWY_INLINE F corner_cosine(const Vec3& n, const Vec3& to_previous, const Vec3& to_next) {
     const F cosine = dot(normalized_or_zero(off_normal(n, to_previous)),
                          normalized_or_zero(off_normal(n, to_next)));
     const F one = set(1.0f), minus_one = set(-1.0f);
-    const F clamped = hn::IfThenElse(hn::Gt(cosine, one), one,
-                                     hn::IfThenElse(hn::Lt(cosine, minus_one), minus_one, cosine));
-    return acos_rounded(clamped);
+    return hn::IfThenElse(hn::Gt(cosine, one), one,
+                          hn::IfThenElse(hn::Lt(cosine, minus_one), minus_one, cosine));
 }
 
 using Codes = hn::Vec<hn::RebindToUnsigned<Floats>>;
@@ -161,20 +161,34 @@ HWY_INLINE Mask equal(const Vec3& a, const Vec3& b) {
     return hn::And(hn::And(hn::Eq(a.x, b.x), hn::Eq(a.y, b.y)), hn::Eq(a.z, b.z));
 }
 
-TermBlockResult terms(const TermBlock& block, std::size_t count, bool check_unit,
-                      CornerTerm* const planes[3]) {
+// What the passes over a block leave to each other. A pass is short enough for the processor to
+// work on several vectors at once: all of a corner at a stretch is one long chain.
+struct Between {
+    HWY_ALIGN float s[3][TermBlock::size], t[3][TermBlock::size];
+    HWY_ALIGN float angles[3][TermBlock::size];
+    HWY_ALIGN std::uint32_t flags[TermBlock::size];
+};
+
+HWY_INLINE Vec3 load3(const float (*from)[TermBlock::size], std::size_t i) {
+    const Floats d;
+    return {hn::Load(d, from[0] + i), hn::Load(d, from[1] + i), hn::Load(d, from[2] + i)};
+}
+HWY_INLINE void store3(const Vec3& v, float (*to)[TermBlock::size], std::size_t i) {
+    const Floats d;
+    hn::Store(v.x, d, to[0] + i);
+    hn::Store(v.y, d, to[1] + i);
+    hn::Store(v.z, d, to[2] + i);
+}
+
+// S, T and flags.
+HWY_INLINE void make_frames(const TermBlock& block, std::size_t count, Between& between,
+                            TermBlockResult& result) {
     const Floats df;
     const hn::RebindToUnsigned<Floats> du;
-    const std::size_t lanes = hn::Lanes(df);
-    TermBlockResult result;
-    Mask far_from_unit = hn::MaskFromVec(zero()), nan = far_from_unit;
-    for (std::size_t i = 0; i < count; i += lanes) {
-        const auto load3 = [&](const float(*from)[TermBlock::size]) {
-            return Vec3{hn::Load(df, from[0] + i), hn::Load(df, from[1] + i),
-                        hn::Load(df, from[2] + i)};
-        };
-        const Vec3 p[3] = {load3(block.p[0]), load3(block.p[1]), load3(block.p[2])};
-        const auto load2 = [&](const float(*from)[TermBlock::size]) {
+    Mask nan = hn::MaskFromVec(zero());
+    for (std::size_t i = 0; i < count; i += hn::Lanes(df)) {
+        const Vec3 p[3] = {load3(block.p[0], i), load3(block.p[1], i), load3(block.p[2], i)};
+        const auto load2 = [&](const float(*from)[TermBlock::size]) HWY_ATTR {
             return Vec2{hn::Load(df, from[0] + i), hn::Load(df, from[1] + i)};
         };
         const Vec2 uv[3] = {load2(block.uv[0]), load2(block.uv[1]), load2(block.uv[2])};
@@ -196,10 +210,12 @@ TermBlockResult terms(const TermBlock& block, std::size_t count, bool check_unit
         const Mask s_set = not_zero(s_length), t_set = not_zero(t_length);
         const F s_scale = hn::Div(sign, s_length), t_scale = hn::Div(sign, t_length);
         const Vec3 long_s = scaled(s_scale, raw_s), long_t = scaled(t_scale, raw_t);
-        const Vec3 s = {hn::IfThenElseZero(s_set, long_s.x), hn::IfThenElseZero(s_set, long_s.y),
-                        hn::IfThenElseZero(s_set, long_s.z)};
-        const Vec3 t = {hn::IfThenElseZero(t_set, long_t.x), hn::IfThenElseZero(t_set, long_t.y),
-                        hn::IfThenElseZero(t_set, long_t.z)};
+        store3({hn::IfThenElseZero(s_set, long_s.x), hn::IfThenElseZero(s_set, long_s.y),
+                hn::IfThenElseZero(s_set, long_s.z)},
+               between.s, i);
+        store3({hn::IfThenElseZero(t_set, long_t.x), hn::IfThenElseZero(t_set, long_t.y),
+                hn::IfThenElseZero(t_set, long_t.z)},
+               between.t, i);
         // Both magnitudes, length / |area2|, are far from zero but for extreme triangles.
         const F least =
             hn::Mul(set(4 * std::numeric_limits<float>::min()), hn::Max(magnitude, set(1.0f)));
@@ -209,7 +225,6 @@ TermBlockResult terms(const TermBlock& block, std::size_t count, bool check_unit
                                                 not_zero(hn::Div(t_length, magnitude))));
         const Mask degenerate =
             hn::Or(equal(p[0], p[1]), hn::Or(equal(p[0], p[2]), equal(p[1], p[2])));
-        const Mask adds = hn::AndNot(degenerate, healthy);
 
         Codes flags = hn::IfThenElse(hn::RebindMask(du, preserving),
                                      hn::Set(du, std::uint32_t(orientation_preserving)),
@@ -219,33 +234,70 @@ TermBlockResult terms(const TermBlock& block, std::size_t count, bool check_unit
                                   hn::Set(du, std::uint32_t(code_float | own_frame)),
                                   hn::Set(du, std::uint32_t(code_float | group_with_anything))));
         flags = hn::Or(flags, bits_where(degenerate, degenerate_triangle));
+        hn::Store(flags, du, between.flags + i);
         result.counts.degenerate += hn::CountTrue(df, hn::And(inside, degenerate));
         result.counts.anything +=
             hn::CountTrue(df, hn::And(inside, hn::AndNot(degenerate, hn::Not(healthy))));
-        result.counts.mirrored += hn::CountTrue(df, hn::And(inside, hn::AndNot(preserving, adds)));
+        result.counts.mirrored += hn::CountTrue(
+            df, hn::And(inside, hn::AndNot(preserving, hn::AndNot(degenerate, healthy))));
         const F uv_sum = hn::Add(hn::Add(hn::Add(uv[0].x, uv[0].y), hn::Add(uv[1].x, uv[1].y)),
                                  hn::Add(uv[2].x, uv[2].y));
-        Mask lane_nan = hn::IsNaN(uv_sum);
+        nan = hn::Or(nan, hn::And(inside, hn::IsNaN(uv_sum)));
+    }
+    result.counts.nan |= !hn::AllFalse(df, nan);
+}
 
-        const Vec3 d12 = operator_sub(p[2], p[1]);
-        const Vec3 edges[3][2] = {
-            {d2, d1},
-            {operator_sub(p[0], p[1]), d12},
-            {operator_sub(p[1], p[2]), operator_sub(p[0], p[2])},
-        };
-        const F minus_zero = set(-0.0f);
-        for (int k = 0; k < 3; ++k) {
-            const Vec3 n = load3(block.n[k]);
+HWY_INLINE void make_cosines(const TermBlock& block, std::size_t count, Between& between) {
+    for (std::size_t k = 0; k < 3; ++k) {
+        for (std::size_t i = 0; i < count; i += hn::Lanes(Floats())) {
+            const Vec3 p = load3(block.p[k], i);
+            const Vec3 to_previous = operator_sub(load3(block.p[(k + 2) % 3], i), p);
+            const Vec3 to_next = operator_sub(load3(block.p[(k + 1) % 3], i), p);
+            hn::Store(corner_cosine(load3(block.n[k], i), to_previous, to_next), Floats(),
+                      between.angles[k] + i);
+        }
+    }
+}
+
+HWY_INLINE void make_angles(std::size_t count, Between& between, TermBlockResult& result) {
+    const Floats df;
+    Mask nan = hn::MaskFromVec(zero());
+    for (std::size_t k = 0; k < 3; ++k) {
+        float* const angles = between.angles[k];
+        for (std::size_t i = 0; i < count; i += hn::Lanes(df)) {
+            const F angle = acos_rounded(hn::Load(df, angles + i));
+            hn::Store(angle, df, angles + i);
+            nan = hn::Or(nan, hn::And(hn::FirstN(df, count - i), hn::IsNaN(angle)));
+        }
+    }
+    result.counts.nan |= !hn::AllFalse(df, nan);
+}
+
+HWY_INLINE void make_terms(const TermBlock& block, const Between& between, std::size_t count,
+                           bool check_unit, CornerTerm* const planes[3], TermBlockResult& result) {
+    const Floats df;
+    const hn::RebindToUnsigned<Floats> du;
+    const F minus_zero = set(-0.0f);
+    Mask far_from_unit = hn::MaskFromVec(zero());
+    for (std::size_t k = 0; k < 3; ++k) {
+        for (std::size_t i = 0; i < count; i += hn::Lanes(df)) {
+            const Codes flags = hn::Load(du, between.flags + i);
+            const Mask adds = hn::RebindMask(
+                df,
+                hn::Eq(hn::And(flags, hn::Set(du, std::uint32_t(own_frame | degenerate_triangle))),
+                       hn::Set(du, std::uint32_t(own_frame))));
+            const Vec3 n = load3(block.n[k], i);
             const F off = hn::Abs(hn::Sub(dot(n, n), set(1.0f)));
             const Mask unit = hn::Le(off, set(most_off_unit));
-            if (check_unit) far_from_unit = hn::Or(far_from_unit, hn::AndNot(unit, inside));
-            const F angle = corner_angle(n, edges[k][0], edges[k][1]);
-            lane_nan = hn::Or(lane_nan, hn::IsNaN(angle));
-            const Vec3 on_s = off_normal(n, s);
-            const Vec3 weighted = scaled(angle, normalized_or_zero(on_s));
-            const Codes told = hn::IfThenElseZero(
-                hn::RebindMask(du, unit),
-                hn::Or(directions(on_s, 1), directions(off_normal(n, t), 1u << 6)));
+            if (check_unit)
+                far_from_unit = hn::Or(far_from_unit, hn::AndNot(unit, hn::FirstN(df, count - i)));
+            const Vec3 on_s = off_normal(n, load3(between.s, i));
+            const Vec3 weighted =
+                scaled(hn::Load(df, between.angles[k] + i), normalized_or_zero(on_s));
+            const Codes told =
+                hn::IfThenElseZero(hn::RebindMask(du, unit),
+                                   hn::Or(directions(on_s, 1),
+                                          directions(off_normal(n, load3(between.t, i)), 1u << 6)));
             const Codes code = hn::Or(
                 flags, hn::IfThenElse(hn::RebindMask(du, adds), told,
                                       hn::Set(du, std::uint32_t(s_directions | t_directions))));
@@ -254,10 +306,18 @@ TermBlockResult terms(const TermBlock& block, std::size_t count, bool check_unit
                                   hn::IfThenElse(adds, weighted.z, minus_zero),
                                   hn::BitCast(df, code), df, &planes[k][i].x);
         }
-        nan = hn::Or(nan, hn::And(inside, lane_nan));
     }
     result.far_from_unit = !hn::AllFalse(df, far_from_unit);
-    result.counts.nan = !hn::AllFalse(df, nan);
+}
+
+TermBlockResult terms(const TermBlock& block, std::size_t count, bool check_unit,
+                      CornerTerm* const planes[3]) {
+    TermBlockResult result;
+    Between between;
+    make_frames(block, count, between, result);
+    make_cosines(block, count, between);
+    make_angles(count, between, result);
+    make_terms(block, between, count, check_unit, planes, result);
     return result;
 }
 
