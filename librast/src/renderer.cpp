@@ -1,6 +1,7 @@
 #include "renderer.h"
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <numeric>
 
@@ -71,6 +72,7 @@ void add_counters(Counters& to, const Counters& from) {
     to.textures_read = std::max(to.textures_read, from.textures_read);
     to.texture_levels = std::max(to.texture_levels, from.texture_levels);
     to.buffer_bytes = std::max(to.buffer_bytes, from.buffer_bytes);
+    to.list_bytes = std::max(to.list_bytes, from.list_bytes);
 }
 
 void Renderer::begin(const RenderPlan& plan) {
@@ -98,9 +100,13 @@ void Renderer::place(const Crop& part) {
     window_.tiles_x = (window_.width + tile_size - 1) / tile_size;
     window_.tiles_y = (window_.height + tile_size - 1) / tile_size;
     window_.grid = depth_grid(plan_->request.depth_format);
-    sort_by_tile();
+    const TileRows all{0, std::uint32_t(window_.tiles_y)};
+    groups_.assign(1, all);
+    listed_ = 0;
+    const bool listed = list_rows(all, list_limit());
     for (std::size_t c = 0; c < chunk_count_; ++c)
         add_counters(shared_counters_, chunks_[c].counters);
+    if (!listed) group_rows();
     shared_ms_ += milliseconds_since(start);
 }
 
@@ -119,20 +125,18 @@ void Renderer::draw_rows(std::uint32_t first, std::uint32_t rows, Frame& frame) 
     inputs.draws = &draws_;
     inputs.shade_draws = &shade_draws_;
     inputs.chunks = &chunks_;
-    inputs.work = tile_work_.data();
-    inputs.work_begin = tile_begin_.data();
     inputs.shade_frame = &inputs_.frame;
     inputs.window = window_;
     inputs.first_row = std::int32_t(first);
-    inputs.frame = &frame;
-    const std::size_t first_tile = std::size_t(first) / tile_size * std::size_t(window_.tiles_x);
-    const std::size_t tiles =
-        (std::size_t(rows) + tile_size - 1) / tile_size * std::size_t(window_.tiles_x);
-    tile_counts_.resize(tiles);
-    parallel_items(tiles, threads_, [&](std::size_t tile) {
-        tile_counts_[tile] =
-            draw_tile(inputs, std::uint32_t(first_tile + tile), tile_scratch_.local());
-    });
+    tile_counts_.clear();
+    const std::uint32_t begin = first / tile_size, end = (first + rows + tile_size - 1) / tile_size;
+    for (std::size_t g = 0; g < groups_.size(); ++g) {
+        const TileRows part{std::max(begin, groups_[g].begin), std::min(end, groups_[g].end)};
+        if (part.begin >= part.end) continue;
+        if (g != listed_) list_rows(groups_[g], UINT64_MAX);
+        listed_ = g;
+        draw_tiles(part, inputs, frame);
+    }
     if (plan_->request.coverage == Coverage::area && plan_->request.keep_color) {
         Window part = window_;
         part.first_y += std::int32_t(first) * subpixels;
@@ -259,17 +263,86 @@ void Renderer::light_vertices(std::size_t d) {
     draw.vertex_light = instance.vertex_light.data();
 }
 
-void Renderer::sort_by_tile() {
+void Renderer::draw_tiles(const TileRows& rows, const TileInputs& shared, Frame& frame) {
+    TileInputs inputs = shared;
+    inputs.work = tile_work_.data();
+    inputs.work_begin = tile_begin_.data();
+    inputs.frame = &frame;
+    const std::size_t first = std::size_t(rows.begin) * std::size_t(window_.tiles_x);
+    const std::size_t tiles = std::size_t(rows.end - rows.begin) * std::size_t(window_.tiles_x);
+    const std::size_t before = tile_counts_.size();
+    tile_counts_.resize(before + tiles);
+    parallel_items(tiles, threads_, [&](std::size_t tile) {
+        tile_counts_[before + tile] =
+            draw_tile(inputs, std::uint32_t(first + tile), tile_scratch_.local());
+    });
+}
+
+DrawGeometry Renderer::geometry_of(const TriangleChunk& chunk) const {
+    const Draw& draw = draws_[chunk.draw];
+    const RenderInstance& instance = instances_[draw.instance];
+    return {&instance, instance.records.data(), instance.mesh().indices.data(), instance.mirrored(),
+            cull_side(*plan_, prepared_, draw.material)};
+}
+
+// What small triangles take is never worth a second pass over them.
+std::uint64_t Renderer::list_limit() const {
+    std::uint64_t triangles = 0;
+    for (const Draw& draw : draws_) triangles += draw.triangle_count;
+    return plan_->request.band_bytes + list_bytes(2 * triangles, chunk_count_);
+}
+
+// Groups whose lists stay within the limit; a row of tiles is the smallest.
+void Renderer::group_rows() {
+    for (BinScratch& scratch : bin_scratch_) scratch.row_bytes.clear();
+    parallel_items(chunk_count_, threads_, [&](std::size_t c) {
+        BinScratch& scratch = bin_scratch_.local();
+        const std::uint32_t kept = cull_chunk(geometry_of(chunks_[c]), window_, offsets_.size() > 1,
+                                              *kernels_, scratch, chunks_[c]);
+        add_list_bytes(window_, kept, scratch);
+    });
+    groups_.clear();
+    listed_ = SIZE_MAX;
+    std::uint64_t taken = 0;
+    for (std::uint32_t row = 0; row < std::uint32_t(window_.tiles_y); ++row) {
+        std::uint64_t bytes = 0;
+        for (const BinScratch& scratch : bin_scratch_)
+            if (row < scratch.row_bytes.size()) bytes += scratch.row_bytes[row];
+        if (groups_.empty() || taken + bytes > list_limit()) {
+            groups_.push_back({row, row});
+            taken = 0;
+        }
+        groups_.back().end = row + 1;
+        taken += bytes;
+    }
+}
+
+// Lists these rows' triangles by tile. False: they would take more than max_bytes.
+bool Renderer::list_rows(const TileRows& rows, std::uint64_t max_bytes) {
+    std::atomic<std::uint64_t> taken{0};
+    std::atomic<bool> fits{true};
     parallel_items(chunk_count_, threads_, [&](std::size_t c) {
         TriangleChunk& chunk = chunks_[c];
-        const Draw& draw = draws_[chunk.draw];
-        const RenderInstance& instance = instances_[draw.instance];
-        const DrawGeometry geometry{&instance, instance.records.data(),
-                                    instance.mesh().indices.data(), instance.mirrored(),
-                                    cull_side(*plan_, prepared_, draw.material)};
-        set_up_chunk(geometry, window_, offsets_.size() > 1, *kernels_, bin_scratch_.local(),
-                     chunk);
+        BinScratch& scratch = bin_scratch_.local();
+        const std::uint32_t kept =
+            cull_chunk(geometry_of(chunk), window_, offsets_.size() > 1, *kernels_, scratch, chunk);
+        const std::uint64_t before = taken;
+        if (before > max_bytes ||
+            !list_chunk(window_, rows, kept, max_bytes - before, scratch, chunk))
+            fits = false;
+        else
+            taken += list_bytes(chunk.order.size(), chunk.slices.size());
     });
+    if (!fits || taken > max_bytes) {
+        for (TriangleChunk& chunk : chunks_) chunk.order = {};
+        return false;
+    }
+    shared_counters_.list_bytes = std::max(shared_counters_.list_bytes, taken.load());
+    sort_by_tile();
+    return true;
+}
+
+void Renderer::sort_by_tile() {
     tile_begin_.assign(window_.tile_count() + 1, 0);
     for (std::size_t c = 0; c < chunk_count_; ++c)
         for (const TileSlice& slice : chunks_[c].slices) ++tile_begin_[slice.tile + 1];

@@ -23,7 +23,8 @@ class Renderer {
     // Textures, vertices and draws for this plan, which must stay while it is drawn.
     void begin(const RenderPlan& plan);
     const std::vector<std::string>& warnings() const { return warnings_; }  // of begin()
-    // A part of the picture: its triangles are culled and sorted by tile, once for all its rows.
+    // A part of the picture: its triangles are culled and sorted by tile, once for all its rows or,
+    // where their lists would take too much, for groups of rows when these are drawn.
     void place(const Crop& part);
     // Rows of that part, in any order: from a multiple of tile_size to another one, or to the
     // part's end. `frame` may hold an older picture, whose memory is used again. What is counted
@@ -35,7 +36,12 @@ class Renderer {
     void transform();
     void make_draws();
     void light_vertices(std::size_t draw);
+    DrawGeometry geometry_of(const TriangleChunk& chunk) const;
+    std::uint64_t list_limit() const;
+    void group_rows();
+    bool list_rows(const TileRows& rows, std::uint64_t max_bytes);
     void sort_by_tile();
+    void draw_tiles(const TileRows& rows, const TileInputs& inputs, Frame& frame);
     TileCounts resolve_areas(const Window& rows, Frame& frame);
     void size_buffers(Frame& frame) const;
     std::uint64_t texture_levels() const;
@@ -65,6 +71,8 @@ class Renderer {
     std::vector<ShadeDraw> shade_draws_;
     std::vector<TriangleChunk> chunks_;
     std::size_t chunk_count_ = 0;
+    std::vector<TileRows> groups_;           // rows of tiles whose lists are made together
+    std::size_t listed_ = 0;                 // the group whose lists these are:
     std::vector<TileWork> tile_work_;        // by tile
     std::vector<std::uint32_t> tile_begin_;  // in tile_work_, and one past the last one's end
     std::vector<TileCounts> tile_counts_;

@@ -50,10 +50,22 @@ void each_tile(const CullResult& list, std::uint32_t kept, std::int32_t tiles_x,
     }
 }
 
-void bin(const Window& window, std::uint32_t kept, BinScratch& scratch, TriangleChunk& chunk) {
+// Counts entries by tile, in scratch.counts, and lists the tiles that have any. False, and nothing
+// counted: their number and that of the tiles would take more than max_bytes.
+bool count_by_tile(const Window& window, std::uint32_t kept, std::uint64_t max_bytes,
+                   BinScratch& scratch) {
     scratch.counts.resize(window.tile_count(), 0);
     scratch.touched.clear();
     const CullResult& list = scratch.kept;
+    std::uint64_t several = kept;
+    for (std::uint32_t e = 0; e < kept; ++e) {
+        if (list.tile[e] != CullResult::several_tiles) continue;
+        const std::uint32_t columns = std::uint32_t(list.columns[e]);
+        const std::uint32_t rows = std::uint32_t(list.rows[e]);
+        several += std::uint64_t((columns >> 16) - (columns & 0xffffu) + 1) *
+                   ((rows >> 16) - (rows & 0xffffu) + 1);
+    }
+    if (several * sizeof(std::uint16_t) > max_bytes) return false;
     std::uint32_t* const counts = scratch.counts.data();
     const auto add = [&](std::uint32_t tile, std::uint32_t entries) {
         if (counts[tile] == 0) scratch.touched.push_back(tile);
@@ -63,28 +75,23 @@ void bin(const Window& window, std::uint32_t kept, BinScratch& scratch, Triangle
         list, kept, window.tiles_x,
         [&](std::uint32_t first, std::uint32_t end, std::uint32_t tile) { add(tile, end - first); },
         [&](std::uint32_t, std::uint32_t tile) { add(tile, 1); });
-    chunk.slices.clear();
-    std::uint32_t total = 0;
-    for (const std::uint32_t tile : scratch.touched) {
-        const std::uint32_t count = counts[tile];
-        chunk.slices.push_back({tile, total, total + count});
-        counts[tile] = total;
-        total += count;
+    return true;
+}
+
+// Leaves out what is not in these rows of tiles.
+std::uint32_t keep_rows(const TileRows& within, std::uint32_t kept, CullResult& list) {
+    std::uint32_t left = 0;
+    for (std::uint32_t e = 0; e < kept; ++e) {
+        const std::uint32_t rows = std::uint32_t(list.rows[e]);
+        const std::uint32_t first = std::max(rows & 0xffffu, within.begin);
+        const std::uint32_t end = std::min((rows >> 16) + 1, within.end);
+        if (first >= end) continue;
+        list.entries[left] = list.entries[e];
+        list.tile[left] = list.tile[e];
+        list.columns[left] = list.columns[e];
+        list.rows[left++] = std::int32_t(first | (end - 1) << 16);
     }
-    chunk.order.resize(total);
-    std::uint16_t* const order = chunk.order.data();
-    each_tile(
-        list, kept, window.tiles_x,
-        [&](std::uint32_t first, std::uint32_t end, std::uint32_t tile) {
-            std::uint16_t* const to = order + counts[tile];
-            for (std::uint32_t e = first; e < end; ++e)
-                to[e - first] = std::uint16_t(list.entries[e]);
-            counts[tile] += end - first;
-        },
-        [&](std::uint32_t e, std::uint32_t tile) {
-            order[counts[tile]++] = std::uint16_t(list.entries[e]);
-        });
-    for (const std::uint32_t tile : scratch.touched) counts[tile] = 0;
+    return left;
 }
 
 // Sets up an entry that crosses; false: nothing of it is drawn.
@@ -144,8 +151,8 @@ std::uint32_t settle_crossing(const DrawGeometry& geometry, const Window& window
 
 }  // namespace
 
-void set_up_chunk(const DrawGeometry& geometry, const Window& window, bool several_samples,
-                  const Kernels& kernels, BinScratch& scratch, TriangleChunk& chunk) {
+std::uint32_t cull_chunk(const DrawGeometry& geometry, const Window& window, bool several_samples,
+                         const Kernels& kernels, BinScratch& scratch, TriangleChunk& chunk) {
     chunk.crossing.clear();
     chunk.counters = {};
     chunk.counters.triangles = chunk.count;
@@ -161,14 +168,64 @@ void set_up_chunk(const DrawGeometry& geometry, const Window& window, bool sever
     task.every_touched_pixel = several_samples;
     task.window = window;
     CullCounts counts;
-    std::uint32_t kept = kernels.cull(task, scratch.kept, counts);
+    const std::uint32_t kept = kernels.cull(task, scratch.kept, counts);
     chunk.counters.non_finite = counts.non_finite;
     chunk.counters.degenerate = counts.degenerate;
     chunk.counters.facing_away = counts.facing_away;
     chunk.counters.outside = counts.outside;
     chunk.counters.between_samples = counts.between_samples;
-    if (counts.crossing > 0) kept = settle_crossing(geometry, window, kept, scratch.kept, chunk);
-    bin(window, kept, scratch, chunk);
+    return counts.crossing > 0 ? settle_crossing(geometry, window, kept, scratch.kept, chunk)
+                               : kept;
+}
+
+bool list_chunk(const Window& window, const TileRows& rows, std::uint32_t kept,
+                std::uint64_t max_bytes, BinScratch& scratch, TriangleChunk& chunk) {
+    chunk.slices.clear();
+    chunk.order.clear();
+    CullResult& list = scratch.kept;
+    if (rows.begin > 0 || rows.end < std::uint32_t(window.tiles_y))
+        kept = keep_rows(rows, kept, list);
+    if (!count_by_tile(window, kept, max_bytes, scratch)) return false;
+    std::uint32_t* const counts = scratch.counts.data();
+    std::uint32_t total = 0;
+    for (const std::uint32_t tile : scratch.touched) {
+        const std::uint32_t count = counts[tile];
+        chunk.slices.push_back({tile, total, total + count});
+        counts[tile] = total;
+        total += count;
+    }
+    chunk.order.resize(total);
+    std::uint16_t* const order = chunk.order.data();
+    each_tile(
+        list, kept, window.tiles_x,
+        [&](std::uint32_t first, std::uint32_t end, std::uint32_t tile) {
+            std::uint16_t* const to = order + counts[tile];
+            for (std::uint32_t e = first; e < end; ++e)
+                to[e - first] = std::uint16_t(list.entries[e]);
+            counts[tile] += end - first;
+        },
+        [&](std::uint32_t e, std::uint32_t tile) {
+            order[counts[tile]++] = std::uint16_t(list.entries[e]);
+        });
+    for (const std::uint32_t tile : scratch.touched) counts[tile] = 0;
+    return true;
+}
+
+void set_up_chunk(const DrawGeometry& geometry, const Window& window, bool several_samples,
+                  const Kernels& kernels, BinScratch& scratch, TriangleChunk& chunk) {
+    const std::uint32_t kept =
+        cull_chunk(geometry, window, several_samples, kernels, scratch, chunk);
+    list_chunk(window, {0, std::uint32_t(window.tiles_y)}, kept, UINT64_MAX, scratch, chunk);
+}
+
+void add_list_bytes(const Window& window, std::uint32_t kept, BinScratch& scratch) {
+    scratch.row_bytes.resize(std::size_t(window.tiles_y), 0);
+    count_by_tile(window, kept, UINT64_MAX, scratch);
+    for (const std::uint32_t tile : scratch.touched) {
+        scratch.row_bytes[tile / std::uint32_t(window.tiles_x)] +=
+            list_bytes(scratch.counts[tile], 1);
+        scratch.counts[tile] = 0;
+    }
 }
 
 }  // namespace rast::detail

@@ -23,6 +23,11 @@ struct TileSlice {
     std::uint32_t tile = 0, begin = 0, end = 0;  // of TriangleChunk::order
 };
 
+// A run of one chunk's entries that reach one tile.
+struct TileWork {
+    std::uint32_t chunk = 0, begin = 0, end = 0;
+};
+
 struct TriangleChunk {
     std::uint32_t draw = 0;
     std::uint32_t first_triangle = 0, count = 0;  // of the mesh; at most chunk_triangles
@@ -40,15 +45,40 @@ struct TriangleChunk {
     }
 };
 
+// Rows of a window's tiles.
+struct TileRows {
+    std::uint32_t begin = 0, end = 0;
+};
+
 // What a thread keeps between chunks.
 struct BinScratch {
     CullResult kept;
     std::vector<std::uint32_t> counts;  // per tile, all zero between chunks
     std::vector<std::uint32_t> touched;
+    std::vector<std::uint64_t> row_bytes;  // per row of tiles, summed over chunks
 };
 
-// `several_samples`: every pixel that is touched counts, not only those whose centre is covered.
+// What a chunk's entries and slices take, with the work that slices become.
+inline std::uint64_t list_bytes(std::uint64_t entries, std::uint64_t slices) {
+    return entries * sizeof(std::uint16_t) + slices * (sizeof(TileSlice) + sizeof(TileWork));
+}
+
+// Leaves the triangles that may be seen in scratch.kept and returns how many; sets the chunk's
+// crossing triangles and counters. `several_samples`: every pixel that is touched counts, not only
+// those whose centre is covered.
+std::uint32_t cull_chunk(const DrawGeometry& geometry, const Window& window, bool several_samples,
+                         const Kernels& kernels, BinScratch& scratch, TriangleChunk& chunk);
+
+// Lists what cull_chunk() left by tile, as far as it lies in these rows. False, and nothing listed:
+// the entries alone would take more than max_bytes.
+bool list_chunk(const Window& window, const TileRows& rows, std::uint32_t kept,
+                std::uint64_t max_bytes, BinScratch& scratch, TriangleChunk& chunk);
+
+// Both for all tiles, whatever they take.
 void set_up_chunk(const DrawGeometry& geometry, const Window& window, bool several_samples,
                   const Kernels& kernels, BinScratch& scratch, TriangleChunk& chunk);
+
+// Adds what the lists of cull_chunk()'s triangles would take to scratch.row_bytes.
+void add_list_bytes(const Window& window, std::uint32_t kept, BinScratch& scratch);
 
 }  // namespace rast::detail

@@ -13,11 +13,6 @@
 
 namespace rast::detail {
 
-// A run of one chunk's entries that reach one tile.
-struct TileWork {
-    std::uint32_t chunk = 0, begin = 0, end = 0;
-};
-
 // What one thread keeps while it goes from tile to tile.
 struct TileScratch {
     std::vector<TileSamples> samples;

@@ -115,4 +115,56 @@ TEST(Bands, ThePlanBoundsTheirMemory) {
     EXPECT_LE(plan.band_memory_estimate, request.band_bytes + (std::uint64_t(1) << 20));
 }
 
+// Every triangle reaches every tile: what the lists take grows with the picture, not the mesh.
+prep::PreparedScene layers(std::uint32_t count) {
+    prep::VertexMesh mesh;
+    for (std::uint32_t l = 0; l < count; ++l) {
+        const float z = float(l) * 1e-3f;
+        for (const auto& [x, y] :
+             {std::pair{-3.0f, -3.0f}, {3.0f, -3.0f}, {3.0f, 3.0f}, {-3.0f, 3.0f}}) {
+            mesh.positions.emplace_back(x, y + 0.01f * float(l % 7), z);
+            mesh.normals.emplace_back(0.0f, 0.0f, 1.0f);
+        }
+        for (const std::uint32_t corner : {0u, 1u, 2u, 0u, 2u, 3u})
+            mesh.indices.push_back(4 * l + corner);
+    }
+    prep::Material material;
+    material.double_sided = true;
+    return test::scene_of(std::move(mesh), material);
+}
+
+TEST(Bands, ListsOfTrianglesStayWithinTheirMemory) {
+    constexpr std::uint32_t count = 500;
+    const prep::PreparedScene scene = layers(count);
+    rast::RenderRequest request;
+    request.width = request.height = 1024;
+    request.view = test::flat_view(2);
+    request.pixels = rast::PixelFormat::bytes;
+    request.keep_ids = true;
+    const rast::Frame whole = test::draw(scene, request);
+    EXPECT_EQ(whole.counters.outside + whole.counters.facing_away, 0u);
+    // 256 tiles, 1,000 entries of 2 bytes each.
+    EXPECT_GE(whole.counters.list_bytes, 512000u);
+    for (const std::uint64_t allowed : {1u << 16, 1u << 18, 1u << 19}) {
+        request.band_bytes = allowed;
+        const rast::Frame parts = test::draw(scene, request);
+        EXPECT_TRUE(rows_equal(whole.bytes, parts.bytes, 0)) << allowed;
+        EXPECT_TRUE(rows_equal(whole.triangle, parts.triangle, 0)) << allowed;
+        EXPECT_EQ(parts.counters.triangles, 2 * count);
+        EXPECT_EQ(parts.counters.pixels_shaded, whole.counters.pixels_shaded);
+        EXPECT_LE(parts.counters.list_bytes, allowed + 4 * 2 * count + 24);
+        std::uint64_t most = 0;
+        const auto done = rast::render_bands(
+            scene, plan_of(scene, request), [&](const rast::Frame& band, std::uint32_t first) {
+                EXPECT_TRUE(rows_equal(whole.bytes, band.bytes, std::size_t(first) * 1024));
+                EXPECT_TRUE(rows_equal(whole.triangle, band.triangle, std::size_t(first) * 1024));
+                most = std::max(most, band.counters.list_bytes);
+                return prep::Result<void>();
+            });
+        ASSERT_TRUE(done);
+        EXPECT_GT(most, 0u);
+        EXPECT_LE(most, allowed + 4 * 2 * count + 24) << allowed;
+    }
+}
+
 }  // namespace

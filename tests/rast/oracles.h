@@ -138,9 +138,9 @@ inline glm::dvec3 weights_at(const Ray& ray, const glm::dvec3 p[3]) {
 
 // A texture of one colour, as a file would bring it: 16 bits keep the encoding error at 8e-6.
 inline prep::ImageRef image_of(const glm::vec3& color, std::uint32_t extent = 1) {
-    prep::Image image{extent, extent, 3, {}};
-    for (std::uint32_t i = 0; i < extent * extent; ++i)
-        image.pixels.insert(image.pixels.end(), {color.r, color.g, color.b});
+    prep::Image image{extent, extent, 3, std::vector<float>(std::size_t{extent} * extent * 3)};
+    for (std::size_t i = 0; i < image.pixels.size(); ++i)
+        image.pixels[i] = color[static_cast<int>(i % 3)];
     prep::ImageRef ref;
     ref.name = "memory.png";
     ref.bytes = *prep::encode_png(image, prep::PixelType::u16);

@@ -159,7 +159,8 @@ Json counters_json(const rast::Counters& c) {
             {"texture_samples", c.texture_samples},
             {"textures_read", c.textures_read},
             {"texture_levels", c.texture_levels},
-            {"buffer_bytes", c.buffer_bytes}};
+            {"buffer_bytes", c.buffer_bytes},
+            {"list_bytes", c.list_bytes}};
 }
 
 void explain(const rast::RenderPlan& plan, const CommonOptions& common, Console& console) {

@@ -83,7 +83,10 @@ struct RenderRequest {
     // Each pixel is the mean of N × N finer ones, in linear light: 1 … max_supersample. Colours
     // alone: other buffers are those of the picture without it.
     int supersample = 1;
-    std::uint64_t band_bytes = std::uint64_t(1) << 26;  // render_bands(): of a band's pixels
+    // Of a band's pixels in render_bands(). Lists of triangles by tile take as much at most, beside
+    // some 4 bytes a triangle, unless one row of tiles takes more: then they are made for groups of
+    // rows, one after the other.
+    std::uint64_t band_bytes = std::uint64_t(1) << 26;
     int threads = 0;             // 0: all cores; the picture does not depend on it
     bool hierarchical_z = true;  // skip what is hidden by blocks of pixels; nor on this
     prep::SimdLevel simd = prep::SimdLevel::automatic;  // nor on this
@@ -135,6 +138,7 @@ struct Counters {
     std::uint64_t textures_read = 0;    // files and embedded pictures decoded
     std::uint64_t texture_levels = 0;   // made of them, first levels included
     std::uint64_t buffer_bytes = 0;     // of the frame's buffers
+    std::uint64_t list_bytes = 0;       // of the lists of triangles by tile, at most at a time
 };
 
 struct Frame {
