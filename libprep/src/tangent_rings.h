@@ -47,7 +47,7 @@ struct RingInput {
 
 // Up to this many vertices at once. A multiple of all vector lengths.
 inline constexpr std::size_t ring_batch = 1024;
-inline constexpr std::size_t most_slots = std::size_t(1) << VertexWord::slot_bits;
+inline constexpr std::size_t most_slots = std::size_t(1) << 23;
 
 // Writes stars[i] for the i-th vertex, and anything behind the last, up to ring_batch. A star is a
 // fan when it has up to most_ring_members members, each reached from the first over edges

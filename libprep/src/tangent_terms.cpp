@@ -1,7 +1,5 @@
 #include "tangent_terms.h"
 
-#include <hwy/highway.h>
-
 #include <algorithm>
 #include <bit>
 #include <memory>
@@ -17,9 +15,6 @@ using Index = std::uint32_t;
 // A multiple of TermBlock::size, about 1 ms of work.
 constexpr std::size_t triangle_grain = 128 * TermBlock::size;
 
-// Up to this many normals are copied, so that the last is like the others.
-constexpr std::size_t few_normals = 1024;
-
 // Bits of the components above the bound, and below its negative.
 std::uint32_t directions(const glm::vec3& v, float bound) {
     std::uint32_t bits = 0;
@@ -30,87 +25,6 @@ std::uint32_t directions(const glm::vec3& v, float bound) {
 
 glm::vec3 off_normal(const glm::vec3& n, const glm::vec3& v) {
     return v - mikk::scaled(mikk::dot(n, v), n);
-}
-
-void stage_one(const CornerReader& read, const TangentTriangles& triangles, std::size_t triangle,
-               std::size_t i, TermBlock& block) {
-    for (std::size_t k = 0; k < 3; ++k) {
-        const Index corner = triangles.corner(triangle, k);
-        const glm::vec3 p = read.position(corner), n = read.normal(corner);
-        const glm::vec2 uv = read.uv(corner);
-        for (int d = 0; d < 3; ++d) block.p[k][d][i] = p[d];
-        for (int d = 0; d < 3; ++d) block.n[k][d][i] = n[d];
-        for (int d = 0; d < 2; ++d) block.uv[k][d][i] = uv[d];
-    }
-}
-
-namespace hn = hwy::HWY_NAMESPACE;
-using Four = hn::FixedTag<float, 4>;
-using FourIndices = hn::FixedTag<Index, 4>;
-
-// Are all of twelve indices below the limit?
-bool all_below(const Index* indices, std::size_t limit) {
-    const FourIndices d;
-    const auto largest = hn::Max(hn::Max(hn::LoadU(d, indices), hn::LoadU(d, indices + 4)),
-                                 hn::LoadU(d, indices + 8));
-    return hn::AllTrue(d,
-                       hn::Lt(largest, hn::Set(d, Index(std::min<std::size_t>(limit, no_index)))));
-}
-
-// Four vectors of three components, component by component. Reads four bytes behind each.
-void stage_vectors(const glm::vec3* values, const Index* indices, float (*to)[TermBlock::size],
-                   std::size_t i) {
-    const Four d;
-    const hn::RepartitionToWide<Four> pairs;
-    const auto a = hn::LoadU(d, &values[indices[0]].x);
-    const auto b = hn::LoadU(d, &values[indices[3]].x);
-    const auto c = hn::LoadU(d, &values[indices[6]].x);
-    const auto e = hn::LoadU(d, &values[indices[9]].x);
-    const auto ab = hn::BitCast(pairs, hn::InterleaveLower(d, a, b));
-    const auto ce = hn::BitCast(pairs, hn::InterleaveLower(d, c, e));
-    hn::StoreU(hn::BitCast(d, hn::InterleaveLower(pairs, ab, ce)), d, to[0] + i);
-    hn::StoreU(hn::BitCast(d, hn::InterleaveUpper(pairs, ab, ce)), d, to[1] + i);
-    const auto upper_ab = hn::BitCast(pairs, hn::InterleaveUpper(d, a, b));
-    const auto upper_ce = hn::BitCast(pairs, hn::InterleaveUpper(d, c, e));
-    hn::StoreU(hn::BitCast(d, hn::InterleaveLower(pairs, upper_ab, upper_ce)), d, to[2] + i);
-}
-
-void stage_uvs(const glm::vec2* values, const Index* indices, float (*to)[TermBlock::size],
-               std::size_t i) {
-    const Four d;
-    const hn::Half<Four> half;
-    const auto at = [&](std::size_t k) { return hn::LoadU(half, &values[indices[3 * k]].x); };
-    const auto ab = hn::Combine(d, at(1), at(0)), ce = hn::Combine(d, at(3), at(2));
-    hn::StoreU(hn::ConcatEven(d, ce, ab), d, to[0] + i);
-    hn::StoreU(hn::ConcatOdd(d, ce, ab), d, to[1] + i);
-}
-
-// Triangles from `first` on go to places from `to` on. normals: see TermMaker.
-void stage(const CornerReader& read, std::span<const glm::vec3> normals,
-           const TangentTriangles& triangles, std::size_t first, std::size_t count, std::size_t to,
-           TermBlock& block) {
-    const TangentInput& in = read.in;
-    const bool plain = triangles.implicit() && read.representatives.empty() &&
-                       !in.positions.empty() && !normals.empty();
-    std::size_t i = 0;
-    while (i < count) {
-        const Index* p = in.corner_vertices.data() + 3 * (first + i);
-        const Index* n = in.normals.indices.data() + 3 * (first + i);
-        const Index* uv = in.uv.indices.data() + 3 * (first + i);
-        // The last position and the last normal have nothing behind them to read.
-        if (plain && count - i >= 4 && all_below(p, in.positions.size() - 1) &&
-            all_below(n, normals.size() - 1) && all_below(uv, in.uv.values.size())) {
-            for (std::size_t k = 0; k < 3; ++k) {
-                stage_vectors(in.positions.data(), p + k, block.p[k], to + i);
-                stage_vectors(normals.data(), n + k, block.n[k], to + i);
-                stage_uvs(in.uv.values.data(), uv + k, block.uv[k], to + i);
-            }
-            i += 4;
-        } else {
-            const std::size_t end = std::min(count, i + 4);
-            for (; i < end; ++i) stage_one(read, triangles, first + i, to + i, block);
-        }
-    }
 }
 
 void make_normals_unit(std::size_t count, TermBlock& block) {
@@ -219,20 +133,14 @@ TermMaker::TermMaker(const CornerReader& read, const TangentTriangles& triangles
                      const TangentOptions& options)
     : read_(read),
       triangles_(triangles),
+      stager_(read, triangles, options.simd),
       kernel_(term_kernel(options.simd)),
-      check_unit_(options.mode == TangentMode::mikktspace),
-      normals_(read.in.normals.values) {
-    // A flat mesh may have a single normal.
-    if (normals_.empty() || normals_.size() > few_normals) return;
-    few_normals_.assign(normals_.begin(), normals_.end());
-    few_normals_.emplace_back(0.0f);
-    normals_ = few_normals_;
-}
+      check_unit_(options.mode == TangentMode::mikktspace) {}
 
 std::size_t TermMaker::run(std::size_t first, std::size_t end, Room& room,
                            TermCounts& counts) const {
     const std::size_t count = triangles_.cut(std::min(first + TermBlock::size, end)) - first;
-    stage(read_, normals_, triangles_, first, count, 0, room.inputs);
+    stager_.stage(first, count, 0, room.inputs);
     counts.add(finish(count, room));
     if (!triangles_.halves.empty()) settle_quads(first, count, room);
     return count;
@@ -242,7 +150,7 @@ void TermMaker::run(std::span<const Index> list, Room& room) const {
     for (std::size_t i = 0; i < list.size();) {
         std::size_t end = i + 1;
         while (end < list.size() && list[end] == list[end - 1] + 1) ++end;
-        stage(read_, normals_, triangles_, list[i], end - i, i, room.inputs);
+        stager_.stage(list[i], end - i, i, room.inputs);
         i = end;
     }
     finish(list.size(), room);

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "scratch_buffer.h"
-#include "tangent_triangles.h"
+#include "tangent_stage.h"
 
 namespace prep::detail {
 
@@ -53,14 +53,6 @@ struct TermCounts {
     }
 };
 
-// Inputs of up to `size` triangles, component by component: [corner][component][triangle].
-struct TermBlock {
-    static constexpr std::size_t size = 128;
-    alignas(64) float p[3][3][size];
-    alignas(64) float n[3][3][size];
-    alignas(64) float uv[3][2][size];
-};
-
 struct TermBlockResult {
     TermCounts counts;
     bool far_from_unit =
@@ -103,10 +95,9 @@ class TermMaker {
 
     const CornerReader& read_;
     const TangentTriangles& triangles_;
+    Stager stager_;
     TermKernel kernel_;
     bool check_unit_;
-    std::vector<glm::vec3> few_normals_;
-    std::span<const glm::vec3> normals_;  // all but the last have something to read behind them
 };
 
 struct Terms {

@@ -59,11 +59,12 @@ VertexCounts count_triangles(const TangentTriangles& triangles, std::span<const 
     if (n > 1) find_shared(vertices, count / 64 + 1, threads, result);
 
     result.states = ScratchBuffer<std::uint8_t>(count);
-    result.words = ScratchBuffer<Index>(count);
-    Index* const vertex_words = result.words.data();
+    result.bytes = ScratchBuffer<std::uint8_t>(count);
+    result.slots = ScratchBuffer<Index>(count);
+    Index* const met = result.slots.data();  // until slots are needed
     const bool any_shared = n > 1;
     parallel_blocks(count, vertex_grain, threads, [&](std::size_t begin, std::size_t end) {
-        std::memset(vertex_words + begin, 0, (end - begin) * sizeof(Index));
+        std::memset(met + begin, 0, (end - begin) * sizeof(Index));
     });
     parallel_blocks(n, 1, threads, [&](std::size_t r, std::size_t) {
         const Index* const last = vertices.data() + 3 * result.ranges[r].end;
@@ -71,7 +72,7 @@ VertexCounts count_triangles(const TangentTriangles& triangles, std::span<const 
         for (const Index* i = vertices.data() + 3 * result.ranges[r].begin; i < last; ++i) {
             const Index v = *i;
             if (any_shared && (shared[v / 64] >> (v % 64) & 1)) continue;
-            ++vertex_words[v];
+            ++met[v];
         }
     });
 
@@ -80,17 +81,16 @@ VertexCounts count_triangles(const TangentTriangles& triangles, std::span<const 
     parallel_blocks(count, vertex_grain, threads, [&](std::size_t begin, std::size_t end) {
         for (std::size_t w = begin / 64; any_shared && w < (end + 63) / 64; ++w)
             for (std::uint64_t rest = result.shared[w]; rest != 0; rest &= rest - 1)
-                vertex_words[64 * w + std::size_t(std::countr_zero(rest))] = VertexWord::shared;
+                met[64 * w + std::size_t(std::countr_zero(rest))] = VertexByte::shared;
         std::size_t used = 0, listed = 0;
         for (std::size_t v = begin; v < end; ++v) {
-            Index& word = vertex_words[v];
-            used += word != 0;
-            const bool many = word > most_ring_members && word != VertexWord::shared;
-            result.states[v] = word == 0 ? unused_vertex : pending_vertex;
-            if (many) {
-                listed += word;
-                word = VertexWord::listed;
-            }
+            const Index triangles_here = met[v];
+            used += triangles_here != 0;
+            result.states[v] = triangles_here == 0 ? unused_vertex : pending_vertex;
+            const bool shared = any_shared && (result.shared[v / 64] >> (v % 64) & 1);
+            const bool many = triangles_here > most_ring_members && !shared;
+            if (many) listed += triangles_here;
+            result.bytes[v] = many ? VertexByte::listed : std::uint8_t(triangles_here);
         }
         listed_corners += listed;
         starts[begin / vertex_grain] = used;
@@ -107,7 +107,7 @@ VertexCounts count_triangles(const TangentTriangles& triangles, std::span<const 
         std::size_t place = starts[begin / vertex_grain];
         for (std::size_t v = begin; v < end; ++v) {
             result.places[v] = Index(place);
-            place += vertex_words[v] != 0;
+            place += result.states[v] != unused_vertex;
         }
     });
     return result;

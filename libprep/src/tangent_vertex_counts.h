@@ -25,14 +25,13 @@ inline bool needs_list(std::uint8_t state) {
     return state == split_vertex || state == listed_vertex;
 }
 
-// A vertex while its triangles are counted down: how many are to come, how many there were, and its
-// slot when there was one; or one of the two values above all others.
-struct VertexWord {
-    static constexpr std::uint32_t to_come = 0x0f;
-    static constexpr int met_shift = 4, slot_shift = 8, slot_bits = 23;
-    static constexpr std::uint32_t shared = 1u << 31;  // by several ranges; not counted
-    static constexpr std::uint32_t listed = ~0u;       // more than most_ring_members
-    static std::uint32_t met(std::uint32_t word) { return (word >> met_shift) & 0x0f; }
+// A vertex while its triangles are counted down: how many are to come and, times 16, how many there
+// were; or one of the two values above all others.
+struct VertexByte {
+    static constexpr std::uint8_t to_come = 0x0f, met_one = 0x10;
+    static constexpr std::uint8_t shared = 0xc0;  // by several ranges; plus how many there were
+    static constexpr std::uint8_t listed = 0xff;  // more than most_ring_members
+    static std::uint8_t met(std::uint8_t byte) { return byte >> 4; }
 };
 
 struct VertexCounts {
@@ -40,9 +39,10 @@ struct VertexCounts {
         std::size_t begin = 0, end = 0;  // triangles; parts no quad
     };
     ScratchBuffer<std::uint8_t> states;
-    ScratchBuffer<std::uint32_t> words;
-    std::size_t used = 0;            // vertices that have triangles
-    std::size_t listed_corners = 0;  // corners at vertices whose word is `listed`
+    ScratchBuffer<std::uint8_t> bytes;   // VertexByte
+    ScratchBuffer<std::uint32_t> slots;  // undefined so far: see tangent_adding.h
+    std::size_t used = 0;                // vertices that have triangles
+    std::size_t listed_corners = 0;      // corners at vertices whose byte is `listed`
     // Per vertex the number of used ones before it; empty where all are used.
     ScratchBuffer<std::uint32_t> places;
     std::vector<Range> ranges;

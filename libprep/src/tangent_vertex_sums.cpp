@@ -1,7 +1,5 @@
 #include "tangent_vertex_sums.h"
 
-#include <hwy/highway.h>
-
 #include <algorithm>
 #include <atomic>
 #include <bit>
@@ -9,18 +7,15 @@
 #include <deque>
 #include <memory>
 #include <mutex>
-#include <type_traits>
 
 #include "parallel.h"
+#include "tangent_adding.h"
 #include "tangent_listing.h"
 
 namespace prep::detail {
 namespace {
 
 using Index = std::uint32_t;
-namespace hn = hwy::HWY_NAMESPACE;
-using Four = hn::FixedTag<float, 4>;
-using FourBits = hn::FixedTag<Index, 4>;
 
 // What is noted for shared vertices is sorted into that many parts by vertex, added at once.
 constexpr int part_bits = 4;
@@ -79,105 +74,30 @@ class Pool {
 
 struct RangeWork {
     Pool pool;
+    AddLists lists;
     std::deque<Note> notes[parts];
     TermCounts counts;
-};
-
-// Adds terms to vertices. Local copies of all pointers, and nothing has a pointer to it: writing to
-// vertices could change what is reached through others.
-struct Cursor {
-    Cursor(const TangentInput& in, const TangentTriangles& triangles,
-           std::span<const Index> all_vertices, std::span<Index> all_words)
-        : vertices(all_vertices.data()),
-          normals(in.normals.indices.data()),
-          uvs(in.uv.indices.data()),
-          corners(triangles.implicit() ? nullptr : triangles.corners.data()),
-          normal_values(in.normals.values.data()),
-          uv_values(in.uv.values.data()),
-          words(all_words.data()) {}
-
-    void take(Pool& pool) {
-        free = pool.free();
-        free_count = pool.free_count();
-        sums = pool.sums();
-        rings = pool.rings();
-    }
-
-    // A term at corner K of a triangle, to a vertex that is counted (word: its own). No branches:
-    // whether the vertex is new or done with is not to be foreseen.
-    template <std::size_t K>
-    HWY_INLINE void add(std::size_t triangle, const CornerTerm& term, Index v, Index word) {
-        const Index met = VertexWord::met(word);
-        const Index slot = met == 0 ? free[free_count - 1] : word >> VertexWord::slot_shift;
-        free_count -= met == 0;
-        constexpr Index state = (1u << VertexWord::slot_shift) - 1;
-        const Index after =
-            (slot << VertexWord::slot_shift | (word & state)) + (1u << VertexWord::met_shift) - 1;
-        words[v] = after;
-        done_vertices[done] = v;
-        done += (after & VertexWord::to_come) == 0;
-        add_to<K>(triangle, hn::Load(Four(), &term.x), slot, met);
-    }
-
-    template <std::size_t K>
-    HWY_INLINE void add_to(std::size_t triangle, const hn::Vec<Four> term, Index slot, Index met) {
-        const FourBits bits;
-        const Four d;
-        const std::size_t own = corner(3 * triangle + K);
-        VertexSum& sum = sums[slot];
-        const auto old = hn::Load(d, &sum.x);
-        HWY_ALIGN constexpr Index xyz[4] = {~0u, ~0u, ~0u, 0};
-        const auto numbers = hn::MaskFromVec(hn::BitCast(d, hn::Load(bits, xyz)));
-        const auto code = hn::And(old, term);
-        hn::Store(hn::IfThenElse(numbers, hn::Add(old, term), code), d, &sum.x);
-        const Index normal = normals[own], uv = uvs[own];
-        sum.normal = met == 0 ? normal : sum.normal;
-        sum.uv = met == 0 ? uv : sum.uv;
-        if ((normal ^ sum.normal) | (uv ^ sum.uv))
-            sum.split |= !same_values(normal, uv, sum.normal, sum.uv);
-        VertexRing& ring = rings[slot];
-        ring.previous[met % most_ring_members] = vertices[3 * triangle + (K + 2) % 3];
-        ring.next[met % most_ring_members] = vertices[3 * triangle + (K + 1) % 3];
-    }
-
-    // Other indices may have the same values.
-    bool same_values(Index normal, Index uv, Index other_normal, Index other_uv) const {
-        if (normal == other_normal && uv == other_uv) return true;
-        if (normal == no_index || uv == no_index || other_normal == no_index ||
-            other_uv == no_index)
-            return false;
-        return normal_values[normal] == normal_values[other_normal] &&
-               uv_values[uv] == uv_values[other_uv];
-    }
-    std::size_t corner(std::size_t own) const { return corners == nullptr ? own : corners[own]; }
-
-    const Index *vertices, *normals, *uvs, *corners;
-    const glm::vec3* normal_values;
-    const glm::vec2* uv_values;
-    Index* words;
-    Index* free = nullptr;  // the pool's
-    std::size_t free_count = 0;
-    VertexSum* sums = nullptr;
-    VertexRing* rings = nullptr;
-    Index* done_vertices = nullptr;
-    std::size_t done = 0;
 };
 
 class Adder {
   public:
     Adder(const TangentInput& in, const TangentTriangles& triangles,
           std::span<const Index> vertices, const TermMaker& maker, const FanMaker& fans,
-          VertexCounts& counts, Terms& terms, std::span<glm::vec4> values)
-        : cursor_(in, triangles, vertices, counts.words),
+          VertexCounts& counts, Terms& terms, std::span<glm::vec4> values, SimdLevel simd)
+        : in_(in),
+          adding_{vertices.data(), triangles.implicit() ? nullptr : triangles.corners.data(),
+                  in.normals.indices.data(), in.uv.indices.data()},
+          add_(add_kernel(simd)),
           vertices_(vertices.data()),
-          words_(counts.words.data()),
+          bytes_(counts.bytes.data()),
+          slots_(counts.slots.data()),
           maker_(maker),
           fans_(fans),
           counts_(counts),
           terms_(terms),
           values_(values),
-          part_shift_(std::max(0, int(std::bit_width(counts.words.size())) - part_bits)),
-          first_uses_(counts.listed_corners > 0 ? counts.words.size() : 0),
+          part_shift_(std::max(0, int(std::bit_width(counts.bytes.size())) - part_bits)),
+          first_uses_(counts.listed_corners > 0 ? counts.bytes.size() : 0),
           work_(counts.ranges.size()) {}
 
     bool run(std::size_t triangles, int threads) {
@@ -253,52 +173,59 @@ class Adder {
     std::size_t add_block(std::size_t t, std::size_t n, bool any_degenerate,
                           const TermMaker::Room& room, RangeWork& work, Index* done_vertices,
                           std::size_t done) {
-        Cursor cursor = cursor_;
-        cursor.take(work.pool);
-        cursor.done_vertices = done_vertices;
-        cursor.done = done;
-        const Index* vertices = vertices_ + 3 * t;
-        const auto add = [&](auto k, std::size_t i) HWY_ATTR {
-            constexpr std::size_t K = decltype(k)::value;
-            const Index v = vertices[K], word = cursor.words[v];
-            if (HWY_LIKELY(word < VertexWord::shared))
-                cursor.add<K>(t + i, room.planes[K][i], v, word);
-            else if (word != VertexWord::listed)
-                note(v, 4 * (t + i) + K, room.planes[K][i], work);
-            else
-                look_at_use(v, cursor_.corner(3 * (t + i) + K));
-        };
-        for (std::size_t i = 0; i < n; ++i, vertices += 3) {
-            if (any_degenerate && (room.planes[0][i].code & degenerate_triangle)) {
-                for (std::size_t k = 0; k < 3; ++k) {
-                    Index& word = cursor.words[vertices[k]];
-                    if (word >= VertexWord::shared) continue;
-                    --word;
-                    if ((word & VertexWord::to_come) == 0)
-                        cursor.done_vertices[cursor.done++] = vertices[k];
-                }
-                continue;
-            }
-            add(std::integral_constant<std::size_t, 0>(), i);
-            add(std::integral_constant<std::size_t, 1>(), i);
-            add(std::integral_constant<std::size_t, 2>(), i);
+        const CornerTerm* const planes[3] = {room.planes[0], room.planes[1], room.planes[2]};
+        Pool& pool = work.pool;
+        AddState state{bytes_,        slots_,      pool.sums(),
+                       pool.rings(),  pool.free(), pool.free_count(),
+                       done_vertices, done};
+        AddLists& lists = work.lists;
+        add_(adding_, t, n, any_degenerate, planes, state, lists);
+        pool.free_count() = state.free_count;
+        for (std::size_t i = 0; i < lists.different_count; ++i) {
+            const std::size_t member = 4 * t + lists.different[i];
+            VertexSum& sum = pool.sums()[slots_[vertex(member)]];
+            sum.split |= !same_values(corner(member), sum);
         }
-        work.pool.free_count() = cursor.free_count;
-        return cursor.done;
+        for (std::size_t i = 0; i < lists.left_count; ++i) {
+            const std::size_t member = 4 * t + lists.left[i];
+            const Index v = vertex(member);
+            if (bytes_[v] == VertexByte::listed)
+                look_at_use(v, corner(member));
+            else
+                note(v, member, planes[member & 3][lists.left[i] >> 2], work);
+        }
+        return state.done_count;
     }
 
-    HWY_NOINLINE void note(Index v, std::size_t member, const CornerTerm& term,
-                           RangeWork& work) const {
+    Index vertex(std::size_t member) const { return vertices_[3 * (member >> 2) + (member & 3)]; }
+    std::size_t corner(std::size_t member) const {
+        const std::size_t at = 3 * (member >> 2) + (member & 3);
+        return adding_.corners == nullptr ? at : adding_.corners[at];
+    }
+    // Other indices may have the same values.
+    bool same_values(std::size_t corner, const VertexSum& first) const {
+        return same_values(adding_.normals[corner], adding_.uvs[corner], first.normal, first.uv);
+    }
+    bool same_values(Index normal, Index uv, Index other_normal, Index other_uv) const {
+        if (normal == other_normal && uv == other_uv) return true;
+        if (normal == no_index || uv == no_index || other_normal == no_index ||
+            other_uv == no_index)
+            return false;
+        return in_.normals.values[normal] == in_.normals.values[other_normal] &&
+               in_.uv.values[uv] == in_.uv.values[other_uv];
+    }
+
+    void note(Index v, std::size_t member, const CornerTerm& term, RangeWork& work) const {
         work.notes[v >> part_shift_].push_back({term.x, term.y, term.z, term.code, Index(member)});
     }
 
     // Of a listed vertex: has it several normals or UVs?
-    HWY_NOINLINE void look_at_use(Index v, std::size_t corner) {
-        const Index normal = cursor_.normals[corner], uv = cursor_.uvs[corner];
+    void look_at_use(Index v, std::size_t corner) {
+        const Index normal = adding_.normals[corner], uv = adding_.uvs[corner];
         if (counts_.states[v] == pending_vertex) {
             counts_.states[v] = listed_vertex;
             first_uses_[v] = {normal, uv};
-        } else if (!cursor_.same_values(normal, uv, first_uses_[v].normal, first_uses_[v].uv)) {
+        } else if (!same_values(normal, uv, first_uses_[v].normal, first_uses_[v].uv)) {
             counts_.states[v] = split_vertex;
             large_split_ = true;
         }
@@ -309,7 +236,7 @@ class Adder {
         std::size_t done = 0, split = 0;
         for (std::size_t i = 3 * begin; i < 3 * end; ++i) {
             const Index v = vertices_[i];
-            if (words_[v] >= VertexWord::shared || (words_[v] & VertexWord::to_come)) continue;
+            if (bytes_[v] >= VertexByte::shared || (bytes_[v] & VertexByte::to_come)) continue;
             ++done;
             split += counts_.states[v] == split_vertex;
         }
@@ -322,9 +249,10 @@ class Adder {
         Index slots[ring_batch];
         std::uint8_t counts[ring_batch];
         for (std::size_t i = 0; i < vertices.size(); ++i) {
-            const Index word = words_[vertices[i]] & ~VertexWord::shared;
-            slots[i] = word >> VertexWord::slot_shift;
-            counts[i] = std::uint8_t(VertexWord::met(word));
+            const std::uint8_t byte = bytes_[vertices[i]];
+            slots[i] = slots_[vertices[i]];
+            counts[i] = byte >= VertexByte::shared ? std::uint8_t(byte - VertexByte::shared)
+                                                   : VertexByte::met(byte);
             if (counts[i] == 0) given_up_ = true;
         }
         if (given_up_) return;
@@ -363,7 +291,7 @@ class Adder {
             }
             work.notes[part] = {};
         }
-        const std::size_t count = counts_.words.size();
+        const std::size_t count = counts_.bytes.size();
         const std::size_t end = std::min(count, (part + 1) << part_shift_);
         std::vector<Index> done;
         const auto flush = [&] {
@@ -385,30 +313,25 @@ class Adder {
     }
 
     void add_note(Pool& pool, const Note& note) {
-        Cursor cursor = cursor_;
-        cursor.take(pool);
         const std::size_t triangle = note.member >> 2, k = note.member & 3;
-        Index& word = words_[vertices_[3 * triangle + k]];
-        Index met = VertexWord::met(word);
-        const Index slot = met == 0 ? cursor.free[--pool.free_count()]
-                                    : (word & ~VertexWord::shared) >> VertexWord::slot_shift;
-        HWY_ALIGN const Index values[4] = {std::bit_cast<Index>(note.x),
-                                           std::bit_cast<Index>(note.y),
-                                           std::bit_cast<Index>(note.z), note.code};
-        const auto term = hn::BitCast(Four(), hn::Load(FourBits(), values));
-        if (k == 0)
-            cursor.add_to<0>(triangle, term, slot, met);
-        else if (k == 1)
-            cursor.add_to<1>(triangle, term, slot, met);
-        else
-            cursor.add_to<2>(triangle, term, slot, met);
+        const Index v = vertex(note.member);
+        Index met = bytes_[v] - VertexByte::shared;
+        if (met == 0) slots_[v] = pool.free()[--pool.free_count()];
+        const Index slot = slots_[v];
+        VertexSum& sum = pool.sums()[slot];
+        if (add_term(adding_, triangle, k, {note.x, note.y, note.z, note.code}, met, sum,
+                     pool.rings()[slot]))
+            sum.split |= !same_values(corner(note.member), sum);
         met = std::min<Index>(met + 1, most_ring_members + 1);
-        word = VertexWord::shared | slot << VertexWord::slot_shift | met << VertexWord::met_shift;
+        bytes_[v] = std::uint8_t(VertexByte::shared + met);
     }
 
-    const Cursor cursor_;
+    const TangentInput& in_;
+    const AddInput adding_;
+    const AddKernel add_;
     const Index* vertices_;
-    Index* words_;
+    std::uint8_t* bytes_;
+    Index* slots_;
     const TermMaker& maker_;
     const FanMaker& fans_;
     VertexCounts& counts_;
@@ -432,9 +355,10 @@ class Adder {
 
 bool add_up_vertices(const TangentInput& input, const TangentTriangles& triangles,
                      std::span<const Index> vertices, const TermMaker& maker, const FanMaker& fans,
-                     int threads, VertexCounts& counts, Terms& terms, std::span<glm::vec4> values) {
-    return Adder(input, triangles, vertices, maker, fans, counts, terms, values)
-        .run(triangles.count, threads);
+                     const TangentOptions& options, VertexCounts& counts, Terms& terms,
+                     std::span<glm::vec4> values) {
+    return Adder(input, triangles, vertices, maker, fans, counts, terms, values, options.simd)
+        .run(triangles.count, options.threads);
 }
 
 }  // namespace prep::detail

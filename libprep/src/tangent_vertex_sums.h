@@ -26,7 +26,7 @@ namespace prep::detail {
 // bytes a corner at worst.
 bool add_up_vertices(const TangentInput& input, const TangentTriangles& triangles,
                      std::span<const std::uint32_t> vertices, const TermMaker& maker,
-                     const FanMaker& fans, int threads, VertexCounts& counts, Terms& terms,
-                     std::span<glm::vec4> values);
+                     const FanMaker& fans, const TangentOptions& options, VertexCounts& counts,
+                     Terms& terms, std::span<glm::vec4> values);
 
 }  // namespace prep::detail

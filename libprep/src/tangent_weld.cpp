@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "parallel.h"
+#include "position_filter.h"
 #include "prep/mesh.h"
 #include "scratch_buffer.h"
 
@@ -41,10 +42,11 @@ bool is_number(const glm::vec3& p) {
 // Positions that may equal others: all that do, and a few per cent of the rest.
 class Suspects {
   public:
-    Suspects(std::span<const glm::vec3> positions, int threads)
+    Suspects(std::span<const glm::vec3> positions, SimdLevel simd, int threads)
         : positions_(positions),
+          kernels_(filter_kernels(simd)),
           threads_(threads),
-          words_(std::bit_ceil(positions.size() * bits_per_position / 64 + 1)) {}
+          words_(std::bit_ceil(positions.size() * bits_per_position / 32 + 1)) {}
 
     // Ascending; nothing where they are so many that looking at all is as good.
     std::optional<std::vector<Index>> find() {
@@ -59,7 +61,7 @@ class Suspects {
         });
         for (const Half& one : halves)
             if (one.many) return std::nullopt;
-        std::vector<std::uint64_t>& shared = halves[0].shared;
+        std::vector<Index>& shared = halves[0].shared;
         for (std::size_t p = 1; p < parts; ++p) {
             for (std::size_t w = 0; w < words_; ++w)
                 shared[w] |= halves[p].shared[w] | (halves[0].taken[w] & halves[p].taken[w]);
@@ -67,9 +69,12 @@ class Suspects {
         std::vector<std::vector<Index>> found((n + position_grain - 1) / position_grain);
         parallel_blocks(n, position_grain, threads_, [&](std::size_t begin, std::size_t end) {
             std::vector<Index>& list = found[begin / position_grain];
-            for (std::size_t i = begin; i < end; ++i) {
-                const Bit bit = bit_of(positions_[i]);
-                if (shared[bit.word] & bit.mask) list.push_back(Index(i));
+            Index block[patience + most_filter_lanes];
+            for (std::size_t i = begin; i < end; i += patience) {
+                const std::size_t count =
+                    kernels_.find(&positions_[i], std::min(patience, end - i), Index(words_ - 1),
+                                  shared.data(), Index(i), block);
+                list.insert(list.end(), block, block + count);
             }
         });
         std::vector<Index> all;
@@ -80,44 +85,34 @@ class Suspects {
   private:
     // Half as many positions as one in this find their bit taken by chance.
     static constexpr std::size_t bits_per_position = 16;
-    static constexpr std::size_t patience = 4096;
-    struct Bit {
-        std::size_t word;
-        std::uint64_t mask;
-    };
+    static constexpr std::size_t patience = 1024;
     struct Half {
-        std::vector<std::uint64_t> taken, shared;
+        std::vector<Index> taken, shared;
         bool many = false;
     };
     void look(Half& half, std::size_t begin, std::size_t end) const {
         half.taken.assign(words_, 0);
         half.shared.assign(words_, 0);
-        std::uint64_t *const taken = half.taken.data(), *const shared = half.shared.data();
+        Index *const taken = half.taken.data(), *const shared = half.shared.data();
+        Index words[patience], bits[patience];
         std::size_t later = 0;
-        for (std::size_t i = begin; i < end && !half.many;) {
-            const std::size_t stop = std::min(end, i + patience);
-            for (; i < stop; ++i) {
-                const Bit bit = bit_of(positions_[i]);
-                const std::uint64_t word = taken[bit.word];
-                if (word & bit.mask) {
-                    shared[bit.word] |= bit.mask;
+        for (std::size_t i = begin; i < end && !half.many; i += patience) {
+            const std::size_t count = std::min(patience, end - i);
+            kernels_.bits(&positions_[i], count, Index(words_ - 1), words, bits);
+            for (std::size_t k = 0; k < count; ++k) {
+                const Index word = taken[words[k]], bit = Index(1) << bits[k];
+                if (word & bit) {
+                    shared[words[k]] |= bit;
                     ++later;
                 }
-                taken[bit.word] = word | bit.mask;
+                taken[words[k]] = word | bit;
             }
-            half.many = later > (i - begin) / 4;
+            half.many = later > (i + count - begin) / 4;
         }
-    }
-    // Adding 0 turns −0 into 0.
-    Bit bit_of(const glm::vec3& p) const {
-        const auto x = std::bit_cast<Index>(p.x + 0.0f), y = std::bit_cast<Index>(p.y + 0.0f),
-                   z = std::bit_cast<Index>(p.z + 0.0f);
-        const std::uint64_t h =
-            ((std::uint64_t(x) << 32 | y) ^ z * 0xd6e8feb86659fd93u) * 0x9e3779b97f4a7c15u;
-        return {std::size_t(h >> 20) & (words_ - 1), std::uint64_t(1) << (h >> 58)};
     }
 
     std::span<const glm::vec3> positions_;
+    FilterKernels kernels_;
     int threads_;
     std::size_t words_;
 };
@@ -190,10 +185,11 @@ std::vector<Index> all_by_themselves(std::size_t n) {
 
 }  // namespace
 
-std::vector<Index> equal_positions(std::span<const glm::vec3> positions, int threads) {
+std::vector<Index> equal_positions(std::span<const glm::vec3> positions, int threads,
+                                   SimdLevel simd) {
     const std::size_t n = positions.size();
     if (n < 2) return {};
-    if (const auto suspects = Suspects(positions, threads).find()) {
+    if (const auto suspects = Suspects(positions, simd, threads).find()) {
         std::vector<std::vector<std::pair<Index, Index>>> equals(most_parts);
         equal_pairs(
             positions, suspects->size(), [&](std::size_t i) { return (*suspects)[i]; },

@@ -57,8 +57,8 @@ Result<void> check_input(const TangentInput& in, const TangentOptions& options) 
 // What does not depend on the UVs: made when first asked for.
 class Shared {
   public:
-    const std::vector<Index>& lowest(const TangentInput& in, int threads) {
-        if (!made_) lowest_ = detail::equal_positions(in.positions, threads);
+    const std::vector<Index>& lowest(const TangentInput& in, const TangentOptions& options) {
+        if (!made_) lowest_ = detail::equal_positions(in.positions, options.threads, options.simd);
         made_ = true;
         return lowest_;
     }
@@ -90,7 +90,7 @@ class Run {
         }
         const detail::TermMaker maker(read_, triangles_, options_);
         detail::TangentStars stars = detail::named_vertices(
-            in_, triangles_, shared_.lowest(in_, options_.threads), options_.threads);
+            in_, triangles_, shared_.lowest(in_, options_), options_.threads);
         detail::VertexCounts counts;
         bool fans_told = detail::opposites_only(options_.angular_threshold);
         detail::parallel_both(
@@ -103,11 +103,11 @@ class Run {
             [&] { make_room(stars); });
         if (fans_told) {
             const detail::FanMaker fans(read_, {positive_, robust_, options_.simd});
-            fans_told =
-                detail::add_up_vertices(in_, triangles_, stars.vertices, maker, fans,
-                                        options_.threads, counts, terms_, result_.tangents.values);
+            fans_told = detail::add_up_vertices(in_, triangles_, stars.vertices, maker, fans,
+                                                options_, counts, terms_, result_.tangents.values);
         }
-        counts.words = {};
+        counts.bytes = {};
+        counts.slots = {};
         if (!fans_told) {
             counts = {};
             detail::compute_all_terms(maker, triangles_, options_.threads, terms_);
@@ -233,7 +233,7 @@ class Run {
         if (suspects.empty()) return;
         std::sort(suspects.begin(), suspects.end());
         suspects.erase(std::unique(suspects.begin(), suspects.end()), suspects.end());
-        detail::apply_fallbacks({read_, shared_.lowest(in_, options_.threads), suspects, positive_},
+        detail::apply_fallbacks({read_, shared_.lowest(in_, options_), suspects, positive_},
                                 result_);
     }
 
