@@ -160,10 +160,10 @@ struct Layout {
     std::size_t count = 0;
 };
 
-// Copies `count` elements out of a view.
+// Copies `count` elements out of a view, or those of them that are asked for.
 Result<void> gather(const GltfDocument& d, std::size_t view_index, const Layout& layout,
                     const std::string& type, const std::string& pointer,
-                    std::vector<std::byte>& out) {
+                    const std::vector<std::uint32_t>* only, std::vector<std::byte>& out) {
     const auto bytes = d.view(view_index);
     if (!bytes) return bytes.error();
     const std::size_t padded = padded_matrix_size(type, layout.component);
@@ -177,19 +177,22 @@ Result<void> gather(const GltfDocument& d, std::size_t view_index, const Layout&
                    std::to_string(layout.count) + " elements from byte " +
                        std::to_string(layout.offset) + " with stride " + std::to_string(stride) +
                        " do not fit the bufferView of " + std::to_string(bytes->size()) + " bytes");
-    out.resize(layout.count * layout.element);
+    const std::size_t count = only ? only->size() : layout.count;
+    out.resize(count * layout.element);
     const std::byte* from = bytes->data() + layout.offset;
-    if (stride == layout.element && !padded) {
+    if (!only && stride == layout.element && !padded) {
         std::memcpy(out.data(), from, out.size());
-    } else if (!padded) {
-        for (std::size_t i = 0; i < layout.count; ++i)
-            std::memcpy(out.data() + i * layout.element, from + i * stride, layout.element);
-    } else {
-        const std::size_t rows = type == "MAT2" ? 2 : 3, column = rows * layout.component;
-        for (std::size_t i = 0; i < layout.count; ++i)
+        return {};
+    }
+    const std::size_t rows = type == "MAT2" ? 2 : 3, column = rows * layout.component;
+    for (std::size_t i = 0; i < count; ++i) {
+        const std::byte* const element = from + (only ? (*only)[i] : i) * stride;
+        std::byte* const to = out.data() + i * layout.element;
+        if (!padded)
+            std::memcpy(to, element, layout.element);
+        else
             for (std::size_t c = 0; c < rows; ++c)
-                std::memcpy(out.data() + i * layout.element + c * column,
-                            from + i * stride + c * (padded / rows), column);
+                std::memcpy(to + c * column, element + c * (padded / rows), column);
     }
     return {};
 }
@@ -210,9 +213,9 @@ Result<void> apply_sparse(const GltfDocument& d, const Json& sparse, const std::
         const Layout layout{
             whole(part, "byteOffset"), 0, first ? indices.element_size() : raw.element_size(),
             component_size(first ? indices.component_type : raw.component_type), count};
-        if (auto done =
-                gather(d, whole(part, "bufferView"), layout, first ? "SCALAR" : type,
-                       pointer + (first ? "/indices" : "/values"), first ? indices.bytes : values);
+        if (auto done = gather(d, whole(part, "bufferView"), layout, first ? "SCALAR" : type,
+                               pointer + (first ? "/indices" : "/values"), nullptr,
+                               first ? indices.bytes : values);
             !done)
             return done;
     }
@@ -233,11 +236,11 @@ Result<void> apply_sparse(const GltfDocument& d, const Json& sparse, const std::
     return {};
 }
 
-}  // namespace
-
-Result<RawAccessor> GltfDocument::raw_accessor(std::size_t index) const {
+// `only`: the elements to be read; null: all.
+Result<RawAccessor> read_accessor(const GltfDocument& d, std::size_t index,
+                                  const std::vector<std::uint32_t>* only) {
     const std::string pointer = "/accessors/" + std::to_string(index);
-    const Json& accessor = json["accessors"][index];
+    const Json& accessor = d.json["accessors"][index];
     const std::string type = accessor["type"].get<std::string>();
     RawAccessor raw;
     raw.component_type = int(whole(accessor, "componentType"));
@@ -247,17 +250,33 @@ Result<RawAccessor> GltfDocument::raw_accessor(std::size_t index) const {
     if (accessor.contains("bufferView")) {
         const std::size_t view = whole(accessor, "bufferView");
         const Layout layout{whole(accessor, "byteOffset"),
-                            whole(json["bufferViews"][view], "byteStride"), raw.element_size(),
+                            whole(d.json["bufferViews"][view], "byteStride"), raw.element_size(),
                             component_size(raw.component_type), raw.count};
-        if (auto done = gather(*this, view, layout, type, pointer, raw.bytes); !done)
+        if (auto done = gather(d, view, layout, type, pointer, only, raw.bytes); !done)
             return std::move(done).error();
+        if (only) raw.count = only->size();
     } else {
+        if (only) raw.count = only->size();
         raw.bytes.resize(raw.count * raw.element_size());
     }
     if (const auto it = accessor.find("sparse"); it != accessor.end())
-        if (auto done = apply_sparse(*this, *it, type, pointer + "/sparse", raw); !done)
+        if (auto done = apply_sparse(d, *it, type, pointer + "/sparse", raw); !done)
             return std::move(done).error();
     return raw;
+}
+
+}  // namespace
+
+Result<RawAccessor> GltfDocument::raw_accessor(std::size_t index) const {
+    return read_accessor(*this, index, nullptr);
+}
+
+Result<RawAccessor> GltfDocument::raw_elements(std::size_t index,
+                                               const std::vector<std::uint32_t>& elements) const {
+    if (!json["accessors"][index].contains("sparse")) return read_accessor(*this, index, &elements);
+    auto all = raw_accessor(index);
+    if (!all) return all;
+    return selected(*all, elements);
 }
 
 namespace detail {
@@ -276,6 +295,15 @@ void convert(const RawAccessor& raw, std::vector<Out>& out, const Map& map) {
 }
 
 }  // namespace
+
+RawAccessor selected(const RawAccessor& raw, const std::vector<std::uint32_t>& elements) {
+    RawAccessor out{raw.component_type, raw.width, raw.normalized, elements.size(), {}};
+    const std::size_t size = raw.element_size();
+    out.bytes.resize(elements.size() * size);
+    for (std::size_t i = 0; i < elements.size(); ++i)
+        std::memcpy(out.bytes.data() + i * size, raw.bytes.data() + elements[i] * size, size);
+    return out;
+}
 
 std::vector<float> to_floats(const RawAccessor& raw) {
     std::vector<float> out;

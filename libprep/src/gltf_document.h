@@ -71,6 +71,10 @@ class GltfDocument {
     Result<std::span<const std::byte>> view(std::size_t index) const;
     // Only after check_structure(). Errors: the data are not there, or cannot be decompressed.
     Result<detail::RawAccessor> raw_accessor(std::size_t index) const;
+    // Only these of its elements, all of which it must have, in this order: the cost is theirs, but
+    // for sparse accessors.
+    Result<detail::RawAccessor> raw_elements(std::size_t index,
+                                             const std::vector<std::uint32_t>& elements) const;
 
   private:
     mutable std::map<std::size_t, std::vector<std::byte>> decompressed_;
@@ -88,6 +92,9 @@ std::vector<std::filesystem::path> files_of_buffers(const GltfDocument& document
 // Errors: io (also where there is no folder), syntax, unsupported (other schemes).
 Result<std::vector<std::byte>> resolve_uri(const GltfDocument& document, const std::string& uri,
                                            const std::string& pointer);
+
+// Only these elements, in this order.
+RawAccessor selected(const RawAccessor& raw, const std::vector<std::uint32_t>& elements);
 
 // An accessor as floats, normalised integers mapped to 0 … 1 or −1 … 1.
 std::vector<float> to_floats(const RawAccessor& raw);

@@ -31,19 +31,15 @@ struct Growing {
     std::vector<T> values;
     std::vector<bool> has;
 
-    // `elements`: which of the accessor's elements to take; empty: all.
-    void append(std::size_t first, const RawAccessor& raw, std::span<const Index> elements) {
+    void append(std::size_t first, const RawAccessor& raw) {
         values.resize(first, T(0.0f));
         has.resize(first, false);
         const std::vector<float> floats = to_floats(raw);
-        const std::size_t count = elements.empty() ? raw.count : elements.size();
         const int width = std::min(raw.width, int(T::length()));
-        values.resize(first + count, T(0.0f));
-        for (std::size_t i = 0; i < count; ++i) {
-            const std::size_t from = elements.empty() ? i : elements[i];
-            std::memcpy(&values[first + i], &floats[from * std::size_t(raw.width)],
+        values.resize(first + raw.count, T(0.0f));
+        for (std::size_t i = 0; i < raw.count; ++i)
+            std::memcpy(&values[first + i], &floats[i * std::size_t(raw.width)],
                         std::size_t(width) * sizeof(float));
-        }
         has.resize(values.size(), true);
     }
 
@@ -281,17 +277,20 @@ class MeshReader {
 
     // --- attributes --------------------------------------------------------------------------
 
-    // Shared accessors are decoded once.
+    // What the primitive uses of an attribute. Shared accessors that are read whole are read once.
     Result<const RawAccessor*> attribute(const GltfPrimitive& primitive,
                                          const std::string& semantic, Index accessor) {
         const auto draco = primitive.draco.find(semantic);
         if (draco != primitive.draco.end()) return &draco->second;
-        if (shared_[accessor])
+        const bool whole = primitive.elements.empty();
+        if (whole && shared_[accessor])
             if (const auto known = decoded_.find(accessor); known != decoded_.end())
                 return &known->second;
-        auto raw = d_.raw_accessor(accessor);
+        auto raw =
+            whole ? d_.raw_accessor(accessor) : d_.raw_elements(accessor, primitive.elements);
         if (!raw) return std::move(raw).error();
-        if (shared_[accessor]) return &decoded_.emplace(accessor, *std::move(raw)).first->second;
+        if (whole && shared_[accessor])
+            return &decoded_.emplace(accessor, *std::move(raw)).first->second;
         unshared_ = *std::move(raw);
         return &unshared_;
     }
@@ -327,23 +326,23 @@ class MeshReader {
         if (semantic == "POSITION") {
             if (auto done = wants(3, 3); !done) return done;
             Growing<glm::vec3> positions;
-            positions.append(0, raw, out.elements);
+            positions.append(0, raw);
             mesh.positions.insert(mesh.positions.end(), positions.values.begin(),
                                   positions.values.end());
         } else if (semantic == "NORMAL") {
             if (auto done = wants(3, 3); !done) return done;
-            normals_.append(first, raw, out.elements);
+            normals_.append(first, raw);
         } else if (semantic == "TANGENT") {
             if (auto done = wants(4, 4); !done) return done;
-            tangents_.append(first, raw, out.elements);
+            tangents_.append(first, raw);
         } else if (const auto uv = set_number(semantic, "TEXCOORD_")) {
             if (auto done = wants(2, 2); !done) return done;
             if (uvs_.size() <= *uv) uvs_.resize(*uv + 1);
-            uvs_[*uv].append(first, raw, out.elements);
+            uvs_[*uv].append(first, raw);
         } else if (const auto color = set_number(semantic, "COLOR_")) {
             if (auto done = wants(3, 4); !done) return done;
             if (colors_.size() <= *color) colors_.resize(*color + 1);
-            colors_[*color].append(first, raw, out.elements);
+            colors_[*color].append(first, raw);
             if (raw.width == 3)
                 for (std::size_t i = first; i < colors_[*color].values.size(); ++i)
                     colors_[*color].values[i].a = 1;

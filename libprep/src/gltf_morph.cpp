@@ -58,13 +58,14 @@ class PrimitiveVertices {
 Result<void> add(const GltfDocument& document, const Json& target, const char* semantic,
                  const GltfPrimitive& primitive, const Mesh& mesh, std::span<const Index> vertices,
                  std::vector<glm::vec3>& to) {
-    auto raw = document.raw_accessor(target[semantic].get<std::size_t>());
+    const auto accessor = target[semantic].get<std::size_t>();
+    auto raw = primitive.elements.empty() ? document.raw_accessor(accessor)
+                                          : document.raw_elements(accessor, primitive.elements);
     if (!raw) return std::move(raw).error();
     const std::vector<float> values = to_floats(*raw);
     for (const Index v : vertices) {
         const Index in_file = mesh.file_vertices.empty() ? v : mesh.file_vertices[v];
-        const float* delta =
-            &values[3 * std::size_t(primitive.element_of(in_file - primitive.first_vertex))];
+        const float* delta = &values[3 * std::size_t(in_file - primitive.first_vertex)];
         to[v] += glm::vec3(delta[0], delta[1], delta[2]);
     }
     return {};

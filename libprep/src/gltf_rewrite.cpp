@@ -331,27 +331,17 @@ class Rewriter {
     // An accessor's elements for the given source vertices, in the accessor's own type.
     Result<Gathered> gather(const GltfPrimitive& source, const std::string& semantic,
                             std::size_t accessor, const std::vector<Index>& local) const {
-        RawAccessor raw;
-        const auto draco = source.draco.find(semantic);
-        if (draco != source.draco.end()) {
-            raw = draco->second;
-        } else {
-            auto read = document_.raw_accessor(accessor);
-            if (!read) return std::move(read).error();
-            raw = *std::move(read);
-        }
-        const Json& in = document_.json["accessors"][accessor];
         Gathered result;
         result.accessor = accessor;
-        result.implied =
-            draco == source.draco.end() && !in.contains("bufferView") && !in.contains("sparse");
-        const std::size_t size = raw.element_size();
-        std::vector<std::byte> bytes(local.size() * size);
-        for (std::size_t i = 0; i < local.size(); ++i)
-            std::memcpy(bytes.data() + i * size, raw.bytes.data() + local[i] * size, size);
-        result.values = std::move(raw);
-        result.values.bytes = std::move(bytes);
-        result.values.count = local.size();
+        if (const auto draco = source.draco.find(semantic); draco != source.draco.end()) {
+            result.values = selected(draco->second, local);
+            return result;
+        }
+        auto read = document_.raw_elements(accessor, local);
+        if (!read) return std::move(read).error();
+        result.values = *std::move(read);
+        const Json& in = document_.json["accessors"][accessor];
+        result.implied = !in.contains("bufferView") && !in.contains("sparse");
         return result;
     }
 

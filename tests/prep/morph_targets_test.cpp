@@ -227,8 +227,18 @@ TEST(MorphTargets, PrimitivesThatShareAccessorsWriteTheVerticesTheyUse) {
     Document d;
     const Vectors positions{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {5, 0, 0}, {6, 0, 0}, {5, 1, 0}};
     const Vectors deltas{{0, 0, 1}, {0, 0, 2}, {0, 0, 3}, {0, 0, 4}, {0, 0, 5}, {0, 0, 6}};
+    // Colours that differ from zero at one vertex only, as a sparse accessor.
+    const std::size_t place = d.add(std::vector<std::uint16_t>{4}, 5123, "SCALAR");
+    const std::size_t value = d.add(std::vector<glm::vec4>{{0.25f, 0.5f, 0.75f, 1}}, 5126, "VEC4");
+    const std::size_t colors = d.add(std::vector<glm::vec4>(6, glm::vec4(0)), 5126, "VEC4");
+    d.json["accessors"][colors]["sparse"] = {
+        {"count", 1},
+        {"indices",
+         {{"bufferView", d.json["accessors"][place]["bufferView"]}, {"componentType", 5123}}},
+        {"values", {{"bufferView", d.json["accessors"][value]["bufferView"]}}}};
     const Json attributes{
         {"POSITION", d.add_positions(positions)},
+        {"COLOR_0", colors},
         {"NORMAL", d.add(Vectors(6, {0, 0, 1}))},
         {"TEXCOORD_0", d.add(std::vector<glm::vec2>{{0, 1}, {1, 1}, {0, 0}, {0, 1}, {1, 1}, {0, 0}},
                              5126, "VEC2")}};
@@ -246,7 +256,11 @@ TEST(MorphTargets, PrimitivesThatShareAccessorsWriteTheVerticesTheyUse) {
         const auto moved = saved.values(saved.primitive(p)["targets"][0]["POSITION"]);
         ASSERT_EQ(written.size(), 3u);
         ASSERT_EQ(moved.size(), 3u);
+        const auto coloured = saved.values(saved.primitive(p)["attributes"]["COLOR_0"]);
+        ASSERT_EQ(coloured.size(), 3u);
         for (std::size_t v = 0; v < 3; ++v) {
+            EXPECT_EQ(coloured[v],
+                      3 * p + v == 4 ? glm::vec4(0.25f, 0.5f, 0.75f, 1) : glm::vec4(0));
             EXPECT_EQ(glm::vec3(written[v]), positions[3 * p + v]);
             EXPECT_EQ(moved[v].z, deltas[3 * p + v].z);
         }
