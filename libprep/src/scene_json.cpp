@@ -36,6 +36,8 @@ class Builder {
         for (const auto step : steps)
             if (std::optional<Error> error = (this->*step)(spec)) return std::move(*error);
         out_.picture = spec.picture;
+        if (spec.picture.coverage == "area" && spec.picture.samples.value_or(1) > 1)
+            return error("/picture/coverage", "exact areas take the place of several samples");
         if (spec.camera && spec.camera->orbit) {
             out_.picture.orbit_azimuth = spec.camera->orbit->azimuth * degrees;
             out_.picture.orbit_elevation = spec.camera->orbit->elevation * degrees;

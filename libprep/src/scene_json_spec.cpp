@@ -38,6 +38,19 @@ Field<T> optional_number(std::string key, std::optional<Value> T::*member, doubl
 }
 
 template <class T>
+Field<T> optional_whole(std::string key, std::optional<int> T::*member, int least, int greatest) {
+    return {std::move(key), [=](const Json& value, const std::string& pointer, T& out) -> Outcome {
+                double read = 0;
+                if (Outcome problem = schema::read_number(value, pointer, least, greatest, read))
+                    return problem;
+                if (read != std::floor(read))
+                    return Problem{pointer, "expected a whole number, found " + value.dump()};
+                out.*member = static_cast<int>(read);
+                return {};
+            }};
+}
+
+template <class T>
 Field<T> optional_point(std::string key, std::optional<glm::dvec3> T::*member) {
     return {std::move(key), [=](const Json& value, const std::string& pointer, T& out) -> Outcome {
                 glm::dvec3 read{0};
@@ -374,7 +387,21 @@ Table<PictureSettings> picture_table() {
         word("cull", &T::cull, {"by-material", "back", "front", "none"}),
         word("filter", &T::filter,
              {"nearest", "bilinear", "trilinear", "bicubic", "anisotropic", "ripmap", "ewa"}),
+        Field<T>{
+            "samples",
+            [](const Json& value, const std::string& pointer, T& out) -> Outcome {
+                for (const int offered : {1, 2, 4, 8, 16})
+                    if (value.is_number() && value == offered) {
+                        out.samples = offered;
+                        return {};
+                    }
+                return Problem{pointer, "expected 1, 2, 4, 8 or 16 samples, found " + value.dump()};
+            }},
+        optional_whole("supersample", &T::supersample, 1, 16),
+        word("coverage", &T::coverage, {"samples", "area"}),
+        optional_whole("max_anisotropy", &T::max_anisotropy, 1, 16),
         word("tone_map", &T::tone_map, {"off", "reinhard"}),
+        optional_number("exposure", &T::exposure, 1e-6, 1e6),
     };
 }
 

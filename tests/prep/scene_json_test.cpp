@@ -166,6 +166,21 @@ TEST(SceneJson, SaysWhichReferenceLeadsNowhereOrInACircle) {
            "#/camera/far", "beyond");
 }
 
+TEST(SceneJson, PicturesAskForWhatTheCommandOffers) {
+    const auto refuse = [](const std::string& picture, const char* place, const char* says) {
+        const std::string text = with("\"picture\": " + picture);
+        expect({text.c_str(), ErrorCode::invalid, place, says});
+    };
+    refuse(R"({"samples": 3})", "#/picture/samples", "1, 2, 4, 8 or 16");
+    refuse(R"({"samples": "4"})", "#/picture/samples", "1, 2, 4, 8 or 16");
+    refuse(R"({"supersample": 17})", "#/picture/supersample", "16");
+    refuse(R"({"supersample": 1.5})", "#/picture/supersample", "whole");
+    refuse(R"({"max_anisotropy": 0})", "#/picture/max_anisotropy", "1");
+    refuse(R"({"coverage": "areas"})", "#/picture/coverage", "area");
+    refuse(R"({"coverage": "area", "samples": 4})", "#/picture/coverage", "samples");
+    refuse(R"({"exposure": 0})", "#/picture/exposure", "1e-06");
+}
+
 TEST(SceneJson, GeneratedShapesAreLimitedTogether) {
     expect({R"({"meshprep": 1, "meshes": {"a": {"shape":
                {"kind": "sphere", "segments": 16777216, "rings": 2}}}})",

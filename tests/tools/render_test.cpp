@@ -49,6 +49,45 @@ TEST(Render, SceneFilesTakeEveryFilterWordOfTheCommandLine) {
     EXPECT_EQ(pictures.size(), 7u);
 }
 
+TEST(Render, SceneFilesAskForTheSameAsOptionsAndTheOptionsWin) {
+    const TemporaryDirectory dir;
+    std::filesystem::copy_file(test::source_dir() / "samples/room/brick_color.png",
+                               dir / "brick.png");
+    write_text(dir / "plain.json", slanted_floor(R"({"size": [96, 64]})"));
+    const auto draw = [&](const std::string& scene, const std::vector<std::string>& options) {
+        std::vector<std::string> words{"render", (dir / scene).string(), "-o",
+                                       (dir / "out.png").string(), "--quiet"};
+        words.insert(words.end(), options.begin(), options.end());
+        const test::Ran ran = run_command(words);
+        EXPECT_EQ(ran.exit_code, 0) << ran.err;
+        return read_text(dir / "out.png");
+    };
+    struct Case {
+        std::string keys;
+        std::vector<std::string> same, plain;  // options; those that undo the keys
+    };
+    const std::string before = draw("plain.json", {});
+    for (const Case& c :
+         {Case{R"("samples": 8)", {"--samples", "8"}, {"--samples", "1"}},
+          Case{R"("samples": 8)", {"--coverage", "area"}, {"--samples", "1"}},
+          Case{R"("coverage": "area")", {"--coverage", "area"}, {"--coverage", "samples"}},
+          Case{R"("coverage": "area")", {"--samples", "4"}, {"--coverage", "samples"}},
+          Case{R"("supersample": 3)", {"--supersample", "3"}, {"--supersample", "1"}},
+          Case{R"("filter": "ewa", "max_anisotropy": 2)",
+               {"--filter", "ewa", "--max-anisotropy", "2"},
+               {"--filter", "trilinear"}},
+          Case{R"("exposure": 0.5)", {"--exposure", "0.5"}, {"--exposure", "1"}}}) {
+        SCOPED_TRACE(c.keys);
+        write_text(dir / "scene.json", slanted_floor(R"({"size": [96, 64], )" + c.keys + "}"));
+        const std::string by_option = draw("plain.json", c.same);
+        EXPECT_NE(by_option, before);
+        EXPECT_EQ(draw("scene.json", c.same), by_option);
+        EXPECT_EQ(draw("scene.json", c.plain), before);
+    }
+    write_text(dir / "scene.json", slanted_floor(R"({"size": [96, 64], "samples": 8})"));
+    EXPECT_EQ(draw("scene.json", {}), draw("plain.json", {"--samples", "8"}));
+}
+
 // The page's examples are scenes as they stand.
 TEST(Render, DrawsTheExamplesOfTheSceneFormatPage) {
     const std::string page = read_text(test::source_dir() / "docs/scene-format.md");

@@ -84,14 +84,12 @@ struct RenderCommand {
     std::optional<glm::vec3> background;  // linear
     std::optional<rast::Cull> cull;
     std::optional<rast::TextureFilter> filter;
-    int max_anisotropy = 8;
-    int samples = 1;
-    int supersample = 1;
-    rast::Coverage coverage = rast::Coverage::samples;
+    std::optional<int> max_anisotropy, samples, supersample;
+    std::optional<rast::Coverage> coverage;
     rast::DepthFormat depth_format = rast::DepthFormat::float32;
     std::optional<std::uint64_t> band_bytes;
     std::optional<bool> tone_map;
-    float exposure = 1;
+    std::optional<float> exposure;
     bool textures = true;
     prep::PrepareOptions prepare;
 };

@@ -77,6 +77,22 @@ std::vector<std::filesystem::path> files_read(const RenderCommand& command,
     return files;
 }
 
+// Several samples exclude exact areas: what the command line says of one overrules the file's
+// other.
+void choose_coverage(const RenderCommand& command, const prep::PictureSettings& picture,
+                     rast::RenderRequest& request) {
+    request.supersample =
+        command.supersample.value_or(picture.supersample.value_or(request.supersample));
+    if (command.samples)
+        request.samples = *command.samples;
+    else if (command.coverage != rast::Coverage::area)
+        request.samples = picture.samples.value_or(request.samples);
+    if (command.coverage)
+        request.coverage = *command.coverage;
+    else if (picture.coverage && command.samples.value_or(1) == 1)
+        request.coverage = value_of(coverage_words(), *picture.coverage);
+}
+
 // The command line first, then the scene file's wishes, then the renderer's defaults.
 rast::RenderRequest request_of(const RenderCommand& command, const prep::PictureSettings& picture) {
     rast::RenderRequest request;
@@ -101,12 +117,10 @@ rast::RenderRequest request_of(const RenderCommand& command, const prep::Picture
     request.background =
         command.background.value_or(picture.background.value_or(request.background));
     request.textures = command.textures;
-    request.samples = command.samples;
-    request.supersample = command.supersample;
-    request.coverage = command.coverage;
+    choose_coverage(command, picture, request);
     request.depth_format = command.depth_format;
-
-    request.max_anisotropy = command.max_anisotropy;
+    request.max_anisotropy =
+        command.max_anisotropy.value_or(picture.max_anisotropy.value_or(request.max_anisotropy));
     request.crop = command.crop;
     if (command.band_bytes) request.band_bytes = *command.band_bytes;
     keep(request, command.buffers);
@@ -261,7 +275,8 @@ Result<Json> render_file(const RenderCommand& command, Console& console) {
 
     OutputOptions outputs;
     outputs.buffers = command.buffers;
-    outputs.tone.exposure = command.exposure;
+    outputs.tone.exposure =
+        command.exposure.value_or(static_cast<float>(loaded->picture.exposure.value_or(1.0)));
     outputs.tone.tone_map =
         command.tone_map.value_or(loaded->picture.tone_map.value_or("off") == "reinhard");
     prep::ImageFiles files({command.overwrite, files_read(command, *prepared)});

@@ -228,8 +228,7 @@ CLI::App* define_render(CLI::App& app, RenderCommand& c) {
         ->check(CLI::Range(1, rast::max_supersample))
         ->type_name("N");
     add_words<rast::Coverage>(
-        sub, "--coverage", {{"samples", rast::Coverage::samples}, {"area", rast::Coverage::area}},
-        [&c](rast::Coverage v) { c.coverage = v; },
+        sub, "--coverage", coverage_words(), [&c](rast::Coverage v) { c.coverage = v; },
         "What decides how much of a pixel a surface fills: samples (default), or the exact area "
         "that is seen of it (slow; for reference pictures)");
     add_words<rast::DepthFormat>(
@@ -292,7 +291,7 @@ void check_render(const RenderCommand& c) {
         !pattern_digits(c.buffer_file.filename().string()))
         usage_error("--buffer-file",
                     "needs a number in its name for --turntable, as in b.%04d.exr");
-    if (c.coverage == rast::Coverage::area && c.samples != 1)
+    if (c.coverage == rast::Coverage::area && c.samples.value_or(1) != 1)
         usage_error("--coverage", "area takes the place of --samples");
     if (c.crop && c.size &&
         (c.crop->x + c.crop->width > c.size->x || c.crop->y + c.crop->height > c.size->y))

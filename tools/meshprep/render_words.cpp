@@ -30,6 +30,12 @@ const Words<rast::TextureFilter>& filter_words() {
     return words;
 }
 
+const Words<rast::Coverage>& coverage_words() {
+    static const Words<rast::Coverage> words = {{"samples", rast::Coverage::samples},
+                                                {"area", rast::Coverage::area}};
+    return words;
+}
+
 const Words<Buffer>& buffer_words() {
     static const Words<Buffer> words = {{"depth", Buffer::depth},
                                         {"id", Buffer::id},

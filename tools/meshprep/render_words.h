@@ -9,6 +9,7 @@ namespace meshprep {
 const Words<rast::Shading>& shading_words();
 const Words<rast::Cull>& cull_words();
 const Words<rast::TextureFilter>& filter_words();
+const Words<rast::Coverage>& coverage_words();
 const Words<Buffer>& buffer_words();
 
 // The value of a word that is one of the list's; the first value where it is none.

@@ -25,7 +25,12 @@ struct PictureSettings {
     std::optional<glm::vec3> background;    // linear
     std::optional<std::string> cull;        // by-material, back, front, none
     std::optional<std::string> filter;      // the words of `meshprep render --filter`
+    std::optional<int> samples;             // a pixel: 1, 2, 4, 8, 16; not beside coverage by area
+    std::optional<int> supersample;         // 1 … 16
+    std::optional<std::string> coverage;    // samples, area
+    std::optional<int> max_anisotropy;      // 1 … 16
     std::optional<std::string> tone_map;    // off, reinhard
+    std::optional<double> exposure;         // 1e-6 … 1e6
     std::optional<double> orbit_azimuth;    // radians; a camera that circles the scene and is
     std::optional<double> orbit_elevation;  // … set only where the file's camera says "orbit"
     std::optional<double> orbit_distance;   // in multiples of the distance that fits the scene
