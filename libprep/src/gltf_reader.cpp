@@ -279,6 +279,12 @@ class Reader {
                 if (!light) return light.error();
                 out.light = *light;
             }
+            if (in.contains("extensions") && in["extensions"].is_object() &&
+                in["extensions"].contains("EXT_mesh_gpu_instancing"))
+                scene_.warnings.push_back(d_.place(pointer) +
+                                          ": EXT_mesh_gpu_instancing: the instances are kept in "
+                                          "glTF files; drawn, measured and written to other "
+                                          "formats, the mesh stands once");
             const auto children = in.find("children");
             if (children == in.end()) continue;
             if (!children->is_array()) return bad(pointer + "/children", "expected an array");

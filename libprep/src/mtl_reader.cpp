@@ -5,12 +5,14 @@
 #include <limits>
 #include <unordered_map>
 
+#include "name_list.h"
 #include "prep/obj.h"
 #include "text_scan.h"
 
 namespace prep {
 namespace {
 
+using detail::NameList;
 using detail::LineScanner;
 
 std::string lower(std::string_view text) {
@@ -103,26 +105,16 @@ class MtlParser {
         else if (word == "bump" || word == "map_bump")
             bump(scan);
         else if (word != "ni" && word != "tf" && word != "sharpness")  // refraction and reflection
-            leave(word, not_taken_);
+            not_taken_.add(word);
     }
 
     static bool takes_a_map(const std::string& word) {
         return word.starts_with("map_") || word == "disp" || word == "norm" || word == "bump";
     }
 
-    // A file that is no MTL at all must not flood the report.
-    static void leave(const std::string& word, std::vector<std::string>& list) {
-        constexpr std::size_t most = 12, longest = 32;
-        if (list.size() < most && word.size() <= longest &&
-            std::find(list.begin(), list.end(), word) == list.end())
-            list.push_back(word);
-    }
-
-    void tell_left(const char* what, const std::vector<std::string>& list) {
-        if (list.empty()) return;
-        std::string words;
-        for (const std::string& word : list) words += (words.empty() ? "" : ", ") + word;
-        out_.warnings.push_back(name_ + ": " + what + " that were not taken: " + words);
+    void tell_left(const char* what, const NameList& list) {
+        if (!list.empty())
+            out_.warnings.push_back(name_ + ": " + what + " that were not taken: " + list.text());
     }
 
     bool number(LineScanner& scan, double& value) {
@@ -229,7 +221,7 @@ class MtlParser {
                     const std::string word = lower(next.word());
                     if (option == "-clamp" && word == "on")
                         texture.wrap_u = texture.wrap_v = Wrap::clamp;
-                    if (changes_values(option, word)) leave(option, options_not_taken_);
+                    if (changes_values(option, word)) options_not_taken_.add(option);
                 }
                 scan = next;
                 ++have;
@@ -243,7 +235,7 @@ class MtlParser {
             const bool whole_range = values[0] == 0 && (have < 2 || values[1] == 1);
             if ((option == "-t" && !plain) || (option == "-mm" && !whole_range) ||
                 (option == "-boost" && values[0] != 0))
-                leave(option, options_not_taken_);
+                options_not_taken_.add(option);
             if (option == "-o") up = glm::dvec2(values[0], values[1]);
             if (option == "-s" && have > 0)
                 ref.scale = glm::vec2(float(values[0]), float(have > 1 ? values[1] : 1.0));
@@ -309,7 +301,7 @@ class MtlParser {
     bool has_d_ = false;  // of the current material
     std::size_t line_ = 0;
     // In the order of their first use.
-    std::vector<std::string> not_taken_, options_not_taken_;
+    NameList not_taken_, options_not_taken_;
     std::unordered_map<std::string, std::uint32_t> images_;
 };
 

@@ -4,6 +4,7 @@
 #include <cstring>
 #include <optional>
 
+#include "name_list.h"
 #include "ply_header.h"
 #include "prep/io.h"
 #include "prep/mesh_files.h"
@@ -220,16 +221,8 @@ class PlyParser {
         return true;
     }
 
-    // Names for the report; a file of nonsense must not flood it.
     void leave(const PlyElement& element, const PlyProperty& property) {
-        constexpr std::size_t most = 12, longest = 32;
-        const std::string name = element.name + " " + property.name;
-        const bool plain = std::all_of(name.begin(), name.end(), [](char c) {
-            return static_cast<unsigned char>(c) >= 32 && c != 127;
-        });
-        if (element.count > 0 && not_taken_.size() < most && name.size() <= longest && plain &&
-            std::find(not_taken_.begin(), not_taken_.end(), name) == not_taken_.end())
-            not_taken_.push_back(name);
+        if (element.count > 0) not_taken_.add(element.name + " " + property.name);
     }
 
     Result<void> skip(const PlyElement& element) {
@@ -439,11 +432,9 @@ class PlyParser {
                                        : has_normals_           ? "normals"
                                                                 : "UVs") +
                                       " of points were not taken: only faces have them here");
-        if (!not_taken_.empty()) {
-            std::string names;
-            for (const std::string& n : not_taken_) names += (names.empty() ? "" : ", ") + n;
-            scene_.warnings.push_back(name_ + ": properties that were not taken: " + names);
-        }
+        if (!not_taken_.empty())
+            scene_.warnings.push_back(name_ +
+                                      ": properties that were not taken: " + not_taken_.text());
         if (short_faces_)
             scene_.warnings.push_back(name_ + ": " + std::to_string(short_faces_) +
                                       " faces with fewer than three corners were dropped");
@@ -463,7 +454,7 @@ class PlyParser {
     std::array<PlyType, slot_count> types_{};
     bool have_vertices_ = false, has_normals_ = false, has_colors_ = false, has_uvs_ = false;
     std::uint64_t short_faces_ = 0;
-    std::vector<std::string> not_taken_;  // "element property"
+    NameList not_taken_;  // "element property"
 };
 
 }  // namespace

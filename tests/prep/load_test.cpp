@@ -8,10 +8,12 @@
 #include <fstream>
 #include <limits>
 #include <set>
+#include <span>
 #include <string>
 
 #include "invariants.h"
 #include "mesh_files.h"
+#include "prep/gltf.h"
 #include "prep/io.h"
 #include "shared_data.h"
 
@@ -65,6 +67,25 @@ TEST(LoadScene, UnknownEndingsAreReadByTheirFirstBytes) {
     EXPECT_EQ(error_of(dir / "x.dat"),
               "unknown file type '.dat': OBJ, PLY, STL, OFF, OM, glTF, GLB, JSON scenes and the "
               "formats of Assimp (FBX, DAE, 3DS, …) are read");
+}
+
+TEST(LoadScene, GltfInstancesThatAreNotDrawnAreToldOf) {
+    const std::string text = R"({"asset": {"version": "2.0"},
+  "extensionsUsed": ["EXT_mesh_gpu_instancing"],
+  "buffers": [{"byteLength": 36, "uri": "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}],
+  "bufferViews": [{"buffer": 0, "byteLength": 36}],
+  "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3",
+                 "min": [0, 0, 0], "max": [1, 1, 0]}],
+  "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+  "nodes": [{"mesh": 0},
+            {"mesh": 0, "extensions": {"EXT_mesh_gpu_instancing": {
+                "attributes": {"TRANSLATION": 0}}}}],
+  "scenes": [{"nodes": [0, 1]}]})";
+    const auto scene = prep::parse_gltf(std::as_bytes(std::span(text.data(), text.size())));
+    ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
+    ASSERT_EQ(scene->warnings.size(), 1u);
+    EXPECT_NE(scene->warnings[0].find("#/nodes/1: EXT_mesh_gpu_instancing"), std::string::npos)
+        << scene->warnings[0];
 }
 
 TEST(LoadScene, WhatIsNoFileIsRefused) {

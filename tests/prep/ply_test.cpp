@@ -168,6 +168,23 @@ TEST(Ply, EdgesAndShortFaces) {
     EXPECT_EQ(scene->warnings[0], "test.ply: 1 faces with fewer than three corners were dropped");
 }
 
+TEST(Ply, OfManyThatAreNotTakenTheNumberIsTold) {
+    std::string head =
+        "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
+        "property float z\n";
+    std::string row = "0 0 0", names;
+    for (int i = 0; i < 15; ++i) {
+        head += "property float q" + std::to_string(i) + "\n";
+        row += " 1";
+        if (i < 12) names += (i > 0 ? ", vertex q" : "vertex q") + std::to_string(i);
+    }
+    const auto scene = parse(head + "end_header\n" + row + "\n");
+    ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
+    EXPECT_EQ(scene->warnings,
+              std::vector<std::string>{"test.ply: properties that were not taken: " + names +
+                                       " and 3 more"});
+}
+
 TEST(Ply, WhatIsNotTakenIsNamedOnce) {
     const auto faces = parse(
         "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"

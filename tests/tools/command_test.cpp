@@ -181,6 +181,27 @@ TEST(Command, MissingInputsExitOneAndSaySo) {
     EXPECT_TRUE(dir.names().empty());
 }
 
+TEST(Prepare, SeveralInputsDoNotMakeADirectoryOutOfAMeshsName) {
+    const TemporaryDirectory dir;
+    write_text(dir / "a.obj", test::cube_obj());
+    write_text(dir / "b.obj", test::cube_obj());
+    const std::vector<std::string> inputs{"prepare", (dir / "a.obj").string(),
+                                          (dir / "b.obj").string(), "-o"};
+    const auto run = [&](const std::string& output) {
+        std::vector<std::string> words = inputs;
+        words.push_back((dir / output).string() + (output.back() == '/' ? "/" : ""));
+        return run_command(words);
+    };
+    const test::Ran one = run("x.glb");
+    EXPECT_EQ(one.exit_code, 2) << one.err;
+    EXPECT_NE(one.err.find("several inputs need a directory"), std::string::npos) << one.err;
+    EXPECT_EQ(dir.names(), (std::vector<std::string>{"a.obj", "b.obj"}));
+    EXPECT_EQ(run("x.glb/").exit_code, 0);
+    EXPECT_EQ(run("out").exit_code, 0);
+    EXPECT_TRUE(std::filesystem::is_regular_file(dir / "x.glb/b.glb"));
+    EXPECT_TRUE(std::filesystem::is_regular_file(dir / "out/a.glb"));
+}
+
 TEST(Command, MissingOutputDirectoryIsNamed) {
     const TemporaryDirectory dir;
     write_text(dir / "cube.obj", test::cube_obj());

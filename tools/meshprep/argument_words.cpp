@@ -104,6 +104,7 @@ void parse_hard_borders(const std::string& text, prep::HardEdgeOptions& hard) {
 // "weld=1e-5,degenerate,holes=50", or "all": everything but welding, which joins what only touches.
 void parse_repair(const std::string& text, prep::RepairOptions& repair) {
     constexpr std::uint32_t default_hole_edges = 100;
+    if (text.empty()) usage_error("--repair", "names nothing to mend; 'all' is a choice");
     std::istringstream in(text);
     std::string word;
     while (std::getline(in, word, ',')) {

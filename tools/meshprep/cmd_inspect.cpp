@@ -36,7 +36,7 @@ std::string image_name(const prep::Scene& scene, const prep::TextureRef& ref) {
     if (image >= scene.images.size()) return "no image";
     const prep::ImageRef& r = scene.images[image];
     if (!r.path.empty()) return r.path.filename().string();
-    return (r.name.empty() ? "image " + std::to_string(image) : r.name) + " (embedded, " +
+    return (r.name.empty() ? "image " + std::to_string(image) : r.name) + " (" +
            byte_size(r.bytes.size()) + ")";
 }
 

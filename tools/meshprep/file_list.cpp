@@ -226,6 +226,11 @@ Result<JobList> plan_jobs(const PrepareCommand& command) {
         for (const fs::path& folder : below) list.directories.push_back(directory / folder);
         std::error_code ec;
         if (!fs::is_directory(directory, ec)) {
+            if (command.output.has_filename() && check_writable_ending(directory))
+                return Error{ErrorCode::invalid,
+                             "several inputs need a directory, and this is the name of one mesh; "
+                             "end it with a slash if it is to be one",
+                             command.output.string()};
             if (fs::exists(directory, ec))
                 return Error{ErrorCode::io,
                              "a file of this name is in the way of the output directory",
