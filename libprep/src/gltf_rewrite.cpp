@@ -8,6 +8,7 @@
 
 #include "gltf_build.h"
 #include "gltf_mend.h"
+#include "name_list.h"
 
 namespace prep::detail {
 namespace {
@@ -42,6 +43,7 @@ class Rewriter {
         if (dropped_triangles_ > 0) notes_.push_back(non_finite_note(dropped_triangles_));
         remove_compression();
         images();
+        tell_non_finite();
         if (auto done = pack(); !done) return std::move(done).error();
         remove_empty_lists();
         RewrittenGltf out;
@@ -66,8 +68,7 @@ class Rewriter {
         if (std::find(notes_.begin(), notes_.end(), text) == notes_.end()) notes_.push_back(text);
     }
 
-    // --- primitives
-    // -------------------------------------------------------------------------------
+    // --- primitives ----------------------------------------------------------------------
 
     Result<void> mesh(Index m) {
         const std::vector<GltfPrimitive>& primitives = document_.primitives[m];
@@ -193,8 +194,7 @@ class Rewriter {
         return bool(prepared_.scene.materials[material].normal_map);
     }
 
-    // --- values
-    // -----------------------------------------------------------------------------------------
+    // --- values --------------------------------------------------------------------------
 
     void note_mended(unsigned kinds) {
         for (unsigned k = 0; k < mend_kinds; ++k)
@@ -275,8 +275,7 @@ class Rewriter {
         return result;
     }
 
-    // --- helpers of primitive()
-    // -------------------------------------------------------------------------
+    // --- helpers of primitive() ----------------------------------------------------------
 
     void drop_non_finite(const VertexMesh& mesh, std::vector<Index>& indices) {
         std::size_t kept = 0;
@@ -435,8 +434,7 @@ class Rewriter {
         return list.size() - 1;
     }
 
-    // --- compression and images
-    // --------------------------------------------------------------------
+    // --- compression and images ----------------------------------------------------------
 
     static void remove_extension(Json& object, const char* name) {
         const auto it = object.find("extensions");
@@ -492,8 +490,7 @@ class Rewriter {
         }
     }
 
-    // --- packing
-    // -------------------------------------------------------------------------------------
+    // --- packing -------------------------------------------------------------------------
 
     using Visit = std::function<void(Json& index)>;
 
@@ -542,6 +539,32 @@ class Rewriter {
             if (Json* attributes = member(*instancing, "attributes"))
                 visit_members(*attributes, visit);
         });
+    }
+
+    // What is carried over untouched: lines and points, animations, skins, instances.
+    void tell_non_finite() {
+        const std::size_t count = document_.json.contains("accessors")
+                                      ? document_.json["accessors"].size()
+                                      : std::size_t(0);
+        std::set<std::size_t> kept;
+        visit_accessors([&](Json& index) {
+            const auto i = index.get<std::uint64_t>();
+            if (i < count && json_["accessors"][i]["componentType"] == 5126) kept.insert(i);
+        });
+        NameList broken;
+        for (const std::size_t i : kept) {
+            const auto raw = document_.raw_accessor(i);
+            if (!raw) continue;
+            const std::vector<float> values = to_floats(*raw);
+            if (!std::all_of(values.begin(), values.end(),
+                             [](float v) { return std::isfinite(v); }))
+                broken.add(std::to_string(i));
+        }
+        if (!broken.empty())
+            notes_.push_back(
+                "lines, points, animations or skins have values that are not finite, which the "
+                "format forbids; they were kept (accessors of the source: " +
+                broken.text() + ")");
     }
 
     void visit_views(const Visit& visit) {

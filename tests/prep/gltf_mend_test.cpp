@@ -142,6 +142,7 @@ struct OddFile {
         accessors = R"({"bufferView":0,"componentType":5126,"count":3,)"
                     R"("type":"VEC3","min":[0,0,0],"max":[1,1,0]})";
     int count = 1;
+    std::string more;  // members of the file
 
     OddFile() {
         const float positions[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
@@ -169,7 +170,7 @@ struct OddFile {
                 (targets.empty() ? std::string() : ",\"targets\":[{" + targets + "}]") +
                 R"(}]}],"accessors":[)" + accessors + R"(],"bufferViews":[)" + views +
                 R"(],"buffers":[{"uri":"in.bin","byteLength":)" + std::to_string(bytes.size()) +
-                "}]}");
+                "}]" + more + "}");
         test::write_text(dir / "in.bin", bytes);
         auto scene = prep::load_scene(dir / "in.gltf");
         if (!scene) return std::move(scene).error();
@@ -229,6 +230,27 @@ TEST(GltfMend, WhatMorphTargetsAddToColoursKeepsItsSign) {
     EXPECT_NE(test::file_text(dir / "out.bin")
                   .find(std::string(reinterpret_cast<const char*>(deltas.data()), 36)),
               std::string::npos);
+}
+
+TEST(GltfMend, OddValuesThatAreCarriedOverAreTold) {
+    OddFile file;
+    const std::string own = file.attributes;
+    file.add<float>("TIMES", "SCALAR", {0, 1, 2});
+    file.add<float>("GOOD", "VEC3", {0, 0, 0, 1, 1, 1, 2, 2, 2});
+    file.add<float>("ODD", "VEC3", {0, 0, 0, 1, nan, 1, 2, 2, 2});
+    file.attributes = own;
+    const auto channel = [](const char* path, int sampler) {
+        return std::string(R"({"target":{"node":0,"path":")") + path + R"("},"sampler":)" +
+               std::to_string(sampler) + "}";
+    };
+    file.more = R"(,"animations":[{"samplers":[{"input":1,"output":2},{"input":1,"output":3}],)"
+                R"("channels":[)" +
+                channel("translation", 0) + "," + channel("scale", 1) + "]}]";
+    const test::TempDir dir;
+    const auto notes = file.save(dir);
+    ASSERT_TRUE(notes.has_value()) << prep::to_string(notes.error());
+    ASSERT_EQ(notes->size(), 1u);
+    EXPECT_NE((*notes)[0].find("(accessors of the source: 3)"), std::string::npos) << (*notes)[0];
 }
 
 TEST(GltfMend, GoodValuesKeepTheirBytesWithoutANote) {
