@@ -22,10 +22,13 @@ std::int32_t code_of(float x) {
     return std::abs(scaled - float(code)) <= float(code) * 0x1p-22f ? code : -1;
 }
 
-bool fits_packed(const prep::Image& image) {
+bool fits_packed(const prep::Image& image, bool colour) {
     const std::size_t colours = image.channels >= 3 ? 3 : 1, channels = image.channels;
-    for (std::size_t i = 0; i < image.pixels.size(); ++i)
-        if (i % channels < colours && code_of(image.pixels[i]) < 0) return false;
+    constexpr std::int32_t of_8_bits = 65535 / 255;
+    for (std::size_t i = 0; i < image.pixels.size(); ++i) {
+        const std::int32_t code = code_of(image.pixels[i]);
+        if (code < 0 || (colour && i % channels < colours && code % of_8_bits != 0)) return false;
+    }
     return true;
 }
 
@@ -56,6 +59,36 @@ std::vector<Tap> taps(std::uint32_t from, std::uint32_t to) {
 std::int64_t whole(float x) {
     if (!(std::abs(x) < 1e12f)) return 0;
     return std::int64_t(std::floor(x));
+}
+
+// Of a coordinate from texel centre to texel centre.
+OnAxis on_axis(float t, std::int64_t size, prep::Wrap wrap) {
+    OnAxis out{whole(t), 0.0f};
+    if (std::abs(t) < 1e12f) out.part = t - float(out.first);
+    std::int64_t& i = out.first;
+    switch (wrap) {
+        case prep::Wrap::repeat:
+            i = wrap_texel(i, size, wrap);
+            break;
+        case prep::Wrap::mirror:
+            i = wrap_texel(i, 2 * size, prep::Wrap::repeat);
+            if (i < size) break;
+            i = 2 * size - 2 - i;
+            out.part = 1 - out.part;
+            break;
+        case prep::Wrap::clamp:
+            i = std::clamp<std::int64_t>(i, -1, size - 1);
+            break;
+        case prep::Wrap::border:
+            if (i < -1 || i >= size) i = -2;
+            break;
+    }
+    return out;
+}
+
+// Of a part below a texel, rounded.
+std::int32_t down_steps_of(float part) {
+    return std::int32_t(part * float(down_steps) + 0.5f);
 }
 
 }  // namespace
@@ -96,11 +129,13 @@ TextureLevels levels_for(TextureFilter filter) {
 }
 
 void MipTexture::add_level(std::vector<Level>& to, std::uint32_t width, std::uint32_t height) {
-    // Rows of a power of two of bytes, or nearly, are a little longer: a column of texels would
-    // otherwise share a few sets of the caches and push itself out.
-    const std::uint32_t pitch = width % 256 == 0 ? width + 8 : width;
-    to.push_back({width, height, pitch, texel_count_});
-    texel_count_ += std::size_t(pitch) * height;
+    constexpr std::uint32_t margins = margin_before + margin_behind;
+    // Rows of a power of two of bytes are a little longer: a column of texels would otherwise share
+    // a few sets of the caches and push itself out.
+    const std::uint32_t row = width + margins, pitch = row % 256 == 0 ? row + 8 : row;
+    to.push_back(
+        {width, height, pitch, texel_count_ + std::size_t(margin_before) * pitch + margin_before});
+    texel_count_ += std::size_t(pitch) * (height + margins);
 }
 
 MipTexture::MipTexture(const prep::Image& image, const prep::Texture& sampler, bool colour,
@@ -120,7 +155,7 @@ MipTexture::MipTexture(const prep::Image& image, const prep::Texture& sampler, b
                 add_level(rip_, rip_[c].width, half(rip_[above].height));
         lazy_->rip = std::vector<std::atomic<bool>>(rip_.size());
     }
-    allocate(image);
+    allocate(fits_packed(image, colour));
     make_first(image, colour);
     view_.level_count = std::uint32_t(levels_.size());
     view_.wrap_u = wrap_u_;
@@ -139,12 +174,10 @@ void FreeTexels::operator()(std::byte* memory) const {
     std::free(memory);
 }
 
-void MipTexture::allocate(const prep::Image& image) {
+void MipTexture::allocate(bool packed) {
     // Not initialised: levels that nobody reads shall take no memory.
-    const bool packed = fits_packed(image);
-    const bool alpha = packed && (image.channels == 2 || image.channels > 3);
-    const std::size_t texel_bytes = packed ? sizeof(std::uint64_t) : 4 * sizeof(float);
-    const std::size_t bytes = texel_count_ * (texel_bytes + (alpha ? sizeof(float) : 0));
+    const std::size_t texel_bytes = 4 * (packed ? sizeof(std::int16_t) : sizeof(float));
+    const std::size_t bytes = texel_count_ * texel_bytes;
     // Neighbours in a column are a row apart: with small pages, each of them is a page of its own,
     // and looking pages up takes longer than reading texels.
     constexpr std::size_t large_page = std::size_t(1) << 21;
@@ -156,57 +189,84 @@ void MipTexture::allocate(const prep::Image& image) {
     if (unit == large_page) madvise(memory_.get(), bytes, MADV_HUGEPAGE);
 #endif
     if (packed)
-        packed_ = reinterpret_cast<std::uint64_t*>(memory_.get());
+        packed_ = reinterpret_cast<std::int16_t*>(memory_.get());
     else
         floats_ = reinterpret_cast<float*>(memory_.get());
-    if (alpha) alpha_ = reinterpret_cast<float*>(memory_.get() + texel_count_ * texel_bytes);
     view_.packed = packed_;
     view_.floats = floats_;
-    view_.alpha = alpha_;
 }
 
 glm::vec4 MipTexture::finished(const glm::vec4& filtered) const {
-    if (floats_) return filtered;
-    glm::vec4 out = filtered;
-    for (int k = 0; k < 3; ++k) out[k] = filtered[k] * unpack_high + filtered[k] * unpack_low;
-    return out;
+    return floats_ ? filtered : filtered * unpack_high + filtered * unpack_low;
+}
+
+glm::vec4 MipTexture::unmixed(const glm::vec4& mixed) const {
+    return floats_ ? mixed : mixed * mixed_scale + mixed_middle;
 }
 
 void MipTexture::write(std::size_t index, const glm::vec4& value) const {
-    if (floats_) {
-        for (std::size_t k = 0; k < 4; ++k) floats_[index * 4 + k] = value[int(k)];
-        return;
+    for (std::size_t k = 0; k < 4; ++k) {
+        const float v = value[int(k)];
+        if (floats_)
+            floats_[index * 4 + k] = v;
+        else
+            packed_[index * 4 + k] = std::int16_t(
+                std::int32_t(std::clamp(v + 0.5f, 0.0f, float(texel_scale))) - texel_middle);
     }
-    std::uint32_t code[3];
-    for (int k = 0; k < 3; ++k)
-        code[k] = std::uint32_t(std::clamp(value[k] + 0.5f, 0.0f, float(texel_scale)));
-    constexpr std::uint32_t low_green = (1u << 11) - 1;
-    packed_[index] = std::uint64_t(code[0] | (code[1] & low_green) << packed_bits) |
-                     std::uint64_t(code[2] | code[1] >> 11 << packed_bits) << 32;
-    if (alpha_) alpha_[index] = value.a;
+}
+
+void MipTexture::copy_texels(std::size_t from, std::size_t to, std::size_t count) const {
+    if (floats_)
+        std::copy_n(floats_ + from * 4, count * 4, floats_ + to * 4);
+    else
+        std::copy_n(packed_ + from * 4, count * 4, packed_ + to * 4);
+}
+
+void MipTexture::clear_texels(std::size_t first, std::size_t count) const {
+    for (std::size_t i = 0; i < count; ++i) write(first + i, glm::vec4(0.0f));
+}
+
+void MipTexture::make_margins(const Level& l) const {
+    const auto fill = [&](std::int64_t extent, prep::Wrap wrap, const auto& index_of,
+                          std::size_t count) {
+        const auto one = [&](std::int64_t i) {
+            const std::int64_t from = wrap_texel(i, extent, wrap);
+            if (from < 0)
+                clear_texels(index_of(i), count);
+            else
+                copy_texels(index_of(from), index_of(i), count);
+        };
+        for (std::int64_t i = -margin_before; i < 0; ++i) one(i);
+        for (std::int64_t i = extent; i < extent + margin_behind; ++i) one(i);
+    };
+    for (std::int64_t y = 0; y < std::int64_t(l.height); ++y)
+        fill(
+            l.width, wrap_u_, [&](std::int64_t x) { return l.at(x, y); }, 1);
+    fill(
+        l.height, wrap_v_, [&](std::int64_t y) { return l.at(-margin_before, y); }, l.pitch);
 }
 
 void MipTexture::make_first(const prep::Image& image, bool colour) {
-    std::vector<std::int32_t> decoded;  // of the codes that came, times texel_scale
-    if (packed_ && colour) decoded.assign(65536, -1);
+    std::array<float, 256> decoded{};  // of 8 bits, times texel_scale
+    for (std::size_t i = 0; i < decoded.size(); ++i)
+        decoded[i] = std::floor(srgb_to_linear(float(i) / 255.0f) * float(texel_scale) + 0.5f);
+    const auto plain = [&](float x) { return packed_ ? float(code_of(x)) : x; };
     const auto decode = [&](float x) {
-        if (!packed_) return colour ? srgb_to_linear(x) : x;
-        const std::int32_t code = code_of(x);
-        if (!colour) return float(code * (texel_scale / 65535));
-        std::int32_t& known = decoded[std::size_t(code)];
-        if (known < 0)
-            known =
-                std::int32_t(double(srgb_to_linear(float(code) / 65535.0f)) * texel_scale + 0.5);
-        return float(known);
+        if (!colour) return plain(x);
+        return packed_ ? decoded[std::size_t(code_of(x)) >> 8] : srgb_to_linear(x);
     };
-    for (std::size_t i = 0; i < std::size_t(image.width) * image.height; ++i) {
-        const float* p = image.pixels.data() + i * image.channels;
-        const std::size_t at = levels_[0].at(i % image.width, i / image.width);
-        if (image.channels >= 3)
-            write(at, {decode(p[0]), decode(p[1]), decode(p[2]), image.channels > 3 ? p[3] : 1.0f});
-        else
-            write(at, glm::vec4(glm::vec3(decode(p[0])), image.channels == 2 ? p[1] : 1.0f));
-    }
+    for (std::int64_t y = 0; y < std::int64_t(image.height); ++y)
+        for (std::int64_t x = 0; x < std::int64_t(image.width); ++x) {
+            const float* p = image.at(std::uint32_t(x), std::uint32_t(y));
+            const float opaque = packed_ ? float(texel_scale) : 1.0f;
+            if (image.channels >= 3)
+                write(levels_[0].at(x, y), {decode(p[0]), decode(p[1]), decode(p[2]),
+                                            image.channels > 3 ? plain(p[3]) : opaque});
+            else
+                write(levels_[0].at(x, y), glm::vec4(glm::vec3(decode(p[0])),
+                                                     image.channels == 2 ? plain(p[1]) : opaque));
+        }
+    make_margins(levels_[0]);
 }
 
 void MipTexture::make_next(const Level& fine, const Level& coarse) const {
@@ -221,6 +281,7 @@ void MipTexture::make_next(const Level& fine, const Level& coarse) const {
                            (down[y].weight[j] * across[x].weight[i]);
             write(coarse.at(x, y), sum);
         }
+    make_margins(coarse);
 }
 
 void MipTexture::make_pyramid(std::uint32_t last) const {
@@ -262,25 +323,29 @@ glm::vec4 MipTexture::nearest(const Level& level, const glm::vec2& uv) const {
     const std::int64_t x = wrap_texel(whole(uv.x * float(level.width)), level.width, wrap_u_);
     const std::int64_t y = wrap_texel(whole(uv.y * float(level.height)), level.height, wrap_v_);
     if (x < 0 || y < 0) return glm::vec4(0.0f);
-    return raw(level.at(std::size_t(x), std::size_t(y)));
+    return raw(level.at(x, y));
 }
 
-glm::vec4 MipTexture::bilinear(const Level& level, const glm::vec2& uv) const {
-    const float u = uv.x * float(level.width) - 0.5f, v = uv.y * float(level.height) - 0.5f;
-    const std::int64_t x = whole(u), y = whole(v);
-    const float fx = std::abs(u) < 1e12f ? u - float(x) : 0,
-                fy = std::abs(v) < 1e12f ? v - float(y) : 0;
-    const std::int64_t x0 = wrap_texel(x, level.width, wrap_u_);
-    const std::int64_t x1 = wrap_texel(x + 1, level.width, wrap_u_);
-    const std::int64_t y0 = wrap_texel(y, level.height, wrap_v_);
-    const std::int64_t y1 = wrap_texel(y + 1, level.height, wrap_v_);
-    const auto at = [&](std::int64_t i, std::int64_t j) {
-        return i < 0 || j < 0 ? glm::vec4(0.0f) : raw(level.at(std::size_t(i), std::size_t(j)));
+// The kernels' operations in their order (filter_texels).
+glm::vec4 MipTexture::mixed(const Level& level, const glm::vec2& uv) const {
+    const OnAxis x = on_axis(uv.x * float(level.width) - 0.5f, level.width, wrap_u_);
+    const OnAxis y = on_axis(uv.y * float(level.height) - 0.5f, level.height, wrap_v_);
+    const std::size_t top = level.at(x.first, y.first), bottom = top + level.pitch;
+    const std::int32_t down = down_steps_of(y.part);
+    const auto column = [&](std::size_t i) {
+        if (floats_) {
+            const glm::vec4 a = raw(top + i);
+            return a + (raw(bottom + i) - a) * y.part;
+        }
+        glm::ivec4 sum;
+        for (int k = 0; k < 4; ++k)
+            sum[k] = packed_[(top + i) * 4 + std::size_t(k)] * (down - down_steps) -
+                     packed_[(bottom + i) * 4 + std::size_t(k)] * down;
+        return glm::vec4(sum);
     };
     // a + f·(b − a): a constant texture stays bit-constant.
-    const glm::vec4 a = at(x0, y0), c = at(x0, y1);
-    const glm::vec4 top = a + (at(x1, y0) - a) * fx, bottom = c + (at(x1, y1) - c) * fx;
-    return top + (bottom - top) * fy;
+    const glm::vec4 left = column(0), right = column(1);
+    return left + (right - left) * x.part;
 }
 
 float MipTexture::level_of_detail(const Footprint& f) const {

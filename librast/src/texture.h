@@ -26,29 +26,43 @@ struct Footprint {
 enum class TextureLevels : std::uint8_t { base, mipmap, ripmap };
 TextureLevels levels_for(TextureFilter filter);
 
-// How texels lie in memory, all levels one after the other. Files whose colours are all values of 8
-// or 16 bits are packed: red, green and blue of 21 bits each in 8 bytes, texel_scale being 1, which
-// holds every such value exactly. What is decoded from sRGB is off by half a step at most, 2^-22,
-// and every coarser level by half a step more; steps are absolute, so that dark colours keep fewer
-// digits. Alpha, where there is one, lies apart. Anything else stays floats.
-inline constexpr std::int32_t texel_scale = 65535 * 32;  // of 2^21 − 1
-inline constexpr int packed_bits = 21;
-// Filters work on the packed numbers; the sum of both products is then correctly rounded k / 255
-// and k / 65535 where the filtered texels are all alike.
-inline constexpr float unpack_high = 0x1p-21f, unpack_low = 0x1.0001p-37f;
+// How texels lie in memory: red, green, blue and alpha side by side, all levels one after the
+// other. Files of 8 bits, and files of 16 bits that are not decoded from sRGB, take 8 bytes a
+// texel: 16 bits a channel, kept with their highest bit turned over, as the kernels multiply signed
+// numbers. They hold every value of such a file exactly. What is decoded from sRGB is off by half a
+// step at most, 2^-17, a fortieth of the darkest step of sRGB's 8 bits, and every coarser level by
+// half a step more. Anything else takes four floats.
+//
+// Bilinear filters mix such codes c downwards in integers, by 32768ths of a texel:
+// −32768 (c − 32768), exactly where all four are alike; from there on in float.
+inline constexpr std::int32_t texel_scale = 65535, texel_middle = 32768;
+inline constexpr std::int32_t down_steps = 32768;
+inline constexpr float mixed_scale = -1.0f / float(down_steps), mixed_middle = float(texel_middle);
+// The sum of both products is the correctly rounded code / 65535.
+inline constexpr float unpack_high = 0x1p-16f, unpack_low = 0x1.0001p-32f;
+
+// Levels have texels around them as the wrapping has it, so that neighbours always lie side by
+// side: two before each row and each column, which only Wrap::border needs, and one behind.
+inline constexpr std::int32_t margin_before = 2, margin_behind = 1;
 
 // The pyramid as the kernels read it. Index of a texel: firsts[level] + y · pitches[level] + x.
-// A packed texel: red and the low 11 bits of green, then blue and the high 10 bits of green.
 struct TextureView {
     static constexpr std::size_t most_levels = 17;  // of 65,536 texels a side
+    // Of each level; readable as a vector.
     std::int32_t widths[most_levels] = {}, heights[most_levels] = {};
     std::int32_t pitches[most_levels] = {}, firsts[most_levels] = {};
     std::uint32_t level_count = 0;
-    const std::uint64_t* packed = nullptr;  // or
-    const float* floats = nullptr;          // four a texel
-    const float* alpha = nullptr;           // of packed texels; null: 1
+    const std::int16_t* packed = nullptr;  // or
+    const float* floats = nullptr;         // four a texel
     prep::Wrap wrap_u = prep::Wrap::repeat, wrap_v = prep::Wrap::repeat;
     bool by_lanes = false;  // texels can be told apart by 32 bits
+};
+
+// Where a filter of two texels along one axis reads: texels `first` and first + 1, which may be in
+// the margins, `part` of the second.
+struct OnAxis {
+    std::int64_t first = 0;
+    float part = 0;
 };
 
 struct FreeTexels {
@@ -94,8 +108,11 @@ class MipTexture {
 
     struct Level {
         std::uint32_t width = 0, height = 0, pitch = 0;  // pitch: texels from row to row
-        std::size_t first = 0;                           // where its texels start
-        std::size_t at(std::size_t x, std::size_t y) const { return first + y * pitch + x; }
+        std::size_t first = 0;                           // texel (0, 0)
+        // Margins have negative coordinates.
+        std::size_t at(std::int64_t x, std::int64_t y) const {
+            return std::size_t(std::int64_t(first) + y * std::int64_t(pitch) + x);
+        }
     };
     const Level& level(std::uint32_t index) const {
         if (index >= pyramid_made()) make_pyramid(index);
@@ -108,29 +125,34 @@ class MipTexture {
     const TextureView& view() const { return view_; }
 
   private:
-    // As filters read them: packed colours times texel_scale. finished() undoes that.
+    // As filters read them: packed channels times texel_scale. finished() undoes that.
     glm::vec4 raw(std::size_t index) const {
         if (floats_) {
             const float* const t = &floats_[index * 4];
             return {t[0], t[1], t[2], t[3]};
         }
-        constexpr std::uint32_t mask = (1u << packed_bits) - 1;
-        const std::uint32_t low = std::uint32_t(packed_[index]),
-                            high = std::uint32_t(packed_[index] >> 32);
-        return {float(low & mask), float(low >> packed_bits | high >> packed_bits << 11),
-                float(high & mask), alpha_ ? alpha_[index] : 1.0f};
+        const std::int16_t* const t = &packed_[index * 4];
+        return glm::vec4(glm::ivec4(t[0], t[1], t[2], t[3]) + texel_middle);
     }
     glm::vec4 finished(const glm::vec4& filtered) const;
     void write(std::size_t index, const glm::vec4& raw_value) const;
     void add_level(std::vector<Level>& to, std::uint32_t width, std::uint32_t height);
-    void allocate(const prep::Image& image);
+    void allocate(bool packed);
     void make_first(const prep::Image& image, bool colour);
     void make_next(const Level& fine, const Level& coarse) const;
+    void make_margins(const Level& level) const;
+    void copy_texels(std::size_t from, std::size_t to, std::size_t count) const;
+    void clear_texels(std::size_t first, std::size_t count) const;
     glm::vec4 wrapped(const Level& level, std::int64_t x, std::int64_t y) const;
     glm::vec4 filtered(const glm::vec2& uv, const Footprint& footprint, TextureFilter filter,
                        int most) const;
     glm::vec4 nearest(const Level& level, const glm::vec2& uv) const;
-    glm::vec4 bilinear(const Level& level, const glm::vec2& uv) const;
+    glm::vec4 mixed(const Level& level, const glm::vec2& uv) const;
+    glm::vec4 unmixed(const glm::vec4& mixed) const;
+    glm::vec4 bilinear(const Level& level, const glm::vec2& uv) const {
+        return unmixed(mixed(level, uv));
+    }
+    glm::vec4 trilinear(const glm::vec2& uv, float lod) const;
     glm::vec4 bicubic(const Level& level, const glm::vec2& uv) const;
     glm::vec4 bicubic(const glm::vec2& uv, const Footprint& footprint) const;
     glm::vec4 anisotropic(const glm::vec2& uv, const Footprint& footprint, int most) const;
@@ -155,8 +177,8 @@ class MipTexture {
     std::size_t rip_columns_ = 0, texel_count_ = 0;
     // Room for all levels; the system gives memory as they are written.
     std::unique_ptr<std::byte, FreeTexels> memory_;
-    std::uint64_t* packed_ = nullptr;
-    float *floats_ = nullptr, *alpha_ = nullptr;
+    std::int16_t* packed_ = nullptr;
+    float* floats_ = nullptr;
     prep::Wrap wrap_u_, wrap_v_;
     TextureView view_;
 };

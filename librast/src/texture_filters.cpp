@@ -73,7 +73,7 @@ const std::array<float, weight_entries>& gaussian_weights() {
 glm::vec4 MipTexture::wrapped(const Level& level, std::int64_t x, std::int64_t y) const {
     x = wrap_texel(x, level.width, wrap_u_);
     y = wrap_texel(y, level.height, wrap_v_);
-    return x < 0 || y < 0 ? glm::vec4(0.0f) : raw(level.at(std::size_t(x), std::size_t(y)));
+    return x < 0 || y < 0 ? glm::vec4(0.0f) : raw(level.at(x, y));
 }
 
 glm::vec4 MipTexture::bicubic(const Level& level, const glm::vec2& uv) const {
@@ -107,6 +107,10 @@ glm::vec4 MipTexture::bicubic(const glm::vec2& uv, const Footprint& footprint) c
                           [&](const Level& level) { return bicubic(level, uv); });
 }
 
+glm::vec4 MipTexture::trilinear(const glm::vec2& uv, float lod) const {
+    return unmixed(between_levels(lod, [&](const Level& level) { return mixed(level, uv); }));
+}
+
 glm::vec4 MipTexture::anisotropic(const glm::vec2& uv, const Footprint& footprint, int most) const {
     const Sides s = sides_of(footprint, levels_[0]);
     if (!s.usable || !(s.major_length > 1))
@@ -117,8 +121,7 @@ glm::vec4 MipTexture::anisotropic(const glm::vec2& uv, const Footprint& footprin
     glm::vec4 first(0.0f), sum(0.0f);
     for (int i = 0; i < probes; ++i) {
         const glm::vec2 at = uv + s.along * ((float(i) + 0.5f) / float(probes) - 0.5f);
-        const glm::vec4 probe =
-            between_levels(lod, [&](const Level& level) { return bilinear(level, at); });
+        const glm::vec4 probe = trilinear(at, lod);
         if (i == 0) first = probe;
         sum += probe - first;
     }
@@ -220,8 +223,7 @@ glm::vec4 MipTexture::filtered(const glm::vec2& uv, const Footprint& footprint,
     if (filter == TextureFilter::bilinear || levels_.size() == 1) return bilinear(levels_[0], uv);
     if (filter == TextureFilter::anisotropic) return anisotropic(uv, footprint, most);
     if (filter == TextureFilter::ewa) return ewa(uv, footprint, most);
-    return between_levels(level_of_detail(footprint),
-                          [&](const Level& level) { return bilinear(level, uv); });
+    return trilinear(uv, level_of_detail(footprint));
 }
 
 }  // namespace rast

@@ -10,6 +10,7 @@
 #include "prep/image.h"
 #include "prep/io.h"
 #include "prep/simd.h"
+#include "texture.h"
 
 namespace {
 
@@ -95,6 +96,49 @@ TEST_P(TextureInstructions, GiveTheSameBytesForEveryWrapFilterAndMask) {
             }
         }
     }
+}
+
+// The scalar reference reads one texel after the other; texture_test holds it against double.
+TEST_P(TextureInstructions, GiveTheBitsOfOneTexelAfterTheOther) {
+    using prep::Wrap;
+    const Wrap wraps[] = {Wrap::repeat, Wrap::mirror, Wrap::clamp, Wrap::border};
+    for (const std::uint32_t side : {1u, 16u, 23u})
+        for (int wrap = 0; wrap < 16; ++wrap) {
+            const prep::ImageRef image = noise(side, side + wrap % 3, 3, GetParam());
+            prep::Material material;
+            material.unlit = material.double_sided = true;
+            material.diffuse = glm::vec4(1);
+            material.emissive = glm::vec3(0);
+            material.diffuse_map.texture = 0;
+            prep::PreparedScene scene = test::scene_of(receding_square(), material);
+            scene.scene.images.push_back(image);
+            prep::Texture texture;
+            texture.image = 0;
+            texture.wrap_u = wraps[wrap % 4];
+            texture.wrap_v = wraps[wrap / 4];
+            scene.scene.textures.push_back(texture);
+            for (const auto filter :
+                 {rast::TextureFilter::nearest, rast::TextureFilter::bilinear}) {
+                rast::RenderRequest request;
+                request.width = 61;
+                request.height = 47;
+                request.filter = filter;
+                request.keep_uvs = request.keep_ids = true;
+                request.view = test::look_at({-0.4, 0.3, 1.2}, {0.6, 0, -1.5});
+                const rast::Frame frame = test::draw(scene, request);
+                const rast::MipTexture reference(*prep::load_image(image), texture, true,
+                                                 rast::levels_for(filter));
+                std::size_t compared = 0;
+                for (std::size_t i = 0; i < frame.color.size(); ++i) {
+                    if (frame.triangle[i] == prep::no_index) continue;
+                    const glm::vec4 expected = reference.sample(frame.uv[i], {}, filter);
+                    ASSERT_EQ(glm::vec3(frame.color[i]), glm::vec3(expected))
+                        << side << ", wrap " << wrap << ", filter " << int(filter);
+                    ++compared;
+                }
+                EXPECT_GT(compared, 50u);
+            }
+        }
 }
 
 INSTANTIATE_TEST_SUITE_P(Texels, TextureInstructions,

@@ -107,9 +107,9 @@ TEST(Filter, NearestAndBilinearEqualDirectComputation) {
                     const glm::dvec4 expected = (at(0, 0) * (1 - fx) + at(1, 0) * fx) * (1 - fy) +
                                                 (at(0, 1) * (1 - fx) + at(1, 1) * fx) * fy;
                     // The texel coordinate is rounded once: 48 · 2^-24 texels of a slope below 1,
-                    // in both directions, and a few roundings.
+                    // in both directions, and a few roundings; downwards half a step of 1/32768.
                     ASSERT_LT(distance(texture.sample(uv, {}, TextureFilter::bilinear), expected),
-                              1e-5);
+                              1e-5 + 0.5 / 32768);
                 }
             }
     }
@@ -149,7 +149,9 @@ TEST(MipLevels, AreMeansByArea) {
                     coarse.push_back(area_mean(fine, width, height, double(x) * width / w,
                                                double(x + 1) * width / w, double(y) * height / h,
                                                double(y + 1) * height / h));
-                    ASSERT_LT(distance(texture.texel(texture.level(l), x, y), coarse.back()), 1e-6);
+                    // Half a step of 16 bits each level.
+                    ASSERT_LT(distance(texture.texel(texture.level(l), x, y), coarse.back()),
+                              1e-6 + l * 0.5 / 65535);
                 }
             fine = std::move(coarse);
             width = w;
@@ -210,9 +212,10 @@ TEST(Filter, TrilinearMixesTheTwoLevelsByTheFraction) {
         const std::uint32_t fine = std::uint32_t(kept);
         const glm::dvec4 expected =
             bilinear_of(fine) * (1 - fraction) + bilinear_of(fine + 1) * fraction;
-        // Roundings of the coordinate (64 · 2^-24 texels) and of the level (1e-6).
+        // Roundings of the coordinate (64 · 2^-24 texels, half of 1/32768 downwards) and of the
+        // level (1e-6).
         ASSERT_LT(distance(texture.sample(uv, footprint, TextureFilter::trilinear), expected),
-                  2e-5);
+                  2e-5 + 0.5 / 32768);
     }
 }
 
@@ -273,7 +276,9 @@ TEST(Filter, BicubicIsKeysKernel) {
 TEST(Filter, RipmapReadsBoxesAlongTheAxes) {
     const prep::Image image = random_image(16, 16, 14);
     const MipTexture texture = texture_for(image, TextureFilter::ripmap);
-    // Four texels wide, one high, and the other way round, on the centres of such boxes.
+    // Four texels wide, one high, and the other way round, on the centres of such boxes; two levels
+    // are rounded by half a step of 16 bits.
+    constexpr double bound = 1e-6 + 2 * 0.5 / 65535;
     for (int j = 0; j < 16; ++j)
         for (int i = 0; i < 4; ++i) {
             glm::dvec4 row(0.0), column(0.0);
@@ -285,11 +290,11 @@ TEST(Filter, RipmapReadsBoxesAlongTheAxes) {
             ASSERT_LT(distance(texture.sample({along, across}, {{0.25f, 0}, {0, 1.0f / 16}},
                                               TextureFilter::ripmap),
                                row),
-                      1e-5);
+                      bound);
             ASSERT_LT(distance(texture.sample({across, along}, {{0, 0.25f}, {1.0f / 16, 0}},
                                               TextureFilter::ripmap),
                                column),
-                      1e-5);
+                      bound);
         }
 }
 
@@ -534,6 +539,77 @@ TEST(Srgb, ColoursAreAveragedInLinearLightAndDataIsNot) {
     EXPECT_EQ(data.texel(data.level(1), 0, 0).b, 0.5f);
 }
 
+TEST(Texels, HoldEveryValueOfFilesOf8And16Bits) {
+    for (const int steps : {255, 65535}) {
+        const auto side = std::uint32_t(std::lround(std::sqrt(steps + 1.0)));
+        prep::Image image{side, side, 2, {}};
+        for (int code = 0; code <= steps; ++code)
+            image.pixels.insert(image.pixels.end(),
+                                {float(code) / float(steps), float(steps - code) / float(steps)});
+        const MipTexture texture = texture_of(image, Wrap::clamp, Wrap::clamp);
+        EXPECT_NE(texture.view().packed, nullptr);
+        for (std::uint32_t y = 0; y < side; ++y)
+            for (std::uint32_t x = 0; x < side; ++x) {
+                const float* p = image.at(x, y);
+                const glm::vec4 expected(p[0], p[0], p[0], p[1]);
+                // On a texel's centre a filter of four reads that one alone.
+                const glm::vec2 uv = (glm::vec2(x, y) + 0.5f) / float(side);
+                ASSERT_EQ(texture.texel(texture.level(0), x, y), expected);
+                ASSERT_EQ(texture.sample(uv, {}, TextureFilter::bilinear), expected);
+            }
+    }
+}
+
+// Ten levels of sRGB noise against means in long double: half a step of 16 bits for the first level
+// and for each that is made of the one before.
+TEST(Srgb, TenLevelsKeepTheirMeans) {
+    constexpr std::uint32_t side = 1024;
+    prep::Image image{side, side, 3, {}, true};
+    std::mt19937 random(10);
+    for (std::uint32_t i = 0; i < side * side * 3; ++i)
+        image.pixels.push_back(float(random() % 256) / 255.0f);
+    const MipTexture texture = texture_of(image, Wrap::repeat, Wrap::repeat, true, true);
+    EXPECT_NE(texture.view().packed, nullptr);
+    ASSERT_EQ(texture.level_count(), 11u);
+    std::vector<long double> fine;
+    for (const float x : image.pixels) fine.push_back(decoded(x));
+    for (std::uint32_t l = 0, extent = side; l < texture.level_count(); ++l, extent /= 2) {
+        double worst = 0;
+        std::vector<long double> coarse;
+        for (std::uint32_t y = 0; y < extent; ++y)
+            for (std::uint32_t x = 0; x < extent; ++x)
+                for (std::uint32_t c = 0; c < 3; ++c) {
+                    const auto at = [&](std::uint32_t i, std::uint32_t j) {
+                        return fine[(j * extent + i) * 3 + c];
+                    };
+                    const float found = texture.texel(texture.level(l), x, y)[int(c)];
+                    worst = std::max(worst, std::abs(double(found - at(x, y))));
+                }
+        coarse.resize(std::size_t(extent / 2) * (extent / 2) * 3);
+        for (std::uint32_t y = 0; y < extent / 2; ++y)
+            for (std::uint32_t x = 0; x < extent / 2; ++x)
+                for (std::uint32_t c = 0; c < 3; ++c) {
+                    long double sum = 0;
+                    for (std::uint32_t k = 0; k < 4; ++k)
+                        sum += fine[((2 * y + k / 2) * extent + 2 * x + k % 2) * 3 + c];
+                    coarse[(y * (extent / 2) + x) * 3 + c] = sum / 4;
+                }
+        EXPECT_LT(worst, 1e-7 + (l + 1) * 0.5 / 65535) << "level " << l;
+        fine = std::move(coarse);
+    }
+}
+
+// Dark codes of 16 bits are finer than 16 linear bits are.
+TEST(Srgb, ColoursOf16BitsStayFloats) {
+    prep::Image image{256, 256, 3, {}, true};
+    for (int code = 0; code < 65536; ++code)
+        image.pixels.insert(image.pixels.end(), 3, float(code) / 65535.0f);
+    const MipTexture texture = texture_of(image, Wrap::repeat, Wrap::repeat, false, true);
+    for (std::uint32_t code = 0; code < 65536; ++code)
+        ASSERT_NEAR(texture.texel(texture.level(0), code % 256, code / 256).g,
+                    double(decoded(code / 65535.0L)), 1e-7);
+}
+
 TEST(Srgb, PicturesAreEncodedAndToneMappedOnlyWhenAsked) {
     rast::Frame frame;
     frame.width = 3;
@@ -562,6 +638,22 @@ TEST(Elementary, LogAndExpKeepThirteenDigits) {
         const double e = double(std::exp((long double)y));
         ASSERT_NEAR(rast::exp_portable(y), e, 1e-13 * e);
     }
+}
+
+TEST(Elementary, LogarithmToBaseTwoInFloat) {
+    std::mt19937_64 random(11);
+    std::uniform_real_distribution<double> exponent(-120, 120);
+    double worst = 0;
+    for (int n = 0; n < 200000; ++n) {
+        const float x = float(std::exp2(n % 2 ? exponent(random) : exponent(random) / 1000));
+        const double expected = double(std::log2((long double)x));
+        // Beside a fixed error one rounding of the result, whose last bit is at most 2^-17.
+        const double rounding = std::max(1.0, std::abs(expected)) * 0x1p-23;
+        worst = std::max(worst, std::abs(double(rast::log2_portable(x)) - expected) - rounding);
+    }
+    EXPECT_LT(worst, 3.1e-7);
+    for (int k = -100; k <= 100; ++k)
+        EXPECT_NEAR(rast::log2_portable(std::ldexp(1.0f, k)), float(k), 1e-6);
 }
 
 TEST(SpecularPower, KeepsItsDigitsUpToSharpHighlights) {

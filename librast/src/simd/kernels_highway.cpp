@@ -1,5 +1,6 @@
 // The kernels once per instruction set, and the choice at run time.
 #include <cstring>
+#include <type_traits>
 
 #include "crossing.h"
 #include "simd/kernels.h"

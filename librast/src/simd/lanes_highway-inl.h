@@ -211,8 +211,10 @@ HWY_INLINE I to_int(F a) {
     return {hn::Vec<Ints>{_mm512_cvttps_epi32(a.v.raw)}};
 #elif HWY_TARGET <= HWY_AVX2
     return {hn::Vec<Ints>{_mm256_cvttps_epi32(a.v.raw)}};
-#else
+#elif HWY_ARCH_X86
     return {hn::Vec<Ints>{_mm_cvttps_epi32(a.v.raw)}};
+#else
+    return {hn::ConvertTo(Ints(), a.v)};
 #endif
 }
 HWY_INLINE I bits(F a) {
@@ -278,13 +280,14 @@ HWY_INLINE std::size_t compress_store(M m, I a, std::int32_t* p) {
 HWY_INLINE void load3(const float* p, F& x, F& y, F& z) {
     hn::LoadInterleaved3(Floats(), p, x.v, y.v, z.v);
 }
-HWY_INLINE void gather_pairs(const std::uint64_t* p, I index, I& low, I& high) {
+HWY_INLINE void gather_pairs(const std::int16_t* p, I index, I& low, I& high) {
     const hn::RepartitionToWide<Ints> wide;
     const hn::Repartition<std::uint64_t, Ints> pairs;
+    const auto* const from = reinterpret_cast<const std::uint64_t*>(p);
     const auto first =
-        hn::GatherIndex(pairs, p, hn::PromoteTo(wide, hn::LowerHalf(HalfInts(), index.v)));
+        hn::GatherIndex(pairs, from, hn::PromoteTo(wide, hn::LowerHalf(HalfInts(), index.v)));
     const auto last =
-        hn::GatherIndex(pairs, p, hn::PromoteTo(wide, hn::UpperHalf(HalfInts(), index.v)));
+        hn::GatherIndex(pairs, from, hn::PromoteTo(wide, hn::UpperHalf(HalfInts(), index.v)));
     const auto a = hn::BitCast(Ints(), first), b = hn::BitCast(Ints(), last);
     low = {hn::ConcatEven(Ints(), b, a)};
     high = {hn::ConcatOdd(Ints(), b, a)};
@@ -293,33 +296,96 @@ HWY_INLINE void scatter(I v, std::uint32_t* p, I index) {
     hn::ScatterIndex(hn::BitCast(Unsigned(), v.v), Unsigned(), p, index.v);
 }
 
+// The products of 16-bit numbers, each two neighbours' added up.
+template <class V>
+HWY_INLINE hn::Vec<Ints> sums_of_pairs(V a, V b) {
+#if HWY_TARGET <= HWY_AVX3
+    return hn::Vec<Ints>{_mm512_madd_epi16(a.raw, b.raw)};
+#elif HWY_TARGET <= HWY_AVX2
+    return hn::Vec<Ints>{_mm256_madd_epi16(a.raw, b.raw)};
+#elif HWY_ARCH_X86
+    return hn::Vec<Ints>{_mm_madd_epi16(a.raw, b.raw)};
+#else
+    const Ints words;
+    const auto low = [&](V v) {
+        return hn::ShiftRight<16>(hn::ShiftLeft<16>(hn::BitCast(words, v)));
+    };
+    const auto high = [&](V v) { return hn::ShiftRight<16>(hn::BitCast(words, v)); };
+    return hn::Add(hn::Mul(low(a), low(b)), hn::Mul(high(a), high(b)));
+#endif
+}
+
+// A vector from one of 16 bytes of each of the lanes `first`, 4 + first, …
+template <class D, class At>
+HWY_INLINE hn::Vec<D> blocks_of(D d, int first, const At& at) {
+#if HWY_TARGET <= HWY_AVX3
+    const hn::Half<D> half;
+    return hn::Combine(d, hn::Combine(half, at(12 + first), at(8 + first)),
+                       hn::Combine(half, at(4 + first), at(first)));
+#elif HWY_TARGET <= HWY_AVX2
+    return hn::Combine(d, at(4 + first), at(first));
+#else
+    (void)d;
+    return at(first);
+#endif
+}
+// Words 0, 1, 2 and 3 of each lane's 16 bytes, which lie as blocks_of(0 … 3) puts them.
+template <class V>
+HWY_INLINE void transpose_blocks(V r0, V r1, V r2, V r3, V& a, V& b, V& c, V& d) {
+    const hn::DFromV<V> words;
+    const auto ab02 = hn::InterleaveLower(words, r0, r2), cd02 = hn::InterleaveUpper(words, r0, r2);
+    const auto ab13 = hn::InterleaveLower(words, r1, r3), cd13 = hn::InterleaveUpper(words, r1, r3);
+    a = hn::InterleaveLower(words, ab02, ab13);
+    b = hn::InterleaveUpper(words, ab02, ab13);
+    c = hn::InterleaveLower(words, cd02, cd13);
+    d = hn::InterleaveUpper(words, cd02, cd13);
+}
+
 template <int stride>
 HWY_INLINE void load_each4(const std::int32_t* p, const std::uint32_t* index, I& a, I& b, I& c,
                            I& d) {
-    const auto at = [&](int lane) {
-        return hn::LoadU(hn::FixedTag<std::int32_t, 4>(),
-                         p + std::size_t(index[lane * stride]) * 4);
-    };
-    // One lane of every block of four: lanes r, 4 + r, …
     const auto quarter = [&](int r) {
-#if HWY_TARGET <= HWY_AVX3
-        const hn::FixedTag<std::int32_t, 8> half;
-        return hn::Combine(Ints(), hn::Combine(half, at(12 + r), at(8 + r)),
-                           hn::Combine(half, at(4 + r), at(r)));
-#elif HWY_TARGET <= HWY_AVX2
-        return hn::Combine(Ints(), at(4 + r), at(r));
-#else
-        return at(r);
-#endif
+        return blocks_of(Ints(), r, [&](int lane) {
+            return hn::LoadU(hn::FixedTag<std::int32_t, 4>(),
+                             p + std::size_t(index[lane * stride]) * 4);
+        });
     };
-    const auto r0 = quarter(0), r1 = quarter(1), r2 = quarter(2), r3 = quarter(3);
-    const Ints words;
-    const auto ab02 = hn::InterleaveLower(words, r0, r2), cd02 = hn::InterleaveUpper(words, r0, r2);
-    const auto ab13 = hn::InterleaveLower(words, r1, r3), cd13 = hn::InterleaveUpper(words, r1, r3);
-    a.v = hn::InterleaveLower(words, ab02, ab13);
-    b.v = hn::InterleaveUpper(words, ab02, ab13);
-    c.v = hn::InterleaveLower(words, cd02, cd13);
-    d.v = hn::InterleaveUpper(words, cd02, cd13);
+    transpose_blocks(quarter(0), quarter(1), quarter(2), quarter(3), a.v, b.v, c.v, d.v);
+}
+
+// Part r: lanes r, 4 + r, …
+using Quads = F;
+inline constexpr int part_count = 4;
+HWY_INLINE Quads select_positive(Quads m, Quads yes, Quads no) {
+    return {hn::IfThenElse(hn::Gt(m.v, hn::Zero(Floats())), yes.v, no.v)};
+}
+template <int part>
+HWY_INLINE Quads spread(F v) {
+    return {hn::Broadcast<part>(v.v)};
+}
+template <int part>
+HWY_INLINE Quads load_texels(const float* texels, const std::uint32_t* at) {
+    return {blocks_of(Floats(), part, [&](int lane) {
+        return hn::LoadU(hn::FixedTag<float, 4>(), texels + std::size_t(at[lane]) * 4);
+    })};
+}
+template <int part>
+HWY_INLINE void load_columns(const std::int16_t* texels, const std::uint32_t* top,
+                             const std::uint32_t* bottom, I weights, Quads& left, Quads& right) {
+    const hn::Repartition<std::int16_t, Ints> shorts;
+    const auto row = [&](const std::uint32_t* at) {
+        return blocks_of(shorts, part, [&](int lane) {
+            return hn::LoadU(hn::FixedTag<std::int16_t, 8>(), texels + std::size_t(at[lane]) * 4);
+        });
+    };
+    const auto a = row(top), b = row(bottom);
+    const auto w = hn::BitCast(shorts, hn::Broadcast<part>(weights.v));
+    left = {hn::ConvertTo(Floats(), sums_of_pairs(hn::InterleaveLower(shorts, a, b), w))};
+    right = {hn::ConvertTo(Floats(), sums_of_pairs(hn::InterleaveUpper(shorts, a, b), w))};
+}
+HWY_INLINE void channels_of(const Quads parts[], F out[4]) {
+    transpose_blocks(parts[0].v, parts[1].v, parts[2].v, parts[3].v, out[0].v, out[1].v, out[2].v,
+                     out[3].v);
 }
 HWY_INLINE void store_interleaved4(I a, I b, I c, I d, std::int32_t* p) {
     hn::StoreInterleaved4(a.v, b.v, c.v, d.v, Ints(), p);

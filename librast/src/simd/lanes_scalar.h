@@ -298,9 +298,62 @@ inline void store_interleaved4(I a, I b, I c, I d, std::int32_t* p) {
     p[3] = d.v;
 }
 
+// Texels: red, green, blue and alpha of a lane side by side, so many lanes at a time that they fill
+// a vector. part_count parts hold all lanes.
+struct Quads {
+    float v[4];
+};
+inline constexpr int part_count = 1;
+inline Quads operator+(const Quads& a, const Quads& b) {
+    return {{a.v[0] + b.v[0], a.v[1] + b.v[1], a.v[2] + b.v[2], a.v[3] + b.v[3]}};
+}
+inline Quads operator-(const Quads& a, const Quads& b) {
+    return {{a.v[0] - b.v[0], a.v[1] - b.v[1], a.v[2] - b.v[2], a.v[3] - b.v[3]}};
+}
+inline Quads operator*(const Quads& a, const Quads& b) {
+    return {{a.v[0] * b.v[0], a.v[1] * b.v[1], a.v[2] * b.v[2], a.v[3] * b.v[3]}};
+}
+// `yes` where `m` is above 0.
+inline Quads select_positive(const Quads& m, const Quads& yes, const Quads& no) {
+    Quads out;
+    for (int k = 0; k < 4; ++k) out.v[k] = m.v[k] > 0 ? yes.v[k] : no.v[k];
+    return out;
+}
+// A lane's value four times.
+template <int part>
+Quads spread(F v) {
+    return {{v.v, v.v, v.v, v.v}};
+}
+template <int part>
+Quads load_texels(const float* texels, const std::uint32_t* at) {
+    Quads out;
+    std::memcpy(out.v, texels + std::size_t(*at) * 4, sizeof out.v);
+    return out;
+}
+// Texels `top` and top + 1 times the low half of a lane's weights, plus those of `bottom` times the
+// high half.
+template <int part>
+void load_columns(const std::int16_t* texels, const std::uint32_t* top, const std::uint32_t* bottom,
+                  I weights, Quads& left, Quads& right) {
+    const std::int32_t low = std::int16_t(weights.v), high = weights.v >> 16;
+    const auto column = [&](std::size_t i) {
+        const std::int16_t* const a = texels + (*top + i) * 4;
+        const std::int16_t* const b = texels + (*bottom + i) * 4;
+        Quads out;
+        for (int k = 0; k < 4; ++k) out.v[k] = float(a[k] * low + b[k] * high);
+        return out;
+    };
+    left = column(0);
+    right = column(1);
+}
+inline void channels_of(const Quads parts[], F out[4]) {
+    for (int k = 0; k < 4; ++k) out[k].v = parts[0].v[k];
+}
+
 // Eight bytes of each lane, as two halves.
-inline void gather_pairs(const std::uint64_t* p, I index, I& low, I& high) {
-    const std::uint64_t pair = p[index.v];
+inline void gather_pairs(const std::int16_t* p, I index, I& low, I& high) {
+    std::uint64_t pair;
+    std::memcpy(&pair, p + std::ptrdiff_t(index.v) * 4, sizeof pair);
     low = {std::int32_t(std::uint32_t(pair))};
     high = {std::int32_t(std::uint32_t(pair >> 32))};
 }

@@ -28,7 +28,8 @@ struct Points {
     };
     alignas(64) float v[count][points_at_once + vector_size];
     alignas(64) std::int32_t id[points_at_once + vector_size];
-    std::size_t held = 0;
+    std::size_t held = 0, first = 0;            // first: of the task's points
+    Reads reads[points_at_once / vector_size];  // of the first maps on the same texels
 
     RAST_INLINE F get(int plane, std::size_t at) const { return load(v[plane] + at); }
     RAST_INLINE V3 get3(int plane, std::size_t at) const {
@@ -155,13 +156,23 @@ inline void expand(const PixelRun* runs, std::size_t count, std::uint32_t* count
     }
 }
 
-// Takes the runs' points in portions; `take(first)` gets the number of the portion's first point.
-template <class Task, class Take>
+// Takes the runs' points in portions. `ask(points)` is called as soon as a portion's surface is
+// known, `take(points)` only when the next one has been asked: what was asked for comes meanwhile.
+template <class Task, class Ask, class Take>
 RAST_INLINE void for_each_portion(const ShadeDraw& draw, const Task& task, const Wanted& wanted,
-                                  Points& points, const Take& take) {
+                                  const Ask& ask, const Take& take) {
     SurfaceTable table;
+    Points both[2];
+    Points *now = &both[0], *before = &both[1];
     std::size_t point = task.begin;
-    points.held = 0;
+    now->held = before->held = 0;
+    const auto finish = [&] {
+        now->first = point - now->held;
+        ask(*now);
+        if (before->held > 0) take(*before);
+        std::swap(now, before);
+        now->held = 0;
+    };
     for (std::size_t r = 0; r < task.run_count;) {
         const RunGroup group = next_group(task.runs + r, task.run_count - r);
         table.set_up(draw, task.place, wanted, group.ids());
@@ -171,30 +182,30 @@ RAST_INLINE void for_each_portion(const ShadeDraw& draw, const Task& task, const
             load_pixels(task.pixels + point, i, j);
             if (group.is_one(point, run)) {
                 const auto one = std::int32_t(run);
-                table.put(draw, task.place, wanted, set(one), OnePick{one}, i, j, points);
+                table.put(draw, task.place, wanted, set(one), OnePick{one}, i, j, *now);
                 group.entries(point, run);
             } else {
                 const I entry = group.entries(point, run);
-                table.put(draw, task.place, wanted, entry, pick_of(entry), i, j, points);
+                table.put(draw, task.place, wanted, entry, pick_of(entry), i, j, *now);
             }
             const std::size_t left = group.end() - point,
                               n = left < vector_size ? left : vector_size;
             point += n;
-            points.held += n;
-            if (points.held < points_at_once) continue;
+            now->held += n;
+            if (now->held < points_at_once) continue;
             // What the last vector has beyond the portion's end comes again.
-            const std::size_t more = points.held - points_at_once;
+            const std::size_t more = now->held - points_at_once;
             if (more > 0) {
-                points.held -= more;
+                now->held -= more;
                 point -= more;
                 run = group.run_of(point);
             }
-            take(point - points.held);
-            points.held = 0;
+            finish();
         }
         r += group.count;
     }
-    if (points.held > 0) take(point - points.held);
+    if (now->held > 0) finish();
+    if (before->held > 0) take(*before);
 }
 
 RAST_INLINE Coordinates coordinates_at(const Points& points, const BoundMap& map, std::size_t n) {
@@ -208,31 +219,65 @@ RAST_INLINE Coordinates coordinates_at(const Points& points, const BoundMap& map
     return {values[0], values[1], values[2], values[3], values[4], values[5]};
 }
 
-// The texels of all maps, or of one kind alone. First what is to be read, and it is asked for;
-// then it is read.
-inline void read_maps(const ShadeDraw& draw, Points& points, int only = map_kinds) {
-    Reads reads[points_at_once / vector_size];
-    for (int k = 0; k < draw.used_count; ++k) {
-        const int kind = draw.used[k];
-        if (only != map_kinds && kind != only) continue;
-        const BoundMap& map = draw.maps[kind];
-        const bool by_lanes = reads_by_lanes(map);
-        const bool found = map.same_texels && only == map_kinds;
-        for (std::size_t n = 0; by_lanes && n < points.held; n += vector_size) {
-            Reads& mine = reads[n / vector_size];
-            if (!found) find_texels(map, coordinates_at(points, map, n), mine);
-            make_levels(map, mine);
-            prefetch(map.texture->view(), mine);
+// Some of a draw's maps that are read at the same texels: ShadeDraw::used from `begin` to `end`.
+struct MapGroup {
+    int begin, end;
+};
+RAST_INLINE MapGroup map_group(const ShadeDraw& draw, int begin) {
+    int end = begin + 1;
+    while (end < draw.used_count && draw.maps[draw.used[end]].same_texels) ++end;
+    return {begin, end};
+}
+
+// What is to be read of them; it is asked for.
+inline void ask_for(const ShadeDraw& draw, const MapGroup& group, Points& points) {
+    const BoundMap& first = draw.maps[draw.used[group.begin]];
+    if (!reads_by_lanes(first)) return;
+    for (std::size_t n = 0; n < points.held; n += vector_size) {
+        Reads& reads = points.reads[n / vector_size];
+        find_texels(first, coordinates_at(points, first, n), reads);
+        for (int m = group.begin; m < group.end; ++m) {
+            const BoundMap& map = draw.maps[draw.used[m]];
+            make_levels(map, reads);
+            prefetch(map.texture->view(), reads);
         }
-        for (std::size_t n = 0; n < points.held; n += vector_size) {
-            const Coordinates at = coordinates_at(points, map, n);
-            Texel t = no_texel();
-            if (by_lanes)
-                t = read_map<false>(map, at, reads[n / vector_size]);
-            else
-                sample_each(map, at, 0, t);
-            points.put3({t.r, t.g, t.b}, Points::texels + 3 * kind, n);
+    }
+}
+
+template <int count>
+RAST_INLINE void read_together(const ShadeDraw& draw, int first, Points& points) {
+    const BoundMap* maps[count];
+    for (int i = 0; i < count; ++i) maps[i] = &draw.maps[draw.used[first + i]];
+    for (std::size_t n = 0; n < points.held; n += vector_size) {
+        Texel t[count];
+        read_maps_at<count>(maps, coordinates_at(points, *maps[0], n),
+                            points.reads[n / vector_size], t);
+        for (int i = 0; i < count; ++i)
+            points.put3({t[i].r, t[i].g, t[i].b}, Points::texels + 3 * draw.used[first + i], n);
+    }
+}
+
+// The texels of all maps. Those of the first group have been asked for.
+inline void read_maps(const ShadeDraw& draw, Points& points) {
+    for (MapGroup group = map_group(draw, 0);; group = map_group(draw, group.end)) {
+        if (group.begin > 0) ask_for(draw, group, points);
+        const auto map_of = [&](int m) -> const BoundMap& { return draw.maps[draw.used[m]]; };
+        const auto is_packed = [&](int m) { return map_of(m).texture->view().packed != nullptr; };
+        for (int m = group.begin; m < group.end; ++m) {
+            if (!reads_by_lanes(map_of(m))) {
+                for (std::size_t n = 0; n < points.held; n += vector_size) {
+                    Texel t = no_texel();
+                    sample_each(map_of(m), coordinates_at(points, map_of(m), n), 0, t);
+                    points.put3({t.r, t.g, t.b}, Points::texels + 3 * draw.used[m], n);
+                }
+            } else if (m + 1 < group.end && is_packed(m) == is_packed(m + 1)) {
+                read_together<2>(draw, m, points);
+                ++m;
+            } else {
+                read_together<1>(draw, m, points);
+            }
         }
+        if (group.end == draw.used_count) return;
     }
 }
 RAST_INLINE V3 texel_of(const Points& points, MapKind kind, std::size_t n) {
@@ -382,7 +427,6 @@ RAST_INLINE void write_bytes(V3 color, const std::uint16_t* pixels, std::size_t 
 }
 
 inline void shade(const ShadeDraw& draw, const ShadeFrame& frame, const ShadeTask& task) {
-    Points points;
     const bool lit = !draw.unlit && draw.vertex_light == nullptr && frame.light_count > 0;
     Wanted wanted;
     wanted.normals = lit;
@@ -390,7 +434,11 @@ inline void shade(const ShadeDraw& draw, const ShadeFrame& frame, const ShadeTas
     wanted.colors = draw.colors != nullptr;
     wanted.vertex_light = !draw.unlit && draw.vertex_light != nullptr;
     wanted.maps = draw.used_count > 0;
-    for_each_portion(draw, task, wanted, points, [&](std::size_t first) {
+    const auto ask = [&](Points& points) {
+        if (wanted.maps) ask_for(draw, map_group(draw, 0), points);
+    };
+    for_each_portion(draw, task, wanted, ask, [&](Points& points) {
+        const std::size_t first = points.first;
         const std::uint16_t* const pixels = task.pixels + first;
         if (wanted.maps) read_maps(draw, points);
         if (lit) finish_normals(draw, frame, task.place, pixels, points);
@@ -434,7 +482,6 @@ inline void pack(const float* red, const float* green, const float* blue, std::s
 }
 
 inline void attributes(const ShadeDraw& draw, const ShadeFrame& frame, const AttributeTask& task) {
-    Points points;
     Wanted wanted;
     wanted.normals = task.normal[0] != nullptr;
     wanted.positions = task.position[0] != nullptr;
@@ -444,8 +491,19 @@ inline void attributes(const ShadeDraw& draw, const ShadeFrame& frame, const Att
         wanted.normals && draw.maps[normal_map] &&
         (draw.source == NormalSource::tangent_map || draw.source == NormalSource::object_map);
     wanted.maps = mapped;
-    for_each_portion(draw, task, wanted, points, [&](std::size_t first) {
-        if (mapped) read_maps(draw, points, normal_map);
+    // The normal map alone.
+    ShadeDraw with_normals;
+    if (mapped) {
+        with_normals = draw;
+        with_normals.used[0] = normal_map;
+        with_normals.used_count = 1;
+    }
+    const auto ask = [&](Points& points) {
+        if (mapped) ask_for(with_normals, {0, 1}, points);
+    };
+    for_each_portion(draw, task, wanted, ask, [&](Points& points) {
+        const std::size_t first = points.first;
+        if (mapped) read_maps(with_normals, points);
         if (wanted.normals) finish_normals(draw, frame, task.place, task.pixels + first, points);
         for (std::size_t n = 0; n < points.held; n += vector_size) {
             const auto write = [&](float* const out[], int c, F value) {
@@ -495,7 +553,7 @@ inline M alpha_passes(const ShadeDraw& draw, I px, I py, I id) {
             PlaceTable table;
             const BoundMap& map = draw.maps[diffuse_map];
             table.set_up(draw.places[map.place], s, slopes);
-            alpha = alpha * sample_map<true>(map, table(w, at)).a;
+            alpha = alpha * sample_map(map, table(w, at)).a;
         }
     }
     return alpha >= set(draw.alpha_cutoff);

@@ -5,16 +5,6 @@
 struct Texel {
     F r, g, b, a;
 };
-template <bool alpha>
-RAST_INLINE Texel mix(const Texel& from, const Texel& to, F part) {
-    const auto between = [&](F a, F b) { return a + (b - a) * part; };
-    return {between(from.r, to.r), between(from.g, to.g), between(from.b, to.b),
-            alpha ? between(from.a, to.a) : from.a};
-}
-RAST_INLINE Texel select(M m, const Texel& yes, const Texel& no) {
-    return {select(m, yes.r, no.r), select(m, yes.g, no.g), select(m, yes.b, no.b),
-            select(m, yes.a, no.a)};
-}
 RAST_INLINE Texel no_texel() {
     return {set(0.0f), set(0.0f), set(0.0f), set(0.0f)};
 }
@@ -29,114 +19,113 @@ RAST_INLINE I modulo(I i, I size) {
     return i - to_int(turns) * size;
 }
 
-// Texel numbers along one axis of a level of `size` texels. `powers`: sizes are powers of two.
-RAST_INLINE I wrapped(prep::Wrap wrap, bool powers, I i, I size) {
-    const I one = set(1);
+// Where a filter of two texels reads along one axis of a level of `size` texels: as rast::OnAxis.
+// `powers`: sizes are powers of two.
+struct LanesOnAxis {
+    I first;
+    F part;
+};
+RAST_INLINE LanesOnAxis on_axis(prep::Wrap wrap, bool powers, F t, I size) {
+    const F below = floor(t);
+    LanesOnAxis out{to_int(below), t - below};
+    const I one = set(1), i = out.first;
+    switch (wrap) {
+        case prep::Wrap::repeat:
+            out.first = powers ? i & (size - one) : modulo(i, size);
+            break;
+        case prep::Wrap::mirror: {
+            const I turn = size + size;
+            const I r = powers ? i & (turn - one) : modulo(i, turn);
+            const M forward = r < size;
+            out.first = select(forward, r, turn - set(2) - r);
+            out.part = select(forward, out.part, set(1.0f) - out.part);
+            break;
+        }
+        case prep::Wrap::clamp:
+            out.first = min(max(i, set(-1)), size - one);
+            break;
+        case prep::Wrap::border:
+            out.first = select((i < set(-1)) | (i > size - one), set(-2), i);
+            break;
+    }
+    return out;
+}
+// Of one texel.
+RAST_INLINE I on_axis_nearest(prep::Wrap wrap, bool powers, F t, I size) {
+    const I i = to_int(floor(t)), one = set(1);
     if (wrap == prep::Wrap::repeat) return powers ? i & (size - one) : modulo(i, size);
     if (wrap == prep::Wrap::mirror) {
         const I turn = size + size;
         const I r = powers ? i & (turn - one) : modulo(i, turn);
         return select(r < size, r, turn - one - r);
     }
-    return min(max(i, set(0)), size - one);  // border texels are blanked afterwards
+    if (wrap == prep::Wrap::clamp) return min(max(i, set(0)), size - one);
+    return select((i < set(0)) | (i > size - one), set(-1), i);  // a margin
 }
 
-// The four texels of a bilinear filter, each lane on a level of its own. Texels: top left and
-// right, bottom left and right.
+// The four texels of a bilinear filter, each lane on a level of its own: `top` and the one to its
+// right, `bottom` and the one to its right. `weights` of both rows, as load_columns takes them.
 struct Taps {
-    I at[4];
+    alignas(64) std::uint32_t top[vector_size], bottom[vector_size];
     F across, down;
-    M inside[4];  // where there is a border
+    I weights;
 };
 
 struct Sizes {
     I width, height, pitch, first;
 };
 RAST_INLINE Sizes sizes_of(const TextureView& view, I level) {
-    std::int32_t each[vector_size];
-    store(level, each);
-    const std::int32_t l = each[0];
-    if (all(level == set(l)))
-        return {set(view.widths[l]), set(view.heights[l]), set(view.pitches[l]),
-                set(view.firsts[l])};
-    return {gather(view.widths, level), gather(view.heights, level), gather(view.pitches, level),
-            gather(view.firsts, level)};
+    if (view.level_count > std::uint32_t(lane_count)) {
+        std::int32_t each[vector_size];
+        store(level, each);
+        const std::int32_t l = each[0];
+        if (all(level == set(l)))
+            return {set(view.widths[l]), set(view.heights[l]), set(view.pitches[l]),
+                    set(view.firsts[l])};
+        return {gather(view.widths, level), gather(view.heights, level),
+                gather(view.pitches, level), gather(view.firsts, level)};
+    }
+    const Pick at = pick_of(level);
+    return {pick(view.widths, at), pick(view.heights, at), pick(view.pitches, at),
+            pick(view.firsts, at)};
 }
 RAST_INLINE bool is_power(std::int32_t v) {
     return (v & (v - 1)) == 0;
 }
-RAST_INLINE bool has_border(const TextureView& view) {
-    return view.wrap_u == prep::Wrap::border || view.wrap_v == prep::Wrap::border;
-}
-
-RAST_INLINE void place_taps(const TextureView& view, F u, F v, I level, Taps& taps, M& good) {
+// `u` and `v` are in range of this level.
+RAST_INLINE void place_taps(const TextureView& view, F u, F v, I level, Taps& taps) {
     const Sizes size = sizes_of(view, level);
-    const F half = set(0.5f), most = set(most_texels);
-    const F tu = u * to_float(size.width) - half, tv = v * to_float(size.height) - half;
-    good = good & ((abs(tu) < most) & (abs(tv) < most));
-    const F su = select(good, tu, set(0.0f)), sv = select(good, tv, set(0.0f));
-    const F fu = floor(su), fv = floor(sv);
-    taps.across = su - fu;
-    taps.down = sv - fv;
-    const bool wide = is_power(view.widths[0]), high = is_power(view.heights[0]);
-    const I x0 = to_int(fu), y0 = to_int(fv), x1 = x0 + set(1), y1 = y0 + set(1);
-    const I left = wrapped(view.wrap_u, wide, x0, size.width);
-    const I right = wrapped(view.wrap_u, wide, x1, size.width);
-    const I top = wrapped(view.wrap_v, high, y0, size.height) * size.pitch + size.first;
-    const I bottom = wrapped(view.wrap_v, high, y1, size.height) * size.pitch + size.first;
-    taps.at[0] = top + left;
-    taps.at[1] = top + right;
-    taps.at[2] = bottom + left;
-    taps.at[3] = bottom + right;
-    if (!has_border(view)) return;
-    const M yes = set(0) == set(0);
-    const auto within = [&](prep::Wrap wrap, I i, I extent) {
-        return wrap == prep::Wrap::border ? (i > set(-1)) & (i < extent) : yes;
-    };
-    const M in_left = within(view.wrap_u, x0, size.width);
-    const M in_right = within(view.wrap_u, x1, size.width);
-    const M in_top = within(view.wrap_v, y0, size.height);
-    const M in_bottom = within(view.wrap_v, y1, size.height);
-    taps.inside[0] = in_top & in_left;
-    taps.inside[1] = in_top & in_right;
-    taps.inside[2] = in_bottom & in_left;
-    taps.inside[3] = in_bottom & in_right;
+    const F half = set(0.5f);
+    const LanesOnAxis x =
+        on_axis(view.wrap_u, is_power(view.widths[0]), u * to_float(size.width) - half, size.width);
+    const LanesOnAxis y = on_axis(view.wrap_v, is_power(view.heights[0]),
+                                  v * to_float(size.height) - half, size.height);
+    const I top = y.first * size.pitch + (x.first + size.first);
+    store(top, taps.top);
+    store(top + size.pitch, taps.bottom);
+    taps.across = x.part;
+    taps.down = y.part;
+    const I down = to_int(y.part * set(float(down_steps)) + half);
+    // −(1 − down) for the top and −down for the bottom: both fit 16 bits.
+    taps.weights = ((down + set(down_steps)) & set(0xffff)) - shift_left<16>(down);
 }
 
-// Colours as they are stored: packed ones times texel_scale.
-template <bool packed, bool alpha>
-RAST_INLINE Texel read_texels(const TextureView& view, I at) {
-    Texel t;
-    if constexpr (packed) {
-        const I mask = set((1 << packed_bits) - 1);
-        I low, high;
-        gather_pairs(view.packed, at, low, high);
-        t.r = to_float(low & mask);
-        t.g = to_float(shift_right_unsigned<packed_bits>(low) |
-                       shift_left<11>(shift_right_unsigned<packed_bits>(high)));
-        t.b = to_float(high & mask);
-        t.a = set(1.0f);
-        if (alpha && view.alpha != nullptr) t.a = gather(view.alpha, at);
-    } else {
-        const I first = times<4>(at);
-        t.r = gather(view.floats, first);
-        t.g = gather(view.floats + 1, first);
-        t.b = gather(view.floats + 2, first);
-        t.a = alpha ? gather(view.floats + 3, first) : set(1.0f);
-    }
-    return t;
+// As MipTexture::mixed.
+template <int part>
+RAST_INLINE Quads mixed(const std::int16_t* texels, const Taps& taps) {
+    Quads left, right;
+    load_columns<part>(texels, taps.top, taps.bottom, taps.weights, left, right);
+    return left + (right - left) * spread<part>(taps.across);
 }
-
-// The order of operations of MipTexture::bilinear: a + f·(b − a).
-template <bool packed, bool alpha>
-RAST_INLINE Texel bilinear(const TextureView& view, const Taps& taps) {
-    const bool border = has_border(view);
-    const auto read = [&](int k) {
-        Texel t = read_texels<packed, alpha>(view, taps.at[k]);
-        return border ? select(taps.inside[k], t, no_texel()) : t;
+template <int part>
+RAST_INLINE Quads mixed(const float* texels, const Taps& taps) {
+    const Quads down = spread<part>(taps.down);
+    const auto column = [&](const float* from) {
+        const Quads top = load_texels<part>(from, taps.top);
+        return top + (load_texels<part>(from, taps.bottom) - top) * down;
     };
-    const Texel top = mix<alpha>(read(0), read(1), taps.across);
-    return mix<alpha>(top, mix<alpha>(read(2), read(3), taps.across), taps.down);
+    const Quads left = column(texels), right = column(texels + 4);
+    return left + (right - left) * spread<part>(taps.across);
 }
 
 // As MipTexture::level_of_detail.
@@ -155,72 +144,90 @@ RAST_INLINE F level_of_detail(const TextureView& view, const Coordinates& at) {
 // Which texels a map reads at a vector of points, and how it mixes them.
 struct Reads {
     Taps near, far;
-    F between;       // of near and far
-    I last;          // level of the pyramid
-    bool two, four;  // levels that some lane reads; texels a level, else one
-    M good;          // lanes whose coordinates are in range
+    F between;  // of near and far
+    I last;     // level of the pyramid
+    bool two;   // levels that some lane reads
+    M good;     // lanes whose coordinates are in range
 };
 
 inline void find_texels(const BoundMap& map, const Coordinates& at, Reads& reads) {
     const TextureView& view = map.texture->view();
-    reads.good = set(0) == set(0);
     reads.two = false;
     reads.last = set(0);
-    reads.four = map.filter != TextureFilter::nearest;
+    const F most = set(most_texels), none = set(0.0f);
+    const I width = set(view.widths[0]), height = set(view.heights[0]);
+    reads.good = (abs(at.u) * to_float(width) < most) & (abs(at.v) * to_float(height) < most);
+    const F u = select(reads.good, at.u, none), v = select(reads.good, at.v, none);
+    if (map.filter == TextureFilter::nearest) {
+        const I x =
+            on_axis_nearest(view.wrap_u, is_power(view.widths[0]), u * to_float(width), width);
+        const I y =
+            on_axis_nearest(view.wrap_v, is_power(view.heights[0]), v * to_float(height), height);
+        store(y * set(view.pitches[0]) + (x + set(view.firsts[0])), reads.near.top);
+        return;
+    }
     I level = set(0);
     if (map.filter == TextureFilter::trilinear && view.level_count > 1) {
         const F lod = level_of_detail(view, at), whole = floor(lod);
         level = to_int(whole);
         reads.between = lod - whole;
-        const M mixed = reads.between > set(0.0f);
+        const M mixed = reads.between > none;
         reads.two = any(mixed);
-        const I next = select(mixed, level + set(1), level);
-        reads.last = next;
-        if (reads.two) place_taps(view, at.u, at.v, next, reads.far, reads.good);
+        reads.last = select(mixed, level + set(1), level);
+        if (reads.two) place_taps(view, u, v, reads.last, reads.far);
     }
-    if (reads.four) {
-        place_taps(view, at.u, at.v, level, reads.near, reads.good);
-        return;
-    }
-    const I width = set(view.widths[0]), height = set(view.heights[0]);
-    const F tu = at.u * to_float(width), tv = at.v * to_float(height), most = set(most_texels);
-    reads.good = (abs(tu) < most) & (abs(tv) < most);
-    const I x = to_int(floor(select(reads.good, tu, set(0.0f))));
-    const I y = to_int(floor(select(reads.good, tv, set(0.0f))));
-    reads.near.at[0] =
-        wrapped(view.wrap_u, is_power(view.widths[0]), x, width) +
-        wrapped(view.wrap_v, is_power(view.heights[0]), y, height) * set(view.pitches[0]);
-    if (!has_border(view)) return;
-    const M in_u = (x > set(-1)) & (x < width), in_v = (y > set(-1)) & (y < height);
-    const M yes = set(0) == set(0);
-    reads.near.inside[0] = (view.wrap_u == prep::Wrap::border ? in_u : yes) &
-                           (view.wrap_v == prep::Wrap::border ? in_v : yes);
+    place_taps(view, u, v, level, reads.near);
 }
 
-template <bool packed, bool alpha>
-RAST_INLINE Texel read_filtered(const TextureView& view, const Reads& reads) {
-    Texel t;
-    if (reads.four) {
-        t = bilinear<packed, alpha>(view, reads.near);
-        if (reads.two) {
-            const Texel far = bilinear<packed, alpha>(view, reads.far);
-            const Texel mixed = mix<alpha>(t, far, reads.between);
+RAST_INLINE Texel nearest_texel(const TextureView& view, const Reads& reads) {
+    const I at = load(reads.near.top);
+    if (view.packed == nullptr) {
+        const I first = times<4>(at);
+        return {gather(view.floats, first), gather(view.floats + 1, first),
+                gather(view.floats + 2, first), gather(view.floats + 3, first)};
+    }
+    I low, high;
+    gather_pairs(view.packed, at, low, high);
+    const auto channel = [](I shifted) {
+        const F code = to_float(shift_right<16>(shifted) + set(texel_middle));
+        return code * set(unpack_high) + code * set(unpack_low);
+    };
+    return {channel(shift_left<16>(low)), channel(low), channel(shift_left<16>(high)),
+            channel(high)};
+}
+
+// Of `count` textures that are read at the same texels.
+template <int count, int part = 0, class Channel>
+RAST_INLINE void mix_levels(const Channel* const texels[], const Reads& reads,
+                            Quads out[][part_count]) {
+    constexpr bool floats = std::is_same_v<Channel, float>;
+    for (int i = 0; i < count; ++i) out[i][part] = mixed<part>(texels[i], reads.near);
+    if (reads.two) {
+        const Quads between = spread<part>(reads.between);
+        for (int i = 0; i < count; ++i) {
+            Quads& near = out[i][part];
+            const Quads both = near + (mixed<part>(texels[i], reads.far) - near) * between;
             // Lanes that read one level alone have it on both sides; floats may be infinite.
-            const M several = reads.between > set(0.0f);
-            if (packed)
-                t = {mixed.r, mixed.g, mixed.b, alpha ? select(several, mixed.a, t.a) : mixed.a};
-            else
-                t = select(several, mixed, t);
+            near = floats ? select_positive(between, both, near) : both;
         }
-    } else {
-        t = read_texels<packed, alpha>(view, reads.near.at[0]);
-        if (has_border(view)) t = select(reads.near.inside[0], t, no_texel());
     }
-    if constexpr (packed) {
-        const auto unpack = [](F v) { return v * set(unpack_high) + v * set(unpack_low); };
-        t = {unpack(t.r), unpack(t.g), unpack(t.b), t.a};
+    if constexpr (part + 1 < part_count) mix_levels<count, part + 1>(texels, reads, out);
+}
+
+template <int count, class Channel>
+RAST_INLINE void filtered_texels(const Channel* const texels[], const Reads& reads, Texel out[]) {
+    Quads parts[count][part_count];
+    mix_levels<count>(texels, reads, parts);
+    const auto finished = [](F v) {
+        if constexpr (std::is_same_v<Channel, float>) return v;
+        const F code = v * set(mixed_scale) + set(mixed_middle);
+        return code * set(unpack_high) + code * set(unpack_low);
+    };
+    for (int i = 0; i < count; ++i) {
+        F c[4];
+        channels_of(parts[i], c);
+        out[i] = {finished(c[0]), finished(c[1]), finished(c[2]), finished(c[3])};
     }
-    return t;
 }
 
 // Through MipTexture::sample; for the lanes that are not `done`.
@@ -261,44 +268,49 @@ RAST_INLINE void make_levels(const BoundMap& map, const Reads& reads) {
     for (const std::int32_t l : last) map.texture->make_pyramid(std::uint32_t(l));
 }
 
-// Asks for the rows of every other lane: neighbours' texels share cache lines. By the time they
-// are read, most have come.
+// Asks for the first row: the second one is the first of points below, mostly. Neighbours share
+// cache lines. By the time they are read, most have come.
 RAST_INLINE void prefetch(const TextureView& view, const Reads& reads) {
-    const auto ask = [&](I at) {
-        std::int32_t each[vector_size];
-        store(at, each);
-        for (std::size_t lane = 0; lane < vector_size; lane += 2) {
-            const std::size_t n = std::size_t(each[lane]);
-            __builtin_prefetch(view.packed != nullptr ? static_cast<const void*>(view.packed + n)
-                                                      : view.floats + n * 4);
-        }
-    };
-    ask(reads.near.at[0]);
-    if (reads.four) ask(reads.near.at[2]);
+    const char* const texels = view.packed != nullptr ? reinterpret_cast<const char*>(view.packed)
+                                                      : reinterpret_cast<const char*>(view.floats);
+    const std::size_t bytes = view.packed != nullptr ? 8 : 16;
+    for (std::size_t lane = 0; lane < vector_size; lane += 2)
+        __builtin_prefetch(texels + reads.near.top[lane] * bytes);
     if (!reads.two) return;
-    ask(reads.far.at[0]);
-    ask(reads.far.at[2]);
+    for (std::size_t lane = 0; lane < vector_size; lane += 4)
+        __builtin_prefetch(texels + reads.far.top[lane] * bytes);
 }
 
-template <bool alpha>
-RAST_INLINE Texel read_map(const BoundMap& map, const Coordinates& at, const Reads& reads) {
-    const TextureView& view = map.texture->view();
-    Texel t = view.packed != nullptr ? read_filtered<true, alpha>(view, reads)
-                                     : read_filtered<false, alpha>(view, reads);
-    if (!all(reads.good)) sample_each(map, at, bits_of(reads.good), t);
-    return t;
+// `count` maps on the same texels, all packed or all floats.
+template <int count>
+RAST_INLINE void read_maps_at(const BoundMap* const maps[], const Coordinates& at,
+                              const Reads& reads, Texel out[]) {
+    if (maps[0]->filter == TextureFilter::nearest) {
+        for (int i = 0; i < count; ++i) out[i] = nearest_texel(maps[i]->texture->view(), reads);
+    } else if (maps[0]->texture->view().packed != nullptr) {
+        const std::int16_t* texels[count];
+        for (int i = 0; i < count; ++i) texels[i] = maps[i]->texture->view().packed;
+        filtered_texels<count>(texels, reads, out);
+    } else {
+        const float* texels[count];
+        for (int i = 0; i < count; ++i) texels[i] = maps[i]->texture->view().floats;
+        filtered_texels<count>(texels, reads, out);
+    }
+    if (all(reads.good)) return;
+    for (int i = 0; i < count; ++i) sample_each(*maps[i], at, bits_of(reads.good), out[i]);
 }
 
 // One vector by itself.
-template <bool alpha>
 inline Texel sample_map(const BoundMap& map, const Coordinates& at) {
+    Texel t = no_texel();
     if (!reads_by_lanes(map)) {
-        Texel t = no_texel();
         sample_each(map, at, 0, t);
         return t;
     }
     Reads reads;
     find_texels(map, at, reads);
     make_levels(map, reads);
-    return read_map<alpha>(map, at, reads);
+    const BoundMap* const one = &map;
+    read_maps_at<1>(&one, at, reads, &t);
+    return t;
 }
