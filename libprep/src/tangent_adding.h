@@ -25,7 +25,7 @@ struct AddState {
     VertexRing* rings;
     std::uint32_t* free;  // slots, the next one last
     std::size_t free_count;
-    std::uint32_t* done_vertices;  // have met all their triangles
+    std::uint32_t* done_vertices;  // have met all their triangles; room for a vector more
     std::size_t done_count;
 };
 

@@ -20,11 +20,10 @@ class FanMaker {
   public:
     FanMaker(const CornerReader& read, const FanOptions& options);
 
-    // For up to ring_batch vertices: writes the tangents of fans to values[place] and all vertices'
-    // states. places: empty, where each has its own number. (input.normals: does not matter.)
-    void make(RingInput input, std::span<const std::uint32_t> vertices,
-              std::span<const std::uint32_t> places, std::span<glm::vec4> values,
-              std::span<std::uint8_t> states) const;
+    // Writes the tangents of fans to values[place] and all the batch's vertices' states (where not
+    // a fan, listed_vertex). places: empty, where each has its own number.
+    void make(const VertexRing* rings, RingBatch& batch, std::span<const std::uint32_t> places,
+              std::span<glm::vec4> values, std::span<std::uint8_t> states) const;
 
   private:
     const CornerReader& read_;

@@ -3,7 +3,6 @@
 #include <atomic>
 
 #include "parallel.h"
-#include "tangent_vertex_counts.h"
 
 namespace prep::detail {
 namespace {
@@ -42,12 +41,20 @@ ListedCorners place_corners(const TangentTriangles& triangles, const Terms& term
     result.triangles.assign((triangles.count + 63) / 64, 0);
     const bool any_degenerate = terms.counts.degenerate > 0;
     std::atomic<bool> any = false;
+    const bool plain = !states.empty() && !any_degenerate && places.empty();
+    constexpr std::size_t most_lanes = 16;
+    const FanSearch search = states.size() >> 31 == 0 ? fan_search() : nullptr;
     parallel_blocks(triangles.count, triangle_grain, threads,
                     [&](std::size_t begin, std::size_t end) {
                         std::vector<Index>& list = result.lists[begin / triangle_grain];
                         const std::uint8_t* const state = states.data();
-                        const bool plain = !states.empty() && !any_degenerate && places.empty();
+                        std::size_t next_search = begin;
                         for (std::size_t t = begin; t < end; ++t) {
+                            if (plain && search != nullptr && t >= next_search) {
+                                t += search(state, vertices.data() + 3 * t, end - t);
+                                next_search = t + most_lanes;
+                                if (t == end) break;
+                            }
                             const Index* const v = vertices.data() + 3 * t;
                             Index* const values = corner_values.data() + 3 * t;
                             if (plain && (state[v[0]] | state[v[1]] | state[v[2]]) == fan_vertex)

@@ -7,6 +7,7 @@
 
 #include "tangent_stars.h"
 #include "tangent_terms.h"
+#include "tangent_vertex_counts.h"
 
 namespace prep::detail {
 
@@ -20,6 +21,12 @@ struct ListedCorners {
 // part. O(triangles).
 void list_split_neighbours(std::span<const std::uint32_t> vertices, int threads,
                            std::span<std::uint8_t> states);
+
+// How many triangles from the first on have no corners but fans' (a multiple of a vector's lanes).
+// Reads up to three bytes behind states; vertices must be below 2^31.
+using FanSearch = std::size_t (*)(const std::uint8_t* states, const std::uint32_t* vertices,
+                                  std::size_t triangles);
+FanSearch fan_search();  // in simd/; nullptr where vectors have no gathers
 
 // states, places: VertexCounts'; no states: all vertices are listed. corner_values: in, the
 // vertices, three per triangle; out, the places of their fans' values, and no_index for listed

@@ -4,16 +4,15 @@
 
 namespace prep::detail {
 
-void rings_scalar(const RingInput& in, StarSum* stars) {
-    for (std::size_t i = 0; i < in.slots.size(); ++i) {
-        StarSum& result = stars[i];
-        result = {0, 0, 0, 0};
-        const std::size_t count = in.counts[i];
-        const VertexSum& sum = in.sums[in.slots[i]];
-        if (!may_be_fan(sum, count) || (count > 1 && !is_one_fan(in.rings[in.slots[i]], count)))
-            continue;
-        const glm::vec3 unit = mikk::normalized_or_zero({sum.x, sum.y, sum.z});
-        result = {unit.x, unit.y, unit.z, (sum.code & orientation_preserving) | star_is_fan};
+void rings_scalar(const VertexRing* rings, std::span<const glm::vec3>, RingBatch& batch) {
+    for (std::size_t i = 0; i < batch.count; ++i) {
+        StarSum& star = batch.stars[i];
+        const std::size_t members = batch.members[i];
+        const std::uint32_t code = batch.codes[i];
+        const bool fan = may_be_fan(code, members) &&
+                         (members == 1 || is_one_fan(rings[batch.slots[i]], members));
+        const glm::vec3 unit = mikk::normalized_or_zero({star.x, star.y, star.z});
+        star = {unit.x, unit.y, unit.z, fan ? (code & orientation_preserving) | star_is_fan : 0};
     }
 }
 

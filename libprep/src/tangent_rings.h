@@ -28,7 +28,7 @@ struct alignas(64) VertexRing {
     std::uint32_t previous[most_ring_members], next[most_ring_members];
 };
 
-// A vertex' sum, unit where it is not zero.
+// A vertex' sum; behind, unit where it is not zero.
 struct alignas(16) StarSum {
     float x, y, z;
     std::uint32_t code;  // 0: not told to be a fan; else star_is_fan and what else is so of these
@@ -36,32 +36,35 @@ struct alignas(16) StarSum {
 inline constexpr std::uint32_t star_is_fan = 1;     // and orientation_preserving, of all triangles
 inline constexpr std::uint32_t star_has_frame = 2;  // the sum makes a frame with the normal, by far
 
-struct RingInput {
-    const VertexSum* sums;  // slot by slot
-    const VertexRing* rings;
-    std::span<const std::uint32_t> slots;  // of the vertices, below most_slots
-    const std::uint8_t* counts;            // their triangles, up to most_ring_members + 1
-    // For star_has_frame; empty: it is not looked for.
-    std::span<const glm::vec3> normals;
-};
-
 // Up to this many vertices at once. A multiple of all vector lengths.
 inline constexpr std::size_t ring_batch = 1024;
 inline constexpr std::size_t most_slots = std::size_t(1) << 23;
 
-// Writes stars[i] for the i-th vertex, and anything behind the last, up to ring_batch. A star is a
-// fan when it has up to most_ring_members members, each reached from the first over edges
-// that two triangles share and no more, when their S and their T share a half-space (see TermCode),
-// and when all corners have one normal and one UV.
-using RingKernel = void (*)(const RingInput& input, StarSum* stars);
+// Vertices that have met all their triangles, and what they found.
+struct RingBatch {
+    std::size_t count = 0;
+    alignas(64) std::uint32_t vertices[ring_batch];
+    alignas(64) StarSum stars[ring_batch];          // in: the sums, their codes not
+    alignas(64) std::uint32_t codes[ring_batch];    // 0 where the vertex is split
+    alignas(64) std::uint32_t members[ring_batch];  // triangles, up to most_ring_members + 1
+    alignas(64) std::uint32_t slots[ring_batch];    // below most_slots
+    alignas(64) std::uint32_t normals[ring_batch];  // the index of the first corner
+};
 
-void rings_scalar(const RingInput& input, StarSum* stars);
+// Writes stars for all of the batch, and anything behind the last. A star is a fan when it has up
+// to most_ring_members members, each reached from the first over edges that two triangles share
+// and no more, when their S and their T share a half-space (see TermCode), and when all corners
+// have one normal and one UV. rings: slot by slot. normals: for star_has_frame; empty: it is not
+// looked for.
+using RingKernel = void (*)(const VertexRing* rings, std::span<const glm::vec3> normals,
+                            RingBatch& batch);
+
+void rings_scalar(const VertexRing* rings, std::span<const glm::vec3> normals, RingBatch& batch);
 RingKernel ring_kernel(SimdLevel level, std::size_t normals);  // in simd/
 
 // What of a star can be told without its edges.
-inline bool may_be_fan(const VertexSum& sum, std::size_t count) {
-    const std::uint32_t code = sum.code;
-    if (count == 0 || count > most_ring_members || sum.split) return false;
+inline bool may_be_fan(std::uint32_t code, std::size_t count) {
+    if (count == 0 || count > most_ring_members) return false;
     if (!(code & own_frame)) return false;
     if (!(code & (orientation_preserving | orientation_mirrored))) return false;
     return count == 1 || ((code & s_directions) && (code & t_directions));

@@ -58,7 +58,8 @@ VertexCounts count_triangles(const TangentTriangles& triangles, std::span<const 
     }
     if (n > 1) find_shared(vertices, count / 64 + 1, threads, result);
 
-    result.states = ScratchBuffer<std::uint8_t>(count);
+    result.states = ScratchBuffer<std::uint8_t>(count + VertexCounts::behind);
+    std::memset(result.states.data() + count, unused_vertex, VertexCounts::behind);
     result.bytes = ScratchBuffer<std::uint8_t>(count);
     result.slots = ScratchBuffer<Index>(count);
     Index* const met = result.slots.data();  // until slots are needed

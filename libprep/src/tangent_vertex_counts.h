@@ -38,7 +38,8 @@ struct VertexCounts {
     struct Range {
         std::size_t begin = 0, end = 0;  // triangles; parts no quad
     };
-    ScratchBuffer<std::uint8_t> states;
+    static constexpr std::size_t behind = 3;
+    ScratchBuffer<std::uint8_t> states;  // and some `behind` the last, to be read
     ScratchBuffer<std::uint8_t> bytes;   // VertexByte
     ScratchBuffer<std::uint32_t> slots;  // undefined so far: see tangent_adding.h
     std::size_t used = 0;                // vertices that have triangles

@@ -40,6 +40,10 @@ class Pool {
     VertexRing* rings() { return rings_.data(); }
     Index* free() { return free_.data(); }
     std::size_t& free_count() { return free_count_; }
+    RingBatch& batch() {
+        if (!batch_) batch_ = std::make_unique<RingBatch>();
+        return *batch_;
+    }
 
     // Makes that many slots free; false where there are too many.
     bool ensure(std::size_t wanted) { return free_count_ >= wanted || grow(wanted); }
@@ -70,7 +74,11 @@ class Pool {
     ScratchBuffer<VertexRing> rings_;
     ScratchBuffer<Index> free_;
     std::size_t free_count_ = 0;
+    std::unique_ptr<RingBatch> batch_;
 };
+
+// Lists may be written to up to a vector behind their end.
+constexpr std::size_t most_lanes = 16;
 
 struct RangeWork {
     Pool pool;
@@ -137,7 +145,7 @@ class Adder {
         const std::size_t trial_end = std::min(range.end, range.begin + trial);
         bool tried = range.end - range.begin < trial;
         std::uint8_t* const triangle_flags = terms_.triangle_flags.data();
-        std::vector<Index> done_vertices(ring_batch + 1);
+        std::vector<Index> done_vertices(ring_batch + most_lanes);
         std::size_t done = 0;
         const auto flush = [&] {
             finish(work.pool, {done_vertices.data(), done});
@@ -246,22 +254,39 @@ class Adder {
     // Up to ring_batch vertices that have met all their triangles: their slots become free.
     void finish(Pool& pool, std::span<const Index> vertices) {
         if (vertices.empty()) return;
-        Index slots[ring_batch];
-        std::uint8_t counts[ring_batch];
+        RingBatch& batch = pool.batch();
+        batch.count = vertices.size();
+        Index split[ring_batch];
+        std::size_t split_count = 0;
+        VertexSum* const sums = pool.sums();
+        Index* free = pool.free() + pool.free_count();
         for (std::size_t i = 0; i < vertices.size(); ++i) {
-            const std::uint8_t byte = bytes_[vertices[i]];
-            slots[i] = slots_[vertices[i]];
-            counts[i] = byte >= VertexByte::shared ? std::uint8_t(byte - VertexByte::shared)
-                                                   : VertexByte::met(byte);
-            if (counts[i] == 0) given_up_ = true;
+            const Index v = vertices[i], slot = slots_[v];
+            const std::uint8_t byte = bytes_[v];
+            const std::uint8_t members = byte >= VertexByte::shared
+                                             ? std::uint8_t(byte - VertexByte::shared)
+                                             : VertexByte::met(byte);
+            if (members == 0) {
+                given_up_ = true;
+                return;
+            }
+            VertexSum& sum = sums[slot];
+            batch.vertices[i] = v;
+            batch.stars[i] = {sum.x, sum.y, sum.z, 0};
+            batch.codes[i] = sum.split ? 0 : sum.code;
+            batch.members[i] = members;
+            batch.slots[i] = slot;
+            batch.normals[i] = sum.normal;
+            if (sum.split) split[split_count++] = Index(i);
+            sum = VertexSum();
+            *free++ = slot;
         }
-        if (given_up_) return;
-        fans_.make({pool.sums(), pool.rings(), {slots, vertices.size()}, counts, {}}, vertices,
-                   counts_.places, values_, counts_.states);
-        for (std::size_t i = 0; i < vertices.size(); ++i) {
-            if (counts_.states[vertices[i]] == split_vertex)
-                note_neighbours(pool.rings()[slots[i]], counts[i]);
-            pool.release(slots[i]);
+        pool.free_count() += vertices.size();
+        fans_.make(pool.rings(), batch, counts_.places, values_, counts_.states);
+        for (std::size_t k = 0; k < split_count; ++k) {
+            const Index i = split[k];
+            counts_.states[batch.vertices[i]] = split_vertex;
+            note_neighbours(pool.rings()[batch.slots[i]], batch.members[i]);
         }
     }
 
