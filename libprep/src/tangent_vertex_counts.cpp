@@ -16,6 +16,8 @@ constexpr std::size_t vertex_grain = 65536;
 constexpr std::size_t least_range = 32768;
 constexpr std::size_t most_ranges = 64;
 constexpr std::size_t ranges_per_thread = 4;
+constexpr unsigned most_counted = 255;
+constexpr std::size_t copied_at_once = 8192;  // corners: they stay in the first-level cache
 
 // Fills VertexCounts::shared.
 void find_shared(std::span<const Index> vertices, std::size_t words, int threads,
@@ -43,7 +45,7 @@ void find_shared(std::span<const Index> vertices, std::size_t words, int threads
 }  // namespace
 
 VertexCounts count_triangles(const TangentTriangles& triangles, std::span<const Index> vertices,
-                             std::size_t count, int threads) {
+                             std::size_t count, int threads, std::vector<Index>* copy) {
     VertexCounts result;
     const std::size_t most =
         threads == 1
@@ -62,36 +64,57 @@ VertexCounts count_triangles(const TangentTriangles& triangles, std::span<const 
     std::memset(result.states.data() + count, unused_vertex, VertexCounts::behind);
     result.bytes = ScratchBuffer<std::uint8_t>(count);
     result.slots = ScratchBuffer<Index>(count);
-    Index* const met = result.slots.data();  // until slots are needed
     const bool any_shared = n > 1;
     parallel_blocks(count, vertex_grain, threads, [&](std::size_t begin, std::size_t end) {
-        std::memset(met + begin, 0, (end - begin) * sizeof(Index));
+        std::memset(result.bytes.data() + begin, 0, end - begin);
     });
-    parallel_blocks(n, 1, threads, [&](std::size_t r, std::size_t) {
-        const Index* const last = vertices.data() + 3 * result.ranges[r].end;
+    std::atomic<std::size_t> uncounted = 0;  // beyond the most that a byte holds
+    const auto count_off = [&](const Index* first, const Index* last) {
+        std::uint8_t* const bytes = result.bytes.data();
         const std::uint64_t* const shared = result.shared.data();
-        for (const Index* i = vertices.data() + 3 * result.ranges[r].begin; i < last; ++i) {
-            const Index v = *i;
+        std::size_t beyond = 0;
+        for (; first < last; ++first) {
+            const Index v = *first;
             if (any_shared && (shared[v / 64] >> (v % 64) & 1)) continue;
-            ++met[v];
+            const unsigned so_far = bytes[v];
+            bytes[v] = std::uint8_t(so_far + (so_far != most_counted));
+            beyond += so_far == most_counted;
         }
-    });
+        if (beyond > 0) uncounted += beyond;
+    };
+    if (copy != nullptr) {
+        for (std::size_t i = 0; i < vertices.size(); i += copied_at_once) {
+            const auto part = vertices.subspan(i, std::min(copied_at_once, vertices.size() - i));
+            count_off(part.data(), part.data() + part.size());
+            copy->insert(copy->end(), part.begin(), part.end());
+        }
+    } else {
+        parallel_blocks(n, 1, threads, [&](std::size_t r, std::size_t) {
+            count_off(vertices.data() + 3 * result.ranges[r].begin,
+                      vertices.data() + 3 * result.ranges[r].end);
+        });
+    }
 
-    std::atomic<std::size_t> listed_corners = 0;
+    std::atomic<std::size_t> listed_corners = uncounted.load();
     std::vector<std::size_t> starts((count + vertex_grain - 1) / vertex_grain, 0);
     parallel_blocks(count, vertex_grain, threads, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t w = begin / 64; any_shared && w < (end + 63) / 64; ++w)
-            for (std::uint64_t rest = result.shared[w]; rest != 0; rest &= rest - 1)
-                met[64 * w + std::size_t(std::countr_zero(rest))] = VertexByte::shared;
-        std::size_t used = 0, listed = 0;
+        std::uint8_t* const bytes = result.bytes.data();
+        std::uint8_t* const states = result.states.data();
+        Index used = 0, listed = 0;
         for (std::size_t v = begin; v < end; ++v) {
-            const Index triangles_here = met[v];
-            used += triangles_here != 0;
-            result.states[v] = triangles_here == 0 ? unused_vertex : pending_vertex;
-            const bool shared = any_shared && (result.shared[v / 64] >> (v % 64) & 1);
-            const bool many = triangles_here > most_ring_members && !shared;
-            if (many) listed += triangles_here;
-            result.bytes[v] = many ? VertexByte::listed : std::uint8_t(triangles_here);
+            const std::uint8_t met = bytes[v];
+            used += met != 0;
+            listed += met > most_ring_members ? met : 0;
+            states[v] = met == 0 ? unused_vertex : pending_vertex;
+            bytes[v] = met > most_ring_members ? VertexByte::listed : met;
+        }
+        for (std::size_t w = begin / 64; any_shared && w < (end + 63) / 64; ++w) {
+            for (std::uint64_t rest = result.shared[w]; rest != 0; rest &= rest - 1) {
+                const std::size_t v = 64 * w + std::size_t(std::countr_zero(rest));
+                ++used;
+                states[v] = pending_vertex;
+                bytes[v] = VertexByte::shared;
+            }
         }
         listed_corners += listed;
         starts[begin / vertex_grain] = used;

@@ -50,10 +50,11 @@ struct VertexCounts {
     std::vector<std::uint64_t> shared;  // a bit per vertex; empty where there is one range
 };
 
-// vertices: three per triangle, below `count`. O(triangles); a bit per vertex and range, of which
+// vertices: three per triangle, below `count`. copy: one thread only, gets them while they are at
+// hand; or nullptr. O(triangles); a bit per vertex and range, of which
 // there are up to 64.
 VertexCounts count_triangles(const TangentTriangles& triangles,
                              std::span<const std::uint32_t> vertices, std::size_t count,
-                             int threads);
+                             int threads, std::vector<std::uint32_t>* copy);
 
 }  // namespace prep::detail

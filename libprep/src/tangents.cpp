@@ -93,12 +93,17 @@ class Run {
             in_, triangles_, shared_.lowest(in_, options_), options_.threads);
         detail::VertexCounts counts;
         bool fans_told = detail::opposites_only(options_.angular_threshold);
+        std::vector<Index>& indices = result_.tangents.indices;
+        indices.reserve(in_.corner_vertices.size());
+        detail::advise_large_pages(indices.data(), indices.capacity() * sizeof(Index));
+        const bool at_once = options_.threads == 1 && triangles_.implicit();
         detail::parallel_both(
             options_.threads,
             [&] {
                 if (fans_told)
-                    counts = detail::count_triangles(triangles_, stars.vertices, stars.positions,
-                                                     options_.threads);
+                    counts =
+                        detail::count_triangles(triangles_, stars.vertices, stars.positions,
+                                                options_.threads, at_once ? &indices : nullptr);
             },
             [&] { make_room(stars); });
         if (fans_told) {
@@ -135,13 +140,11 @@ class Run {
     // The result's memory, touched here rather than later because another thread has work then.
     void make_room(const detail::TangentStars& stars) {
         std::vector<Index>& indices = result_.tangents.indices;
-        indices.reserve(in_.corner_vertices.size());
-        detail::advise_large_pages(indices.data(), indices.capacity() * sizeof(Index));
         // Most vertices' values have the vertex' number.
-        if (triangles_.implicit())
-            indices.assign(stars.vertices.begin(), stars.vertices.end());
-        else
+        if (!triangles_.implicit())
             indices.assign(in_.corner_vertices.size(), no_index);
+        else if (indices.empty())
+            indices.assign(stars.vertices.begin(), stars.vertices.end());
         const std::size_t firsts = std::min(stars.positions, 3 * triangles_.count);
         std::vector<glm::vec4>& values = result_.tangents.values;
         // For as many seams as most meshes have, and a default.

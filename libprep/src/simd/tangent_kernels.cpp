@@ -134,9 +134,8 @@ HWY_INLINE F acos_rounded(F x) {
 HWY_INLINE F corner_cosine(const Vec3& n, const Vec3& to_previous, const Vec3& to_next) {
     const F cosine = dot(normalized_or_zero(off_normal(n, to_previous)),
                          normalized_or_zero(off_normal(n, to_next)));
-    const F one = set(1.0f), minus_one = set(-1.0f);
-    return hn::IfThenElse(hn::Gt(cosine, one), one,
-                          hn::IfThenElse(hn::Lt(cosine, minus_one), minus_one, cosine));
+    // The second operand where one is NaN.
+    return hn::Max(set(-1.0f), hn::Min(set(1.0f), cosine));
 }
 
 using Codes = hn::Vec<hn::RebindToUnsigned<Floats>>;
@@ -146,9 +145,9 @@ HWY_INLINE Codes bits_where(Mask m, std::uint32_t bits) {
     return hn::IfThenElseZero(hn::RebindMask(du, m), hn::Set(du, bits));
 }
 
-HWY_INLINE Codes directions(const Vec3& v, std::uint32_t first_bit) {
+HWY_INLINE Codes directions(const Vec3& v, std::uint32_t first_bit, float least = direction_bound) {
     Codes bits = hn::Zero(hn::RebindToUnsigned<Floats>());
-    const F components[3] = {v.x, v.y, v.z}, bound = set(direction_bound);
+    const F components[3] = {v.x, v.y, v.z}, bound = set(least);
     for (int k = 0; k < 3; ++k) {
         bits = hn::Or(bits, bits_where(hn::Gt(components[k], bound), first_bit << k));
         bits =
@@ -165,9 +164,17 @@ HWY_INLINE Mask equal(const Vec3& a, const Vec3& b) {
 // work on several vectors at once: all of a corner at a stretch is one long chain.
 struct Between {
     HWY_ALIGN float s[3][TermBlock::size], t[3][TermBlock::size];
-    HWY_ALIGN float angles[3][TermBlock::size];
     HWY_ALIGN std::uint32_t flags[TermBlock::size];
+    // And with bits of directions that S and T have on any plane off which they are by no more than
+    // most_off_plane.
+    HWY_ALIGN std::uint32_t told[TermBlock::size];
+    // By corner: the angle's cosine, S on the plane of the normal, the code.
+    HWY_ALIGN float cosines[3][TermBlock::size];
+    HWY_ALIGN float on_s[3][3][TermBlock::size];
+    HWY_ALIGN std::uint32_t codes[3][TermBlock::size];
 };
+constexpr float most_off_plane = 0.2f;
+constexpr float safe_bound = direction_bound + 1.01f * most_off_plane;
 
 HWY_INLINE Vec3 load3(const float (*from)[TermBlock::size], std::size_t i) {
     const Floats d;
@@ -210,12 +217,14 @@ HWY_INLINE void make_frames(const TermBlock& block, std::size_t count, Between& 
         const Mask s_set = not_zero(s_length), t_set = not_zero(t_length);
         const F s_scale = hn::Div(sign, s_length), t_scale = hn::Div(sign, t_length);
         const Vec3 long_s = scaled(s_scale, raw_s), long_t = scaled(t_scale, raw_t);
-        store3({hn::IfThenElseZero(s_set, long_s.x), hn::IfThenElseZero(s_set, long_s.y),
-                hn::IfThenElseZero(s_set, long_s.z)},
-               between.s, i);
-        store3({hn::IfThenElseZero(t_set, long_t.x), hn::IfThenElseZero(t_set, long_t.y),
-                hn::IfThenElseZero(t_set, long_t.z)},
-               between.t, i);
+        const Vec3 unit_s = {hn::IfThenElseZero(s_set, long_s.x),
+                             hn::IfThenElseZero(s_set, long_s.y),
+                             hn::IfThenElseZero(s_set, long_s.z)};
+        const Vec3 unit_t = {hn::IfThenElseZero(t_set, long_t.x),
+                             hn::IfThenElseZero(t_set, long_t.y),
+                             hn::IfThenElseZero(t_set, long_t.z)};
+        store3(unit_s, between.s, i);
+        store3(unit_t, between.t, i);
         // Both magnitudes, length / |area2|, are far from zero but for extreme triangles.
         const F least =
             hn::Mul(set(4 * std::numeric_limits<float>::min()), hn::Max(magnitude, set(1.0f)));
@@ -235,6 +244,9 @@ HWY_INLINE void make_frames(const TermBlock& block, std::size_t count, Between& 
                                   hn::Set(du, std::uint32_t(code_float | group_with_anything))));
         flags = hn::Or(flags, bits_where(degenerate, degenerate_triangle));
         hn::Store(flags, du, between.flags + i);
+        const Codes told =
+            hn::Or(directions(unit_s, 1, safe_bound), directions(unit_t, 1u << 6, safe_bound));
+        hn::Store(hn::Or(flags, told), du, between.told + i);
         result.counts.degenerate += hn::CountTrue(df, hn::And(inside, degenerate));
         result.counts.anything +=
             hn::CountTrue(df, hn::And(inside, hn::AndNot(degenerate, hn::Not(healthy))));
@@ -247,67 +259,75 @@ HWY_INLINE void make_frames(const TermBlock& block, std::size_t count, Between& 
     result.counts.nan |= !hn::AllFalse(df, nan);
 }
 
-HWY_INLINE void make_cosines(const TermBlock& block, std::size_t count, Between& between) {
-    for (std::size_t k = 0; k < 3; ++k) {
-        for (std::size_t i = 0; i < count; i += hn::Lanes(Floats())) {
-            const Vec3 p = load3(block.p[k], i);
-            const Vec3 to_previous = operator_sub(load3(block.p[(k + 2) % 3], i), p);
-            const Vec3 to_next = operator_sub(load3(block.p[(k + 1) % 3], i), p);
-            hn::Store(corner_cosine(load3(block.n[k], i), to_previous, to_next), Floats(),
-                      between.angles[k] + i);
-        }
-    }
-}
-
-HWY_INLINE void make_angles(std::size_t count, Between& between, TermBlockResult& result) {
-    const Floats df;
-    Mask nan = hn::MaskFromVec(zero());
-    for (std::size_t k = 0; k < 3; ++k) {
-        float* const angles = between.angles[k];
-        for (std::size_t i = 0; i < count; i += hn::Lanes(df)) {
-            const F angle = acos_rounded(hn::Load(df, angles + i));
-            hn::Store(angle, df, angles + i);
-            nan = hn::Or(nan, hn::And(hn::FirstN(df, count - i), hn::IsNaN(angle)));
-        }
-    }
-    result.counts.nan |= !hn::AllFalse(df, nan);
-}
-
-HWY_INLINE void make_terms(const TermBlock& block, const Between& between, std::size_t count,
-                           bool check_unit, CornerTerm* const planes[3], TermBlockResult& result) {
+// All that needs quotients and roots, so that other work can be done while they take their time.
+HWY_INLINE void make_corners(const TermBlock& block, std::size_t count, bool check_unit,
+                             Between& between, TermBlockResult& result) {
     const Floats df;
     const hn::RebindToUnsigned<Floats> du;
     const F minus_zero = set(-0.0f);
-    Mask far_from_unit = hn::MaskFromVec(zero());
+    Mask far_from_unit = hn::MaskFromVec(zero()), nan = far_from_unit;
     for (std::size_t k = 0; k < 3; ++k) {
         for (std::size_t i = 0; i < count; i += hn::Lanes(df)) {
+            const Mask inside = hn::FirstN(df, count - i);
+            const Vec3 n = load3(block.n[k], i), p = load3(block.p[k], i);
+            const Vec3 to_previous = operator_sub(load3(block.p[(k + 2) % 3], i), p);
+            const Vec3 to_next = operator_sub(load3(block.p[(k + 1) % 3], i), p);
+            const F cosine = corner_cosine(n, to_previous, to_next);
+            nan = hn::Or(nan, hn::And(inside, hn::IsNaN(cosine)));
+
             const Codes flags = hn::Load(du, between.flags + i);
             const Mask adds = hn::RebindMask(
                 df,
                 hn::Eq(hn::And(flags, hn::Set(du, std::uint32_t(own_frame | degenerate_triangle))),
                        hn::Set(du, std::uint32_t(own_frame))));
-            const Vec3 n = load3(block.n[k], i);
             const F off = hn::Abs(hn::Sub(dot(n, n), set(1.0f)));
             const Mask unit = hn::Le(off, set(most_off_unit));
-            if (check_unit)
-                far_from_unit = hn::Or(far_from_unit, hn::AndNot(unit, hn::FirstN(df, count - i)));
-            const Vec3 on_s = off_normal(n, load3(between.s, i));
-            const Vec3 weighted =
-                scaled(hn::Load(df, between.angles[k] + i), normalized_or_zero(on_s));
+            if (check_unit) far_from_unit = hn::Or(far_from_unit, hn::AndNot(unit, inside));
+            const Vec3 s = load3(between.s, i), t = load3(between.t, i);
+            const F off_s = dot(n, s), off_t = dot(n, t);
+            const Vec3 on_plane = operator_sub(s, scaled(off_s, n));
+            const Vec3 on_s = normalized_or_zero(on_plane);
+            const F most_off = set(most_off_plane);
+            const Mask near =
+                hn::And(hn::Le(hn::Abs(off_s), most_off), hn::Le(hn::Abs(off_t), most_off));
+            if (HWY_LIKELY(hn::AllTrue(df, hn::And(adds, hn::And(unit, near))))) {
+                hn::Store(cosine, df, between.cosines[k] + i);
+                store3(on_s, between.on_s[k], i);
+                hn::Store(hn::Load(du, between.told + i), du, between.codes[k] + i);
+                continue;
+            }
+            // The angle becomes 0, and 0 times −0 is −0.
+            hn::Store(hn::IfThenElse(adds, cosine, set(1.0f)), df, between.cosines[k] + i);
+            store3(
+                {hn::IfThenElse(adds, on_s.x, minus_zero), hn::IfThenElse(adds, on_s.y, minus_zero),
+                 hn::IfThenElse(adds, on_s.z, minus_zero)},
+                between.on_s[k], i);
+            const Vec3 on_t = operator_sub(t, scaled(off_t, n));
             const Codes told =
                 hn::IfThenElseZero(hn::RebindMask(du, unit),
-                                   hn::Or(directions(on_s, 1),
-                                          directions(off_normal(n, load3(between.t, i)), 1u << 6)));
-            const Codes code = hn::Or(
-                flags, hn::IfThenElse(hn::RebindMask(du, adds), told,
-                                      hn::Set(du, std::uint32_t(s_directions | t_directions))));
-            hn::StoreInterleaved4(hn::IfThenElse(adds, weighted.x, minus_zero),
-                                  hn::IfThenElse(adds, weighted.y, minus_zero),
-                                  hn::IfThenElse(adds, weighted.z, minus_zero),
-                                  hn::BitCast(df, code), df, &planes[k][i].x);
+                                   hn::Or(directions(on_plane, 1), directions(on_t, 1u << 6)));
+            const Codes code =
+                hn::IfThenElse(hn::RebindMask(du, adds), told,
+                               hn::Set(du, std::uint32_t(s_directions | t_directions)));
+            hn::Store(hn::Or(flags, code), du, between.codes[k] + i);
         }
     }
     result.far_from_unit = !hn::AllFalse(df, far_from_unit);
+    result.counts.nan |= !hn::AllFalse(df, nan);
+}
+
+HWY_INLINE void make_terms(const Between& between, std::size_t count, CornerTerm* const planes[3]) {
+    const Floats df;
+    const hn::RebindToUnsigned<Floats> du;
+    for (std::size_t k = 0; k < 3; ++k) {
+        for (std::size_t i = 0; i < count; i += hn::Lanes(df)) {
+            const F angle = acos_rounded(hn::Load(df, between.cosines[k] + i));
+            const Vec3 term = scaled(angle, load3(between.on_s[k], i));
+            hn::StoreInterleaved4(term.x, term.y, term.z,
+                                  hn::BitCast(df, hn::Load(du, between.codes[k] + i)), df,
+                                  &planes[k][i].x);
+        }
+    }
 }
 
 TermBlockResult terms(const TermBlock& block, std::size_t count, bool check_unit,
@@ -315,9 +335,8 @@ TermBlockResult terms(const TermBlock& block, std::size_t count, bool check_unit
     TermBlockResult result;
     Between between;
     make_frames(block, count, between, result);
-    make_cosines(block, count, between);
-    make_angles(count, between, result);
-    make_terms(block, between, count, check_unit, planes, result);
+    make_corners(block, count, check_unit, between, result);
+    make_terms(between, count, planes);
     return result;
 }
 
