@@ -260,6 +260,19 @@ class StarWorker {
 
     // Every group of groups_, then the averages of quads.
     void evaluate_groups(Star star) {
+        frames_.clear();
+        star_values_.clear();
+        const auto first = [](Index group) { return group == 0; };
+        if (std::all_of(groups_.begin(), groups_.end(), first)) {
+            evaluate_group(star, members_values_);
+        } else {
+            evaluate_each_group(star);
+        }
+        if (triangles_.any_quad && frames_.size() > 1) average_quads(star);
+        keep_values(star);
+    }
+
+    void evaluate_each_group(Star star) {
         order_.clear();
         for (Index i = 0; i < star.size(); ++i) {
             if (groups_[i] != no_index)
@@ -270,35 +283,38 @@ class StarWorker {
         const auto earlier = [&](Index a, Index b) { return groups_[a] < groups_[b]; };
         if (!std::is_sorted(order_.begin(), order_.end(), earlier))
             std::stable_sort(order_.begin(), order_.end(), earlier);
-        frames_.clear();
-        star_values_.clear();
         members_values_.assign(star.size(), no_index);
         for (std::size_t i = 0; i < order_.size();) {
             const Index group = groups_[order_[i]];
             const std::size_t first = i;
             members_.clear();
-            float sign = -1.0f;
-            for (; i < order_.size() && groups_[order_[i]] == group; ++i) {
-                const Index m = star[order_[i]];
-                members_.push_back(m);
-                // Triangles that group with anything have the orientation of those that do not.
-                const std::uint32_t flags = terms_.flags(m >> 2);
-                if (!(flags & group_with_anything) && (flags & orientation_preserving)) sign = 1.0f;
-            }
-            const std::size_t known = frames_.size();
-            if (const auto sum = sum_of_terms(members_)) {
-                frames_.push_back({*sum, glm::vec3(0.0f), 0, 0});
-                results_.assign(members_.size(), Index(known));
-            } else {
-                subgroups_.evaluate(members_, frames_, results_);
-            }
-            for (std::size_t f = known; f < frames_.size(); ++f)
-                star_values_.push_back({frames_[f].s, sign * options_.positive});
+            for (; i < order_.size() && groups_[order_[i]] == group; ++i)
+                members_.push_back(star[order_[i]]);
+            evaluate_group(members_, results_);
             for (std::size_t k = first; k < i; ++k)
                 members_values_[order_[k]] = results_[k - first];
         }
-        if (triangles_.any_quad && frames_.size() > 1) average_quads(star);
-        keep_values(star);
+    }
+
+    // Adds the frames of one group; results: which one each member has.
+    void evaluate_group(Star members, std::vector<Index>& results) {
+        float sign = -1.0f;
+        for (const Index m : members) {
+            // Triangles that group with anything have the orientation of those that do not.
+            const std::uint32_t flags = terms_.flags(m >> 2);
+            if (flags & group_with_anything) continue;
+            if (flags & orientation_preserving) sign = 1.0f;
+            break;
+        }
+        const std::size_t known = frames_.size();
+        if (const auto sum = sum_of_terms(members)) {
+            frames_.push_back({*sum, glm::vec3(0.0f), 0, 0});
+            results.assign(members.size(), Index(known));
+        } else {
+            subgroups_.evaluate(members, frames_, results);
+        }
+        for (std::size_t f = known; f < frames_.size(); ++f)
+            star_values_.push_back({frames_[f].s, sign * options_.positive});
     }
 
     // The star's first value goes to its position's place, the others behind those of all.

@@ -1,5 +1,6 @@
 #include "tangent_listing.h"
 
+#include <algorithm>
 #include <atomic>
 
 #include "parallel.h"
@@ -42,42 +43,44 @@ ListedCorners place_corners(const TangentTriangles& triangles, const Terms& term
     const bool any_degenerate = terms.counts.degenerate > 0;
     std::atomic<bool> any = false;
     const bool plain = !states.empty() && !any_degenerate && places.empty();
-    constexpr std::size_t most_lanes = 16;
+    constexpr std::size_t most_lanes = 16, most_pause = 256;
     const FanSearch search = states.size() >> 31 == 0 ? fan_search() : nullptr;
-    parallel_blocks(triangles.count, triangle_grain, threads,
-                    [&](std::size_t begin, std::size_t end) {
-                        std::vector<Index>& list = result.lists[begin / triangle_grain];
-                        const std::uint8_t* const state = states.data();
-                        std::size_t next_search = begin;
-                        for (std::size_t t = begin; t < end; ++t) {
-                            if (plain && search != nullptr && t >= next_search) {
-                                t += search(state, vertices.data() + 3 * t, end - t);
-                                next_search = t + most_lanes;
-                                if (t == end) break;
-                            }
-                            const Index* const v = vertices.data() + 3 * t;
-                            Index* const values = corner_values.data() + 3 * t;
-                            if (plain && (state[v[0]] | state[v[1]] | state[v[2]]) == fan_vertex)
-                                continue;
-                            if (any_degenerate && (terms.flags(t) & degenerate_triangle)) {
-                                values[0] = values[1] = values[2] = no_index;
-                                continue;
-                            }
-                            if (!places.empty())
-                                for (std::size_t k = 0; k < 3; ++k) values[k] = places[v[k]];
-                            const auto listed = [&](std::size_t k) -> unsigned {
-                                return states.empty() || needs_list(states[v[k]]);
-                            };
-                            if (!(listed(0) | listed(1) | listed(2))) continue;
-                            result.triangles[t / 64] |= std::uint64_t(1) << (t % 64);
-                            for (std::size_t k = 0; k < 3; ++k) {
-                                if (!listed(k)) continue;
-                                values[k] = no_index;
-                                list.push_back(Index(4 * t + k));
-                            }
-                        }
-                        if (!list.empty()) any = true;
-                    });
+    parallel_blocks(
+        triangles.count, triangle_grain, threads, [&](std::size_t begin, std::size_t end) {
+            std::vector<Index>& list = result.lists[begin / triangle_grain];
+            const std::uint8_t* const state = states.data();
+            std::size_t next_search = begin, pause = most_lanes;
+            for (std::size_t t = begin; t < end; ++t) {
+                if (plain && search != nullptr && t >= next_search) {
+                    const std::size_t fans = search(state, vertices.data() + 3 * t, end - t);
+                    t += fans;
+                    // Where there are none, rather not the next time, either.
+                    pause = fans > 0 ? most_lanes : std::min(2 * pause, most_pause);
+                    next_search = t + pause;
+                    if (t == end) break;
+                }
+                const Index* const v = vertices.data() + 3 * t;
+                Index* const values = corner_values.data() + 3 * t;
+                if (plain && (state[v[0]] | state[v[1]] | state[v[2]]) == fan_vertex) continue;
+                if (any_degenerate && (terms.flags(t) & degenerate_triangle)) {
+                    values[0] = values[1] = values[2] = no_index;
+                    continue;
+                }
+                if (!places.empty())
+                    for (std::size_t k = 0; k < 3; ++k) values[k] = places[v[k]];
+                const auto listed = [&](std::size_t k) -> unsigned {
+                    return states.empty() || needs_list(states[v[k]]);
+                };
+                if (!(listed(0) | listed(1) | listed(2))) continue;
+                result.triangles[t / 64] |= std::uint64_t(1) << (t % 64);
+                for (std::size_t k = 0; k < 3; ++k) {
+                    if (!listed(k)) continue;
+                    values[k] = no_index;
+                    list.push_back(Index(4 * t + k));
+                }
+            }
+            if (!list.empty()) any = true;
+        });
     result.any = any;
     return result;
 }

@@ -178,6 +178,18 @@ void list_members(const TangentInput& in, const TangentTriangles& triangles,
         const std::uint64_t below = (std::uint64_t(1) << (v % 64)) - 1;
         return before[v / 64] + std::size_t(std::popcount(bits[v / 64] & below));
     };
+    // Of members that follow one another many may be of one position: calls body(position's
+    // number, first, last) for those of each list.
+    const bool large = count > std::size_t{16} * stars.count;
+    const auto for_runs = [&](const std::vector<Index>& list, const auto& body) {
+        for (auto first = list.begin(); first != list.end();) {
+            const Index v = position(*first);
+            auto last = first + 1;
+            while (large && last != list.end() && position(*last) == v) ++last;
+            body(number(*first), first, last);
+            first = last;
+        }
+    };
     stars.listed = ScratchBuffer<Index>(stars.count);
     Index* next_listed = stars.listed.data();
     for (std::size_t w = 0; w < words; ++w)
@@ -199,11 +211,10 @@ void list_members(const TangentInput& in, const TangentTriangles& triangles,
     // ends after that.
     std::memset(offsets, 0, stars.offsets.size() * sizeof(Index));
     for (const auto& list : lists) {
-        for (const Index m : list) {
-            const std::size_t i = number(m);
-            ++offsets[i + 2];
-            uses[i] = use(m);
-        }
+        for_runs(list, [&](std::size_t i, auto first, auto last) {
+            offsets[i + 2] += Index(last - first);
+            uses[i] = use(*(last - 1));
+        });
     }
     for (std::size_t i = 0; i < stars.count; ++i) offsets[i + 2] += offsets[i + 1];
 
@@ -213,14 +224,18 @@ void list_members(const TangentInput& in, const TangentTriangles& triangles,
     std::memset(split, 0, stars.count);
     bool any = false;
     for (const auto& list : lists) {
-        for (const Index m : list) {
-            const std::size_t i = number(m);
-            members[offsets[i + 1]++] = m;
-            if (uses[i] != use(m)) {
-                split[i] = 1;
-                any = true;
+        for_runs(list, [&](std::size_t i, auto first, auto last) {
+            Index* to = members + offsets[i + 1];
+            offsets[i + 1] += Index(last - first);
+            const std::uint64_t known = uses[i];
+            for (; first != last; ++first) {
+                *to++ = *first;
+                if (known != use(*first)) {
+                    split[i] = 1;
+                    any = true;
+                }
             }
-        }
+        });
     }
     stars.any_split = any;
 }

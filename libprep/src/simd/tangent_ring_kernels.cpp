@@ -103,11 +103,14 @@ HWY_INLINE void tell_fans(const VertexRing* rings, const Index* slots, Index* li
     fill(count);
     std::size_t rest = 0;  // those not closed, kept at the list's beginning
     for (std::size_t i = 0; i < count; i += lanes) {
-        const auto closed = are_closed<K>(members_of<K>(rings, slots, list + i));
+        const Members<K> members = members_of<K>(rings, slots, list + i);
+        auto closed = are_closed<K>(members);
+        // Few members are mostly at borders.
+        if constexpr (K <= 3) closed = hn::Or(closed, are_open<K>(members));
         hn::Store(hn::VecFromMask(d, closed), d, told);
         const std::size_t used = std::min(lanes, count - i);
         for (std::size_t k = 0; k < used; ++k) fans[list[i + k]] = told[k];
-        if (HWY_LIKELY(hn::AllTrue(d, closed))) continue;
+        if (K <= 3 || HWY_LIKELY(hn::AllTrue(d, closed))) continue;
         for (std::size_t k = 0; k < used; ++k) {
             list[rest] = list[i + k];
             rest += told[k] == 0;
