@@ -34,7 +34,9 @@ bool takes_proxies(const OIIO::ImageOutput& output, const std::string& ending) {
     return output.supports("ioproxy") && ending != ".tif" && ending != ".tiff";
 }
 
-void set_date(OIIO::ImageSpec& spec, const std::string& ending) {
+void set_options(OIIO::ImageSpec& spec, const std::string& ending) {
+    // Half the time of zlib's level 6 for a tenth more bytes.
+    spec.attribute("png:compressionLevel", 4);
     for (const char* dated : {".exr", ".tif", ".tiff", ".dpx"})
         if (ending == dated) spec.attribute("DateTime", "1970:01:01 00:00:00");
 }

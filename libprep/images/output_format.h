@@ -20,7 +20,8 @@ Result<std::unique_ptr<OIIO::ImageOutput>> output_for(const std::filesystem::pat
 // gets it wrong (OpenImageIO 2.4); it checks its files itself.
 bool takes_proxies(const OIIO::ImageOutput& output, const std::string& ending);
 
-// Formats that note when a file was written get one date for all: the same picture, the same bytes.
-void set_date(OIIO::ImageSpec& spec, const std::string& ending);
+// How hard to compress; and formats that note when a file was written get one date for all: the
+// same picture, the same bytes.
+void set_options(OIIO::ImageSpec& spec, const std::string& ending);
 
 }  // namespace prep::detail

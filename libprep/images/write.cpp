@@ -45,7 +45,7 @@ oiio::ImageSpec spec_of(const Image& image, PixelType type, const std::string& e
     oiio::ImageSpec spec(int(image.width), int(image.height), int(image.channels), type_of(type));
     spec.attribute("oiio:ColorSpace", image.srgb ? "sRGB" : "Linear");
     spec.attribute("oiio:UnassociatedAlpha", 1);
-    detail::set_date(spec, ending);
+    detail::set_options(spec, ending);
     return spec;
 }
 

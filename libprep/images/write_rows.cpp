@@ -95,7 +95,7 @@ oiio::ImageSpec spec_of(const ImageLayout& layout, const std::string& ending) {
         spec.channelformats.push_back(integer ? oiio::TypeDesc::UINT32 : oiio::TypeDesc::FLOAT);
     spec.attribute("oiio:ColorSpace", layout.srgb ? "sRGB" : "Linear");
     spec.attribute("oiio:UnassociatedAlpha", 1);
-    set_date(spec, ending);
+    set_options(spec, ending);
     return spec;
 }
 

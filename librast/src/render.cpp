@@ -5,6 +5,7 @@
 
 #include "color.h"
 #include "painter.h"
+#include "parallel.h"
 
 namespace rast {
 namespace {
@@ -72,12 +73,16 @@ prep::Image to_srgb(const Frame& frame, const ToneOptions& options) {
     image.channels = 3;
     image.srgb = true;
     image.pixels.resize(frame.color.size() * 3);
-    for (std::size_t i = 0; i < frame.color.size(); ++i)
-        for (int k = 0; k < 3; ++k) {
-            float x = frame.color[i][k] * options.exposure;
-            if (options.tone_map && x > 0) x = x / (1 + x);
-            image.pixels[3 * i + k] = linear_to_srgb(x);
-        }
+    constexpr std::size_t grain = 16384;
+    prep::detail::parallel_blocks(
+        frame.color.size(), grain, options.threads, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i)
+                for (int k = 0; k < 3; ++k) {
+                    float x = frame.color[i][k] * options.exposure;
+                    if (options.tone_map && x > 0) x = x / (1 + x);
+                    image.pixels[3 * i + std::size_t(k)] = linear_to_srgb(x);
+                }
+        });
     return image;
 }
 

@@ -275,6 +275,7 @@ Result<Json> render_file(const RenderCommand& command, Console& console) {
 
     OutputOptions outputs;
     outputs.buffers = command.buffers;
+    outputs.tone.threads = common.threads;
     outputs.tone.exposure =
         command.exposure.value_or(static_cast<float>(loaded->picture.exposure.value_or(1.0)));
     outputs.tone.tone_map =

@@ -194,6 +194,7 @@ class SceneRenderer {
 struct ToneOptions {
     bool tone_map = false;
     float exposure = 1;
+    int threads = 0;  // 0: all cores; the picture does not depend on it
 };
 prep::Image to_srgb(const Frame& frame, const ToneOptions& options = {});
 
