@@ -4,6 +4,7 @@
 #include <atomic>
 #include <bit>
 #include <cstring>
+#include <type_traits>
 
 #include "parallel.h"
 
@@ -42,6 +43,29 @@ void find_shared(std::span<const Index> vertices, std::size_t words, int threads
     });
 }
 
+struct Counted {
+    std::size_t corners = 0, beyond = 0;  // beyond the most that a byte holds
+};
+
+// What is beyond stays uncounted where `saturating`, else bytes begin anew.
+template <bool any_shared, bool saturating>
+Counted count_off(const Index* first, const Index* last, std::uint8_t* bytes,
+                  const std::uint64_t* shared) {
+    Counted counted;
+    if (!any_shared) counted.corners = std::size_t(last - first);
+    for (; first < last; ++first) {
+        const Index v = *first;
+        if (any_shared && (shared[v / 64] >> (v % 64) & 1)) continue;
+        if (any_shared) ++counted.corners;
+        if (saturating && bytes[v] == most_counted) {
+            ++counted.beyond;
+            continue;
+        }
+        ++bytes[v];
+    }
+    return counted;
+}
+
 }  // namespace
 
 VertexCounts count_triangles(const TangentTriangles& triangles, std::span<const Index> vertices,
@@ -65,37 +89,47 @@ VertexCounts count_triangles(const TangentTriangles& triangles, std::span<const 
     result.bytes = ScratchBuffer<std::uint8_t>(count);
     result.slots = ScratchBuffer<Index>(count);
     const bool any_shared = n > 1;
-    parallel_blocks(count, vertex_grain, threads, [&](std::size_t begin, std::size_t end) {
-        std::memset(result.bytes.data() + begin, 0, end - begin);
-    });
-    std::atomic<std::size_t> uncounted = 0;  // beyond the most that a byte holds
-    const auto count_off = [&](const Index* first, const Index* last) {
-        std::uint8_t* const bytes = result.bytes.data();
-        const std::uint64_t* const shared = result.shared.data();
-        std::size_t beyond = 0;
-        for (; first < last; ++first) {
-            const Index v = *first;
-            if (any_shared && (shared[v / 64] >> (v % 64) & 1)) continue;
-            const unsigned so_far = bytes[v];
-            bytes[v] = std::uint8_t(so_far + (so_far != most_counted));
-            beyond += so_far == most_counted;
-        }
-        if (beyond > 0) uncounted += beyond;
-    };
-    if (copy != nullptr) {
-        for (std::size_t i = 0; i < vertices.size(); i += copied_at_once) {
-            const auto part = vertices.subspan(i, std::min(copied_at_once, vertices.size() - i));
-            count_off(part.data(), part.data() + part.size());
-            copy->insert(copy->end(), part.begin(), part.end());
-        }
-    } else {
-        parallel_blocks(n, 1, threads, [&](std::size_t r, std::size_t) {
-            count_off(vertices.data() + 3 * result.ranges[r].begin,
-                      vertices.data() + 3 * result.ranges[r].end);
+    std::atomic<std::size_t> corners = 0, beyond = 0;
+    const auto count_all = [&](auto saturating, std::vector<Index>* to) {
+        corners = beyond = 0;
+        parallel_blocks(count, vertex_grain, threads, [&](std::size_t begin, std::size_t end) {
+            std::memset(result.bytes.data() + begin, 0, end - begin);
         });
-    }
+        const auto count_part = [&](const Index* first, const Index* last) {
+            constexpr bool saturate = decltype(saturating)::value;
+            std::uint8_t* const bytes = result.bytes.data();
+            const Counted counted =
+                any_shared ? count_off<true, saturate>(first, last, bytes, result.shared.data())
+                           : count_off<false, saturate>(first, last, bytes, nullptr);
+            corners += counted.corners;
+            beyond += counted.beyond;
+        };
+        if (to != nullptr) {
+            for (std::size_t i = 0; i < vertices.size(); i += copied_at_once) {
+                const auto part =
+                    vertices.subspan(i, std::min(copied_at_once, vertices.size() - i));
+                count_part(part.data(), part.data() + part.size());
+                to->insert(to->end(), part.begin(), part.end());
+            }
+        } else {
+            parallel_blocks(n, 1, threads, [&](std::size_t r, std::size_t) {
+                count_part(vertices.data() + 3 * result.ranges[r].begin,
+                           vertices.data() + 3 * result.ranges[r].end);
+            });
+        }
+    };
+    count_all(std::false_type(), copy);
+    std::atomic<std::size_t> in_bytes = 0;
+    parallel_blocks(count, vertex_grain, threads, [&](std::size_t begin, std::size_t end) {
+        const std::uint8_t* const bytes = result.bytes.data();
+        Index sum = 0;
+        for (std::size_t v = begin; v < end; ++v) sum += bytes[v];
+        in_bytes += sum;
+    });
+    // A byte that began anew has lost 256.
+    if (in_bytes != corners) count_all(std::true_type(), nullptr);
 
-    std::atomic<std::size_t> listed_corners = uncounted.load();
+    std::atomic<std::size_t> listed_corners = beyond.load();
     std::vector<std::size_t> starts((count + vertex_grain - 1) / vertex_grain, 0);
     parallel_blocks(count, vertex_grain, threads, [&](std::size_t begin, std::size_t end) {
         std::uint8_t* const bytes = result.bytes.data();
