@@ -22,10 +22,12 @@ struct alignas(32) VertexSum {
     std::uint32_t padding = 0;
 };
 
-// The vertices before and behind a vertex in its triangles, in the order of the triangles;
+// The vertices behind and before a vertex in its triangles, in the order of the triangles;
 // undefined behind the last, and of larger stars.
 struct alignas(64) VertexRing {
-    std::uint32_t previous[most_ring_members], next[most_ring_members];
+    struct {
+        std::uint32_t next, previous;
+    } members[most_ring_members];
 };
 
 // A vertex' sum; behind, unit where it is not zero.
@@ -78,7 +80,8 @@ inline bool is_one_fan(const VertexRing& ring, std::size_t count) {
     for (std::uint32_t i = 0; i < count; ++i) {
         std::uint32_t found = most_ring_members;
         for (std::uint32_t j = 0; j < count; ++j)
-            if (ring.previous[j] == ring.next[i]) found = found == most_ring_members ? j : 100;
+            if (ring.members[j].previous == ring.members[i].next)
+                found = found == most_ring_members ? j : 100;
         if (found == 100) return false;
         if (found == most_ring_members) {
             if (last != most_ring_members) return false;  // a second open end

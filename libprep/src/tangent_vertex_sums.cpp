@@ -298,8 +298,8 @@ class Adder {
         }
         const std::lock_guard lock(noting_);
         for (std::size_t i = 0; i < count; ++i) {
-            split_neighbours_.push_back(ring.previous[i]);
-            split_neighbours_.push_back(ring.next[i]);
+            split_neighbours_.push_back(ring.members[i].previous);
+            split_neighbours_.push_back(ring.members[i].next);
         }
     }
 

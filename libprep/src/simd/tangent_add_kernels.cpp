@@ -23,9 +23,19 @@ HWY_INLINE hn::Mask<Four> numbers() {
 }
 
 struct Corner {
-    Index previous, next;  // vertices
-    Index normal, uv;      // indices
+    std::uint64_t next_previous;  // vertices, as VertexRing has them
+    Index normal, uv;             // indices
 };
+
+HWY_INLINE std::uint64_t two(const Index* vertices) {
+    std::uint64_t pair;
+    std::memcpy(&pair, vertices, sizeof pair);
+    return pair;
+}
+HWY_INLINE std::uint64_t two(Index first, Index second) {
+    const Index pair[2] = {first, second};
+    return two(pair);
+}
 
 // True where normal or UV are not the first corner's.
 HWY_INLINE bool add_to(const Corner& corner, const CornerTerm& term, hn::Mask<Four> is_number,
@@ -39,8 +49,8 @@ HWY_INLINE bool add_to(const Corner& corner, const CornerTerm& term, hn::Mask<Fo
     std::memcpy(&first, &sum.normal, sizeof first);
     first = met == 0 ? own : first;
     std::memcpy(&sum.normal, &first, sizeof first);
-    ring.previous[met % most_ring_members] = corner.previous;
-    ring.next[met % most_ring_members] = corner.next;
+    std::memcpy(&ring.members[met % most_ring_members], &corner.next_previous,
+                sizeof corner.next_previous);
     return own != first;
 }
 
@@ -143,21 +153,21 @@ HWY_INLINE void add_all(const AddInput& in, std::size_t first, std::size_t count
     const Index* const corners = own_corners ? in.corners + 3 * first : nullptr;
     const CornerTerm *const term0 = planes[0], *const term1 = planes[1], *const term2 = planes[2];
     for (std::size_t i = 0; i < count; ++i) {
-        const Index v0 = vertices[3 * i], v1 = vertices[3 * i + 1], v2 = vertices[3 * i + 2];
-        const auto add = [&](std::size_t k, Index previous, Index next,
+        const Index* const v = vertices + 3 * i;
+        const auto add = [&](std::size_t k, std::uint64_t next_previous,
                              const CornerTerm& term) HWY_ATTR {
             const std::size_t at = 3 * i + k, c = own_corners ? corners[at] : 3 * first + at;
             const Index found = met.corners[at];
             if (HWY_UNLIKELY(found == Met::none)) return;
             const Index slot = found >> 8;
-            if (HWY_UNLIKELY(add_to({previous, next, normals[c], uvs[c]}, term, is_number,
+            if (HWY_UNLIKELY(add_to({next_previous, normals[c], uvs[c]}, term, is_number,
                                     VertexByte::met(std::uint8_t(found)) - 1, sums[slot],
                                     rings[slot])))
                 lists.different[lists.different_count++] = Index(4 * i + k);
         };
-        add(0, v2, v1, term0[i]);
-        add(1, v0, v2, term1[i]);
-        add(2, v1, v0, term2[i]);
+        add(0, two(v + 1), term0[i]);
+        add(1, two(v[2], v[0]), term1[i]);
+        add(2, two(v), term2[i]);
     }
 }
 
@@ -202,8 +212,9 @@ bool add_term(const AddInput& in, std::size_t triangle, std::size_t k, const Cor
               std::uint32_t met, VertexSum& sum, VertexRing& ring) {
     const std::uint32_t* const v = in.vertices + 3 * triangle;
     const std::size_t at = 3 * triangle + k, c = in.corners == nullptr ? at : in.corners[at];
-    return HWY_STATIC_DISPATCH(add_to)({v[(k + 2) % 3], v[(k + 1) % 3], in.normals[c], in.uvs[c]},
-                                       term, HWY_STATIC_DISPATCH(numbers)(), met, sum, ring);
+    return HWY_STATIC_DISPATCH(add_to)(
+        {HWY_STATIC_DISPATCH(two)(v[(k + 1) % 3], v[(k + 2) % 3]), in.normals[c], in.uvs[c]}, term,
+        HWY_STATIC_DISPATCH(numbers)(), met, sum, ring);
 }
 
 }  // namespace prep::detail

@@ -31,15 +31,15 @@ HWY_INLINE Members<K> members_of(const VertexRing* rings, const Index* slots, co
     const hn::RebindToSigned<Indices> di;
     constexpr int ring_words_shift = 4;
     static_assert(sizeof(VertexRing) == sizeof(Index) << ring_words_shift);
-    const Index* const words = rings[0].previous;
+    const Index* const words = &rings[0].members[0].next;
     const auto own = hn::BitCast(di, hn::LoadU(d, list));
     const auto at = hn::ShiftLeft<ring_words_shift>(hn::GatherIndex(d, slots, own));
     Members<K> members;
     for (std::size_t k = 0; k < K; ++k) {
-        const auto here = hn::Add(at, hn::Set(d, Index(k)));
-        const auto behind = hn::Add(here, hn::Set(d, Index(most_ring_members)));
-        members.previous[k] = hn::GatherIndex(d, words, hn::BitCast(di, here));
-        members.next[k] = hn::GatherIndex(d, words, hn::BitCast(di, behind));
+        const auto next = hn::Add(at, hn::Set(d, Index(2 * k)));
+        const auto previous = hn::Add(at, hn::Set(d, Index(2 * k + 1)));
+        members.next[k] = hn::GatherIndex(d, words, hn::BitCast(di, next));
+        members.previous[k] = hn::GatherIndex(d, words, hn::BitCast(di, previous));
     }
     return members;
 }
