@@ -20,27 +20,24 @@ constexpr std::size_t ranges_per_thread = 4;
 constexpr unsigned most_counted = 255;
 constexpr std::size_t copied_at_once = 8192;  // corners: they stay in the first-level cache
 
-// Fills VertexCounts::shared.
+// Fills VertexCounts::shared: all 64 of a word where several ranges have any of them.
 void find_shared(std::span<const Index> vertices, std::size_t words, int threads,
                  VertexCounts& counts) {
-    std::vector<std::vector<std::uint64_t>> touched(counts.ranges.size());
+    std::vector<std::vector<std::uint8_t>> touched(counts.ranges.size());
     parallel_blocks(counts.ranges.size(), 1, threads, [&](std::size_t r, std::size_t) {
         touched[r].assign(words, 0);
-        std::uint64_t* const own = touched[r].data();
-        for (std::size_t i = 3 * counts.ranges[r].begin; i < 3 * counts.ranges[r].end; ++i)
-            own[vertices[i] / 64] |= std::uint64_t(1) << (vertices[i] % 64);
+        // Stores alone: bits would have to be read, one after the other in the same word.
+        std::uint8_t* const own = touched[r].data();
+        const Index* const last = vertices.data() + 3 * counts.ranges[r].end;
+        for (const Index* i = vertices.data() + 3 * counts.ranges[r].begin; i < last; ++i)
+            own[*i / 64] = 1;
     });
     counts.shared.resize(words);
-    parallel_blocks(words, vertex_grain / 64, threads, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t w = begin; w < end; ++w) {
-            std::uint64_t any = 0, shared = 0;
-            for (const auto& own : touched) {
-                shared |= any & own[w];
-                any |= own[w];
-            }
-            counts.shared[w] = shared;
-        }
-    });
+    for (std::size_t w = 0; w < words; ++w) {
+        unsigned ranges = 0;
+        for (const auto& own : touched) ranges += own[w];
+        counts.shared[w] = ranges > 1 ? ~std::uint64_t(0) : 0;
+    }
 }
 
 struct Counted {
@@ -55,8 +52,14 @@ Counted count_off(const Index* first, const Index* last, std::uint8_t* bytes,
     if (!any_shared) counted.corners = std::size_t(last - first);
     for (; first < last; ++first) {
         const Index v = *first;
-        if (any_shared && (shared[v / 64] >> (v % 64) & 1)) continue;
-        if (any_shared) ++counted.corners;
+        if (any_shared) {
+            if (shared[v / 64] != 0) {
+                // By several threads, all with the same value.
+                std::atomic_ref(bytes[v]).store(VertexByte::shared, std::memory_order_relaxed);
+                continue;
+            }
+            ++counted.corners;
+        }
         if (saturating && bytes[v] == most_counted) {
             ++counted.beyond;
             continue;
@@ -123,7 +126,11 @@ VertexCounts count_triangles(const TangentTriangles& triangles, std::span<const 
     parallel_blocks(count, vertex_grain, threads, [&](std::size_t begin, std::size_t end) {
         const std::uint8_t* const bytes = result.bytes.data();
         Index sum = 0;
-        for (std::size_t v = begin; v < end; ++v) sum += bytes[v];
+        if (!any_shared)
+            for (std::size_t v = begin; v < end; ++v) sum += bytes[v];
+        else
+            for (std::size_t v = begin; v < end; ++v)
+                sum += result.shared[v / 64] == 0 ? bytes[v] : 0;
         in_bytes += sum;
     });
     // A byte that began anew has lost 256.
@@ -135,19 +142,28 @@ VertexCounts count_triangles(const TangentTriangles& triangles, std::span<const 
         std::uint8_t* const bytes = result.bytes.data();
         std::uint8_t* const states = result.states.data();
         Index used = 0, listed = 0;
-        for (std::size_t v = begin; v < end; ++v) {
-            const std::uint8_t met = bytes[v];
-            used += met != 0;
-            listed += met > most_ring_members ? met : 0;
-            states[v] = met == 0 ? unused_vertex : pending_vertex;
-            bytes[v] = met > most_ring_members ? VertexByte::listed : met;
-        }
-        for (std::size_t w = begin / 64; any_shared && w < (end + 63) / 64; ++w) {
-            for (std::uint64_t rest = result.shared[w]; rest != 0; rest &= rest - 1) {
-                const std::size_t v = 64 * w + std::size_t(std::countr_zero(rest));
-                ++used;
-                states[v] = pending_vertex;
-                bytes[v] = VertexByte::shared;
+        const auto look = [&](std::size_t first, std::size_t last) {
+            for (std::size_t v = first; v < last; ++v) {
+                const std::uint8_t met = bytes[v];
+                used += met != 0;
+                listed += met > most_ring_members ? met : 0;
+                states[v] = met == 0 ? unused_vertex : pending_vertex;
+                bytes[v] = met > most_ring_members ? VertexByte::listed : met;
+            }
+        };
+        if (!any_shared) look(begin, end);
+        for (std::size_t first = begin; any_shared && first < end; first += 64) {
+            const std::size_t last = std::min(first + 64, end);
+            std::uint64_t& shared = result.shared[first / 64];
+            if (shared == 0) {
+                look(first, last);
+                continue;
+            }
+            shared = 0;
+            for (std::size_t v = first; v < last; ++v) {
+                used += bytes[v] != 0;
+                states[v] = bytes[v] == 0 ? unused_vertex : pending_vertex;
+                shared |= std::uint64_t(bytes[v] != 0) << (v % 64);
             }
         }
         listed_corners += listed;
