@@ -245,18 +245,27 @@ void raster_crossing(float* depths, std::uint32_t* ids, const TilePlace& place,
                        std::min(y + size - 1, box.y1)});
 }
 
-void crossing_weights(const VertexSource& source, const VertexRecord* records,
-                      const std::uint32_t corners[3], double x, double y, double out[9]) {
+CrossingWeights crossing_weights(const VertexSource& source, const VertexRecord* records,
+                                 const std::uint32_t corners[3]) {
+    CrossingWeights out{0, 0, {0, 0, 0}, {0, 0, 0}, {1, 0, 0}};
     CrossingTriangle t;
-    for (int k = 0; k < 9; ++k) out[k] = 0;
-    out[0] = 1;
-    if (set_up_crossing(source, records, corners, t) != CrossingOutcome::drawn) return;
-    const CrossingPlane& p = t.plane;
+    if (set_up_crossing(source, records, corners, t) != CrossingOutcome::drawn) return out;
+    out.px = t.plane.px;
+    out.py = t.plane.py;
     for (std::size_t i = 0; i < 3; ++i) {
         const std::size_t k = t.turned && i > 0 ? 3 - i : i;
-        out[k] = p.constant[i] + (p.nx[i] * (x - p.px) + p.ny[i] * (y - p.py));
-        out[3 + k] = p.nx[i];
-        out[6 + k] = p.ny[i];
+        out.nx[k] = t.plane.nx[i];
+        out.ny[k] = t.plane.ny[i];
+        out.constant[k] = t.plane.constant[i];
+    }
+    return out;
+}
+
+void CrossingWeights::at(double x, double y, double out[9]) const {
+    for (std::size_t k = 0; k < 3; ++k) {
+        out[k] = constant[k] + (nx[k] * (x - px) + ny[k] * (y - py));
+        out[3 + k] = nx[k];
+        out[6 + k] = ny[k];
     }
     // Just outside, as snapping saw it: the corner nearest to inside.
     if (!(std::max({out[0], out[1], out[2]}) > 0)) {

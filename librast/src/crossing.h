@@ -70,9 +70,16 @@ void raster_crossing(float* depth, std::uint32_t* id, const TilePlace& place,
                      const CrossingTriangle& triangle, std::uint32_t number,
                      const ShadeDraw* masked, const Kernels& kernels);
 
-// Weights of the three corners at a point, not normalised, then their derivatives per pixel along x
-// and y. Perspective-correct weights are the first three over their sum.
-void crossing_weights(const VertexSource& source, const VertexRecord* records,
-                      const std::uint32_t corners[3], double x, double y, double out[9]);
+// Weights of a crossing triangle's three corners, in the order in which they were given.
+struct CrossingWeights {
+    double px, py;                     // what the rest is relative to, in pixels
+    double nx[3], ny[3], constant[3];  // homogeneous edge functions
+    // At a point, not normalised, then their derivatives per pixel along x and y.
+    // Perspective-correct weights are the first three over their sum.
+    void at(double x, double y, double out[9]) const;
+};
+// Where nothing is drawn, all weight is the first corner's.
+CrossingWeights crossing_weights(const VertexSource& source, const VertexRecord* records,
+                                 const std::uint32_t corners[3]);
 
 }  // namespace rast::detail

@@ -101,7 +101,7 @@ struct SurfaceTable {
     RAST_INLINE void put(const ShadeDraw& draw, const TilePlace& place, const Wanted& wanted,
                          I entry, At at, I i, I j, Points& points) const {
         const std::size_t n = points.held;
-        const Weights w = triangles.weights(draw, place, wanted.maps, entry, at, i, j);
+        const Weights w = triangles.weights(place, wanted.maps, entry, at, i, j);
         store(pick(id, at), points.id + n);
         if (wanted.normals) {
             if (draw.source == NormalSource::face)
@@ -542,8 +542,7 @@ inline M alpha_passes(const ShadeDraw& draw, I px, I py, I id) {
         TriangleTable triangles;
         const TriangleTable::Slopes slopes =
             triangles.set_up(draw, s, place, bool(draw.maps[diffuse_map]));
-        const Weights w =
-            triangles.weights(draw, place, bool(draw.maps[diffuse_map]), entry, at, i, j);
+        const Weights w = triangles.weights(place, bool(draw.maps[diffuse_map]), entry, at, i, j);
         if (draw.colors != nullptr) {
             RangeTable table;
             table.set_up<4>(s, draw.colors, 3);

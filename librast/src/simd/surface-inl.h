@@ -174,7 +174,7 @@ struct TriangleTable {
     alignas(64) std::int32_t is_wide[vector_size], is_crossing[vector_size];
     // Of wide ones, anywhere.
     double constant[3][vector_size], slope_x[3][vector_size], slope_y[3][vector_size];
-    std::uint32_t vertex[3][vector_size];  // of crossing ones
+    CrossingWeights crossing_weights_of[vector_size];  // of crossing ones
     bool any_wide, any_crossing;
 
     // For the derivatives of what is interpolated, see PlaceTable: 256 · area · the factors of the
@@ -207,6 +207,7 @@ struct TriangleTable {
         any_wide = any(wide);
         store(select(crossing, one, none), is_crossing);
         store(select(wide, one, none), is_wide);
+        if (any_crossing) set_up_crossing_ones(draw, s);
         // Clockwise corners would turn all edge functions round.
         const D area = to_double(x[1] - x[0]) * to_double(y[2] - y[0]) -
                        to_double(x[2] - x[0]) * to_double(y[1] - y[0]);
@@ -218,7 +219,6 @@ struct TriangleTable {
             store(positive(dx[a] * dy[b] - dx[b] * dy[a]), edge[k]);
             store(shift_left<subpixel_bits>(slope_right), edge_x[k]);
             store(shift_left<subpixel_bits>(slope_down), edge_y[k]);
-            if (any_crossing) store(s.vertex[k], vertex[k]);
             if (!any_wide) continue;
             store(set_double(0.0) - (to_double(slope_right) * to_double(x[a]) +
                                      to_double(slope_down) * to_double(y[a])),
@@ -250,8 +250,8 @@ struct TriangleTable {
 
     // `at` is `entry` as Pick. Points lie at pixels `i`, `j` of the tile.
     template <class At>
-    RAST_INLINE Weights weights(const ShadeDraw& draw, const TilePlace& place, bool derivatives,
-                                I entry, At at, I i, I j) const {
+    RAST_INLINE Weights weights(const TilePlace& place, bool derivatives, I entry, At at, I i,
+                                I j) const {
         // A covered point's edge functions are positive; outside its triangle (a pixel's centre
         // where only other samples are covered) they are clamped.
         D e[3];
@@ -273,7 +273,7 @@ struct TriangleTable {
             w.from_y = to_float(shift_left<subpixel_bits>(j) + pick(from_y, at));
         }
         w.any_crossing = any_crossing;
-        if (any_crossing) mend_crossing(draw, place, entry, i, j, w);
+        if (any_crossing) mend_crossing(place, entry, i, j, w);
         return w;
     }
 
@@ -281,6 +281,16 @@ struct TriangleTable {
     RAST_INLINE D weight_of(int k, Pick at) const { return to_double(pick(weight[k], at)); }
     RAST_INLINE D weight_of(int k, OnePick at) const {
         return set_double(exact_weight[k][at.entry]);
+    }
+
+    inline void set_up_crossing_ones(const ShadeDraw& draw, const Corners& s) {
+        std::uint32_t vertex[3][vector_size];
+        for (int k = 0; k < 3; ++k) store(s.vertex[k], vertex[k]);
+        for (std::size_t n = 0; n < vector_size; ++n) {
+            if (is_crossing[n] == 0) continue;
+            const std::uint32_t corners[3] = {vertex[0][n], vertex[1][n], vertex[2][n]};
+            crossing_weights_of[n] = crossing_weights(*draw.source_vertices, draw.records, corners);
+        }
     }
 
     inline void mend_wide(const TilePlace& place, I entry, I i, I j, D e[3]) const {
@@ -314,8 +324,7 @@ struct TriangleTable {
         }
     }
 
-    inline void mend_crossing(const ShadeDraw& draw, const TilePlace& place, I entry, I i, I j,
-                              Weights& w) const {
+    inline void mend_crossing(const TilePlace& place, I entry, I i, I j, Weights& w) const {
         std::int32_t entries_of[vector_size], columns[vector_size], rows[vector_size];
         store(entry, entries_of);
         store(i, columns);
@@ -328,11 +337,9 @@ struct TriangleTable {
         for (std::size_t l = 0; l < vector_size; ++l) {
             const std::int32_t n = entries_of[l];
             if (is_crossing[n] == 0) continue;
-            const std::uint32_t corners[3] = {vertex[0][n], vertex[1][n], vertex[2][n]};
             double q[9];
-            crossing_weights(*draw.source_vertices, draw.records, corners,
-                             double(columns[l] * subpixels + place.x) / subpixels,
-                             double(rows[l] * subpixels + place.y) / subpixels, q);
+            crossing_weights_of[n].at(double(columns[l] * subpixels + place.x) / subpixels,
+                                      double(rows[l] * subpixels + place.y) / subpixels, q);
             for (int k = 0; k < 3; ++k) q[k] = q[k] > 0 ? q[k] : 0.0;
             const double inverse = 1 / ((q[0] + q[1]) + q[2]);
             const double mine_b = q[1] * inverse, mine_c = q[2] * inverse;
