@@ -152,14 +152,16 @@ class Fallbacks {
             std::unique(places_.begin(), places_.end(),
                         [](const Place& a, const Place& b) { return a.position == b.position; }),
             places_.end());
-        std::vector<bool> wanted(read_.in.positions.size(), false);
-        for (const Place& p : places_) wanted[p.position] = true;
+        std::vector<std::uint8_t> wanted(read_.in.positions.size(), 0);
+        for (const Place& p : places_) wanted[p.position] = 1;
+        const std::uint8_t* const is_wanted = wanted.data();
         std::size_t next_fault = 0;
         for (Index c = 0; c < out_.tangents.indices.size(); ++c) {
-            const bool bad =
-                next_fault < out_.fallbacks.size() && out_.fallbacks[next_fault].corner == c;
-            next_fault += bad;
-            if (bad || !wanted[place(c)]) continue;
+            if (is_wanted[place(c)] == 0) continue;
+            while (next_fault < out_.fallbacks.size() && out_.fallbacks[next_fault].corner < c)
+                ++next_fault;
+            if (next_fault < out_.fallbacks.size() && out_.fallbacks[next_fault].corner == c)
+                continue;
             Place& p = *find(place(c));
             Index& lowest = p.good[out_.tangents.values[out_.tangents.indices[c]].w > 0];
             if (lowest == no_index) lowest = c;

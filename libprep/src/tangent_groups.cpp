@@ -313,12 +313,17 @@ class StarWorker {
         } else {
             subgroups_.evaluate(members, frames_, results);
         }
+        if (members.size() > most_kept) star_values_.reserve(frames_.size());
         for (std::size_t f = known; f < frames_.size(); ++f)
             star_values_.push_back({frames_[f].s, sign * options_.positive});
     }
 
     // The star's first value goes to its position's place, the others behind those of all.
     void keep_values(Star star) {
+        if (star.size() > most_kept) {
+            block_->further.reserve(block_->further.size() + star_values_.size());
+            block_->further_corners.reserve(block_->further_corners.size() + star.size());
+        }
         places_.assign(star_values_.size(), no_index);
         no_frames_.assign(star_values_.size(), std::nullopt);
         bool first_taken = !first_free_;

@@ -194,6 +194,7 @@ void SubgroupEvaluator::split_by_arcs(std::span<const Index> members,
     };
     const Index whole = add_frame(sums[m], m > 0 ? term(members[rays[0].member]) : x);
     results.assign(members.size(), whole);
+    frames.reserve(frames.size() + m);
     // A cosine of −1 in float is up to 3.5e-4 from half a turn.
     const double reach = std::min(std::acos(double(threshold_)), std::numbers::pi - 3.5e-4);
     // The arc about each ray, seen from one turn further on: rays[begin … end) of three turns.
