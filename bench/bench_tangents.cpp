@@ -1,6 +1,6 @@
-// Tangent frames on the bumpy torus: indexed and as a soup, one thread and two; growth and memory
-// with the size; poles of high valence. bench/compare_tangents sets them beside Blender's and
-// mikktspace's.
+// Tangent frames on the bumpy torus: indexed, as a soup, shuffled and with hard edges, one thread
+// and two; growth and memory with the size; poles of high valence. bench/compare_tangents sets them
+// beside Blender's and mikktspace's.
 //
 // Counters: ns_per_triangle; bytes_per_triangle, the peak of memory beside input and output.
 #include <benchmark/benchmark.h>
@@ -11,7 +11,10 @@
 #include <fstream>
 #include <map>
 #include <numbers>
+#include <random>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "prep/corner_normals.h"
 #include "prep/tangents.h"
@@ -21,11 +24,13 @@ namespace {
 
 using Index = std::uint32_t;
 
-void add_normals(prep::Mesh& mesh) {
+void add_normals(prep::Mesh& mesh, double hard_degrees = 60) {
     const prep::MeshView view(mesh);
     const prep::Topology topology = prep::build_topology(view, {}, 0);
     const prep::FaceNormals faces = prep::face_normals(view, prep::Precision::accurate, 0);
-    const auto hard = prep::hard_edges(view, topology, faces, {});
+    prep::HardEdgeOptions options;
+    options.angle_degrees = hard_degrees;
+    const auto hard = prep::hard_edges(view, topology, faces, options);
     mesh.normals = prep::corner_normals(view, topology, faces, *hard, {})->normals;
 }
 
@@ -55,6 +60,23 @@ prep::Mesh unshared(const prep::Mesh& mesh) {
     }
     soup.normals.indices = uv.indices = soup.corner_vertices;
     return soup;
+}
+
+// The same triangles in an order without neighbours.
+prep::Mesh shuffled(prep::Mesh mesh) {
+    const Index count = Index(mesh.face_count());
+    std::mt19937 random(1);
+    std::vector<Index> order(count);
+    for (Index i = 0; i < count; ++i) order[i] = i;
+    for (Index i = count; i-- > 1;) std::swap(order[i], order[random() % (i + 1)]);
+    const prep::Mesh from = mesh;
+    for (Index i = 0; i < 3 * count; ++i) {
+        const Index c = 3 * order[i / 3] + i % 3;
+        mesh.corner_vertices[i] = from.corner_vertices[c];
+        mesh.normals.indices[i] = from.normals.indices[c];
+        mesh.uvs[0].indices[i] = from.uvs[0].indices[c];
+    }
+    return mesh;
 }
 
 // An open disc around one vertex, bumpy, UVs seen from above (every dP/du alike) or around the pole
@@ -129,6 +151,18 @@ void soup(benchmark::State& state) {
     run(state, mesh, int(state.range(1)));
 }
 
+void in_random_order(benchmark::State& state) {
+    const prep::Mesh mesh = shuffled(torus(state.range(0)));
+    run(state, mesh, int(state.range(1)));
+}
+
+// Most vertices are split.
+void hard_edges(benchmark::State& state) {
+    prep::Mesh mesh = bench::bumpy_torus(bench::torus_size(std::uint64_t(state.range(0))));
+    add_normals(mesh, 8);
+    run(state, mesh, int(state.range(1)));
+}
+
 void pole_seen_from_above(benchmark::State& state) {
     run(state, pole(Index(state.range(0)), false), int(state.range(1)));
 }
@@ -147,6 +181,8 @@ void sizes(benchmark::internal::Benchmark* benchmark, std::initializer_list<std:
 
 BENCHMARK(indexed)->Apply([](auto* b) { sizes(b, {10'000, 100'000, 980'000, 4'000'000}, {1, 2}); });
 BENCHMARK(soup)->Apply([](auto* b) { sizes(b, {980'000}, {1, 2}); });
+BENCHMARK(in_random_order)->Apply([](auto* b) { sizes(b, {980'000}, {1, 2}); });
+BENCHMARK(hard_edges)->Apply([](auto* b) { sizes(b, {46'000}, {1}); });
 BENCHMARK(pole_seen_from_above)->Apply([](auto* b) { sizes(b, {100'000}, {1}); });
 BENCHMARK(pole_with_uvs_around)->Apply([](auto* b) { sizes(b, {100'000}, {1}); });
 // Last: its mesh alone takes 2 GB.
