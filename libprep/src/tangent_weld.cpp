@@ -39,7 +39,7 @@ bool is_number(const glm::vec3& p) {
     return !(std::isnan(p.x) || std::isnan(p.y) || std::isnan(p.z));
 }
 
-// Positions that may equal others: all that do, and a few per cent of the rest.
+// Positions that may equal others: all that do, and a few of the rest.
 class Suspects {
   public:
     Suspects(std::span<const glm::vec3> positions, SimdLevel simd, int threads)
@@ -50,8 +50,8 @@ class Suspects {
 
     // Ascending; nothing where they are so many that looking at all is as good.
     std::optional<std::vector<Index>> find() {
-        // A position whose bit is taken equals an earlier one, or shares its bit by chance; the
-        // second look finds the earlier ones. Halves have bits of their own at first.
+        // A position whose bits are taken equals an earlier one, or has them by chance; the second
+        // look finds the earlier ones. Halves have bits of their own at first.
         const std::size_t n = positions_.size();
         const std::size_t parts = threads_ == 1 || n < 2 * position_grain ? 1 : 2;
         const std::size_t half = (n + parts - 1) / parts;
@@ -83,7 +83,7 @@ class Suspects {
     }
 
   private:
-    // Half as many positions as one in this find their bit taken by chance.
+    // With two bits each, about one position in 150 finds them taken by chance.
     static constexpr std::size_t bits_per_position = 16;
     static constexpr std::size_t patience = 1024;
     struct Half {
@@ -100,12 +100,12 @@ class Suspects {
             const std::size_t count = std::min(patience, end - i);
             kernels_.bits(&positions_[i], count, Index(words_ - 1), words, bits);
             for (std::size_t k = 0; k < count; ++k) {
-                const Index word = taken[words[k]], bit = Index(1) << bits[k];
-                if (word & bit) {
-                    shared[words[k]] |= bit;
+                const Index word = taken[words[k]];
+                if ((word & bits[k]) == bits[k]) {
+                    shared[words[k]] |= bits[k];
                     ++later;
                 }
-                taken[words[k]] = word | bit;
+                taken[words[k]] = word | bits[k];
             }
             half.many = later > (i + count - begin) / 4;
         }

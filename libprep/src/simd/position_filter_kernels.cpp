@@ -16,10 +16,10 @@ using Indices = hn::RebindToUnsigned<Floats>;
 using I = hn::Vec<Indices>;
 
 struct Bits {
-    I word, bit;
+    I word, bits;
 };
 
-// filter_bit of a vector's positions.
+// filter_bits of a vector's positions.
 HWY_INLINE Bits bits_of(const float* positions, I last_word) {
     const Floats df;
     const Indices d;
@@ -31,7 +31,10 @@ HWY_INLINE Bits bits_of(const float* positions, I last_word) {
     h = hn::Mul(hn::Add(hn::Xor(h, hn::ShiftRight<15>(h)), value(y)), hn::Set(d, 0x85ebca6bu));
     h = hn::Mul(hn::Add(hn::Xor(h, hn::ShiftRight<13>(h)), value(z)), hn::Set(d, 0xc2b2ae35u));
     h = hn::Xor(h, hn::ShiftRight<16>(h));
-    return {hn::And(h, last_word), hn::ShiftRight<27>(hn::Mul(h, hn::Set(d, 0x27d4eb2fu)))};
+    const I other = hn::Mul(h, hn::Set(d, 0x27d4eb2fu)), one = hn::Set(d, 1u);
+    const I second = hn::And(hn::ShiftRight<22>(other), hn::Set(d, 31u));
+    return {hn::And(h, last_word),
+            hn::Or(hn::Shl(one, hn::ShiftRight<27>(other)), hn::Shl(one, second))};
 }
 
 void bits(const glm::vec3* positions, std::size_t count, Index last_word, Index* words,
@@ -42,12 +45,12 @@ void bits(const glm::vec3* positions, std::size_t count, Index last_word, Index*
     for (; i + hn::Lanes(d) <= count; i += hn::Lanes(d)) {
         const Bits found = bits_of(&positions[i].x, last);
         hn::StoreU(found.word, d, words + i);
-        hn::StoreU(found.bit, d, bits_to + i);
+        hn::StoreU(found.bits, d, bits_to + i);
     }
     for (; i < count; ++i) {
-        const FilterBit found = filter_bit(positions[i], last_word);
+        const FilterBits found = filter_bits(positions[i], last_word);
         words[i] = found.word;
-        bits_to[i] = found.bit;
+        bits_to[i] = found.bits;
     }
 }
 
@@ -61,13 +64,13 @@ std::size_t find(const glm::vec3* positions, std::size_t count, Index last_word,
     for (; i + hn::Lanes(d) <= count; i += hn::Lanes(d)) {
         const Bits at = bits_of(&positions[i].x, last);
         const I word = hn::GatherIndex(d, filter, hn::BitCast(di, at.word));
-        const auto set = hn::Ne(hn::And(hn::Shr(word, at.bit), hn::Set(d, 1u)), hn::Zero(d));
+        const auto set = hn::Eq(hn::And(word, at.bits), at.bits);
         if (HWY_LIKELY(hn::AllFalse(d, set))) continue;
         n += hn::CompressStore(hn::Iota(d, first + Index(i)), set, d, found + n);
     }
     for (; i < count; ++i) {
-        const FilterBit at = filter_bit(positions[i], last_word);
-        if (filter[at.word] >> at.bit & 1) found[n++] = first + Index(i);
+        const FilterBits at = filter_bits(positions[i], last_word);
+        if ((filter[at.word] & at.bits) == at.bits) found[n++] = first + Index(i);
     }
     return n;
 }
@@ -82,9 +85,9 @@ namespace {
 void scalar_bits(const glm::vec3* positions, std::size_t count, std::uint32_t last_word,
                  std::uint32_t* words, std::uint32_t* bits) {
     for (std::size_t i = 0; i < count; ++i) {
-        const FilterBit found = filter_bit(positions[i], last_word);
+        const FilterBits found = filter_bits(positions[i], last_word);
         words[i] = found.word;
-        bits[i] = found.bit;
+        bits[i] = found.bits;
     }
 }
 
@@ -92,8 +95,8 @@ std::size_t scalar_find(const glm::vec3* positions, std::size_t count, std::uint
                         const std::uint32_t* filter, std::uint32_t first, std::uint32_t* found) {
     std::size_t n = 0;
     for (std::size_t i = 0; i < count; ++i) {
-        const FilterBit at = filter_bit(positions[i], last_word);
-        if (filter[at.word] >> at.bit & 1) found[n++] = first + std::uint32_t(i);
+        const FilterBits at = filter_bits(positions[i], last_word);
+        if ((filter[at.word] & at.bits) == at.bits) found[n++] = first + std::uint32_t(i);
     }
     return n;
 }
