@@ -10,8 +10,8 @@
 // the definition gives for the same numbers. docs/tangents.md shows both.
 //
 // Cost: O(corners · log(valence)), linear in practice; beside input and output 5 to 10 bytes per
-// triangle, 40 for soups, 80 for small meshes and for triangles in random order, 110 at poles, 140
-// where most edges are hard (measured; docs/tangents.md). The same bits for any thread count and
+// triangle, 40 for soups, up to 100 for small meshes and for triangles in random order, 115 at
+// poles, 140 where most edges are hard (measured; docs/tangents.md). The same bits for any thread count and
 // any instruction set.
 #pragma once
 
