@@ -11,8 +11,8 @@
 //
 // Cost: O(corners · log(valence)), linear in practice; beside input and output 5 to 10 bytes per
 // triangle, 40 for soups, up to 100 for small meshes and for triangles in random order, 115 at
-// poles, 140 where most edges are hard (measured; docs/tangents.md). The same bits for any thread count and
-// any instruction set.
+// poles, 140 where most edges are hard (measured; docs/tangents.md). The same bits for any thread
+// count and any instruction set.
 #pragma once
 
 #include <cstdint>
