@@ -168,6 +168,11 @@ RAST_INLINE void for_each_portion(const ShadeDraw& draw, const Task& task, const
     now->held = before->held = 0;
     const auto finish = [&] {
         now->first = point - now->held;
+        if (!wanted.maps) {  // nothing has to come
+            take(*now);
+            now->held = 0;
+            return;
+        }
         ask(*now);
         if (before->held > 0) take(*before);
         std::swap(now, before);
