@@ -129,26 +129,26 @@ RAST_INLINE Incoming incoming(const ShadeLight& light, V3 n, V3 position) {
     return in;
 }
 
-// Squared sine and cosine of the angle between the normal and the half vector; `behind`: it points
-// away from the surface.
+// Squared sine and cosine of the angle between the normal and the half vector, times the squared
+// length of both; the cosine is −1 where the half vector points away from the surface.
 struct HalfAngle {
-    F sine2, cosine2;
-    M behind;
+    F sine2, cosine2, length2;
 };
-RAST_INLINE HalfAngle half_angle(V3 n, V3 v, V3 l) {
-    const V3 h = l * sqrt(dot(v, v)) + v;  // v of any length saves dividing by it
-    const F h2 = max(dot(h, h), set(1.0e-30f));
+// `v`: towards the eye, of length `distance`, which saves dividing by it.
+RAST_INLINE HalfAngle half_angle(V3 n, V3 v, F distance, V3 l) {
+    const V3 h = l * distance + v;
     const V3 across = cross(n, h);
-    const F n_h = dot(n, h), one = set(1.0f), inverse = one / h2;
-    return {min(dot(across, across) * inverse, one), (n_h * n_h) * inverse, !(n_h > set(0.0f))};
+    const F n_h = dot(n, h);
+    return {dot(across, across), select(n_h > set(0.0f), n_h * n_h, set(-1.0f)),
+            max(dot(h, h), set(1.0e-30f))};
 }
 
-// Of the highlight. `n_l` and `behind` as above; 0^0 is 1.
-RAST_INLINE F highlight(F n_l, F sine2, F cosine2, M behind, F shininess) {
+// Of the highlight; 0^0 is 1. `exponent`: of two, specular_exponent().
+RAST_INLINE F highlight(F n_l, F cosine2, F exponent, F shininess) {
     const F zero = set(0.0f);
     const F otherwise = select(shininess == zero, set(1.0f), zero);
-    const F power = specular_power(sine2, cosine2, shininess);
-    return select(n_l > zero, select(behind, otherwise, power), zero);
+    const F power = select(cosine2 < zero, otherwise, exp2_negative(exponent));
+    return select(n_l > zero, power, zero);
 }
 
 // Sums over the lights.
@@ -157,10 +157,11 @@ inline Light light_at(const ShadeFrame& frame, V3 n, V3 v, V3 position, F shinin
     Light sum{{zero, zero, zero}, {zero, zero, zero}};
     for (std::size_t i = 0; i < frame.light_count; ++i) {
         const Incoming in = incoming(frame.lights[i], n, position);
-        const HalfAngle half = half_angle(n, v, in.l);
+        const HalfAngle half = half_angle(n, v, set(1.0f), in.l);
+        const F exponent = specular_exponent(half.sine2, half.cosine2, half.length2, shininess);
         sum.diffuse = sum.diffuse + in.color * in.n_l;
-        sum.specular = sum.specular + in.color * highlight(in.n_l, half.sine2, half.cosine2,
-                                                           half.behind, shininess);
+        sum.specular =
+            sum.specular + in.color * highlight(in.n_l, half.cosine2, exponent, shininess);
     }
     return sum;
 }
@@ -232,7 +233,7 @@ inline void specular_powers(const float* sine2, const float* cosine2, float shin
             s[k] = sine2[n + k];
             c[k] = cosine2[n + k];
         }
-        store(specular_power(load(s), load(c), set(shininess)), p);
+        store(exp2_negative(specular_exponent(load(s), load(c), set(1.0f), set(shininess))), p);
         for (std::size_t k = 0; k < some; ++k) out[n + k] = p[k];
     }
 }

@@ -11,11 +11,10 @@ RAST_INLINE Parts split_exponent(F m) {
             to_float(shift_right<23>(b) - set(126))};
 }
 
-// log2(1 + f) for f in [−½, 0] by the series of the inverse hyperbolic tangent:
-// log(1 + f) = 2 artanh(f / (2 + f)), |f / (2 + f)| ≤ 1/3; the first term left out is below 4e-9.
+// log2(a / b) for (a − b) / (a + b) = t in [−1/3, 1/3], by the series of the inverse hyperbolic
+// tangent: log(a / b) = 2 artanh(t); the first term left out is below 4e-9.
 // Pairs of terms first: one chain of eight would take twice as long.
-RAST_INLINE F log2_one_plus(F f) {
-    const F t = f / (set(2.0f) + f);
+RAST_INLINE F log2_of_ratio(F t) {
     const F s = t * t, s2 = s * s;
     const F p0 = set(2.0f / 3.0f) * s + set(2.0f);
     const F p2 = set(2.0f / 7.0f) * s + set(2.0f / 5.0f);
@@ -28,7 +27,8 @@ RAST_INLINE F log2_one_plus(F f) {
 // Precondition as for split_exponent. Absolute error below 3.1e-7 + 1 ulp of the result.
 RAST_INLINE F log2(F m) {
     const Parts parts = split_exponent(m);
-    return parts.exponent + log2_one_plus(parts.fraction - set(1.0f));
+    const F f = parts.fraction - set(1.0f);
+    return parts.exponent + log2_of_ratio(f / (set(2.0f) + f));
 }
 
 // 2^y for y ≤ 0; 0 below −126 (the result would be denormal). Relative error below 3e-7.
@@ -47,14 +47,15 @@ RAST_INLINE F exp2_negative(F y) {
     return select(y < set(-126.0f), set(0.0f), p * scale);
 }
 
-// (cos)^shininess for the angle whose squared sine and squared cosine are given, each with its own
-// full relative precision: near the highlight's centre the power is taken from the sine, because
-// the cosine has lost its digits there (Kahan's advice for log1p). 0^0 is 1.
-RAST_INLINE F specular_power(F sine2, F cosine2, F shininess) {
-    const F c = max(cosine2, set(1.0e-37f));
-    const Parts parts = split_exponent(min(c, set(0.99999994f)));
-    const M close = sine2 < set(0.5f);
-    const F f = select(close, -sine2, parts.fraction - set(1.0f));
-    const F e = select(close, set(0.0f), parts.exponent);
-    return exp2_negative((e + log2_one_plus(f)) * (set(0.5f) * shininess));
+// y of (cos)^shininess = 2^y for the angle whose sine and cosine, squared and times one positive
+// number, are given with that number, each with its own full relative precision: near the
+// highlight's centre the power is taken from the sine, because the cosine has lost its digits there
+// (Kahan's advice for log1p).
+RAST_INLINE F specular_exponent(F sine2, F cosine2, F number, F shininess) {
+    const M close = sine2 < set(0.5f) * number;
+    const Parts c = split_exponent(max(cosine2, set(1.0e-37f))), n = split_exponent(number);
+    const F above = select(close, -sine2, c.fraction - n.fraction);
+    const F below = select(close, (number + number) - sine2, c.fraction + n.fraction);
+    const F whole = select(close, set(0.0f), c.exponent - n.exponent);
+    return (whole + log2_of_ratio(above / below)) * (set(0.5f) * shininess);
 }

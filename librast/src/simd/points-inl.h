@@ -17,9 +17,13 @@ struct Points {
         vertex_light = 13,
         light = 19,  // sums over the lights
         gloss = 22,
-        n_l = 25,  // of one light
+        eye = 25,  // towards it, and how long that is
+        distance = 28,
+        n_l,  // of one light, as HalfAngle has them
         sine2,
         cosine2,
+        length2,
+        exponent,
         weights,  // of the second and the third corner
         uv = weights + 2,
         texels = uv + 2,  // of each kind of map
@@ -358,45 +362,64 @@ RAST_INLINE Reflection reflection_at(const ShadeDraw& draw, const ShadeFrame& fr
     return r;
 }
 
-// For each light two loops: angles first,
-inline void add_light(const ShadeFrame& frame, const ShadeLight& light, const TilePlace& place,
-                      const std::uint16_t* pixels, bool first, Points& points) {
-    const F none = set(0.0f);
-    const V3 zero{none, none, none};
+// Light takes several loops, so that few operations wait for a root or a quotient at a time. The
+// eye's direction first,
+inline void find_eye(const ShadeFrame& frame, const TilePlace& place, const std::uint16_t* pixels,
+                     Points& points) {
     for (std::size_t n = 0; n < points.held; n += vector_size) {
         I x, y;
         load_places(place, pixels + n, x, y);
+        const V3 v = towards_eye(frame, x, y);
+        points.put3(v, Points::eye, n);
+        points.put(sqrt(dot(v, v)), Points::distance, n);
+    }
+}
+// then for each light its angles,
+inline void add_light(const ShadeFrame& frame, const ShadeLight& light, bool first,
+                      Points& points) {
+    const F none = set(0.0f);
+    const V3 zero{none, none, none};
+    for (std::size_t n = 0; n < points.held; n += vector_size) {
         const V3 normal = points.get3(Points::normal, n);
         V3 position = zero;
         if (frame.needs_position) position = points.get3(Points::position, n);
         const Incoming in = incoming(light, normal, position);
-        const HalfAngle half = half_angle(normal, towards_eye(frame, x, y), in.l);
+        const HalfAngle half =
+            half_angle(normal, points.get3(Points::eye, n), points.get(Points::distance, n), in.l);
         const V3 sent = in.color * in.n_l;
         points.put3(first ? sent : points.get3(Points::light, n) + sent, Points::light, n);
         points.put(in.n_l, Points::n_l, n);
         points.put(half.sine2, Points::sine2, n);
-        // Behind the surface: below every squared cosine.
-        points.put(select(half.behind, set(-1.0f), half.cosine2), Points::cosine2, n);
+        points.put(half.cosine2, Points::cosine2, n);
+        points.put(half.length2, Points::length2, n);
     }
 }
-// then the sum of highlights up to this light's.
+RAST_INLINE F shininess_at(const ShadeDraw& draw, const Points& points, std::size_t n) {
+    if (!draw.metallic_roughness) return set(draw.shininess);
+    const F none = set(0.0f);
+    F metallic, roughness;
+    roughness_at(draw, points, n, metallic, roughness);
+    return metallic_lobe({none, none, none}, metallic, roughness).shininess;
+}
+// the logarithm of its highlight,
+inline void find_exponents(const ShadeDraw& draw, Points& points) {
+    for (std::size_t n = 0; n < points.held; n += vector_size) {
+        if (!any(points.get(Points::n_l, n) > set(0.0f))) continue;
+        points.put(specular_exponent(points.get(Points::sine2, n), points.get(Points::cosine2, n),
+                                     points.get(Points::length2, n), shininess_at(draw, points, n)),
+                   Points::exponent, n);
+    }
+}
+// and the sum of highlights up to this light's.
 RAST_INLINE V3 gloss_with(const ShadeDraw& draw, const ShadeLight& light, const Points& points,
                           bool first, std::size_t n) {
     const F none = set(0.0f);
-    const V3 zero{none, none, none};
-    V3 sum = zero;
+    V3 sum{none, none, none};
     if (!first) sum = points.get3(Points::gloss, n);
     const F n_l = points.get(Points::n_l, n);
     if (!any(n_l > none)) return sum;  // adds nothing, to the bit
-    F shininess = set(draw.shininess);
-    if (draw.metallic_roughness) {
-        F metallic, roughness;
-        roughness_at(draw, points, n, metallic, roughness);
-        shininess = metallic_lobe(zero, metallic, roughness).shininess;
-    }
-    const F cosine2 = points.get(Points::cosine2, n);
-    const F strength =
-        highlight(n_l, points.get(Points::sine2, n), cosine2, cosine2 < none, shininess);
+    const F strength = highlight(n_l, points.get(Points::cosine2, n),
+                                 points.get(Points::exponent, n), shininess_at(draw, points, n));
     V3 color = set3(light.color);
     if (light.kind != prep::LightKind::directional)
         color =
@@ -446,9 +469,13 @@ inline void shade(const ShadeDraw& draw, const ShadeFrame& frame, const ShadeTas
         const std::size_t first = points.first;
         const std::uint16_t* const pixels = task.pixels + first;
         if (wanted.maps) read_maps(draw, points);
-        if (lit) finish_normals(draw, frame, task.place, pixels, points);
+        if (lit) {
+            finish_normals(draw, frame, task.place, pixels, points);
+            find_eye(frame, task.place, pixels, points);
+        }
         for (std::size_t l = 0; lit && l < frame.light_count; ++l) {
-            add_light(frame, frame.lights[l], task.place, pixels, l == 0, points);
+            add_light(frame, frame.lights[l], l == 0, points);
+            find_exponents(draw, points);
             if (l + 1 == frame.light_count) break;  // the last one's highlights wait for the end
             for (std::size_t n = 0; n < points.held; n += vector_size)
                 points.put3(gloss_with(draw, frame.lights[l], points, l == 0, n), Points::gloss, n);
