@@ -100,12 +100,12 @@ struct SurfaceTable {
             places[p].set_up(draw.places[p], s, slopes);
     }
 
-    // One vector's points. `at`: their triangles, as Pick or OnePick.
+    // One vector's points, from point `n` on. `at`: their triangles, as Pick or OnePick.
     template <class At>
     RAST_INLINE void put(const ShadeDraw& draw, const TilePlace& place, const Wanted& wanted,
-                         I entry, At at, I i, I j, Points& points) const {
-        const std::size_t n = points.held;
-        const Weights w = triangles.weights(place, wanted.maps, entry, at, i, j);
+                         const TriangleTable::Shares& shares, I entry, At at, I i, I j,
+                         Points& points, std::size_t n) const {
+        const Weights w = triangles.weights(place, wanted.maps, shares, entry, at, i, j);
         store(pick(id, at), points.id + n);
         if (wanted.normals) {
             if (draw.source == NormalSource::face)
@@ -166,6 +166,10 @@ template <class Task, class Ask, class Take>
 RAST_INLINE void for_each_portion(const ShadeDraw& draw, const Task& task, const Wanted& wanted,
                                   const Ask& ask, const Take& take) {
     SurfaceTable table;
+    constexpr std::size_t most_vectors = points_at_once / vector_size;
+    TriangleTable::Shares shares[most_vectors];
+    I entries[most_vectors];
+    std::int32_t one[most_vectors];  // the one entry of all lanes, or −1
     Points both[2];
     Points *now = &both[0], *before = &both[1];
     std::size_t point = task.begin;
@@ -187,18 +191,36 @@ RAST_INLINE void for_each_portion(const ShadeDraw& draw, const Task& task, const
         table.set_up(draw, task.place, wanted, group.ids());
         std::size_t run = 0;
         while (point < group.end()) {
-            I i, j;
-            load_pixels(task.pixels + point, i, j);
-            if (group.is_one(point, run)) {
-                const auto one = std::int32_t(run);
-                table.put(draw, task.place, wanted, set(one), OnePick{one}, i, j, *now);
-                group.entries(point, run);
-            } else {
-                const I entry = group.entries(point, run);
-                table.put(draw, task.place, wanted, entry, pick_of(entry), i, j, *now);
+            // As many vectors as the group and the portion have, in two loops: else all
+            // of a vector's chain of operations would wait for its quotient.
+            const std::size_t left = group.end() - point, room = points_at_once - now->held,
+                              vectors =
+                                  ((left < room ? left : room) + vector_size - 1) / vector_size;
+            for (std::size_t v = 0; v < vectors; ++v) {
+                const std::size_t at = point + v * vector_size;
+                I i, j;
+                load_pixels(task.pixels + at, i, j);
+                one[v] = group.is_one(at, run) ? std::int32_t(run) : -1;
+                entries[v] = group.entries(at, run);
+                if (one[v] >= 0)
+                    shares[v] =
+                        table.triangles.shares(task.place, entries[v], OnePick{one[v]}, i, j);
+                else
+                    shares[v] =
+                        table.triangles.shares(task.place, entries[v], pick_of(entries[v]), i, j);
             }
-            const std::size_t left = group.end() - point,
-                              n = left < vector_size ? left : vector_size;
+            for (std::size_t v = 0; v < vectors; ++v) {
+                const std::size_t n = now->held + v * vector_size;
+                I i, j;
+                load_pixels(task.pixels + point + v * vector_size, i, j);
+                if (one[v] >= 0)
+                    table.put(draw, task.place, wanted, shares[v], entries[v], OnePick{one[v]}, i,
+                              j, *now, n);
+                else
+                    table.put(draw, task.place, wanted, shares[v], entries[v], pick_of(entries[v]),
+                              i, j, *now, n);
+            }
+            const std::size_t n = vectors * vector_size < left ? vectors * vector_size : left;
             point += n;
             now->held += n;
             if (now->held < points_at_once) continue;
@@ -574,7 +596,9 @@ inline M alpha_passes(const ShadeDraw& draw, I px, I py, I id) {
         TriangleTable triangles;
         const TriangleTable::Slopes slopes =
             triangles.set_up(draw, s, place, bool(draw.maps[diffuse_map]));
-        const Weights w = triangles.weights(place, bool(draw.maps[diffuse_map]), entry, at, i, j);
+        const Weights w =
+            triangles.weights(place, bool(draw.maps[diffuse_map]),
+                              triangles.shares(place, entry, at, i, j), entry, at, i, j);
         if (draw.colors != nullptr) {
             RangeTable table;
             table.set_up<4>(s, draw.colors, 3);

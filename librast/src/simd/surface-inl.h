@@ -248,10 +248,14 @@ struct TriangleTable {
         return out;
     }
 
+    // The corners' shares of points before they are divided by their sum.
+    struct Shares {
+        D second, third, sum;
+        F inverse;  // of the sum, roughly
+    };
     // `at` is `entry` as Pick. Points lie at pixels `i`, `j` of the tile.
     template <class At>
-    RAST_INLINE Weights weights(const TilePlace& place, bool derivatives, I entry, At at, I i,
-                                I j) const {
+    RAST_INLINE Shares shares(const TilePlace& place, I entry, At at, I i, I j) const {
         // A covered point's edge functions are positive; outside its triangle (a pixel's centre
         // where only other samples are covered) they are clamped.
         D e[3];
@@ -259,15 +263,24 @@ struct TriangleTable {
             e[k] = to_double(max(
                 (pick(edge[k], at) + i * pick(edge_x[k], at)) + j * pick(edge_y[k], at), set(0)));
         if (any_wide) mend_wide(place, entry, i, j, e);
-        const D q1 = e[1] * weight_of(1, at), q2 = e[2] * weight_of(2, at);
-        const D sum = (e[0] + q1) + q2;
+        Shares s;
+        s.second = e[1] * weight_of(1, at);
+        s.third = e[2] * weight_of(2, at);
+        s.sum = (e[0] + s.second) + s.third;
+        s.inverse = set(1.0f) / to_float(s.sum);
+        return s;
+    }
+
+    template <class At>
+    RAST_INLINE Weights weights(const TilePlace& place, bool derivatives, const Shares& s, I entry,
+                                At at, I i, I j) const {
         Weights w;
-        w.inverse = set(1.0f) / to_float(sum);
+        w.inverse = s.inverse;
         // One step of Newton's method: 46 bits.
         const D rough = to_double(w.inverse);
-        const D inverse = rough * (set_double(2.0) - sum * rough);
-        w.b = to_float(q1 * inverse);
-        w.c = to_float(q2 * inverse);
+        const D inverse = rough * (set_double(2.0) - s.sum * rough);
+        w.b = to_float(s.second * inverse);
+        w.c = to_float(s.third * inverse);
         if (derivatives) {
             w.from_x = to_float(shift_left<subpixel_bits>(i) + pick(from_x, at));
             w.from_y = to_float(shift_left<subpixel_bits>(j) + pick(from_y, at));
