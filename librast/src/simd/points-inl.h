@@ -264,13 +264,22 @@ RAST_INLINE MapGroup map_group(const ShadeDraw& draw, int begin) {
 inline void ask_for(const ShadeDraw& draw, const MapGroup& group, Points& points) {
     const BoundMap& first = draw.maps[draw.used[group.begin]];
     if (!reads_by_lanes(first)) return;
+    for (std::size_t n = 0; n < points.held; n += vector_size)
+        find_level(first, coordinates_at(points, first, n), points.reads[n / vector_size]);
     for (std::size_t n = 0; n < points.held; n += vector_size) {
-        Reads& reads = points.reads[n / vector_size];
-        find_texels(first, coordinates_at(points, first, n), reads);
-        for (int m = group.begin; m < group.end; ++m) {
-            const BoundMap& map = draw.maps[draw.used[m]];
+        const Coordinates at = coordinates_at(points, first, n);
+        find_texels(first, at.u, at.v, points.reads[n / vector_size]);
+    }
+    for (int m = group.begin; m < group.end; ++m) {
+        const BoundMap& map = draw.maps[draw.used[m]];
+        const TextureView& view = map.texture->view();
+        for (std::size_t n = 0; n < points.held; n += vector_size) {
+            const Reads& reads = points.reads[n / vector_size];
             make_levels(map, reads);
-            prefetch(map.texture->view(), reads);
+            if (view.packed != nullptr)
+                prefetch(view.packed, reads);
+            else
+                prefetch(view.floats, reads);
         }
     }
 }

@@ -150,14 +150,22 @@ struct Reads {
     M good;     // lanes whose coordinates are in range
 };
 
-inline void find_texels(const BoundMap& map, const Coordinates& at, Reads& reads) {
+// In two steps, so that few operations wait for the level's quotient at a time: the level of detail
+// goes to `between` first.
+RAST_INLINE void find_level(const BoundMap& map, const Coordinates& at, Reads& reads) {
+    const TextureView& view = map.texture->view();
+    reads.between = set(0.0f);
+    if (map.filter == TextureFilter::trilinear && view.level_count > 1)
+        reads.between = level_of_detail(view, at);
+}
+RAST_INLINE void find_texels(const BoundMap& map, F at_u, F at_v, Reads& reads) {
     const TextureView& view = map.texture->view();
     reads.two = false;
     reads.last = set(0);
     const F most = set(most_texels), none = set(0.0f);
     const I width = set(view.widths[0]), height = set(view.heights[0]);
-    reads.good = (abs(at.u) * to_float(width) < most) & (abs(at.v) * to_float(height) < most);
-    const F u = select(reads.good, at.u, none), v = select(reads.good, at.v, none);
+    reads.good = (abs(at_u) * to_float(width) < most) & (abs(at_v) * to_float(height) < most);
+    const F u = select(reads.good, at_u, none), v = select(reads.good, at_v, none);
     if (map.filter == TextureFilter::nearest) {
         const I x =
             on_axis_nearest(view.wrap_u, is_power(view.widths[0]), u * to_float(width), width);
@@ -166,16 +174,13 @@ inline void find_texels(const BoundMap& map, const Coordinates& at, Reads& reads
         store(y * set(view.pitches[0]) + (x + set(view.firsts[0])), reads.near.top);
         return;
     }
-    I level = set(0);
-    if (map.filter == TextureFilter::trilinear && view.level_count > 1) {
-        const F lod = level_of_detail(view, at), whole = floor(lod);
-        level = to_int(whole);
-        reads.between = lod - whole;
-        const M mixed = reads.between > none;
-        reads.two = any(mixed);
-        reads.last = select(mixed, level + set(1), level);
-        if (reads.two) place_taps(view, u, v, reads.last, reads.far);
-    }
+    const F lod = reads.between, whole = floor(lod);
+    const I level = to_int(whole);
+    reads.between = lod - whole;
+    const M mixed = reads.between > none;
+    reads.two = any(mixed);
+    reads.last = select(mixed, level + set(1), level);
+    if (reads.two) place_taps(view, u, v, reads.last, reads.far);
     place_taps(view, u, v, level, reads.near);
 }
 
@@ -270,15 +275,13 @@ RAST_INLINE void make_levels(const BoundMap& map, const Reads& reads) {
 
 // Asks for the first row: the second one is the first of points below, mostly. Neighbours share
 // cache lines. By the time they are read, most have come.
-RAST_INLINE void prefetch(const TextureView& view, const Reads& reads) {
-    const char* const texels = view.packed != nullptr ? reinterpret_cast<const char*>(view.packed)
-                                                      : reinterpret_cast<const char*>(view.floats);
-    const std::size_t bytes = view.packed != nullptr ? 8 : 16;
+template <class Channel>
+RAST_INLINE void prefetch(const Channel* texels, const Reads& reads) {
     for (std::size_t lane = 0; lane < vector_size; lane += 2)
-        __builtin_prefetch(texels + reads.near.top[lane] * bytes);
+        __builtin_prefetch(texels + std::size_t(reads.near.top[lane]) * 4);
     if (!reads.two) return;
     for (std::size_t lane = 0; lane < vector_size; lane += 4)
-        __builtin_prefetch(texels + reads.far.top[lane] * bytes);
+        __builtin_prefetch(texels + std::size_t(reads.far.top[lane]) * 4);
 }
 
 // `count` maps on the same texels, all packed or all floats.
@@ -308,7 +311,8 @@ inline Texel sample_map(const BoundMap& map, const Coordinates& at) {
         return t;
     }
     Reads reads;
-    find_texels(map, at, reads);
+    find_level(map, at, reads);
+    find_texels(map, at.u, at.v, reads);
     make_levels(map, reads);
     const BoundMap* const one = &map;
     read_maps_at<1>(&one, at, reads, &t);
