@@ -71,9 +71,21 @@ class Tile {
         fill(f.uv, glm::vec2(0.0f));
         fill(f.barycentric, glm::vec3(0.0f));
         fill(f.position, glm::vec3(0.0f));
-        if (!work_.empty()) return;
+        if (!work_.empty()) {
+            ask_for_bytes();
+            return;
+        }
         fill(f.color, glm::vec4(request_.background, 0.0f));
         fill(f.bytes, background_bytes());
+    }
+
+    // By the time they are written, they have come.
+    void ask_for_bytes() const {
+        if (in_.frame->bytes.empty()) return;
+        constexpr std::int32_t pixels_a_line = 16;
+        for (std::int32_t y = 0; y < place_.height; ++y)
+            for (std::int32_t x = 0; x < place_.width; x += pixels_a_line)
+                __builtin_prefetch(in_.frame->bytes.data() + row_start(y) + x, 1);
     }
 
     std::uint32_t background_bytes() const {
