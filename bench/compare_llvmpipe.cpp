@@ -129,9 +129,14 @@ int main(int argc, char** argv) {
             ours(2);
             peer->draw(setting.surface);  // compiles
             for (int i = 0; i < frames; ++i) {
-                times[0].push_back(milliseconds([&] { peer->draw(setting.surface); }));
-                times[1].push_back(milliseconds([&] { ours(2); }));
-                times[2].push_back(milliseconds([&] { ours(1); }));
+                // Each timed frame follows one of its own kind, as in a sequence of pictures.
+                const auto timed = [&](std::vector<double>& to, const std::function<void()>& draw) {
+                    draw();
+                    to.push_back(milliseconds(draw));
+                };
+                timed(times[0], [&] { peer->draw(setting.surface); });
+                timed(times[1], [&] { ours(2); });
+                timed(times[2], [&] { ours(1); });
             }
             const double likeness = psnr(bytes_of(frame), peer->pixels());
             alike = alike && likeness >= 40;
