@@ -89,7 +89,7 @@ class Fallbacks {
     void apply() {
         find_faults();
         if (out_.fallbacks.empty()) return;
-        index_neighbours();
+        index_places();
         Index face = 0;
         const auto& offsets = read_.in.face_offsets;
         for (auto& fallback : out_.fallbacks) {
@@ -143,8 +143,8 @@ class Fallbacks {
                                   [](const auto& a, const auto& b) { return a.corner < b.corner; });
     }
 
-    // For every position with a faulty corner: its lowest good corner of either sign.
-    void index_neighbours() {
+    // Every position with a faulty corner.
+    void index_places() {
         for (const auto& f : out_.fallbacks) places_.push_back({.position = place(f.corner)});
         std::sort(places_.begin(), places_.end(),
                   [](const Place& a, const Place& b) { return a.position < b.position; });
@@ -152,24 +152,43 @@ class Fallbacks {
             std::unique(places_.begin(), places_.end(),
                         [](const Place& a, const Place& b) { return a.position == b.position; }),
             places_.end());
-        std::vector<std::uint8_t> wanted(read_.in.positions.size(), 0);
-        for (const Place& p : places_) wanted[p.position] = 1;
-        const std::uint8_t* const is_wanted = wanted.data();
-        std::size_t next_fault = 0;
-        for (Index c = 0; c < out_.tangents.indices.size(); ++c) {
-            if (is_wanted[place(c)] == 0) continue;
-            while (next_fault < out_.fallbacks.size() && out_.fallbacks[next_fault].corner < c)
-                ++next_fault;
-            if (next_fault < out_.fallbacks.size() && out_.fallbacks[next_fault].corner == c)
+        wanted_.assign(read_.in.positions.size(), 0);
+        for (const Place& p : places_) wanted_[p.position] = 1;
+    }
+
+    // Goes on through the corners until what is looked for is known.
+    template <class Known>
+    void search(const Known& known) {
+        if (known()) return;
+        const auto& indices = out_.tangents.indices;
+        const Index corners = Index(indices.size());
+        const Index* const vertices = read_.in.corner_vertices.data();
+        const Index* const lowest = in_.lowest.empty() ? nullptr : in_.lowest.data();
+        const std::uint8_t* const wanted = wanted_.data();
+        Index last_position = no_index, last_value = no_index;
+        for (Index c = next_corner_; c < corners; ++c) {
+            const Index position = lowest == nullptr ? vertices[c] : lowest[vertices[c]];
+            if (wanted[position] == 0) continue;
+            // One value has one sign.
+            if (position == last_position && indices[c] == last_value) continue;
+            while (next_fault_ < out_.fallbacks.size() && out_.fallbacks[next_fault_].corner < c)
+                ++next_fault_;
+            if (next_fault_ < out_.fallbacks.size() && out_.fallbacks[next_fault_].corner == c)
                 continue;
-            Place& p = *find(place(c));
-            Index& lowest = p.good[out_.tangents.values[out_.tangents.indices[c]].w > 0];
-            if (lowest == no_index) lowest = c;
+            last_position = position;
+            last_value = indices[c];
+            Index& good = find(position)->good[out_.tangents.values[last_value].w > 0];
+            if (good == no_index) good = c;
+            if (!known()) continue;
+            next_corner_ = c + 1;
+            return;
         }
+        next_corner_ = corners;
     }
     struct Place {
         Index position;
-        Index good[2] = {no_index, no_index};  // of w = −1 and of w = +1
+        // Its lowest good corners of w = −1 and of w = +1, as far as the search has come.
+        Index good[2] = {no_index, no_index};
     };
     Place* find(Index position) {
         return &*std::lower_bound(places_.begin(), places_.end(), position,
@@ -198,8 +217,11 @@ class Fallbacks {
         const std::optional<float> wanted = face_sign(gradient, begin, end);
 
         const Place& at = *find(place(corner));
+        if (!wanted) search([&] { return at.good[0] != at.good[1]; });
         const bool prefer = wanted ? *wanted > 0 : at.good[1] < at.good[0];
-        for (const Index good : {at.good[prefer], at.good[!prefer]}) {
+        for (const bool sign : {prefer, !prefer}) {
+            search([&] { return at.good[sign] != no_index; });
+            const Index good = at.good[sign];
             if (good == no_index) continue;
             const glm::vec4 value = out_.tangents.values[out_.tangents.indices[good]];
             if (accept(fallback, TangentSource::neighbour, on_plane(n, glm::vec3(value)),
@@ -227,6 +249,9 @@ class Fallbacks {
     const CornerReader& read_;
     CornerTangents& out_;
     std::vector<Place> places_;
+    std::vector<std::uint8_t> wanted_;  // by position: is it one of these?
+    Index next_corner_ = 0;             // where the search goes on, and the next fault there
+    std::size_t next_fault_ = 0;
     std::vector<glm::vec4> made_;
 };
 

@@ -232,10 +232,25 @@ class StarWorker {
     void find_groups(Star star) {
         neighbours_.find(stars_, star, overrides_);
         groups_.assign(star.size(), no_index);
+        // Neighbours are each other's but for the reference's quirk.
+        const bool chains = !overrides_.touch(stars_, star);
         Index count = 0;
         for (std::size_t i = 0; i < star.size(); ++i) {
             if (groups_[i] != no_index) continue;
             groups_[i] = count;
+            if (chains) {
+                const std::uint32_t wanted = terms_.flags(star[i] >> 2) & orientation_preserving;
+                const auto joins = [&](Index m) {
+                    return m != no_index && groups_[m] == no_index &&
+                           (terms_.flags(star[m] >> 2) & orientation_preserving) == wanted;
+                };
+                for (Index m = neighbours_.leaving(i); joins(m); m = neighbours_.leaving(m))
+                    groups_[m] = count;
+                for (Index m = neighbours_.entering(i); joins(m); m = neighbours_.entering(m))
+                    groups_[m] = count;
+                ++count;
+                continue;
+            }
             stack_.assign(1, Index(i));
             while (!stack_.empty()) {
                 const Index m = stack_.back();
@@ -273,13 +288,14 @@ class StarWorker {
     }
 
     void evaluate_each_group(Star star) {
-        order_.clear();
+        order_.resize(star.size());
+        std::size_t grouped = 0;
         for (Index i = 0; i < star.size(); ++i) {
-            if (groups_[i] != no_index)
-                order_.push_back(i);
-            else if (options_.review)
-                block_->suspects.push_back(star[i]);
+            order_[grouped] = i;
+            grouped += groups_[i] != no_index;
+            if (groups_[i] == no_index && options_.review) block_->suspects.push_back(star[i]);
         }
+        order_.resize(grouped);
         const auto earlier = [&](Index a, Index b) { return groups_[a] < groups_[b]; };
         if (!std::is_sorted(order_.begin(), order_.end(), earlier))
             std::stable_sort(order_.begin(), order_.end(), earlier);
@@ -287,12 +303,17 @@ class StarWorker {
         for (std::size_t i = 0; i < order_.size();) {
             const Index group = groups_[order_[i]];
             const std::size_t first = i;
-            members_.clear();
-            for (; i < order_.size() && groups_[order_[i]] == group; ++i)
-                members_.push_back(star[order_[i]]);
-            evaluate_group(members_, results_);
-            for (std::size_t k = first; k < i; ++k)
-                members_values_[order_[k]] = results_[k - first];
+            while (i < order_.size() && groups_[order_[i]] == group) ++i;
+            const std::span<const Index> places(order_.data() + first, i - first);
+            Star members = star.subspan(places[0], places.size());
+            if (places.back() - places[0] + 1 != places.size()) {
+                members_.resize(places.size());
+                for (std::size_t k = 0; k < places.size(); ++k) members_[k] = star[places[k]];
+                members = members_;
+            }
+            evaluate_group(members, results_);
+            for (std::size_t k = 0; k < places.size(); ++k)
+                members_values_[places[k]] = results_[k];
         }
     }
 
@@ -325,14 +346,22 @@ class StarWorker {
             block_->further_corners.reserve(block_->further_corners.size() + star.size());
         }
         places_.assign(star_values_.size(), no_index);
-        no_frames_.assign(star_values_.size(), std::nullopt);
+        frame_states_.assign(star_values_.size(), FrameState::unknown);
         bool first_taken = !first_free_;
         Index first = no_index;  // the value that has the position's place
+        Index last = no_index;   // the last member's, where it is a frame
+        Index last_place = 0;
         for (std::size_t i = 0; i < star.size(); ++i) {
             const Index value = members_values_[i];
             if (value == no_index) continue;
             const Index m = star[i];
             Index& corner_value = corner_values_[m - (m >> 2)];
+            if (value == last) {
+                corner_value = last_place;
+                if (value != first) block_->further_corners.push_back(m - (m >> 2));
+                continue;
+            }
+            last = no_index;
             if (!first_taken) {
                 first_taken = true;
                 first_free_ = false;
@@ -350,9 +379,18 @@ class StarWorker {
                 block_->further_corners.push_back(m - (m >> 2));
             }
             // All members have one normal.
-            if (options_.review && !no_frames_[value].has_value())
-                no_frames_[value] = !has_frame(star[i], star_values_[value]);
-            if (options_.review && *no_frames_[value]) block_->suspects.push_back(star[i]);
+            last_place = corner_value;
+            if (!options_.review) {
+                last = value;
+                continue;
+            }
+            FrameState& state = frame_states_[value];
+            if (state == FrameState::unknown)
+                state = has_frame(m, star_values_[value]) ? FrameState::good : FrameState::bad;
+            if (state == FrameState::bad)
+                block_->suspects.push_back(m);
+            else
+                last = value;
         }
     }
 
@@ -362,15 +400,18 @@ class StarWorker {
         if (!sums_tell_) return std::nullopt;
         glm::vec3 sum(0.0f);
         std::uint32_t all = ~0u;
+        const auto told = [](std::uint32_t code) {
+            return (code & s_directions) && (code & t_directions);
+        };
         for (const Index m : members) {
             const CornerTerm& term = terms_.at(m >> 2, m & 3);
             sum.x += term.x;
             sum.y += term.y;
             sum.z += term.z;
             all &= term.code;
+            if (members.size() > most_kept && !told(all)) return std::nullopt;
         }
-        const bool together = members.size() == 1 || ((all & s_directions) && (all & t_directions));
-        if (!together) return std::nullopt;
+        if (members.size() > 1 && !told(all)) return std::nullopt;
         return mikk::normalized_or_zero(sum);
     }
 
@@ -419,7 +460,8 @@ class StarWorker {
     std::vector<Index> groups_, stack_, order_, members_, results_, members_values_, places_;
     std::vector<GroupFrame> frames_;
     std::vector<glm::vec4> star_values_;
-    std::vector<std::optional<bool>> no_frames_;
+    enum class FrameState : std::uint32_t { unknown, good, bad };
+    std::vector<FrameState> frame_states_;
 };
 
 // Closes the gaps that first values leave which no corner has.

@@ -43,13 +43,21 @@ ListedCorners place_corners(const TangentTriangles& triangles, const Terms& term
     const bool any_degenerate = terms.counts.degenerate > 0;
     std::atomic<bool> any = false;
     const bool plain = !states.empty() && !any_degenerate && places.empty();
-    constexpr std::size_t most_lanes = 16, most_pause = 256;
+    constexpr std::size_t most_lanes = 16, most_pause = 256, most_found = 1024;
     const FanSearch search = states.size() >> 31 == 0 ? fan_search() : nullptr;
     parallel_blocks(
         triangles.count, triangle_grain, threads, [&](std::size_t begin, std::size_t end) {
             std::vector<Index>& list = result.lists[begin / triangle_grain];
             const std::uint8_t* const state = states.data();
+            std::uint64_t* const words = result.triangles.data();
+            const bool none_told = states.empty(), placed = !places.empty();
             std::size_t next_search = begin, pause = most_lanes;
+            Index members[most_found];
+            std::size_t found = 0;
+            const auto flush = [&] {
+                list.insert(list.end(), members, members + found);
+                found = 0;
+            };
             for (std::size_t t = begin; t < end; ++t) {
                 if (plain && search != nullptr && t >= next_search) {
                     const std::size_t fans = search(state, vertices.data() + 3 * t, end - t);
@@ -66,19 +74,21 @@ ListedCorners place_corners(const TangentTriangles& triangles, const Terms& term
                     values[0] = values[1] = values[2] = no_index;
                     continue;
                 }
-                if (!places.empty())
+                if (placed)
                     for (std::size_t k = 0; k < 3; ++k) values[k] = places[v[k]];
-                const auto listed = [&](std::size_t k) -> unsigned {
-                    return states.empty() || needs_list(states[v[k]]);
-                };
-                if (!(listed(0) | listed(1) | listed(2))) continue;
-                result.triangles[t / 64] |= std::uint64_t(1) << (t % 64);
+                bool listed[3] = {true, true, true};
+                if (!none_told)
+                    for (std::size_t k = 0; k < 3; ++k) listed[k] = needs_list(state[v[k]]);
+                if (!(listed[0] | listed[1] | listed[2])) continue;
+                words[t / 64] |= std::uint64_t(1) << (t % 64);
+                if (found + 3 > most_found) flush();
                 for (std::size_t k = 0; k < 3; ++k) {
-                    if (!listed(k)) continue;
+                    if (!listed[k]) continue;
                     values[k] = no_index;
-                    list.push_back(Index(4 * t + k));
+                    members[found++] = Index(4 * t + k);
                 }
             }
+            flush();
             if (!list.empty()) any = true;
         });
     result.any = any;

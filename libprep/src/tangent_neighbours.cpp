@@ -38,8 +38,10 @@ void Neighbours::find(const TangentStars& stars, std::span<const Index> star,
     next_.resize(n);
     previous_.resize(n);
     for (std::size_t i = 0; i < n; ++i) {
-        next_[i] = stars.vertex(next_corner(star[i]));
-        previous_[i] = stars.vertex(previous_corner(star[i]));
+        const Index triangle = star[i] >> 2, k = star[i] & 3;
+        const Index* const names = stars.names_of(triangle);
+        next_[i] = names[k == 2 ? 0 : k + 1];
+        previous_[i] = names[k == 0 ? 2 : k - 1];
     }
     if (n <= small_star)
         search();

@@ -165,7 +165,13 @@ void list_members(const TangentInput& in, const TangentTriangles& triangles,
     std::size_t count = 0;
     for (const auto& list : lists) {
         count += list.size();
-        for (const Index m : list) bits[position(m) / 64] |= std::uint64_t(1) << (position(m) % 64);
+        Index last = no_index;
+        for (const Index m : list) {
+            const Index v = position(m);
+            if (v == last) continue;  // a pole's
+            bits[v / 64] |= std::uint64_t(1) << (v % 64);
+            last = v;
+        }
     }
     std::vector<Index> before(words);
     stars.count = 0;

@@ -42,10 +42,10 @@ struct TangentStars {
     const std::uint32_t* names_at(std::size_t triangle, std::size_t place) const {
         return names.empty() ? vertices.data() + 3 * triangle : names.data() + 3 * place;
     }
-    std::uint32_t vertex(std::uint32_t member) const {
-        const std::size_t triangle = member >> 2;
-        return names_at(triangle, names.empty() ? 0 : terms->place(triangle))[member & 3];
+    const std::uint32_t* names_of(std::size_t triangle) const {
+        return names_at(triangle, names.empty() ? 0 : terms->place(triangle));
     }
+    std::uint32_t vertex(std::uint32_t member) const { return names_of(member >> 2)[member & 3]; }
 
     // Calls body(members) for every welded vertex of the listed positions [begin, end).
     template <class Body>

@@ -129,7 +129,10 @@ void SubgroupEvaluator::split_by_angle(std::vector<GroupFrame>& frames,
 bool SubgroupEvaluator::lean_one_way(std::span<const Index> members) const {
     if (threshold_ > -0.9999f) return false;
     std::uint32_t told = ~0u, all = s_directions | t_directions;
-    for (const Index m : members) told &= terms_.at(m >> 2, m & 3).code;
+    for (const Index m : members) {
+        told &= terms_.at(m >> 2, m & 3).code;
+        if (!(told & s_directions) || !(told & t_directions)) break;
+    }
     if ((told & s_directions) && (told & t_directions)) return true;
     // Looked at more closely: at a cone's point the normals are far from the triangles'. Some from
     // all around first: they mostly tell.
@@ -168,6 +171,8 @@ void SubgroupEvaluator::split_by_arcs(std::span<const Index> members,
     double weights = 0;
     for (Index i = 0; i < members.size(); ++i) {
         const glm::dvec3 t = term(members[i]);
+        // Most of a pole's: the cosines of such narrow angles round to 1.
+        if (t == glm::dvec3(0.0)) continue;
         const double length = glm::length(t);
         if (!(length > 0) || !std::isfinite(length)) continue;
         if (rays.empty()) {
