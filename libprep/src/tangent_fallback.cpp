@@ -156,28 +156,39 @@ class Fallbacks {
         for (const Place& p : places_) wanted_[p.position] = 1;
     }
 
+    // The next corner at a place, but for those with the value of the last one there, whose sign
+    // is known. Not inlined: the loop needs the registers.
+    [[gnu::noinline]] Index next_wanted(Index c, Index last_position, Index last_value) const {
+        const Index* const indices = out_.tangents.indices.data();
+        const Index corners = Index(out_.tangents.indices.size());
+        const Index* const vertices = read_.in.corner_vertices.data();
+        const Index* const lowest = in_.lowest.empty() ? nullptr : in_.lowest.data();
+        const std::uint8_t* const wanted = wanted_.data();
+        for (; c < corners; ++c) {
+            const Index position = lowest == nullptr ? vertices[c] : lowest[vertices[c]];
+            if (wanted[position] == 0) continue;
+            if (position != last_position || indices[c] != last_value) break;
+        }
+        return c;
+    }
+
     // Goes on through the corners until what is looked for is known.
     template <class Known>
     void search(const Known& known) {
         if (known()) return;
         const auto& indices = out_.tangents.indices;
         const Index corners = Index(indices.size());
-        const Index* const vertices = read_.in.corner_vertices.data();
-        const Index* const lowest = in_.lowest.empty() ? nullptr : in_.lowest.data();
-        const std::uint8_t* const wanted = wanted_.data();
         Index last_position = no_index, last_value = no_index;
         for (Index c = next_corner_; c < corners; ++c) {
-            const Index position = lowest == nullptr ? vertices[c] : lowest[vertices[c]];
-            if (wanted[position] == 0) continue;
-            // One value has one sign.
-            if (position == last_position && indices[c] == last_value) continue;
+            c = next_wanted(c, last_position, last_value);
+            if (c == corners) break;
             while (next_fault_ < out_.fallbacks.size() && out_.fallbacks[next_fault_].corner < c)
                 ++next_fault_;
             if (next_fault_ < out_.fallbacks.size() && out_.fallbacks[next_fault_].corner == c)
                 continue;
-            last_position = position;
+            last_position = place(c);
             last_value = indices[c];
-            Index& good = find(position)->good[out_.tangents.values[last_value].w > 0];
+            Index& good = find(last_position)->good[out_.tangents.values[last_value].w > 0];
             if (good == no_index) good = c;
             if (!known()) continue;
             next_corner_ = c + 1;

@@ -170,9 +170,10 @@ void SubgroupEvaluator::split_by_arcs(std::span<const Index> members,
     glm::dvec3 x(0.0), y(0.0);
     double weights = 0;
     for (Index i = 0; i < members.size(); ++i) {
-        const glm::dvec3 t = term(members[i]);
-        // Most of a pole's: the cosines of such narrow angles round to 1.
-        if (t == glm::dvec3(0.0)) continue;
+        // Most of a pole's are zero: the cosines of such narrow angles round to 1.
+        const CornerTerm& own = terms_.at(members[i] >> 2, members[i] & 3);
+        if (own.x == 0 && own.y == 0 && own.z == 0) continue;
+        const glm::dvec3 t(own.x, own.y, own.z);
         const double length = glm::length(t);
         if (!(length > 0) || !std::isfinite(length)) continue;
         if (rays.empty()) {
