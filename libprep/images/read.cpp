@@ -5,10 +5,12 @@
 #include <cctype>
 #include <cmath>
 #include <cstring>
+#include <fstream>
 #include <memory>
 #include <string_view>
 
 #include "backend_parts.h"
+#include "completeness.h"
 #include "prep/image.h"
 #include "prep/io.h"
 
@@ -26,6 +28,11 @@ std::string reason_of(const std::string& from_reader) {
     std::string reason = from_reader.empty() ? oiio::geterror() : from_reader;
     while (!reason.empty() && std::isspace(static_cast<unsigned char>(reason.back())))
         reason.pop_back();
+    // Several messages come as several lines.
+    for (std::size_t at; (at = reason.find_first_of("\r\n")) != std::string::npos;) {
+        const std::size_t end = reason.find_first_not_of("\r\n", at);
+        reason.replace(at, end - at, "; ");
+    }
     return reason.empty() ? "no reason given" : reason;
 }
 
@@ -90,6 +97,67 @@ bool says_srgb(const oiio::ImageSpec& spec) {
     return spec.format == oiio::TypeDesc::UINT8;
 }
 
+// Floats hold 24 bits of an integer; numbers that name things need all 32.
+bool read_integers(oiio::ImageInput& input, Image& image) {
+    if (std::string_view(input.format_name()) != "openexr") return true;
+    const oiio::ImageSpec& spec = input.spec();
+    for (std::uint32_t k = 0; k < image.channels; ++k) {
+        if (spec.channelformat(int(k)) != oiio::TypeDesc::UINT32) continue;
+        image.integer_channels |= 1u << k;
+        image.integers.resize(image.pixels.size());
+        const auto stride = oiio::stride_t(image.channels * sizeof(std::uint32_t));
+        if (!input.read_image(0, 0, int(k), int(k) + 1, oiio::TypeDesc::UINT32,
+                              image.integers.data() + k, stride))
+            return false;
+    }
+    return true;
+}
+
+// OpenImageIO 2.4 multiplies the colours of WebP pictures by their alpha, whatever is asked for. It
+// does so in 8 bits: half a level of error becomes 128 / alpha levels. Later readers that heed the
+// wish say so in the spec.
+void straighten(const oiio::ImageInput& input, Image& image) {
+    if (std::string_view(input.format_name()) != "webp" || image.channels != 4 ||
+        input.spec().get_int_attribute("oiio:UnassociatedAlpha") != 0)
+        return;
+    for (std::size_t i = 0; i < image.pixels.size(); i += 4) {
+        const float alpha = image.pixels[i + 3];
+        if (!(alpha > 0)) continue;
+        for (std::size_t k = 0; k < 3; ++k)
+            image.pixels[i + k] = std::min(image.pixels[i + k] / alpha, 1.0f);
+    }
+}
+
+Result<void> check_complete(const detail::ByteSource& file, const std::string& place) {
+    const std::string missing = detail::missing_part(file);
+    if (missing.empty()) return {};
+    return Error{ErrorCode::syntax,
+                 "the image is truncated: " + missing + "; copy or export it again", place};
+}
+
+Result<void> check_complete(const std::filesystem::path& path, std::uint64_t size,
+                            const std::string& place) {
+    std::ifstream in(path, std::ios::binary);
+    detail::ByteSource file;
+    file.size = size;
+    file.read = [&in](std::uint64_t offset, std::span<std::byte> out) {
+        in.seekg(std::streamoff(offset));
+        in.read(reinterpret_cast<char*>(out.data()), std::streamsize(out.size()));
+        return bool(in);
+    };
+    return check_complete(file, place);
+}
+
+Result<void> check_complete(std::span<const std::byte> bytes, const std::string& place) {
+    detail::ByteSource file;
+    file.size = bytes.size();
+    file.read = [bytes](std::uint64_t offset, std::span<std::byte> out) {
+        std::memcpy(out.data(), bytes.data() + offset, out.size());
+        return true;
+    };
+    return check_complete(file, place);
+}
+
 Result<Image> read(oiio::ImageInput& input, std::uint64_t file_bytes, const std::string& place) {
     const oiio::ImageSpec& spec = input.spec();
     if (auto checked = check_spec(spec, file_bytes, place); !checked) return checked.error();
@@ -104,6 +172,10 @@ Result<Image> read(oiio::ImageInput& input, std::uint64_t file_bytes, const std:
         return Error{ErrorCode::syntax,
                      "the image cannot be decoded: " + reason_of(input.geterror()), place};
     }
+    straighten(input, image);
+    if (!read_integers(input, image))
+        return Error{ErrorCode::syntax,
+                     "the image cannot be decoded: " + reason_of(input.geterror()), place};
     input.close();
     return image;
 }
@@ -126,6 +198,7 @@ Error not_an_image(const std::string& why, const std::string& place) {
 
 Result<Image> decode(std::span<const std::byte> bytes, const std::string& name) {
     if (bytes.empty()) return Error{ErrorCode::syntax, "the image has no bytes", name};
+    if (auto complete = check_complete(bytes, name); !complete) return complete.error();
     // Only the ending matters to the library: nothing is looked up on the disk.
     std::string ending = std::filesystem::path(name).extension().string();
     if (const std::string_view sniffed = sniff(bytes); !sniffed.empty())
@@ -182,6 +255,7 @@ Result<Image> load_image(const std::filesystem::path& path) {
             return Error{ErrorCode::io, "this is not a file; an image file is needed", place};
         const std::uint64_t size = std::filesystem::file_size(path, error);
         if (error) return Error{ErrorCode::io, "cannot read the file: " + error.message(), place};
+        if (auto complete = check_complete(path, size, place); !complete) return complete.error();
         const oiio::ImageSpec config = reading_options();
         auto input = oiio::ImageInput::open(place, &config);
         if (!input) return not_an_image(reason_of({}), place);

@@ -22,6 +22,11 @@ struct Image {
     std::vector<float> pixels;
     bool srgb =
         false;  // the file says (or its format implies) that colour channels are sRGB-encoded
+    // EXR channels of 32-bit integers (IDs): bit k stands for channel k, and `integers`, of the
+    // same layout as `pixels`, holds their values (0 in other channels); it is empty where there
+    // are none. `pixels` has them divided by 2³² − 1 and rounded.
+    std::uint32_t integer_channels = 0;
+    std::vector<std::uint32_t> integers = {};
     const float* at(std::uint32_t x, std::uint32_t y) const {
         return pixels.data() + (std::size_t(y) * width + x) * channels;
     }
