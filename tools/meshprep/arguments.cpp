@@ -118,7 +118,7 @@ CLI::App* define_diff(CLI::App& app, DiffCommand& c) {
     sub->add_option(
            "--tolerance", c.tolerance,
            "Exit 1 when the largest angle (degrees) or the pictures' RMSE is above this, or "
-           "a tangent's sign differs")
+           "a tangent's sign or an ID differs, or a value is infinite in one picture alone")
         ->check(CLI::NonNegativeNumber)
         ->type_name("T");
     add_common_options(sub, c.common);

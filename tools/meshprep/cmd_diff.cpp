@@ -40,18 +40,41 @@ Verdict report_pictures(const DiffCommand& command, const report::ImageDiff& d, 
         say(fmt::format("{} of {} pixels differ ({:.2f} %)", with_commas(d.different),
                         with_commas(d.pixels),
                         100.0 * static_cast<double>(d.different) / static_cast<double>(d.pixels)));
-        say(fmt::format("  RMSE {:.6f}, PSNR {:.2f} dB, mean {:.6f}, largest {:.6f} at ({}, {})",
-                        d.rmse, d.psnr, d.mean, d.largest, d.worst_x, d.worst_y));
+        if (d.different_integers > 0)
+            say(fmt::format("  integers differ in {}", count_of(d.different_integers, "pixel")));
+        const auto figures = [&](const char* head, const std::string& tail) {
+            say(fmt::format("  {}RMSE {:.6f}, PSNR {:.2f} dB, mean {:.6f}, largest {:.6f}{}", head,
+                            d.rmse, d.psnr, d.mean, d.largest, tail));
+        };
+        const std::string where = fmt::format(" at ({}, {})", d.worst_x, d.worst_y);
+        if (d.infinite > 0) {
+            say(fmt::format(
+                "  largest infinite{}: {} infinite or not a number in one picture alone", where,
+                count_of(d.infinite, "value")));
+            figures("the others: ", "");
+        } else if (d.different_integers > 0) {
+            say("  first" + where);
+            if (d.measured) figures("the other channels: ", "");
+        } else {
+            figures("", where);
+        }
     }
     Verdict verdict;
-    verdict.within = !command.tolerance || d.rmse <= *command.tolerance;
+    verdict.within = !command.tolerance ||
+                     (d.rmse <= *command.tolerance && d.infinite == 0 && d.different_integers == 0);
+    // JSON knows no infinity: null, and the number of such values beside it.
+    const auto figure = [&](double value) {
+        return d.measured && d.infinite == 0 && std::isfinite(value) ? Json(value) : Json(nullptr);
+    };
     verdict.json = {{"kind", "pictures"},
                     {"pixels", d.pixels},
                     {"different", d.different},
-                    {"rmse", d.rmse},
-                    {"psnr", std::isfinite(d.psnr) ? Json(d.psnr) : Json(nullptr)},
-                    {"mean", d.mean},
-                    {"largest", d.largest},
+                    {"infinite", d.infinite},
+                    {"different_integers", d.different_integers},
+                    {"rmse", figure(d.rmse)},
+                    {"psnr", figure(d.psnr)},
+                    {"mean", figure(d.mean)},
+                    {"largest", figure(d.largest)},
                     {"worst", {d.worst_x, d.worst_y}}};
     return verdict;
 }

@@ -136,8 +136,10 @@ class Comparer {
         const auto n = static_cast<double>(angles_.size());
         out_.mean = sum / n;
         out_.rms = std::sqrt(squares / n);
-        out_.median = angles_[angles_.size() / 2];
-        out_.p99 = angles_[(angles_.size() - 1) * 99 / 100];
+        const std::size_t half = angles_.size() / 2;
+        out_.median =
+            angles_.size() % 2 == 1 ? angles_[half] : (angles_[half - 1] + angles_[half]) / 2;
+        out_.p99 = angles_[(angles_.size() * 99 + 99) / 100 - 1];
         out_.largest = angles_.back();
         return std::move(out_);
     }

@@ -24,9 +24,11 @@ struct AttributeDiff {
     std::uint64_t unmatched = 0;  // triangles of either file without a partner
     std::uint64_t identical = 0;  // corners equal to the last bit (−0 and 0 are not)
     std::uint64_t invalid = 0;    // corners without a finite direction of length above zero
-    std::uint64_t sign_differences = 0;                          // tangents: w of the other sign
-    double mean = 0, rms = 0, median = 0, p99 = 0, largest = 0;  // degrees
-    std::vector<WorstCorner> worst;                              // the largest angles, at most 8
+    std::uint64_t sign_differences = 0;  // tangents: w of the other sign
+    // Degrees. Median: the mean of the two middle ones of an even number. p99: the nearest rank,
+    // the ⌈0.99 n⌉-th smallest of n.
+    double mean = 0, rms = 0, median = 0, p99 = 0, largest = 0;
+    std::vector<WorstCorner> worst;  // the largest angles, at most 8
 };
 
 // Meshes of a file are taken together, in their own space. Triangles are matched in order where

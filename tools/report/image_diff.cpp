@@ -21,6 +21,34 @@ void heat_color(float t, float* out) {
         out[k] = stops[i][k] + (stops[i + 1][k] - stops[i][k]) * (at - static_cast<float>(i));
 }
 
+std::uint32_t colors_of(const prep::Image& image) {
+    return image.channels < 3 ? 1 : 3;
+}
+bool has_alpha(const prep::Image& image) {
+    return image.channels % 2 == 0;
+}
+
+// The channel of `image` that answers to channel k of the comparison; channels: none, it is 1.
+std::uint32_t channel_of(const prep::Image& image, std::uint32_t k, std::uint32_t colors) {
+    if (k == colors) return has_alpha(image) ? image.channels - 1 : image.channels;
+    return colors_of(image) == 1 ? 0 : k;
+}
+
+bool is_integer(const prep::Image& image, std::uint32_t channel) {
+    return (image.integer_channels >> channel & 1) != 0;
+}
+
+double distance(double u, double v) {
+    if (u == v || (std::isnan(u) && std::isnan(v))) return 0;
+    const double d = std::abs(u - v);
+    return std::isfinite(d) ? d : std::numeric_limits<double>::infinity();
+}
+
+struct Pair {
+    std::uint32_t a = 0, b = 0;  // channels
+    bool integer = false;
+};
+
 }  // namespace
 
 prep::Result<ImageDiff> diff_images(const prep::Image& a, const prep::Image& b) {
@@ -30,40 +58,69 @@ prep::Result<ImageDiff> diff_images(const prep::Image& a, const prep::Image& b) 
                                std::to_string(a.height) + " against " + std::to_string(b.width) +
                                "×" + std::to_string(b.height),
                            ""};
-    const auto color_channels = [](const prep::Image& image) {
-        return image.channels == 2 ? 1u : std::min(image.channels, 3u);
-    };
-    std::uint32_t channels = std::min(color_channels(a), color_channels(b));
-    if (a.channels == b.channels) channels = a.channels;
+    const std::uint32_t colors = std::max(colors_of(a), colors_of(b));
+    const std::uint32_t channels = colors + (has_alpha(a) || has_alpha(b) ? 1 : 0);
+    std::vector<Pair> pairs;
+    std::uint32_t measured = 0;
+    for (std::uint32_t k = 0; k < channels; ++k) {
+        const Pair pair{channel_of(a, k, colors), channel_of(b, k, colors),
+                        is_integer(a, channel_of(a, k, colors))};
+        if (pair.integer != is_integer(b, channel_of(b, k, colors)))
+            return prep::Error{prep::ErrorCode::invalid,
+                               "channel " + std::to_string(k + 1) +
+                                   " holds integers in one picture and numbers of another kind in "
+                                   "the other",
+                               ""};
+        measured += !pair.integer;
+        pairs.push_back(pair);
+    }
     ImageDiff out;
     out.pixels = std::uint64_t(a.width) * a.height;
+    out.measured = measured > 0;
     out.heat.width = a.width;
     out.heat.height = a.height;
     out.heat.channels = 3;
     out.heat.srgb = true;
     out.heat.pixels.resize(out.pixels * 3);
     double squares = 0, sum = 0;
+    // Of infinite, integer and finite differences, the first that occurs says where to look.
+    int worst_rank = 0;
     for (std::uint32_t y = 0; y < a.height; ++y) {
         for (std::uint32_t x = 0; x < a.width; ++x) {
+            const std::size_t pixel = std::size_t(y) * a.width + x;
             double worst = 0;
-            for (std::uint32_t k = 0; k < channels; ++k) {
-                const double u = a.at(x, y)[k], v = b.at(x, y)[k];
-                double d = u == v || (std::isnan(u) && std::isnan(v)) ? 0 : std::abs(u - v);
-                if (!std::isfinite(d)) d = 1;
+            bool infinite = false, integer = false;
+            for (const Pair& pair : pairs) {
+                if (pair.integer) {
+                    integer |= a.integers[pixel * a.channels + pair.a] !=
+                               b.integers[pixel * b.channels + pair.b];
+                    continue;
+                }
+                const double d = distance(pair.a < a.channels ? a.at(x, y)[pair.a] : 1.0f,
+                                          pair.b < b.channels ? b.at(x, y)[pair.b] : 1.0f);
+                if (std::isinf(d)) {
+                    ++out.infinite;
+                    infinite = true;
+                    continue;
+                }
                 squares += d * d;
                 sum += d;
                 worst = std::max(worst, d);
             }
-            out.different += worst > 0;
-            if (worst > out.largest) {
-                out.largest = worst;
+            out.different += worst > 0 || infinite || integer;
+            out.different_integers += integer;
+            const int rank = infinite ? 3 : integer ? 2 : worst > 0 ? 1 : 0;
+            if (rank > worst_rank || (rank == 1 && worst_rank == 1 && worst > out.largest)) {
+                worst_rank = rank;
                 out.worst_x = x;
                 out.worst_y = y;
             }
-            heat_color(heat_of(worst), out.heat.pixels.data() + (std::size_t(y) * a.width + x) * 3);
+            out.largest = std::max(out.largest, worst);
+            heat_color(rank > 1 ? 1.0f : heat_of(worst), out.heat.pixels.data() + pixel * 3);
         }
     }
-    const double count = static_cast<double>(out.pixels) * channels;
+    const double count =
+        static_cast<double>(out.pixels) * measured - static_cast<double>(out.infinite);
     if (count > 0) {
         out.rmse = std::sqrt(squares / count);
         out.mean = sum / count;
