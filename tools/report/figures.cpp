@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 namespace report {
 namespace {
@@ -90,7 +91,7 @@ std::vector<FigureGroup> make_figures(const prep::PreparedScene& prepared,
     std::vector<FigureGroup> groups;
     prep::MeshSummary sum;
     bool closed = true, manifold = true, oriented = true;
-    std::uint64_t source_vertices = 0, materials = prepared.scene.materials.size();
+    std::uint64_t source_vertices = 0;
     for (const prep::Mesh& mesh : prepared.scene.meshes) source_vertices += mesh.vertex_count();
     for (const prep::MeshSummary& s : summaries) {
         sum.faces += s.faces;
@@ -118,7 +119,11 @@ std::vector<FigureGroup> make_figures(const prep::PreparedScene& prepared,
          manifold ? "yes" : fmt::format("no, {} bad edges", commas(sum.non_manifold_edges)),
          !manifold});
     mesh.figures.push_back({"consistent orientation", yes(oriented), !oriented});
-    mesh.figures.push_back({"materials", commas(materials)});
+    std::set<std::uint32_t> materials;  // of these meshes; the file may have more
+    for (const prep::VertexMesh& m : prepared.meshes)
+        for (const prep::VertexMesh::Range& range : m.ranges)
+            if (range.material != prep::no_index) materials.insert(range.material);
+    mesh.figures.push_back({"materials", commas(materials.size())});
     groups.push_back(std::move(mesh));
 
     std::uint64_t vertices = 0, triangles = 0;

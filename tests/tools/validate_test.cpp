@@ -1,0 +1,60 @@
+// The command's `validate`: what its page and its figures say.
+#include <gtest/gtest.h>
+
+#include <regex>
+
+#include "command_runner.h"
+
+namespace {
+
+using test::run_command;
+using test::TemporaryDirectory;
+
+// In the bytes of pictures anything may stand.
+std::string without_pictures(std::string page) {
+    const std::string mark = "base64,";
+    for (std::size_t at = page.find(mark); at != std::string::npos; at = page.find(mark, at + 1))
+        page.erase(at, page.find('"', at) - at);
+    return page;
+}
+
+TEST(Validate, ThePageHoldsNoTimes) {
+    const TemporaryDirectory dir;
+    test::write_text(dir / "cube.obj", test::textured_cube_obj());
+    std::string pages[2];
+    for (std::string& page : pages) {
+        const std::string out = (dir / (&page == pages ? "a" : "b")).string();
+        const test::Ran ran =
+            run_command({"validate", (dir / "cube.obj").string(), "-o", out, "--panel", "64",
+                         "--threads", &page == pages ? "1" : "2"});
+        ASSERT_EQ(ran.exit_code, 0) << ran.err;
+        page = test::read_text(std::filesystem::path(out) / "cube.html");
+    }
+    ASSERT_FALSE(pages[0].empty());
+    EXPECT_TRUE(pages[0] == pages[1]);
+    const std::string text = without_pictures(pages[0]);
+    std::smatch found;
+    EXPECT_FALSE(std::regex_search(text, found, std::regex("[0-9] (ms|µs|s)\\b"))) << found.str();
+    EXPECT_NE(text.find("Stages"), std::string::npos);
+}
+
+TEST(Validate, CountsTheMaterialsOfTheMesh) {
+    const TemporaryDirectory dir;
+    test::write_text(dir / "m.mtl", "newmtl a\nKd 1 0 0\nnewmtl b\nKd 0 1 0\nnewmtl c\nKd 0 0 1\n");
+    const auto materials = [&](const std::string& faces) -> std::string {
+        test::write_text(dir / "m.obj",
+                         "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n" + faces);
+        const test::Ran ran = run_command(
+            {"validate", (dir / "m.obj").string(), "-o", (dir / "out").string(), "--panel", "64"});
+        EXPECT_EQ(ran.exit_code, 0) << ran.err;
+        const std::string page = test::read_text(dir / "out/m.html");
+        std::smatch found;
+        const std::regex pair("<dt>materials</dt>\\s*<dd[^>]*>([0-9]+)");
+        const std::string text = without_pictures(page);
+        return std::regex_search(text, found, pair) ? found[1].str() : "none";
+    };
+    EXPECT_EQ(materials("usemtl a\nf 1 2 3 4\n"), "1");
+    EXPECT_EQ(materials("usemtl a\nf 1 2 3\nusemtl c\nf 1 3 4\n"), "2");
+}
+
+}  // namespace
