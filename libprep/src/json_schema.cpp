@@ -53,6 +53,11 @@ Outcome read_number(const Json& value, const std::string& pointer, double least,
                     double& out) {
     if (!value.is_number()) return wrong_type(value, pointer, range_text(least, greatest));
     const double read = value.get<double>();
+    // Where range_text() does not name the limit.
+    if (std::isfinite(read) && greatest >= 1e30 &&
+        (read > greatest || (read < least && least <= -1e30)))
+        return Problem{pointer, "expected a number of at most " + shortest(greatest) +
+                                    " in size, found " + value.dump() + ", which is too large"};
     if (!(read >= least && read <= greatest) || !std::isfinite(read))
         return Problem{pointer,
                        "expected " + range_text(least, greatest) + ", found " + value.dump()};

@@ -53,6 +53,7 @@ struct PlaceChoice {
     glm::dvec3 from{0, 0, 1};
     std::optional<glm::dvec3> at;
     glm::dvec3 up{0, 1, 0};
+    bool up_given = false;
 };
 using CameraChoice = std::variant<std::monostate, OrbitChoice, std::string, PlaceChoice>;
 

@@ -70,6 +70,7 @@ void parse_crop(const std::string& text, RenderCommand& c) {
 void parse_buffers(const std::string& text, RenderCommand& c) {
     std::istringstream in(text);
     std::string word, list;
+    if (text.empty()) usage_error("--buffers", "names no buffer; 'all' is a choice");
     for (const auto& entry : buffer_words()) list += (list.empty() ? "" : ", ") + entry.first;
     while (std::getline(in, word, ',')) {
         bool known = false;
@@ -125,7 +126,11 @@ void add_camera_options(CLI::App* sub, RenderCommand& c) {
         ->group(group)
         ->needs(from);
     sub->add_option_function<std::string>(
-           "--up", [place](const std::string& text) { place().up = parse_place("--up", text); },
+           "--up",
+           [place](const std::string& text) {
+               place().up = parse_place("--up", text);
+               place().up_given = true;
+           },
            "Which way is up in the picture (default 0,1,0)")
         ->type_name("X,Y,Z")
         ->group(group)
@@ -280,6 +285,14 @@ void check_render(const RenderCommand& c) {
     const auto* const place = std::get_if<PlaceChoice>(&c.camera);
     if (place && place->at && *place->at == place->from)
         usage_error("--look-at", "is where the camera stands");
+    if (place && place->up_given) {
+        const glm::dvec3& up = place->up;
+        if (!(glm::length(up) > 0)) usage_error("--up", "has no length; choose a direction");
+        const glm::dvec3 view = place->at ? *place->at - place->from : glm::dvec3(0);
+        if (place->at &&
+            !(glm::length(glm::cross(view, up)) > 1e-9 * glm::length(view) * glm::length(up)))
+            usage_error("--up", "points along the view; choose another");
+    }
     if (c.yfov && c.ortho_height)
         usage_error("--fov", "is an angle of perspective; --ortho has none, give one of them");
     const std::string name = c.output.filename().string();
