@@ -1,5 +1,6 @@
 #include <cctype>
 
+#include "gltf_document.h"
 #include "prep/save.h"
 #include "writers.h"
 
@@ -29,6 +30,30 @@ void note_groups(const PreparedScene& prepared, const std::string& format,
                         (count == 1 ? " name was left out" : " names were left out"));
 }
 
+namespace {
+
+// A mesh has them for faces alone; only glTF files keep those of their lines and points.
+void note_loose_attributes(const PreparedScene& prepared, std::vector<std::string>& notes) {
+    const GltfDocument* document = prepared.scene.document.get();
+    if (!document) return;
+    std::size_t count = 0;
+    for (std::size_t m = 0; m < document->primitives.size(); ++m)
+        for (std::size_t p = 0; p < document->primitives[m].size(); ++p) {
+            if (document->primitives[m][p].triangles) continue;
+            const Json& attributes = document->json["meshes"][m]["primitives"][p]["attributes"];
+            bool any = false;
+            for (const auto& item : attributes.items())
+                any |= item.key() == "NORMAL" || item.key().starts_with("TEXCOORD_");
+            count += any;
+        }
+    if (count > 0)
+        notes.push_back(
+            "normals and UVs of lines and points are kept in glTF files only: those of " +
+            std::to_string(count) +
+            (count == 1 ? " primitive were left out" : " primitives were left out"));
+}
+
+}  // namespace
 }  // namespace detail
 
 Result<std::vector<std::string>> save_scene(const PreparedScene& prepared,
@@ -37,10 +62,18 @@ Result<std::vector<std::string>> save_scene(const PreparedScene& prepared,
     std::string ending = path.extension().string();
     for (char& c : ending) c = char(std::tolower(static_cast<unsigned char>(c)));
     if (ending == ".glb" || ending == ".gltf") return detail::write_gltf(prepared, path, options);
-    if (ending == ".obj") return detail::write_obj(prepared, path, options);
-    if (ending == ".ply") return detail::write_ply(prepared, path, options);
-    if (ending == ".stl") return detail::write_stl(prepared, path, options);
-    if (ending == ".off") return detail::write_off(prepared, path, options);
+    using Write = Result<std::vector<std::string>> (*)(
+        const PreparedScene&, const std::filesystem::path&, const SaveOptions&);
+    static constexpr std::pair<const char*, Write> others[] = {{".obj", detail::write_obj},
+                                                               {".ply", detail::write_ply},
+                                                               {".stl", detail::write_stl},
+                                                               {".off", detail::write_off}};
+    for (const auto& [name, write] : others) {
+        if (ending != name) continue;
+        auto notes = write(prepared, path, options);
+        if (notes) detail::note_loose_attributes(prepared, *notes);
+        return notes;
+    }
     return Error{ErrorCode::unsupported,
                  "cannot write '" + ending + "': GLB, glTF, OBJ, PLY, STL and OFF are written",
                  path.string()};

@@ -50,6 +50,20 @@ void each_tile(const CullResult& list, std::uint32_t kept, std::int32_t tiles_x,
     }
 }
 
+// How often entries are listed.
+std::uint64_t entries_by_tile(const CullResult& list, std::uint32_t kept) {
+    std::uint64_t entries = kept;
+    for (std::uint32_t e = 0; e < kept; ++e) {
+        if (list.tile[e] != CullResult::several_tiles) continue;
+        const std::uint32_t columns = std::uint32_t(list.columns[e]);
+        const std::uint32_t rows = std::uint32_t(list.rows[e]);
+        entries += std::uint64_t((columns >> 16) - (columns & 0xffffu) + 1) *
+                       ((rows >> 16) - (rows & 0xffffu) + 1) -
+                   1;
+    }
+    return entries;
+}
+
 // Counts entries by tile, in scratch.counts, and lists the tiles that have any. False, and nothing
 // counted: their number and that of the tiles would take more than max_bytes.
 bool count_by_tile(const Window& window, std::uint32_t kept, std::uint64_t max_bytes,
@@ -57,15 +71,10 @@ bool count_by_tile(const Window& window, std::uint32_t kept, std::uint64_t max_b
     scratch.counts.resize(window.tile_count(), 0);
     scratch.touched.clear();
     const CullResult& list = scratch.kept;
-    std::uint64_t several = kept;
-    for (std::uint32_t e = 0; e < kept; ++e) {
-        if (list.tile[e] != CullResult::several_tiles) continue;
-        const std::uint32_t columns = std::uint32_t(list.columns[e]);
-        const std::uint32_t rows = std::uint32_t(list.rows[e]);
-        several += std::uint64_t((columns >> 16) - (columns & 0xffffu) + 1) *
-                   ((rows >> 16) - (rows & 0xffffu) + 1);
-    }
-    if (several * sizeof(std::uint16_t) > max_bytes) return false;
+    // Seldom looked at: even entries that reach all tiles would fit.
+    if (std::uint64_t(kept) * window.tile_count() > max_bytes / sizeof(std::uint16_t) &&
+        entries_by_tile(list, kept) > max_bytes / sizeof(std::uint16_t))
+        return false;
     std::uint32_t* const counts = scratch.counts.data();
     const auto add = [&](std::uint32_t tile, std::uint32_t entries) {
         if (counts[tile] == 0) scratch.touched.push_back(tile);

@@ -253,6 +253,22 @@ TEST(GltfMend, OddValuesThatAreCarriedOverAreTold) {
     EXPECT_NE((*notes)[0].find("(accessors of the source: 3)"), std::string::npos) << (*notes)[0];
 }
 
+TEST(GltfMend, NormalsOfPointsThatOtherFormatsDoNotKeepAreTold) {
+    OddFile file;
+    file.add<float>("NORMAL", "VEC3", {0, 0, 1, 0, 0, 1, 0, 0, 1});
+    file.attributes += R"(},"mode":0,"extras":{"a":0)";
+    const test::TempDir dir;
+    const auto kept = file.save(dir);
+    ASSERT_TRUE(kept.has_value()) << prep::to_string(kept.error());
+    EXPECT_EQ(*kept, std::vector<std::string>{});
+    auto scene = prep::load_scene(dir / "in.gltf");
+    ASSERT_TRUE(scene.has_value());
+    const auto notes = prep::save_scene(test::untouched(*std::move(scene)), dir / "out.ply");
+    ASSERT_TRUE(notes.has_value()) << prep::to_string(notes.error());
+    ASSERT_EQ(notes->size(), 1u);
+    EXPECT_NE((*notes)[0].find("those of 1 primitive were left out"), std::string::npos);
+}
+
 TEST(GltfMend, GoodValuesKeepTheirBytesWithoutANote) {
     OddFile file;
     file.add<float>("TEXCOORD_0", "VEC2", {0.5f, 1e30f, -7, 2, 3, 4});
