@@ -49,6 +49,14 @@ bool TangentReview::any(unsigned bits) const {
     return false;
 }
 
+void TangentReview::mark_stale(const std::vector<bool>& replaced) {
+    for (std::size_t c = 0; c < replaced.size(); ++c) {
+        if (!replaced[c] || (faults[c] & tangent_missing)) continue;
+        faults[c] |= tangent_stale;
+        ++counts[7];
+    }
+}
+
 TangentReview review_tangents(const MeshView& mesh, const CornerLayer<glm::vec4>& authored,
                               const CornerTangents* computed) {
     TangentReview review;

@@ -18,9 +18,10 @@ enum TangentReviewFault : std::uint8_t {  // bits
     tangent_non_unit = 16,     // length off by more than unit_tolerance, or w clear but not ±1
     tangent_off_plane = 32,    // its sine out of the normal's plane is more than plane_tolerance
     tangent_against_uvs = 64,  // more than 60° from the UVs' direction, or of the other sign
+    tangent_stale = 128,       // its normal was replaced
 };
-inline constexpr int tangent_fault_kinds = 7;
-// Without these there is no frame at all.
+inline constexpr int tangent_fault_kinds = 8;
+// With one of these there is no frame at all.
 inline constexpr unsigned tangent_unusable =
     tangent_missing | tangent_non_finite | tangent_zero | tangent_no_sign;
 
@@ -31,6 +32,8 @@ struct TangentReview {
     std::vector<std::uint8_t> faults;  // per corner: bits of TangentReviewFault
     std::array<std::uint64_t, tangent_fault_kinds> counts{};  // corners, per bit
     bool any(unsigned bits) const;
+    // Corners with a tangent whose normal is not the file's; `replaced` per corner, or empty.
+    void mark_stale(const std::vector<bool>& replaced);
 };
 
 // `mesh` with the normals that the tangents are to go with. Against UVs is only judged where

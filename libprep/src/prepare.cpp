@@ -96,7 +96,7 @@ class Preparer {
         const MeshRequirements& need = out_.requirements[index];
         geometry_ = {};
         normals_made_ = tangents_made_ = false;
-        bool normals_changed = false;
+        normal_replaced_.clear();
         // What is rewritten in place keeps its vertices: skins and morph targets count on them.
         if (options_.weld != WeldMode::none && !out_.scene.document && detail::is_soup(mesh)) {
             geometry_.shared = log_.run(
@@ -106,10 +106,8 @@ class Preparer {
                 });
         }
         if (auto done = repair_mesh(index, mesh); !done) return std::move(done).error();
-        if (auto done = prepare_normals(index, mesh, need, normals_changed); !done)
-            return std::move(done).error();
-        if (auto done = prepare_tangents(index, mesh, need, normals_changed); !done)
-            return std::move(done).error();
+        if (auto done = prepare_normals(index, mesh, need); !done) return std::move(done).error();
+        if (auto done = prepare_tangents(index, mesh, need); !done) return std::move(done).error();
         auto split_mesh = log_.run("split", "vertices carry one set of attributes each", [&] {
             // The parts of a glTF are its primitives, each with vertices of its own to be written
             // back; everywhere else they are names.
@@ -217,8 +215,7 @@ class Preparer {
             log_.skipped(stage, reason);
     }
 
-    Result<void> prepare_normals(std::uint32_t index, Mesh& mesh, const MeshRequirements& need,
-                                 bool& changed) {
+    Result<void> prepare_normals(std::uint32_t index, Mesh& mesh, const MeshRequirements& need) {
         if (!need.normals.needed) {
             skip_normals(need.normals.reason);
             return {};
@@ -243,10 +240,8 @@ class Preparer {
             for (const std::uint8_t f : review.faults) any |= (f & replace) != 0;
             if (!any) {
                 skip_normals("the file's own normals are kept");
-                if (!review.perfect()) {
+                if (!review.perfect())
                     mesh.normals = detail::merge_normals(mesh.normals, review, replace, nullptr);
-                    changed = true;
-                }
                 return {};
             }
             reason = "some authored normals are missing or bad";
@@ -254,12 +249,13 @@ class Preparer {
         auto computed = compute_normals(mesh, reason);
         if (!computed) return std::move(computed).error();
         report_fallbacks(index, *computed);
-        changed = true;
         if (review.faults.empty()) {
             mesh.normals = std::move(computed->normals);
             normals_made_ = true;
         } else {
             mesh.normals = detail::merge_normals(mesh.normals, review, replace, &computed->normals);
+            for (const std::uint8_t faults : review.faults)
+                normal_replaced_.push_back((faults & replace) != 0);
             geometry_.hard.reset();  // most normals are the file's: it says where they differ
         }
         return {};
@@ -300,46 +296,60 @@ class Preparer {
                     "no face around a corner has a normal: it got (0, 0, 1)");
     }
 
-    Result<void> prepare_tangents(std::uint32_t index, Mesh& mesh, const MeshRequirements& need,
-                                  bool normals_changed) {
+    // A tangent belongs to its normal: where that is not the file's any more, it is computed anew.
+    // A normal that was only rescaled is the file's.
+    Result<void> prepare_tangents(std::uint32_t index, Mesh& mesh, const MeshRequirements& need) {
+        const MeshView view(mesh, need.tangent_uv_set);
         if (!need.tangents.needed) {
             log_.skipped("tangents", need.tangents.reason);
-            if (normals_changed && !mesh.tangents.empty()) {
-                // They were orthogonal to normals that are gone, and nothing calls for new ones.
+            if (mesh.tangents.empty()) return {};
+            const bool stale =
+                !normals_made_ && review_of(view, mesh, nullptr).any(detail::tangent_stale);
+            if (normals_made_ || (stale && mesh.uvs.empty())) {
                 add_finding(index, "stale-tangent", Severity::info, mesh.corner_count(), {},
                             "authored tangents were dropped: the normals they belong to changed");
                 mesh.tangents = {};
+            } else if (stale) {
+                return replace_tangents(index, mesh, view, "some of their normals were replaced",
+                                        detail::tangent_stale);
             }
             return {};
         }
-        const MeshView view(mesh, need.tangent_uv_set);
         std::string reason = need.tangents.reason;
         const bool authored = !mesh.tangents.empty() && options_.tangents != Authored::replace;
-        const bool repair = options_.tangents == Authored::repair;
-        if (authored && !repair) {
-            if (normals_changed) {
-                reason = "the normals changed, so the file's own tangents no longer fit";
-                return replace_tangents(index, mesh, view, reason, false);
-            }
-            const TangentReview review = detail::review_tangents(view, mesh.tangents, nullptr);
-            if (!review.any(detail::tangent_unusable)) {
-                log_.skipped("tangents", "the file's own tangents are kept");
-                report_review(index, review, detail::tangent_unusable);
-                if (review.any(detail::tangent_non_unit))
-                    mesh.tangents = detail::merge_tangents(mesh.tangents, review,
-                                                           detail::tangent_unusable, nullptr);
-                return {};
-            }
-            reason = "some authored tangents are missing or unusable";
-        } else if (authored) {
-            reason = "authored tangents are held against them";
-        }
-        return replace_tangents(index, mesh, view, reason, authored);
+        if (!authored) return replace_tangents(index, mesh, view, reason, everywhere);
+        if (options_.tangents == Authored::repair)
+            return replace_tangents(index, mesh, view, "authored tangents are held against them",
+                                    0xff);
+        if (normals_made_)
+            return replace_tangents(index, mesh, view,
+                                    "the normals changed, so the file's own tangents no longer fit",
+                                    everywhere);
+        constexpr unsigned bad = detail::tangent_unusable | detail::tangent_stale;
+        const TangentReview review = review_of(view, mesh, nullptr);
+        if (review.any(bad))
+            return replace_tangents(index, mesh, view,
+                                    "some authored tangents are missing, unusable or of normals "
+                                    "that were replaced",
+                                    bad);
+        log_.skipped("tangents", "the file's own tangents are kept");
+        report_review(index, review, bad);
+        if (review.any(detail::tangent_non_unit))
+            mesh.tangents = detail::merge_tangents(mesh.tangents, review, bad, nullptr);
+        return {};
     }
 
-    // Everywhere, or (surgical) where the file's own are bad.
+    TangentReview review_of(const MeshView& view, const Mesh& mesh,
+                            const CornerTangents* computed) const {
+        TangentReview review = detail::review_tangents(view, mesh.tangents, computed);
+        review.mark_stale(normal_replaced_);
+        return review;
+    }
+
+    // Everywhere, or where the file's own have one of these faults.
+    static constexpr unsigned everywhere = 0;
     Result<void> replace_tangents(std::uint32_t index, Mesh& mesh, const MeshView& view,
-                                  const std::string& reason, bool surgical) {
+                                  const std::string& reason, unsigned replace) {
         TangentOptions tangent_options = options_.tangent;
         tangent_options.threads = options_.threads;
         auto tangents = log_.run("tangents", reason, [&] {
@@ -347,11 +357,10 @@ class Preparer {
         });
         if (!tangents) return std::move(tangents).error();
         TangentReview review;
-        unsigned replace = 0xff;
+        const bool surgical = replace != everywhere;
         if (surgical) {
             const bool repair = options_.tangents == Authored::repair;
-            if (!repair) replace = detail::tangent_unusable;
-            review = detail::review_tangents(view, mesh.tangents, repair ? &*tangents : nullptr);
+            review = review_of(view, mesh, repair ? &*tangents : nullptr);
             report_review(index, review, replace);
         }
         std::uint64_t fallbacks = 0;
@@ -460,14 +469,17 @@ class Preparer {
             {"zero-tangent", "authored tangents of length zero were replaced", ""},
             {"tangent-sign", "authored tangents whose w is no sign were replaced", ""},
             {"non-unit-tangent", "authored tangents that are not unit were replaced",
-             "authored tangents that are not unit were rescaled"},
+             "authored tangents that are not unit were rescaled, their w made 1 or -1"},
             {"non-orthogonal-tangent",
              "authored tangents out of their normal's plane were replaced",
              "authored tangents are out of their normal's plane: kept, repairing replaces them"},
             {"tangent-against-uvs", "authored tangents that contradict the UVs were replaced", ""},
+            {"stale-tangent", "authored tangents whose normals were replaced were replaced too",
+             ""},
         };
         for (unsigned k = 0; k < detail::tangent_fault_kinds; ++k) {
-            if (review.counts[k] == 0) continue;
+            const char* const text = (replaced >> k & 1u) ? kinds[k].what : kinds[k].kept;
+            if (review.counts[k] == 0 || *text == 0) continue;
             std::vector<std::uint32_t> places;
             for (std::uint32_t c = 0; c < review.faults.size(); ++c) {
                 if (!(review.faults[c] >> k & 1u)) continue;
@@ -475,8 +487,7 @@ class Preparer {
                 if (places.size() == Finding::max_places) break;
             }
             add_finding(index, kinds[k].name, k == 0 ? Severity::info : Severity::warning,
-                        review.counts[k], std::move(places),
-                        (replaced >> k & 1u) ? kinds[k].what : kinds[k].kept);
+                        review.counts[k], std::move(places), text);
         }
     }
 
@@ -500,7 +511,9 @@ class Preparer {
     PreparedScene& out_;
     StageLog log_;
     Geometry geometry_;
-    bool normals_made_ = false, tangents_made_ = false;  // all of the mesh at hand
+    bool normals_made_ = false, tangents_made_ = false;
+    std::vector<bool> normal_replaced_;  // per corner; empty: none of the file's own was  // all of
+                                         // the mesh at hand
 };
 
 }  // namespace

@@ -180,6 +180,75 @@ TEST(Prepare, NewNormalsMakeAuthoredTangentsStale) {
     EXPECT_EQ(count(*result, "stale-tangent"), 24u);
 }
 
+// A cube whose normals are those of its faces and whose tangents are a fixed one for each face.
+prep::Mesh cube_with_frames() {
+    prep::Mesh mesh = cube();
+    for (std::uint32_t f = 0; f < 6; ++f) {
+        const auto corner = [&](std::uint32_t k) {
+            return mesh.positions[mesh.corner_vertices[4 * f + k]];
+        };
+        const glm::vec3 along = corner(1) - corner(0);
+        mesh.normals.values.push_back(glm::normalize(glm::cross(along, corner(2) - corner(1))));
+        mesh.tangents.values.emplace_back(glm::normalize(along), f % 2 == 0 ? 1.0f : -1.0f);
+    }
+    for (std::uint32_t c = 0; c < 24; ++c) {
+        mesh.normals.indices.push_back(c / 4);
+        mesh.tangents.indices.push_back(c / 4);
+        const glm::vec3& p = mesh.positions[mesh.corner_vertices[c]];
+        mesh.uvs.resize(1);
+        mesh.uvs[0].values.emplace_back(p.x + 0.3f * p.z, p.y + 0.4f * p.z);
+        mesh.uvs[0].indices.push_back(c);
+    }
+    return mesh;
+}
+
+TEST(Prepare, RescaledNormalsKeepTheirTangents) {
+    prep::Mesh mesh = cube_with_frames();
+    mesh.normals.values[0] *= 2.0f;
+    mesh.normals.values[1] *= 0.998f;
+    const std::vector<glm::vec4> before = mesh.tangents.values;
+    for (const auto level : {prep::Request::Level::as_called_for, prep::Request::Level::always}) {
+        prep::PrepareOptions options;
+        options.request.tangents = level;
+        const auto result = prep::prepare(scene_of(mesh), options);
+        ASSERT_TRUE(result.has_value());
+        EXPECT_EQ(count(*result, "non-unit-normal"), 8u);
+        EXPECT_EQ(count(*result, "stale-tangent"), 0u);
+        EXPECT_EQ(result->scene.meshes[0].tangents.values, before);
+        EXPECT_EQ(result->scene.meshes[0].tangents.indices, mesh.tangents.indices);
+    }
+}
+
+TEST(Prepare, OnlyTheTangentsOfReplacedNormalsAreNew) {
+    prep::Mesh mesh = cube_with_frames();
+    for (std::uint32_t c = 20; c < 24; ++c) mesh.normals.indices[c] = prep::no_index;
+    mesh.tangents.values[5] = {0.6f, 0.0f, 0.8f, 1.0f};  // of a normal that is not there
+    for (const auto level : {prep::Request::Level::as_called_for, prep::Request::Level::always}) {
+        prep::PrepareOptions options;
+        options.request.tangents = level;
+        const auto result = prep::prepare(scene_of(mesh), options);
+        ASSERT_TRUE(result.has_value()) << prep::to_string(result.error());
+        EXPECT_EQ(count(*result, "missing-normal"), 4u);
+        EXPECT_EQ(count(*result, "stale-tangent"), 4u);
+        const prep::Mesh& out = result->scene.meshes[0];
+        for (std::uint32_t c = 0; c < 24; ++c) {
+            const glm::vec4 t = out.tangents.values[out.tangents.indices[c]];
+            if (c < 20) {
+                EXPECT_EQ(t, mesh.tangents.values[c / 4]);
+                continue;
+            }
+            const glm::vec3 n = out.normals.values[out.normals.indices[c]];
+            EXPECT_NEAR(glm::dot(glm::vec3(t), n), 0.0f, 1e-6f);
+            EXPECT_NEAR(glm::length(glm::vec3(t)), 1.0f, 1e-6f);
+        }
+    }
+    mesh.uvs.clear();  // nothing to compute them from
+    const auto without = prep::prepare(scene_of(mesh), {});
+    ASSERT_TRUE(without.has_value()) << prep::to_string(without.error());
+    EXPECT_TRUE(without->meshes[0].tangents.empty());
+    EXPECT_EQ(count(*without, "stale-tangent"), 24u);
+}
+
 TEST(Prepare, SoupSharesItsVertices) {
     prep::Mesh mesh = cube(), soup;
     for (std::uint32_t c = 0; c < 24; ++c) {
