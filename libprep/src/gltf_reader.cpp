@@ -9,6 +9,7 @@
 #include "gltf_materials.h"
 #include "gltf_meshes.h"
 #include "gltf_structure.h"
+#include "name_list.h"
 
 namespace prep {
 namespace {
@@ -255,6 +256,7 @@ class Reader {
     Result<void> nodes() {
         const Json* list = *top_array(d_, "nodes");
         scene_.nodes.resize(list->size());
+        NameList instanced;
         for (std::size_t n = 0; n < list->size(); ++n) {
             const Json& in = (*list)[n];
             const std::string pointer = "/nodes/" + std::to_string(n);
@@ -279,12 +281,9 @@ class Reader {
                 if (!light) return light.error();
                 out.light = *light;
             }
-            if (in.contains("extensions") && in["extensions"].is_object() &&
+            if (out.mesh != no_index && in.contains("extensions") && in["extensions"].is_object() &&
                 in["extensions"].contains("EXT_mesh_gpu_instancing"))
-                scene_.warnings.push_back(d_.place(pointer) +
-                                          ": EXT_mesh_gpu_instancing: the instances are kept in "
-                                          "glTF files; drawn, measured and written to other "
-                                          "formats, the mesh stands once");
+                instanced.add(std::to_string(n));
             const auto children = in.find("children");
             if (children == in.end()) continue;
             if (!children->is_array()) return bad(pointer + "/children", "expected an array");
@@ -299,6 +298,12 @@ class Reader {
                 child.parent = Index(n);
             }
         }
+        if (!instanced.empty())
+            scene_.warnings.push_back(d_.place("/nodes") +
+                                      ": the instances of EXT_mesh_gpu_instancing are kept in glTF "
+                                      "files; drawn, measured and written to other formats, the "
+                                      "mesh stands once (nodes " +
+                                      instanced.text() + ")");
         return check_cycles();
     }
 

@@ -551,6 +551,15 @@ class Rewriter {
             const auto i = index.get<std::uint64_t>();
             if (i < count && json_["accessors"][i]["componentType"] == 5126) kept.insert(i);
         });
+        // Those that were left as they are have a note of their own.
+        each(json_, "meshes", [&](Json& mesh) {
+            each(mesh, "primitives", [&](Json& primitive) {
+                const Visit leave = [&](Json& index) { kept.erase(index.get<std::size_t>()); };
+                if (primitive.value("mode", 4) < 4) return;
+                visit_members(primitive["attributes"], leave);
+                each(primitive, "targets", [&](Json& target) { visit_members(target, leave); });
+            });
+        });
         NameList broken;
         for (const std::size_t i : kept) {
             const auto raw = document_.raw_accessor(i);
@@ -562,7 +571,8 @@ class Rewriter {
         }
         if (!broken.empty())
             notes_.push_back(
-                "lines, points, animations or skins have values that are not finite, which the "
+                "lines, points, animations, skins or instances have values that are not finite, "
+                "which the "
                 "format forbids; they were kept (accessors of the source: " +
                 broken.text() + ")");
     }

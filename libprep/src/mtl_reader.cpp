@@ -12,8 +12,8 @@
 namespace prep {
 namespace {
 
-using detail::NameList;
 using detail::LineScanner;
+using detail::NameList;
 
 std::string lower(std::string_view text) {
     std::string out(text);

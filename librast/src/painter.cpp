@@ -65,8 +65,10 @@ void Painter::draw_floats(std::uint32_t first, std::uint32_t rows, Frame& frame)
     frame.width = part_.width;
     frame.height = rows;
     frame.color.resize(std::size_t(frame.width) * rows);
+    const std::uint64_t plain_lists = frame.counters.list_bytes;
     frame.counters = {};
     draw_fine(first, rows, frame);
+    frame.counters.list_bytes += plain_lists;  // both are there at once
 }
 
 // A row of the finer picture's tiles at a time.

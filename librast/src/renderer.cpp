@@ -285,11 +285,14 @@ DrawGeometry Renderer::geometry_of(const TriangleChunk& chunk) const {
             cull_side(*plan_, prepared_, draw.material)};
 }
 
-// What small triangles take is never worth a second pass over them.
+// Beside what small triangles take, which grows with the mesh alone: two tiles each and, as far
+// apart as they can be, a slice of its own for each.
 std::uint64_t Renderer::list_limit() const {
+    if (window_.tiles_y == 1) return UINT64_MAX;  // there is nothing smaller
     std::uint64_t triangles = 0;
     for (const Draw& draw : draws_) triangles += draw.triangle_count;
-    return plan_->request.band_bytes + list_bytes(2 * triangles, chunk_count_);
+    const std::uint64_t more = list_bytes(2 * triangles, triangles);
+    return more + std::min(plan_->request.band_bytes, UINT64_MAX - more);
 }
 
 // Groups whose lists stay within the limit; a row of tiles is the smallest.
@@ -319,27 +322,32 @@ void Renderer::group_rows() {
 
 // Lists these rows' triangles by tile. False: they would take more than max_bytes.
 bool Renderer::list_rows(const TileRows& rows, std::uint64_t max_bytes) {
-    std::atomic<std::uint64_t> taken{0};
+    // Chunks' lists grow and shrink from group to group: none keeps its largest.
+    if (groups_.size() > 1) free_lists();
+    ListMemory memory{max_bytes};
     std::atomic<bool> fits{true};
     parallel_items(chunk_count_, threads_, [&](std::size_t c) {
         TriangleChunk& chunk = chunks_[c];
         BinScratch& scratch = bin_scratch_.local();
         const std::uint32_t kept =
             cull_chunk(geometry_of(chunk), window_, offsets_.size() > 1, *kernels_, scratch, chunk);
-        const std::uint64_t before = taken;
-        if (before > max_bytes ||
-            !list_chunk(window_, rows, kept, max_bytes - before, scratch, chunk))
-            fits = false;
-        else
-            taken += list_bytes(chunk.order.size(), chunk.slices.size());
+        if (!fits || !list_chunk(window_, rows, kept, memory, scratch, chunk)) fits = false;
     });
-    if (!fits || taken > max_bytes) {
-        for (TriangleChunk& chunk : chunks_) chunk.order = {};
+    if (!fits) {
+        free_lists();
         return false;
     }
-    shared_counters_.list_bytes = std::max(shared_counters_.list_bytes, taken.load());
+    shared_counters_.list_bytes = std::max(shared_counters_.list_bytes, memory.taken.load());
     sort_by_tile();
     return true;
+}
+
+void Renderer::free_lists() {
+    for (TriangleChunk& chunk : chunks_) {
+        chunk.order = {};
+        chunk.slices = {};
+    }
+    tile_work_ = {};
 }
 
 void Renderer::sort_by_tile() {

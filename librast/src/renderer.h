@@ -40,6 +40,7 @@ class Renderer {
     std::uint64_t list_limit() const;
     void group_rows();
     bool list_rows(const TileRows& rows, std::uint64_t max_bytes);
+    void free_lists();
     void sort_by_tile();
     void draw_tiles(const TileRows& rows, const TileInputs& inputs, Frame& frame);
     TileCounts resolve_areas(const Window& rows, Frame& frame);

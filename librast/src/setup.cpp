@@ -65,7 +65,7 @@ std::uint64_t entries_by_tile(const CullResult& list, std::uint32_t kept) {
 }
 
 // Counts entries by tile, in scratch.counts, and lists the tiles that have any. False, and nothing
-// counted: their number and that of the tiles would take more than max_bytes.
+// counted: the entries alone would take more than max_bytes.
 bool count_by_tile(const Window& window, std::uint32_t kept, std::uint64_t max_bytes,
                    BinScratch& scratch) {
     scratch.counts.resize(window.tile_count(), 0);
@@ -187,15 +187,21 @@ std::uint32_t cull_chunk(const DrawGeometry& geometry, const Window& window, boo
                                : kept;
 }
 
-bool list_chunk(const Window& window, const TileRows& rows, std::uint32_t kept,
-                std::uint64_t max_bytes, BinScratch& scratch, TriangleChunk& chunk) {
+bool list_chunk(const Window& window, const TileRows& rows, std::uint32_t kept, ListMemory& memory,
+                BinScratch& scratch, TriangleChunk& chunk) {
     chunk.slices.clear();
     chunk.order.clear();
     CullResult& list = scratch.kept;
     if (rows.begin > 0 || rows.end < std::uint32_t(window.tiles_y))
         kept = keep_rows(rows, kept, list);
-    if (!count_by_tile(window, kept, max_bytes, scratch)) return false;
+    if (!count_by_tile(window, kept, memory.most, scratch)) return false;
     std::uint32_t* const counts = scratch.counts.data();
+    std::uint64_t entries = 0;
+    for (const std::uint32_t tile : scratch.touched) entries += counts[tile];
+    if (!memory.take(list_bytes(entries, scratch.touched.size()))) {
+        for (const std::uint32_t tile : scratch.touched) counts[tile] = 0;
+        return false;
+    }
     std::uint32_t total = 0;
     for (const std::uint32_t tile : scratch.touched) {
         const std::uint32_t count = counts[tile];
@@ -224,7 +230,8 @@ void set_up_chunk(const DrawGeometry& geometry, const Window& window, bool sever
                   const Kernels& kernels, BinScratch& scratch, TriangleChunk& chunk) {
     const std::uint32_t kept =
         cull_chunk(geometry, window, several_samples, kernels, scratch, chunk);
-    list_chunk(window, {0, std::uint32_t(window.tiles_y)}, kept, UINT64_MAX, scratch, chunk);
+    ListMemory memory;
+    list_chunk(window, {0, std::uint32_t(window.tiles_y)}, kept, memory, scratch, chunk);
 }
 
 void add_list_bytes(const Window& window, std::uint32_t kept, BinScratch& scratch) {

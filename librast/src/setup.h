@@ -1,6 +1,7 @@
 // From a run of one draw's triangles to lists of those that each tile has to draw.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <vector>
 
@@ -69,10 +70,17 @@ inline std::uint64_t list_bytes(std::uint64_t entries, std::uint64_t slices) {
 std::uint32_t cull_chunk(const DrawGeometry& geometry, const Window& window, bool several_samples,
                          const Kernels& kernels, BinScratch& scratch, TriangleChunk& chunk);
 
+// What the lists of all chunks take together; threads ask before they allocate.
+struct ListMemory {
+    std::uint64_t most = UINT64_MAX;
+    std::atomic<std::uint64_t> taken{0};
+    bool take(std::uint64_t bytes) { return taken.fetch_add(bytes) + bytes <= most; }
+};
+
 // Lists what cull_chunk() left by tile, as far as it lies in these rows. False, and nothing listed:
-// the entries alone would take more than max_bytes.
-bool list_chunk(const Window& window, const TileRows& rows, std::uint32_t kept,
-                std::uint64_t max_bytes, BinScratch& scratch, TriangleChunk& chunk);
+// there is no memory left for it.
+bool list_chunk(const Window& window, const TileRows& rows, std::uint32_t kept, ListMemory& memory,
+                BinScratch& scratch, TriangleChunk& chunk);
 
 // Both for all tiles, whatever they take.
 void set_up_chunk(const DrawGeometry& geometry, const Window& window, bool several_samples,

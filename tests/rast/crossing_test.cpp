@@ -29,7 +29,7 @@ CrossingTriangle random_triangle(std::mt19937& random, bool& drawn) {
     return t;
 }
 
-// What the header promises of one sample.
+// Sample by sample, without blocks; of equal depths the lower number.
 void draw_each(TileSamples& samples, const TilePlace& place, const CrossingTriangle& t,
                std::uint32_t number) {
     for (std::int32_t j = 0; j < place.height; ++j)
@@ -47,7 +47,9 @@ void draw_each(TileSamples& samples, const TilePlace& place, const CrossingTrian
             if (!inside || !(exact >= 0 && exact <= 1)) continue;
             const std::size_t at = std::size_t(j) * tile_size + std::size_t(i);
             const float depth = place.grid(float(exact));
-            if (!(depth > samples.depth[at])) continue;
+            if (depth < samples.depth[at] ||
+                (depth == samples.depth[at] && number >= samples.id[at]))
+                continue;
             samples.depth[at] = depth;
             samples.id[at] = number;
         }
@@ -61,15 +63,19 @@ TEST(Crossing, BlocksDrawWhatEachPixelAloneDraws) {
         TilePlace place{-32 * subpixels + 37, -32 * subpixels - 11};
         place.width = round % 3 == 0 ? 41 : tile_size;
         place.height = round % 5 == 0 ? 23 : tile_size;
-        place.grid = round % 4 == 0 ? fixed16_grid : DepthGrid{};
+        place.grid = round % 4 == 0 ? fixed16_grid : round % 4 == 1 ? fixed24_grid : DepthGrid{};
         place.skip_hidden = round % 2 == 0;
         TileSamples blocks, each;
         blocks.clear();
         each.clear();
-        for (std::uint32_t number = 0; number < 12; ++number) {
+        CrossingTriangle last;
+        for (std::uint32_t k = 0; k < 12; ++k) {
+            const std::uint32_t number = round % 7 == 0 ? 12 - k : k;
             bool drawn = false;
-            const CrossingTriangle t = random_triangle(random, drawn);
+            CrossingTriangle t = random_triangle(random, drawn);
+            if (k % 4 == 3) t = last;  // equal depths
             if (!drawn) continue;
+            last = t;
             raster_crossing(blocks.depth.data(), blocks.id.data(), place, t, number, nullptr,
                             kernels);
             draw_each(each, place, t, number);

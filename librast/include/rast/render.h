@@ -84,8 +84,8 @@ struct RenderRequest {
     // alone: other buffers are those of the picture without it.
     int supersample = 1;
     // Of a band's pixels in render_bands(). Lists of triangles by tile take as much at most, beside
-    // some 4 bytes a triangle, unless one row of tiles takes more: then they are made for groups of
-    // rows, one after the other.
+    // up to 28 bytes a triangle (small ones take 3), unless one row of tiles takes more: then they
+    // are made for groups of rows, one after the other.
     std::uint64_t band_bytes = std::uint64_t(1) << 26;
     int threads = 0;             // 0: all cores; the picture does not depend on it
     bool hierarchical_z = true;  // skip what is hidden by blocks of pixels; nor on this

@@ -301,6 +301,11 @@ struct TriangleTable {
         for (int k = 0; k < 3; ++k) store(s.vertex[k], vertex[k]);
         for (std::size_t n = 0; n < vector_size; ++n) {
             if (is_crossing[n] == 0) continue;
+            if (n > 0 && is_crossing[n - 1] != 0 && vertex[0][n] == vertex[0][n - 1] &&
+                vertex[1][n] == vertex[1][n - 1] && vertex[2][n] == vertex[2][n - 1]) {
+                crossing_weights_of[n] = crossing_weights_of[n - 1];
+                continue;
+            }
             const std::uint32_t corners[3] = {vertex[0][n], vertex[1][n], vertex[2][n]};
             crossing_weights_of[n] = crossing_weights(*draw.source_vertices, draw.records, corners);
         }
