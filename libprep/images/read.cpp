@@ -166,6 +166,7 @@ Result<Image> read(oiio::ImageInput& input, std::uint64_t file_bytes, const std:
     image.height = std::uint32_t(spec.height);
     image.channels = std::uint32_t(std::min(spec.nchannels, 4));
     image.srgb = says_srgb(spec);
+    image.floating = spec.format.is_floating_point();
     image.pixels.resize(std::size_t(image.width) * image.height * image.channels);
     if (!input.read_image(0, 0, 0, int(image.channels), oiio::TypeDesc::FLOAT,
                           image.pixels.data())) {

@@ -202,6 +202,7 @@ class MeshReader {
             if (auto done = read_attributes(attributes, pointer + "/attributes", out, mesh); !done)
                 return done;
         }
+        tell_left_over(mode, indices->size(), pointer);
         add_elements(mode, *indices, out.first_vertex, mesh);
         mesh.face_materials.resize(mesh.face_count(), *material);
         mesh.face_parts.resize(mesh.face_count(), Index(part));
@@ -397,6 +398,15 @@ class MeshReader {
             }
         }
         return {};
+    }
+
+    void tell_left_over(int mode, std::size_t count, const std::string& pointer) {
+        const std::size_t each = mode == 4 ? 3 : mode == 1 ? 2 : 1;
+        const std::size_t least = mode >= 4 ? 3 : mode == 0 ? 0 : 2;
+        if (count % each == 0 && (count == 0 || count >= least)) return;
+        scene_.warnings.push_back(d_.place(pointer) + ": " + number(count) + " indices make no " +
+                                  (mode >= 4 ? "whole triangles" : "whole lines") +
+                                  ": the last ones were left out");
     }
 
     // --- faces, lines and points -------------------------------------------------------------

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <span>
 
+#include "prep/gltf.h"
+
 namespace prep::detail {
 namespace {
 
@@ -146,3 +148,15 @@ CornerLayer<glm::vec3> morphed_normals(const Mesh& mesh, const std::vector<glm::
 }
 
 }  // namespace prep::detail
+
+namespace prep {
+
+std::size_t morph_target_count(const Scene& scene) {
+    std::size_t count = 0;
+    if (scene.document)
+        for (std::size_t m = 0; m < scene.document->primitives.size(); ++m)
+            count += detail::morph_target_count(*scene.document, m);
+    return count;
+}
+
+}  // namespace prep

@@ -1,6 +1,8 @@
 #include <cctype>
 
 #include "gltf_document.h"
+#include "name_list.h"
+#include "prep/gltf.h"
 #include "prep/save.h"
 #include "writers.h"
 
@@ -32,25 +34,40 @@ void note_groups(const PreparedScene& prepared, const std::string& format,
 
 namespace {
 
-// A mesh has them for faces alone; only glTF files keep those of their lines and points.
-void note_loose_attributes(const PreparedScene& prepared, std::vector<std::string>& notes) {
+// What glTF files keep and the other formats do not, beside what their writers tell of themselves.
+void note_lost(const PreparedScene& prepared, const std::string& format,
+               std::vector<std::string>& notes) {
     const GltfDocument* document = prepared.scene.document.get();
     if (!document) return;
-    std::size_t count = 0;
+    std::size_t loose = 0;
+    NameList custom;
     for (std::size_t m = 0; m < document->primitives.size(); ++m)
         for (std::size_t p = 0; p < document->primitives[m].size(); ++p) {
-            if (document->primitives[m][p].triangles) continue;
             const Json& attributes = document->json["meshes"][m]["primitives"][p]["attributes"];
             bool any = false;
-            for (const auto& item : attributes.items())
+            for (const auto& item : attributes.items()) {
                 any |= item.key() == "NORMAL" || item.key().starts_with("TEXCOORD_");
-            count += any;
+                if (item.key().starts_with("_")) custom.add(item.key());
+            }
+            loose += any && !document->primitives[m][p].triangles;
         }
-    if (count > 0)
+    if (loose > 0)
         notes.push_back(
             "normals and UVs of lines and points are kept in glTF files only: those of " +
-            std::to_string(count) +
-            (count == 1 ? " primitive were left out" : " primitives were left out"));
+            std::to_string(loose) +
+            (loose == 1 ? " primitive were left out" : " primitives were left out"));
+    if (!custom.empty())
+        notes.push_back(format + " holds no attributes of other names: " + custom.text() +
+                        " left out");
+    if (const std::size_t targets = morph_target_count(prepared.scene); targets > 0)
+        notes.push_back(format + " holds no morph targets: " + std::to_string(targets) +
+                        " left out");
+    if (format != "OBJ" && !prepared.scene.skins.empty())
+        notes.push_back(format + " holds no skins: left out");
+    if (const auto list = document->json.find("animations");
+        list != document->json.end() && list->is_array() && !list->empty())
+        notes.push_back(format + " holds no animations: " + std::to_string(list->size()) +
+                        " left out");
 }
 
 }  // namespace
@@ -64,14 +81,18 @@ Result<std::vector<std::string>> save_scene(const PreparedScene& prepared,
     if (ending == ".glb" || ending == ".gltf") return detail::write_gltf(prepared, path, options);
     using Write = Result<std::vector<std::string>> (*)(
         const PreparedScene&, const std::filesystem::path&, const SaveOptions&);
-    static constexpr std::pair<const char*, Write> others[] = {{".obj", detail::write_obj},
-                                                               {".ply", detail::write_ply},
-                                                               {".stl", detail::write_stl},
-                                                               {".off", detail::write_off}};
-    for (const auto& [name, write] : others) {
-        if (ending != name) continue;
-        auto notes = write(prepared, path, options);
-        if (notes) detail::note_loose_attributes(prepared, *notes);
+    struct Format {
+        const char *ending, *name;
+        Write write;
+    };
+    static constexpr Format others[] = {{".obj", "OBJ", detail::write_obj},
+                                        {".ply", "PLY", detail::write_ply},
+                                        {".stl", "STL", detail::write_stl},
+                                        {".off", "OFF", detail::write_off}};
+    for (const Format& format : others) {
+        if (ending != format.ending) continue;
+        auto notes = format.write(prepared, path, options);
+        if (notes) detail::note_lost(prepared, format.name, *notes);
         return notes;
     }
     return Error{ErrorCode::unsupported,

@@ -161,7 +161,7 @@ class Planner {
             plan_.view = *plan_.request.view;
             step("camera", true, "the view is given");
         } else if (scene.active_camera != prep::no_index) {
-            plan_.view = camera_view(scene, scene.active_camera);
+            plan_.view = camera_view(scene, scene.active_camera, aspect);
             step("camera", true, "camera '" + scene.nodes[scene.active_camera].name + "'");
         } else {
             OrbitOptions orbit;

@@ -171,7 +171,8 @@ void Renderer::load_textures() {
         if (!kept.tried || kept.colour != colour || kept.levels != levels) {
             kept = {true, colour, levels, nullptr, {}};
             if (const auto image = prep::load_image(scene.images[texture.image]))
-                kept.texture = std::make_shared<const MipTexture>(*image, texture, colour, levels);
+                kept.texture = std::make_shared<const MipTexture>(
+                    *image, texture, colour && !image->floating, levels);
             else
                 kept.warning = "texture left out: " + prep::to_string(image.error());
         }

@@ -138,7 +138,9 @@ View look_at_view(const prep::PreparedScene& scene, const LookAtOptions& options
     if (!bounds) return view;
     const DepthRange range = depths_of(*bounds, view);
     const double farthest = range.farthest > 0 ? range.farthest : way;
-    view.znear = std::max(0.99 * range.nearest, farthest * 1e-4);
+    // Never so far that it cuts what lies between the eye and a hundredth of the way to the target:
+    // depth's relative steps do not depend on it.
+    view.znear = std::max(0.99 * range.nearest, std::min(farthest * 1e-4, way * 1e-2));
     if (!(view.znear > 0)) view.znear = 1e-2;
     return view;
 }
@@ -196,7 +198,7 @@ View turned_view(const View& view, const glm::dvec3& centre, double radians) {
     return out;
 }
 
-View camera_view(const prep::Scene& scene, std::uint32_t camera_node) {
+View camera_view(const prep::Scene& scene, std::uint32_t camera_node, double aspect) {
     const glm::dmat4 world = prep::world_transforms(scene)[camera_node];
     const prep::Camera& camera = scene.cameras[scene.nodes[camera_node].camera];
     // Scale and shear have no meaning for a camera: the axes are made orthonormal again.
@@ -213,7 +215,12 @@ View camera_view(const prep::Scene& scene, std::uint32_t camera_node) {
     view.perspective = camera.perspective;
     view.yfov = camera.yfov;
     view.half_height = camera.ymag;
-    view.aspect = camera.perspective ? camera.aspect : camera.xmag / camera.ymag;
+    view.aspect = aspect;
+    const double own = camera.perspective ? camera.aspect : camera.xmag / camera.ymag;
+    if (own > aspect && std::isfinite(own)) {
+        view.yfov = 2 * std::atan(std::tan(camera.yfov / 2) * (own / aspect));
+        view.half_height *= own / aspect;
+    }
     view.znear = camera.znear;
     view.zfar = camera.zfar;
     return view;

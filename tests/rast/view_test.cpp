@@ -101,9 +101,51 @@ TEST(View, CameraLooksAlongItsNodesNegativeZ) {
     node.transform[3] = glm::dvec4(1, 2, 3, 1);
     node.transform[0] *= 5.0;  // scale means nothing to a camera
     scene.nodes.push_back(node);
-    const rast::View view = rast::camera_view(scene, 0);
+    const rast::View view = rast::camera_view(scene, 0, 1.5);
     EXPECT_EQ(view.eye(), glm::dvec3(1, 2, 3));
     EXPECT_EQ(view.forward(), glm::dvec3(0, 0, -1));
+}
+
+// What the camera frames is all there, and round things stay round.
+TEST(View, CamerasOfAnotherAspectAreNotStretched) {
+    prep::Scene scene;
+    scene.cameras.resize(1);
+    prep::Node node;
+    node.camera = 0;
+    scene.nodes.push_back(node);
+    prep::Camera& camera = scene.cameras[0];
+    for (const bool perspective : {true, false}) {
+        camera.perspective = perspective;
+        camera.yfov = 0.8;
+        camera.aspect = 2;
+        camera.xmag = 6;
+        camera.ymag = 3;
+        camera.znear = 0.1;
+        camera.zfar = 100;
+        for (const glm::uvec2 size : {glm::uvec2(400, 400), {400, 200}, {800, 200}}) {
+            const rast::View view = rast::camera_view(scene, 0, double(size.x) / size.y);
+            const auto at = [&](double x, double y) {
+                return rast::project(view, size.x, size.y, {x, y, -10.0});
+            };
+            // The corner of its frame at distance 10.
+            const double top = perspective ? 10 * std::tan(0.4) : 3.0, right = 2 * top;
+            const rast::Projected corner = at(right, top), centre = at(0, 0);
+            EXPECT_LE(corner.x, size.x + 1e-9);
+            EXPECT_GE(corner.y, -1e-9);
+            EXPECT_TRUE(std::abs(corner.x - size.x) < 1e-9 || std::abs(corner.y) < 1e-9);
+            EXPECT_NEAR(at(1, 0).x - centre.x, centre.y - at(0, 1).y, 1e-9);
+        }
+    }
+}
+
+TEST(View, AnEyeCloseToALargeGroundSeesIt) {
+    const auto ground = box_scene({0, 0, 0}, {1e6, 1e-3, 1e6});
+    rast::LookAtOptions options;
+    options.eye = {0, 1.5, 0};
+    options.target = {0, 1, -3};
+    const rast::View view = rast::look_at_view(ground, options);
+    EXPECT_GT(view.znear, 0);
+    EXPECT_LT(view.znear, 0.05);
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "meshprep/render_views.h"
 #include "meshprep/render_words.h"
 #include "meshprep/report_json.h"
+#include "prep/gltf.h"
 #include "prep/image.h"
 #include "prep/io.h"
 #include "prep/scene_json.h"
@@ -218,7 +219,7 @@ Result<Drawn> draw(rast::SceneRenderer& renderer, const rast::RenderPlan& plan,
 // What the scene has and no picture shows.
 std::vector<std::string> not_drawn(const prep::PreparedScene& prepared) {
     std::set<std::uint32_t> materials;
-    std::size_t lines = 0, points = 0;
+    std::size_t lines = 0, points = 0, skinned = 0;
     for (const prep::VertexMesh& mesh : prepared.meshes) {
         for (const prep::VertexMesh::Range& range : mesh.ranges)
             if (range.triangle_count > 0 && range.material != prep::no_index)
@@ -226,18 +227,43 @@ std::vector<std::string> not_drawn(const prep::PreparedScene& prepared) {
         lines += mesh.lines.size() / 2;
         points += mesh.points.size();
     }
+    for (const prep::Node& node : prepared.scene.nodes)
+        skinned += node.mesh != prep::no_index && node.skin != prep::no_index;
     std::vector<std::string> out;
     for (const std::uint32_t m : materials) {
         const prep::Material& material = prepared.scene.materials[m];
+        const std::string name =
+            "material " + (material.name.empty() ? std::to_string(m) : "'" + material.name + "'");
         if (material.alpha_mode == prep::AlphaMode::blend)
-            out.push_back("material " +
-                          (material.name.empty() ? std::to_string(m) : "'" + material.name + "'") +
-                          " is drawn opaque: nothing is blended");
+            out.push_back(name + " is drawn opaque: nothing is blended");
+        if (material.bump_map) out.push_back(name + " has a bump map, which is not drawn");
+        if (material.displacement_map)
+            out.push_back(name + " has a displacement map, which is not drawn");
     }
+    if (skinned > 0)
+        out.push_back(count_of(skinned, "skinned mesh") +
+                      (skinned == 1 ? " is drawn" : " are drawn") + " as modelled, not posed");
+    if (const std::size_t targets = prep::morph_target_count(prepared.scene); targets > 0)
+        out.push_back("morph targets are not applied: " + std::to_string(targets) +
+                      ", whatever their weights");
     if (lines + points > 0)
         out.push_back(count_of(lines, "line segment") + " and " + count_of(points, "point") +
                       " are not drawn, only triangles are");
     return out;
+}
+
+// Textures whose samplers ask for the nearest texel, where the filter is nobody's choice.
+std::optional<std::string> unlike_samplers(const RenderCommand& command,
+                                           const prep::PictureSettings& picture,
+                                           const prep::PreparedScene& prepared,
+                                           const rast::RenderPlan& plan) {
+    if (command.filter || picture.filter) return std::nullopt;
+    std::size_t nearest = 0;
+    for (std::size_t t = 0; t < prepared.scene.textures.size(); ++t)
+        nearest += plan.textures_used[t] && prepared.scene.textures[t].mag == prep::Filter::nearest;
+    if (nearest == 0) return std::nullopt;
+    return count_of(nearest, "texture") + (nearest == 1 ? " asks" : " ask") +
+           " for the nearest texel, but all are drawn with one filter: --filter nearest is theirs";
 }
 
 Result<Json> render_file(const RenderCommand& command, Console& console) {
@@ -307,6 +333,16 @@ Result<Json> render_file(const RenderCommand& command, Console& console) {
             json["outputs"].push_back(path.string());
         if (n > 0) continue;
         std::vector<std::string> warnings = not_drawn(*prepared);
+        if (const auto unlike = unlike_samplers(command, loaded->picture, *prepared, *plan))
+            warnings.push_back(*unlike);
+        if (const std::uint64_t broken = drawn->frame.counters.non_finite; broken > 0)
+            warnings.push_back(count_of(broken, "triangle") +
+                               " with positions that are not finite or beyond all range left out");
+        if (outputs.tone.tone_map && keeps_float(outputs.picture))
+            warnings.push_back(
+                "the scene's tone_map is for pictures of 8 bits: linear light is "
+                "kept in '" +
+                outputs.picture.filename().string() + "'");
         warnings.insert(warnings.end(), drawn->frame.warnings.begin(), drawn->frame.warnings.end());
         for (const std::string& text : warnings) {
             console.warning(common, text);

@@ -84,7 +84,7 @@ class Viewer {
     }
 
     Result<std::vector<rast::View>> cameras(std::uint32_t node) const {
-        rast::View view = rast::camera_view(prepared_.scene, node);
+        rast::View view = rast::camera_view(prepared_.scene, node, aspect_);
         if (command_.yfov && !view.perspective)
             return Error{ErrorCode::invalid,
                          "--fov is an angle of perspective, and the camera '" +

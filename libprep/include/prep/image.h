@@ -27,6 +27,7 @@ struct Image {
     // are none. `pixels` has them divided by 2³² − 1 and rounded.
     std::uint32_t integer_channels = 0;
     std::vector<std::uint32_t> integers = {};
+    bool floating = false;  // stored as floats: linear light, whatever it is used for
     const float* at(std::uint32_t x, std::uint32_t y) const {
         return pixels.data() + (std::size_t(y) * width + x) * channels;
     }

@@ -74,8 +74,9 @@ View turned_view(const View& view, const glm::dvec3& centre, double radians);
 // in equal steps cannot have) gets one just behind the scene.
 View bounded_view(const prep::PreparedScene& scene, const View& view);
 
-// The view of a camera node (its aspect, or the picture's where it names none).
-View camera_view(const prep::Scene& scene, std::uint32_t camera_node);
+// The view of a camera node, for a picture of that aspect. Where the camera names another one, the
+// picture shows all that the camera frames, undistorted, and more above and below or at the sides.
+View camera_view(const prep::Scene& scene, std::uint32_t camera_node, double aspect);
 
 // A key, a fill and a rim light that stand with the view, and a little ambient light.
 std::vector<LightInstance> three_light_setup(const View& view);
