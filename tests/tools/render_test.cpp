@@ -90,6 +90,56 @@ TEST(Render, SceneFilesAskForTheSameAsOptionsAndTheOptionsWin) {
     EXPECT_EQ(draw("scene.json", {"--samples", "4"}), draw("plain.json", {"--samples", "4"}));
 }
 
+// A picture of linear light, drawn as a texture, gives the same light again.
+TEST(Render, FloatTexturesAreLinearLight) {
+    const TemporaryDirectory dir;
+    const std::string tail = R"("meshes": {"p": {"shape": {"kind": "plane"}, "material": "m"}},
+  "camera": {"position": [0, 2, 0], "target": [0, 0, 0], "up": [0, 0, -1], "height": 0.5},
+  "picture": {"size": [16, 16]}})";
+    write_text(dir / "plain.json",
+               R"({"meshprep": 1, "materials": {"m": {"diffuse": [0.25, 0.5, 0.75],
+  "unlit": true}}, )" +
+                   tail);
+    write_text(dir / "mapped.json",
+               R"({"meshprep": 1, "textures": {"t": {"file": "plain.exr"}}, "materials": {"m":
+  {"diffuse": 1, "diffuse_map": "t", "unlit": true}}, )" +
+                   tail);
+    for (const std::string name : {"plain", "mapped"}) {
+        const test::Ran ran = run_command({"render", (dir / (name + ".json")).string(), "-o",
+                                           (dir / (name + ".exr")).string(), "--quiet"});
+        ASSERT_EQ(ran.exit_code, 0) << ran.err;
+    }
+    const test::Ran same =
+        run_command({"diff", (dir / "plain.exr").string(), (dir / "mapped.exr").string()});
+    EXPECT_EQ(same.exit_code, 0) << same.out;
+}
+
+TEST(Render, WhatIsNotDrawnIsTold) {
+    const TemporaryDirectory dir;
+    std::filesystem::copy_file(test::source_dir() / "samples/room/brick_color.png",
+                               dir / "brick.png");
+    write_text(dir / "scene.json", R"({"meshprep": 1,
+  "textures": {"t": {"file": "brick.png", "mag": "nearest"}},
+  "materials": {"m": {"diffuse_map": "t", "bump_map": "t", "displacement_map": "t"}},
+  "meshes": {"p": {"shape": {"kind": "plane"}, "material": "m"}},
+  "picture": {"size": [16, 16], "tone_map": "reinhard"}})");
+    const auto warnings = [&](const std::string& output, const std::vector<std::string>& more) {
+        std::vector<std::string> words{"render", (dir / "scene.json").string(), "-o",
+                                       (dir / output).string()};
+        words.insert(words.end(), more.begin(), more.end());
+        const test::Ran ran = run_command(words);
+        EXPECT_EQ(ran.exit_code, 0) << ran.err;
+        return ran.err;
+    };
+    const std::string linear = warnings("a.exr", {});
+    for (const char* text : {"bump map, which is not drawn", "displacement map, which is not drawn",
+                             "asks for the nearest texel", "tone_map is for pictures of 8 bits"})
+        EXPECT_NE(linear.find(text), std::string::npos) << text << "\n" << linear;
+    const std::string chosen = warnings("a.png", {"--filter", "trilinear"});
+    EXPECT_EQ(chosen.find("nearest texel"), std::string::npos) << chosen;
+    EXPECT_EQ(chosen.find("tone_map"), std::string::npos) << chosen;
+}
+
 // The page's examples are scenes as they stand.
 TEST(Render, DrawsTheExamplesOfTheSceneFormatPage) {
     const std::string page = read_text(test::source_dir() / "docs/scene-format.md");
