@@ -25,11 +25,11 @@ void parallel_blocks(std::size_t count, std::size_t grain, int threads, const Bo
     const auto all = [&] {
         tbb::parallel_for(std::size_t{0}, blocks, run, tbb::simple_partitioner{});
     };
-    if (threads == 0) {
+    // An arena of its own only to have fewer threads than there are here: it takes time to start.
+    if (threads == 0 || threads >= tbb::this_task_arena::max_concurrency()) {
         all();
     } else {
-        // More than the machine has would only make TBB complain on stderr.
-        tbb::task_arena arena(std::min(threads, tbb::this_task_arena::max_concurrency()));
+        tbb::task_arena arena(threads);
         arena.execute(all);
     }
 }
@@ -38,10 +38,12 @@ void parallel_blocks(std::size_t count, std::size_t grain, int threads, const Bo
 // (0: all cores).
 template <class Work>
 void with_threads(int threads, const Work& work) {
-    if (threads == 0 || threads == 1) {
-        work(threads);
+    if (threads == 1) {
+        work(1);
+    } else if (threads == 0 || threads >= tbb::this_task_arena::max_concurrency()) {
+        work(0);
     } else {
-        tbb::task_arena arena(std::min(threads, tbb::this_task_arena::max_concurrency()));
+        tbb::task_arena arena(threads);
         arena.execute([&] { work(0); });
     }
 }

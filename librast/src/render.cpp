@@ -23,10 +23,13 @@ SceneRenderer& SceneRenderer::operator=(SceneRenderer&&) noexcept = default;
 SceneRenderer::~SceneRenderer() = default;
 
 prep::Result<void> SceneRenderer::render(const RenderPlan& plan, Frame& frame) {
-    painter_->begin(plan);
-    const Crop part = picture_part(plan);
-    painter_->place(part);
-    painter_->draw_rows(0, part.height, frame);
+    // The stages share their threads: each would wait for its own to start.
+    prep::detail::with_threads(plan.request.threads, [&](int) {
+        painter_->begin(plan);
+        const Crop part = picture_part(plan);
+        painter_->place(part);
+        painter_->draw_rows(0, part.height, frame);
+    });
     frame.warnings = painter_->warnings();
     return {};
 }
