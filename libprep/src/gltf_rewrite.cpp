@@ -572,8 +572,7 @@ class Rewriter {
         if (!broken.empty())
             notes_.push_back(
                 "lines, points, animations, skins or instances have values that are not finite, "
-                "which the "
-                "format forbids; they were kept (accessors of the source: " +
+                "which the format forbids; they were kept (accessors of the source: " +
                 broken.text() + ")");
     }
 

@@ -303,8 +303,8 @@ class Preparer {
         if (!need.tangents.needed) {
             log_.skipped("tangents", need.tangents.reason);
             if (mesh.tangents.empty()) return {};
-            const bool stale =
-                !normals_made_ && review_of(view, mesh, nullptr).any(detail::tangent_stale);
+            const bool stale = !normal_replaced_.empty() &&
+                               review_of(view, mesh, nullptr).any(detail::tangent_stale);
             if (normals_made_ || (stale && mesh.uvs.empty())) {
                 add_finding(index, "stale-tangent", Severity::info, mesh.corner_count(), {},
                             "authored tangents were dropped: the normals they belong to changed");
@@ -511,9 +511,8 @@ class Preparer {
     PreparedScene& out_;
     StageLog log_;
     Geometry geometry_;
-    bool normals_made_ = false, tangents_made_ = false;
-    std::vector<bool> normal_replaced_;  // per corner; empty: none of the file's own was  // all of
-                                         // the mesh at hand
+    bool normals_made_ = false, tangents_made_ = false;  // all of the mesh at hand
+    std::vector<bool> normal_replaced_;  // per corner; empty: none of the file's own
 };
 
 }  // namespace

@@ -1,6 +1,7 @@
 // Textured pictures on every instruction set: texels of 8 bits, 16 bits and floats, every way to
 // wrap, sizes that are no power of two, every filter, with and without an alpha mask.
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cstring>
 #include <filesystem>
@@ -26,7 +27,7 @@ prep::ImageRef noise(std::uint32_t width, std::uint32_t height, std::uint32_t ch
     prep::ImageRef ref;
     if (type == prep::PixelType::f32) {  // beside what it is tested with, as a file
         const auto path = std::filesystem::temp_directory_path() /
-                          ("meshprep-texture-instructions-" + std::to_string(channels) + ".exr");
+                          ("meshprep-texture-instructions-" + std::to_string(::getpid()) + ".exr");
         EXPECT_TRUE(prep::save_image(path, image, type).has_value());
         ref.bytes = *prep::read_file(path);
         std::filesystem::remove(path);
@@ -48,25 +49,32 @@ prep::VertexMesh receding_square() {
     return mesh;
 }
 
+// The square with that image, of one of the 16 pairs of wraps.
+prep::PreparedScene textured_square(const prep::ImageRef& image, int wrap,
+                                    prep::Material material = {}) {
+    using prep::Wrap;
+    static constexpr Wrap wraps[] = {Wrap::repeat, Wrap::mirror, Wrap::clamp, Wrap::border};
+    material.unlit = material.double_sided = true;
+    material.diffuse_map.texture = 0;
+    prep::PreparedScene scene = test::scene_of(receding_square(), material);
+    scene.scene.images.push_back(image);
+    prep::Texture texture;
+    texture.image = 0;
+    texture.wrap_u = wraps[wrap % 4];
+    texture.wrap_v = wraps[wrap / 4];
+    scene.scene.textures.push_back(texture);
+    return scene;
+}
+
 class TextureInstructions : public testing::TestWithParam<prep::PixelType> {};
 
 TEST_P(TextureInstructions, GiveTheSameBytesForEveryWrapFilterAndMask) {
-    using prep::Wrap;
-    const Wrap wraps[] = {Wrap::repeat, Wrap::mirror, Wrap::clamp, Wrap::border};
     for (const bool masked : {false, true}) {
         const prep::ImageRef image = noise(37, 23, masked ? 4 : 3, GetParam());
         for (int wrap = 0; wrap < 16; ++wrap) {
             prep::Material material;
-            material.unlit = material.double_sided = true;
-            material.diffuse_map.texture = 0;
             if (masked) material.alpha_mode = prep::AlphaMode::mask;
-            prep::PreparedScene scene = test::scene_of(receding_square(), material);
-            scene.scene.images.push_back(image);
-            prep::Texture texture;
-            texture.image = 0;
-            texture.wrap_u = wraps[wrap % 4];
-            texture.wrap_v = wraps[wrap / 4];
-            scene.scene.textures.push_back(texture);
+            const prep::PreparedScene scene = textured_square(image, wrap, material);
             for (const rast::TextureFilter filter :
                  {rast::TextureFilter::nearest, rast::TextureFilter::bilinear,
                   rast::TextureFilter::trilinear, rast::TextureFilter::anisotropic}) {
@@ -100,23 +108,13 @@ TEST_P(TextureInstructions, GiveTheSameBytesForEveryWrapFilterAndMask) {
 
 // The scalar reference reads one texel after the other; texture_test holds it against double.
 TEST_P(TextureInstructions, GiveTheBitsOfOneTexelAfterTheOther) {
-    using prep::Wrap;
-    const Wrap wraps[] = {Wrap::repeat, Wrap::mirror, Wrap::clamp, Wrap::border};
     for (const std::uint32_t side : {1u, 16u, 23u})
         for (int wrap = 0; wrap < 16; ++wrap) {
             const prep::ImageRef image = noise(side, side + wrap % 3, 3, GetParam());
             prep::Material material;
-            material.unlit = material.double_sided = true;
             material.diffuse = glm::vec4(1);
             material.emissive = glm::vec3(0);
-            material.diffuse_map.texture = 0;
-            prep::PreparedScene scene = test::scene_of(receding_square(), material);
-            scene.scene.images.push_back(image);
-            prep::Texture texture;
-            texture.image = 0;
-            texture.wrap_u = wraps[wrap % 4];
-            texture.wrap_v = wraps[wrap / 4];
-            scene.scene.textures.push_back(texture);
+            const prep::PreparedScene scene = textured_square(image, wrap, material);
             for (const auto filter :
                  {rast::TextureFilter::nearest, rast::TextureFilter::bilinear}) {
                 rast::RenderRequest request;
@@ -127,8 +125,8 @@ TEST_P(TextureInstructions, GiveTheBitsOfOneTexelAfterTheOther) {
                 request.view = test::look_at({-0.4, 0.3, 1.2}, {0.6, 0, -1.5});
                 const rast::Frame frame = test::draw(scene, request);
                 const bool encoded = GetParam() != prep::PixelType::f32;  // floats are linear
-                const rast::MipTexture reference(*prep::load_image(image), texture, encoded,
-                                                 rast::levels_for(filter));
+                const rast::MipTexture reference(*prep::load_image(image), scene.scene.textures[0],
+                                                 encoded, rast::levels_for(filter));
                 std::size_t compared = 0;
                 for (std::size_t i = 0; i < frame.color.size(); ++i) {
                     if (frame.triangle[i] == prep::no_index) continue;

@@ -24,20 +24,7 @@ struct Members {
     hn::Vec<Indices> previous[K], next[K];
 };
 
-// A vector whose j-th block of four is load(j).
-template <class Load>
-HWY_INLINE hn::Vec<Indices> in_blocks(const Load& load) {
-    const Indices d;
-#if HWY_TARGET == HWY_AVX3
-    const hn::Half<Indices> half;
-    return hn::Combine(d, hn::Combine(half, load(3), load(2)), hn::Combine(half, load(1), load(0)));
-#elif HWY_TARGET == HWY_AVX2
-    return hn::Combine(d, load(1), load(0));
-#else
-    (void)d;
-    return load(0);
-#endif
-}
+#include "simd/blocks-inl.h"
 
 // list: places in the batch, readable to the end of a vector. Two members of four rings at a time
 // are a matrix of 4 × 4: loading and turning it is quicker than gathers.
@@ -52,7 +39,7 @@ HWY_INLINE Members<K> members_of(const VertexRing* rings, const Index* slots, co
     Members<K> members;
     for (std::size_t k = 0; k < K; k += 2) {
         const auto row = [&](std::size_t r) HWY_ATTR {
-            return in_blocks([&](std::size_t j) HWY_ATTR {
+            return in_blocks(Indices(), [&](std::size_t j) HWY_ATTR {
                 return hn::Load(four, &own[4 * j + r]->members[k].next);
             });
         };

@@ -17,20 +17,7 @@ using Floats = hn::ScalableTag<float>;
 using F = hn::Vec<Floats>;
 using Indices = hn::RebindToUnsigned<Floats>;
 
-// A vector whose j-th block of four is load(j).
-template <class Load>
-HWY_INLINE F in_blocks(const Load& load) {
-    const Floats d;
-#if HWY_TARGET == HWY_AVX3
-    const hn::Half<Floats> half;
-    return hn::Combine(d, hn::Combine(half, load(3), load(2)), hn::Combine(half, load(1), load(0)));
-#elif HWY_TARGET == HWY_AVX2
-    return hn::Combine(d, load(1), load(0));
-#else
-    (void)d;
-    return load(0);
-#endif
-}
+#include "simd/blocks-inl.h"
 
 // Blocks of four lanes of a and b are the rows of 4 × 4 matrices with those of c and e: their
 // first three columns.
@@ -51,7 +38,7 @@ HWY_INLINE void stage_vectors(const glm::vec3* values, const Index* indices,
                               float (*to)[TermBlock::size], std::size_t i) {
     const hn::FixedTag<float, 4> four;
     const auto row = [&](std::size_t r) HWY_ATTR {
-        return in_blocks([&](std::size_t j) HWY_ATTR {
+        return in_blocks(Floats(), [&](std::size_t j) HWY_ATTR {
             return hn::LoadU(four, &values[indices[12 * j + 3 * r]].x);
         });
     };
@@ -65,7 +52,7 @@ HWY_INLINE void stage_uvs(const glm::vec2* values, const Index* indices,
     const hn::FixedTag<float, 4> four;
     const hn::FixedTag<float, 2> two;
     const auto row = [&](std::size_t r) HWY_ATTR {
-        return in_blocks([&](std::size_t j) HWY_ATTR {
+        return in_blocks(Floats(), [&](std::size_t j) HWY_ATTR {
             const auto at = [&](std::size_t k) HWY_ATTR {
                 return hn::LoadU(two, &values[indices[12 * j + 3 * k]].x);
             };
