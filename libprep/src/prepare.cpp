@@ -300,43 +300,56 @@ class Preparer {
     // A normal that was only rescaled is the file's.
     Result<void> prepare_tangents(std::uint32_t index, Mesh& mesh, const MeshRequirements& need) {
         const MeshView view(mesh, need.tangent_uv_set);
-        if (!need.tangents.needed) {
-            log_.skipped("tangents", need.tangents.reason);
-            if (mesh.tangents.empty()) return {};
-            const bool stale = !normal_replaced_.empty() &&
-                               review_of(view, mesh, nullptr).any(detail::tangent_stale);
-            if (normals_made_ || (stale && mesh.uvs.empty())) {
-                add_finding(index, "stale-tangent", Severity::info, mesh.corner_count(), {},
-                            "authored tangents were dropped: the normals they belong to changed");
-                mesh.tangents = {};
-            } else if (stale) {
-                return replace_tangents(index, mesh, view, "some of their normals were replaced",
-                                        detail::tangent_stale);
-            }
-            return {};
+        const std::string& reason = need.tangents.reason;
+        if (need.tangents.needed) {
+            if (mesh.tangents.empty() || options_.tangents == Authored::replace)
+                return replace_tangents(index, mesh, view, reason, everywhere);
+            if (options_.tangents == Authored::repair)
+                return replace_tangents(index, mesh, view,
+                                        "authored tangents are held against them", 0xff);
+            if (normals_made_)
+                return replace_tangents(
+                    index, mesh, view,
+                    "the normals changed, so the file's own tangents no longer fit", everywhere);
+            return keep_tangents(index, mesh, view, "the file's own tangents are kept");
         }
-        std::string reason = need.tangents.reason;
-        const bool authored = !mesh.tangents.empty() && options_.tangents != Authored::replace;
-        if (!authored) return replace_tangents(index, mesh, view, reason, everywhere);
-        if (options_.tangents == Authored::repair)
-            return replace_tangents(index, mesh, view, "authored tangents are held against them",
-                                    0xff);
-        if (normals_made_)
-            return replace_tangents(index, mesh, view,
-                                    "the normals changed, so the file's own tangents no longer fit",
-                                    everywhere);
+        const bool untouched =
+            options_.request.tangents == Request::Level::never && normal_replaced_.empty();
+        if (!mesh.tangents.empty() && !normals_made_ && !untouched)
+            return keep_tangents(index, mesh, view, reason);
+        log_.skipped("tangents", reason);
+        if (normals_made_) drop_tangents(index, mesh);
+        return {};
+    }
+
+    // But for those that are no frame any more.
+    Result<void> keep_tangents(std::uint32_t index, Mesh& mesh, const MeshView& view,
+                               const std::string& reason) {
         constexpr unsigned bad = detail::tangent_unusable | detail::tangent_stale;
         const TangentReview review = review_of(view, mesh, nullptr);
-        if (review.any(bad))
+        // Without UVs there is no direction to compute.
+        const bool lost = view.uv.indices.empty() && review.any(detail::tangent_stale);
+        if (!lost && review.any(bad))
             return replace_tangents(index, mesh, view,
                                     "some authored tangents are missing, unusable or of normals "
                                     "that were replaced",
                                     bad);
-        log_.skipped("tangents", "the file's own tangents are kept");
+        log_.skipped("tangents", reason);
+        if (lost) {
+            drop_tangents(index, mesh);
+            return {};
+        }
         report_review(index, review, bad);
         if (review.any(detail::tangent_non_unit))
             mesh.tangents = detail::merge_tangents(mesh.tangents, review, bad, nullptr);
         return {};
+    }
+
+    void drop_tangents(std::uint32_t index, Mesh& mesh) {
+        if (mesh.tangents.empty()) return;
+        add_finding(index, "stale-tangent", Severity::info, mesh.corner_count(), {},
+                    "authored tangents were dropped: the normals they belong to changed");
+        mesh.tangents = {};
     }
 
     TangentReview review_of(const MeshView& view, const Mesh& mesh,
@@ -352,9 +365,15 @@ class Preparer {
                                   const std::string& reason, unsigned replace) {
         TangentOptions tangent_options = options_.tangent;
         tangent_options.threads = options_.threads;
-        auto tangents = log_.run("tangents", reason, [&] {
-            return corner_tangents(TangentInput(view), tangent_options);
-        });
+        // Authored tangents may come without UVs or normals: any frame then stands in for bad ones.
+        TangentInput input(view);
+        std::vector<std::uint32_t> none;
+        if (input.uv.indices.empty() || input.normals.indices.empty())
+            none.assign(view.corner_count(), no_index);
+        if (input.uv.indices.empty()) input.uv = {{}, none};
+        if (input.normals.indices.empty()) input.normals = {{}, none};
+        auto tangents =
+            log_.run("tangents", reason, [&] { return corner_tangents(input, tangent_options); });
         if (!tangents) return std::move(tangents).error();
         TangentReview review;
         const bool surgical = replace != everywhere;

@@ -249,6 +249,36 @@ TEST(Prepare, OnlyTheTangentsOfReplacedNormalsAreNew) {
     EXPECT_EQ(count(*without, "stale-tangent"), 24u);
 }
 
+TEST(Prepare, CarriedTangentsAreFramesWithoutUvsToo) {
+    prep::Mesh mesh = cube_with_frames();
+    mesh.uvs.clear();
+    mesh.tangents.values[0] = {0, 0, 0, 1};
+    mesh.tangents.values[1] *= glm::vec4(3, 3, 3, 0.75);
+    mesh.tangents.indices[8] = prep::no_index;
+    for (const auto authored :
+         {prep::Authored::keep, prep::Authored::replace, prep::Authored::repair}) {
+        prep::PrepareOptions options;
+        options.tangents = authored;
+        options.request.tangents = prep::Request::Level::always;
+        const auto result = prep::prepare(scene_of(mesh), options);
+        ASSERT_TRUE(result.has_value()) << prep::to_string(result.error());
+        EXPECT_EQ(count(*result, "zero-tangent"), 4u);
+        EXPECT_EQ(count(*result, "missing-tangent"), 1u);
+        EXPECT_EQ(count(*result, "non-unit-tangent"), 4u);
+        const prep::Mesh& out = result->scene.meshes[0];
+        for (std::uint32_t c = 0; c < 24; ++c) {
+            const glm::vec4 t = out.tangents.values[out.tangents.indices[c]];
+            const glm::vec3 n = out.normals.values[out.normals.indices[c]];
+            EXPECT_NEAR(glm::dot(glm::vec3(t), n), 0.0f, 1e-6f) << c;
+            EXPECT_NEAR(glm::length(glm::vec3(t)), 1.0f, 1e-6f) << c;
+            EXPECT_EQ(std::abs(t.w), 1.0f) << c;
+            if (c > 8) {
+                EXPECT_EQ(t, mesh.tangents.values[c / 4]) << c;
+            }
+        }
+    }
+}
+
 TEST(Prepare, SoupSharesItsVertices) {
     prep::Mesh mesh = cube(), soup;
     for (std::uint32_t c = 0; c < 24; ++c) {
