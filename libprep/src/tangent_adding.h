@@ -19,13 +19,13 @@ struct AddInput {
 
 // Vertices that are at work have slots.
 struct AddState {
-    std::uint8_t* bytes;   // VertexByte, by vertex
-    std::uint32_t* slots;  // of those that have met a triangle and have some to come, by vertex
+    std::uint32_t* words;  // VertexWord, by vertex
     VertexSum* sums;       // by slot
     VertexRing* rings;
-    std::uint32_t* free;  // slots, the next one last
+    std::uint32_t* free;  // slots, times VertexWord::slot_one, the next one last
     std::size_t free_count;
-    std::uint32_t* done_vertices;  // have met all their triangles; room for a vector more
+    // Those that have met all their triangles, and their words; room for a vector more.
+    std::uint32_t *done_vertices, *done_words;
     std::size_t done_count;
 };
 

@@ -40,7 +40,6 @@ inline constexpr std::uint32_t star_has_frame = 2;  // the sum makes a frame wit
 
 // Up to this many vertices at once. A multiple of all vector lengths.
 inline constexpr std::size_t ring_batch = 1024;
-inline constexpr std::size_t most_slots = std::size_t(1) << 23;
 
 // Vertices that have met all their triangles, and what they found.
 struct RingBatch {
@@ -49,7 +48,7 @@ struct RingBatch {
     alignas(64) StarSum stars[ring_batch];          // in: the sums, their codes not
     alignas(64) std::uint32_t codes[ring_batch];    // 0 where the vertex is split
     alignas(64) std::uint32_t members[ring_batch];  // triangles, up to most_ring_members + 1
-    alignas(64) std::uint32_t slots[ring_batch];    // below most_slots
+    alignas(64) std::uint32_t slots[ring_batch];    // below VertexWord::most_slots
     alignas(64) std::uint32_t normals[ring_batch];  // the index of the first corner
 };
 

@@ -4,7 +4,6 @@
 #include <atomic>
 #include <bit>
 #include <cstring>
-#include <type_traits>
 
 #include "parallel.h"
 
@@ -17,7 +16,6 @@ constexpr std::size_t vertex_grain = 65536;
 constexpr std::size_t least_range = 32768;
 constexpr std::size_t most_ranges = 64;
 constexpr std::size_t ranges_per_thread = 4;
-constexpr unsigned most_counted = 255;
 constexpr std::size_t copied_at_once = 8192;  // corners: they stay in the first-level cache
 
 // Fills VertexCounts::shared: all 64 of a word where several ranges have any of them.
@@ -40,33 +38,17 @@ void find_shared(std::span<const Index> vertices, std::size_t words, int threads
     }
 }
 
-struct Counted {
-    std::size_t corners = 0, beyond = 0;  // beyond the most that a byte holds
-};
-
-// What is beyond stays uncounted where `saturating`, else bytes begin anew.
-template <bool any_shared, bool saturating>
-Counted count_off(const Index* first, const Index* last, std::uint8_t* bytes,
-                  const std::uint64_t* shared) {
-    Counted counted;
-    if (!any_shared) counted.corners = std::size_t(last - first);
+// Counts in words; those of shared vertices become `apart`.
+template <bool any_shared>
+void count_off(const Index* first, const Index* last, Index* words, const std::uint64_t* shared) {
     for (; first < last; ++first) {
         const Index v = *first;
-        if (any_shared) {
-            if (shared[v / 64] != 0) {
-                // By several threads, all with the same value.
-                std::atomic_ref(bytes[v]).store(VertexByte::shared, std::memory_order_relaxed);
-                continue;
-            }
-            ++counted.corners;
-        }
-        if (saturating && bytes[v] == most_counted) {
-            ++counted.beyond;
-            continue;
-        }
-        ++bytes[v];
+        if (any_shared && shared[v / 64] != 0)
+            // By several threads, all with the same value.
+            std::atomic_ref(words[v]).store(VertexWord::apart, std::memory_order_relaxed);
+        else
+            ++words[v];
     }
-    return counted;
 }
 
 }  // namespace
@@ -89,66 +71,41 @@ VertexCounts count_triangles(const TangentTriangles& triangles, std::span<const 
 
     result.states = ScratchBuffer<std::uint8_t>(count + VertexCounts::behind);
     std::memset(result.states.data() + count, unused_vertex, VertexCounts::behind);
-    result.bytes = ScratchBuffer<std::uint8_t>(count);
-    result.slots = ScratchBuffer<Index>(count);
+    result.words = ScratchBuffer<Index>(count);
     const bool any_shared = n > 1;
-    std::atomic<std::size_t> corners = 0, beyond = 0;
-    const auto count_all = [&](auto saturating, std::vector<Index>* to) {
-        corners = beyond = 0;
-        parallel_blocks(count, vertex_grain, threads, [&](std::size_t begin, std::size_t end) {
-            std::memset(result.bytes.data() + begin, 0, end - begin);
-        });
-        const auto count_part = [&](const Index* first, const Index* last) {
-            constexpr bool saturate = decltype(saturating)::value;
-            std::uint8_t* const bytes = result.bytes.data();
-            const Counted counted =
-                any_shared ? count_off<true, saturate>(first, last, bytes, result.shared.data())
-                           : count_off<false, saturate>(first, last, bytes, nullptr);
-            corners += counted.corners;
-            beyond += counted.beyond;
-        };
-        if (to != nullptr) {
-            for (std::size_t i = 0; i < vertices.size(); i += copied_at_once) {
-                const auto part =
-                    vertices.subspan(i, std::min(copied_at_once, vertices.size() - i));
-                count_part(part.data(), part.data() + part.size());
-                to->insert(to->end(), part.begin(), part.end());
-            }
-        } else {
-            parallel_blocks(n, 1, threads, [&](std::size_t r, std::size_t) {
-                count_part(vertices.data() + 3 * result.ranges[r].begin,
-                           vertices.data() + 3 * result.ranges[r].end);
-            });
-        }
-    };
-    count_all(std::false_type(), copy);
-    std::atomic<std::size_t> in_bytes = 0;
     parallel_blocks(count, vertex_grain, threads, [&](std::size_t begin, std::size_t end) {
-        const std::uint8_t* const bytes = result.bytes.data();
-        Index sum = 0;
-        if (!any_shared)
-            for (std::size_t v = begin; v < end; ++v) sum += bytes[v];
-        else
-            for (std::size_t v = begin; v < end; ++v)
-                sum += result.shared[v / 64] == 0 ? bytes[v] : 0;
-        in_bytes += sum;
+        std::memset(result.words.data() + begin, 0, (end - begin) * sizeof(Index));
     });
-    // A byte that began anew has lost 256.
-    if (in_bytes != corners) count_all(std::true_type(), nullptr);
+    if (copy != nullptr) {
+        for (std::size_t i = 0; i < vertices.size(); i += copied_at_once) {
+            const auto part = vertices.subspan(i, std::min(copied_at_once, vertices.size() - i));
+            count_off<false>(part.data(), part.data() + part.size(), result.words.data(), nullptr);
+            copy->insert(copy->end(), part.begin(), part.end());
+        }
+    } else {
+        parallel_blocks(n, 1, threads, [&](std::size_t r, std::size_t) {
+            const Index* const first = vertices.data() + 3 * result.ranges[r].begin;
+            const Index* const last = vertices.data() + 3 * result.ranges[r].end;
+            if (any_shared)
+                count_off<true>(first, last, result.words.data(), result.shared.data());
+            else
+                count_off<false>(first, last, result.words.data(), nullptr);
+        });
+    }
 
-    std::atomic<std::size_t> listed_corners = beyond.load();
     std::vector<std::size_t> starts((count + vertex_grain - 1) / vertex_grain, 0);
+    std::atomic<std::size_t> listed_corners = 0;
     parallel_blocks(count, vertex_grain, threads, [&](std::size_t begin, std::size_t end) {
-        std::uint8_t* const bytes = result.bytes.data();
+        Index* const words = result.words.data();
         std::uint8_t* const states = result.states.data();
         Index used = 0, listed = 0;
         const auto look = [&](std::size_t first, std::size_t last) {
             for (std::size_t v = first; v < last; ++v) {
-                const std::uint8_t met = bytes[v];
+                const Index met = words[v];
                 used += met != 0;
                 listed += met > most_ring_members ? met : 0;
                 states[v] = met == 0 ? unused_vertex : pending_vertex;
-                bytes[v] = met > most_ring_members ? VertexByte::listed : met;
+                words[v] = met > most_ring_members ? VertexWord::listed : met;
             }
         };
         if (!any_shared) look(begin, end);
@@ -161,9 +118,9 @@ VertexCounts count_triangles(const TangentTriangles& triangles, std::span<const 
             }
             shared = 0;
             for (std::size_t v = first; v < last; ++v) {
-                used += bytes[v] != 0;
-                states[v] = bytes[v] == 0 ? unused_vertex : pending_vertex;
-                shared |= std::uint64_t(bytes[v] != 0) << (v % 64);
+                used += words[v] != 0;
+                states[v] = words[v] == 0 ? unused_vertex : pending_vertex;
+                shared |= std::uint64_t(words[v] != 0) << (v % 64);
             }
         }
         listed_corners += listed;

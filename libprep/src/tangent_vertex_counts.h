@@ -25,13 +25,20 @@ inline bool needs_list(std::uint8_t state) {
     return state == split_vertex || state == listed_vertex;
 }
 
-// A vertex while its triangles are counted down: how many are to come and, times 16, how many there
-// were; or one of the two values above all others.
-struct VertexByte {
-    static constexpr std::uint8_t to_come = 0x0f, met_one = 0x10;
-    static constexpr std::uint8_t shared = 0xc0;  // by several ranges; plus how many there were
-    static constexpr std::uint8_t listed = 0xff;  // more than most_ring_members
-    static std::uint8_t met(std::uint8_t byte) { return byte >> 4; }
+// A vertex while its triangles are counted down: how many are to come, times 16 how many there
+// were, and times 256 the slot that it has from its first to its last (tangent_adding.h): all that
+// adding looks up by vertex, in one place.
+struct VertexWord {
+    static constexpr std::uint32_t to_come = 0x0f, met_one = 0x10, slot_one = 0x100;
+    // Not counted down: shared by several ranges, then with the number that there were in the last
+    // four bits; or of more than most_ring_members, then all bits are set.
+    static constexpr std::uint32_t apart = std::uint32_t(1) << 31, listed = ~std::uint32_t(0);
+    static constexpr std::uint32_t most_slots = apart / slot_one;
+
+    static std::uint32_t met(std::uint32_t word) {
+        return (word & apart ? word : word / met_one) & 0x0f;
+    }
+    static std::uint32_t slot(std::uint32_t word) { return (word & ~apart) / slot_one; }
 };
 
 struct VertexCounts {
@@ -40,10 +47,9 @@ struct VertexCounts {
     };
     static constexpr std::size_t behind = 3;
     ScratchBuffer<std::uint8_t> states;  // and some `behind` the last, to be read
-    ScratchBuffer<std::uint8_t> bytes;   // VertexByte
-    ScratchBuffer<std::uint32_t> slots;  // undefined so far: see tangent_adding.h
+    ScratchBuffer<std::uint32_t> words;  // VertexWord
     std::size_t used = 0;                // vertices that have triangles
-    std::size_t listed_corners = 0;      // corners at vertices whose byte is `listed`
+    std::size_t listed_corners = 0;      // corners at vertices whose word is `listed`
     // Per vertex the number of used ones before it; empty where all are used.
     ScratchBuffer<std::uint32_t> places;
     std::vector<Range> ranges;

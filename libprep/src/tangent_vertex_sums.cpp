@@ -38,7 +38,7 @@ class Pool {
   public:
     VertexSum* sums() { return sums_.data(); }
     VertexRing* rings() { return rings_.data(); }
-    Index* free() { return free_.data(); }
+    Index* free() { return free_.data(); }  // as in AddState
     std::size_t& free_count() { return free_count_; }
     RingBatch& batch() {
         if (!batch_) batch_ = std::make_unique<RingBatch>();
@@ -47,10 +47,6 @@ class Pool {
 
     // Makes that many slots free; false where there are too many.
     bool ensure(std::size_t wanted) { return free_count_ >= wanted || grow(wanted); }
-    void release(Index slot) {
-        sums_[slot] = VertexSum();
-        free_[free_count_++] = slot;
-    }
 
   private:
     template <class T>
@@ -61,12 +57,15 @@ class Pool {
     }
     bool grow(std::size_t wanted) {
         const std::size_t old = sums_.size(), size = std::max(2 * old, old + wanted);
-        if (size > most_slots) return false;
+        if (size > VertexWord::most_slots) return false;
         enlarge(sums_, size);
         enlarge(rings_, size);
         enlarge(free_, size);
         // The lowest on top: those are used again and again.
-        for (std::size_t slot = size; slot-- > old;) release(Index(slot));
+        for (std::size_t slot = size; slot-- > old;) {
+            sums_[slot] = VertexSum();
+            free_[free_count_++] = Index(slot) * VertexWord::slot_one;
+        }
         return true;
     }
 
@@ -97,15 +96,14 @@ class Adder {
                   in.normals.indices.data(), in.uv.indices.data()},
           add_(add_kernel(simd)),
           vertices_(vertices.data()),
-          bytes_(counts.bytes.data()),
-          slots_(counts.slots.data()),
+          words_(counts.words.data()),
           maker_(maker),
           fans_(fans),
           counts_(counts),
           terms_(terms),
           values_(values),
-          part_shift_(std::max(0, int(std::bit_width(counts.bytes.size())) - part_bits)),
-          first_uses_(counts.listed_corners > 0 ? counts.bytes.size() : 0),
+          part_shift_(std::max(0, int(std::bit_width(counts.words.size())) - part_bits)),
+          first_uses_(counts.listed_corners > 0 ? counts.words.size() : 0),
           work_(counts.ranges.size()) {}
 
     bool run(std::size_t triangles, int threads) {
@@ -145,10 +143,10 @@ class Adder {
         const std::size_t trial_end = std::min(range.end, range.begin + trial);
         bool tried = range.end - range.begin < trial;
         std::uint8_t* const triangle_flags = terms_.triangle_flags.data();
-        std::vector<Index> done_vertices(ring_batch + most_lanes);
+        std::vector<Index> done_vertices(ring_batch + most_lanes), done_words(done_vertices.size());
         std::size_t done = 0;
         const auto flush = [&] {
-            finish(work.pool, {done_vertices.data(), done});
+            finish(work.pool, {done_vertices.data(), done}, done_words.data());
             done = 0;
         };
         for (std::size_t t = range.begin; t < range.end && !given_up_;) {
@@ -166,7 +164,8 @@ class Adder {
                 given_up_ = true;
                 return;
             }
-            done = add_block(t, n, any_degenerate, *room, work, done_vertices.data(), done);
+            done = add_block(t, n, any_degenerate, *room, work, done_vertices.data(),
+                             done_words.data(), done);
             t += n;
             if (!tried && t >= trial_end) {
                 tried = true;
@@ -180,24 +179,23 @@ class Adder {
     // Adds the terms of n triangles from t on; gives the number of vertices that are done with.
     std::size_t add_block(std::size_t t, std::size_t n, bool any_degenerate,
                           const TermMaker::Room& room, RangeWork& work, Index* done_vertices,
-                          std::size_t done) {
+                          Index* done_words, std::size_t done) {
         const CornerTerm* const planes[3] = {room.planes[0], room.planes[1], room.planes[2]};
         Pool& pool = work.pool;
-        AddState state{bytes_,        slots_,      pool.sums(),
-                       pool.rings(),  pool.free(), pool.free_count(),
-                       done_vertices, done};
+        AddState state{words_,        pool.sums(), pool.rings(), pool.free(), pool.free_count(),
+                       done_vertices, done_words,  done};
         AddLists& lists = work.lists;
         add_(adding_, t, n, any_degenerate, planes, state, lists);
         pool.free_count() = state.free_count;
         for (std::size_t i = 0; i < lists.different_count; ++i) {
             const std::size_t member = 4 * t + lists.different[i];
-            VertexSum& sum = pool.sums()[slots_[vertex(member)]];
+            VertexSum& sum = pool.sums()[VertexWord::slot(words_[vertex(member)])];
             sum.split |= !same_values(corner(member), sum);
         }
         for (std::size_t i = 0; i < lists.left_count; ++i) {
             const std::size_t member = 4 * t + lists.left[i];
             const Index v = vertex(member);
-            if (bytes_[v] == VertexByte::listed)
+            if (words_[v] == VertexWord::listed)
                 look_at_use(v, corner(member));
             else
                 note(v, member, planes[member & 3][lists.left[i] >> 2], work);
@@ -244,15 +242,16 @@ class Adder {
         std::size_t done = 0, split = 0;
         for (std::size_t i = 3 * begin; i < 3 * end; ++i) {
             const Index v = vertices_[i];
-            if (bytes_[v] >= VertexByte::shared || (bytes_[v] & VertexByte::to_come)) continue;
+            if (words_[v] & (VertexWord::apart | VertexWord::to_come)) continue;
             ++done;
             split += counts_.states[v] == split_vertex;
         }
         return split > done / 2;
     }
 
-    // Up to ring_batch vertices that have met all their triangles: their slots become free.
-    void finish(Pool& pool, std::span<const Index> vertices) {
+    // Up to ring_batch vertices that have met all their triangles, and their words: their slots
+    // become free.
+    void finish(Pool& pool, std::span<const Index> vertices, const Index* words) {
         if (vertices.empty()) return;
         RingBatch& batch = pool.batch();
         batch.count = vertices.size();
@@ -261,17 +260,13 @@ class Adder {
         VertexSum* const sums = pool.sums();
         Index* free = pool.free() + pool.free_count();
         for (std::size_t i = 0; i < vertices.size(); ++i) {
-            const Index v = vertices[i], slot = slots_[v];
-            const std::uint8_t byte = bytes_[v];
-            const std::uint8_t members = byte >= VertexByte::shared
-                                             ? std::uint8_t(byte - VertexByte::shared)
-                                             : VertexByte::met(byte);
+            const Index slot = VertexWord::slot(words[i]), members = VertexWord::met(words[i]);
             if (members == 0) {
                 given_up_ = true;
                 return;
             }
             VertexSum& sum = sums[slot];
-            batch.vertices[i] = v;
+            batch.vertices[i] = vertices[i];
             batch.stars[i] = {sum.x, sum.y, sum.z, 0};
             batch.codes[i] = sum.split ? 0 : sum.code;
             batch.members[i] = members;
@@ -279,7 +274,7 @@ class Adder {
             batch.normals[i] = sum.normal;
             if (sum.split) split[split_count++] = Index(i);
             sum = VertexSum();
-            *free++ = slot;
+            *free++ = slot * VertexWord::slot_one;
         }
         pool.free_count() += vertices.size();
         fans_.make(pool.rings(), batch, counts_.places, values_, counts_.states);
@@ -316,11 +311,13 @@ class Adder {
             }
             work.notes[part] = {};
         }
-        const std::size_t count = counts_.bytes.size();
+        const std::size_t count = counts_.words.size();
         const std::size_t end = std::min(count, (part + 1) << part_shift_);
-        std::vector<Index> done;
+        std::vector<Index> done, words;
         const auto flush = [&] {
-            finish(pool, done);
+            words.clear();
+            for (const Index v : done) words.push_back(words_[v]);
+            finish(pool, done, words.data());
             done.clear();
         };
         for (std::size_t v = std::min(count, part << part_shift_); v < end; ++v) {
@@ -340,23 +337,22 @@ class Adder {
     void add_note(Pool& pool, const Note& note) {
         const std::size_t triangle = note.member >> 2, k = note.member & 3;
         const Index v = vertex(note.member);
-        Index met = bytes_[v] - VertexByte::shared;
-        if (met == 0) slots_[v] = pool.free()[--pool.free_count()];
-        const Index slot = slots_[v];
+        Index& word = words_[v];
+        const Index met = VertexWord::met(word);
+        if (met == 0) word |= pool.free()[--pool.free_count()];
+        const Index slot = VertexWord::slot(word);
         VertexSum& sum = pool.sums()[slot];
         if (add_term(adding_, triangle, k, {note.x, note.y, note.z, note.code}, met, sum,
                      pool.rings()[slot]))
             sum.split |= !same_values(corner(note.member), sum);
-        met = std::min<Index>(met + 1, most_ring_members + 1);
-        bytes_[v] = std::uint8_t(VertexByte::shared + met);
+        if (met <= most_ring_members) ++word;
     }
 
     const TangentInput& in_;
     const AddInput adding_;
     const AddKernel add_;
     const Index* vertices_;
-    std::uint8_t* bytes_;
-    Index* slots_;
+    Index* words_;
     const TermMaker& maker_;
     const FanMaker& fans_;
     VertexCounts& counts_;

@@ -111,8 +111,7 @@ class Run {
             fans_told = detail::add_up_vertices(in_, triangles_, stars.vertices, maker, fans,
                                                 options_, counts, terms_, result_.tangents.values);
         }
-        counts.bytes = {};
-        counts.slots = {};
+        counts.words = {};
         if (!fans_told) {
             counts = {};
             detail::compute_all_terms(maker, triangles_, options_.threads, terms_);

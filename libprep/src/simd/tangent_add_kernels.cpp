@@ -54,8 +54,8 @@ HWY_INLINE bool add_to(const Corner& corner, const CornerTerm& term, hn::Mask<Fo
     return own != first;
 }
 
-// What a block's corners find, one after the other: the slot times 256 plus the vertex' byte
-// afterwards; `none` where a vertex is not counted, or the triangle degenerate.
+// What a block's corners find, one after the other: the vertex' word afterwards; `none` where a
+// vertex is not counted, or the triangle degenerate.
 struct Met {
     static constexpr std::size_t size = 3 * TermBlock::size;
     static constexpr Index none = ~0u;
@@ -64,31 +64,25 @@ struct Met {
 
 // Counts the corners off and gives new vertices their slots. Apart from what follows: a processor
 // that has seen loads depend on earlier stores makes them wait until it knows where all of these
-// go, and here nothing that is loaded says where a store goes. What says whether a vertex is new
-// waits for no slot.
+// go, and here nothing that is loaded says where a store goes.
 HWY_INLINE void count_off(const Index* HWY_RESTRICT vertices, std::size_t corners, AddState& state,
                           Met& met, AddLists& lists) {
-    std::uint8_t* const bytes = state.bytes;
-    Index* HWY_RESTRICT const slots = state.slots;
+    Index* HWY_RESTRICT const words = state.words;
     const Index* HWY_RESTRICT const free = state.free;
     Index* HWY_RESTRICT const to = met.corners;
     std::size_t free_count = state.free_count;
     for (std::size_t c = 0; c < corners; ++c) {
-        const Index v = vertices[c], byte = bytes[v];
-        if (HWY_UNLIKELY(byte >= VertexByte::shared)) {
+        const Index v = vertices[c], word = words[v];
+        if (HWY_UNLIKELY(word & VertexWord::apart)) {
             to[c] = Met::none;
             lists.left[lists.left_count++] = Index(c + c / 3);
             continue;
         }
-        // No branch: whether the vertex is new is not to be foreseen.
-        const bool fresh = byte < VertexByte::met_one;
-        const Index after = byte + VertexByte::met_one - 1;
-        const Index old = slots[v], next = free[free_count - 1];
-        const Index slot = fresh ? next : old;
-        free_count -= fresh;
-        bytes[v] = std::uint8_t(after);
-        slots[v] = slot;
-        to[c] = slot << 8 | after;
+        // A branch: what follows would wait for the slot, and on for the next one, else.
+        Index after = word + (VertexWord::met_one - 1);
+        if (HWY_UNLIKELY(word < VertexWord::met_one)) after += free[--free_count];
+        words[v] = after;
+        to[c] = after;
     }
     state.free_count = free_count;
 }
@@ -101,20 +95,22 @@ HWY_NOINLINE void count_off_some(const Index* vertices, std::size_t triangles,
         const bool out = (terms[i].code & degenerate_triangle) != 0;
         for (std::size_t c = 3 * i; c < 3 * i + 3; ++c) {
             const Index v = vertices[c];
-            std::uint8_t& byte = state.bytes[v];
+            Index& word = state.words[v];
             met.corners[c] = Met::none;
-            if (byte >= VertexByte::shared) {
+            if (word & VertexWord::apart) {
                 if (!out) lists.left[lists.left_count++] = Index(c + i);
                 continue;
             }
-            --byte;
             if (out) {
-                if ((byte & VertexByte::to_come) == 0) state.done_vertices[state.done_count++] = v;
+                --word;
+                if ((word & VertexWord::to_come) != 0) continue;
+                state.done_vertices[state.done_count] = v;
+                state.done_words[state.done_count++] = word;
                 continue;
             }
-            if (byte < VertexByte::met_one) state.slots[v] = state.free[--state.free_count];
-            byte = std::uint8_t(byte + VertexByte::met_one);
-            met.corners[c] = state.slots[v] << 8 | byte;
+            if (word < VertexWord::met_one) word += state.free[--state.free_count];
+            word += VertexWord::met_one - 1;
+            met.corners[c] = word;
         }
     }
 }
@@ -125,17 +121,19 @@ HWY_INLINE void find_done(const Index* vertices, std::size_t corners, const Met&
     const hn::ScalableTag<Index> d;
     for (std::size_t c = 0; c < corners; c += hn::Lanes(d)) {
         const auto after = hn::Load(d, met.corners + c);
-        const auto done =
-            hn::Eq(hn::And(after, hn::Set(d, Index(VertexByte::to_come))), hn::Zero(d));
+        const auto done = hn::Eq(hn::And(after, hn::Set(d, VertexWord::to_come)), hn::Zero(d));
         const std::size_t rest = corners - c;
         if (rest >= hn::Lanes(d)) {
+            hn::CompressStore(after, done, d, state.done_words + state.done_count);
             state.done_count += hn::CompressStore(hn::LoadU(d, vertices + c), done, d,
                                                   state.done_vertices + state.done_count);
             continue;
         }
-        for (std::size_t k = c; k < corners; ++k)
-            if ((met.corners[k] & VertexByte::to_come) == 0)
-                state.done_vertices[state.done_count++] = vertices[k];
+        for (std::size_t k = c; k < corners; ++k) {
+            if ((met.corners[k] & VertexWord::to_come) != 0) continue;
+            state.done_vertices[state.done_count] = vertices[k];
+            state.done_words[state.done_count++] = met.corners[k];
+        }
     }
 }
 
@@ -159,10 +157,10 @@ HWY_INLINE void add_all(const AddInput& in, std::size_t first, std::size_t count
             const std::size_t at = 3 * i + k, c = own_corners ? corners[at] : 3 * first + at;
             const Index found = met.corners[at];
             if (HWY_UNLIKELY(found == Met::none)) return;
-            const Index slot = found >> 8;
-            if (HWY_UNLIKELY(add_to({next_previous, normals[c], uvs[c]}, term, is_number,
-                                    VertexByte::met(std::uint8_t(found)) - 1, sums[slot],
-                                    rings[slot])))
+            const Index slot = found / VertexWord::slot_one;
+            const Index before = (found / VertexWord::met_one & 0x0f) - 1;
+            if (HWY_UNLIKELY(add_to({next_previous, normals[c], uvs[c]}, term, is_number, before,
+                                    sums[slot], rings[slot])))
                 lists.different[lists.different_count++] = Index(4 * i + k);
         };
         add(0, two(v + 1), term0[i]);
