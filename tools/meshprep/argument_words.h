@@ -6,15 +6,12 @@
 #include <functional>
 #include <glm/glm.hpp>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "meshprep/arguments.h"
+#include "meshprep/words.h"
 
 namespace meshprep {
-
-template <class Value>
-using Words = std::vector<std::pair<std::string, Value>>;
 
 // An option whose values are words; anything else is a usage error that lists them.
 template <class Value>
