@@ -220,7 +220,7 @@ void save_sheet(const std::filesystem::path& path, const std::vector<Grey>& pict
 }  // namespace
 
 int main(int argc, char** argv) {
-    if (argc != 2) {
+    if (argc != 2 || argv[1][0] == '-') {
         std::fprintf(stderr, "usage: draw_filters OUT-DIR\n");
         return 2;
     }
@@ -229,6 +229,7 @@ int main(int argc, char** argv) {
     using rast::TextureFilter;
     const Choice choices[] = {{"nearest", TextureFilter::nearest},
                               {"bilinear", TextureFilter::bilinear},
+                              {"nearest mip", TextureFilter::nearest_mip},
                               {"bicubic", TextureFilter::bicubic},
                               {"trilinear", TextureFilter::trilinear},
                               {"ripmap", TextureFilter::ripmap},
@@ -277,8 +278,10 @@ int main(int argc, char** argv) {
                         rmse(picture, reference.box, reference.covered),
                         energy(picture, reference.box, reference.covered),
                         rmse(picture, reference.gauss, reference.covered));
-            if (choice.filter != TextureFilter::bicubic && choice.most != 4 && choice.most != 8)
-                shown.push_back(picture);
+            const bool like_another = choice.filter == TextureFilter::bicubic ||
+                                      choice.filter == TextureFilter::nearest_mip ||
+                                      choice.most == 4 || choice.most == 8;
+            if (!like_another) shown.push_back(picture);
         }
         shown.push_back(reference.box);
         const bool floor = &stage == &stages[0];

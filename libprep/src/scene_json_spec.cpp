@@ -386,7 +386,8 @@ Table<PictureSettings> picture_table() {
                  }},
         word("cull", &T::cull, {"by-material", "back", "front", "none"}),
         word("filter", &T::filter,
-             {"nearest", "bilinear", "trilinear", "bicubic", "anisotropic", "ripmap", "ewa"}),
+             {"sampler", "nearest", "bilinear", "nearest-mip", "trilinear", "bicubic",
+              "anisotropic", "ripmap", "ewa"}),
         Field<T>{
             "samples",
             [](const Json& value, const std::string& pointer, T& out) -> Outcome {

@@ -254,26 +254,49 @@ class Planner {
         step("textures", some, some ? "sampled by materials in use" : none);
         step("sRGB decoding", colour_used,
              colour_used ? "colour textures are stored encoded" : "no colour texture is sampled");
-        const TextureLevels levels = levels_for(plan_.request.filter);
         step("texture filter", some, some ? filter_reason() : none);
         const auto level_step = [&](const char* name, TextureLevels kind) {
-            step(name, some && levels == kind,
-                 !some            ? none
-                 : levels == kind ? "the filter reads them; each is made when a pixel first asks "
-                                    "for it"
-                                  : "the filter does not read them");
+            bool read = false;
+            for (std::size_t t = 0; t < plan_.textures_used.size(); ++t)
+                read |= plan_.textures_used[t] && levels_for(filter_of(t)) == kind;
+            step(name, read,
+                 !some  ? none
+                 : read ? "the filter reads them; each is made when a pixel first asks for it"
+                        : "the filter does not read them");
         };
         level_step("mip levels", TextureLevels::mipmap);
         level_step("ripmap levels", TextureLevels::ripmap);
     }
 
+    TextureFilter filter_of(std::size_t texture) const {
+        return filter_for(plan_.request.filter, prepared_.scene.textures[texture]);
+    }
+
     std::string filter_reason() const {
+        if (plan_.request.filter != TextureFilter::by_sampler)
+            return filter_text(plan_.request.filter);
+        std::map<TextureFilter, std::size_t> found;
+        for (std::size_t t = 0; t < plan_.textures_used.size(); ++t)
+            if (plan_.textures_used[t]) ++found[filter_of(t)];
+        if (found.size() == 1) return "by the samplers, " + filter_text(found.begin()->first);
+        std::string text;
+        for (const auto& [filter, count] : found)
+            text += (text.empty() ? "by the samplers, " : "; ") + std::to_string(count) + " × " +
+                    filter_text(filter);
+        return text;
+    }
+
+    std::string filter_text(TextureFilter filter) const {
         const std::string most = std::to_string(plan_.request.max_anisotropy);
-        switch (plan_.request.filter) {
+        switch (filter) {
+            case TextureFilter::by_sampler:
+                return "others near than far: one, four or eight reads a sample";
             case TextureFilter::nearest:
                 return "nearest texel: one read a sample";
             case TextureFilter::bilinear:
                 return "bilinear: four reads a sample, first level only";
+            case TextureFilter::nearest_mip:
+                return "nearest mip: four reads on the mip level nearest to the footprint";
             case TextureFilter::trilinear:
                 return "trilinear: four reads on each of two mip levels";
             case TextureFilter::bicubic:

@@ -158,7 +158,7 @@ void Renderer::draw_rows(std::uint32_t first, std::uint32_t rows, Frame& frame) 
 
 void Renderer::load_textures() {
     const prep::Scene& scene = prepared_.scene;
-    const TextureLevels levels = levels_for(plan_->request.filter);
+    const TextureFilter filter = plan_->request.filter;
     kept_.resize(scene.textures.size());
     textures_.assign(scene.textures.size(), nullptr);
     textures_read_ = 0;
@@ -168,6 +168,7 @@ void Renderer::load_textures() {
         if (!plan_->textures_used[t] || texture.image >= scene.images.size()) continue;
         KeptTexture& kept = kept_[t];
         const bool colour = plan_->colour_textures[t];
+        const TextureLevels levels = levels_for(filter_for(filter, texture));
         if (!kept.tried || kept.colour != colour || kept.levels != levels) {
             kept = {true, colour, levels, nullptr, {}};
             if (const auto image = prep::load_image(scene.images[texture.image]))
@@ -185,7 +186,7 @@ void Renderer::load_textures() {
     if (plan_->request.prune) return;
     for (const auto& texture : textures_)
         if (texture) texture->make_all_levels();
-    add_neutral_maps(textures_, levels);
+    add_neutral_maps(textures_, levels_for(filter_for(filter, {})));
 }
 
 void Renderer::transform() {

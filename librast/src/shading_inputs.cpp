@@ -74,7 +74,7 @@ class Binder {
         BoundMap& map = draw_.maps[kind];
         map.texture = &texture;
         map.place = at;
-        map.filter = plan_.request.filter;
+        map.filter = texture.filter_for(plan_.request.filter);
         map.most = plan_.request.max_anisotropy;
         map.strength = strength;
     }

@@ -119,6 +119,8 @@ TextureLevels levels_for(TextureFilter filter) {
             return TextureLevels::base;
         case TextureFilter::ripmap:
             return TextureLevels::ripmap;
+        case TextureFilter::by_sampler:
+        case TextureFilter::nearest_mip:
         case TextureFilter::bicubic:
         case TextureFilter::trilinear:
         case TextureFilter::anisotropic:
@@ -126,6 +128,20 @@ TextureLevels levels_for(TextureFilter filter) {
             break;
     }
     return TextureLevels::mipmap;
+}
+
+TextureFilter filter_for(TextureFilter asked, const prep::Texture& sampler) {
+    if (asked != TextureFilter::by_sampler || sampler.mag != sampler.min) return asked;
+    const bool linear = sampler.min == prep::Filter::linear;
+    switch (sampler.mip) {
+        case prep::MipFilter::none:
+            return linear ? TextureFilter::bilinear : TextureFilter::nearest;
+        case prep::MipFilter::nearest:
+            return linear ? TextureFilter::nearest_mip : asked;
+        case prep::MipFilter::linear:
+            break;
+    }
+    return linear ? TextureFilter::trilinear : asked;
 }
 
 void MipTexture::add_level(std::vector<Level>& to, std::uint32_t width, std::uint32_t height) {
@@ -140,7 +156,7 @@ void MipTexture::add_level(std::vector<Level>& to, std::uint32_t width, std::uin
 
 MipTexture::MipTexture(const prep::Image& image, const prep::Texture& sampler, bool colour,
                        TextureLevels levels)
-    : lazy_(std::make_unique<Lazy>()), wrap_u_(sampler.wrap_u), wrap_v_(sampler.wrap_v) {
+    : lazy_(std::make_unique<Lazy>()), sampler_(sampler) {
     const auto half = [](std::uint32_t size) { return std::max(1u, size / 2); };
     add_level(levels_, image.width, image.height);
     if (levels == TextureLevels::mipmap)
@@ -158,8 +174,8 @@ MipTexture::MipTexture(const prep::Image& image, const prep::Texture& sampler, b
     allocate(fits_packed(image, colour));
     make_first(image, colour);
     view_.level_count = std::uint32_t(levels_.size());
-    view_.wrap_u = wrap_u_;
-    view_.wrap_v = wrap_v_;
+    view_.wrap_u = sampler_.wrap_u;
+    view_.wrap_v = sampler_.wrap_v;
     view_.by_lanes = levels_.size() <= TextureView::most_levels &&
                      texel_count_ < (std::size_t(1) << 29);  // four floats each: below 2^31
     for (std::size_t l = 0; view_.by_lanes && l < levels_.size(); ++l) {
@@ -241,9 +257,10 @@ void MipTexture::make_margins(const Level& l) const {
     };
     for (std::int64_t y = 0; y < std::int64_t(l.height); ++y)
         fill(
-            l.width, wrap_u_, [&](std::int64_t x) { return l.at(x, y); }, 1);
+            l.width, sampler_.wrap_u, [&](std::int64_t x) { return l.at(x, y); }, 1);
     fill(
-        l.height, wrap_v_, [&](std::int64_t y) { return l.at(-margin_before, y); }, l.pitch);
+        l.height, sampler_.wrap_v, [&](std::int64_t y) { return l.at(-margin_before, y); },
+        l.pitch);
 }
 
 void MipTexture::make_first(const prep::Image& image, bool colour) {
@@ -320,16 +337,18 @@ std::uint64_t MipTexture::levels_made() const {
 }
 
 glm::vec4 MipTexture::nearest(const Level& level, const glm::vec2& uv) const {
-    const std::int64_t x = wrap_texel(whole(uv.x * float(level.width)), level.width, wrap_u_);
-    const std::int64_t y = wrap_texel(whole(uv.y * float(level.height)), level.height, wrap_v_);
+    const std::int64_t x =
+        wrap_texel(whole(uv.x * float(level.width)), level.width, sampler_.wrap_u);
+    const std::int64_t y =
+        wrap_texel(whole(uv.y * float(level.height)), level.height, sampler_.wrap_v);
     if (x < 0 || y < 0) return glm::vec4(0.0f);
     return raw(level.at(x, y));
 }
 
 // The kernels' operations in their order (filter_texels).
 glm::vec4 MipTexture::mixed(const Level& level, const glm::vec2& uv) const {
-    const OnAxis x = on_axis(uv.x * float(level.width) - 0.5f, level.width, wrap_u_);
-    const OnAxis y = on_axis(uv.y * float(level.height) - 0.5f, level.height, wrap_v_);
+    const OnAxis x = on_axis(uv.x * float(level.width) - 0.5f, level.width, sampler_.wrap_u);
+    const OnAxis y = on_axis(uv.y * float(level.height) - 0.5f, level.height, sampler_.wrap_v);
     const std::size_t top = level.at(x.first, y.first), bottom = top + level.pitch;
     const std::int32_t down = down_steps_of(y.part);
     const auto column = [&](std::size_t i) {

@@ -25,6 +25,9 @@ struct Footprint {
 // combination of half widths and half heights (four times the memory).
 enum class TextureLevels : std::uint8_t { base, mipmap, ripmap };
 TextureLevels levels_for(TextureFilter filter);
+// What is left of a filter for a texture: `by_sampler` only where the sampler is no filter's like,
+// as one that magnifies to the nearest texel and minifies smoothly.
+TextureFilter filter_for(TextureFilter asked, const prep::Texture& sampler);
 
 // How texels lie in memory: red, green, blue and alpha side by side, all levels one after the
 // other. Files of 8 bits, and files of 16 bits that are not decoded from sRGB, take 8 bytes a
@@ -90,6 +93,9 @@ class MipTexture {
     //   ewa          Heckbert (1989): Gaussian over the footprint's ellipse, on the two levels that
     //                the shorter side asks for.
     //   ripmap       the two levels of either axis, by the larger change of either coordinate.
+    //   nearest_mip  half way between two levels the finer one, as OpenGL and Vulkan round.
+    //   by_sampler   magnified to a texel a pixel or more as the sampler's `mag`, else as its `min`
+    //                on the levels of its `mip`.
     // Footprints of at most a texel are read as by trilinear. A constant texture comes out with its
     // own bits from all of them (but the mip levels' rounding).
     glm::vec4 sample(const glm::vec2& uv, const Footprint& footprint, TextureFilter filter,
@@ -123,6 +129,10 @@ class MipTexture {
         return finished(raw(level.at(x, y)));
     }
     const TextureView& view() const { return view_; }
+    // For the kernels, which know no `by_sampler` that filter_for() can name.
+    TextureFilter filter_for(TextureFilter asked) const {
+        return rast::filter_for(asked, sampler_);
+    }
 
   private:
     // As filters read them: packed channels times texel_scale. finished() undoes that.
@@ -160,6 +170,8 @@ class MipTexture {
                       const glm::dvec2& b) const;
     glm::vec4 ewa(const glm::vec2& uv, const Footprint& footprint, int most) const;
     glm::vec4 ripmap(const glm::vec2& uv, const Footprint& footprint) const;
+    glm::vec4 by_sampler(const glm::vec2& uv, const Footprint& footprint) const;
+    std::uint32_t nearest_level(float lod) const;
     template <class Read>
     glm::vec4 between_levels(float lod, const Read& read) const;
 
@@ -179,7 +191,7 @@ class MipTexture {
     std::unique_ptr<std::byte, FreeTexels> memory_;
     std::int16_t* packed_ = nullptr;
     float* floats_ = nullptr;
-    prep::Wrap wrap_u_, wrap_v_;
+    prep::Texture sampler_;
     TextureView view_;
 };
 

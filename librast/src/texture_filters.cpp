@@ -71,8 +71,8 @@ const std::array<float, weight_entries>& gaussian_weights() {
 }  // namespace
 
 glm::vec4 MipTexture::wrapped(const Level& level, std::int64_t x, std::int64_t y) const {
-    x = wrap_texel(x, level.width, wrap_u_);
-    y = wrap_texel(y, level.height, wrap_v_);
+    x = wrap_texel(x, level.width, sampler_.wrap_u);
+    y = wrap_texel(y, level.height, sampler_.wrap_v);
     return x < 0 || y < 0 ? glm::vec4(0.0f) : raw(level.at(x, y));
 }
 
@@ -210,6 +210,29 @@ glm::vec4 MipTexture::ripmap(const glm::vec2& uv, const Footprint& f) const {
     return pv == 0 ? a : a + (across(cv + 1) - a) * pv;
 }
 
+std::uint32_t MipTexture::nearest_level(float lod) const {
+    lod = std::min(std::max(lod, 0.0f), float(levels_.size() - 1));
+    const std::uint32_t fine = std::uint32_t(lod);
+    return lod - float(fine) > 0.5f ? fine + 1 : fine;
+}
+
+glm::vec4 MipTexture::by_sampler(const glm::vec2& uv, const Footprint& footprint) const {
+    const float lod = level_of_detail(footprint);
+    const bool smooth = (lod > 0 ? sampler_.min : sampler_.mag) == prep::Filter::linear;
+    const auto read = [&](const Level& level) {
+        return smooth ? bilinear(level, uv) : nearest(level, uv);
+    };
+    switch (sampler_.mip) {
+        case prep::MipFilter::none:
+            break;
+        case prep::MipFilter::nearest:
+            return read(level(nearest_level(lod)));
+        case prep::MipFilter::linear:
+            return between_levels(lod, read);
+    }
+    return read(levels_[0]);
+}
+
 glm::vec4 MipTexture::sample(const glm::vec2& uv, const Footprint& footprint, TextureFilter filter,
                              int most) const {
     return finished(filtered(uv, footprint, filter, most));
@@ -217,10 +240,14 @@ glm::vec4 MipTexture::sample(const glm::vec2& uv, const Footprint& footprint, Te
 
 glm::vec4 MipTexture::filtered(const glm::vec2& uv, const Footprint& footprint,
                                TextureFilter filter, int most) const {
+    filter = filter_for(filter);
+    if (filter == TextureFilter::by_sampler) return by_sampler(uv, footprint);
     if (filter == TextureFilter::nearest) return nearest(levels_[0], uv);
     if (filter == TextureFilter::ripmap && !rip_.empty()) return ripmap(uv, footprint);
     if (filter == TextureFilter::bicubic) return bicubic(uv, footprint);
     if (filter == TextureFilter::bilinear || levels_.size() == 1) return bilinear(levels_[0], uv);
+    if (filter == TextureFilter::nearest_mip)
+        return bilinear(level(nearest_level(level_of_detail(footprint))), uv);
     if (filter == TextureFilter::anisotropic) return anisotropic(uv, footprint, most);
     if (filter == TextureFilter::ewa) return ewa(uv, footprint, most);
     return trilinear(uv, level_of_detail(footprint));

@@ -302,9 +302,9 @@ TEST(Hazards, EdgeOnPlanesAreFiniteAndKeepAConstantTexture) {
     double worst = 0;
     for (const rast::TextureFilter filter :
          {rast::TextureFilter::nearest, rast::TextureFilter::bilinear,
-          rast::TextureFilter::trilinear, rast::TextureFilter::bicubic,
-          rast::TextureFilter::anisotropic, rast::TextureFilter::ripmap,
-          rast::TextureFilter::ewa}) {
+          rast::TextureFilter::nearest_mip, rast::TextureFilter::trilinear,
+          rast::TextureFilter::bicubic, rast::TextureFilter::anisotropic,
+          rast::TextureFilter::ripmap, rast::TextureFilter::ewa}) {
         rast::RenderRequest request;
         request.width = 64;
         request.height = 48;

@@ -103,9 +103,9 @@ TEST(Pruning, ChangesNoBitOfThePicture) {
 TEST(Pruning, ChangesNoBitForAnyFilter) {
     const prep::PreparedScene scene = two_spheres(true, false);
     for (const TextureFilter filter :
-         {TextureFilter::nearest, TextureFilter::bilinear, TextureFilter::trilinear,
-          TextureFilter::bicubic, TextureFilter::anisotropic, TextureFilter::ripmap,
-          TextureFilter::ewa}) {
+         {TextureFilter::by_sampler, TextureFilter::nearest, TextureFilter::bilinear,
+          TextureFilter::nearest_mip, TextureFilter::trilinear, TextureFilter::bicubic,
+          TextureFilter::anisotropic, TextureFilter::ripmap, TextureFilter::ewa}) {
         rast::RenderRequest request = small();
         request.filter = filter;
         const rast::Frame pruned = test::draw(scene, request);

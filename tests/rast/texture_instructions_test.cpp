@@ -74,12 +74,15 @@ TEST_P(TextureInstructions, GiveTheSameBytesForEveryWrapFilterAndMask) {
         for (int wrap = 0; wrap < 16; ++wrap) {
             prep::Material material;
             if (masked) material.alpha_mode = prep::AlphaMode::mask;
-            const prep::PreparedScene scene = textured_square(image, wrap, material);
+            prep::PreparedScene scene = textured_square(image, wrap, material);
+            scene.scene.textures[0].mag = prep::Filter::nearest;  // as no filter has it
             for (const rast::TextureFilter filter :
-                 {rast::TextureFilter::nearest, rast::TextureFilter::bilinear,
+                 {rast::TextureFilter::by_sampler, rast::TextureFilter::nearest,
+                  rast::TextureFilter::bilinear, rast::TextureFilter::nearest_mip,
                   rast::TextureFilter::trilinear, rast::TextureFilter::anisotropic}) {
-                // The costly one not with every wrap.
+                // The costly ones not with every wrap.
                 if (filter == rast::TextureFilter::anisotropic && wrap % 5 != 0) continue;
+                if (filter == rast::TextureFilter::by_sampler && wrap % 5 != 0) continue;
                 rast::RenderRequest request;
                 request.width = 123;
                 request.height = 95;

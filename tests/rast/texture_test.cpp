@@ -183,6 +183,22 @@ TEST(Filter, LevelOfDetailIsTheLongerSideOfTheFootprint) {
     EXPECT_EQ(texture.level_of_detail({{INFINITY, 0}, {0, 0}}), 6);
 }
 
+// Of a level that repeats along u and is mirrored along v, in double.
+glm::dvec4 level_texel(const MipTexture& texture, std::uint32_t l, double x, double y) {
+    const auto& level = texture.level(l);
+    return glm::dvec4(texture.texel(
+        level, std::uint32_t(walked(std::int64_t(std::floor(x)), level.width, Wrap::repeat)),
+        std::uint32_t(walked(std::int64_t(std::floor(y)), level.height, Wrap::mirror))));
+}
+glm::dvec4 level_bilinear(const MipTexture& texture, std::uint32_t l, const glm::vec2& uv) {
+    const double x = double(uv.x) * texture.level(l).width - 0.5,
+                 y = double(uv.y) * texture.level(l).height - 0.5;
+    const double fx = x - std::floor(x), fy = y - std::floor(y);
+    const auto at = [&](int i, int j) { return level_texel(texture, l, x + i, y + j); };
+    return (at(0, 0) * (1 - fx) + at(1, 0) * fx) * (1 - fy) +
+           (at(0, 1) * (1 - fx) + at(1, 1) * fx) * fy;
+}
+
 TEST(Filter, TrilinearMixesTheTwoLevelsByTheFraction) {
     const MipTexture texture =
         texture_of(random_image(32, 32, 3), Wrap::repeat, Wrap::mirror, true);
@@ -194,20 +210,7 @@ TEST(Filter, TrilinearMixesTheTwoLevelsByTheFraction) {
         const Footprint footprint{{float(std::exp2(lod) / 32), 0}, {0, 0}};
         const double kept = std::min(lod, 5.0), fraction = kept - std::floor(kept);
         const auto bilinear_of = [&](std::uint32_t l) {
-            const auto& level = texture.level(std::min(l, 5u));
-            const double x = double(uv.x) * level.width - 0.5,
-                         y = double(uv.y) * level.height - 0.5;
-            const double fx = x - std::floor(x), fy = y - std::floor(y);
-            const auto at = [&](int i, int j) {
-                return glm::dvec4(texture.texel(
-                    level,
-                    std::uint32_t(
-                        walked(std::int64_t(std::floor(x)) + i, level.width, Wrap::repeat)),
-                    std::uint32_t(
-                        walked(std::int64_t(std::floor(y)) + j, level.height, Wrap::mirror))));
-            };
-            return (at(0, 0) * (1 - fx) + at(1, 0) * fx) * (1 - fy) +
-                   (at(0, 1) * (1 - fx) + at(1, 1) * fx) * fy;
+            return level_bilinear(texture, std::min(l, 5u), uv);
         };
         const std::uint32_t fine = std::uint32_t(kept);
         const glm::dvec4 expected =
@@ -217,6 +220,59 @@ TEST(Filter, TrilinearMixesTheTwoLevelsByTheFraction) {
         ASSERT_LT(distance(texture.sample(uv, footprint, TextureFilter::trilinear), expected),
                   2e-5 + 0.5 / 32768);
     }
+}
+
+// As OpenGL ES 3.2, 8.14, and Vulkan have it: `mag` up to a level of detail of 0, `min` beyond, on
+// the first level, the nearest one (half way the finer) or both around it.
+TEST(Filter, BySamplerEqualsDirectComputation) {
+    using prep::Filter;
+    using prep::MipFilter;
+    const prep::Image image = random_image(32, 32, 21);
+    std::mt19937_64 random(22);
+    std::uniform_real_distribution<float> coordinate(-2, 2);
+    for (const Filter mag : {Filter::nearest, Filter::linear})
+        for (const Filter min : {Filter::nearest, Filter::linear})
+            for (const MipFilter mip : {MipFilter::none, MipFilter::nearest, MipFilter::linear}) {
+                prep::Texture sampler;
+                sampler.wrap_v = Wrap::mirror;
+                sampler.mag = mag;
+                sampler.min = min;
+                sampler.mip = mip;
+                const MipTexture texture(
+                    image, sampler, false,
+                    rast::levels_for(rast::filter_for(TextureFilter::by_sampler, sampler)));
+                int tried = 0;
+                for (int n = 0; n < 1000; ++n) {
+                    const glm::vec2 uv(coordinate(random), coordinate(random));
+                    const double lod = 9.0 * n / 1000 - 2, kept = std::clamp(lod, 0.0, 5.0);
+                    const Footprint footprint{{float(std::exp2(lod) / 32), 0}, {0, 0}};
+                    const double fraction = kept - std::floor(kept);
+                    // Where rounding cannot choose another texel or level.
+                    bool clear = std::abs(lod) > 1e-4 && std::abs(fraction - 0.5) > 1e-4;
+                    const auto read = [&](std::uint32_t l) {
+                        if ((lod > 0 ? min : mag) == Filter::linear)
+                            return level_bilinear(texture, l, uv);
+                        const double x = double(uv.x) * texture.level(l).width,
+                                     y = double(uv.y) * texture.level(l).height;
+                        clear &= std::abs(x - std::round(x)) > 1e-4 &&
+                                 std::abs(y - std::round(y)) > 1e-4;
+                        return level_texel(texture, l, x, y);
+                    };
+                    const std::uint32_t fine = std::uint32_t(kept), coarse = std::min(fine + 1, 5u);
+                    const glm::dvec4 expected =
+                        mip == MipFilter::none ? read(0)
+                        : mip == MipFilter::nearest
+                            ? read(fraction > 0.5 ? coarse : fine)
+                            : read(fine) * (1 - fraction) + read(coarse) * fraction;
+                    if (!clear) continue;
+                    ++tried;
+                    ASSERT_LT(distance(texture.sample(uv, footprint, TextureFilter::by_sampler),
+                                       expected),
+                              2e-5 + 0.5 / 32768)
+                        << int(mag) << int(min) << int(mip) << " " << lod;
+                }
+                EXPECT_GT(tried, 900);
+            }
 }
 
 TEST(Filter, ConstantTexturesStayBitConstant) {
@@ -241,10 +297,10 @@ TEST(Filter, HostileCoordinatesAreHarmless) {
         }
 }
 
-constexpr TextureFilter every_filter[] = {TextureFilter::nearest,   TextureFilter::bilinear,
-                                          TextureFilter::trilinear, TextureFilter::bicubic,
-                                          TextureFilter::ripmap,    TextureFilter::anisotropic,
-                                          TextureFilter::ewa};
+constexpr TextureFilter every_filter[] = {
+    TextureFilter::by_sampler,  TextureFilter::nearest,     TextureFilter::bilinear,
+    TextureFilter::nearest_mip, TextureFilter::trilinear,   TextureFilter::bicubic,
+    TextureFilter::ripmap,      TextureFilter::anisotropic, TextureFilter::ewa};
 
 MipTexture texture_for(const prep::Image& image, TextureFilter filter) {
     return MipTexture(image, prep::Texture{}, false, rast::levels_for(filter));
@@ -477,7 +533,8 @@ TEST(Filter, BetterOnesAreCloserToSupersampling) {
                           {"anisotropic 4", TextureFilter::anisotropic, 4, {}, {}},
                           {"anisotropic 8", TextureFilter::anisotropic, 8, {}, {}},
                           {"anisotropic 16", TextureFilter::anisotropic, 16, {}, {}},
-                          {"ewa 16", TextureFilter::ewa, 16, {}, {}}};
+                          {"ewa 16", TextureFilter::ewa, 16, {}, {}},
+                          {"nearest mip", TextureFilter::nearest_mip, 1, {}, {}}};
     const Supersampled true_floor = supersampled(checker, extent, floor);
     const Supersampled true_rings = supersampled(zones, extent, rings);
     std::printf("%-15s %10s %8s %10s %10s %8s\n", "", "floor", "energy", "own", "rings", "energy");
@@ -497,6 +554,8 @@ TEST(Filter, BetterOnesAreCloserToSupersampling) {
     EXPECT_GT(at(6), at(7));
     EXPECT_GE(at(7), at(8));
     EXPECT_LT(at(8), 0.03);
+    EXPECT_LT(at(10), at(1));  // the nearest mip level: between bilinear and trilinear
+    EXPECT_GT(at(10), at(2));
     // EWA's Gaussian reaches two pixels, the reference is one pixel's box: smoother than that, but
     // free of trilinear's blur across the floor. Held against its own weights it is the best.
     EXPECT_LT(at(9), at(4));

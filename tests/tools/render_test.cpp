@@ -30,8 +30,8 @@ TEST(Render, SceneFilesTakeEveryFilterWordOfTheCommandLine) {
                                dir / "brick.png");
     write_text(dir / "plain.json", slanted_floor(R"({"size": [96, 64]})"));
     std::set<std::string> pictures;
-    for (const std::string word :
-         {"nearest", "bilinear", "trilinear", "bicubic", "anisotropic", "ripmap", "ewa"}) {
+    for (const std::string word : {"nearest", "bilinear", "nearest-mip", "trilinear", "bicubic",
+                                   "anisotropic", "ripmap", "ewa"}) {
         SCOPED_TRACE(word);
         write_text(dir / "scene.json",
                    slanted_floor(R"({"size": [96, 64], "filter": ")" + word + "\"}"));
@@ -46,7 +46,30 @@ TEST(Render, SceneFilesTakeEveryFilterWordOfTheCommandLine) {
         EXPECT_EQ(bytes, read_text(dir / "by_option.png"));
         pictures.insert(bytes);
     }
-    EXPECT_EQ(pictures.size(), 7u);
+    EXPECT_EQ(pictures.size(), 8u);
+}
+
+TEST(Render, TexturesAreReadAsTheirSamplersAskUnlessAFilterIsAskedFor) {
+    const TemporaryDirectory dir;
+    std::filesystem::copy_file(test::source_dir() / "samples/room/brick_color.png",
+                               dir / "brick.png");
+    const auto draw = [&](const std::string& sampler, const std::vector<std::string>& options) {
+        std::string scene = slanted_floor(R"({"size": [96, 64]})");
+        scene.insert(scene.find(R"("brick.png")") + 11, sampler);
+        write_text(dir / "scene.json", scene);
+        std::vector<std::string> words{"render", (dir / "scene.json").string(), "-o",
+                                       (dir / "out.png").string(), "--quiet"};
+        words.insert(words.end(), options.begin(), options.end());
+        const test::Ran ran = run_command(words);
+        EXPECT_EQ(ran.exit_code, 0) << ran.err;
+        return read_text(dir / "out.png");
+    };
+    const std::string nearest = R"(, "mag": "nearest", "min": "nearest", "mip": "none")";
+    EXPECT_EQ(draw(nearest, {}), draw("", {"--filter", "nearest"}));
+    EXPECT_EQ(draw(nearest, {"--filter", "ewa"}), draw("", {"--filter", "ewa"}));
+    EXPECT_EQ(draw(R"(, "mip": "none")", {}), draw("", {"--filter", "bilinear"}));
+    EXPECT_EQ(draw(R"(, "mip": "nearest")", {}), draw("", {"--filter", "nearest-mip"}));
+    EXPECT_EQ(draw("", {}), draw("", {"--filter", "trilinear"}));
 }
 
 TEST(Render, SceneFilesAskForTheSameAsOptionsAndTheOptionsWin) {
@@ -133,10 +156,9 @@ TEST(Render, WhatIsNotDrawnIsTold) {
     };
     const std::string linear = warnings("a.exr", {});
     for (const char* text : {"bump map, which is not drawn", "displacement map, which is not drawn",
-                             "asks for the nearest texel", "tone_map is for pictures of 8 bits"})
+                             "tone_map is for pictures of 8 bits"})
         EXPECT_NE(linear.find(text), std::string::npos) << text << "\n" << linear;
-    const std::string chosen = warnings("a.png", {"--filter", "trilinear"});
-    EXPECT_EQ(chosen.find("nearest texel"), std::string::npos) << chosen;
+    const std::string chosen = warnings("a.png", {});
     EXPECT_EQ(chosen.find("tone_map"), std::string::npos) << chosen;
 }
 

@@ -252,20 +252,6 @@ std::vector<std::string> not_drawn(const prep::PreparedScene& prepared) {
     return out;
 }
 
-// Textures whose samplers ask for the nearest texel, where the filter is nobody's choice.
-std::optional<std::string> unlike_samplers(const RenderCommand& command,
-                                           const prep::PictureSettings& picture,
-                                           const prep::PreparedScene& prepared,
-                                           const rast::RenderPlan& plan) {
-    if (command.filter || picture.filter) return std::nullopt;
-    std::size_t nearest = 0;
-    for (std::size_t t = 0; t < prepared.scene.textures.size(); ++t)
-        nearest += plan.textures_used[t] && prepared.scene.textures[t].mag == prep::Filter::nearest;
-    if (nearest == 0) return std::nullopt;
-    return count_of(nearest, "texture") + (nearest == 1 ? " asks" : " ask") +
-           " for the nearest texel, but all are drawn with one filter: --filter nearest is theirs";
-}
-
 Result<Json> render_file(const RenderCommand& command, Console& console) {
     const CommonOptions& common = command.common;
     if (const Result<void> there = require_file(command.input); !there) return there.error();
@@ -333,8 +319,6 @@ Result<Json> render_file(const RenderCommand& command, Console& console) {
             json["outputs"].push_back(path.string());
         if (n > 0) continue;
         std::vector<std::string> warnings = not_drawn(*prepared);
-        if (const auto unlike = unlike_samplers(command, loaded->picture, *prepared, *plan))
-            warnings.push_back(*unlike);
         if (const std::uint64_t broken = drawn->frame.counters.non_finite; broken > 0)
             warnings.push_back(count_of(broken, "triangle") +
                                " with positions that are not finite or beyond all range left out");

@@ -224,7 +224,7 @@ CLI::App* define_render(CLI::App& app, RenderCommand& c) {
         "Faces left out (default by-material: back faces, unless double-sided)");
     add_words<rast::TextureFilter>(
         sub, "--filter", filter_words(), [&c](rast::TextureFilter v) { c.filter = v; },
-        "Texture filter (default trilinear)");
+        "Texture filter (default sampler: as each texture's own sampler asks)");
     sub->add_option("--samples", c.samples, "Samples a pixel: 1 (default), 2, 4, 8 or 16")
         ->check(CLI::IsMember({1, 2, 4, 8, 16}))
         ->type_name("N");

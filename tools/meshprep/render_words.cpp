@@ -20,8 +20,10 @@ const Words<rast::Cull>& cull_words() {
 
 const Words<rast::TextureFilter>& filter_words() {
     static const Words<rast::TextureFilter> words = {
+        {"sampler", rast::TextureFilter::by_sampler},
         {"nearest", rast::TextureFilter::nearest},
         {"bilinear", rast::TextureFilter::bilinear},
+        {"nearest-mip", rast::TextureFilter::nearest_mip},
         {"trilinear", rast::TextureFilter::trilinear},
         {"bicubic", rast::TextureFilter::bicubic},
         {"anisotropic", rast::TextureFilter::anisotropic},

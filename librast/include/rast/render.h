@@ -24,9 +24,13 @@ enum class Cull : std::uint8_t {
     front,
     none
 };  // by_material: back, unless double-sided
+// How textures are read between their texels, and from which mip levels. `by_sampler`: each texture
+// as its own sampler asks (prep::Texture::mag, min and mip; trilinear unless it says otherwise).
 enum class TextureFilter : std::uint8_t {
+    by_sampler,
     nearest,
     bilinear,
+    nearest_mip,  // bilinear, on the mip level nearest to the footprint
     trilinear,
     bicubic,
     anisotropic,
@@ -63,7 +67,7 @@ struct RenderRequest {
     std::optional<View> view;  // unset: the scene's camera, else the whole scene
     std::optional<std::vector<LightInstance>> lights;  // unset: the scene's, else three lights
     Cull cull = Cull::by_material;
-    TextureFilter filter = TextureFilter::trilinear;
+    TextureFilter filter = TextureFilter::by_sampler;
     int max_anisotropy = 8;      // 1 … 16: anisotropic and EWA filters
     glm::vec3 background{0.0f};  // linear
     bool textures = true;        // false: material colours only

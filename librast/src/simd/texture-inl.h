@@ -141,6 +141,12 @@ RAST_INLINE F level_of_detail(const TextureView& view, const Coordinates& at) {
     return select(minified, select(in_range, min(lod, most), most), set(0.0f));
 }
 
+// As MipTexture::nearest_level.
+RAST_INLINE F nearest_level(F lod) {
+    const F fine = floor(lod);
+    return select(lod - fine > set(0.5f), fine + set(1.0f), fine);
+}
+
 // Which texels a map reads at a vector of points, and how it mixes them.
 struct Reads {
     Taps near, far;
@@ -157,6 +163,8 @@ RAST_INLINE void find_level(const BoundMap& map, const Coordinates& at, Reads& r
     reads.between = set(0.0f);
     if (map.filter == TextureFilter::trilinear && view.level_count > 1)
         reads.between = level_of_detail(view, at);
+    if (map.filter == TextureFilter::nearest_mip && view.level_count > 1)
+        reads.between = nearest_level(level_of_detail(view, at));
 }
 RAST_INLINE void find_texels(const BoundMap& map, F at_u, F at_v, Reads& reads) {
     const TextureView& view = map.texture->view();
@@ -262,7 +270,7 @@ inline void sample_each(const BoundMap& map, const Coordinates& at, std::uint32_
 RAST_INLINE bool reads_by_lanes(const BoundMap& map) {
     return map.texture->view().by_lanes &&
            (map.filter == TextureFilter::trilinear || map.filter == TextureFilter::bilinear ||
-            map.filter == TextureFilter::nearest);
+            map.filter == TextureFilter::nearest_mip || map.filter == TextureFilter::nearest);
 }
 
 // The levels that are read must be there.
