@@ -1,7 +1,7 @@
 #include "encode_image.h"
 #include "image_backend.h"
 
-// The name carries the version, so that a library of another build is never taken for this one's.
+// The name carries the version and a hash of the types, so that a library of another build is never taken for this one's.
 extern "C" __attribute__((visibility("default"))) const prep::detail::ImageBackend*
 MESHPREP_IMAGE_BACKEND() {
     static const prep::detail::ImageBackend backend{

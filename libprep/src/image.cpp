@@ -24,11 +24,11 @@ std::vector<std::string> candidates() {
     std::error_code ec;
     const auto program = std::filesystem::read_symlink("/proc/self/exe", ec);
     if (!ec) {
-        // Beside an installed command; or, for what runs in the build folder, in that folder.
-        const auto beside = program.parent_path() / MESHPREP_IMAGES_FROM_BIN / file;
-        list.push_back(beside.lexically_normal().string());
         if (program.string().starts_with(MESHPREP_IMAGES_BUILD "/"))
             list.push_back(MESHPREP_IMAGES_BUILD "/" + file);
+        list.push_back((program.parent_path() / file).string());
+        const auto installed = program.parent_path() / MESHPREP_IMAGES_FROM_BIN / file;
+        list.push_back(installed.lexically_normal().string());
     }
     list.push_back(file);  // linked already, or where the system looks
     return list;
@@ -43,7 +43,7 @@ Result<const ImageBackend*> open_backend() {
         if (library) {
             void* symbol = ::dlsym(library, MESHPREP_TEXT(MESHPREP_IMAGE_BACKEND));
             if (symbol) return reinterpret_cast<detail::ImageBackendFunction>(symbol)();
-            problem = "is of another version";
+            problem = "is of another build";
         }
         reasons += (reasons.empty() ? "" : "; ") + (library ? path + " " : std::string()) +
                    (problem ? problem : "unknown");

@@ -5,7 +5,7 @@
 
 namespace prep::detail {
 
-// Errors: unsupported (it is not there, or is another version's).
+// Errors: unsupported (it is not there, or is another build's).
 const Result<const ImageBackend*>& image_backend();
 
 }  // namespace prep::detail

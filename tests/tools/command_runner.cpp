@@ -16,11 +16,19 @@ extern char** environ;
 
 namespace test {
 
+std::filesystem::path command_path() {
+    return MESHPREP_COMMAND;
+}
+
 Ran run_command(const std::vector<std::string>& arguments) {
+    return run_program(command_path(), arguments);
+}
+
+Ran run_program(const std::filesystem::path& program, const std::vector<std::string>& arguments) {
     const TemporaryDirectory directory;
     const std::string out = (directory / "out").string(), err = (directory / "err").string();
     std::vector<char*> argv;
-    std::string binary = MESHPREP_COMMAND;
+    std::string binary = program.string();
     argv.push_back(binary.data());
     std::vector<std::string> copies = arguments;
     for (std::string& argument : copies) argv.push_back(argument.data());

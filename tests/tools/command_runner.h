@@ -15,7 +15,10 @@ struct Ran {
     nlohmann::json json() const { return nlohmann::json::parse(out, nullptr, false); }
 };
 
+// The built command, and where it stands.
 Ran run_command(const std::vector<std::string>& arguments);
+std::filesystem::path command_path();
+Ran run_program(const std::filesystem::path& program, const std::vector<std::string>& arguments);
 
 // A new empty directory, removed with all it holds at the end.
 class TemporaryDirectory {

@@ -96,6 +96,33 @@ TEST(Command, AnUnknownSubcommandIsNamedWithThoseThatAre) {
         << ran.err;
 }
 
+// Half an update leaves a command with another build's library for pictures.
+TEST(Command, TakesThePictureLibraryOfItsOwnBuildAlone) {
+    const TemporaryDirectory dir;
+    const std::filesystem::path program = dir / "meshprep", library = dir / "libprep_images.so";
+    std::filesystem::copy_file(test::command_path(), program);
+    std::string bytes = read_text(test::command_path().parent_path() / "libprep_images.so");
+    ASSERT_FALSE(bytes.empty());
+    write_text(library, bytes);
+    write_text(dir / "cube.obj", test::cube_obj());
+    const std::vector<std::string> words{"render", (dir / "cube.obj").string(),
+                                         "-o",     (dir / "cube.png").string(),
+                                         "--size", "16x16"};
+    const test::Ran own = test::run_program(program, words);
+    EXPECT_EQ(own.exit_code, 0) << own.err;
+
+    const std::string name = "meshprep_images_";
+    for (std::size_t at = bytes.find(name); at != std::string::npos; at = bytes.find(name, at))
+        bytes[at] = 'M';
+    std::filesystem::remove(library);
+    write_text(library, bytes);
+    const test::Ran other = test::run_program(program, words);
+    if (other.exit_code == 0) return;  // the system has this build's
+    EXPECT_EQ(other.exit_code, 1) << other.err;
+    EXPECT_NE(other.err.find("libprep_images.so is of another build"), std::string::npos)
+        << other.err;
+}
+
 TEST(Prepare, APrimitiveWithoutAFiniteTriangleStopsNoBatch) {
     const TemporaryDirectory dir;
     write_text(dir / "nan.gltf", gltf_with_positions(nan_base64, R"({"mesh":0})"));
