@@ -23,6 +23,9 @@ TEST(RenderUsage, RefusesWaysUpThatAreNone) {
     const test::Ran along = run({"--look-from", "0,5,0", "--look-at", "0,1,0", "--up", "0,-3,0"});
     EXPECT_EQ(along.exit_code, 2);
     EXPECT_NE(along.err.find("along the view"), std::string::npos) << along.err;
+    const test::Ran over = run({"--look-from", "0.5,5,0.5", "--up", "0,2,0"});  // of the centre
+    EXPECT_EQ(over.exit_code, 1);
+    EXPECT_NE(over.err.find("to the scene's centre"), std::string::npos) << over.err;
     EXPECT_EQ(run({"--buffers", ""}).exit_code, 2);
     EXPECT_EQ(dir.names(), std::vector<std::string>{"cube.obj"});
     // Looking straight down without a wish is fine, as are other ways up.

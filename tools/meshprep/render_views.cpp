@@ -83,6 +83,18 @@ class Viewer {
         return views;
     }
 
+    // What is said of the scene's centre was not known when the arguments were read.
+    Result<std::vector<std::optional<rast::View>>> from_place(const PlaceChoice& choice) const {
+        const glm::dvec3 view = choice.at.value_or(centre_) - choice.from;
+        const double lengths = glm::length(view) * glm::length(choice.up);
+        if (choice.up_given && !(glm::length(glm::cross(view, choice.up)) > 1e-9 * lengths))
+            return Error{ErrorCode::invalid,
+                         "--up points along the view from --look-from to the scene's centre: "
+                         "choose another, or another --look-at",
+                         prepared_.scene.source.string()};
+        return finished(places(choice));
+    }
+
     Result<std::vector<rast::View>> cameras(std::uint32_t node) const {
         rast::View view = rast::camera_view(prepared_.scene, node, aspect_);
         if (command_.yfov && !view.perspective)
@@ -150,7 +162,7 @@ Result<std::vector<std::optional<rast::View>>> views_of(const RenderCommand& com
     if (const auto* orbit = std::get_if<OrbitChoice>(&command.camera))
         return viewer.finished(viewer.orbits(*orbit));
     if (const auto* place = std::get_if<PlaceChoice>(&command.camera))
-        return viewer.finished(viewer.places(*place));
+        return viewer.from_place(*place);
     if (const auto* name = std::get_if<std::string>(&command.camera)) {
         const Result<std::uint32_t> node = find_camera(prepared.scene, *name);
         if (!node) return node.error();
