@@ -1,11 +1,14 @@
 #include "encode_image.h"
 #include "image_backend.h"
 
-// The name carries the version and a hash of the types, so that a library of another build is never taken for this one's.
+// The name carries the version and a hash of the types, so that a library of another build is never
+// taken for this one's.
 extern "C" __attribute__((visibility("default"))) const prep::detail::ImageBackend*
 MESHPREP_IMAGE_BACKEND() {
     static const prep::detail::ImageBackend backend{
-        [](const std::filesystem::path& path) { return prep::load_image(path); },
+        [](const std::filesystem::path& path, prep::ImageChannels channels) {
+            return prep::load_image(path, channels);
+        },
         [](std::span<const std::byte> bytes, const std::string& name) {
             return prep::decode_image(bytes, name);
         },

@@ -63,7 +63,9 @@ constexpr std::string_view known_formats[] = {
     "tiff", "targa",     "pnm",      "psd",  "sgi", "rla",   "iff", "cineon",
     "dpx",  "softimage", "jpeg2000", "heif", "ico", "zfile", "fits"};
 
-Result<void> check_spec(const oiio::ImageSpec& spec, std::uint64_t file_bytes,
+constexpr int most_channels = 32;  // as Image::integer_channels has bits
+
+Result<void> check_spec(const oiio::ImageSpec& spec, std::uint64_t count, std::uint64_t file_bytes,
                         const std::string& place) {
     if (spec.deep)
         return Error{ErrorCode::unsupported,
@@ -80,7 +82,7 @@ Result<void> check_spec(const oiio::ImageSpec& spec, std::uint64_t file_bytes,
                          std::to_string(max_image_extent) + " each way are read; scale it down",
                      place};
     const std::uint64_t pixels = std::uint64_t(spec.width) * std::uint64_t(spec.height);
-    const std::uint64_t need = pixels * std::uint64_t(std::min(spec.nchannels, 4)) * sizeof(float);
+    const std::uint64_t need = pixels * count * sizeof(float);
     if (need > always_allowed_bytes && need / largest_compression > file_bytes)
         return Error{ErrorCode::invalid,
                      "the header promises " + std::to_string(spec.width) + " x " +
@@ -158,13 +160,24 @@ Result<void> check_complete(std::span<const std::byte> bytes, const std::string&
     return check_complete(file, place);
 }
 
-Result<Image> read(oiio::ImageInput& input, std::uint64_t file_bytes, const std::string& place) {
+Result<Image> read(oiio::ImageInput& input, ImageChannels channels, std::uint64_t file_bytes,
+                   const std::string& place) {
     const oiio::ImageSpec& spec = input.spec();
-    if (auto checked = check_spec(spec, file_bytes, place); !checked) return checked.error();
+    const bool all = channels == ImageChannels::all;
+    if (all && spec.nchannels > most_channels)
+        return Error{ErrorCode::limit,
+                     "the image has " + std::to_string(spec.nchannels) + " channels, at most " +
+                         std::to_string(most_channels) + " are read",
+                     place};
+    const int count = all ? spec.nchannels : std::min(spec.nchannels, 4);
+    if (auto checked = check_spec(spec, std::uint64_t(std::max(count, 0)), file_bytes, place);
+        !checked)
+        return checked.error();
     Image image;
     image.width = std::uint32_t(spec.width);
     image.height = std::uint32_t(spec.height);
-    image.channels = std::uint32_t(std::min(spec.nchannels, 4));
+    image.channels = std::uint32_t(count);
+    if (all) image.channel_names = spec.channelnames;
     image.srgb = says_srgb(spec);
     image.floating = spec.format.is_floating_point();
     image.pixels.resize(std::size_t(image.width) * image.height * image.channels);
@@ -224,7 +237,7 @@ Result<Image> decode(std::span<const std::byte> bytes, const std::string& name) 
         const auto file =
             std::filesystem::temp_directory_path() / detail::unique_name("meshprep-image", ending);
         if (auto written = write_file(file, bytes); !written) return written.error();
-        auto image = load_image(file);
+        auto image = load_image(file, ImageChannels::color);
         std::error_code ignored;
         std::filesystem::remove(file, ignored);
         if (!image) image.error().place = name;
@@ -235,7 +248,7 @@ Result<Image> decode(std::span<const std::byte> bytes, const std::string& name) 
     if (!input->open(stand_in, spec, config))
         return Error{ErrorCode::syntax,
                      "the image cannot be decoded: " + reason_of(input->geterror()), name};
-    return read(*input, bytes.size(), name);
+    return read(*input, ImageChannels::color, bytes.size(), name);
 }
 
 }  // namespace
@@ -245,7 +258,7 @@ Result<Image> decode_image(std::span<const std::byte> bytes, const std::string& 
                            [&]() -> Result<Image> { return decode(bytes, name); });
 }
 
-Result<Image> load_image(const std::filesystem::path& path) {
+Result<Image> load_image(const std::filesystem::path& path, ImageChannels channels) {
     const std::string place = path.string();
     return detail::guarded(ErrorCode::syntax, place, [&]() -> Result<Image> {
         std::error_code error;
@@ -265,7 +278,7 @@ Result<Image> load_image(const std::filesystem::path& path) {
                          std::string("images of the format '") + input->format_name() +
                              "' are not read; convert it to PNG or EXR",
                          place};
-        return read(*input, size, place);
+        return read(*input, channels, size, place);
     });
 }
 

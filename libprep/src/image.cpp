@@ -61,9 +61,9 @@ const Result<const ImageBackend*>& detail::image_backend() {
     return opened;
 }
 
-Result<Image> load_image(const std::filesystem::path& path) {
+Result<Image> load_image(const std::filesystem::path& path, ImageChannels channels) {
     const auto& images = detail::image_backend();
-    return images ? (*images)->load(path) : Result<Image>(images.error());
+    return images ? (*images)->load(path, channels) : Result<Image>(images.error());
 }
 
 Result<Image> decode_image(std::span<const std::byte> bytes, const std::string& name) {

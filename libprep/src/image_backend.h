@@ -18,7 +18,7 @@ class RowWriter {
 };
 
 struct ImageBackend {
-    Result<Image> (*load)(const std::filesystem::path&);
+    Result<Image> (*load)(const std::filesystem::path&, ImageChannels);
     Result<Image> (*decode)(std::span<const std::byte>, const std::string&);
     Result<std::vector<std::byte>> (*encode)(const std::filesystem::path&, const Image&, PixelType);
     Result<std::vector<std::byte>> (*encode_png)(const Image&, PixelType);
@@ -28,8 +28,8 @@ struct ImageBackend {
                                                     const ImageLayout&);
 };
 
-// The library exports this function under the name `image_backend_name`; it carries the version and a
-// hash of the headers that both sides share.
+// The library exports this function under the name `image_backend_name`; it carries the version and
+// a hash of the headers that both sides share.
 using ImageBackendFunction = const ImageBackend* (*)();
 
 }  // namespace prep::detail

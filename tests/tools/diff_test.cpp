@@ -91,6 +91,33 @@ TEST(DiffPictures, IntegersAreTheSameOrNot) {
     EXPECT_NE(mixed.err.find("integers in one picture"), std::string::npos) << mixed.err;
 }
 
+TEST(DiffPictures, ChannelsOfManyAreComparedByTheirNames) {
+    const TemporaryDirectory dir;
+    const auto save = [&](const std::string& name, const std::vector<std::string>& channels,
+                          const std::vector<float>& values) {
+        prep::ImageFiles files;
+        const prep::ImageLayout layout{1, 1, channels, prep::PixelType::f32, {}, false};
+        const auto file = files.open(dir / name, layout);
+        EXPECT_TRUE(file && files.write_rows(*file, values) && files.commit());
+        return (dir / name).string();
+    };
+    const std::vector<std::string> names = {"Z", "a.X", "a.Y", "b.X", "b.Y", "c.X"};
+    const std::string a = save("a.exr", names, {1, 2, 3, 4, 5, 6});
+    const std::string b = save("b.exr", {"c.X", "b.Y", "b.X", "a.Y", "a.X", "Z"},
+                               {6, 5, 4, 3, 2, 1});  // the same in another order
+    EXPECT_NE(run_command({"diff", a, b}).out.find("identical: 1 pixel"), std::string::npos);
+    const std::string c = save("c.exr", names, {1, 2, 3, 4, 5, 6.5f});
+    const test::Ran ran = run_command({"diff", a, c, "--json"});
+    EXPECT_EQ(part(ran)["different"], 1) << ran.out;
+    EXPECT_NEAR(part(ran)["largest"].get<double>(), 0.5, 1e-6);
+    EXPECT_NEAR(part(ran)["rmse"].get<double>(), std::sqrt(0.25 / 6), 1e-6);
+    const std::string d =
+        save("d.exr", {"Z", "a.X", "a.Y", "b.X", "b.Y", "d.X"}, {1, 2, 3, 4, 5, 6});
+    const test::Ran other = run_command({"diff", a, d});
+    EXPECT_EQ(other.exit_code, 1);
+    EXPECT_NE(other.err.find("'d.X' is in one of them alone"), std::string::npos) << other.err;
+}
+
 TEST(DiffPictures, AlphaThatOneLacksCountsAsOne) {
     const TemporaryDirectory dir;
     const auto save = [&](const std::string& name, std::uint32_t channels,

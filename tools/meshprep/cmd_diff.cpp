@@ -126,9 +126,9 @@ Result<Verdict> diff_pictures(const DiffCommand& command, Console& console) {
     if (command.tangents || command.normals)
         return Error{ErrorCode::invalid, "pictures have no normals or tangents to compare",
                      command.a.string()};
-    const Result<prep::Image> a = prep::load_image(command.a);
+    const Result<prep::Image> a = prep::load_image(command.a, prep::ImageChannels::all);
     if (!a) return a.error();
-    const Result<prep::Image> b = prep::load_image(command.b);
+    const Result<prep::Image> b = prep::load_image(command.b, prep::ImageChannels::all);
     if (!b) return b.error();
     const Result<report::ImageDiff> diff = report::diff_images(*a, *b);
     if (!diff) return Error{diff.error().code, diff.error().text, command.b.string()};

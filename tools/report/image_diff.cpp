@@ -49,6 +49,44 @@ struct Pair {
     bool integer = false;
 };
 
+std::string name_of(const prep::Image& image, std::uint32_t channel) {
+    return channel < image.channel_names.size() ? image.channel_names[channel]
+                                                : std::to_string(channel + 1);
+}
+
+// Which channels are held against each other.
+std::vector<Pair> pairs_by_place(const prep::Image& a, const prep::Image& b) {
+    const std::uint32_t colors = std::max(colors_of(a), colors_of(b));
+    const std::uint32_t channels = colors + (has_alpha(a) || has_alpha(b) ? 1 : 0);
+    std::vector<Pair> pairs;
+    for (std::uint32_t k = 0; k < channels; ++k)
+        pairs.push_back({channel_of(a, k, colors), channel_of(b, k, colors)});
+    return pairs;
+}
+
+prep::Result<std::vector<Pair>> pairs_by_name(const prep::Image& a, const prep::Image& b) {
+    std::vector<Pair> pairs;
+    std::string alone;
+    for (std::uint32_t i = 0; i < a.channels; ++i) {
+        std::uint32_t k = 0;
+        while (k < b.channels && name_of(a, i) != name_of(b, k)) ++k;
+        if (k < b.channels)
+            pairs.push_back({i, k});
+        else
+            alone = name_of(a, i);
+    }
+    for (std::uint32_t k = 0; k < b.channels; ++k) {
+        const bool met =
+            std::any_of(pairs.begin(), pairs.end(), [&](const Pair& p) { return p.b == k; });
+        if (!met) alone = name_of(b, k);
+    }
+    if (!alone.empty())
+        return prep::Error{
+            prep::ErrorCode::invalid,
+            "the pictures differ in their channels: '" + alone + "' is in one of them alone", ""};
+    return pairs;
+}
+
 }  // namespace
 
 prep::Result<ImageDiff> diff_images(const prep::Image& a, const prep::Image& b) {
@@ -58,21 +96,19 @@ prep::Result<ImageDiff> diff_images(const prep::Image& a, const prep::Image& b) 
                                std::to_string(a.height) + " against " + std::to_string(b.width) +
                                "×" + std::to_string(b.height),
                            ""};
-    const std::uint32_t colors = std::max(colors_of(a), colors_of(b));
-    const std::uint32_t channels = colors + (has_alpha(a) || has_alpha(b) ? 1 : 0);
-    std::vector<Pair> pairs;
+    prep::Result<std::vector<Pair>> pairs =
+        std::max(a.channels, b.channels) > 4 ? pairs_by_name(a, b) : pairs_by_place(a, b);
+    if (!pairs) return pairs.error();
     std::uint32_t measured = 0;
-    for (std::uint32_t k = 0; k < channels; ++k) {
-        const Pair pair{channel_of(a, k, colors), channel_of(b, k, colors),
-                        is_integer(a, channel_of(a, k, colors))};
-        if (pair.integer != is_integer(b, channel_of(b, k, colors)))
+    for (Pair& pair : *pairs) {
+        pair.integer = is_integer(a, pair.a);
+        if (pair.integer != is_integer(b, pair.b))
             return prep::Error{prep::ErrorCode::invalid,
-                               "channel " + std::to_string(k + 1) +
-                                   " holds integers in one picture and numbers of another kind in "
+                               "channel '" + name_of(a, pair.a) +
+                                   "' holds integers in one picture and numbers of another kind in "
                                    "the other",
                                ""};
         measured += !pair.integer;
-        pairs.push_back(pair);
     }
     ImageDiff out;
     out.pixels = std::uint64_t(a.width) * a.height;
@@ -90,7 +126,7 @@ prep::Result<ImageDiff> diff_images(const prep::Image& a, const prep::Image& b) 
             const std::size_t pixel = std::size_t(y) * a.width + x;
             double worst = 0;
             bool infinite = false, integer = false;
-            for (const Pair& pair : pairs) {
+            for (const Pair& pair : *pairs) {
                 if (pair.integer) {
                     integer |= a.integers[pixel * a.channels + pair.a] !=
                                b.integers[pixel * b.channels + pair.b];

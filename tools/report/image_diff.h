@@ -20,10 +20,11 @@ struct ImageDiff {
     prep::Image heat;
 };
 
-// Compares all channels. Alpha counts as 1 where only the other picture has it, and grey as three
-// equal colours beside colours. Equal infinities are equal, as are two NaN; any other value against
-// one of these is infinitely far from it. Integers (IDs) are the same or not: they have no
-// distance. Errors: invalid (sizes differ; a channel holds integers in one picture alone).
+// Compares all channels; those of pictures of more than four by their names. Alpha counts as 1
+// where only the other picture has it, and grey as three equal colours beside colours. Equal
+// infinities are equal, as are two NaN; any other value against one of these is infinitely far from
+// it. Integers (IDs) are the same or not: they have no distance. Errors: invalid (sizes differ; a
+// channel holds integers in one picture alone, or is one's alone).
 prep::Result<ImageDiff> diff_images(const prep::Image& a, const prep::Image& b);
 
 }  // namespace report

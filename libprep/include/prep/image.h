@@ -28,6 +28,7 @@ struct Image {
     std::uint32_t integer_channels = 0;
     std::vector<std::uint32_t> integers = {};
     bool floating = false;  // stored as floats: linear light, whatever it is used for
+    std::vector<std::string> channel_names = {};  // where all channels were asked for
     const float* at(std::uint32_t x, std::uint32_t y) const {
         return pixels.data() + (std::size_t(y) * width + x) * channels;
     }
@@ -36,8 +37,12 @@ struct Image {
 // Largest image that is read: 32768² pixels. More gives ErrorCode::limit.
 inline constexpr std::uint32_t max_image_extent = 32768;
 
+// The first four channels, or all of those that EXR and TIFF files may have, 32 at most.
+enum class ImageChannels : std::uint8_t { color, all };
+
 // Any format OpenImageIO reads. Errors: io (missing, unreadable), syntax (broken), limit.
-Result<Image> load_image(const std::filesystem::path& path);
+Result<Image> load_image(const std::filesystem::path& path,
+                         ImageChannels channels = ImageChannels::color);
 // From memory; `name` is for messages and, by its ending, a hint at the format.
 Result<Image> decode_image(std::span<const std::byte> bytes, const std::string& name);
 // From the path or the embedded bytes.
