@@ -57,10 +57,7 @@ VertexCounts count_triangles(const TangentTriangles& triangles, std::span<const 
                              std::size_t count, int threads, std::vector<Index>* copy) {
     VertexCounts result;
     const std::size_t most =
-        threads == 1
-            ? 1
-            : std::min(most_ranges,
-                       ranges_per_thread * std::size_t(tbb::this_task_arena::max_concurrency()));
+        threads == 1 ? 1 : std::min(most_ranges, ranges_per_thread * std::size_t(parallel_width()));
     const std::size_t n = std::clamp<std::size_t>(triangles.count / least_range, 1, most);
     result.ranges.resize(n);
     for (std::size_t r = 0; r < n; ++r) {
