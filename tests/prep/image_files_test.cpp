@@ -11,6 +11,7 @@
 #include <limits>
 #include <random>
 
+#include "image_folder.h"
 #include "prep/image.h"
 #include "prep/io.h"
 
@@ -18,20 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class ImageFiles : public ::testing::Test {
-  protected:
-    void SetUp() override {
-        const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
-        dir_ = fs::temp_directory_path() / ("meshprep-image-files-" + std::string(info->name()));
-        fs::remove_all(dir_);
-        fs::create_directories(dir_);
-    }
-    void TearDown() override { fs::remove_all(dir_); }
-    std::size_t files() const {
-        return std::size_t(std::distance(fs::directory_iterator(dir_), fs::directory_iterator()));
-    }
-    fs::path dir_;
-};
+using ImageFiles = test::ImageFolder;
 
 prep::ImageLayout layout(std::uint32_t width, std::uint32_t height, std::uint32_t channels,
                          prep::PixelType type = prep::PixelType::u8) {

@@ -9,6 +9,7 @@
 #include <limits>
 #include <thread>
 
+#include "image_folder.h"
 #include "prep/io.h"
 #include "prep/scene.h"
 #include "shared_data.h"
@@ -17,20 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class ImageFiles : public ::testing::Test {
-  protected:
-    void SetUp() override {
-        const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
-        dir_ = fs::temp_directory_path() / ("meshprep-image-test-" + std::string(info->name()));
-        fs::remove_all(dir_);
-        fs::create_directories(dir_);
-    }
-    void TearDown() override { fs::remove_all(dir_); }
-    std::size_t files() const {
-        return std::size_t(std::distance(fs::directory_iterator(dir_), fs::directory_iterator()));
-    }
-    fs::path dir_;
-};
+using ImageFiles = test::ImageFolder;
 
 prep::Image gradient(std::uint32_t width, std::uint32_t height, std::uint32_t channels) {
     prep::Image image{width, height, channels, {}, true};

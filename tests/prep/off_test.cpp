@@ -3,7 +3,6 @@
 #include <cmath>
 #include <string>
 
-#include "invariants.h"
 #include "mesh_files.h"
 #include "prep/io.h"
 #include "prep/mesh_files.h"
@@ -13,16 +12,11 @@
 namespace {
 
 prep::Result<prep::Scene> parse(const std::string& text) {
-    auto scene = prep::parse_off(std::as_bytes(std::span(text.data(), text.size())), "test.off");
-    if (scene) {
-        EXPECT_EQ(test::broken_promise(*scene), "");
-    }
-    return scene;
+    return test::parsed(prep::parse_off, text, "test.off");
 }
 
 std::string error_of(const std::string& text) {
-    const auto result = parse(text);
-    return result ? "no error" : prep::to_string(result.error());
+    return test::error_of(parse(text));
 }
 
 TEST(Off, ReadsPolygonsCommentsAndCarriageReturns) {

@@ -6,7 +6,6 @@
 #include <limits>
 #include <string>
 
-#include "invariants.h"
 #include "mesh_files.h"
 #include "prep/io.h"
 #include "prep/mesh_files.h"
@@ -16,16 +15,11 @@
 namespace {
 
 prep::Result<prep::Scene> parse(const std::string& text) {
-    auto scene = prep::parse_ply(std::as_bytes(std::span(text.data(), text.size())), "test.ply");
-    if (scene) {
-        EXPECT_EQ(test::broken_promise(*scene), "");
-    }
-    return scene;
+    return test::parsed(prep::parse_ply, text, "test.ply");
 }
 
 std::string error_of(const std::string& text) {
-    const auto result = parse(text);
-    return result ? "no error" : prep::to_string(result.error());
+    return test::error_of(parse(text));
 }
 
 std::string header(const std::string& format, const std::string& lines) {

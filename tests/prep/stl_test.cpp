@@ -5,7 +5,6 @@
 #include <limits>
 #include <string>
 
-#include "invariants.h"
 #include "mesh_files.h"
 #include "prep/io.h"
 #include "prep/mesh_files.h"
@@ -15,16 +14,11 @@
 namespace {
 
 prep::Result<prep::Scene> parse(const std::string& text) {
-    auto scene = prep::parse_stl(std::as_bytes(std::span(text.data(), text.size())), "test.stl");
-    if (scene) {
-        EXPECT_EQ(test::broken_promise(*scene), "");
-    }
-    return scene;
+    return test::parsed(prep::parse_stl, text, "test.stl");
 }
 
 std::string error_of(const std::string& text) {
-    const auto result = parse(text);
-    return result ? "no error" : prep::to_string(result.error());
+    return test::error_of(parse(text));
 }
 
 template <class T>

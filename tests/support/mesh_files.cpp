@@ -1,5 +1,6 @@
 #include "mesh_files.h"
 
+#include <gtest/gtest.h>
 #include <stdlib.h>
 
 #include <algorithm>
@@ -7,6 +8,8 @@
 #include <fstream>
 #include <iterator>
 #include <stdexcept>
+
+#include "invariants.h"
 
 namespace test {
 
@@ -38,6 +41,20 @@ void write_text(const std::filesystem::path& path, std::string_view text) {
     std::ofstream out(path, std::ios::binary);
     out.write(text.data(), std::streamsize(text.size()));
     if (!out) throw std::runtime_error("cannot write " + path.string());
+}
+
+prep::Result<prep::Scene> parsed(prep::Result<prep::Scene> (*parse)(std::span<const std::byte>,
+                                                                    const std::string&),
+                                 const std::string& text, const std::string& name) {
+    auto scene = parse(std::as_bytes(std::span(text.data(), text.size())), name);
+    if (scene) {
+        EXPECT_EQ(broken_promise(*scene), "");
+    }
+    return scene;
+}
+
+std::string error_of(const prep::Result<prep::Scene>& result) {
+    return result ? "no error" : prep::to_string(result.error());
 }
 
 prep::PreparedScene untouched(prep::Scene scene) {

@@ -2,7 +2,9 @@
 // as they are, and meshes compared by bits.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -27,6 +29,13 @@ class TempDir {
 
 std::string file_text(const std::filesystem::path& path);
 void write_text(const std::filesystem::path& path, std::string_view text);
+
+// A reader's result for a file of this text; fails the test where the scene breaks a promise of
+// prep/mesh.h.
+prep::Result<prep::Scene> parsed(prep::Result<prep::Scene> (*parse)(std::span<const std::byte>,
+                                                                    const std::string&),
+                                 const std::string& text, const std::string& name);
+std::string error_of(const prep::Result<prep::Scene>& result);  // in words, or "no error"
 
 // Split into vertices with nothing computed: what a writer gets when nothing was asked for.
 prep::PreparedScene untouched(prep::Scene scene);
