@@ -15,6 +15,12 @@ namespace prep::detail {
 
 inline constexpr std::size_t large_page = std::size_t(2) << 20;
 
+// Gives memory back (a vector that is assigned {} keeps it).
+template <class Container>
+void release(Container& container) {
+    container = Container();
+}
+
 // Asks for large pages: a first touch then costs one fault per 2 MB instead of 512. Only advice.
 inline void advise_large_pages([[maybe_unused]] void* begin, [[maybe_unused]] std::size_t bytes) {
 #if defined(__linux__) && defined(MADV_HUGEPAGE)

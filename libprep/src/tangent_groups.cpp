@@ -17,8 +17,8 @@ namespace {
 
 using Index = std::uint32_t;
 using Star = std::span<const Index>;
-// Listed positions per block of work, about 0.5 ms.
-constexpr std::size_t position_grain = 4096;
+// Listed positions per block of work, about 0.1 ms.
+constexpr std::size_t position_grain = 512;
 // Lists of larger stars are given back before others are made.
 constexpr std::size_t most_kept = 4096;
 
@@ -198,6 +198,9 @@ class StarWorker {
             });
             if (first_free_) block.unused.push_back(Index(first_value_));
         }
+        // They stay until all blocks are done.
+        block.further.shrink_to_fit();
+        block.further_corners.shrink_to_fit();
     }
 
   private:
@@ -269,7 +272,7 @@ class StarWorker {
         // A pole's lists would be beside those of its frames.
         if (star.size() > most_kept) {
             neighbours_ = {};
-            stack_ = {};
+            release(stack_);
         }
     }
 
@@ -284,7 +287,16 @@ class StarWorker {
             evaluate_each_group(star);
         }
         if (triangles_.any_quad && frames_.size() > 1) average_quads(star);
+        if (star.size() <= most_kept) {
+            keep_values(star);
+            return;
+        }
+        release(frames_);
+        for (std::vector<Index>* list : {&groups_, &order_, &members_, &results_}) release(*list);
         keep_values(star);
+        release(star_values_);
+        for (std::vector<Index>* list : {&members_values_, &places_}) release(*list);
+        release(frame_states_);
     }
 
     void evaluate_each_group(Star star) {
@@ -334,7 +346,7 @@ class StarWorker {
         } else {
             subgroups_.evaluate(members, frames_, results);
         }
-        if (members.size() > most_kept) star_values_.reserve(frames_.size());
+        if (members.size() > most_kept) star_values_.reserve(with_slack(frames_.size()));
         for (std::size_t f = known; f < frames_.size(); ++f)
             star_values_.push_back({frames_[f].s, sign * options_.positive});
     }
@@ -342,7 +354,7 @@ class StarWorker {
     // The star's first value goes to its position's place, the others behind those of all.
     void keep_values(Star star) {
         if (star.size() > most_kept) {
-            block_->further.reserve(block_->further.size() + star_values_.size());
+            block_->further.reserve(with_slack(block_->further.size() + star_values_.size()));
             block_->further_corners.reserve(block_->further_corners.size() + star.size());
         }
         places_.assign(star_values_.size(), no_index);
@@ -489,11 +501,11 @@ void remove_unused(const std::vector<StarWorker::Block>& blocks, std::vector<glm
 }  // namespace
 
 GroupTangents group_tangents(const CornerReader& read, const TangentTriangles& triangles,
-                             const Terms& terms, const TangentStars& stars,
-                             const EdgeOverrides& overrides, const GroupOptions& options,
-                             const FirstValues& firsts, std::vector<glm::vec4> values,
-                             std::span<Index> corner_values) {
-    const EntangledStars entangled(triangles, terms, stars, overrides, options.threads);
+                             Terms& terms, TangentStars& stars, const EdgeOverrides& overrides,
+                             const GroupOptions& options, const FirstValues& firsts,
+                             std::vector<glm::vec4> values, std::span<Index> corner_values) {
+    std::optional<EntangledStars> entangled;
+    entangled.emplace(triangles, terms, stars, overrides, options.threads);
     const std::size_t blocks = (stars.count + position_grain - 1) / position_grain;
     std::vector<StarWorker::Block> results(blocks);
     GroupTangents result;
@@ -501,17 +513,21 @@ GroupTangents group_tangents(const CornerReader& read, const TangentTriangles& t
     result.values.resize(firsts.count);
     parallel_blocks(stars.count, position_grain, options.threads,
                     [&](std::size_t begin, std::size_t end) {
-                        StarWorker worker(read, triangles, terms, stars, overrides, entangled,
+                        StarWorker worker(read, triangles, terms, stars, overrides, *entangled,
                                           options, firsts, corner_values);
                         worker.run(begin, end, result.values, results[begin / position_grain]);
                     });
+    entangled.reset();
+    stars = {};
+    for (auto& plane : terms.planes) plane = {};
 
     std::vector<std::size_t> bases(blocks + 1, firsts.count);
     for (std::size_t b = 0; b < blocks; ++b) bases[b + 1] = bases[b] + results[b].further.size();
     result.values.reserve(bases[blocks] + 1);
     std::size_t unused = 0;
-    for (const StarWorker::Block& block : results) {
+    for (StarWorker::Block& block : results) {
         result.values.insert(result.values.end(), block.further.begin(), block.further.end());
+        release(block.further);
         result.suspects.insert(result.suspects.end(), block.suspects.begin(), block.suspects.end());
         unused += block.unused.size();
     }

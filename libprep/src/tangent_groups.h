@@ -38,14 +38,14 @@ struct FirstValues {
     std::span<const std::uint32_t> places;  // places[v], or v where there are none
 };
 
-// Groups of the positions that `stars` lists. values: becomes GroupTangents::values; the first
-// values of positions that are not listed are there. corner_values: three per triangle, into
-// values; those of listed positions, and of degenerate triangles, are no_index, and stay that where
-// no group reached the corner.
+// Groups of the positions that `stars` lists. Its lists and the terms, but not the triangles'
+// flags, are given back before the values are put together. values: becomes GroupTangents::values;
+// the first values of positions that are not listed are there. corner_values: three per triangle,
+// into values; those of listed positions, and of degenerate triangles, are no_index, and stay that
+// where no group reached the corner.
 GroupTangents group_tangents(const CornerReader& read, const TangentTriangles& triangles,
-                             const Terms& terms, const TangentStars& stars,
-                             const EdgeOverrides& overrides, const GroupOptions& options,
-                             const FirstValues& firsts, std::vector<glm::vec4> values,
-                             std::span<std::uint32_t> corner_values);
+                             Terms& terms, TangentStars& stars, const EdgeOverrides& overrides,
+                             const GroupOptions& options, const FirstValues& firsts,
+                             std::vector<glm::vec4> values, std::span<std::uint32_t> corner_values);
 
 }  // namespace prep::detail

@@ -28,14 +28,39 @@ Stager::Stager(const CornerReader& read, const TangentTriangles& triangles, Simd
     if (!plain) kernel_ = nullptr;
 }
 
-void Stager::stage(std::size_t first, std::size_t count, std::size_t to, TermBlock& block) const {
+// The i-th triangle is number(i); input's indices have it at first + i.
+template <class Number>
+void Stager::stage_all(const StageInput& input, std::size_t first, std::size_t count,
+                       const Number& number, TermBlock& block) const {
     constexpr std::size_t most_lanes = 16;
     std::size_t i = 0;
     while (i < count) {
-        if (kernel_ != nullptr) i += kernel_(input_, first + i, count - i, to + i, block);
+        if (kernel_ != nullptr) i += kernel_(input, first + i, count - i, i, block);
         for (const std::size_t end = std::min(count, i + most_lanes); i < end; ++i)
-            stage_one(first + i, to + i, block);
+            stage_one(number(i), i, block);
     }
+}
+
+void Stager::stage(std::size_t first, std::size_t count, TermBlock& block) const {
+    stage_all(
+        input_, first, count, [&](std::size_t i) { return first + i; }, block);
+}
+
+void Stager::stage(std::span<const std::uint32_t> list, TermBlock& block) const {
+    // Their indices, behind one another.
+    std::uint32_t indices[3][3 * TermBlock::size];
+    StageInput input = input_;
+    if (kernel_ != nullptr) {
+        const std::uint32_t** const from[3] = {&input.position_indices, &input.normal_indices,
+                                               &input.uv_indices};
+        for (std::size_t layer = 0; layer < 3; ++layer) {
+            for (std::size_t i = 0; i < list.size(); ++i)
+                std::copy_n(*from[layer] + 3 * std::size_t(list[i]), 3, indices[layer] + 3 * i);
+            *from[layer] = indices[layer];
+        }
+    }
+    stage_all(
+        input, 0, list.size(), [&](std::size_t i) { return std::size_t(list[i]); }, block);
 }
 
 void Stager::stage_one(std::size_t triangle, std::size_t i, TermBlock& block) const {

@@ -40,10 +40,15 @@ class Stager {
     Stager(const Stager&) = delete;
     Stager& operator=(const Stager&) = delete;
 
-    // Triangles from `first` on go to places from `to` on.
-    void stage(std::size_t first, std::size_t count, std::size_t to, TermBlock& block) const;
+    // Triangles from `first` on.
+    void stage(std::size_t first, std::size_t count, TermBlock& block) const;
+    // Triangles by number, up to TermBlock::size.
+    void stage(std::span<const std::uint32_t> list, TermBlock& block) const;
 
   private:
+    template <class Number>
+    void stage_all(const StageInput& input, std::size_t first, std::size_t count,
+                   const Number& number, TermBlock& block) const;
     void stage_one(std::size_t triangle, std::size_t i, TermBlock& block) const;
 
     const CornerReader& read_;

@@ -190,36 +190,48 @@ void SubgroupEvaluator::split_by_arcs(std::span<const Index> members,
     if (!std::is_sorted(rays.begin(), rays.end(), before))
         std::sort(rays.begin(), rays.end(), before);
     const std::size_t m = rays.size();
-    std::vector<glm::dvec3> sums(m + 1, glm::dvec3(0.0));
-    for (std::size_t i = 0; i < m; ++i) sums[i + 1] = sums[i] + term(members[rays[i].member]);
+    glm::dvec3 sum_of_all(0.0);
+    for (const Ray& ray : rays) sum_of_all += term(members[ray.member]);
     const auto add_frame = [&](const glm::dvec3& total, const glm::dvec3& own) {
         // What rounding leaves of sums that cancel is no direction.
         const bool cancels = glm::length(total) <= 1e-9 * weights;
         frames.push_back({glm::vec3(unit_or_zero(cancels ? own : total)), glm::vec3(0.0f), 0, 0});
         return Index(frames.size() - 1);
     };
-    const Index whole = add_frame(sums[m], m > 0 ? term(members[rays[0].member]) : x);
+    const Index whole = add_frame(sum_of_all, m > 0 ? term(members[rays[0].member]) : x);
     results.assign(members.size(), whole);
-    frames.reserve(frames.size() + m);
+    frames.reserve(with_slack(frames.size() + m));
     // A cosine of −1 in float is up to 3.5e-4 from half a turn.
     const double reach = std::min(std::acos(double(threshold_)), std::numbers::pi - 3.5e-4);
     // The arc about each ray, seen from one turn further on: rays[begin … end) of three turns.
     const auto angle_of = [&](std::size_t i) { return rays[i % m].angle + double(i / m) * turn; };
-    const auto sum_below = [&](std::size_t i) { return double(i / m) * sums[m] + sums[i % m]; };
-    std::size_t begin = 0, end = 0, last_begin = 0, last_end = 0;
+    // An end of the arc, and the sum of what is before it in its turn.
+    struct End {
+        std::size_t at = 0;
+        glm::dvec3 sum{0.0};
+    };
+    const auto advance = [&](End& end) {
+        end.sum += term(members[rays[end.at % m].member]);
+        if (++end.at % m == 0) end.sum = glm::dvec3(0.0);
+    };
+    const auto sum_below = [&](const End& end) {
+        return double(end.at / m) * sum_of_all + end.sum;
+    };
+    End begin, end;
+    std::size_t last_begin = 0, last_end = 0;
     for (std::size_t i = 0; i < m; ++i) {
         const double centre = rays[i].angle + turn;
-        while (angle_of(begin) <= centre - reach) ++begin;
-        while (end < 3 * m && angle_of(end) < centre + reach) ++end;
-        if (end - begin >= m) continue;
+        while (angle_of(begin.at) <= centre - reach) advance(begin);
+        while (end.at < 3 * m && angle_of(end.at) < centre + reach) advance(end);
+        if (end.at - begin.at >= m) continue;
         Index& result = results[rays[i].member];
-        if (i > 0 && begin == last_begin && end == last_end) {
+        if (i > 0 && begin.at == last_begin && end.at == last_end) {
             result = results[rays[i - 1].member];
             continue;
         }
         result = add_frame(sum_below(end) - sum_below(begin), term(members[rays[i].member]));
-        last_begin = begin;
-        last_end = end;
+        last_begin = begin.at;
+        last_end = end.at;
     }
 }
 

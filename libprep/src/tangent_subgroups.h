@@ -22,6 +22,11 @@ inline bool opposites_only(double angular_threshold) {
     return std::cos(angular_threshold) <= -0.9999;
 }
 
+// To reserve where little will follow: what is full doubles.
+inline std::size_t with_slack(std::size_t count) {
+    return count + count / 16;
+}
+
 class SubgroupEvaluator {
   public:
     SubgroupEvaluator(const CornerReader& read, const TangentTriangles& triangles,

@@ -140,19 +140,14 @@ TermMaker::TermMaker(const CornerReader& read, const TangentTriangles& triangles
 std::size_t TermMaker::run(std::size_t first, std::size_t end, Room& room,
                            TermCounts& counts) const {
     const std::size_t count = triangles_.cut(std::min(first + TermBlock::size, end)) - first;
-    stager_.stage(first, count, 0, room.inputs);
+    stager_.stage(first, count, room.inputs);
     counts.add(finish(count, room));
     if (!triangles_.halves.empty()) settle_quads(first, count, room);
     return count;
 }
 
 void TermMaker::run(std::span<const Index> list, Room& room) const {
-    for (std::size_t i = 0; i < list.size();) {
-        std::size_t end = i + 1;
-        while (end < list.size() && list[end] == list[end - 1] + 1) ++end;
-        stager_.stage(list[i], end - i, i, room.inputs);
-        i = end;
-    }
+    stager_.stage(list, room.inputs);
     finish(list.size(), room);
 }
 

@@ -6,7 +6,6 @@
 #include <cstring>
 #include <deque>
 #include <memory>
-#include <mutex>
 
 #include "parallel.h"
 #include "tangent_adding.h"
@@ -45,8 +44,13 @@ class Pool {
         return *batch_;
     }
 
-    // Makes that many slots free; false where there are too many.
-    bool ensure(std::size_t wanted) { return free_count_ >= wanted || grow(wanted); }
+    std::size_t size() const { return sums_.size(); }
+
+    // Makes that many slots free, where no more than `most` are ever in use; false where there are
+    // too many.
+    bool ensure(std::size_t wanted, std::size_t most) {
+        return free_count_ >= wanted || grow(wanted, most + wanted);
+    }
 
   private:
     template <class T>
@@ -55,8 +59,9 @@ class Pool {
         std::copy_n(buffer.data(), buffer.size(), larger.data());
         buffer = std::move(larger);
     }
-    bool grow(std::size_t wanted) {
-        const std::size_t old = sums_.size(), size = std::max(2 * old, old + wanted);
+    bool grow(std::size_t wanted, std::size_t most) {
+        const std::size_t old = sums_.size(),
+                          size = std::max(std::min(2 * old, most), old + wanted);
         if (size > VertexWord::most_slots) return false;
         enlarge(sums_, size);
         enlarge(rings_, size);
@@ -104,7 +109,8 @@ class Adder {
           values_(values),
           part_shift_(std::max(0, int(std::bit_width(counts.words.size())) - part_bits)),
           first_uses_(counts.listed_corners > 0 ? counts.words.size() : 0),
-          work_(counts.ranges.size()) {}
+          work_(counts.ranges.size()),
+          split_neighbours_(counts.words.size() / 64 + 1) {}
 
     bool run(std::size_t triangles, int threads) {
         terms_.triangle_flags = ScratchBuffer<std::uint8_t>(triangles);
@@ -130,8 +136,7 @@ class Adder {
         if (large_split_)
             list_split_neighbours({vertices_, 3 * triangles}, threads, counts_.states);
         else
-            for (const Index v : split_neighbours_)
-                if (counts_.states[v] == fan_vertex) counts_.states[v] = listed_vertex;
+            list_neighbours();
         return true;
     }
 
@@ -160,10 +165,13 @@ class Adder {
                 for (std::size_t k = 0; k < 3; ++k)
                     std::copy_n(room->planes[k], n, terms_.planes[k].data() + t);
             if (done > ring_batch - block_corners) flush();
-            if (!work.pool.ensure(block_corners)) {
+            if (!work.pool.ensure(block_corners, counts_.words.size())) {
                 given_up_ = true;
                 return;
             }
+            if (terms_.complete && work_.size() == 1 &&
+                work.pool.size() > counts_.words.size() / 2 + block_corners)
+                forget_terms();
             done = add_block(t, n, any_degenerate, *room, work, done_vertices.data(),
                              done_words.data(), done);
             t += n;
@@ -174,6 +182,12 @@ class Adder {
             }
         }
         flush();
+    }
+
+    // In an order without neighbours most vertices are at work at once: both would be too much.
+    void forget_terms() {
+        terms_.complete = false;
+        for (auto& plane : terms_.planes) plane = {};
     }
 
     // Adds the terms of n triangles from t on; gives the number of vertices that are done with.
@@ -291,10 +305,24 @@ class Adder {
             large_split_ = true;
             return;
         }
-        const std::lock_guard lock(noting_);
+        const auto note_one = [&](Index v) {
+            const std::uint64_t bit = std::uint64_t(1) << (v % 64);
+            const std::atomic_ref word(split_neighbours_[v / 64]);
+            if (!(word.load(std::memory_order_relaxed) & bit))
+                word.fetch_or(bit, std::memory_order_relaxed);
+        };
         for (std::size_t i = 0; i < count; ++i) {
-            split_neighbours_.push_back(ring.members[i].previous);
-            split_neighbours_.push_back(ring.members[i].next);
+            note_one(ring.members[i].previous);
+            note_one(ring.members[i].next);
+        }
+    }
+
+    void list_neighbours() {
+        for (std::size_t w = 0; w < split_neighbours_.size(); ++w) {
+            for (std::uint64_t rest = split_neighbours_[w]; rest != 0; rest &= rest - 1) {
+                std::uint8_t& state = counts_.states[64 * w + std::size_t(std::countr_zero(rest))];
+                if (state == fan_vertex) state = listed_vertex;
+            }
         }
     }
 
@@ -303,7 +331,7 @@ class Adder {
         Pool pool;
         for (RangeWork& work : work_) {
             for (const Note& note : work.notes[part]) {
-                if (!pool.ensure(1)) {
+                if (!pool.ensure(1, counts_.words.size())) {
                     given_up_ = true;
                     return;
                 }
@@ -364,10 +392,9 @@ class Adder {
     };
     ScratchBuffer<Use> first_uses_;  // of listed vertices
     std::vector<RangeWork> work_;
-    // Vertices that share a triangle with split ones, but for split ones of large stars: is there
-    // any such?
-    std::mutex noting_;
-    std::vector<Index> split_neighbours_;
+    // A bit for each vertex that shares a triangle with a split one, but for split ones of large
+    // stars: is there any such?
+    std::vector<std::uint64_t> split_neighbours_;
     std::atomic<bool> large_split_ = false;
     std::atomic<bool> given_up_ = false;
 };
