@@ -199,6 +199,7 @@ ShadeDraw shade_draw(const RenderPlan& plan, const prep::PreparedScene& scene, c
             s.normal_matrix[r * 3 + c] = float(instance.normal_matrix()[c][r]);
         for (int c = 0; c < 4; ++c) s.from_eye[r][c] = float(instance.from_eye()[c][r]);
     }
+    s.world_normals = instance.normal_matrix() == glm::dmat3(1.0);
     copy3(glm::dvec3(material.ambient), s.ambient);
     for (int k = 0; k < 4; ++k) s.diffuse[k] = material.diffuse[k];
     copy3(glm::dvec3(material.specular), s.specular);

@@ -4,20 +4,17 @@
 inline std::size_t collect(const std::uint32_t* numbers, const TilePlace& place,
                            std::uint32_t* counts, PixelRun* runs) {
     std::size_t found = 0;
-    std::uint32_t before[tile_size + tile_padding + 1];
+    static_assert(tile_padding > 0);  // the last row's last pixel is compared with one behind it
     for (std::int32_t y = 0; y < place.height; ++y) {
         const std::uint32_t* row = numbers + y * tile_size;
-        // The row moved on by one pixel, after a number that is nobody's.
-        before[0] = id_none - 1;
-        std::uint64_t starts = 0;
+        std::uint64_t ends = 0;
         std::uint32_t any_drawn = 0;
-        for (std::int32_t x = 0; x < tile_size; x += lane_count)
-            store(load(row + x), before + 1 + x);
         for (std::int32_t x = 0; x < tile_size; x += lane_count) {
             const I here = load(row + x);
-            starts |= std::uint64_t(bits_of(!(here == load(before + x)))) << x;
+            ends |= std::uint64_t(bits_of(!(here == load(row + x + 1)))) << x;
             any_drawn |= bits_of(here > set(-1));
         }
+        std::uint64_t starts = ends << 1 | 1;
         if (any_drawn == 0) continue;
         if (place.width < tile_size) starts &= (std::uint64_t(1) << place.width) - 1;
         while (starts != 0) {

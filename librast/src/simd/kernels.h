@@ -125,6 +125,7 @@ struct ShadeDraw {
     bool masked = false, unlit = false, metallic_roughness = false;
     float metallic = 0, roughness = 1;
     float normal_matrix[9] = {};  // row by row
+    bool world_normals = false;   // that is the identity
     float from_eye[3][4] = {};    // rows: mesh position → position from the eye, world axes
     float ambient[3] = {}, diffuse[4] = {}, specular[3] = {}, emissive[3] = {};
     float shininess = 0, alpha_cutoff = 0;

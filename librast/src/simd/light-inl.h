@@ -2,6 +2,7 @@
 // Included once per instruction set, inside the namespace that has its lanes.
 
 RAST_INLINE V3 transformed_normal(const ShadeDraw& draw, V3 n) {
+    if (draw.world_normals) return n;
     const float* m = draw.normal_matrix;
     return {(set(m[0]) * n.x + set(m[1]) * n.y) + set(m[2]) * n.z,
             (set(m[3]) * n.x + set(m[4]) * n.y) + set(m[5]) * n.z,
@@ -12,19 +13,24 @@ RAST_INLINE F largest(V3 v) {
     return max(max(abs(v.x), abs(v.y)), abs(v.z));
 }
 
-// Whether a vector of this largest component has a direction.
-RAST_INLINE M is_length(F size) {
-    return (size > set(0.0f)) & (size < set(8.0e37f));
+// Whether a vector of this largest component and this squared length has a direction. Maxima pass
+// NaN over, sums do not.
+RAST_INLINE M is_length(F size, F squared) {
+    return ((size > set(0.0f)) & (size < set(8.0e37f))) & (squared >= set(0.0f));
+}
+
+// Whether vectors of these squared lengths can be made unit as they are: where no square is near
+// the ends of float's range, scaling them before would change no bit.
+RAST_INLINE bool are_handy(F squared) {
+    return all((squared > set(0x1p-60f)) & (squared < set(0x1p60f)));
 }
 
 // Unit length whatever the length was; lanes without a direction (zero, NaN) get `otherwise`.
 RAST_INLINE V3 unit_or(V3 v, V3 otherwise) {
-    // Where no square is near the ends of float's range, the scaling below would change no bit.
     const F squared = dot(v, v);
-    if (all((squared > set(0x1p-60f)) & (squared < set(0x1p60f))))
-        return v * (set(1.0f) / sqrt(squared));
+    if (are_handy(squared)) return v * (set(1.0f) / sqrt(squared));
     const F size = largest(v);
-    const M good = is_length(size);
+    const M good = is_length(size, squared);
     // By a power of two, to order one: squares stay in float's range and nothing is rounded.
     const I exponent = bits(select(good, size, set(1.0f))) & set(0x7f800000);
     const V3 scaled = v * from_bits(max(set(0x7f000000) - exponent, set(0x00800000)));
@@ -32,14 +38,14 @@ RAST_INLINE V3 unit_or(V3 v, V3 otherwise) {
     return select(good, scaled * inverse, otherwise);
 }
 
-// Not normalised; of a length near one.
-RAST_INLINE V3 towards_eye(const ShadeFrame& frame, I x, I y) {
-    const F to_pixels = set(1.0f / float(subpixels));
-    return (set3(frame.to_eye[0]) + set3(frame.to_eye[1]) * (to_float(x) * to_pixels)) +
-           set3(frame.to_eye[2]) * (to_float(y) * to_pixels);
+// Not normalised; of a length near one. From `x`, `y`, in pixels from the picture's centre.
+RAST_INLINE V3 towards_eye(const ShadeFrame& frame, F x, F y) {
+    return (set3(frame.to_eye[0]) + set3(frame.to_eye[1]) * x) + set3(frame.to_eye[2]) * y;
 }
 RAST_INLINE V3 direction_to_eye(const ShadeFrame& frame, I x, I y) {
-    return unit_or(towards_eye(frame, x, y), set3(frame.to_eye[0]));
+    const F to_pixels = set(1.0f / float(subpixels));
+    return unit_or(towards_eye(frame, to_float(x) * to_pixels, to_float(y) * to_pixels),
+                   set3(frame.to_eye[0]));
 }
 
 // The triangle's own normal on its front side, world axes.
@@ -69,7 +75,9 @@ inline V3 mended_normal(const ShadeDraw& draw, const ShadeFrame& frame, I id, I 
 RAST_INLINE V3 finished_normal(const ShadeDraw& draw, const ShadeFrame& frame, V3 n, M there, I id,
                                I x, I y) {
     n = transformed_normal(draw, n);
-    const M good = is_length(largest(n));
+    const F squared = dot(n, n);
+    if (are_handy(squared)) return on_seen_side(id, n * (set(1.0f) / sqrt(squared)));
+    const M good = is_length(largest(n), squared);
     const V3 unit = on_seen_side(id, unit_or(n, n));
     if (all(good | !there)) return unit;
     return select(good, unit, mended_normal(draw, frame, id, x, y));

@@ -373,10 +373,17 @@ RAST_INLINE Reflection reflection_at(const ShadeDraw& draw, const ShadeFrame& fr
     V3 albedo = set3(draw.diffuse);
     if (draw.colors != nullptr) albedo = albedo * points.get3(Points::color, n);
     if (draw.maps[diffuse_map]) albedo = albedo * texel_of(points, diffuse_map, n);
-    V3 emissive = set3(draw.emissive);
-    if (draw.maps[emissive_map]) emissive = emissive * texel_of(points, emissive_map, n);
-    Reflection r{albedo + emissive, {albedo, set3(draw.specular), set(draw.shininess)}};
-    if (draw.unlit) return r;
+    Reflection r{albedo, {albedo, set3(draw.specular), set(draw.shininess)}};
+    const auto glow = [&] {
+        V3 emissive = set3(draw.emissive);
+        if (draw.maps[emissive_map]) emissive = emissive * texel_of(points, emissive_map, n);
+        r.base = r.base + emissive;
+    };
+    const bool glows = draw.emissive[0] != 0 || draw.emissive[1] != 0 || draw.emissive[2] != 0;
+    if (draw.unlit) {
+        if (glows) glow();
+        return r;
+    }
     if (draw.metallic_roughness) {
         F metallic, roughness;
         roughness_at(draw, points, n, metallic, roughness);
@@ -389,7 +396,8 @@ RAST_INLINE Reflection reflection_at(const ShadeDraw& draw, const ShadeFrame& fr
         const F one = set(1.0f), open = texel_of(points, occlusion_map, n).x;
         ambient = ambient * (one + set(draw.maps[occlusion_map].strength) * (open - one));
     }
-    r.base = albedo * ambient + emissive;
+    r.base = albedo * ambient;
+    if (glows) glow();
     return r;
 }
 
@@ -398,9 +406,11 @@ RAST_INLINE Reflection reflection_at(const ShadeDraw& draw, const ShadeFrame& fr
 inline void find_eye(const ShadeFrame& frame, const TilePlace& place, const std::uint16_t* pixels,
                      Points& points) {
     for (std::size_t n = 0; n < points.held; n += vector_size) {
-        I x, y;
-        load_places(place, pixels + n, x, y);
-        const V3 v = towards_eye(frame, x, y);
+        I i, j;
+        load_pixels(pixels + n, i, j);
+        // Exact: places are multiples of 1/256 within 2^15 pixels.
+        const V3 v = towards_eye(frame, to_float(i) + set(float(place.x) / float(subpixels)),
+                                 to_float(j) + set(float(place.y) / float(subpixels)));
         points.put3(v, Points::eye, n);
         points.put(sqrt(dot(v, v)), Points::distance, n);
     }
@@ -472,9 +482,8 @@ RAST_INLINE void write_bytes(V3 color, const std::uint16_t* pixels, std::size_t 
                              const ShadeTask& task) {
     const I packed = packed_color(color);
     if (count >= vector_size) {
-        I i, j;
-        load_pixels(pixels, i, j);
-        scatter(packed, task.bytes, j * set(std::int32_t(task.stride)) + i);
+        const I at = load(pixels), row = shift_right<6>(at);
+        scatter(packed, task.bytes, at + row * set(std::int32_t(task.stride) - tile_size));
         return;
     }
     std::uint32_t each[vector_size];

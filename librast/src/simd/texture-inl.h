@@ -233,8 +233,9 @@ RAST_INLINE void filtered_texels(const Channel* const texels[], const Reads& rea
     mix_levels<count>(texels, reads, parts);
     const auto finished = [](F v) {
         if constexpr (std::is_same_v<Channel, float>) return v;
-        const F code = v * set(mixed_scale) + set(mixed_middle);
-        return code * set(unpack_high) + code * set(unpack_low);
+        // code · unpack_high + code · unpack_low, to the bit: powers of two change no rounding.
+        const F high = v * set(mixed_scale * unpack_high) + set(mixed_middle * unpack_high);
+        return high + high * set(unpack_low / unpack_high);
     };
     for (int i = 0; i < count; ++i) {
         F c[4];
