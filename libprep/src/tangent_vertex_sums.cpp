@@ -269,27 +269,35 @@ class Adder {
         if (vertices.empty()) return;
         RingBatch& batch = pool.batch();
         batch.count = vertices.size();
+        std::copy(vertices.begin(), vertices.end(), batch.vertices);
+        // Apart from what follows: compilers make vectors of it.
+        Index none_met = 0;
+        for (std::size_t i = 0; i < vertices.size(); ++i) {
+            const Index word = words[i], members = VertexWord::met(word);
+            batch.members[i] = members;
+            batch.slots[i] = VertexWord::slot(word);
+            none_met |= Index(members == 0);
+        }
+        if (none_met != 0) {
+            given_up_ = true;
+            return;
+        }
+        // Those that met none have no slot to give back.
+        Index* const free = pool.free() + pool.free_count();
+        for (std::size_t i = 0; i < vertices.size(); ++i)
+            free[i] = batch.slots[i] * VertexWord::slot_one;
         Index split[ring_batch];
         std::size_t split_count = 0;
         VertexSum* const sums = pool.sums();
-        Index* free = pool.free() + pool.free_count();
         for (std::size_t i = 0; i < vertices.size(); ++i) {
-            const Index slot = VertexWord::slot(words[i]), members = VertexWord::met(words[i]);
-            if (members == 0) {
-                given_up_ = true;
-                return;
-            }
-            VertexSum& sum = sums[slot];
-            batch.vertices[i] = vertices[i];
+            VertexSum& sum = sums[batch.slots[i]];
             batch.stars[i] = {sum.x, sum.y, sum.z, 0};
-            batch.codes[i] = sum.split ? 0 : sum.code;
-            batch.members[i] = members;
-            batch.slots[i] = slot;
+            batch.codes[i] = sum.code;
             batch.normals[i] = sum.normal;
             if (sum.split) split[split_count++] = Index(i);
             sum = VertexSum();
-            *free++ = slot * VertexWord::slot_one;
         }
+        for (std::size_t k = 0; k < split_count; ++k) batch.codes[split[k]] = 0;
         pool.free_count() += vertices.size();
         fans_.make(pool.rings(), batch, counts_.places, values_, counts_.states);
         for (std::size_t k = 0; k < split_count; ++k) {
