@@ -353,18 +353,15 @@ glm::vec4 MipTexture::mixed(const Level& level, const glm::vec2& uv) const {
     const std::int32_t down = down_steps_of(y.part);
     const auto column = [&](std::size_t i) {
         if (floats_) {
-            const glm::vec4 a = raw(top + i);
-            return a + (raw(bottom + i) - a) * y.part;
+            const Quad a = raw_quad(top + i);
+            return a + (raw_quad(bottom + i) - a) * y.part;
         }
-        glm::ivec4 sum;
-        for (int k = 0; k < 4; ++k)
-            sum[k] = packed_[(top + i) * 4 + std::size_t(k)] * (down - down_steps) -
-                     packed_[(bottom + i) * 4 + std::size_t(k)] * down;
-        return glm::vec4(sum);
+        return to_quad(load_codes(&packed_[(top + i) * 4]) * (down - down_steps) -
+                       load_codes(&packed_[(bottom + i) * 4]) * down);
     };
     // a + f·(b − a): a constant texture stays bit-constant.
-    const glm::vec4 left = column(0), right = column(1);
-    return left + (right - left) * x.part;
+    const Quad left = column(0), right = column(1);
+    return to_vec4(left + (right - left) * x.part);
 }
 
 float MipTexture::level_of_detail(const Footprint& f) const {

@@ -12,6 +12,7 @@
 
 #include "prep/image.h"
 #include "prep/scene.h"
+#include "quad.h"
 #include "rast/render.h"
 
 namespace rast {
@@ -136,14 +137,11 @@ class MipTexture {
 
   private:
     // As filters read them: packed channels times texel_scale. finished() undoes that.
-    glm::vec4 raw(std::size_t index) const {
-        if (floats_) {
-            const float* const t = &floats_[index * 4];
-            return {t[0], t[1], t[2], t[3]};
-        }
-        const std::int16_t* const t = &packed_[index * 4];
-        return glm::vec4(glm::ivec4(t[0], t[1], t[2], t[3]) + texel_middle);
+    Quad raw_quad(std::size_t index) const {
+        return floats_ ? load_quad(&floats_[index * 4])
+                       : to_quad(load_codes(&packed_[index * 4]) + texel_middle);
     }
+    glm::vec4 raw(std::size_t index) const { return to_vec4(raw_quad(index)); }
     glm::vec4 finished(const glm::vec4& filtered) const;
     void write(std::size_t index, const glm::vec4& raw_value) const;
     void add_level(std::vector<Level>& to, std::uint32_t width, std::uint32_t height);
@@ -153,7 +151,10 @@ class MipTexture {
     void make_margins(const Level& level) const;
     void copy_texels(std::size_t from, std::size_t to, std::size_t count) const;
     void clear_texels(std::size_t first, std::size_t count) const;
-    glm::vec4 wrapped(const Level& level, std::int64_t x, std::int64_t y) const;
+    // Of a texel that wrapping has placed; below 0 is the border.
+    Quad placed(const Level& level, std::int64_t x, std::int64_t y) const {
+        return x < 0 || y < 0 ? Quad{} : raw_quad(level.at(x, y));
+    }
     glm::vec4 filtered(const glm::vec2& uv, const Footprint& footprint, TextureFilter filter,
                        int most) const;
     glm::vec4 nearest(const Level& level, const glm::vec2& uv) const;

@@ -23,6 +23,11 @@ float rest(float x, std::int64_t i) {
     return std::abs(x) < 1e12f ? x - float(i) : 0.0f;
 }
 
+// Most texels need no wrapping, which divides.
+std::int64_t place(std::int64_t i, std::int64_t size, prep::Wrap wrap) {
+    return i >= 0 && i < size ? i : wrap_texel(i, size, wrap);
+}
+
 // Keys (1981), a = −½: interpolates, exact for quadratics.
 std::array<float, 4> keys_weights(float t) {
     const float t2 = t * t, t3 = t2 * t;
@@ -70,26 +75,25 @@ const std::array<float, weight_entries>& gaussian_weights() {
 
 }  // namespace
 
-glm::vec4 MipTexture::wrapped(const Level& level, std::int64_t x, std::int64_t y) const {
-    x = wrap_texel(x, level.width, sampler_.wrap_u);
-    y = wrap_texel(y, level.height, sampler_.wrap_v);
-    return x < 0 || y < 0 ? glm::vec4(0.0f) : raw(level.at(x, y));
-}
-
 glm::vec4 MipTexture::bicubic(const Level& level, const glm::vec2& uv) const {
     const float u = uv.x * float(level.width) - 0.5f, v = uv.y * float(level.height) - 0.5f;
     const std::int64_t x = whole(u), y = whole(v);
     const std::array<float, 4> across = keys_weights(rest(u, x)), down = keys_weights(rest(v, y));
-    // Differences to one texel: a constant texture stays bit-constant.
-    const glm::vec4 base = wrapped(level, x, y);
-    glm::vec4 sum(0.0f);
-    for (int j = 0; j < 4; ++j) {
-        glm::vec4 row(0.0f);
-        for (int i = 0; i < 4; ++i)
-            row += (wrapped(level, x + i - 1, y + j - 1) - base) * across[std::size_t(i)];
-        sum += row * down[std::size_t(j)];
+    std::array<std::int64_t, 4> columns, rows;
+    for (int i = 0; i < 4; ++i) {
+        columns[std::size_t(i)] = place(x + i - 1, level.width, sampler_.wrap_u);
+        rows[std::size_t(i)] = place(y + i - 1, level.height, sampler_.wrap_v);
     }
-    return base + sum;
+    // Differences to one texel: a constant texture stays bit-constant.
+    const Quad base = placed(level, columns[1], rows[1]);
+    Quad sum{};
+    for (std::size_t j = 0; j < 4; ++j) {
+        Quad row{};
+        for (std::size_t i = 0; i < 4; ++i)
+            row += (placed(level, columns[i], rows[j]) - base) * across[i];
+        sum += row * down[j];
+    }
+    return to_vec4(base + sum);
 }
 
 template <class Read>
@@ -146,15 +150,18 @@ glm::vec4 MipTexture::ellipse(const Level& level, const glm::vec2& uv, const glm
     const double u = std::abs(uv.x) < 1e9f ? double(uv.x) * level.width - 0.5 : 0;
     const double v = std::abs(uv.y) < 1e9f ? double(uv.y) * level.height - 0.5 : 0;
     const std::array<float, weight_entries>& weights = gaussian_weights();
-    const glm::vec4 base =
-        wrapped(level, std::int64_t(std::floor(u + 0.5)), std::int64_t(std::floor(v + 0.5)));
-    glm::vec4 sum(0.0f);
+    const auto column = [&](std::int64_t x) { return place(x, level.width, sampler_.wrap_u); };
+    const auto row = [&](std::int64_t y) { return place(y, level.height, sampler_.wrap_v); };
+    const Quad base = placed(level, column(std::int64_t(std::floor(u + 0.5))),
+                             row(std::int64_t(std::floor(v + 0.5))));
+    Quad sum{};
     float total = 0;
     for (std::int64_t y = std::int64_t(std::ceil(v - reach_y)); double(y) <= v + reach_y; ++y) {
         const double dy = double(y) - v;
         // The row's part of the ellipse: A x² + B x y + C y² < 1.
         const double root = B * B * dy * dy - 4 * A * (C * dy * dy - 1);
         if (!(root > 0)) continue;
+        const std::int64_t at = row(y);
         const double middle = u - B * dy / (2 * A), half = std::sqrt(root) / (2 * A);
         for (std::int64_t x = std::int64_t(std::ceil(middle - half)); double(x) <= middle + half;
              ++x) {
@@ -162,11 +169,11 @@ glm::vec4 MipTexture::ellipse(const Level& level, const glm::vec2& uv, const glm
             const double r2 = A * dx * dx + B * dx * dy + C * dy * dy;
             if (!(r2 < 1)) continue;
             const float w = weights[std::size_t(std::max(r2, 0.0) * weight_entries)];
-            sum += (wrapped(level, x, y) - base) * w;
+            sum += (placed(level, column(x), at) - base) * w;
             total += w;
         }
     }
-    return total > 0 ? base + sum / total : bilinear(level, uv);
+    return total > 0 ? to_vec4(base + sum / total) : bilinear(level, uv);
 }
 
 glm::vec4 MipTexture::ewa(const glm::vec2& uv, const Footprint& footprint, int most) const {
