@@ -305,6 +305,15 @@ RawAccessor selected(const RawAccessor& raw, const std::vector<std::uint32_t>& e
     return out;
 }
 
+std::optional<std::size_t> set_number(std::string_view semantic, std::string_view prefix) {
+    if (!semantic.starts_with(prefix)) return std::nullopt;
+    const std::string_view digits = semantic.substr(prefix.size());
+    if (digits.empty() || digits.size() > 2 ||
+        digits.find_first_not_of("0123456789") != std::string_view::npos)
+        return std::nullopt;
+    return std::size_t(std::stoul(std::string(digits)));
+}
+
 std::vector<float> to_floats(const RawAccessor& raw) {
     std::vector<float> out;
     const bool n = raw.normalized;

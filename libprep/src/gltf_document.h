@@ -9,6 +9,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "json_pointer.h"
@@ -99,6 +100,9 @@ RawAccessor selected(const RawAccessor& raw, const std::vector<std::uint32_t>& e
 // An accessor as floats, normalised integers mapped to 0 … 1 or −1 … 1.
 std::vector<float> to_floats(const RawAccessor& raw);
 std::vector<std::uint32_t> to_indices(const RawAccessor& raw);
+
+// The n of "TEXCOORD_n" for the prefix "TEXCOORD_"; none for other names.
+std::optional<std::size_t> set_number(std::string_view semantic, std::string_view prefix);
 
 // Decodes a primitive's Draco data: its attributes into `out` and its indices.
 Result<std::vector<std::uint32_t>> decode_draco(const GltfDocument& document, const Json& primitive,

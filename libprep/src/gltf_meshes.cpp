@@ -15,16 +15,6 @@ std::string number(std::uint64_t value) {
     return std::to_string(value);
 }
 
-// The n of "TEXCOORD_n"; none for other names.
-std::optional<std::size_t> set_number(std::string_view semantic, std::string_view prefix) {
-    if (!semantic.starts_with(prefix)) return std::nullopt;
-    const std::string_view digits = semantic.substr(prefix.size());
-    if (digits.empty() || digits.size() > 2 ||
-        digits.find_first_not_of("0123456789") != std::string_view::npos)
-        return std::nullopt;
-    return std::size_t(std::stoul(std::string(digits)));
-}
-
 // An attribute of all vertices, which grows with the primitives that have it.
 template <class T>
 struct Growing {

@@ -58,6 +58,16 @@ class Rewriter {
         bool implied = false;      // zeros, of which the file stores none
         RawAccessor values;        // at the primitive's vertices
     };
+    // Which elements of the file's accessors the vertices are. Welded vertices are one in place,
+    // but each of its corners keeps the attributes that it had: then `of_corners` has those.
+    struct Elements {
+        std::vector<Index> of_vertices, of_corners;
+        const std::vector<Index>& of(const std::string& semantic) const {
+            const bool by_vertex = semantic == "POSITION" || semantic.starts_with("JOINTS_") ||
+                                   semantic.starts_with("WEIGHTS_");
+            return by_vertex || of_corners.empty() ? of_vertices : of_corners;
+        }
+    };
     using AttributeMap = std::map<std::string, Gathered>;
     struct GatheredPrimitive {
         AttributeMap attributes;  // but normals and tangents, which the mesh has
@@ -113,27 +123,35 @@ class Rewriter {
         used.erase(std::unique(used.begin(), used.end()), used.end());
         for (Index& i : indices)
             i = Index(std::lower_bound(used.begin(), used.end(), i) - used.begin());
-        std::vector<Index> local(used.size());  // the accessors' element
-        const std::vector<Index>& file_vertices = prepared_.scene.meshes[m].file_vertices;
-        for (std::size_t i = 0; i < used.size(); ++i) {
-            const Index v = mesh.source_vertices[used[i]];
-            local[i] = source.element_of((file_vertices.empty() ? v : file_vertices[v]) -
-                                         source.first_vertex);
+        const Mesh& faces = prepared_.scene.meshes[m];
+        Elements elements;
+        for (const Index i : used) {
+            const Index v = mesh.source_vertices[i], c = mesh.source_corners[i];
+            const Index of_vertex = faces.file_vertices.empty() ? v : faces.file_vertices[v];
+            elements.of_vertices.push_back(source.element_of(of_vertex - source.first_vertex));
+            if (faces.corner_file_vertices.empty()) continue;
+            const Index of_corner = c == no_index ? of_vertex : faces.corner_file_vertices[c];
+            elements.of_corners.push_back(source.element_of(of_corner - source.first_vertex));
         }
 
         Json& out = json_["meshes"][m]["primitives"][p];
-        auto gathered = gather_all(source, out, local);
+        auto gathered = gather_all(source, out, elements);
         if (!gathered) return std::move(gathered).error();
         const std::vector<glm::vec3> normals = mended_normals(mesh.normals, used);
         const std::vector<glm::vec4> tangents = mended_tangents(mesh.tangents, normals, used);
-        if (!mended_ && untouched(m, out, source, local, indices, normals, tangents)) return {};
+        if (!mended_ && elements.of_corners.empty() &&
+            untouched(m, out, source, elements.of_vertices, indices, normals, tangents))
+            return {};
 
         const bool had_tangents = out["attributes"].contains("TANGENT");
         Json attributes = Json::object();
         for (const auto& item : out["attributes"].items())
             if (const auto it = gathered->attributes.find(item.key());
                 it != gathered->attributes.end())
-                attributes[item.key()] = emit(item.key(), std::move(it->second));
+                attributes[item.key()] =
+                    !elements.of_corners.empty() && reshaped(item.key(), it->second.values, m, used)
+                        ? layer(item.key(), it->second.values.width, m, used)
+                        : emit(item.key(), std::move(it->second));
         if (!normals.empty()) attributes["NORMAL"] = floats(normals);
         if (!tangents.empty() && !normals.empty() && (had_tangents || wants_tangents(m, out)))
             attributes["TANGENT"] = floats(tangents);
@@ -204,13 +222,14 @@ class Rewriter {
 
     // All that is carried over, valid: sets mended_ where that took a change.
     Result<GatheredPrimitive> gather_all(const GltfPrimitive& source, const Json& primitive,
-                                         const std::vector<Index>& local) {
+                                         const Elements& elements) {
         GatheredPrimitive result;
         mended_ = false;
         std::vector<RawAccessor*> weights;
         for (const auto& item : primitive["attributes"].items()) {
             if (item.key() == "NORMAL" || item.key() == "TANGENT") continue;
-            auto values = gather(source, item.key(), item.value().get<std::size_t>(), local);
+            auto values = gather(source, item.key(), item.value().get<std::size_t>(),
+                                 elements.of(item.key()));
             if (!values) return std::move(values).error();
             Gathered& kept = result.attributes[item.key()] = *std::move(values);
             note_mended(mend_values(item.key(), MendOf::attribute, kept.values));
@@ -221,13 +240,49 @@ class Rewriter {
         for (const Json& target : primitive["targets"]) {
             AttributeMap& kept = result.targets.emplace_back();
             for (const auto& item : target.items()) {
-                auto values = gather({}, item.key(), item.value().get<std::size_t>(), local);
+                auto values = gather({}, item.key(), item.value().get<std::size_t>(),
+                                     elements.of(item.key()));
                 if (!values) return std::move(values).error();
                 Gathered& to = kept[item.key()] = *std::move(values);
                 note_mended(mend_values(item.key(), MendOf::morph_target, to.values));
             }
         }
         return result;
+    }
+
+    // The mesh's own layer of a semantic, which repairs may have changed; null: it has none.
+    template <class T>
+    static const std::vector<T>* layer_of(const std::vector<std::vector<T>>& sets,
+                                          const std::string& semantic, const char* head) {
+        const auto set = set_number(semantic, head);
+        return set && *set < sets.size() && !sets[*set].empty() ? &sets[*set] : nullptr;
+    }
+
+    // Whether corners that a repair put into faces have values that no element of the file has.
+    bool reshaped(const std::string& semantic, const RawAccessor& raw, std::size_t m,
+                  const std::vector<Index>& used) const {
+        const VertexMesh& mesh = prepared_.meshes[m];
+        const auto* uvs = layer_of(mesh.uvs, semantic, "TEXCOORD_");
+        const auto* colors = layer_of(mesh.colors, semantic, "COLOR_");
+        if (!uvs && !colors) return false;
+        const std::vector<float> before = to_floats(raw);
+        const std::size_t width = std::size_t(raw.width);
+        for (std::size_t i = 0; i < used.size(); ++i) {
+            const float* now = uvs ? &(*uvs)[used[i]].x : &(*colors)[used[i]].x;
+            for (std::size_t k = 0; k < width; ++k)
+                if (std::isfinite(now[k]) && now[k] != before[i * width + k]) return true;
+        }
+        return false;
+    }
+    std::size_t layer(const std::string& semantic, int width, std::size_t m,
+                      const std::vector<Index>& used) {
+        const VertexMesh& mesh = prepared_.meshes[m];
+        if (const auto* uvs = layer_of(mesh.uvs, semantic, "TEXCOORD_"))
+            return floats(at_vertices(*uvs, used));
+        const std::vector<glm::vec4> colors =
+            at_vertices(*layer_of(mesh.colors, semantic, "COLOR_"), used);
+        if (width == 4) return floats(colors);
+        return floats(std::vector<glm::vec3>(colors.begin(), colors.end()));
     }
 
     template <class T>
@@ -399,7 +454,9 @@ class Rewriter {
         return new_accessor(Json{{"bufferView", new_view(std::move(bytes), 34962, 0)},
                                  {"componentType", 5126},
                                  {"count", values.size()},
-                                 {"type", sizeof(T) == 12 ? "VEC3" : "VEC4"}});
+                                 {"type", sizeof(T) == 8    ? "VEC2"
+                                          : sizeof(T) == 12 ? "VEC3"
+                                                            : "VEC4"}});
     }
 
     std::size_t index_accessor(const std::vector<Index>& indices, std::size_t vertices) {

@@ -18,13 +18,20 @@ void keep_marked_faces(std::vector<Index>& per_face, const std::vector<std::uint
     per_face.resize(kept);
 }
 
+}  // namespace
+
 void number_file_vertices(Mesh& mesh) {
     if (!mesh.file_vertices.empty()) return;
     mesh.file_vertices.resize(mesh.vertex_count());
     std::iota(mesh.file_vertices.begin(), mesh.file_vertices.end(), 0u);
 }
 
-}  // namespace
+void number_corner_file_vertices(Mesh& mesh) {
+    if (!mesh.corner_file_vertices.empty()) return;
+    const auto& in_file = mesh.file_vertices;
+    for (const Index v : mesh.corner_vertices)
+        mesh.corner_file_vertices.push_back(in_file.empty() ? v : in_file[v]);
+}
 
 void keep_corners(Mesh& mesh, const std::vector<Index>& kept, std::vector<Index> face_offsets) {
     const auto gather = [&kept](std::vector<Index>& per_corner) {
@@ -33,6 +40,7 @@ void keep_corners(Mesh& mesh, const std::vector<Index>& kept, std::vector<Index>
         per_corner.resize(kept.size());
     };
     gather(mesh.corner_vertices);
+    gather(mesh.corner_file_vertices);
     for_each_layer(mesh, [&](auto& layer) { gather(layer.indices); });
     mesh.face_offsets = std::move(face_offsets);
 }
@@ -90,6 +98,7 @@ void turn_faces(Mesh& mesh, const std::vector<std::uint8_t>& turn, const FaceNor
                          per_corner.begin() + mesh.face_offsets[f + 1]);
         };
         reverse(mesh.corner_vertices);
+        reverse(mesh.corner_file_vertices);
         for_each_layer(mesh, [&](auto& layer) { reverse(layer.indices); });
     }
 }

@@ -81,6 +81,16 @@ void insert_corners(Mesh& mesh, std::vector<Insertion> insertions) {
         }
         offsets.push_back(Index(vertices.size()));
     }
+    // New corners have attributes of their own; what they lack, their vertex has.
+    number_corner_file_vertices(mesh);
+    std::vector<Index> in_file(sources.size());
+    for (std::size_t c = 0; c < sources.size(); ++c) {
+        const auto [a, b, t] = sources[c];
+        in_file[c] = a == b                       ? mesh.corner_file_vertices[a]
+                     : mesh.file_vertices.empty() ? vertices[c]
+                                                  : mesh.file_vertices[vertices[c]];
+    }
+    mesh.corner_file_vertices = std::move(in_file);
     mesh.face_offsets = std::move(offsets);
     mesh.corner_vertices = std::move(vertices);
     for_each_layer(mesh, [&](auto& layer) {
@@ -165,6 +175,7 @@ RepairStep weld_vertices(Mesh& mesh, double tolerance, int threads) {
     step.changed = moved.count;
     step.places = std::move(moved.first);
     if (step.changed == 0) return step;
+    number_corner_file_vertices(mesh);
     for (auto* users : {&mesh.corner_vertices, &mesh.line_vertices, &mesh.points})
         for (Index& v : *users) v = target[v];
     for (glm::uvec2& m : mesh.hard_marks) m = {target[m.x], target[m.y]};

@@ -116,6 +116,9 @@ class LoopTriangulation {
 // A face of the rim's attributes, at the corners that leave the loop's points.
 void add_triangle(Mesh& mesh, const Index (&corners)[3], Index rim_face) {
     for (const Index c : corners) mesh.corner_vertices.push_back(Index(mesh.corner_vertices[c]));
+    if (!mesh.corner_file_vertices.empty())
+        for (const Index c : corners)
+            mesh.corner_file_vertices.push_back(Index(mesh.corner_file_vertices[c]));
     const auto add = [&corners](auto& layer, bool known) {
         if (layer.empty()) return;
         for (const Index c : corners)

@@ -37,6 +37,10 @@ inline std::uint64_t edge_key(std::uint32_t a, std::uint32_t b) {
     return std::uint64_t(std::min(a, b)) << 32 | std::max(a, b);
 }
 
+// Names the file's vertices where nothing was renumbered so far: of vertices, and of corners.
+void number_file_vertices(Mesh& mesh);
+void number_corner_file_vertices(Mesh& mesh);
+
 // Appends a copy of a vertex, and keeps track of where it came from.
 std::uint32_t copy_vertex(Mesh& mesh, std::uint32_t vertex);
 

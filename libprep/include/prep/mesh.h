@@ -82,6 +82,9 @@ struct Mesh {
     std::vector<std::uint32_t> file_vertices;
     std::vector<std::uint32_t> face_offsets{0};  // faces + 1
     std::vector<std::uint32_t> corner_vertices;  // one per corner
+    // Per corner, the vertex of the file whose attributes it has; empty: its vertex' own. Welding
+    // makes one vertex of several that differ in them.
+    std::vector<std::uint32_t> corner_file_vertices;
 
     CornerLayer<glm::vec3> normals;
     CornerLayer<glm::vec4> tangents;             // xyz, w = bitangent sign: B = w · cross(N, T)
