@@ -8,7 +8,8 @@
 
 namespace prep::detail {
 
-// Gives the corners whose faults intersect `replace` the computed values, each of them once.
+// Gives the corners whose faults intersect `replace` the computed values, each of them once; values
+// that are then nobody's go.
 // `computed` has a value at each of those corners. O(corners).
 template <class T>
 void replace_faulty(CornerLayer<T>& authored, const std::vector<std::uint8_t>& faults,
@@ -23,6 +24,20 @@ void replace_faulty(CornerLayer<T>& authored, const std::vector<std::uint8_t>& f
         }
         authored.indices[c] = at;
     }
+    // What no corner has any more may be what was wrong.
+    std::vector<std::uint32_t> kept(authored.values.size(), no_index);
+    for (const std::uint32_t i : authored.indices)
+        if (i != no_index) kept[i] = 0;
+    std::uint32_t count = 0;
+    for (std::size_t i = 0; i < kept.size(); ++i) {
+        if (kept[i] == no_index) continue;
+        authored.values[count] = authored.values[i];
+        kept[i] = count++;
+    }
+    if (count == authored.values.size()) return;
+    authored.values.resize(count);
+    for (std::uint32_t& i : authored.indices)
+        if (i != no_index) i = kept[i];
 }
 
 }  // namespace prep::detail

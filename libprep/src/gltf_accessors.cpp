@@ -305,6 +305,20 @@ RawAccessor selected(const RawAccessor& raw, const std::vector<std::uint32_t>& e
     return out;
 }
 
+std::vector<std::uint32_t> materials_of_variants(const Json& primitive) {
+    std::vector<std::uint32_t> materials;
+    const Json::json_pointer mappings("/extensions/KHR_materials_variants/mappings");
+    if (!primitive.contains(mappings)) return materials;
+    for (const Json& mapping : primitive.at(mappings)) {
+        if (!mapping.is_object()) continue;
+        const auto material = mapping.find("material");
+        if (material == mapping.end() || !material->is_number_unsigned()) continue;
+        const auto index = material->get<std::uint64_t>();
+        if (index < no_index) materials.push_back(std::uint32_t(index));
+    }
+    return materials;
+}
+
 std::optional<std::size_t> set_number(std::string_view semantic, std::string_view prefix) {
     if (!semantic.starts_with(prefix)) return std::nullopt;
     const std::string_view digits = semantic.substr(prefix.size());

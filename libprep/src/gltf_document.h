@@ -101,6 +101,10 @@ RawAccessor selected(const RawAccessor& raw, const std::vector<std::uint32_t>& e
 std::vector<float> to_floats(const RawAccessor& raw);
 std::vector<std::uint32_t> to_indices(const RawAccessor& raw);
 
+// Those that KHR_materials_variants may put in place of a primitive's own; whatever is no index is
+// left out.
+std::vector<std::uint32_t> materials_of_variants(const Json& primitive);
+
 // The n of "TEXCOORD_n" for the prefix "TEXCOORD_"; none for other names.
 std::optional<std::size_t> set_number(std::string_view semantic, std::string_view prefix);
 

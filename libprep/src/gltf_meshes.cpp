@@ -195,6 +195,7 @@ class MeshReader {
         tell_left_over(mode, indices->size(), pointer);
         add_elements(mode, *indices, out.first_vertex, mesh);
         mesh.face_materials.resize(mesh.face_count(), *material);
+        for (const Index other : materials_of_variants(in)) mesh.variant_materials.push_back(other);
         mesh.face_parts.resize(mesh.face_count(), Index(part));
         mesh.parts.resize(part + 1);
         d_.primitives.back().push_back(std::move(out));

@@ -207,9 +207,11 @@ class Rewriter {
     bool wants_tangents(std::size_t m, const Json& primitive) const {
         if (m < prepared_.requirements.size() && prepared_.requirements[m].tangents.asked)
             return true;
+        const std::vector<Material>& materials = prepared_.scene.materials;
+        for (const Index other : materials_of_variants(primitive))
+            if (other < materials.size() && materials[other].normal_map) return true;
         if (!primitive.contains("material")) return false;
-        const auto material = primitive["material"].get<std::size_t>();
-        return bool(prepared_.scene.materials[material].normal_map);
+        return bool(materials[primitive["material"].get<std::size_t>()].normal_map);
     }
 
     // --- values --------------------------------------------------------------------------

@@ -78,6 +78,7 @@ class ObjWriter {
     void write_mesh(const Mesh& mesh, const glm::dmat4& world) {
         if (!mesh.tangents.empty()) note("OBJ holds no tangents: left out");
         if (mesh.uvs.size() > 1) note("OBJ holds one UV set: the others are left out");
+        if (mesh.colors.size() > 1) note("OBJ holds one set of colours: the others are left out");
         const glm::dmat3 linear(world);
         mirrored_ = glm::determinant(linear) < 0;
         const bool moved = world != glm::dmat4(1.0) || mesh.origin != glm::dvec3(0.0);
@@ -153,16 +154,18 @@ class ObjWriter {
         if (!mesh.vertex_colors.empty()) return mesh.vertex_colors;
         if (mesh.colors.empty() || mesh.colors[0].empty()) return {};
         std::vector<glm::vec4> colors(mesh.vertex_count(), glm::vec4(1.0f));
-        bool differ = false;
+        bool differ = false, alpha = false;
         std::vector<bool> set(mesh.vertex_count(), false);
         for (std::size_t c = 0; c < mesh.corner_count(); ++c) {
             const Index i = mesh.colors[0].indices[c], v = mesh.corner_vertices[c];
             if (i == no_index) continue;
             differ |= set[v] && colors[v] != mesh.colors[0].values[i];
+            alpha |= mesh.colors[0].values[i].a != 1;
             colors[v] = mesh.colors[0].values[i];
             set[v] = true;
         }
         if (differ) note("OBJ holds one colour per vertex: corners that differ lost theirs");
+        if (alpha) note("OBJ holds colours without alpha: left out");
         return colors;
     }
 
@@ -297,7 +300,10 @@ class ObjWriter {
             };
             glm::vec3 diffuse(in.diffuse), specular = in.specular;
             float shininess = in.shininess;
-            if (in.metallic_roughness) {
+            if (in.unlit) {
+                // Its colour is all there is of it.
+                specular = glm::vec3(0.0f);
+            } else if (in.metallic_roughness) {
                 const BlinnPhong derived = blinn_phong(diffuse, in.metallic, in.roughness);
                 diffuse = derived.diffuse;
                 specular = glm::min(derived.specular, glm::vec3(1.0f));  // all that MTL allows
@@ -308,8 +314,12 @@ class ObjWriter {
             color("Kd", diffuse);
             color("Ks", specular);
             color("Ke", in.emissive);
-            mtl +=
-                fmt::format("Ns {}\nd {}\nillum {}\n", shininess, in.diffuse.a, in.unlit ? 0 : 2);
+            // Opaque materials ignore their alpha.
+            const float opacity = in.alpha_mode == AlphaMode::opaque ? 1.0f : in.diffuse.a;
+            mtl += fmt::format("Ns {}\nd {}\nillum {}\n", shininess, opacity, in.unlit ? 0 : 2);
+            if (in.alpha_mode == AlphaMode::mask)
+                note("MTL has no alpha masks: what they cut out is drawn");
+            if (in.double_sided) note("MTL has no double-sided materials: left out");
             map(mtl, "map_Kd", in.diffuse_map);
             map(mtl, "map_Ks", in.specular_map);
             map(mtl, "map_Ke", in.emissive_map);

@@ -1,4 +1,5 @@
 #include <cctype>
+#include <cmath>
 
 #include "gltf_document.h"
 #include "name_list.h"
@@ -70,6 +71,37 @@ void note_lost(const PreparedScene& prepared, const std::string& format,
                         " left out");
 }
 
+bool finite(const glm::vec2& v) {
+    return std::isfinite(v.x) && std::isfinite(v.y);
+}
+bool finite(const glm::vec3& v) {
+    return finite(glm::vec2(v)) && std::isfinite(v.z);
+}
+bool finite(const glm::vec4& v) {
+    return finite(glm::vec3(v)) && std::isfinite(v.w);
+}
+
+void note_non_finite(const PreparedScene& prepared, const std::string& format,
+                     std::vector<std::string>& notes) {
+    const auto note = [&](const char* one, const char* several, const auto& of_mesh) {
+        std::size_t count = 0;
+        for (const VertexMesh& mesh : prepared.meshes)
+            for (const auto& v : of_mesh(mesh)) count += !finite(v);
+        if (count > 0)
+            notes.push_back(std::to_string(count) + (count == 1 ? one : several) +
+                            " not finite and written so: many programs refuse the file");
+    };
+    note(
+        " vertex is", " vertices are",
+        [](const VertexMesh& m) -> const auto& { return m.positions; });
+    if (format == "STL") return;  // it holds nothing else
+    note(" UV is", " UVs are",
+         [](const VertexMesh& m) { return m.uvs.empty() ? std::vector<glm::vec2>() : m.uvs[0]; });
+    note(" colour is", " colours are", [](const VertexMesh& m) {
+        return m.colors.empty() ? std::vector<glm::vec4>() : m.colors[0];
+    });
+}
+
 }  // namespace
 }  // namespace detail
 
@@ -92,7 +124,10 @@ Result<std::vector<std::string>> save_scene(const PreparedScene& prepared,
     for (const Format& format : others) {
         if (ending != format.ending) continue;
         auto notes = format.write(prepared, path, options);
-        if (notes) detail::note_lost(prepared, format.name, *notes);
+        if (notes) {
+            detail::note_lost(prepared, format.name, *notes);
+            detail::note_non_finite(prepared, format.name, *notes);
+        }
         return notes;
     }
     return Error{ErrorCode::unsupported,

@@ -249,6 +249,16 @@ TEST(Prepare, OnlyTheTangentsOfReplacedNormalsAreNew) {
     EXPECT_EQ(count(*without, "stale-tangent"), 24u);
 }
 
+TEST(Prepare, ReplacedNormalsLeaveNoValueBehind) {
+    prep::Mesh mesh = cube_with_frames();
+    mesh.normals.values[3] = glm::vec3(std::numeric_limits<float>::quiet_NaN());
+    const auto result = prep::prepare(scene_of(mesh), {});
+    ASSERT_TRUE(result.has_value());
+    EXPECT_EQ(result->scene.meshes[0].normals.values.size(), 6u);
+    for (const glm::vec3& n : result->scene.meshes[0].normals.values)
+        EXPECT_NEAR(glm::length(n), 1, 1e-6);
+}
+
 TEST(Prepare, CarriedTangentsAreFramesWithoutUvsToo) {
     prep::Mesh mesh = cube_with_frames();
     mesh.uvs.clear();

@@ -41,6 +41,19 @@ TEST(Requirements, NormalMapCallsForTangentsAndNamesTheMaterial) {
     EXPECT_TRUE(r[0].uvs.needed);
 }
 
+TEST(Requirements, MaterialsOfVariantsAreInUse) {
+    prep::Scene scene = textured_triangle();
+    scene.materials.push_back(scene.materials[0]);
+    scene.materials[1].name = "plaster";
+    scene.materials[1].normal_map.texture = 0;
+    EXPECT_FALSE(prep::requirements(scene)[0].tangents.needed);
+    scene.meshes[0].variant_materials = {1};
+    EXPECT_EQ(prep::requirements(scene)[0].tangents.reason,
+              "material 'plaster' has a tangent-space normal map");
+    scene.meshes[0].variant_materials = {7};  // the file has no such one
+    EXPECT_FALSE(prep::requirements(scene)[0].tangents.needed);
+}
+
 TEST(Requirements, ObjectSpaceMapNeedsNoTangents) {
     prep::Scene scene = textured_triangle();
     scene.materials[0].normal_map.texture = 0;

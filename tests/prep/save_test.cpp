@@ -3,6 +3,10 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
 #include <string>
 
 #include "invariants.h"
@@ -194,6 +198,89 @@ TEST(Save, NotesSayWhatBecomesOfPointsAndUnusedVertices) {
 
 // Groups are names: they cut no vertex and make no primitive. Two triangles that share an edge,
 // each in a group of its own, and a third of another material.
+std::string mtl_of(const test::TempDir& dir, const prep::Material& material) {
+    prep::Scene scene = triangle();
+    scene.materials = {material};
+    scene.meshes[0].face_materials = {0};
+    const auto saved = prep::save_scene(test::untouched(scene), dir / "test.obj");
+    EXPECT_TRUE(saved.has_value());
+    return test::file_text(dir / "test.mtl");
+}
+
+TEST(Save, UnlitMaterialsKeepTheirColourInMtl) {
+    const test::TempDir dir;
+    prep::Material material;
+    material.diffuse = {1, 0.5f, 0.25f, 1};
+    material.metallic_roughness = material.unlit = true;
+    material.metallic = 1;  // glTF's default, of which unlit materials know nothing
+    const std::string mtl = mtl_of(dir, material);
+    EXPECT_NE(mtl.find("Kd 1 0.5 0.25\nKs 0 0 0\n"), std::string::npos) << mtl;
+    EXPECT_NE(mtl.find("illum 0\n"), std::string::npos) << mtl;
+}
+
+TEST(Save, OpaqueMaterialsStayOpaqueInMtl) {
+    const test::TempDir dir;
+    prep::Material material;
+    material.diffuse.a = 0.5f;
+    EXPECT_NE(mtl_of(dir, material).find("\nd 1\n"), std::string::npos);
+    material.alpha_mode = prep::AlphaMode::blend;
+    EXPECT_NE(mtl_of(dir, material).find("\nd 0.5\n"), std::string::npos);
+}
+
+TEST(Save, WhatMtlAndColoursOfObjLoseIsTold) {
+    const test::TempDir dir;
+    prep::Scene scene = triangle();
+    scene.materials.resize(1);
+    scene.materials[0].alpha_mode = prep::AlphaMode::mask;
+    scene.materials[0].double_sided = true;
+    scene.meshes[0].face_materials = {0};
+    scene.meshes[0].colors.assign(2, {{{1, 1, 1, 0.5f}}, {0, 0, 0}});
+    const auto notes = prep::save_scene(test::untouched(scene), dir / "test.obj");
+    ASSERT_TRUE(notes.has_value());
+    for (const char* text : {"MTL has no alpha masks: what they cut out is drawn",
+                             "MTL has no double-sided materials: left out",
+                             "OBJ holds colours without alpha: left out",
+                             "OBJ holds one set of colours: the others are left out"})
+        EXPECT_EQ(std::count(notes->begin(), notes->end(), text), 1) << text;
+}
+
+TEST(Save, ValuesThatAreNotFiniteAreTold) {
+    prep::Scene scene = triangle();
+    scene.meshes[0].positions[1].x = std::numeric_limits<float>::quiet_NaN();
+    scene.meshes[0].uvs.push_back(
+        {{{0, 0}, {std::numeric_limits<float>::infinity(), 0}}, {0, 0, 1}});
+    const test::TempDir dir;
+    for (const char* name : {"a.obj", "a.ply", "a.off", "a.stl"}) {
+        const auto notes = prep::save_scene(test::untouched(scene), dir / name);
+        ASSERT_TRUE(notes.has_value()) << name;
+        const auto told = [&](const std::string& what) {
+            return std::count(notes->begin(), notes->end(),
+                              what + " not finite and written so: many programs refuse the file");
+        };
+        EXPECT_EQ(told("1 vertex is"), 1) << name;
+        EXPECT_EQ(told("1 UV is"), std::string(name) == "a.stl" ? 0 : 1) << name;
+    }
+}
+
+TEST(Save, StlIsTheSameTheSecondTime) {
+    // A facet along the axes: its normal has zeros of either sign, as chance has it.
+    const prep::Scene scene =
+        parse("v 0 0 0\nv -1 0 0\nv 0 1 0\nv 0 0 -1\nf 1 2 3\nf 1 3 4\nf 4 2 1\nf 2 4 3\n");
+    const test::TempDir dir;
+    ASSERT_TRUE(prep::save_scene(test::untouched(scene), dir / "a.stl").has_value());
+    const auto again = prep::load_scene(dir / "a.stl");
+    ASSERT_TRUE(again.has_value());
+    ASSERT_TRUE(prep::save_scene(test::untouched(*again), dir / "b.stl").has_value());
+    const std::string bytes = test::file_text(dir / "a.stl");
+    EXPECT_EQ(test::file_text(dir / "b.stl"), bytes);
+    for (std::size_t f = 0; f < 4; ++f)
+        for (std::size_t k = 0; k < 3; ++k) {
+            float x = 0;
+            std::memcpy(&x, bytes.data() + 84 + 50 * f + 4 * k, 4);
+            EXPECT_FALSE(x == 0 && std::signbit(x));
+        }
+}
+
 TEST(Save, GroupsBecomeNeitherVerticesNorPrimitives) {
     const prep::Scene scene = parse(
         "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 2 0 0\ng left\nf 1 2 3\ng right\nf 1 3 4\n"

@@ -92,6 +92,8 @@ struct Mesh {
     std::vector<CornerLayer<glm::vec4>> colors;  // linear RGBA
 
     std::vector<std::uint32_t> face_materials;  // one per face into Scene::materials, or empty
+    // Others that the file may put in their place (KHR_materials_variants), ascending.
+    std::vector<std::uint32_t> variant_materials;
     std::vector<std::uint32_t> face_smoothing;  // one per face, or empty: no smoothing information
     SmoothingKind smoothing_kind = SmoothingKind::group_number;
     std::vector<std::uint32_t> face_parts;  // one per face into `parts`, or empty
