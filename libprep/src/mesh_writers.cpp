@@ -246,7 +246,7 @@ glm::dvec3 facet_normal(const glm::dvec3& a, const glm::dvec3& b, const glm::dve
     const double largest = std::max({std::abs(n.x), std::abs(n.y), std::abs(n.z)});
     if (!(largest > 0) || !std::isfinite(largest)) return glm::dvec3(0.0);
     const glm::dvec3 scaled = n / largest;
-    return scaled / glm::length(scaled) + 0.0;  // no negative zeros: which they are is chance
+    return scaled / glm::length(scaled) + 0.0;  // no negative zeros: their sign is chance
 }
 
 WriteResult finish(FileSetRules rules, const std::filesystem::path& path, TextBlocks& out,

@@ -254,7 +254,6 @@ TEST(Prepare, ReplacedNormalsLeaveNoValueBehind) {
     mesh.normals.values[3] = glm::vec3(std::numeric_limits<float>::quiet_NaN());
     const auto result = prep::prepare(scene_of(mesh), {});
     ASSERT_TRUE(result.has_value());
-    EXPECT_EQ(result->scene.meshes[0].normals.values.size(), 6u);
     for (const glm::vec3& n : result->scene.meshes[0].normals.values)
         EXPECT_NEAR(glm::length(n), 1, 1e-6);
 }
