@@ -305,6 +305,15 @@ RawAccessor selected(const RawAccessor& raw, const std::vector<std::uint32_t>& e
     return out;
 }
 
+bool has_more_than_layers(const GltfDocument& document, std::size_t mesh) {
+    for (const Json& primitive : document.json["meshes"][mesh]["primitives"]) {
+        if (primitive.contains("targets")) return true;
+        for (const auto& item : primitive["attributes"].items())
+            if (item.key().starts_with("_")) return true;
+    }
+    return false;
+}
+
 std::vector<std::uint32_t> materials_of_variants(const Json& primitive) {
     std::vector<std::uint32_t> materials;
     const Json::json_pointer mappings("/extensions/KHR_materials_variants/mappings");

@@ -101,6 +101,10 @@ RawAccessor selected(const RawAccessor& raw, const std::vector<std::uint32_t>& e
 std::vector<float> to_floats(const RawAccessor& raw);
 std::vector<std::uint32_t> to_indices(const RawAccessor& raw);
 
+// Whether a mesh's vertices carry more than a Mesh has layers for, and than goes by the point alone
+// (positions, skins): attributes of other names, morph targets.
+bool has_more_than_layers(const GltfDocument& document, std::size_t mesh);
+
 // Those that KHR_materials_variants may put in place of a primitive's own; whatever is no index is
 // left out.
 std::vector<std::uint32_t> materials_of_variants(const Json& primitive);

@@ -144,6 +144,14 @@ class MeshReader {
         return {};
     }
 
+    void add_variants(const Json& in, Mesh& mesh) const {
+        std::vector<Index>& list = mesh.variant_materials;
+        for (const Index m : materials_of_variants(in))
+            if (m < materials_) list.push_back(m);
+        std::sort(list.begin(), list.end());
+        list.erase(std::unique(list.begin(), list.end()), list.end());
+    }
+
     Result<void> primitive(const Json& in, std::size_t part, const std::string& pointer,
                            Mesh& mesh) {
         const Json& attributes = in["attributes"];
@@ -195,7 +203,7 @@ class MeshReader {
         tell_left_over(mode, indices->size(), pointer);
         add_elements(mode, *indices, out.first_vertex, mesh);
         mesh.face_materials.resize(mesh.face_count(), *material);
-        for (const Index other : materials_of_variants(in)) mesh.variant_materials.push_back(other);
+        if (out.triangles) add_variants(in, mesh);
         mesh.face_parts.resize(mesh.face_count(), Index(part));
         mesh.parts.resize(part + 1);
         d_.primitives.back().push_back(std::move(out));

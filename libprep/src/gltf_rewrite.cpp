@@ -149,9 +149,7 @@ class Rewriter {
             if (const auto it = gathered->attributes.find(item.key());
                 it != gathered->attributes.end())
                 attributes[item.key()] =
-                    !elements.of_corners.empty() && reshaped(item.key(), it->second.values, m, used)
-                        ? layer(item.key(), it->second.values.width, m, used)
-                        : emit(item.key(), std::move(it->second));
+                    emit_reshaped(item.key(), std::move(it->second), elements, m, used);
         if (!normals.empty()) attributes["NORMAL"] = floats(normals);
         if (!tangents.empty() && !normals.empty() && (had_tangents || wants_tangents(m, out)))
             attributes["TANGENT"] = floats(tangents);
@@ -260,31 +258,25 @@ class Rewriter {
         return set && *set < sets.size() && !sets[*set].empty() ? &sets[*set] : nullptr;
     }
 
-    // Whether corners that a repair put into faces have values that no element of the file has.
-    bool reshaped(const std::string& semantic, const RawAccessor& raw, std::size_t m,
-                  const std::vector<Index>& used) const {
+    // The mesh's own values of a layer, valid, where corners that a repair put into faces have some
+    // that no element of the file has: `raw` is what the file has for them.
+    std::optional<RawAccessor> reshaped(const std::string& semantic, const RawAccessor& raw,
+                                        std::size_t m, const std::vector<Index>& used) const {
         const VertexMesh& mesh = prepared_.meshes[m];
         const auto* uvs = layer_of(mesh.uvs, semantic, "TEXCOORD_");
         const auto* colors = layer_of(mesh.colors, semantic, "COLOR_");
-        if (!uvs && !colors) return false;
-        const std::vector<float> before = to_floats(raw);
-        const std::size_t width = std::size_t(raw.width);
-        for (std::size_t i = 0; i < used.size(); ++i) {
-            const float* now = uvs ? &(*uvs)[used[i]].x : &(*colors)[used[i]].x;
-            for (std::size_t k = 0; k < width; ++k)
-                if (std::isfinite(now[k]) && now[k] != before[i * width + k]) return true;
-        }
-        return false;
-    }
-    std::size_t layer(const std::string& semantic, int width, std::size_t m,
-                      const std::vector<Index>& used) {
-        const VertexMesh& mesh = prepared_.meshes[m];
-        if (const auto* uvs = layer_of(mesh.uvs, semantic, "TEXCOORD_"))
-            return floats(at_vertices(*uvs, used));
-        const std::vector<glm::vec4> colors =
-            at_vertices(*layer_of(mesh.colors, semantic, "COLOR_"), used);
-        if (width == 4) return floats(colors);
-        return floats(std::vector<glm::vec3>(colors.begin(), colors.end()));
+        if (!uvs && !colors) return std::nullopt;
+        RawAccessor now;
+        now.width = raw.width;
+        now.count = used.size();
+        const std::size_t size = now.element_size();
+        now.bytes.resize(used.size() * size);
+        for (std::size_t i = 0; i < used.size(); ++i)
+            std::memcpy(now.bytes.data() + i * size,
+                        uvs ? &(*uvs)[used[i]].x : &(*colors)[used[i]].x, size);
+        mend_values(semantic, MendOf::attribute, now);
+        if (to_floats(now) == to_floats(raw)) return std::nullopt;
+        return now;
     }
 
     template <class T>
@@ -424,6 +416,19 @@ class Rewriter {
         return new_accessor(std::move(out));
     }
 
+    std::size_t emit_reshaped(const std::string& semantic, Gathered gathered,
+                              const Elements& elements, std::size_t m,
+                              const std::vector<Index>& used) {
+        std::optional<RawAccessor> now;
+        if (!elements.of_corners.empty()) now = reshaped(semantic, gathered.values, m, used);
+        if (!now) return emit(semantic, std::move(gathered));
+        const char* const types[] = {"SCALAR", "VEC2", "VEC3", "VEC4"};
+        return new_accessor(Json{{"bufferView", new_view(std::move(now->bytes), 34962, 0)},
+                                 {"componentType", 5126},
+                                 {"count", now->count},
+                                 {"type", types[now->width - 1]}});
+    }
+
     static void set_bounds(const RawAccessor& raw, Json& out) {
         // Bounds are of the stored numbers, not of what normalisation makes of them.
         RawAccessor plain = raw;
@@ -456,9 +461,7 @@ class Rewriter {
         return new_accessor(Json{{"bufferView", new_view(std::move(bytes), 34962, 0)},
                                  {"componentType", 5126},
                                  {"count", values.size()},
-                                 {"type", sizeof(T) == 8    ? "VEC2"
-                                          : sizeof(T) == 12 ? "VEC3"
-                                                            : "VEC4"}});
+                                 {"type", sizeof(T) == 12 ? "VEC3" : "VEC4"}});
     }
 
     std::size_t index_accessor(const std::vector<Index>& indices, std::size_t vertices) {

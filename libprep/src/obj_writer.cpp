@@ -151,7 +151,11 @@ class ObjWriter {
     }
 
     std::vector<glm::vec4> vertex_colors(const Mesh& mesh) {
-        if (!mesh.vertex_colors.empty()) return mesh.vertex_colors;
+        if (!mesh.vertex_colors.empty()) {
+            for (const glm::vec4& c : mesh.vertex_colors)
+                if (c.a != 1) note("OBJ holds colours without alpha: left out");
+            return mesh.vertex_colors;
+        }
         if (mesh.colors.empty() || mesh.colors[0].empty()) return {};
         std::vector<glm::vec4> colors(mesh.vertex_count(), glm::vec4(1.0f));
         bool differ = false, alpha = false;

@@ -108,12 +108,15 @@ class Preparer {
         if (auto done = repair_mesh(index, mesh); !done) return std::move(done).error();
         if (auto done = prepare_normals(index, mesh, need); !done) return std::move(done).error();
         if (auto done = prepare_tangents(index, mesh, need); !done) return std::move(done).error();
+        const GltfDocument* const document = out_.scene.document.get();
         auto split_mesh = log_.run("split", "vertices carry one set of attributes each", [&] {
             // The parts of a glTF are its primitives, each with vertices of its own to be written
             // back; everywhere else they are names.
             return split(
                 mesh, geometry_.hard ? &*geometry_.hard : nullptr,
-                {.parts_apart = out_.scene.document != nullptr, .threads = options_.threads});
+                {.parts_apart = document != nullptr,
+                 .file_vertices_apart = document && detail::has_more_than_layers(*document, index),
+                 .threads = options_.threads});
         });
         if (!split_mesh) return std::move(split_mesh).error();
         out_.meshes[index] = *std::move(split_mesh);

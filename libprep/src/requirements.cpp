@@ -26,10 +26,11 @@ UsedMaterials used_materials(const Mesh& mesh, std::size_t material_count) {
         else
             used.uses_default = true;
     }
-    for (const std::uint32_t m : mesh.variant_materials)
-        if (m < material_count) seen[m] = true;
     for (std::uint32_t m = 0; m < material_count; ++m)
         if (seen[m]) used.indices.push_back(m);
+    // Behind the mesh's own, which decide first.
+    for (const std::uint32_t m : mesh.variant_materials)
+        if (m < material_count && !seen[m]) used.indices.push_back(m);
     return used;
 }
 

@@ -83,23 +83,34 @@ bool finite(const glm::vec4& v) {
 
 void note_non_finite(const PreparedScene& prepared, const std::string& format,
                      std::vector<std::string>& notes) {
-    const auto note = [&](const char* one, const char* several, const auto& of_mesh) {
-        std::size_t count = 0;
-        for (const VertexMesh& mesh : prepared.meshes)
-            for (const auto& v : of_mesh(mesh)) count += !finite(v);
+    const auto note = [&](const char* one, const char* several, std::size_t count) {
         if (count > 0)
             notes.push_back(std::to_string(count) + (count == 1 ? one : several) +
                             " not finite and written so: many programs refuse the file");
     };
-    note(
-        " vertex is", " vertices are",
-        [](const VertexMesh& m) -> const auto& { return m.positions; });
-    if (format == "STL") return;  // it holds nothing else
-    note(" UV is", " UVs are",
-         [](const VertexMesh& m) { return m.uvs.empty() ? std::vector<glm::vec2>() : m.uvs[0]; });
-    note(" colour is", " colours are", [](const VertexMesh& m) {
-        return m.colors.empty() ? std::vector<glm::vec4>() : m.colors[0];
-    });
+    const auto count_in = [](const auto& values) {
+        std::size_t count = 0;
+        for (const auto& v : values) count += !finite(v);
+        return count;
+    };
+    std::size_t vertices = 0, uvs = 0, colors = 0;
+    if (format == "OBJ") {  // written from the faces, the others from the split vertices
+        for (const Mesh& mesh : prepared.scene.meshes) {
+            vertices += count_in(mesh.positions);
+            if (!mesh.uvs.empty()) uvs += count_in(mesh.uvs[0].values);
+            if (!mesh.colors.empty()) colors += count_in(mesh.colors[0].values);
+        }
+    } else {
+        for (const VertexMesh& mesh : prepared.meshes) {
+            vertices += count_in(mesh.positions);
+            if (!mesh.uvs.empty()) uvs += count_in(mesh.uvs[0]);
+            if (!mesh.colors.empty()) colors += count_in(mesh.colors[0]);
+        }
+    }
+    note(" vertex is", " vertices are", vertices);
+    if (format != "STL") note(" UV is", " UVs are", uvs);
+    // PLY's are bytes.
+    if (format == "OBJ" || format == "OFF") note(" colour is", " colours are", colors);
 }
 
 }  // namespace

@@ -53,7 +53,7 @@ class Layer {
 // All that decides whether two corners at one source vertex can share a vertex.
 class Attributes {
   public:
-    Attributes(const Mesh& mesh, const HardEdges* hard, bool parts_apart)
+    Attributes(const Mesh& mesh, const HardEdges* hard, const SplitOptions& options)
         : mesh_(mesh), hard_(hard) {
         if (!mesh.normals.empty()) normals_.emplace_back(mesh.normals, missing_normal);
         if (!mesh.tangents.empty()) tangents_.emplace_back(mesh.tangents, missing_tangent);
@@ -61,7 +61,9 @@ class Attributes {
             if (!layer.empty()) uvs_.emplace_back(layer, missing_uv);
         for (const auto& layer : mesh.colors)
             if (!layer.empty()) colors_.emplace_back(layer, missing_color);
-        parts_apart_ = parts_apart && !uniform(mesh.face_parts);
+        if (options.file_vertices_apart && !mesh.corner_file_vertices.empty())
+            file_vertices_ = mesh.corner_file_vertices.data();
+        parts_apart_ = options.parts_apart && !uniform(mesh.face_parts);
         materials_apart_ = !uniform(mesh.face_materials);
         triangles_ = detail::all_triangles(MeshView(mesh));
         if ((parts_apart_ || materials_apart_ || hard) && !triangles_) {
@@ -81,6 +83,7 @@ class Attributes {
             if (!l.same(a, b)) return false;
         for (const auto& l : colors_)
             if (!l.same(a, b)) return false;
+        if (file_vertices_ && file_vertices_[a] != file_vertices_[b]) return false;
         return same_group(a, b);
     }
 
@@ -90,6 +93,7 @@ class Attributes {
         for (const auto& l : uvs_) l.hash(c, h);
         for (const auto& l : tangents_) l.hash(c, h);
         for (const auto& l : colors_) l.hash(c, h);
+        if (file_vertices_) h = (h ^ file_vertices_[c]) * 0x9e3779b97f4a7c15u;
         return h;
     }
 
@@ -144,6 +148,7 @@ class Attributes {
 
     const Mesh& mesh_;
     const HardEdges* hard_;
+    const Index* file_vertices_ = nullptr;
     bool parts_apart_ = false, materials_apart_ = false, triangles_ = false;
     std::vector<Layer<glm::vec3>> normals_;
     std::vector<Layer<glm::vec4>> tangents_;
@@ -288,7 +293,7 @@ Result<VertexMesh> split(const Mesh& mesh, const HardEdges* hard, const SplitOpt
         return Error{ErrorCode::limit,
                      "more than 2^32 - 2 corners and vertices: cut the mesh into pieces",
                      mesh.name};
-    const Attributes attributes(mesh, hard, options.parts_apart);
+    const Attributes attributes(mesh, hard, options);
     const detail::VertexCorners at =
         detail::corners_by_vertex(mesh.corner_vertices, sources, options.threads);
     std::vector<bool> loose(sources, false);

@@ -258,7 +258,8 @@ class Planner {
         const auto level_step = [&](const char* name, TextureLevels kind) {
             bool read = false;
             for (std::size_t t = 0; t < plan_.textures_used.size(); ++t)
-                read |= plan_.textures_used[t] && levels_for(filter_of(t)) == kind;
+                read |= plan_.textures_used[t] &&
+                        levels_for(filter_of(t), prepared_.scene.textures[t].mip) == kind;
             step(name, read,
                  !some  ? none
                  : read ? "the filter reads them; each is made when a pixel first asks for it"
@@ -290,7 +291,7 @@ class Planner {
         const std::string most = std::to_string(plan_.request.max_anisotropy);
         switch (filter) {
             case TextureFilter::by_sampler:
-                return "others near than far: one, four or eight reads a sample";
+                return "as no filter of another name: one to eight reads a sample";
             case TextureFilter::nearest:
                 return "nearest texel: one read a sample";
             case TextureFilter::bilinear:

@@ -168,7 +168,7 @@ void Renderer::load_textures() {
         if (!plan_->textures_used[t] || texture.image >= scene.images.size()) continue;
         KeptTexture& kept = kept_[t];
         const bool colour = plan_->colour_textures[t];
-        const TextureLevels levels = levels_for(filter_for(filter, texture));
+        const TextureLevels levels = levels_for(filter_for(filter, texture), texture.mip);
         if (!kept.tried || kept.colour != colour || kept.levels != levels) {
             kept = {true, colour, levels, nullptr, {}};
             if (const auto image = prep::load_image(scene.images[texture.image]))

@@ -112,14 +112,15 @@ std::int64_t wrap_texel(std::int64_t i, std::int64_t size, prep::Wrap wrap) {
     return 0;
 }
 
-TextureLevels levels_for(TextureFilter filter) {
+TextureLevels levels_for(TextureFilter filter, prep::MipFilter mip) {
     switch (filter) {
+        case TextureFilter::by_sampler:
+            return mip == prep::MipFilter::none ? TextureLevels::base : TextureLevels::mipmap;
         case TextureFilter::nearest:
         case TextureFilter::bilinear:
             return TextureLevels::base;
         case TextureFilter::ripmap:
             return TextureLevels::ripmap;
-        case TextureFilter::by_sampler:
         case TextureFilter::nearest_mip:
         case TextureFilter::bicubic:
         case TextureFilter::trilinear:

@@ -25,7 +25,7 @@ struct Footprint {
 // What is made of a texture beside its first level: half sizes down to one texel, or every
 // combination of half widths and half heights (four times the memory).
 enum class TextureLevels : std::uint8_t { base, mipmap, ripmap };
-TextureLevels levels_for(TextureFilter filter);
+TextureLevels levels_for(TextureFilter filter, prep::MipFilter mip = prep::MipFilter::linear);
 // What is left of a filter for a texture: `by_sampler` only where the sampler is no filter's like,
 // as one that magnifies to the nearest texel and minifies smoothly.
 TextureFilter filter_for(TextureFilter asked, const prep::Texture& sampler);
@@ -97,8 +97,8 @@ class MipTexture {
     //   nearest_mip  half way between two levels the finer one, as OpenGL and Vulkan round.
     //   by_sampler   magnified to a texel a pixel or more as the sampler's `mag`, else as its `min`
     //                on the levels of its `mip`.
-    // Footprints of at most a texel are read as by trilinear. A constant texture comes out with its
-    // own bits from all of them (but the mip levels' rounding).
+    // Footprints of at most a texel are read as by trilinear, but by nearest and by_sampler. A
+    // constant texture comes out with its own bits from all of them (but the mip levels' rounding).
     glm::vec4 sample(const glm::vec2& uv, const Footprint& footprint, TextureFilter filter,
                      int most = 8) const;
 

@@ -1,5 +1,9 @@
-// What repairs do to the data of glTF files that is by vertex: corners keep their attributes.
+// What repairs do to the data of glTF files that is by vertex: corners keep their attributes. And
+// what variants of materials call for.
 #include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
 
 #include "mesh_files.h"
 #include "prep/io.h"
@@ -102,6 +106,85 @@ TEST(GltfRepair, WeldedCornersKeepTheirAttributes) {
         EXPECT_NE(binary.find(std::string(reinterpret_cast<const char*>(&value), 4)),
                   std::string::npos)
             << value;
+}
+
+// What the mesh has no layer for keeps corners apart by itself, and normal maps do not.
+TEST(GltfRepair, WeldedCornersKeepWhatHasNoLayer) {
+    File file;
+    file.add("POSITION", "VEC3", 3,
+             {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, 1, 0, 0, 2, 0, 0, 2, 1, 0, 1, 1, 0});
+    file.add("_ID", "SCALAR", 1, {10, 11, 12, 13, 14, 15, 16, 17});
+    const test::TempDir dir;
+    prep::RepairOptions repair;
+    repair.weld_tolerance = 0;
+    repair.orientation = true;
+    repair.degenerate_faces = true;
+    const auto out = repaired(dir, file, {0, 1, 2, 0, 2, 3, 4, 6, 5, 4, 6, 7}, repair);
+    ASSERT_TRUE(out.has_value()) << prep::to_string(out.error());
+    EXPECT_EQ(out->meshes[0].vertex_count(), 8u);
+    const std::string binary = test::file_text(dir / "out.bin");
+    for (float id = 10; id < 18; ++id)
+        EXPECT_NE(binary.find(std::string(reinterpret_cast<const char*>(&id), 4)),
+                  std::string::npos)
+            << id;
+}
+
+// What the format forbids is mended in layers that repairs changed, too.
+TEST(GltfRepair, LayersThatAreWrittenAnewAreValid) {
+    const float nan = std::numeric_limits<float>::quiet_NaN();
+    File file;
+    file.add("POSITION", "VEC3", 3, {0, 0, 0, 2, 0, 0, 0, 2, 0, 1, 0, 0, 2, 2, 0});
+    file.add("TEXCOORD_0", "VEC2", 2, {0, 0, 1, 0, 0, 1, 0.9f, 0.9f, nan, 1});
+    file.add("COLOR_0", "VEC3", 3, {1.5f, 0, 0, 0, 1, 0, 0, 0, 1, 1, 1, 1, nan, -1, 0.5f});
+    const test::TempDir dir;
+    prep::RepairOptions repair;
+    repair.degenerate_faces = true;
+    const auto out = repaired(dir, file, {0, 1, 2, 0, 3, 1, 2, 1, 4}, repair);
+    ASSERT_TRUE(out.has_value()) << prep::to_string(out.error());
+    for (const glm::vec2& t : out->meshes[0].uvs[0].values)
+        EXPECT_TRUE(std::isfinite(t.x) && std::isfinite(t.y));
+    for (const glm::vec4& c : out->meshes[0].colors[0].values)
+        for (int k = 0; k < 3; ++k) EXPECT_TRUE(c[k] >= 0 && c[k] <= 1) << c[k];
+}
+
+// Material 0, a variant's, has its normal map on the second UV set, the mesh's own on the first.
+TEST(GltfVariants, NormalMapsOfTheirMaterialsGetTangentsBehindTheMeshsOwn) {
+    const Floats first = {0, 0, 1, 0, 0, 1}, second = {0, 0, 0, 1, 1, 0};
+    const auto tangents = [&](const std::string& own) {
+        File file;
+        file.add("POSITION", "VEC3", 3, {0, 0, 0, 2, 0, 0, 0, 2, 0});
+        file.add("TEXCOORD_0", "VEC2", 2, first);
+        file.add("TEXCOORD_1", "VEC2", 2, second);
+        const test::TempDir dir;
+        std::string text = file.text({0, 1, 2});
+        const std::string primitive = R"("indices":3)";
+        text.insert(text.find(primitive) + primitive.size(),
+                    R"(,"material":1,"extensions":{"KHR_materials_variants":{"mappings":[)"
+                    R"({"material":0,"variants":[0]},{"material":9,"variants":[0]}]}})");
+        text.pop_back();
+        text +=
+            R"(,"extensionsUsed":["KHR_materials_variants"],"extensions":)"
+            R"({"KHR_materials_variants":{"variants":[{"name":"a"}]}},"images":[{"uri":"n.png"}],)"
+            R"("textures":[{"source":0}],"materials":[)"
+            R"({"normalTexture":{"index":0,"texCoord":1}},)" +
+            own + "]}";
+        test::write_text(dir / "in.gltf", text);
+        test::write_text(dir / "in.bin", file.bytes);
+        auto scene = prep::load_scene(dir / "in.gltf");
+        EXPECT_TRUE(scene.has_value()) << prep::to_string(scene.error());
+        EXPECT_EQ(scene->meshes[0].variant_materials, std::vector<std::uint32_t>{0});
+        const auto prepared = prep::prepare(*std::move(scene), {});
+        EXPECT_TRUE(prepared.has_value());
+        EXPECT_TRUE(prep::save_scene(*prepared, dir / "out.gltf").has_value());
+        const auto out = prep::load_scene(dir / "out.gltf");
+        return out->meshes[0].tangents.values;
+    };
+    const std::vector<glm::vec4> plain = tangents("{}");
+    ASSERT_FALSE(plain.empty());
+    EXPECT_EQ(glm::vec3(plain[0]), glm::vec3(0, 1, 0));
+    const std::vector<glm::vec4> own = tangents(R"({"normalTexture":{"index":0}})");
+    ASSERT_FALSE(own.empty());
+    EXPECT_EQ(glm::vec3(own[0]), glm::vec3(1, 0, 0));
 }
 
 // A triangle without area along the bottom of another: its middle point is put into that edge, with

@@ -196,8 +196,6 @@ TEST(Save, NotesSayWhatBecomesOfPointsAndUnusedVertices) {
     EXPECT_EQ(notes(three + "p 1 2 3\n", "a.obj"), Notes{});
 }
 
-// Groups are names: they cut no vertex and make no primitive. Two triangles that share an edge,
-// each in a group of its own, and a third of another material.
 std::string mtl_of(const test::TempDir& dir, const prep::Material& material) {
     prep::Scene scene = triangle();
     scene.materials = {material};
@@ -281,6 +279,8 @@ TEST(Save, StlIsTheSameTheSecondTime) {
         }
 }
 
+// Groups are names: they cut no vertex and make no primitive. Two triangles that share an edge,
+// each in a group of its own, and a third of another material.
 TEST(Save, GroupsBecomeNeitherVerticesNorPrimitives) {
     const prep::Scene scene = parse(
         "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 2 0 0\ng left\nf 1 2 3\ng right\nf 1 3 4\n"

@@ -26,6 +26,9 @@ TEST(RenderUsage, RefusesWaysUpThatAreNone) {
     const test::Ran over = run({"--look-from", "0.5,5,0.5", "--up", "0,2,0"});  // of the centre
     EXPECT_EQ(over.exit_code, 1);
     EXPECT_NE(over.err.find("to the scene's centre"), std::string::npos) << over.err;
+    const test::Ran inside = run({"--look-from", "0.5,0.5,0.5", "--up", "0,2,0"});
+    EXPECT_NE(inside.err.find("--look-from is the scene's centre"), std::string::npos)
+        << inside.err;
     EXPECT_EQ(run({"--buffers", ""}).exit_code, 2);
     EXPECT_EQ(dir.names(), std::vector<std::string>{"cube.obj"});
     // Looking straight down without a wish is fine, as are other ways up.

@@ -86,6 +86,10 @@ class Viewer {
     // What is said of the scene's centre was not known when the arguments were read.
     Result<std::vector<std::optional<rast::View>>> from_place(const PlaceChoice& choice) const {
         const glm::dvec3 view = choice.at.value_or(centre_) - choice.from;
+        if (choice.up_given && !(glm::length(view) > 0))
+            return Error{ErrorCode::invalid,
+                         "--look-from is the scene's centre: say with --look-at where to look",
+                         prepared_.scene.source.string()};
         const double lengths = glm::length(view) * glm::length(choice.up);
         if (choice.up_given && !(glm::length(glm::cross(view, choice.up)) > 1e-9 * lengths))
             return Error{ErrorCode::invalid,

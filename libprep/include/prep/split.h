@@ -13,6 +13,9 @@ struct SplitOptions {
     // Faces of different part never share a vertex or a range, as glTF's primitives need it. False:
     // parts are names only, and ranges have none (`no_index`). Materials always stay apart.
     bool parts_apart = true;
+    // Corners of different Mesh::corner_file_vertices never share a vertex: for files that have
+    // more at their vertices than the mesh's layers.
+    bool file_vertices_apart = false;
     int threads = 0;
 };
 
