@@ -304,9 +304,8 @@ class ObjWriter {
             };
             glm::vec3 diffuse(in.diffuse), specular = in.specular;
             float shininess = in.shininess;
-            if (in.unlit) {
-                // Its colour is all there is of it.
-                specular = glm::vec3(0.0f);
+            if (in.metallic_roughness && in.unlit) {
+                specular = glm::vec3(0.0f);  // its colour is all there is of it
             } else if (in.metallic_roughness) {
                 const BlinnPhong derived = blinn_phong(diffuse, in.metallic, in.roughness);
                 diffuse = derived.diffuse;

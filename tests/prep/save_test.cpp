@@ -214,6 +214,10 @@ TEST(Save, UnlitMaterialsKeepTheirColourInMtl) {
     const std::string mtl = mtl_of(dir, material);
     EXPECT_NE(mtl.find("Kd 1 0.5 0.25\nKs 0 0 0\n"), std::string::npos) << mtl;
     EXPECT_NE(mtl.find("illum 0\n"), std::string::npos) << mtl;
+    // What MTL itself holds of an unlit one is kept, though nothing draws it.
+    material.metallic_roughness = false;
+    material.specular = glm::vec3(0.5f);
+    EXPECT_NE(mtl_of(dir, material).find("Ks 0.5 0.5 0.5\n"), std::string::npos);
 }
 
 TEST(Save, OpaqueMaterialsStayOpaqueInMtl) {

@@ -10,6 +10,7 @@
 #include <random>
 #include <string>
 
+#include "corner_soup.h"
 #include "prep/tangents.h"
 
 namespace {
@@ -62,22 +63,7 @@ namespace {
 using Index = std::uint32_t;
 constexpr double pi = std::numbers::pi;
 
-struct Layers {
-    std::vector<glm::vec3> positions, normals;
-    std::vector<glm::vec2> uvs;
-    std::vector<Index> offsets{0}, vertices, normal_indices, uv_indices;
-
-    void close_face() { offsets.push_back(Index(vertices.size())); }
-    prep::TangentInput input() const {
-        prep::TangentInput in;
-        in.positions = positions;
-        in.face_offsets = offsets;
-        in.corner_vertices = vertices;
-        in.normals = {normals, normal_indices};
-        in.uv = {uvs, uv_indices};
-        return in;
-    }
-};
+using Layers = test::IndexedSoup;
 
 // A torus of size² squares, UVs with two seams, cut into triangles or not.
 Layers torus(Index size, bool quads = false) {
@@ -102,12 +88,12 @@ Layers torus(Index size, bool quads = false) {
             corner(i + 1, j);
             corner(i + 1, j + 1);
             if (!quads) {
-                m.close_face();
+                m.end_face();
                 corner(i, j);
                 corner(i + 1, j + 1);
             }
             corner(i, j + 1);
-            m.close_face();
+            m.end_face();
         }
     }
     m.normal_indices = m.vertices;
@@ -168,7 +154,7 @@ Layers pole(Index valence, bool around) {
         m.uvs.push_back(around ? glm::vec2(double(i) / valence, 1)
                                : glm::vec2(0.5 + 0.5 * x, 0.5 - 0.5 * y));
         for (const Index v : {Index(0), i + 1, (i + 1) % valence + 1}) m.vertices.push_back(v);
-        m.close_face();
+        m.end_face();
     }
     m.uv_indices = m.vertices;
     m.normal_indices.assign(m.vertices.size(), 0);

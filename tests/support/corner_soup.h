@@ -44,7 +44,9 @@ CornerSoup hostile_soup(std::mt19937& random, const HostileOptions& options);
 struct IndexedSoup {
     std::vector<glm::vec3> positions, normals;
     std::vector<glm::vec2> uvs;
-    std::vector<std::uint32_t> offsets, vertices, normal_indices, uv_indices;
+    std::vector<std::uint32_t> offsets{0}, vertices, normal_indices, uv_indices;
+
+    void end_face() { offsets.push_back(std::uint32_t(vertices.size())); }
     prep::TangentInput input() const;
 };
 IndexedSoup share_values(const CornerSoup& soup);
