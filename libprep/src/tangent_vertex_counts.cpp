@@ -4,6 +4,7 @@
 #include <atomic>
 #include <bit>
 #include <cstring>
+#include <optional>
 
 #include "parallel.h"
 
@@ -15,79 +16,110 @@ using Index = std::uint32_t;
 constexpr std::size_t vertex_grain = 65536;
 constexpr std::size_t least_range = 32768;
 constexpr std::size_t most_ranges = 64;
-constexpr std::size_t ranges_per_thread = 4;
+constexpr std::size_t pieces_of_share = 5;
 constexpr std::size_t copied_at_once = 8192;  // corners: they stay in the first-level cache
 
-// Fills VertexCounts::shared: all 64 of a word where several ranges have any of them.
-void find_shared(std::span<const Index> vertices, std::size_t words, int threads,
-                 VertexCounts& counts) {
-    std::vector<std::vector<std::uint8_t>> touched(counts.ranges.size());
-    parallel_blocks(counts.ranges.size(), 1, threads, [&](std::size_t r, std::size_t) {
-        touched[r].assign(words, 0);
-        // Stores alone: bits would have to be read, one after the other in the same word.
-        std::uint8_t* const own = touched[r].data();
-        const Index* const last = vertices.data() + 3 * counts.ranges[r].end;
-        for (const Index* i = vertices.data() + 3 * counts.ranges[r].begin; i < last; ++i)
-            own[*i / 64] = 1;
-    });
-    counts.shared.resize(words);
-    for (std::size_t w = 0; w < words; ++w) {
-        unsigned ranges = 0;
-        for (const auto& own : touched) ranges += own[w];
-        counts.shared[w] = ranges > 1 ? ~std::uint64_t(0) : 0;
+// A share for each thread, in pieces that become smaller: one that is done early takes what another
+// has not begun, and what comes last is short.
+std::vector<VertexCounts::Range> cut_ranges(const TangentTriangles& triangles, int threads) {
+    const std::size_t count = triangles.count;
+    const std::size_t shares =
+        threads == 1
+            ? 1
+            : std::clamp<std::size_t>(count / least_range, 1,
+                                      std::min(most_ranges, std::size_t(parallel_width())));
+    const std::size_t pieces =
+        shares == 1 ? 1
+                    : std::clamp<std::size_t>(count / shares / least_range, 1,
+                                              std::min(pieces_of_share, most_ranges / shares));
+    const std::size_t parts = pieces * (pieces + 1) / 2;
+    std::vector<VertexCounts::Range> ranges;
+    std::size_t begin = 0;
+    for (std::size_t share = 0; share < shares; ++share) {
+        for (std::size_t part = 0, piece = pieces; piece > 0; --piece) {
+            part += piece;
+            const std::size_t end =
+                triangles.cut(count * (share * parts + part) / (shares * parts));
+            ranges.push_back({begin, end});
+            begin = end;
+        }
     }
+    return ranges;
 }
 
-// Counts in words; those of shared vertices become `apart`.
-template <bool any_shared>
-void count_off(const Index* first, const Index* last, Index* words, const std::uint64_t* shared) {
-    for (; first < last; ++first) {
-        const Index v = *first;
-        if (any_shared && shared[v / 64] != 0)
-            // By several threads, all with the same value.
-            std::atomic_ref(words[v]).store(VertexWord::apart, std::memory_order_relaxed);
-        else
-            ++words[v];
-    }
+void count_off(const Index* first, const Index* last, Index* words) {
+    for (; first < last; ++first) ++words[*first];
 }
+
+// Each 64 vertices belong to the range that comes to them first; only that one counts.
+class ClaimedCounts {
+  public:
+    ClaimedCounts(std::size_t vertices, Index* words)
+        : words_(words), owners_(vertices / 64 + 1, none), contested_(owners_.size(), 0) {}
+
+    void count_off(std::uint8_t range, const Index* first, const Index* last) {
+        for (; first < last; ++first) {
+            const Index v = *first;
+            const std::atomic_ref word(words_[v]);
+            if (is_own(range, v / 64))
+                word.store(word.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
+            else
+                // The owner may write at once what it has counted: not 0 either.
+                word.store(VertexWord::apart, std::memory_order_relaxed);
+        }
+    }
+    bool contested(std::size_t word) const { return contested_[word] != 0; }
+
+  private:
+    static constexpr std::uint8_t none = 0xff;
+    static_assert(most_ranges < none);
+
+    bool is_own(std::uint8_t range, std::size_t word) {
+        const std::atomic_ref owner(owners_[word]);
+        std::uint8_t found = owner.load(std::memory_order_relaxed);
+        if (found == range) return true;
+        if (found == none && owner.compare_exchange_strong(found, range, std::memory_order_relaxed))
+            return true;
+        const std::atomic_ref contested(contested_[word]);
+        if (contested.load(std::memory_order_relaxed) == 0)
+            contested.store(1, std::memory_order_relaxed);
+        return false;
+    }
+
+    Index* words_;
+    std::vector<std::uint8_t> owners_, contested_;
+};
 
 }  // namespace
 
 VertexCounts count_triangles(const TangentTriangles& triangles, std::span<const Index> vertices,
                              std::size_t count, int threads, std::vector<Index>* copy) {
     VertexCounts result;
-    const std::size_t most =
-        threads == 1 ? 1 : std::min(most_ranges, ranges_per_thread * std::size_t(parallel_width()));
-    const std::size_t n = std::clamp<std::size_t>(triangles.count / least_range, 1, most);
-    result.ranges.resize(n);
-    for (std::size_t r = 0; r < n; ++r) {
-        result.ranges[r].begin = triangles.cut(triangles.count * r / n);
-        result.ranges[r].end = triangles.cut(triangles.count * (r + 1) / n);
-    }
-    if (n > 1) find_shared(vertices, count / 64 + 1, threads, result);
-
+    result.ranges = cut_ranges(triangles, threads);
+    const std::size_t n = result.ranges.size();
     result.states = ScratchBuffer<std::uint8_t>(count + VertexCounts::behind);
     std::memset(result.states.data() + count, unused_vertex, VertexCounts::behind);
     result.words = ScratchBuffer<Index>(count);
     const bool any_shared = n > 1;
+    std::optional<ClaimedCounts> claimed;
     parallel_blocks(count, vertex_grain, threads, [&](std::size_t begin, std::size_t end) {
         std::memset(result.words.data() + begin, 0, (end - begin) * sizeof(Index));
     });
     if (copy != nullptr) {
         for (std::size_t i = 0; i < vertices.size(); i += copied_at_once) {
             const auto part = vertices.subspan(i, std::min(copied_at_once, vertices.size() - i));
-            count_off<false>(part.data(), part.data() + part.size(), result.words.data(), nullptr);
+            count_off(part.data(), part.data() + part.size(), result.words.data());
             copy->insert(copy->end(), part.begin(), part.end());
         }
+    } else if (!any_shared) {
+        count_off(vertices.data(), vertices.data() + vertices.size(), result.words.data());
     } else {
+        claimed.emplace(count, result.words.data());
         parallel_blocks(n, 1, threads, [&](std::size_t r, std::size_t) {
-            const Index* const first = vertices.data() + 3 * result.ranges[r].begin;
-            const Index* const last = vertices.data() + 3 * result.ranges[r].end;
-            if (any_shared)
-                count_off<true>(first, last, result.words.data(), result.shared.data());
-            else
-                count_off<false>(first, last, result.words.data(), nullptr);
+            claimed->count_off(std::uint8_t(r), vertices.data() + 3 * result.ranges[r].begin,
+                               vertices.data() + 3 * result.ranges[r].end);
         });
+        result.shared.resize(count / 64 + 1);
     }
 
     std::vector<std::size_t> starts((count + vertex_grain - 1) / vertex_grain, 0);
@@ -108,17 +140,19 @@ VertexCounts count_triangles(const TangentTriangles& triangles, std::span<const 
         if (!any_shared) look(begin, end);
         for (std::size_t first = begin; any_shared && first < end; first += 64) {
             const std::size_t last = std::min(first + 64, end);
-            std::uint64_t& shared = result.shared[first / 64];
-            if (shared == 0) {
+            if (!claimed->contested(first / 64)) {
                 look(first, last);
                 continue;
             }
-            shared = 0;
+            std::uint64_t shared = 0;
             for (std::size_t v = first; v < last; ++v) {
-                used += words[v] != 0;
-                states[v] = words[v] == 0 ? unused_vertex : pending_vertex;
-                shared |= std::uint64_t(words[v] != 0) << (v % 64);
+                const bool met = words[v] != 0;
+                used += met;
+                states[v] = met ? pending_vertex : unused_vertex;
+                words[v] = met ? VertexWord::apart : 0;
+                shared |= std::uint64_t(met) << (v % 64);
             }
+            result.shared[first / 64] = shared;
         }
         listed_corners += listed;
         starts[begin / vertex_grain] = used;

@@ -57,8 +57,7 @@ struct VertexCounts {
 };
 
 // vertices: three per triangle, below `count`. copy: one thread only, gets them while they are at
-// hand; or nullptr. O(triangles); a bit per vertex and range, of which
-// there are up to 64.
+// hand; or nullptr. O(triangles); up to 64 ranges.
 VertexCounts count_triangles(const TangentTriangles& triangles,
                              std::span<const std::uint32_t> vertices, std::size_t count,
                              int threads, std::vector<std::uint32_t>* copy);
