@@ -14,8 +14,9 @@ namespace prep::detail {
 // A mesh with one target at weight 1, by the vertices of `Mesh`.
 struct MorphShape {
     std::vector<glm::vec3> positions;
-    std::vector<glm::vec3> normal_deltas;  // empty: the target turns no normal
-    bool moves = false;                    // the target has positions
+    // Empty: the target turns no normal. By corner where the mesh has corner_file_vertices.
+    std::vector<glm::vec3> normal_deltas;
+    bool moves = false;  // the target has positions
 };
 
 // The most targets that a primitive of the mesh has.
@@ -26,7 +27,7 @@ std::size_t morph_target_count(const GltfDocument& document, std::size_t mesh_in
 Result<MorphShape> morph_shape(const GltfDocument& document, std::size_t mesh_index,
                                const Mesh& mesh, std::size_t target);
 
-// The mesh's normals plus the deltas of their vertices, unit where they are not zero.
+// The mesh's normals plus their deltas (MorphShape's), unit where they are not zero.
 CornerLayer<glm::vec3> morphed_normals(const Mesh& mesh, const std::vector<glm::vec3>& deltas);
 
 }  // namespace prep::detail

@@ -222,6 +222,45 @@ TEST(MorphTargets, SplitVerticesTakeTheirDeltasAlong) {
     EXPECT_EQ(saved.values(primitive["targets"][0]["TANGENT"]).size(), 6u);
 }
 
+// A square cut along its diagonal, each half with vertices of its own, which differ in nothing but
+// in what the target does to their normals: about y by an eighth, one half to each side.
+TEST(MorphTargets, WeldedVerticesKeepTheDeltasOfTheirCorners) {
+    Document d;
+    const Vectors positions{square[0], square[1], square[2], square[0], square[2], square[3]};
+    const std::vector<glm::vec2> uvs{{0, 1}, {1, 1}, {1, 0}, {0, 1}, {1, 0}, {0, 0}};
+    const float root = std::sqrt(0.5f);
+    const glm::vec3 one(root, 0, root - 1), other(-root, 0, root - 1);
+    d.json["meshes"] = {
+        {{"primitives",
+          {{{"attributes",
+             {{"POSITION", d.add_positions(positions)},
+              {"NORMAL", d.add(Vectors(6, {0, 0, 1}))},
+              {"TEXCOORD_0", d.add(uvs, 5126, "VEC2")}}},
+            {"indices", d.add(std::vector<std::uint16_t>{0, 1, 2, 3, 4, 5}, 5123, "SCALAR")},
+            {"targets", {{{"NORMAL", d.add(Vectors{one, one, one, other, other, other})}}}}}}}}};
+    prep::PrepareOptions options;
+    options.repair.weld_tolerance = 0;
+    const Saved saved = prepared(d, options);
+    const Json& primitive = saved.primitive();
+    const auto written = saved.values(primitive["attributes"]["POSITION"]);
+    const auto turned = saved.values(primitive["targets"][0]["NORMAL"]);
+    const auto tangents = saved.values(primitive["targets"][0]["TANGENT"]);
+    ASSERT_EQ(written.size(), 6u);
+    ASSERT_EQ(turned.size(), 6u);
+    ASSERT_EQ(tangents.size(), 6u);
+    std::size_t ones = 0;
+    for (std::size_t v = 0; v < 6; ++v) {
+        const bool is_one = glm::vec3(turned[v]) == one;
+        ones += is_one;
+        EXPECT_EQ(glm::vec3(turned[v]), is_one ? one : other);
+        // (1, 0, 0) on the plane of the turned normal.
+        EXPECT_NEAR(tangents[v].x, root - 1, 1e-6);
+        EXPECT_NEAR(tangents[v].y, 0, 1e-6);
+        EXPECT_NEAR(tangents[v].z, is_one ? -root : root, 1e-6);
+    }
+    EXPECT_EQ(ones, 3u);
+}
+
 TEST(MorphTargets, PrimitivesThatShareAccessorsWriteTheVerticesTheyUse) {
     // One set of accessors for two triangles that share no vertex.
     Document d;
