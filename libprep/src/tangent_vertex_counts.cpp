@@ -14,9 +14,9 @@ namespace {
 using Index = std::uint32_t;
 // A multiple of 64, so that no two blocks have bits in one word.
 constexpr std::size_t vertex_grain = 65536;
-constexpr std::size_t least_range = 32768;
+constexpr std::size_t least_share = 4096, least_piece = 32768;  // triangles
 constexpr std::size_t most_ranges = 64;
-constexpr std::size_t pieces_of_share = 5;
+constexpr std::size_t pieces_of_share = 3;
 constexpr std::size_t copied_at_once = 8192;  // corners: they stay in the first-level cache
 
 // A share for each thread, in pieces that become smaller: one that is done early takes what another
@@ -26,11 +26,11 @@ std::vector<VertexCounts::Range> cut_ranges(const TangentTriangles& triangles, i
     const std::size_t shares =
         threads == 1
             ? 1
-            : std::clamp<std::size_t>(count / least_range, 1,
+            : std::clamp<std::size_t>(count / least_share, 1,
                                       std::min(most_ranges, std::size_t(parallel_width())));
     const std::size_t pieces =
         shares == 1 ? 1
-                    : std::clamp<std::size_t>(count / shares / least_range, 1,
+                    : std::clamp<std::size_t>(count / shares / least_piece, 1,
                                               std::min(pieces_of_share, most_ranges / shares));
     const std::size_t parts = pieces * (pieces + 1) / 2;
     std::vector<VertexCounts::Range> ranges;

@@ -21,8 +21,9 @@ constexpr int part_bits = 4;
 constexpr std::size_t parts = std::size_t(1) << part_bits;
 // After so many triangles of a range it is looked whether lists are the better way.
 constexpr std::size_t trial = 4096;
-// Terms of all triangles are kept up to so many, and where more than an eighth of the corners are
-// at vertices that will be listed: to make them again would take longer.
+// Terms of all triangles are kept up to so many, where notes do not take the memory, and where more
+// than an eighth of the corners are at vertices that will be listed: to make them again would take
+// longer.
 constexpr std::size_t few_triangles = 65536;
 // Corners of a block of terms: so many vertices may be opened, and be done with, by one.
 constexpr std::size_t block_corners = 3 * TermBlock::size;
@@ -114,7 +115,8 @@ class Adder {
 
     bool run(std::size_t triangles, int threads) {
         terms_.triangle_flags = ScratchBuffer<std::uint8_t>(triangles);
-        terms_.complete = triangles <= few_triangles || 8 * counts_.listed_corners > 3 * triangles;
+        terms_.complete = (triangles <= few_triangles && few_notes()) ||
+                          8 * counts_.listed_corners > 3 * triangles;
         if (terms_.complete)
             for (auto& plane : terms_.planes) plane = ScratchBuffer<CornerTerm>(triangles);
         parallel_blocks(work_.size(), 1, threads, [&](std::size_t r, std::size_t) {
@@ -141,6 +143,13 @@ class Adder {
     }
 
   private:
+    // Of what several ranges share.
+    bool few_notes() const {
+        std::size_t shared = 0;
+        for (const std::uint64_t word : counts_.shared) shared += std::size_t(std::popcount(word));
+        return shared <= counts_.words.size() / 4;
+    }
+
     void go_through(std::size_t r) {
         const VertexCounts::Range& range = counts_.ranges[r];
         RangeWork& work = work_[r];

@@ -263,7 +263,7 @@ class Run {
 };
 
 // Up to so many corners threads take longer to begin than they save.
-constexpr std::size_t few_corners = 30000;
+constexpr std::size_t few_corners = 12000;
 
 int useful_threads(const TangentInput& input, const TangentOptions& options) {
     return input.corner_vertices.size() <= few_corners ? 1 : options.threads;

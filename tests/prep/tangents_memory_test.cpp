@@ -206,7 +206,7 @@ double bytes_per_triangle(const Layers& mesh, int threads) {
     return (double(most - before) - output) / double(triangles);
 }
 
-// The limit is the product's own; the most that any of these takes is 113.
+// The limit is the product's own; the most that any of these takes is 115.
 TEST(TangentsMemory, StaysBelow120BytesPerTriangle) {
     for (const auto& [name, mesh] : cases({70, 151, 260}, {10000})) {
         EXPECT_LE(bytes_per_triangle(mesh, 1), 120) << name;
@@ -214,7 +214,7 @@ TEST(TangentsMemory, StaysBelow120BytesPerTriangle) {
 }
 
 TEST(TangentsMemory, StaysBelow120BytesPerTriangleOnTwoThreads) {
-    for (const auto& [name, mesh] : cases({151}, {10000})) {
+    for (const auto& [name, mesh] : cases({80, 151, 182}, {10000})) {
         EXPECT_LE(bytes_per_triangle(mesh, 2), 120) << name;
     }
 }

@@ -53,12 +53,13 @@ HWY_INLINE Mask not_zero(const Vec3& v) {
 HWY_INLINE Vec3 off_normal(const Vec3& n, const Vec3& v) {
     return operator_sub(v, scaled(dot(n, v), n));
 }
+HWY_INLINE F inverse_root(F x) {
+    return hn::Div(set(1.0f), hn::Sqrt(x));
+}
+// Vectors whose squares are larger are not zero.
+constexpr float certainly_not_zero = 1e-30f;
 HWY_INLINE Vec3 normalized_or_zero(const Vec3& v) {
-    const F squared = dot(v, v);
-    const F inverse = hn::Div(set(1.0f), hn::Sqrt(squared));
-    const Vec3 unit = scaled(inverse, v);
-    // Where squares are that large no vector is zero.
-    if (HWY_LIKELY(hn::AllTrue(Floats(), hn::Gt(squared, set(1e-30f))))) return unit;
+    const Vec3 unit = scaled(inverse_root(dot(v, v)), v);
     const Mask m = not_zero(v);
     return {hn::IfThenElse(m, unit.x, v.x), hn::IfThenElse(m, unit.y, v.y),
             hn::IfThenElse(m, unit.z, v.z)};
@@ -98,9 +99,9 @@ HWY_INLINE D approximate_acos(D x, D inverse_root) {
 // an error of 1400 of them change what it rounds to.
 HWY_INLINE auto near_midpoint(D value) {
     const hn::RebindToSigned<Doubles> di;
-    const auto low = hn::And(hn::BitCast(di, value), hn::Set(di, 0x1fffffff));
-    const auto off = hn::Abs(hn::Sub(low, hn::Set(di, 0x10000000)));
-    return hn::Lt(off, hn::Set(di, 0x2000));
+    const auto low = hn::And(hn::Add(hn::BitCast(di, value), hn::Set(di, 0x2000 - 0x10000000)),
+                             hn::Set(di, 0x1fffffff));
+    return hn::Lt(low, hn::Set(di, 0x4000));
 }
 
 // float(acos(double(x))) with the C library's bits, for x in [−1, 1]; NaN for NaN.
@@ -118,11 +119,8 @@ HWY_INLINE F acos_rounded(F x) {
     const D high = approximate_acos(hn::PromoteTo(dd, hn::UpperHalf(dh, x)),
                                     hn::PromoteTo(dd, hn::UpperHalf(dh, inverse)));
     const F result = hn::Combine(df, hn::DemoteTo(dh, high), hn::DemoteTo(dh, low));
-    const auto doubtful =
-        hn::Or(hn::VecFromMask(hn::RebindToSigned<Doubles>(), near_midpoint(low)),
-               hn::VecFromMask(hn::RebindToSigned<Doubles>(), near_midpoint(high)));
-    if (HWY_LIKELY(hn::AllTrue(hn::RebindToSigned<Doubles>(),
-                               hn::Eq(doubtful, hn::Zero(hn::RebindToSigned<Doubles>())))))
+    if (HWY_LIKELY(hn::AllFalse(hn::RebindToSigned<Doubles>(),
+                                hn::Or(near_midpoint(low), near_midpoint(high)))))
         return result;
     HWY_ALIGN float values[hn::MaxLanes(df)];
     hn::Store(x, df, values);
@@ -130,12 +128,10 @@ HWY_INLINE F acos_rounded(F x) {
     return hn::Load(df, values);
 }
 
-// Of the angle at a corner, between −1 and 1.
-HWY_INLINE F corner_cosine(const Vec3& n, const Vec3& to_previous, const Vec3& to_next) {
-    const F cosine = dot(normalized_or_zero(off_normal(n, to_previous)),
-                         normalized_or_zero(off_normal(n, to_next)));
+// Of the angle between two unit vectors, between −1 and 1.
+HWY_INLINE F cosine_of(const Vec3& a, const Vec3& b) {
     // The second operand where one is NaN.
-    return hn::Max(set(-1.0f), hn::Min(set(1.0f), cosine));
+    return hn::Max(set(-1.0f), hn::Min(set(1.0f), dot(a, b)));
 }
 
 using Codes = hn::Vec<hn::RebindToUnsigned<Floats>>;
@@ -145,13 +141,22 @@ HWY_INLINE Codes bits_where(Mask m, std::uint32_t bits) {
     return hn::IfThenElseZero(hn::RebindMask(du, m), hn::Set(du, bits));
 }
 
-HWY_INLINE Codes directions(const Vec3& v, std::uint32_t first_bit, float least = direction_bound) {
-    Codes bits = hn::Zero(hn::RebindToUnsigned<Floats>());
-    const F components[3] = {v.x, v.y, v.z}, bound = set(least);
+// Adds bits in the lanes of a mask.
+HWY_INLINE Codes or_where(Codes bits, Mask m, std::uint32_t more) {
+#if HWY_TARGET == HWY_AVX3
+    const hn::RebindToUnsigned<Floats> du;
+    return hn::IfThenElse(hn::RebindMask(du, m), hn::Or(bits, hn::Set(du, more)), bits);
+#else
+    return hn::Or(bits, bits_where(m, more));
+#endif
+}
+
+HWY_INLINE Codes with_directions(Codes bits, const Vec3& v, std::uint32_t first_bit,
+                                 float least = direction_bound) {
+    const F components[3] = {v.x, v.y, v.z}, bound = set(least), below = set(-least);
     for (int k = 0; k < 3; ++k) {
-        bits = hn::Or(bits, bits_where(hn::Gt(components[k], bound), first_bit << k));
-        bits =
-            hn::Or(bits, bits_where(hn::Lt(components[k], hn::Neg(bound)), first_bit << (k + 3)));
+        bits = or_where(bits, hn::Gt(components[k], bound), first_bit << k);
+        bits = or_where(bits, hn::Lt(components[k], below), first_bit << (k + 3));
     }
     return bits;
 }
@@ -172,6 +177,8 @@ struct Between {
     HWY_ALIGN float cosines[3][TermBlock::size];
     HWY_ALIGN float on_s[3][3][TermBlock::size];
     HWY_ALIGN std::uint32_t codes[3][TermBlock::size];
+    // By vector: is it full, of triangles that all add something?
+    bool plain[TermBlock::size / 4];
 };
 constexpr float most_off_plane = 0.2f;
 constexpr float safe_bound = direction_bound + 1.01f * most_off_plane;
@@ -199,8 +206,6 @@ HWY_INLINE void make_frames(const TermBlock& block, std::size_t count, Between& 
             return Vec2{hn::Load(df, from[0] + i), hn::Load(df, from[1] + i)};
         };
         const Vec2 uv[3] = {load2(block.uv[0]), load2(block.uv[1]), load2(block.uv[2])};
-        const Mask inside = hn::FirstN(df, count - i);
-
         const Vec3 d1 = operator_sub(p[1], p[0]), d2 = operator_sub(p[2], p[0]);
         const F ax = hn::Sub(uv[1].x, uv[0].x), ay = hn::Sub(uv[1].y, uv[0].y);
         const F bx = hn::Sub(uv[2].x, uv[0].x), by = hn::Sub(uv[2].y, uv[0].y);
@@ -214,47 +219,60 @@ HWY_INLINE void make_frames(const TermBlock& block, std::size_t count, Between& 
         const F magnitude = hn::Abs(area2);
         const F sign = hn::IfThenElse(preserving, set(1.0f), set(-1.0f));
         const F s_length = hn::Sqrt(dot(raw_s, raw_s)), t_length = hn::Sqrt(dot(raw_t, raw_t));
-        const Mask s_set = not_zero(s_length), t_set = not_zero(t_length);
         const F s_scale = hn::Div(sign, s_length), t_scale = hn::Div(sign, t_length);
-        const Vec3 long_s = scaled(s_scale, raw_s), long_t = scaled(t_scale, raw_t);
-        const Vec3 unit_s = {hn::IfThenElseZero(s_set, long_s.x),
-                             hn::IfThenElseZero(s_set, long_s.y),
-                             hn::IfThenElseZero(s_set, long_s.z)};
-        const Vec3 unit_t = {hn::IfThenElseZero(t_set, long_t.x),
-                             hn::IfThenElseZero(t_set, long_t.y),
-                             hn::IfThenElseZero(t_set, long_t.z)};
-        store3(unit_s, between.s, i);
-        store3(unit_t, between.t, i);
+        Vec3 unit_s = scaled(s_scale, raw_s), unit_t = scaled(t_scale, raw_t);
         // Both magnitudes, length / |area2|, are far from zero but for extreme triangles.
         const F least =
             hn::Mul(set(4 * std::numeric_limits<float>::min()), hn::Max(magnitude, set(1.0f)));
         Mask healthy = hn::And(has_area, hn::Gt(hn::Min(s_length, t_length), least));
-        if (HWY_UNLIKELY(!hn::AllTrue(df, healthy)))
-            healthy = hn::And(has_area, hn::And(not_zero(hn::Div(s_length, magnitude)),
-                                                not_zero(hn::Div(t_length, magnitude))));
         const Mask degenerate =
             hn::Or(equal(p[0], p[1]), hn::Or(equal(p[0], p[2]), equal(p[1], p[2])));
 
-        Codes flags = hn::IfThenElse(hn::RebindMask(du, preserving),
-                                     hn::Set(du, std::uint32_t(orientation_preserving)),
-                                     hn::Set(du, std::uint32_t(orientation_mirrored)));
-        flags = hn::Or(
-            flags, hn::IfThenElse(hn::RebindMask(du, healthy),
-                                  hn::Set(du, std::uint32_t(code_float | own_frame)),
-                                  hn::Set(du, std::uint32_t(code_float | group_with_anything))));
-        flags = hn::Or(flags, bits_where(degenerate, degenerate_triangle));
+        // A UV that is NaN leaves no area.
+        const bool plain =
+            i + hn::Lanes(df) <= count && hn::AllTrue(df, hn::AndNot(degenerate, healthy));
+        between.plain[i / hn::Lanes(df)] = plain;
+        Codes flags;
+        if (HWY_LIKELY(plain)) {
+            flags = hn::IfThenElse(
+                hn::RebindMask(du, preserving),
+                hn::Set(du, std::uint32_t(code_float | own_frame | orientation_preserving)),
+                hn::Set(du, std::uint32_t(code_float | own_frame | orientation_mirrored)));
+            result.counts.mirrored += hn::Lanes(df) - hn::CountTrue(df, preserving);
+        } else {
+            const Mask s_set = not_zero(s_length), t_set = not_zero(t_length);
+            unit_s = {hn::IfThenElseZero(s_set, unit_s.x), hn::IfThenElseZero(s_set, unit_s.y),
+                      hn::IfThenElseZero(s_set, unit_s.z)};
+            unit_t = {hn::IfThenElseZero(t_set, unit_t.x), hn::IfThenElseZero(t_set, unit_t.y),
+                      hn::IfThenElseZero(t_set, unit_t.z)};
+            if (!hn::AllTrue(df, healthy))
+                healthy = hn::And(has_area, hn::And(not_zero(hn::Div(s_length, magnitude)),
+                                                    not_zero(hn::Div(t_length, magnitude))));
+            flags = hn::IfThenElse(hn::RebindMask(du, preserving),
+                                   hn::Set(du, std::uint32_t(orientation_preserving)),
+                                   hn::Set(du, std::uint32_t(orientation_mirrored)));
+            flags = hn::Or(
+                flags,
+                hn::IfThenElse(hn::RebindMask(du, healthy),
+                               hn::Set(du, std::uint32_t(code_float | own_frame)),
+                               hn::Set(du, std::uint32_t(code_float | group_with_anything))));
+            flags = or_where(flags, degenerate, degenerate_triangle);
+            const Mask inside = hn::FirstN(df, count - i);
+            result.counts.degenerate += hn::CountTrue(df, hn::And(inside, degenerate));
+            result.counts.anything +=
+                hn::CountTrue(df, hn::And(inside, hn::AndNot(degenerate, hn::Not(healthy))));
+            result.counts.mirrored += hn::CountTrue(
+                df, hn::And(inside, hn::AndNot(preserving, hn::AndNot(degenerate, healthy))));
+            const F uv_sum = hn::Add(hn::Add(hn::Add(uv[0].x, uv[0].y), hn::Add(uv[1].x, uv[1].y)),
+                                     hn::Add(uv[2].x, uv[2].y));
+            nan = hn::Or(nan, hn::And(inside, hn::IsNaN(uv_sum)));
+        }
+        store3(unit_s, between.s, i);
+        store3(unit_t, between.t, i);
         hn::Store(flags, du, between.flags + i);
-        const Codes told =
-            hn::Or(directions(unit_s, 1, safe_bound), directions(unit_t, 1u << 6, safe_bound));
-        hn::Store(hn::Or(flags, told), du, between.told + i);
-        result.counts.degenerate += hn::CountTrue(df, hn::And(inside, degenerate));
-        result.counts.anything +=
-            hn::CountTrue(df, hn::And(inside, hn::AndNot(degenerate, hn::Not(healthy))));
-        result.counts.mirrored += hn::CountTrue(
-            df, hn::And(inside, hn::AndNot(preserving, hn::AndNot(degenerate, healthy))));
-        const F uv_sum = hn::Add(hn::Add(hn::Add(uv[0].x, uv[0].y), hn::Add(uv[1].x, uv[1].y)),
-                                 hn::Add(uv[2].x, uv[2].y));
-        nan = hn::Or(nan, hn::And(inside, hn::IsNaN(uv_sum)));
+        hn::Store(with_directions(with_directions(flags, unit_s, 1, safe_bound), unit_t, 1u << 6,
+                                  safe_bound),
+                  du, between.told + i);
     }
     result.counts.nan |= !hn::AllFalse(df, nan);
 }
@@ -266,36 +284,45 @@ HWY_INLINE void make_corners(const TermBlock& block, std::size_t count, bool che
     const hn::RebindToUnsigned<Floats> du;
     const F minus_zero = set(-0.0f);
     Mask far_from_unit = hn::MaskFromVec(zero()), nan = far_from_unit;
+    F cosines = zero();  // a sum, NaN where one is
     for (std::size_t k = 0; k < 3; ++k) {
         for (std::size_t i = 0; i < count; i += hn::Lanes(df)) {
-            const Mask inside = hn::FirstN(df, count - i);
             const Vec3 n = load3(block.n[k], i), p = load3(block.p[k], i);
             const Vec3 to_previous = operator_sub(load3(block.p[(k + 2) % 3], i), p);
             const Vec3 to_next = operator_sub(load3(block.p[(k + 1) % 3], i), p);
-            const F cosine = corner_cosine(n, to_previous, to_next);
-            nan = hn::Or(nan, hn::And(inside, hn::IsNaN(cosine)));
+            const Vec3 previous = off_normal(n, to_previous), next = off_normal(n, to_next);
+            const F previous2 = dot(previous, previous), next2 = dot(next, next);
+            F cosine = cosine_of(scaled(inverse_root(previous2), previous),
+                                 scaled(inverse_root(next2), next));
 
-            const Codes flags = hn::Load(du, between.flags + i);
-            const Mask adds = hn::RebindMask(
-                df,
-                hn::Eq(hn::And(flags, hn::Set(du, std::uint32_t(own_frame | degenerate_triangle))),
-                       hn::Set(du, std::uint32_t(own_frame))));
             const F off = hn::Abs(hn::Sub(dot(n, n), set(1.0f)));
             const Mask unit = hn::Le(off, set(most_off_unit));
-            if (check_unit) far_from_unit = hn::Or(far_from_unit, hn::AndNot(unit, inside));
             const Vec3 s = load3(between.s, i), t = load3(between.t, i);
             const F off_s = dot(n, s), off_t = dot(n, t);
             const Vec3 on_plane = operator_sub(s, scaled(off_s, n));
-            const Vec3 on_s = normalized_or_zero(on_plane);
-            const F most_off = set(most_off_plane);
-            const Mask near =
-                hn::And(hn::Le(hn::Abs(off_s), most_off), hn::Le(hn::Abs(off_t), most_off));
-            if (HWY_LIKELY(hn::AllTrue(df, hn::And(adds, hn::And(unit, near))))) {
+            Vec3 on_s = scaled(inverse_root(dot(on_plane, on_plane)), on_plane);
+            const Mask near = hn::Le(hn::Max(hn::Abs(off_s), hn::Abs(off_t)), set(most_off_plane));
+            // Where S is that near the plane it is not zero on it.
+            const Mask long_edges = hn::And(hn::Gt(previous2, set(certainly_not_zero)),
+                                            hn::Gt(next2, set(certainly_not_zero)));
+            if (HWY_LIKELY(between.plain[i / hn::Lanes(df)] &&
+                           hn::AllTrue(df, hn::And(hn::And(unit, near), long_edges)))) {
+                cosines = hn::Add(cosines, cosine);
                 hn::Store(cosine, df, between.cosines[k] + i);
                 store3(on_s, between.on_s[k], i);
                 hn::Store(hn::Load(du, between.told + i), du, between.codes[k] + i);
                 continue;
             }
+            cosine = cosine_of(normalized_or_zero(previous), normalized_or_zero(next));
+            on_s = normalized_or_zero(on_plane);
+            const Mask inside = hn::FirstN(df, count - i);
+            nan = hn::Or(nan, hn::And(inside, hn::IsNaN(cosine)));
+            if (check_unit) far_from_unit = hn::Or(far_from_unit, hn::AndNot(unit, inside));
+            const Codes flags = hn::Load(du, between.flags + i);
+            const Mask adds = hn::RebindMask(
+                df,
+                hn::Eq(hn::And(flags, hn::Set(du, std::uint32_t(own_frame | degenerate_triangle))),
+                       hn::Set(du, std::uint32_t(own_frame))));
             // The angle becomes 0, and 0 times −0 is −0.
             hn::Store(hn::IfThenElse(adds, cosine, set(1.0f)), df, between.cosines[k] + i);
             store3(
@@ -303,9 +330,10 @@ HWY_INLINE void make_corners(const TermBlock& block, std::size_t count, bool che
                  hn::IfThenElse(adds, on_s.z, minus_zero)},
                 between.on_s[k], i);
             const Vec3 on_t = operator_sub(t, scaled(off_t, n));
-            const Codes told =
-                hn::IfThenElseZero(hn::RebindMask(du, unit),
-                                   hn::Or(directions(on_plane, 1), directions(on_t, 1u << 6)));
+            const Codes none = hn::Zero(du);
+            const Codes told = hn::IfThenElseZero(
+                hn::RebindMask(du, unit),
+                with_directions(with_directions(none, on_plane, 1), on_t, 1u << 6));
             const Codes code =
                 hn::IfThenElse(hn::RebindMask(du, adds), told,
                                hn::Set(du, std::uint32_t(s_directions | t_directions)));
@@ -313,7 +341,7 @@ HWY_INLINE void make_corners(const TermBlock& block, std::size_t count, bool che
         }
     }
     result.far_from_unit = !hn::AllFalse(df, far_from_unit);
-    result.counts.nan |= !hn::AllFalse(df, nan);
+    result.counts.nan |= !hn::AllFalse(df, hn::Or(nan, hn::IsNaN(cosines)));
 }
 
 HWY_INLINE void make_terms(const Between& between, std::size_t count, CornerTerm* const planes[3]) {
