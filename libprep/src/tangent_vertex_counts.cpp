@@ -58,10 +58,14 @@ class ClaimedCounts {
         : words_(words), owners_(vertices / 64 + 1, none), contested_(owners_.size(), 0) {}
 
     void count_off(std::uint8_t range, const Index* first, const Index* last) {
+        // Local pointers: writing bytes may change whatever is reached through others.
+        Index* const words = words_;
+        std::uint8_t* const owners = owners_.data();
         for (; first < last; ++first) {
             const Index v = *first;
-            const std::atomic_ref word(words_[v]);
-            if (is_own(range, v / 64))
+            const std::atomic_ref word(words[v]);
+            if (std::atomic_ref(owners[v / 64]).load(std::memory_order_relaxed) == range ||
+                is_own(range, v / 64))
                 word.store(word.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
             else
                 // The owner may write at once what it has counted: not 0 either.
