@@ -169,9 +169,14 @@ class Run {
                                   options_.threads, corner_values);
         std::vector<Index> suspects;
         if (listed.any || !fans_told) {
-            if (!terms_.complete)
-                detail::compute_terms(maker, std::move(listed.triangles), options_.threads, terms_);
-            detail::list_members(in_, triangles_, listed.lists, stars);
+            detail::parallel_both(
+                options_.threads,
+                [&] {
+                    if (!terms_.complete)
+                        detail::compute_terms(maker, std::move(listed.triangles), options_.threads,
+                                              terms_);
+                },
+                [&] { detail::list_members(in_, triangles_, listed.lists, stars); });
             listed = {};
             counts.states = {};
             detail::split_stars(read_, triangles_, terms_, options_.threads, stars);
