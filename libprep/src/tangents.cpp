@@ -267,8 +267,9 @@ class Run {
     CornerTangents result_;
 };
 
-// Up to so many corners threads take longer to begin than they save.
-constexpr std::size_t few_corners = 12000;
+// Up to so many corners threads save little, and what each of them works in is much beside the
+// mesh.
+constexpr std::size_t few_corners = 60000;
 
 int useful_threads(const TangentInput& input, const TangentOptions& options) {
     return input.corner_vertices.size() <= few_corners ? 1 : options.threads;
