@@ -172,8 +172,8 @@ void Renderer::load_textures() {
         if (!kept.tried || kept.colour != colour || kept.levels != levels) {
             kept = {true, colour, levels, nullptr, {}};
             if (const auto image = prep::load_image(scene.images[texture.image]))
-                kept.texture = std::make_shared<const MipTexture>(
-                    *image, texture, colour && !image->floating, levels);
+                kept.texture = std::make_shared<MipTexture>(*image, texture,
+                                                            colour && !image->floating, levels);
             else
                 kept.warning = "texture left out: " + prep::to_string(image.error());
         }
@@ -183,10 +183,38 @@ void Renderer::load_textures() {
         else
             warnings_.push_back(kept.warning);
     }
+    pair_textures();
     if (plan_->request.prune) return;
     for (const auto& texture : textures_)
         if (texture) texture->make_all_levels();
     add_neutral_maps(textures_, levels_for(filter_for(filter, {})));
+}
+
+// Maps of one material that are read at the same places.
+void Renderer::pair_textures() {
+    const auto loaded = [&](const prep::TextureRef& ref) -> MipTexture* {
+        return ref && ref.texture < kept_.size() && textures_[ref.texture]
+                   ? kept_[ref.texture].texture.get()
+                   : nullptr;
+    };
+    const auto same_place = [](const prep::TextureRef& a, const prep::TextureRef& b) {
+        return a.uv_set == b.uv_set && a.offset == b.offset && a.scale == b.scale &&
+               a.rotation == b.rotation;
+    };
+    for (const prep::Material& m : prepared_.scene.materials) {
+        // In the order of MapKind, in which two at a time are read.
+        const prep::TextureRef* const maps[] = {&m.diffuse_map,  &m.specular_map,
+                                                &m.emissive_map, &m.occlusion_map,
+                                                &m.normal_map,   &m.metallic_roughness_map};
+        for (std::size_t i = 0; i < std::size(maps); ++i)
+            for (std::size_t j = i + 1; j < std::size(maps); ++j) {
+                MipTexture* const a = loaded(*maps[i]);
+                MipTexture* const b = loaded(*maps[j]);
+                if (a != nullptr && b != nullptr && same_place(*maps[i], *maps[j]) &&
+                    MipTexture::put_together(*a, *b))
+                    break;
+            }
+    }
 }
 
 void Renderer::transform() {

@@ -33,6 +33,7 @@ class Renderer {
 
   private:
     void load_textures();
+    void pair_textures();
     void transform();
     void make_draws();
     void light_vertices(std::size_t draw);
@@ -60,7 +61,7 @@ class Renderer {
     struct KeptTexture {
         bool tried = false, colour = false;
         TextureLevels levels = TextureLevels::base;
-        std::shared_ptr<const MipTexture> texture;
+        std::shared_ptr<MipTexture> texture;
         std::string warning;  // set: it cannot be read
     };
     std::vector<KeptTexture> kept_;

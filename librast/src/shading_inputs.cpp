@@ -60,10 +60,8 @@ class Binder {
 
   private:
     static bool alike(const BoundMap& a, const BoundMap& b) {
-        const TextureView &x = a.texture->view(), &y = b.texture->view();
-        return a.place == b.place && a.filter == b.filter && x.by_lanes && y.by_lanes &&
-               x.level_count == y.level_count && x.widths[0] == y.widths[0] &&
-               x.heights[0] == y.heights[0] && x.wrap_u == y.wrap_u && x.wrap_v == y.wrap_v;
+        return a.place == b.place && a.filter == b.filter &&
+               have_same_texels(a.texture->view(), b.texture->view());
     }
 
     void set(MapKind kind, const MipTexture& texture, const MapPlace& place, float strength) {

@@ -187,30 +187,65 @@ MipTexture::MipTexture(const prep::Image& image, const prep::Texture& sampler, b
     }
 }
 
-void FreeTexels::operator()(std::byte* memory) const {
-    std::free(memory);
-}
+namespace {
 
-void MipTexture::allocate(bool packed) {
-    // Not initialised: levels that nobody reads shall take no memory.
-    const std::size_t texel_bytes = 4 * (packed ? sizeof(std::int16_t) : sizeof(float));
-    const std::size_t bytes = texel_count_ * texel_bytes;
+// Not initialised: levels that nobody reads shall take no memory.
+std::shared_ptr<std::byte> texel_memory(std::size_t bytes) {
     // Neighbours in a column are a row apart: with small pages, each of them is a page of its own,
     // and looking pages up takes longer than reading texels.
     constexpr std::size_t large_page = std::size_t(1) << 21;
     const std::size_t unit = bytes < large_page ? 64 : large_page;
-    memory_.reset(
-        static_cast<std::byte*>(std::aligned_alloc(unit, (bytes + unit - 1) / unit * unit)));
-    if (!memory_) throw std::bad_alloc();
+    void* const memory = std::aligned_alloc(unit, (bytes + unit - 1) / unit * unit);
+    if (memory == nullptr) throw std::bad_alloc();
 #if defined(__linux__)
-    if (unit == large_page) madvise(memory_.get(), bytes, MADV_HUGEPAGE);
+    if (unit == large_page) madvise(memory, bytes, MADV_HUGEPAGE);
 #endif
+    return {static_cast<std::byte*>(memory), [](std::byte* p) { std::free(p); }};
+}
+
+}  // namespace
+
+void MipTexture::allocate(bool packed) {
+    memory_ = texel_memory(texel_count_ * 4 * (packed ? sizeof(std::int16_t) : sizeof(float)));
     if (packed)
         packed_ = reinterpret_cast<std::int16_t*>(memory_.get());
     else
         floats_ = reinterpret_cast<float*>(memory_.get());
     view_.packed = packed_;
     view_.floats = floats_;
+}
+
+std::size_t MipTexture::end_of(const Level& l) const {
+    return l.at(-margin_before, std::int64_t(l.height) + margin_behind);
+}
+
+void MipTexture::move_to(const std::shared_ptr<std::byte>& pair, bool second) {
+    const std::size_t made = end_of(levels_[pyramid_made() - 1]);
+    const std::int16_t* const from = packed_;
+    view_.step = 2;
+    view_.pair = reinterpret_cast<std::int16_t*>(pair.get());
+    packed_ = reinterpret_cast<std::int16_t*>(pair.get()) + (second ? 4 : 0);
+    view_.packed = packed_;
+    for (std::size_t i = 0; i < made; ++i) std::copy_n(from + i * 4, 4, code_at(i));
+    memory_ = pair;
+}
+
+bool MipTexture::put_together(MipTexture& a, MipTexture& b) {
+    const auto alone = [](const MipTexture& t) {
+        return t.packed_ != nullptr && t.view_.pair == nullptr && t.rip_.empty();
+    };
+    if (&a == &b || !alone(a) || !alone(b) || !have_same_texels(a.view_, b.view_)) return false;
+    const std::shared_ptr<std::byte> pair =
+        texel_memory(a.texel_count_ * 2 * 4 * sizeof(std::int16_t));
+    a.move_to(pair, false);
+    b.move_to(pair, true);
+    return true;
+}
+
+bool have_same_texels(const TextureView& a, const TextureView& b) {
+    return a.by_lanes && b.by_lanes && a.level_count == b.level_count &&
+           a.widths[0] == b.widths[0] && a.heights[0] == b.heights[0] && a.wrap_u == b.wrap_u &&
+           a.wrap_v == b.wrap_v;
 }
 
 glm::vec4 MipTexture::finished(const glm::vec4& filtered) const {
@@ -227,7 +262,7 @@ void MipTexture::write(std::size_t index, const glm::vec4& value) const {
         if (floats_)
             floats_[index * 4 + k] = v;
         else
-            packed_[index * 4 + k] = std::int16_t(
+            code_at(index)[k] = std::int16_t(
                 std::int32_t(std::clamp(v + 0.5f, 0.0f, float(texel_scale))) - texel_middle);
     }
 }
@@ -236,7 +271,7 @@ void MipTexture::copy_texels(std::size_t from, std::size_t to, std::size_t count
     if (floats_)
         std::copy_n(floats_ + from * 4, count * 4, floats_ + to * 4);
     else
-        std::copy_n(packed_ + from * 4, count * 4, packed_ + to * 4);
+        for (std::size_t i = 0; i < count; ++i) std::copy_n(code_at(from + i), 4, code_at(to + i));
 }
 
 void MipTexture::clear_texels(std::size_t first, std::size_t count) const {
@@ -357,8 +392,8 @@ glm::vec4 MipTexture::mixed(const Level& level, const glm::vec2& uv) const {
             const Quad a = raw_quad(top + i);
             return a + (raw_quad(bottom + i) - a) * y.part;
         }
-        return to_quad(load_codes(&packed_[(top + i) * 4]) * (down - down_steps) -
-                       load_codes(&packed_[(bottom + i) * 4]) * down);
+        return to_quad(load_codes(code_at(top + i)) * (down - down_steps) -
+                       load_codes(code_at(bottom + i)) * down);
     };
     // a + f·(b − a): a constant texture stays bit-constant.
     const Quad left = column(0), right = column(1);

@@ -50,6 +50,8 @@ inline constexpr float unpack_high = 0x1p-16f, unpack_low = 0x1.0001p-32f;
 inline constexpr std::int32_t margin_before = 2, margin_behind = 1;
 
 // The pyramid as the kernels read it. Index of a texel: firsts[level] + y · pitches[level] + x.
+// Two packed textures that are read at the same places may lie together, a texel of the one and
+// then one of the other: both come with one load, and with half as many lines of the caches.
 struct TextureView {
     static constexpr std::size_t most_levels = 17;  // of 65,536 texels a side
     // Of each level; readable as a vector.
@@ -58,19 +60,22 @@ struct TextureView {
     std::uint32_t level_count = 0;
     const std::int16_t* packed = nullptr;  // or
     const float* floats = nullptr;         // four a texel
+    const std::int16_t* pair = nullptr;    // `packed` of the first one of two that lie together
+    std::uint32_t step = 1;                // packed texels from one to the next
     prep::Wrap wrap_u = prep::Wrap::repeat, wrap_v = prep::Wrap::repeat;
     bool by_lanes = false;  // texels can be told apart by 32 bits
+
+    bool is_second() const { return pair != packed; }
 };
+
+// Whether both have texels at the same places, as far as these are read.
+bool have_same_texels(const TextureView& a, const TextureView& b);
 
 // Where a filter of two texels along one axis reads: texels `first` and first + 1, which may be in
 // the margins, `part` of the second.
 struct OnAxis {
     std::int64_t first = 0;
     float part = 0;
-};
-
-struct FreeTexels {
-    void operator()(std::byte* memory) const;
 };
 
 class MipTexture {
@@ -101,6 +106,11 @@ class MipTexture {
     // constant texture comes out with its own bits from all of them (but the mip levels' rounding).
     glm::vec4 sample(const glm::vec2& uv, const Footprint& footprint, TextureFilter filter,
                      int most = 8) const;
+
+    // From now on the texels of both lie together. Returns whether they do: textures must be
+    // packed, have the same texels, no ripmaps, and not lie with others. No other thread may read
+    // them now.
+    static bool put_together(MipTexture& a, MipTexture& b);
 
     std::uint32_t level_count() const { return std::uint32_t(levels_.size()); }
     // Levels are made when they are first read, each from the one before, whichever thread asks.
@@ -139,11 +149,14 @@ class MipTexture {
     // As filters read them: packed channels times texel_scale. finished() undoes that.
     Quad raw_quad(std::size_t index) const {
         return floats_ ? load_quad(&floats_[index * 4])
-                       : to_quad(load_codes(&packed_[index * 4]) + texel_middle);
+                       : to_quad(load_codes(code_at(index)) + texel_middle);
     }
     glm::vec4 raw(std::size_t index) const { return to_vec4(raw_quad(index)); }
     glm::vec4 finished(const glm::vec4& filtered) const;
     void write(std::size_t index, const glm::vec4& raw_value) const;
+    std::int16_t* code_at(std::size_t index) const { return &packed_[index * 4 * view_.step]; }
+    std::size_t end_of(const Level& level) const;
+    void move_to(const std::shared_ptr<std::byte>& pair, bool second);
     void add_level(std::vector<Level>& to, std::uint32_t width, std::uint32_t height);
     void allocate(bool packed);
     void make_first(const prep::Image& image, bool colour);
@@ -189,7 +202,7 @@ class MipTexture {
     std::vector<Level> levels_, rip_;  // rip_: rows of ever lower height, rip_columns_ widths each
     std::size_t rip_columns_ = 0, texel_count_ = 0;
     // Room for all levels; the system gives memory as they are written.
-    std::unique_ptr<std::byte, FreeTexels> memory_;
+    std::shared_ptr<std::byte> memory_;  // of both, if there are two
     std::int16_t* packed_ = nullptr;
     float* floats_ = nullptr;
     prep::Texture sampler_;

@@ -143,6 +143,70 @@ TEST_P(TextureInstructions, GiveTheBitsOfOneTexelAfterTheOther) {
         }
 }
 
+// Two maps of one size lie side by side where their texels are packed. One triangle reads them in
+// that order, the other one in the opposite order, or the second one alone.
+TEST_P(TextureInstructions, ReadTwoMapsAsEachAlone) {
+    const prep::ImageRef images[] = {noise(23, 21, 3, GetParam()), noise(23, 21, 4, GetParam())};
+    for (int wrap = 0; wrap < 16; wrap += 5)
+        for (const bool both : {false, true}) {
+            prep::Material material;
+            material.diffuse = glm::vec4(1);
+            material.emissive = glm::vec3(1);
+            material.emissive_map.texture = 1;
+            prep::PreparedScene scene = textured_square(images[0], wrap, material);
+            prep::Texture sampler = scene.scene.textures[0];
+            sampler.image = 1;
+            scene.scene.images.push_back(images[1]);
+            scene.scene.textures.push_back(sampler);
+            material = scene.scene.materials[0];
+            material.diffuse_map.texture = 1;
+            material.emissive_map.texture = both ? 0 : prep::no_index;
+            scene.scene.materials.push_back(material);
+            scene.meshes[0].ranges = {{0, 1, 0, prep::no_index}, {1, 1, 1, prep::no_index}};
+            for (const auto filter : {rast::TextureFilter::nearest, rast::TextureFilter::bilinear,
+                                      rast::TextureFilter::trilinear}) {
+                rast::RenderRequest request;
+                request.width = 61;
+                request.height = 47;
+                request.filter = filter;
+                request.keep_uvs = request.keep_ids = true;
+                request.view = test::look_at({-0.4, 0.3, 1.2}, {0.6, 0, -1.5});
+                request.simd = prep::SimdLevel::scalar;
+                const rast::Frame frame = test::draw(scene, request);
+                for (const auto level :
+                     {prep::SimdLevel::sse4, prep::SimdLevel::avx2, prep::SimdLevel::avx512}) {
+                    if (!prep::simd_available(level)) continue;
+                    request.simd = level;
+                    const rast::Frame other = test::draw(scene, request);
+                    EXPECT_EQ(std::memcmp(frame.color.data(), other.color.data(),
+                                          frame.color.size() * sizeof(glm::vec4)),
+                              0)
+                        << to_string(level) << ", wrap " << wrap << ", filter " << int(filter);
+                }
+                if (filter == rast::TextureFilter::trilinear) continue;  // whose level is not kept
+                const bool encoded = GetParam() != prep::PixelType::f32;
+                std::vector<rast::MipTexture> alone;
+                for (const prep::ImageRef& image : images)
+                    alone.emplace_back(*prep::load_image(image), sampler, encoded,
+                                       rast::levels_for(filter));
+                std::size_t compared[2] = {};
+                for (std::size_t i = 0; i < frame.color.size(); ++i) {
+                    if (frame.triangle[i] == prep::no_index) continue;
+                    const auto read = [&](std::size_t t) {
+                        return glm::vec3(alone[t].sample(frame.uv[i], {}, filter));
+                    };
+                    const bool second = frame.triangle[i] == 1;
+                    const glm::vec3 emitted = !second ? read(1) : both ? read(0) : glm::vec3(1);
+                    ASSERT_EQ(glm::vec3(frame.color[i]), read(second ? 1 : 0) + emitted)
+                        << "wrap " << wrap << ", filter " << int(filter);
+                    ++compared[second];
+                }
+                EXPECT_GT(compared[0], 50u);
+                EXPECT_GT(compared[1], 50u);
+            }
+        }
+}
+
 INSTANTIATE_TEST_SUITE_P(Texels, TextureInstructions,
                          testing::Values(prep::PixelType::u8, prep::PixelType::u16,
                                          prep::PixelType::f32));

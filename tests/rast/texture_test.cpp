@@ -619,6 +619,41 @@ TEST(Texels, HoldEveryValueOfFilesOf8And16Bits) {
     }
 }
 
+TEST(Texels, KeepTheirBitsWhenTwoTexturesLieTogether) {
+    const prep::Image images[] = {random_image(19, 33, 31), random_image(19, 33, 32)};
+    const auto made = [&](std::size_t i) {
+        return texture_of(images[i], Wrap::repeat, Wrap::border, true);
+    };
+    MipTexture a = made(0), b = made(1);
+    const MipTexture alone[] = {made(0), made(1)};
+    a.make_pyramid(2);  // the levels below follow later
+    ASSERT_TRUE(MipTexture::put_together(a, b));
+    EXPECT_EQ(a.view().packed + 4, b.view().packed);
+    const MipTexture* const together[] = {&a, &b};
+    std::mt19937_64 random(33);
+    std::uniform_real_distribution<float> value(-2, 2);
+    for (int n = 0; n < 2000; ++n) {
+        const glm::vec2 uv(value(random), value(random));
+        const Footprint footprint{{std::exp2(3 * value(random) - 4), 0}, {0, 0.02f}};
+        for (const TextureFilter filter :
+             {TextureFilter::nearest, TextureFilter::bilinear, TextureFilter::trilinear,
+              TextureFilter::bicubic, TextureFilter::anisotropic, TextureFilter::ewa})
+            for (std::size_t i = 0; i < 2; ++i)
+                ASSERT_EQ(together[i]->sample(uv, footprint, filter),
+                          alone[i].sample(uv, footprint, filter));
+    }
+    // Not twice, not with itself, and not what is read at other texels or as floats.
+    MipTexture c = made(0), turned = texture_of(images[0], Wrap::border, Wrap::border, true),
+               small = texture_of(random_image(19, 32, 34), Wrap::repeat, Wrap::border, true),
+               base = texture_of(images[0], Wrap::repeat, Wrap::border);
+    prep::Image bright = images[0];
+    bright.pixels[0] = 2;
+    MipTexture floats = texture_of(bright, Wrap::repeat, Wrap::border, true);
+    ASSERT_EQ(floats.view().packed, nullptr);
+    for (MipTexture* other : {&a, &b, &c, &turned, &small, &base, &floats})
+        EXPECT_FALSE(MipTexture::put_together(c, *other));
+}
+
 // Ten levels of sRGB noise against means in long double: half a step of 16 bits for the first level
 // and for each that is made of the one before.
 TEST(Srgb, TenLevelsKeepTheirMeans) {

@@ -369,6 +369,11 @@ HWY_INLINE Quads load_texels(const float* texels, const std::uint32_t* at) {
         return hn::LoadU(hn::FixedTag<float, 4>(), texels + std::size_t(at[lane]) * 4);
     })};
 }
+// Of two rows of texels, channel by channel.
+template <class V>
+HWY_INLINE hn::Vec<Floats> column_of(V interleaved, V weights) {
+    return hn::ConvertTo(Floats(), sums_of_pairs(interleaved, weights));
+}
 template <int part>
 HWY_INLINE void load_columns(const std::int16_t* texels, const std::uint32_t* top,
                              const std::uint32_t* bottom, I weights, Quads& left, Quads& right) {
@@ -380,8 +385,68 @@ HWY_INLINE void load_columns(const std::int16_t* texels, const std::uint32_t* to
     };
     const auto a = row(top), b = row(bottom);
     const auto w = hn::BitCast(shorts, hn::Broadcast<part>(weights.v));
-    left = {hn::ConvertTo(Floats(), sums_of_pairs(hn::InterleaveLower(shorts, a, b), w))};
-    right = {hn::ConvertTo(Floats(), sums_of_pairs(hn::InterleaveUpper(shorts, a, b), w))};
+    left = {column_of(hn::InterleaveLower(shorts, a, b), w)};
+    right = {column_of(hn::InterleaveUpper(shorts, a, b), w)};
+}
+template <int part>
+HWY_INLINE void load_pair_columns(const std::int16_t* texels, const std::uint32_t* top,
+                                  const std::uint32_t* bottom, I weights, Quads left[2],
+                                  Quads right[2]) {
+    const hn::Repartition<std::int16_t, Ints> shorts;
+    const auto w = hn::BitCast(shorts, hn::Broadcast<part>(weights.v));
+#if HWY_TARGET <= HWY_AVX2
+    // Both textures' texels and those beside them are 32 bytes: one lane in a half of a vector.
+    const auto row = [&](const std::uint32_t* at, int lane) {
+        const hn::FixedTag<std::int16_t, 16> one;
+        const auto first = hn::LoadU(one, texels + std::size_t(at[lane]) * 8);
+#if HWY_TARGET <= HWY_AVX3
+        const auto second = hn::LoadU(one, texels + std::size_t(at[lane + 4]) * 8);
+        return hn::Vec<decltype(shorts)>{
+            _mm512_inserti64x4(_mm512_castsi256_si512(first.raw), second.raw, 1)};
+#else
+        return first;
+#endif
+    };
+#if HWY_TARGET <= HWY_AVX3
+    constexpr int lanes_apart = 8;
+    const auto w0 = hn::Vec<decltype(shorts)>{_mm512_shuffle_i32x4(w.raw, w.raw, 0x50)};
+    const auto w1 = hn::Vec<decltype(shorts)>{_mm512_shuffle_i32x4(w.raw, w.raw, 0xfa)};
+    // Every second block of 16 bytes of both.
+    const auto even = [](auto a, auto b) {
+        return hn::Vec<Floats>{_mm512_shuffle_f32x4(a.raw, b.raw, 0x88)};
+    };
+    const auto odd = [](auto a, auto b) {
+        return hn::Vec<Floats>{_mm512_shuffle_f32x4(a.raw, b.raw, 0xdd)};
+    };
+#else
+    constexpr int lanes_apart = 4;
+    const auto w0 = hn::ConcatLowerLower(shorts, w, w), w1 = hn::ConcatUpperUpper(shorts, w, w);
+    const auto even = [](auto a, auto b) { return hn::ConcatLowerLower(Floats(), b, a); };
+    const auto odd = [](auto a, auto b) { return hn::ConcatUpperUpper(Floats(), b, a); };
+#endif
+    const auto a0 = row(top, part), b0 = row(bottom, part);
+    const auto a1 = row(top, part + lanes_apart), b1 = row(bottom, part + lanes_apart);
+    const auto first0 = column_of(hn::InterleaveLower(shorts, a0, b0), w0);
+    const auto first1 = column_of(hn::InterleaveLower(shorts, a1, b1), w1);
+    const auto second0 = column_of(hn::InterleaveUpper(shorts, a0, b0), w0);
+    const auto second1 = column_of(hn::InterleaveUpper(shorts, a1, b1), w1);
+    left[0] = {even(first0, first1)};
+    right[0] = {odd(first0, first1)};
+    left[1] = {even(second0, second1)};
+    right[1] = {odd(second0, second1)};
+#else
+    const auto load = [&](const std::uint32_t* at, std::size_t beside) {
+        return hn::LoadU(hn::FixedTag<std::int16_t, 8>(),
+                         texels + (std::size_t(at[part]) + beside) * 8);
+    };
+    const auto columns = [&](std::size_t beside, Quads& first, Quads& second) {
+        const auto a = load(top, beside), b = load(bottom, beside);
+        first = {column_of(hn::InterleaveLower(shorts, a, b), w)};
+        second = {column_of(hn::InterleaveUpper(shorts, a, b), w)};
+    };
+    columns(0, left[0], left[1]);
+    columns(1, right[0], right[1]);
+#endif
 }
 HWY_INLINE void channels_of(const Quads parts[], F out[4]) {
     transpose_blocks(parts[0].v, parts[1].v, parts[2].v, parts[3].v, out[0].v, out[1].v, out[2].v,

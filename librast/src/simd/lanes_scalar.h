@@ -330,21 +330,32 @@ Quads load_texels(const float* texels, const std::uint32_t* at) {
     std::memcpy(out.v, texels + std::size_t(*at) * 4, sizeof out.v);
     return out;
 }
-// Texels `top` and top + 1 times the low half of a lane's weights, plus those of `bottom` times the
-// high half.
+// Texels `top` and the one beside it times the low half of a lane's weights, plus those of `bottom`
+// times the high half.
+inline Quads load_column(const std::int16_t* top, const std::int16_t* bottom, I weights) {
+    const std::int32_t low = std::int16_t(weights.v), high = weights.v >> 16;
+    Quads out;
+    for (int k = 0; k < 4; ++k) out.v[k] = float(top[k] * low + bottom[k] * high);
+    return out;
+}
 template <int part>
 void load_columns(const std::int16_t* texels, const std::uint32_t* top, const std::uint32_t* bottom,
                   I weights, Quads& left, Quads& right) {
-    const std::int32_t low = std::int16_t(weights.v), high = weights.v >> 16;
-    const auto column = [&](std::size_t i) {
-        const std::int16_t* const a = texels + (*top + i) * 4;
-        const std::int16_t* const b = texels + (*bottom + i) * 4;
-        Quads out;
-        for (int k = 0; k < 4; ++k) out.v[k] = float(a[k] * low + b[k] * high);
-        return out;
-    };
-    left = column(0);
-    right = column(1);
+    const std::int16_t* const a = texels + std::size_t(*top) * 4;
+    const std::int16_t* const b = texels + std::size_t(*bottom) * 4;
+    left = load_column(a, b, weights);
+    right = load_column(a + 4, b + 4, weights);
+}
+// The same of two textures that lie together.
+template <int part>
+void load_pair_columns(const std::int16_t* texels, const std::uint32_t* top,
+                       const std::uint32_t* bottom, I weights, Quads left[2], Quads right[2]) {
+    for (std::size_t i = 0; i < 2; ++i) {
+        const std::int16_t* const a = texels + std::size_t(*top) * 8 + i * 4;
+        const std::int16_t* const b = texels + std::size_t(*bottom) * 8 + i * 4;
+        left[i] = load_column(a, b, weights);
+        right[i] = load_column(a + 8, b + 8, weights);
+    }
 }
 inline void channels_of(const Quads parts[], F out[4]) {
     for (int k = 0; k < 4; ++k) out[k].v = parts[0].v[k];

@@ -268,18 +268,15 @@ inline void ask_for(const ShadeDraw& draw, const MapGroup& group, Points& points
         find_level(first, coordinates_at(points, first, n), points.reads[n / vector_size]);
     for (std::size_t n = 0; n < points.held; n += vector_size) {
         const Coordinates at = coordinates_at(points, first, n);
-        find_texels(first, at.u, at.v, points.reads[n / vector_size]);
-    }
-    for (int m = group.begin; m < group.end; ++m) {
-        const BoundMap& map = draw.maps[draw.used[m]];
-        const TextureView& view = map.texture->view();
-        for (std::size_t n = 0; n < points.held; n += vector_size) {
-            const Reads& reads = points.reads[n / vector_size];
+        Reads& reads = points.reads[n / vector_size];
+        find_texels(first, at.u, at.v, reads);
+        const std::int16_t* asked = nullptr;  // a pair: both come
+        for (int m = group.begin; m < group.end; ++m) {
+            const BoundMap& map = draw.maps[draw.used[m]];
+            const TextureView& view = map.texture->view();
             make_levels(map, reads);
-            if (view.packed != nullptr)
-                prefetch(view.packed, reads);
-            else
-                prefetch(view.floats, reads);
+            if (view.pair == nullptr || view.pair != asked) prefetch(view, reads);
+            asked = view.pair;
         }
     }
 }
@@ -302,7 +299,10 @@ inline void read_maps(const ShadeDraw& draw, Points& points) {
     for (MapGroup group = map_group(draw, 0);; group = map_group(draw, group.end)) {
         if (group.begin > 0) ask_for(draw, group, points);
         const auto map_of = [&](int m) -> const BoundMap& { return draw.maps[draw.used[m]]; };
-        const auto is_packed = [&](int m) { return map_of(m).texture->view().packed != nullptr; };
+        const auto are_alike = [&](int m, int n) {
+            const TextureView &a = map_of(m).texture->view(), &b = map_of(n).texture->view();
+            return (a.packed != nullptr) == (b.packed != nullptr) && a.pair == b.pair;
+        };
         for (int m = group.begin; m < group.end; ++m) {
             if (!reads_by_lanes(map_of(m))) {
                 for (std::size_t n = 0; n < points.held; n += vector_size) {
@@ -310,7 +310,7 @@ inline void read_maps(const ShadeDraw& draw, Points& points) {
                     sample_each(map_of(m), coordinates_at(points, map_of(m), n), 0, t);
                     points.put3({t.r, t.g, t.b}, Points::texels + 3 * draw.used[m], n);
                 }
-            } else if (m + 1 < group.end && is_packed(m) == is_packed(m + 1)) {
+            } else if (m + 1 < group.end && are_alike(m, m + 1)) {
                 read_together<2>(draw, m, points);
                 ++m;
             } else {

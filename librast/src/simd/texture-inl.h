@@ -200,7 +200,7 @@ RAST_INLINE Texel nearest_texel(const TextureView& view, const Reads& reads) {
                 gather(view.floats + 2, first), gather(view.floats + 3, first)};
     }
     I low, high;
-    gather_pairs(view.packed, at, low, high);
+    gather_pairs(view.packed, view.pair != nullptr ? times<2>(at) : at, low, high);
     const auto channel = [](I shifted) {
         const F code = to_float(shift_right<16>(shifted) + set(texel_middle));
         return code * set(unpack_high) + code * set(unpack_low);
@@ -227,20 +227,59 @@ RAST_INLINE void mix_levels(const Channel* const texels[], const Reads& reads,
     if constexpr (part + 1 < part_count) mix_levels<count, part + 1>(texels, reads, out);
 }
 
-template <int count, class Channel>
-RAST_INLINE void filtered_texels(const Channel* const texels[], const Reads& reads, Texel out[]) {
-    Quads parts[count][part_count];
-    mix_levels<count>(texels, reads, parts);
+// Of two textures that lie together, from the first one's texels on.
+template <int part = 0>
+RAST_INLINE void mix_pair(const std::int16_t* texels, const Reads& reads, Quads out[][part_count]) {
+    const auto read = [&](const Taps& taps, Quads mixed[2]) {
+        Quads left[2], right[2];
+        load_pair_columns<part>(texels, taps.top, taps.bottom, taps.weights, left, right);
+        const Quads across = spread<part>(taps.across);
+        for (int i = 0; i < 2; ++i) mixed[i] = left[i] + (right[i] - left[i]) * across;
+    };
+    Quads near[2], far[2];
+    read(reads.near, near);
+    for (int i = 0; i < 2; ++i) out[i][part] = near[i];
+    if (reads.two) {
+        const Quads between = spread<part>(reads.between);
+        read(reads.far, far);
+        for (int i = 0; i < 2; ++i) out[i][part] = near[i] + (far[i] - near[i]) * between;
+    }
+    if constexpr (part + 1 < part_count) mix_pair<part + 1>(texels, reads, out);
+}
+
+template <class Channel>
+RAST_INLINE Texel finished_texel(const Quads parts[part_count]) {
     const auto finished = [](F v) {
         if constexpr (std::is_same_v<Channel, float>) return v;
         // code · unpack_high + code · unpack_low, to the bit: powers of two change no rounding.
         const F high = v * set(mixed_scale * unpack_high) + set(mixed_middle * unpack_high);
         return high + high * set(unpack_low / unpack_high);
     };
-    for (int i = 0; i < count; ++i) {
-        F c[4];
-        channels_of(parts[i], c);
-        out[i] = {finished(c[0]), finished(c[1]), finished(c[2]), finished(c[3])};
+    F c[4];
+    channels_of(parts, c);
+    return {finished(c[0]), finished(c[1]), finished(c[2]), finished(c[3])};
+}
+template <int count, class Channel>
+RAST_INLINE void filtered_texels(const Channel* const texels[], const Reads& reads, Texel out[]) {
+    Quads parts[count][part_count];
+    mix_levels<count>(texels, reads, parts);
+    for (int i = 0; i < count; ++i) out[i] = finished_texel<Channel>(parts[i]);
+}
+// `count` textures of one pair.
+template <int count>
+RAST_INLINE void filtered_pair(const TextureView* const views[], const Reads& reads, Texel out[]) {
+    Quads parts[2][part_count];
+    mix_pair(views[0]->pair, reads, parts);
+    // Not by index, which would keep the parts in memory.
+    const auto finish = [&](int i, int which) {
+        out[i] = finished_texel<std::int16_t>(parts[which]);
+    };
+    if (views[0]->is_second()) {
+        finish(0, 1);
+        if (count == 2) finish(count - 1, 0);
+    } else {
+        finish(0, 0);
+        if (count == 2) finish(count - 1, 1);
     }
 }
 
@@ -285,27 +324,39 @@ RAST_INLINE void make_levels(const BoundMap& map, const Reads& reads) {
 // Asks for the first row: the second one is the first of points below, mostly. Neighbours share
 // cache lines. By the time they are read, most have come.
 template <class Channel>
-RAST_INLINE void prefetch(const Channel* texels, const Reads& reads) {
+RAST_INLINE void prefetch(const Channel* texels, std::size_t step, const Reads& reads) {
     for (std::size_t lane = 0; lane < vector_size; lane += 2)
-        __builtin_prefetch(texels + std::size_t(reads.near.top[lane]) * 4);
+        __builtin_prefetch(texels + reads.near.top[lane] * step);
     if (!reads.two) return;
     for (std::size_t lane = 0; lane < vector_size; lane += 4)
-        __builtin_prefetch(texels + std::size_t(reads.far.top[lane]) * 4);
+        __builtin_prefetch(texels + reads.far.top[lane] * step);
+}
+RAST_INLINE void prefetch(const TextureView& view, const Reads& reads) {
+    if (view.packed == nullptr)
+        prefetch(view.floats, 4, reads);
+    else if (view.pair == nullptr)
+        prefetch(view.packed, 4, reads);
+    else
+        prefetch(view.pair, 8, reads);
 }
 
-// `count` maps on the same texels, all packed or all floats.
+// `count` maps on the same texels, all floats, all packed and alone, or all of one pair.
 template <int count>
 RAST_INLINE void read_maps_at(const BoundMap* const maps[], const Coordinates& at,
                               const Reads& reads, Texel out[]) {
+    const TextureView* views[count];
+    for (int i = 0; i < count; ++i) views[i] = &maps[i]->texture->view();
     if (maps[0]->filter == TextureFilter::nearest) {
-        for (int i = 0; i < count; ++i) out[i] = nearest_texel(maps[i]->texture->view(), reads);
-    } else if (maps[0]->texture->view().packed != nullptr) {
+        for (int i = 0; i < count; ++i) out[i] = nearest_texel(*views[i], reads);
+    } else if (views[0]->pair != nullptr) {
+        filtered_pair<count>(views, reads, out);
+    } else if (views[0]->packed != nullptr) {
         const std::int16_t* texels[count];
-        for (int i = 0; i < count; ++i) texels[i] = maps[i]->texture->view().packed;
+        for (int i = 0; i < count; ++i) texels[i] = views[i]->packed;
         filtered_texels<count>(texels, reads, out);
     } else {
         const float* texels[count];
-        for (int i = 0; i < count; ++i) texels[i] = maps[i]->texture->view().floats;
+        for (int i = 0; i < count; ++i) texels[i] = views[i]->floats;
         filtered_texels<count>(texels, reads, out);
     }
     if (all(reads.good)) return;
