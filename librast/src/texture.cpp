@@ -185,6 +185,22 @@ MipTexture::MipTexture(const prep::Image& image, const prep::Texture& sampler, b
         view_.pitches[l] = std::int32_t(levels_[l].pitch);
         view_.firsts[l] = std::int32_t(levels_[l].first);
     }
+    if (view_.by_lanes && !rip_.empty()) list_rips();
+}
+
+void MipTexture::list_rips() {
+    const std::size_t rows = rip_.size() / rip_columns_;
+    for (std::size_t c = 0; c < rip_columns_; ++c) rip_list_.push_back(std::int32_t(rip_[c].width));
+    for (std::size_t c = 0; c < rip_columns_; ++c) rip_list_.push_back(std::int32_t(rip_[c].pitch));
+    for (std::size_t r = 0; r < rows; ++r)
+        rip_list_.push_back(std::int32_t(rip_[r * rip_columns_].height));
+    for (const Level& level : rip_) rip_list_.push_back(std::int32_t(level.first));
+    view_.rip_columns = std::uint32_t(rip_columns_);
+    view_.rip_rows = std::uint32_t(rows);
+    view_.rip_widths = rip_list_.data();
+    view_.rip_pitches = view_.rip_widths + rip_columns_;
+    view_.rip_heights = view_.rip_pitches + rip_columns_;
+    view_.rip_firsts = view_.rip_heights + rows;
 }
 
 namespace {

@@ -64,6 +64,10 @@ struct TextureView {
     std::uint32_t step = 1;                // packed texels from one to the next
     prep::Wrap wrap_u = prep::Wrap::repeat, wrap_v = prep::Wrap::repeat;
     bool by_lanes = false;  // texels can be told apart by 32 bits
+    // Of the ripmap: columns, rows, and for each of its levels, row by row, the first texel.
+    std::uint32_t rip_columns = 0, rip_rows = 0;
+    const std::int32_t *rip_widths = nullptr, *rip_heights = nullptr, *rip_pitches = nullptr;
+    const std::int32_t* rip_firsts = nullptr;
 
     bool is_second() const { return pair != packed; }
 };
@@ -119,7 +123,8 @@ class MipTexture {
     std::uint32_t pyramid_made() const { return lazy_->pyramid.load(std::memory_order_acquire); }
     void make_pyramid(std::uint32_t last) const;  // up to this level, at least
     void make_all_levels() const;
-    std::uint64_t levels_made() const;  // of pyramid and ripmap together
+    void make_rip(std::size_t index) const;  // of the ripmap, unless it is there
+    std::uint64_t levels_made() const;       // of pyramid and ripmap together
     // Level of detail as Vulkan and OpenGL define it: log2 of the longer footprint side in texels.
     float level_of_detail(const Footprint& footprint) const;
 
@@ -180,8 +185,8 @@ class MipTexture {
     glm::vec4 bicubic(const Level& level, const glm::vec2& uv) const;
     glm::vec4 bicubic(const glm::vec2& uv, const Footprint& footprint) const;
     glm::vec4 anisotropic(const glm::vec2& uv, const Footprint& footprint, int most) const;
-    glm::vec4 ellipse(const Level& level, const glm::vec2& uv, const glm::dvec2& a,
-                      const glm::dvec2& b) const;
+    glm::vec4 ellipse(const Level& level, const glm::vec2& uv, const glm::vec2& major,
+                      const glm::vec2& minor) const;
     glm::vec4 ewa(const glm::vec2& uv, const Footprint& footprint, int most) const;
     glm::vec4 ripmap(const glm::vec2& uv, const Footprint& footprint) const;
     glm::vec4 by_sampler(const glm::vec2& uv, const Footprint& footprint) const;
@@ -190,7 +195,7 @@ class MipTexture {
     glm::vec4 between_levels(float lod, const Read& read) const;
 
     const Level& rip_level(std::size_t index) const;
-    void make_rip(std::size_t index) const;
+    void list_rips();
 
     // Made so far; apart, so that textures can move.
     struct Lazy {
@@ -201,6 +206,7 @@ class MipTexture {
     std::unique_ptr<Lazy> lazy_;
     std::vector<Level> levels_, rip_;  // rip_: rows of ever lower height, rip_columns_ widths each
     std::size_t rip_columns_ = 0, texel_count_ = 0;
+    std::vector<std::int32_t> rip_list_;  // what the view shows of rip_
     // Room for all levels; the system gives memory as they are written.
     std::shared_ptr<std::byte> memory_;  // of both, if there are two
     std::int16_t* packed_ = nullptr;
@@ -212,6 +218,10 @@ class MipTexture {
 // For the kernels: at = u, v, then their change per pixel right (u, v) and down (u, v).
 void sample_texture(const MipTexture& texture, TextureFilter filter, int most, const float at[6],
                     float out[4]);
+
+// exp(−2 r²) − exp(−2) over r² in [0, 1): Heckbert's Gaussian, cut off at the ellipse.
+inline constexpr int weight_entries = 256;
+const float* ellipse_weights();
 
 // Texel index in [0, size) for a texel coordinate of any size; −1 for border (Wrap::border
 // outside).

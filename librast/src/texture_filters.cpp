@@ -9,12 +9,6 @@
 namespace rast {
 namespace {
 
-constexpr double log2_of_e = 1.4426950408889634;
-
-double log2_double(double x) {
-    return log_portable(x) * log2_of_e;
-}
-
 // Whole texel and the rest, for coordinates of any size; NaN is 0.
 std::int64_t whole(float x) {
     return std::abs(x) < 1e12f ? std::int64_t(std::floor(x)) : 0;
@@ -60,9 +54,9 @@ Sides sides_of(const Footprint& f, const MipTexture::Level& level) {
     return s;
 }
 
-// exp(−2 r²) − exp(−2) over r² in [0, 1): Heckbert's Gaussian, cut off at the ellipse.
-constexpr int weight_entries = 256;
-const std::array<float, weight_entries>& gaussian_weights() {
+}  // namespace
+
+const float* ellipse_weights() {
     static const std::array<float, weight_entries> table = [] {
         std::array<float, weight_entries> t{};
         for (int i = 0; i < weight_entries; ++i)
@@ -70,10 +64,8 @@ const std::array<float, weight_entries>& gaussian_weights() {
                 float(exp_portable(-2.0 * (i + 0.5) / weight_entries) - exp_portable(-2.0));
         return t;
     }();
-    return table;
+    return table.data();
 }
-
-}  // namespace
 
 glm::vec4 MipTexture::bicubic(const Level& level, const glm::vec2& uv) const {
     const float u = uv.x * float(level.width) - 0.5f, v = uv.y * float(level.height) - 0.5f;
@@ -121,100 +113,107 @@ glm::vec4 MipTexture::anisotropic(const glm::vec2& uv, const Footprint& footprin
         return filtered(uv, footprint, TextureFilter::trilinear, most);
     const double ratio = s.major_length / std::max(s.minor_length, 1e-30);
     const int probes = int(std::min(std::ceil(ratio), double(std::max(most, 1))));
-    const float lod = float(std::max(0.0, log2_double(std::max(s.major_length / probes, 1e-300))));
+    const float lod = std::max(0.0f, log2_portable(float(s.major_length / probes)));
     glm::vec4 first(0.0f), sum(0.0f);
     for (int i = 0; i < probes; ++i) {
         const glm::vec2 at = uv + s.along * ((float(i) + 0.5f) / float(probes) - 0.5f);
-        const glm::vec4 probe = trilinear(at, lod);
+        const glm::vec4 probe =
+            between_levels(lod, [&](const Level& level) { return mixed(level, at); });
         if (i == 0) first = probe;
         sum += probe - first;
     }
-    return first + sum / float(probes);
+    return unmixed(first + sum / float(probes));
 }
 
-glm::vec4 MipTexture::ellipse(const Level& level, const glm::vec2& uv, const glm::dvec2& a,
-                              const glm::dvec2& b) const {
+// The kernels' operations in their order (read_ellipses).
+glm::vec4 MipTexture::ellipse(const Level& level, const glm::vec2& uv, const glm::vec2& major,
+                              const glm::vec2& minor) const {
     // Sides in texels of this level; one texel more in each direction keeps the ellipse from
     // falling between texels (Heckbert 1989, section 3.5.8).
-    const glm::dvec2 scale(double(level.width) / levels_[0].width,
-                           double(level.height) / levels_[0].height);
-    const glm::dvec2 p = a * scale, q = b * scale;
-    double A = p.y * p.y + q.y * q.y + 1, B = -2 * (p.x * p.y + q.x * q.y),
-           C = p.x * p.x + q.x * q.x + 1;
-    const double F = A * C - B * B / 4;  // at least 1: the matrix is identity plus a square
-    A /= F;
-    B /= F;
-    C /= F;
-    const double discriminant = 4 * A * C - B * B;
-    const double reach_y = 2 * std::sqrt(A / discriminant);
-    const double u = std::abs(uv.x) < 1e9f ? double(uv.x) * level.width - 0.5 : 0;
-    const double v = std::abs(uv.y) < 1e9f ? double(uv.y) * level.height - 0.5 : 0;
-    const std::array<float, weight_entries>& weights = gaussian_weights();
-    const auto column = [&](std::int64_t x) { return place(x, level.width, sampler_.wrap_u); };
-    const auto row = [&](std::int64_t y) { return place(y, level.height, sampler_.wrap_v); };
-    const Quad base = placed(level, column(std::int64_t(std::floor(u + 0.5))),
-                             row(std::int64_t(std::floor(v + 0.5))));
+    const float width = float(level.width), height = float(level.height);
+    const glm::vec2 scale(width / float(levels_[0].width), height / float(levels_[0].height));
+    const glm::vec2 p = major * scale, q = minor * scale;
+    const float area = p.x * q.y - p.y * q.x;
+    const float a = (p.y * p.y + q.y * q.y) + 1, c = (p.x * p.x + q.x * q.x) + 1;
+    const float reach = std::sqrt(a);
+    const float inverse = 1 / (area * area + ((a + c) - 1));
+    const float A = a * inverse, B = -2 * (p.x * p.y + q.x * q.y) * inverse, C = c * inverse;
+    const float per = 0.5f / A;
+    // From the texel in the middle.
+    const float u = uv.x * width - 0.5f, v = uv.y * height - 0.5f;
+    const std::int64_t middle_x = whole(u + 0.5f), middle_y = whole(v + 0.5f);
+    const float from_x = rest(u, middle_x), from_y = rest(v, middle_y);
+    const float* const weights = ellipse_weights();
+    const Quad base = placed(level, place(middle_x, level.width, sampler_.wrap_u),
+                             place(middle_y, level.height, sampler_.wrap_v));
     Quad sum{};
     float total = 0;
-    for (std::int64_t y = std::int64_t(std::ceil(v - reach_y)); double(y) <= v + reach_y; ++y) {
-        const double dy = double(y) - v;
+    const int bottom = int(std::floor(from_y + reach));
+    for (int y = int(std::ceil(from_y - reach)); y <= bottom; ++y) {
+        const float dy = float(y) - from_y;
         // The row's part of the ellipse: A x² + B x y + C y² < 1.
-        const double root = B * B * dy * dy - 4 * A * (C * dy * dy - 1);
+        const float shift = B * dy, above = C * dy * dy;
+        const float root = shift * shift - 4 * A * (above - 1);
         if (!(root > 0)) continue;
-        const std::int64_t at = row(y);
-        const double middle = u - B * dy / (2 * A), half = std::sqrt(root) / (2 * A);
-        for (std::int64_t x = std::int64_t(std::ceil(middle - half)); double(x) <= middle + half;
-             ++x) {
-            const double dx = double(x) - u;
-            const double r2 = A * dx * dx + B * dx * dy + C * dy * dy;
+        const std::int64_t row = place(middle_y + y, level.height, sampler_.wrap_v);
+        const float middle = from_x - shift * per, half = std::sqrt(root) * per;
+        const int right = int(std::floor(middle + half));
+        for (int x = int(std::ceil(middle - half)); x <= right; ++x) {
+            const float dx = float(x) - from_x;
+            const float r2 = (A * dx * dx + shift * dx) + above;
             if (!(r2 < 1)) continue;
-            const float w = weights[std::size_t(std::max(r2, 0.0) * weight_entries)];
-            sum += (placed(level, column(x), at) - base) * w;
+            const float w = weights[int(std::max(r2, 0.0f) * float(weight_entries))];
+            sum +=
+                (placed(level, place(middle_x + x, level.width, sampler_.wrap_u), row) - base) * w;
             total += w;
         }
     }
-    return total > 0 ? to_vec4(base + sum / total) : bilinear(level, uv);
+    return to_vec4(base + sum / total);  // the middle is half a texel from the centre at most
 }
 
 glm::vec4 MipTexture::ewa(const glm::vec2& uv, const Footprint& footprint, int most) const {
-    Sides s = sides_of(footprint, levels_[0]);
+    const Sides s = sides_of(footprint, levels_[0]);
     if (!s.usable || !(s.major_length > 1))
         return filtered(uv, footprint, TextureFilter::trilinear, most);
+    const glm::vec2 major(s.major);
+    glm::vec2 minor(s.minor);
+    const float length = float(s.major_length);
+    float narrow = float(s.minor_length);
     // The narrow side is widened where the ellipse would be longer than is paid for.
-    const double least = s.major_length / std::max(most, 1);
-    if (s.minor_length < least) {
-        const double area = s.major.x * s.minor.y - s.major.y * s.minor.x;
-        const glm::dvec2 across = glm::dvec2(-s.major.y, s.major.x) / s.major_length;
-        s.minor = across * (area < 0 ? -least : least);
-        s.minor_length = least;
+    const float least = length / float(std::max(most, 1));
+    if (narrow < least) {
+        const float area = major.x * minor.y - major.y * minor.x;
+        const float across = (area < 0 ? -least : least) / length;
+        minor = {-major.y * across, major.x * across};
+        narrow = least;
     }
-    const float lod = float(std::max(0.0, log2_double(std::max(s.minor_length, 1e-300))));
+    const float lod = std::max(0.0f, log2_portable(narrow));
     // On the last level an ellipse would have no largest size.
     if (!(lod < float(levels_.size() - 1))) return bilinear(level(level_count() - 1), uv);
     return between_levels(lod,
-                          [&](const Level& level) { return ellipse(level, uv, s.major, s.minor); });
+                          [&](const Level& level) { return ellipse(level, uv, major, minor); });
 }
 
 glm::vec4 MipTexture::ripmap(const glm::vec2& uv, const Footprint& f) const {
     const auto lod = [](float right, float down, std::uint32_t size, std::size_t levels) {
-        const double longest = std::max(std::abs(double(right)), std::abs(double(down))) * size;
+        const float longest = std::max(std::abs(right), std::abs(down)) * float(size);
         if (!(longest > 1)) return 0.0f;
-        if (!(longest < 1e15)) return float(levels - 1);
-        return float(std::min(log2_double(longest), double(levels - 1)));
+        if (!(longest < 1e15f)) return float(levels - 1);
+        return std::min(log2_portable(longest), float(levels - 1));
     };
     const float lu = lod(f.dx.x, f.dy.x, levels_[0].width, rip_columns_);
     const float lv = lod(f.dx.y, f.dy.y, levels_[0].height, rip_.size() / rip_columns_);
     const std::size_t cu = std::size_t(lu), cv = std::size_t(lv);
     const float pu = lu - float(cu), pv = lv - float(cv);
     const auto read = [&](std::size_t column, std::size_t row) {
-        return bilinear(rip_level(row * rip_columns_ + column), uv);
+        return mixed(rip_level(row * rip_columns_ + column), uv);
     };
     const auto across = [&](std::size_t row) {
         const glm::vec4 a = read(cu, row);
         return pu == 0 ? a : a + (read(cu + 1, row) - a) * pu;
     };
     const glm::vec4 a = across(cv);
-    return pv == 0 ? a : a + (across(cv + 1) - a) * pv;
+    return unmixed(pv == 0 ? a : a + (across(cv + 1) - a) * pv);
 }
 
 std::uint32_t MipTexture::nearest_level(float lod) const {

@@ -79,10 +79,11 @@ TEST_P(TextureInstructions, GiveTheSameBytesForEveryWrapFilterAndMask) {
             for (const rast::TextureFilter filter :
                  {rast::TextureFilter::by_sampler, rast::TextureFilter::nearest,
                   rast::TextureFilter::bilinear, rast::TextureFilter::nearest_mip,
-                  rast::TextureFilter::trilinear, rast::TextureFilter::anisotropic}) {
+                  rast::TextureFilter::trilinear, rast::TextureFilter::anisotropic,
+                  rast::TextureFilter::ripmap, rast::TextureFilter::ewa}) {
                 // The costly ones not with every wrap.
-                if (filter == rast::TextureFilter::anisotropic && wrap % 5 != 0) continue;
                 if (filter == rast::TextureFilter::by_sampler && wrap % 5 != 0) continue;
+                if (filter >= rast::TextureFilter::anisotropic && wrap % 5 != 0) continue;
                 rast::RenderRequest request;
                 request.width = 123;
                 request.height = 95;
@@ -163,8 +164,10 @@ TEST_P(TextureInstructions, ReadTwoMapsAsEachAlone) {
             material.emissive_map.texture = both ? 0 : prep::no_index;
             scene.scene.materials.push_back(material);
             scene.meshes[0].ranges = {{0, 1, 0, prep::no_index}, {1, 1, 1, prep::no_index}};
-            for (const auto filter : {rast::TextureFilter::nearest, rast::TextureFilter::bilinear,
-                                      rast::TextureFilter::trilinear}) {
+            for (const auto filter :
+                 {rast::TextureFilter::nearest, rast::TextureFilter::bilinear,
+                  rast::TextureFilter::trilinear, rast::TextureFilter::anisotropic,
+                  rast::TextureFilter::ripmap, rast::TextureFilter::ewa}) {
                 rast::RenderRequest request;
                 request.width = 61;
                 request.height = 47;
@@ -183,7 +186,7 @@ TEST_P(TextureInstructions, ReadTwoMapsAsEachAlone) {
                               0)
                         << to_string(level) << ", wrap " << wrap << ", filter " << int(filter);
                 }
-                if (filter == rast::TextureFilter::trilinear) continue;  // whose level is not kept
+                if (filter >= rast::TextureFilter::trilinear) continue;  // footprints are not kept
                 const bool encoded = GetParam() != prep::PixelType::f32;
                 std::vector<rast::MipTexture> alone;
                 for (const prep::ImageRef& image : images)
@@ -203,6 +206,52 @@ TEST_P(TextureInstructions, ReadTwoMapsAsEachAlone) {
                 }
                 EXPECT_GT(compared[0], 50u);
                 EXPECT_GT(compared[1], 50u);
+            }
+        }
+}
+
+// A plane seen from the front has one footprint everywhere: up to the roundings of its derivatives,
+// pictures show what MipTexture, by itself, reads through the filters of many texels.
+TEST_P(TextureInstructions, ReadWhatOneTextureReadsThroughEveryFootprint) {
+    using rast::TextureFilter;
+    std::mt19937_64 random(5);
+    std::uniform_real_distribution<float> unit(0, 1);
+    const prep::ImageRef image = noise(37, 23, 4, GetParam());
+    constexpr float half = 1, step = 2 * half / 31;
+    for (const TextureFilter filter : {TextureFilter::trilinear, TextureFilter::anisotropic,
+                                       TextureFilter::ripmap, TextureFilter::ewa})
+        for (int n = 0; n < 24; ++n) {
+            prep::Material material;
+            material.diffuse = glm::vec4(1);
+            prep::PreparedScene scene = textured_square(image, n % 16, material);
+            // From a fifth of a texel to twelve texels a pixel, along axes that are turned.
+            const auto length = [&] { return std::exp2(6 * unit(random) - 2.3f) / 30 / step; };
+            const float along = length(), across = n % 6 == 5 ? 0 : length();
+            const float turn = 6.28f * unit(random), sin = std::sin(turn), cos = std::cos(turn);
+            const glm::vec2 right = glm::vec2(cos, sin) * along,
+                            up = glm::vec2(-sin, cos) * across + right * (n % 2 * 0.4f);
+            prep::VertexMesh& mesh = scene.meshes[0];
+            mesh.positions = {{-2, -2, 0}, {2, -2, 0}, {2, 2, 0}, {-2, 2, 0}};
+            for (std::size_t i = 0; i < 4; ++i)
+                mesh.uvs[0][i] = right * mesh.positions[i].x + up * mesh.positions[i].y;
+            rast::RenderRequest request;
+            request.width = 45;
+            request.height = 31;
+            request.filter = filter;
+            request.max_anisotropy = 1 << n % 5;
+            request.keep_uvs = request.keep_ids = true;
+            request.view = test::flat_view(half);
+            const rast::Frame frame = test::draw(scene, request);
+            const rast::MipTexture texture(*prep::load_image(image), scene.scene.textures[0],
+                                           GetParam() != prep::PixelType::f32,
+                                           rast::levels_for(filter));
+            for (std::size_t i = 0; i < frame.color.size(); ++i) {
+                ASSERT_NE(frame.triangle[i], prep::no_index);
+                const glm::vec4 expected = texture.sample(frame.uv[i], {right * step, -up * step},
+                                                          filter, request.max_anisotropy);
+                for (int c = 0; c < 3; ++c)
+                    ASSERT_NEAR(frame.color[i][c], expected[c], 2e-4)
+                        << int(filter) << ", footprint " << n << ", pixel " << i;
             }
         }
 }

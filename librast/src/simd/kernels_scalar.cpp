@@ -21,6 +21,7 @@ using namespace rast::detail::scalar_lanes;
 #include "simd/math-inl.h"
 #include "simd/surface-inl.h"
 #include "simd/texture-inl.h"
+#include "simd/probes-inl.h"
 #include "simd/light-inl.h"
 #include "simd/points-inl.h"
 #include "simd/tile_depths-inl.h"

@@ -88,6 +88,9 @@ HWY_INLINE D min(D a, D b) {
 HWY_INLINE D max(D a, D b) {
     return {hn::Max(a.low, b.low), hn::Max(a.high, b.high)};
 }
+HWY_INLINE D sqrt(D a) {
+    return {hn::Sqrt(a.low), hn::Sqrt(a.high)};
+}
 HWY_INLINE D floor(D a) {
     return {hn::Floor(a.low), hn::Floor(a.high)};
 }

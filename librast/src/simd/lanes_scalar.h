@@ -92,6 +92,9 @@ inline D min(D a, D b) {
 inline D max(D a, D b) {
     return {a.v > b.v ? a.v : b.v};
 }
+inline D sqrt(D a) {
+    return {std::sqrt(a.v)};
+}
 inline D floor(D a) {
     return {std::floor(a.v)};
 }
@@ -312,6 +315,9 @@ inline Quads operator-(const Quads& a, const Quads& b) {
 }
 inline Quads operator*(const Quads& a, const Quads& b) {
     return {{a.v[0] * b.v[0], a.v[1] * b.v[1], a.v[2] * b.v[2], a.v[3] * b.v[3]}};
+}
+inline Quads operator/(const Quads& a, const Quads& b) {
+    return {{a.v[0] / b.v[0], a.v[1] / b.v[1], a.v[2] / b.v[2], a.v[3] / b.v[3]}};
 }
 // `yes` where `m` is above 0.
 inline Quads select_positive(const Quads& m, const Quads& yes, const Quads& no) {

@@ -285,10 +285,14 @@ template <int count>
 RAST_INLINE void read_together(const ShadeDraw& draw, int first, Points& points) {
     const BoundMap* maps[count];
     for (int i = 0; i < count; ++i) maps[i] = &draw.maps[draw.used[first + i]];
+    const bool asked = reads_by_lanes(*maps[0]);
     for (std::size_t n = 0; n < points.held; n += vector_size) {
         Texel t[count];
-        read_maps_at<count>(maps, coordinates_at(points, *maps[0], n),
-                            points.reads[n / vector_size], t);
+        const Coordinates at = coordinates_at(points, *maps[0], n);
+        if (asked)
+            read_maps_at<count>(maps, at, points.reads[n / vector_size], t);
+        else
+            sample_maps<count>(maps, at, t);
         for (int i = 0; i < count; ++i)
             points.put3({t[i].r, t[i].g, t[i].b}, Points::texels + 3 * draw.used[first + i], n);
     }
@@ -298,19 +302,13 @@ RAST_INLINE void read_together(const ShadeDraw& draw, int first, Points& points)
 inline void read_maps(const ShadeDraw& draw, Points& points) {
     for (MapGroup group = map_group(draw, 0);; group = map_group(draw, group.end)) {
         if (group.begin > 0) ask_for(draw, group, points);
-        const auto map_of = [&](int m) -> const BoundMap& { return draw.maps[draw.used[m]]; };
         const auto are_alike = [&](int m, int n) {
-            const TextureView &a = map_of(m).texture->view(), &b = map_of(n).texture->view();
+            const TextureView& a = draw.maps[draw.used[m]].texture->view();
+            const TextureView& b = draw.maps[draw.used[n]].texture->view();
             return (a.packed != nullptr) == (b.packed != nullptr) && a.pair == b.pair;
         };
         for (int m = group.begin; m < group.end; ++m) {
-            if (!reads_by_lanes(map_of(m))) {
-                for (std::size_t n = 0; n < points.held; n += vector_size) {
-                    Texel t = no_texel();
-                    sample_each(map_of(m), coordinates_at(points, map_of(m), n), 0, t);
-                    points.put3({t.r, t.g, t.b}, Points::texels + 3 * draw.used[m], n);
-                }
-            } else if (m + 1 < group.end && are_alike(m, m + 1)) {
+            if (m + 1 < group.end && are_alike(m, m + 1)) {
                 read_together<2>(draw, m, points);
                 ++m;
             } else {

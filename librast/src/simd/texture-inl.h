@@ -1,5 +1,5 @@
-// Maps of a draw at points, a point per lane: nearest, bilinear and trilinear filters. The others,
-// and coordinates out of range, are left to MipTexture::sample, lane by lane.
+// Maps of a draw at points, a point per lane: nearest, bilinear and trilinear filters; probes-inl.h
+// has more. The others, and coordinates out of range, are left to MipTexture::sample, lane by lane.
 // Included once per instruction set, inside the namespace that has its lanes.
 
 struct Texel {
@@ -50,9 +50,9 @@ RAST_INLINE LanesOnAxis on_axis(prep::Wrap wrap, bool powers, F t, I size) {
     }
     return out;
 }
-// Of one texel.
-RAST_INLINE I on_axis_nearest(prep::Wrap wrap, bool powers, F t, I size) {
-    const I i = to_int(floor(t)), one = set(1);
+// One texel.
+RAST_INLINE I wrapped(prep::Wrap wrap, bool powers, I i, I size) {
+    const I one = set(1);
     if (wrap == prep::Wrap::repeat) return powers ? i & (size - one) : modulo(i, size);
     if (wrap == prep::Wrap::mirror) {
         const I turn = size + size;
@@ -93,8 +93,7 @@ RAST_INLINE bool is_power(std::int32_t v) {
     return (v & (v - 1)) == 0;
 }
 // `u` and `v` are in range of this level.
-RAST_INLINE void place_taps(const TextureView& view, F u, F v, I level, Taps& taps) {
-    const Sizes size = sizes_of(view, level);
+RAST_INLINE void place_taps(const TextureView& view, F u, F v, const Sizes& size, Taps& taps) {
     const F half = set(0.5f);
     const LanesOnAxis x =
         on_axis(view.wrap_u, is_power(view.widths[0]), u * to_float(size.width) - half, size.width);
@@ -156,6 +155,12 @@ struct Reads {
     M good;     // lanes whose coordinates are in range
 };
 
+RAST_INLINE M are_texels(const TextureView& view, F u, F v) {
+    const F most = set(most_texels);
+    return (abs(u) * set(float(view.widths[0])) < most) &
+           (abs(v) * set(float(view.heights[0])) < most);
+}
+
 // In two steps, so that few operations wait for the level's quotient at a time: the level of detail
 // goes to `between` first.
 RAST_INLINE void find_level(const BoundMap& map, const Coordinates& at, Reads& reads) {
@@ -170,15 +175,15 @@ RAST_INLINE void find_texels(const BoundMap& map, F at_u, F at_v, Reads& reads) 
     const TextureView& view = map.texture->view();
     reads.two = false;
     reads.last = set(0);
-    const F most = set(most_texels), none = set(0.0f);
+    const F none = set(0.0f);
     const I width = set(view.widths[0]), height = set(view.heights[0]);
-    reads.good = (abs(at_u) * to_float(width) < most) & (abs(at_v) * to_float(height) < most);
+    reads.good = are_texels(view, at_u, at_v);
     const F u = select(reads.good, at_u, none), v = select(reads.good, at_v, none);
     if (map.filter == TextureFilter::nearest) {
-        const I x =
-            on_axis_nearest(view.wrap_u, is_power(view.widths[0]), u * to_float(width), width);
-        const I y =
-            on_axis_nearest(view.wrap_v, is_power(view.heights[0]), v * to_float(height), height);
+        const I x = wrapped(view.wrap_u, is_power(view.widths[0]),
+                            to_int(floor(u * to_float(width))), width);
+        const I y = wrapped(view.wrap_v, is_power(view.heights[0]),
+                            to_int(floor(v * to_float(height))), height);
         store(y * set(view.pitches[0]) + (x + set(view.firsts[0])), reads.near.top);
         return;
     }
@@ -188,25 +193,34 @@ RAST_INLINE void find_texels(const BoundMap& map, F at_u, F at_v, Reads& reads) 
     const M mixed = reads.between > none;
     reads.two = any(mixed);
     reads.last = select(mixed, level + set(1), level);
-    if (reads.two) place_taps(view, u, v, reads.last, reads.far);
-    place_taps(view, u, v, level, reads.near);
+    if (reads.two) place_taps(view, u, v, sizes_of(view, reads.last), reads.far);
+    place_taps(view, u, v, sizes_of(view, level), reads.near);
 }
 
-RAST_INLINE Texel nearest_texel(const TextureView& view, const Reads& reads) {
-    const I at = load(reads.near.top);
+// Four floats of each lane's texel; packed ones as they are kept, code less texel_middle.
+RAST_INLINE void gather_texels(const TextureView& view, I at, F out[4]) {
     if (view.packed == nullptr) {
         const I first = times<4>(at);
-        return {gather(view.floats, first), gather(view.floats + 1, first),
-                gather(view.floats + 2, first), gather(view.floats + 3, first)};
+        for (int k = 0; k < 4; ++k) out[k] = gather(view.floats + k, first);
+        return;
     }
     I low, high;
     gather_pairs(view.packed, view.pair != nullptr ? times<2>(at) : at, low, high);
-    const auto channel = [](I shifted) {
-        const F code = to_float(shift_right<16>(shifted) + set(texel_middle));
-        return code * set(unpack_high) + code * set(unpack_low);
-    };
-    return {channel(shift_left<16>(low)), channel(low), channel(shift_left<16>(high)),
-            channel(high)};
+    out[0] = to_float(shift_right<16>(shift_left<16>(low)));
+    out[1] = to_float(shift_right<16>(low));
+    out[2] = to_float(shift_right<16>(shift_left<16>(high)));
+    out[3] = to_float(shift_right<16>(high));
+}
+// As MipTexture::finished.
+RAST_INLINE F finished_code(F code) {
+    return code * set(unpack_high) + code * set(unpack_low);
+}
+RAST_INLINE Texel nearest_texel(const TextureView& view, const Reads& reads) {
+    F c[4];
+    gather_texels(view, load(reads.near.top), c);
+    for (int k = 0; view.packed != nullptr && k < 4; ++k)
+        c[k] = finished_code(c[k] + set(float(texel_middle)));
+    return {c[0], c[1], c[2], c[3]};
 }
 
 // Of `count` textures that are read at the same texels.
@@ -361,20 +375,4 @@ RAST_INLINE void read_maps_at(const BoundMap* const maps[], const Coordinates& a
     }
     if (all(reads.good)) return;
     for (int i = 0; i < count; ++i) sample_each(*maps[i], at, bits_of(reads.good), out[i]);
-}
-
-// One vector by itself.
-inline Texel sample_map(const BoundMap& map, const Coordinates& at) {
-    Texel t = no_texel();
-    if (!reads_by_lanes(map)) {
-        sample_each(map, at, 0, t);
-        return t;
-    }
-    Reads reads;
-    find_level(map, at, reads);
-    find_texels(map, at.u, at.v, reads);
-    make_levels(map, reads);
-    const BoundMap* const one = &map;
-    read_maps_at<1>(&one, at, reads, &t);
-    return t;
 }

@@ -1,0 +1,398 @@
+// Maps of a draw through filters that read several times: anisotropic, ripmap. What is out of
+// range, and EWA and bicubic, are left to MipTexture::sample, lane by lane. Included once per
+// instruction set, inside the namespace that has its lanes.
+
+template <int part = 0, class Body>
+RAST_INLINE void for_each_part(const Body& body) {
+    body(std::integral_constant<int, part>());
+    if constexpr (part + 1 < part_count) for_each_part<part + 1>(body);
+}
+
+// Beyond these footprints, MipTexture's doubles decide.
+RAST_INLINE M are_footprints(const Coordinates& at) {
+    const F most = set(1.0e9f);
+    return ((abs(at.u_x) < most) & (abs(at.v_x) < most)) &
+           ((abs(at.u_y) < most) & (abs(at.v_y) < most));
+}
+
+// Of `count` textures on the same texels, both levels mixed.
+template <int count>
+RAST_INLINE void mix_maps(const TextureView* const views[], const Reads& reads,
+                          Quads out[][part_count]) {
+    if (views[0]->pair != nullptr) {
+        Quads both[2][part_count];
+        mix_pair(views[0]->pair, reads, both);
+        for (int i = 0; i < count; ++i)
+            for (int p = 0; p < part_count; ++p) out[i][p] = both[views[i]->is_second()][p];
+    } else if (views[0]->packed != nullptr) {
+        const std::int16_t* texels[count];
+        for (int i = 0; i < count; ++i) texels[i] = views[i]->packed;
+        mix_levels<count>(texels, reads, out);
+    } else {
+        const float* texels[count];
+        for (int i = 0; i < count; ++i) texels[i] = views[i]->floats;
+        mix_levels<count>(texels, reads, out);
+    }
+}
+template <int count>
+RAST_INLINE void finish_maps(const TextureView* const views[], const Quads parts[][part_count],
+                             Texel out[]) {
+    for (int i = 0; i < count; ++i)
+        out[i] = views[i]->packed != nullptr ? finished_texel<std::int16_t>(parts[i])
+                                             : finished_texel<float>(parts[i]);
+}
+
+// The sides of footprints in texels of the first level, as MipTexture has them.
+struct FootprintSides {
+    D major, minor;  // their lengths
+    M stretched;     // longer than a texel, and no extremes
+    M turned;        // the longer one goes down the screen
+};
+RAST_INLINE FootprintSides sides_of(const TextureView& view, const Coordinates& at) {
+    const D width = set_double(double(view.widths[0])),
+            height = set_double(double(view.heights[0]));
+    const auto length = [&](F u, F v) {
+        const D a = to_double(u) * width, b = to_double(v) * height;
+        return sqrt(a * a + b * b);
+    };
+    const D right = length(at.u_x, at.v_x), down = length(at.u_y, at.v_y);
+    const D major = max(right, down);
+    return {major, min(right, down), are_footprints(at) & (less(set_double(1.0), major) > set(0)),
+            less(right, down) > set(0)};
+}
+
+// As MipTexture::anisotropic has them.
+struct Probes {
+    F along_u, along_v, lod;
+    I count;
+    M good;
+};
+RAST_INLINE Probes find_probes(const BoundMap& map, const Coordinates& at) {
+    const TextureView& view = map.texture->view();
+    const F none = set(0.0f), last = set(float(view.level_count - 1));
+    Probes p{none, none, none, set(1), set(0) < set(1)};
+    if (view.level_count == 1) return p;
+    const FootprintSides s = sides_of(view, at);
+    p.good = are_footprints(at);
+    if (any(p.good & !s.stretched)) p.lod = level_of_detail(view, at);
+    if (!any(s.stretched)) return p;
+    p.along_u = select(s.stretched, select(s.turned, at.u_y, at.u_x), none);
+    p.along_v = select(s.stretched, select(s.turned, at.v_y, at.v_x), none);
+    const D zero = set_double(0.0), ratio = s.major / max(s.minor, set_double(1e-30));
+    const D most = set_double(map.most > 1 ? double(map.most) : 1.0);
+    p.count = select(s.stretched, to_int(min(zero - floor(zero - ratio), most)), p.count);
+    const F lod = log2(to_float(s.major / to_double(p.count)));
+    p.lod = select(s.stretched, min(max(lod, none), last), p.lod);
+    return p;
+}
+
+template <int count>
+inline void read_probes(const BoundMap* const maps[], const Coordinates& at, Texel out[]) {
+    const BoundMap& map = *maps[0];
+    const TextureView* views[count];
+    for (int i = 0; i < count; ++i) views[i] = &maps[i]->texture->view();
+    const Probes p = find_probes(map, at);
+    const F number = to_float(p.count), none = set(0.0f), one = set(1.0f);
+    const std::int32_t most = largest(p.count);
+    M good = p.good;
+    Quads first[count][part_count], sum[count][part_count], now[count][part_count];
+    const auto read = [&](std::int32_t n, Quads to[][part_count]) {
+        const M reads_on = set(n) < p.count;  // the others read their middle, for nothing
+        const F step = select(reads_on, set(float(n) + 0.5f) / number - set(0.5f), none);
+        Reads reads;
+        reads.between = p.lod;
+        find_texels(map, at.u + p.along_u * step, at.v + p.along_v * step, reads);
+        good = good & (reads.good | !reads_on);
+        for (int i = 0; n == 0 && i < count; ++i) make_levels(*maps[i], reads);
+        mix_maps<count>(views, reads, to);
+        return select(reads_on, one, none);
+    };
+    read(0, first);
+    for (int i = 0; i < count; ++i)
+        for (int k = 0; k < part_count; ++k) sum[i][k] = first[i][k] - first[i][k];
+    for (std::int32_t n = 1; n < most; ++n) {
+        const F counts = read(n, now);
+        for (int i = 0; i < count; ++i)
+            for_each_part([&](auto part) {
+                constexpr int k = decltype(part)::value;
+                Quads& s = sum[i][k];
+                s = select_positive(spread<k>(counts), s + (now[i][k] - first[i][k]), s);
+            });
+    }
+    for (int i = 0; i < count; ++i)
+        for_each_part([&](auto part) {
+            constexpr int k = decltype(part)::value;
+            now[i][k] = first[i][k] + sum[i][k] / spread<k>(number);
+        });
+    finish_maps<count>(views, now, out);
+    if (all(good)) return;
+    for (int i = 0; i < count; ++i) sample_each(*maps[i], at, bits_of(good), out[i]);
+}
+
+// As MipTexture::ripmap has it, of one axis.
+struct RipAxis {
+    I level[2];
+    F part;
+    bool two;
+};
+RAST_INLINE RipAxis rip_axis(F right, F down, std::int32_t size, std::uint32_t levels) {
+    const F one = set(1.0f), none = set(0.0f), last = set(float(levels - 1));
+    const F longest = max(abs(right), abs(down)) * set(float(size));
+    const M minified = longest > one;
+    const F lod = select(minified, min(log2(select(minified, longest, one)), last), none);
+    const F whole = floor(lod);
+    RipAxis out;
+    out.level[0] = to_int(whole);
+    out.part = lod - whole;
+    const M between = out.part > none;
+    out.two = any(between);
+    out.level[1] = select(between, out.level[0] + set(1), out.level[0]);
+    return out;
+}
+
+// A level of its own for each lane.
+template <int count>
+RAST_INLINE void mix_rips(const BoundMap* const maps[], const TextureView* const views[], F u, F v,
+                          I column, I row, Quads out[][part_count]) {
+    const TextureView& view = *views[0];
+    const I index = row * set(std::int32_t(view.rip_columns)) + column;
+    std::int32_t each[vector_size];
+    store(index, each);
+    for (std::size_t lane = 0; lane < vector_size; ++lane)
+        for (int i = 0; i < count; ++i) maps[i]->texture->make_rip(std::size_t(each[lane]));
+    Reads reads;
+    reads.two = false;
+    place_taps(view, u, v,
+               {gather(view.rip_widths, column), gather(view.rip_heights, row),
+                gather(view.rip_pitches, column), gather(view.rip_firsts, index)},
+               reads.near);
+    mix_maps<count>(views, reads, out);
+}
+template <int count>
+inline void read_rips(const BoundMap* const maps[], const Coordinates& at, Texel out[]) {
+    const TextureView* views[count];
+    for (int i = 0; i < count; ++i) views[i] = &maps[i]->texture->view();
+    const TextureView& view = *views[0];
+    const F none = set(0.0f);
+    const M good = are_texels(view, at.u, at.v) & are_footprints(at);
+    const auto kept = [&](F x) { return select(good, x, none); };
+    const F u = kept(at.u), v = kept(at.v);
+    const RipAxis across = rip_axis(kept(at.u_x), kept(at.u_y), view.widths[0], view.rip_columns);
+    const RipAxis down = rip_axis(kept(at.v_x), kept(at.v_y), view.heights[0], view.rip_rows);
+    Quads rows[2][count][part_count], beside[count][part_count];
+    const auto mix = [&](Quads to[][part_count], const Quads with[][part_count], F by) {
+        for (int i = 0; i < count; ++i)
+            for_each_part([&](auto part) {
+                constexpr int p = decltype(part)::value;
+                const Quads share = spread<p>(by);
+                Quads& q = to[i][p];
+                q = select_positive(share, q + (with[i][p] - q) * share, q);
+            });
+    };
+    for (int r = 0; r < (down.two ? 2 : 1); ++r) {
+        mix_rips<count>(maps, views, u, v, across.level[0], down.level[r], rows[r]);
+        if (!across.two) continue;
+        mix_rips<count>(maps, views, u, v, across.level[1], down.level[r], beside);
+        mix(rows[r], beside, across.part);
+    }
+    if (down.two) mix(rows[0], rows[1], down.part);
+    finish_maps<count>(views, rows[0], out);
+    if (all(good)) return;
+    for (int i = 0; i < count; ++i) sample_each(*maps[i], at, bits_of(good), out[i]);
+}
+
+// As MipTexture::ellipse: of `count` textures on one level for each lane. Results are codes or
+// floats.
+struct EllipseSides {
+    F major_u, major_v, minor_u, minor_v;
+};
+template <int count>
+RAST_INLINE void read_ellipses(const TextureView* const views[], F at_u, F at_v,
+                               const EllipseSides& sides, I level, F out[][4]) {
+    const TextureView& view = *views[0];
+    const Sizes size = sizes_of(view, level);
+    const F one = set(1.0f), half = set(0.5f), none = set(0.0f);
+    const F width = to_float(size.width), height = to_float(size.height);
+    const F scale_u = width / set(float(view.widths[0]));
+    const F scale_v = height / set(float(view.heights[0]));
+    const F p_x = sides.major_u * scale_u, p_y = sides.major_v * scale_v;
+    const F q_x = sides.minor_u * scale_u, q_y = sides.minor_v * scale_v;
+    const F area = p_x * q_y - p_y * q_x;
+    const F a = (p_y * p_y + q_y * q_y) + one, c = (p_x * p_x + q_x * q_x) + one;
+    const F reach = sqrt(a);
+    const F inverse = one / (area * area + ((a + c) - one));
+    const F A = a * inverse, B = set(-2.0f) * (p_x * p_y + q_x * q_y) * inverse, C = c * inverse;
+    const F per = half / A;
+    const F u = at_u * width - half, v = at_v * height - half;
+    const F whole_x = floor(u + half), whole_y = floor(v + half);
+    const F from_x = u - whole_x, from_y = v - whole_y;
+    const I middle_x = to_int(whole_x), middle_y = to_int(whole_y);
+    const bool powers_u = is_power(view.widths[0]), powers_v = is_power(view.heights[0]);
+    const auto row_of = [&](I y) {
+        return wrapped(view.wrap_v, powers_v, middle_y + y, size.height) * size.pitch + size.first;
+    };
+    const auto column_of_x = [&](I x) {
+        return wrapped(view.wrap_u, powers_u, middle_x + x, size.width);
+    };
+    const auto ceiling = [&](F x) { return to_int(none - floor(none - x)); };
+    const float* const weights = ellipse_weights();
+    F base[count][4], sum[count][4], total = none;
+    for (int i = 0; i < count; ++i) {
+        gather_texels(*views[i], row_of(set(0)) + column_of_x(set(0)), base[i]);
+        for (int k = 0; k < 4; ++k) sum[i][k] = none;
+    }
+    const I top = ceiling(from_y - reach), zero = set(0);
+    const I rows = to_int(floor(from_y + reach)) - top + set(1);
+    for (std::int32_t r = 0, last_row = largest(rows); r < last_row; ++r) {
+        const I y = top + set(r);
+        const F dy = to_float(y) - from_y;
+        const F shift = B * dy, above = C * dy * dy;
+        const F root = shift * shift - set(4.0f) * A * (above - one);
+        const M there = (set(r) < rows) & (root > none);
+        const F middle = from_x - shift * per, extent = sqrt(select(there, root, none)) * per;
+        const I left = ceiling(middle - extent);
+        const I columns = select(there, to_int(floor(middle + extent)) - left + set(1), zero);
+        const I row = row_of(select(there, y, zero));
+        for (std::int32_t n = 0, last = largest(columns); n < last; ++n) {
+            const I x = left + set(n);
+            const F dx = to_float(x) - from_x;
+            const F r2 = (A * dx * dx + shift * dx) + above;
+            const M in = (set(n) < columns) & (r2 < one);
+            if (!any(in)) continue;
+            const F entry = max(select(in, r2, none), none) * set(float(weight_entries));
+            const F w = select(in, gather(weights, to_int(entry)), none);
+            const I texel = row + column_of_x(select(in, x, zero));
+            for (int i = 0; i < count; ++i) {
+                F t[4];
+                gather_texels(*views[i], texel, t);
+                for (int k = 0; k < 4; ++k)
+                    sum[i][k] = select(in, sum[i][k] + (t[k] - base[i][k]) * w, sum[i][k]);
+            }
+            total = total + w;
+        }
+    }
+    const F middle = set(view.packed != nullptr ? float(texel_middle) : 0.0f);
+    for (int i = 0; i < count; ++i)
+        for (int k = 0; k < 4; ++k)
+            out[i][k] = (base[i][k] + middle) + sum[i][k] / select(total > none, total, one);
+}
+
+// As MipTexture::ewa.
+template <int count>
+inline void read_ewa(const BoundMap* const maps[], const Coordinates& coordinates, Texel out[]) {
+    const BoundMap& map = *maps[0];
+    const TextureView* views[count];
+    for (int i = 0; i < count; ++i) views[i] = &maps[i]->texture->view();
+    const TextureView& view = *views[0];
+    const F none = set(0.0f), one = set(1.0f), last = set(float(view.level_count - 1));
+    M good = are_texels(view, coordinates.u, coordinates.v) & are_footprints(coordinates);
+    const auto kept = [&](F x) { return select(good, x, none); };
+    const Coordinates at{kept(coordinates.u),   kept(coordinates.v),   kept(coordinates.u_x),
+                         kept(coordinates.v_x), kept(coordinates.u_y), kept(coordinates.v_y)};
+    const FootprintSides s = sides_of(view, at);
+    F values[count][4];
+    if (!all(s.stretched)) {
+        Reads reads;
+        reads.between = level_of_detail(view, at);
+        find_texels(map, at.u, at.v, reads);
+        for (int i = 0; i < count; ++i) make_levels(*maps[i], reads);
+        Quads parts[count][part_count];
+        mix_maps<count>(views, reads, parts);
+        for (int i = 0; i < count; ++i) {
+            channels_of(parts[i], values[i]);
+            for (int k = 0; view.packed != nullptr && k < 4; ++k)
+                values[i][k] = values[i][k] * set(mixed_scale) + set(mixed_middle);
+        }
+    } else {
+        for (int i = 0; i < count; ++i)
+            for (int k = 0; k < 4; ++k) values[i][k] = none;
+    }
+    const F length = select(s.stretched, to_float(s.major), one);
+    F narrow = select(s.stretched, to_float(s.minor), one);
+    const F width = set(float(view.widths[0])), height = set(float(view.heights[0]));
+    EllipseSides e;
+    e.major_u = select(s.turned, at.u_y, at.u_x) * width;
+    e.major_v = select(s.turned, at.v_y, at.v_x) * height;
+    e.minor_u = select(s.turned, at.u_x, at.u_y) * width;
+    e.minor_v = select(s.turned, at.v_x, at.v_y) * height;
+    const F least = length / set(map.most > 1 ? float(map.most) : 1.0f);
+    const F area = e.major_u * e.minor_v - e.major_v * e.minor_u;
+    const F across = select(area < none, -least, least) / length;
+    const M widened = narrow < least;
+    e.minor_u = select(widened, -e.major_v * across, e.minor_u);
+    e.minor_v = select(widened, e.major_u * across, e.minor_v);
+    narrow = select(widened, least, narrow);
+    const F lod = max(log2(select(s.stretched, narrow, one)), none);
+    // On the last level an ellipse would have no largest size: lane by lane.
+    good = good & ((lod < last) | !s.stretched);
+    const M reads_ellipse = s.stretched & good;
+    if (any(reads_ellipse)) {
+        // The others read a small one, for nothing.
+        const auto drawn = [&](F x) { return select(reads_ellipse, x, none); };
+        e = {drawn(e.major_u), drawn(e.major_v), drawn(e.minor_u), drawn(e.minor_v)};
+        const F level = drawn(lod), whole = floor(level), between = level - whole;
+        const M two = between > none;
+        Reads reads;
+        const I fine = to_int(whole);
+        reads.last = select(two, fine + set(1), fine);
+        for (int i = 0; i < count; ++i) make_levels(*maps[i], reads);
+        F near[count][4], far[count][4];
+        read_ellipses<count>(views, at.u, at.v, e, fine, near);
+        if (any(two)) {
+            read_ellipses<count>(views, at.u, at.v, e, reads.last, far);
+            for (int i = 0; i < count; ++i)
+                for (int k = 0; k < 4; ++k)
+                    near[i][k] =
+                        select(two, near[i][k] + (far[i][k] - near[i][k]) * between, near[i][k]);
+        }
+        for (int i = 0; i < count; ++i)
+            for (int k = 0; k < 4; ++k)
+                values[i][k] = select(reads_ellipse, near[i][k], values[i][k]);
+    }
+    for (int i = 0; i < count; ++i) {
+        F* const c = values[i];
+        for (int k = 0; view.packed != nullptr && k < 4; ++k) c[k] = finished_code(c[k]);
+        out[i] = {c[0], c[1], c[2], c[3]};
+    }
+    if (all(good)) return;
+    for (int i = 0; i < count; ++i) sample_each(*maps[i], coordinates, bits_of(good), out[i]);
+}
+
+// `count` maps on the same texels, all floats, all packed and alone, or all of one pair, through a
+// filter that does not read by lanes.
+template <int count>
+RAST_INLINE void sample_maps(const BoundMap* const maps[], const Coordinates& at, Texel out[]) {
+    const TextureView& view = maps[0]->texture->view();
+    if (view.by_lanes && maps[0]->filter == TextureFilter::anisotropic) {
+        read_probes<count>(maps, at, out);
+        return;
+    }
+    if (view.rip_columns > 0 && maps[0]->filter == TextureFilter::ripmap) {
+        read_rips<count>(maps, at, out);
+        return;
+    }
+    if (view.by_lanes && view.level_count > 1 && maps[0]->filter == TextureFilter::ewa) {
+        read_ewa<count>(maps, at, out);
+        return;
+    }
+    for (int i = 0; i < count; ++i) {
+        out[i] = no_texel();
+        sample_each(*maps[i], at, 0, out[i]);
+    }
+}
+
+// One vector by itself.
+inline Texel sample_map(const BoundMap& map, const Coordinates& at) {
+    Texel t = no_texel();
+    const BoundMap* const one = &map;
+    if (!reads_by_lanes(map)) {
+        sample_maps<1>(&one, at, &t);
+        return t;
+    }
+    Reads reads;
+    find_level(map, at, reads);
+    find_texels(map, at.u, at.v, reads);
+    make_levels(map, reads);
+    read_maps_at<1>(&one, at, reads, &t);
+    return t;
+}
