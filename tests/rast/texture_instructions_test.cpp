@@ -229,7 +229,7 @@ TEST_P(TextureInstructions, ReadWhatOneTextureReadsThroughEveryFootprint) {
             const float along = length(), across = n % 6 == 5 ? 0 : length();
             const float turn = 6.28f * unit(random), sin = std::sin(turn), cos = std::cos(turn);
             const glm::vec2 right = glm::vec2(cos, sin) * along,
-                            up = glm::vec2(-sin, cos) * across + right * (n % 2 * 0.4f);
+                            up = glm::vec2(-sin, cos) * across + right * (n % 2 == 1 ? 0.4f : 0.0f);
             prep::VertexMesh& mesh = scene.meshes[0];
             mesh.positions = {{-2, -2, 0}, {2, -2, 0}, {2, 2, 0}, {-2, 2, 0}};
             for (std::size_t i = 0; i < 4; ++i)
@@ -245,12 +245,14 @@ TEST_P(TextureInstructions, ReadWhatOneTextureReadsThroughEveryFootprint) {
             const rast::MipTexture texture(*prep::load_image(image), scene.scene.textures[0],
                                            GetParam() != prep::PixelType::f32,
                                            rast::levels_for(filter));
+            // A step of the Gaussian's table changes one of a few weights by 0.4 %.
+            const double bound = filter == TextureFilter::ewa ? 4e-3 : 2e-4;
             for (std::size_t i = 0; i < frame.color.size(); ++i) {
                 ASSERT_NE(frame.triangle[i], prep::no_index);
                 const glm::vec4 expected = texture.sample(frame.uv[i], {right * step, -up * step},
                                                           filter, request.max_anisotropy);
                 for (int c = 0; c < 3; ++c)
-                    ASSERT_NEAR(frame.color[i][c], expected[c], 2e-4)
+                    ASSERT_NEAR(frame.color[i][c], expected[c], bound)
                         << int(filter) << ", footprint " << n << ", pixel " << i;
             }
         }
