@@ -1,6 +1,7 @@
 #include "tangent_neighbours.h"
 
 #include <algorithm>
+#include <cassert>
 
 namespace prep::detail {
 namespace {
@@ -116,8 +117,11 @@ void Neighbours::sort() {
 }
 
 void Neighbours::apply(std::span<const Index> star, const EdgeOverrides& overrides) {
+    // A mate's ends are this edge's, so it is one of the star.
     const auto place = [&](Index member) {
-        return Index(std::lower_bound(star.begin(), star.end(), member) - star.begin());
+        const auto at = std::lower_bound(star.begin(), star.end(), member);
+        assert(at != star.end() && *at == member);
+        return Index(at - star.begin());
     };
     for (std::size_t i = 0; i < star.size(); ++i) {
         if (const auto* e = overrides.find(star[i]))

@@ -73,20 +73,27 @@ class Splitter {
     }
     Index sort(std::span<const Index> members) {
         const std::size_t n = members.size();
+        const auto corner = [&](Index i) {
+            return triangles_.corner(members[i] >> 2, members[i] & 3);
+        };
         keys_.clear();
-        for (const Index m : members)
-            keys_.push_back(corner_key(read_, triangles_.corner(m >> 2, m & 3)));
+        for (Index i = 0; i < n; ++i) keys_.push_back(corner_key(read_, corner(i)));
         order_.resize(n);
         for (Index i = 0; i < n; ++i) order_[i] = i;
         std::sort(order_.begin(), order_.end(), [&](Index a, Index b) {
             if (keys_[a] < keys_[b]) return true;
             if (keys_[b] < keys_[a]) return false;
-            return a < b;
+            if (keys_[a].number || corner(a) == corner(b)) return a < b;
+            return corner(a) < corner(b);
         });
+        // NaN equals nothing, but a corner of a quad's two triangles is one corner all the same.
+        const auto same = [&](Index a, Index b) {
+            return keys_[a] == keys_[b] || corner(a) == corner(b);
+        };
         firsts_.resize(n);  // per corner: the first of its class
         for (std::size_t i = 0; i < n; ++i) {
-            const bool same_key = i > 0 && keys_[order_[i]] == keys_[order_[i - 1]];
-            firsts_[order_[i]] = same_key ? firsts_[order_[i - 1]] : order_[i];
+            const bool joins = i > 0 && same(order_[i], order_[i - 1]);
+            firsts_[order_[i]] = joins ? firsts_[order_[i - 1]] : order_[i];
         }
         Index count = 0;
         for (Index i = 0; i < n; ++i)
