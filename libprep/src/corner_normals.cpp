@@ -219,7 +219,9 @@ Result<CornerNormals> corner_normals(const MeshView& mesh, const Topology& topol
             const Index base = bases[begin / point_grain];
             std::copy(block.values.begin(), block.values.end(),
                       result.normals.values.begin() + base);
-            std::copy(block.doubles.begin(), block.doubles.end(), result.doubles.begin() + base);
+            if (options.keep_doubles)
+                std::copy(block.doubles.begin(), block.doubles.end(),
+                          result.doubles.begin() + base);
             if (base == 0) return;
             for (Index i = topology.point_offsets[begin]; i < topology.point_offsets[end]; ++i)
                 indices[topology.point_corners[i]] += base;
