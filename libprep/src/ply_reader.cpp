@@ -96,7 +96,7 @@ class Values {
     std::size_t at_;
 };
 
-enum Slot { px, py, pz, nx, ny, nz, red, green, blue, alpha, tu, tv, slot_count };
+enum Slot { px, py, pz, nx, ny, nz, red, green, blue, alpha, tu, tv, tx, ty, tz, tw, slot_count };
 
 std::optional<Slot> slot_of(const std::string& name) {
     static const std::pair<const char*, Slot> names[] = {{"x", px},
@@ -121,7 +121,11 @@ std::optional<Slot> slot_of(const std::string& name) {
                                                          {"u", tu},
                                                          {"v", tv},
                                                          {"texture_u", tu},
-                                                         {"texture_v", tv}};
+                                                         {"texture_v", tv},
+                                                         {"tx", tx},
+                                                         {"ty", ty},
+                                                         {"tz", tz},
+                                                         {"tw", tw}};
     for (const auto& [text, slot] : names)
         if (name == text) return slot;
     return std::nullopt;
@@ -250,11 +254,13 @@ class PlyParser {
         has_normals_ = has[nx] && has[ny] && has[nz];
         has_colors_ = has[red] && has[green] && has[blue];
         has_uvs_ = has[tu] && has[tv];
+        has_tangents_ = has_normals_ && has[tx] && has[ty] && has[tz] && has[tw];
         for (std::size_t p = 0; p < slots.size(); ++p) {
             const auto slot = slots[p];
             const bool taken = slot && (*slot <= pz || (*slot <= nz && has_normals_) ||
                                         (*slot >= red && *slot <= alpha && has_colors_) ||
-                                        (*slot >= tu && has_uvs_));
+                                        (*slot >= tu && *slot <= tv && has_uvs_) ||
+                                        (*slot >= tx && has_tangents_));
             if (!taken) leave(element, element.properties[p]);
         }
         positions_.reserve(element.count);
@@ -271,6 +277,8 @@ class PlyParser {
             positions_.push_back({v[px], v[py], v[pz]});
             if (has_normals_) normals_.push_back({float(v[nx]), float(v[ny]), float(v[nz])});
             if (has_uvs_) uvs_.push_back({float(v[tu]), float(1.0 - v[tv])});
+            if (has_tangents_)
+                tangents_.push_back({float(v[tx]), float(v[ty]), float(v[tz]), float(v[tw])});
             if (has_colors_) {
                 const double a = has[alpha] ? v[alpha] / largest_of(types_[alpha]) : 1;
                 colors_.push_back({linear(v[red], types_[red]), linear(v[green], types_[green]),
@@ -414,6 +422,7 @@ class PlyParser {
         };
         const bool faces = mesh.corner_count() > 0;
         if (has_normals_ && faces) by_vertex(mesh.normals, normals_);
+        if (has_tangents_ && faces) by_vertex(mesh.tangents, tangents_);
         if (!corner_uvs_.empty()) {
             corner_uv_indices_.resize(mesh.corner_count(), no_index);
             mesh.uvs.push_back({std::move(corner_uvs_), std::move(corner_uv_indices_)});
@@ -449,10 +458,11 @@ class PlyParser {
     std::vector<glm::dvec3> positions_;
     std::vector<glm::vec3> normals_;
     std::vector<glm::vec2> uvs_, corner_uvs_;
-    std::vector<glm::vec4> colors_;
+    std::vector<glm::vec4> colors_, tangents_;
     std::vector<std::uint32_t> corner_uv_indices_;
     std::array<PlyType, slot_count> types_{};
-    bool have_vertices_ = false, has_normals_ = false, has_colors_ = false, has_uvs_ = false;
+    bool have_vertices_ = false, has_normals_ = false, has_colors_ = false, has_uvs_ = false,
+         has_tangents_ = false;
     std::uint64_t short_faces_ = 0;
     NameList not_taken_;  // "element property"
 };

@@ -115,6 +115,44 @@ TEST(Ply, NormalsUvsAndColoursFollowTheCorners) {
     EXPECT_EQ(m.colors[0].values[0], glm::vec4(2, 0, 0, 0.2f));  // floats are linear as they are
 }
 
+TEST(Ply, TangentsAreReadAsTheyAreWrittenButOnlyWithNormals) {
+    const std::string tangents =
+        "property float tx\nproperty float ty\nproperty float tz\nproperty float tw\n";
+    const std::string normals = "property float nx\nproperty float ny\nproperty float nz\n";
+    const std::string face = "element face 1\n" + indices;
+    const std::string text =
+        header("ascii", "element vertex 3\n" + xyz + normals + tangents + face) +
+        "0 0 0 0 0 1 1 0 0 -1\n1 0 0 0 0 1 0.6 0.8 0 1\n"
+        "0 1 0 0 0 1 0 1 0 1\n3 2 1 0\n";
+    const auto scene = parse(text);
+    ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
+    EXPECT_TRUE(scene->warnings.empty()) << scene->warnings[0];
+    const prep::Mesh& m = scene->meshes[0];
+    EXPECT_EQ(m.tangents.indices, (std::vector<std::uint32_t>{2, 1, 0}));
+    ASSERT_EQ(m.tangents.values.size(), 3u);
+    EXPECT_EQ(m.tangents.values[0], glm::vec4(1, 0, 0, -1));
+    EXPECT_EQ(m.tangents.values[1], glm::vec4(0.6f, 0.8f, 0, 1));
+
+    const test::TempDir dir;
+    const auto saved = prep::save_scene(test::untouched(*scene), dir / "a.ply");
+    ASSERT_TRUE(saved.has_value()) << prep::to_string(saved.error());
+    const auto again = prep::load_scene(dir / "a.ply");
+    ASSERT_TRUE(again.has_value()) << prep::to_string(again.error());
+    const prep::Mesh& back = again->meshes[0];
+    ASSERT_EQ(back.tangents.indices.size(), 3u);
+    for (std::size_t c = 0; c < 3; ++c)
+        EXPECT_EQ(back.tangents.values[back.tangents.indices[c]],
+                  m.tangents.values[m.tangents.indices[c]]);
+
+    const auto alone = parse(header("ascii", "element vertex 3\n" + xyz + tangents + face) +
+                             "0 0 0 1 0 0 1\n1 0 0 1 0 0 1\n0 1 0 1 0 0 1\n3 0 1 2\n");
+    ASSERT_TRUE(alone.has_value()) << prep::to_string(alone.error());
+    EXPECT_TRUE(alone->meshes[0].tangents.empty());
+    EXPECT_EQ(alone->warnings,
+              std::vector<std::string>{"test.ply: properties that were not taken: vertex tx, "
+                                       "vertex ty, vertex tz, vertex tw"});
+}
+
 TEST(Ply, ByteColoursAreSrgb) {
     const auto scene = parse(header("ascii", "element vertex 1\n" + xyz +
                                                  "property uchar red\nproperty uchar green\n"
