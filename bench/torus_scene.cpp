@@ -63,7 +63,12 @@ prep::PreparedScene torus_scene(std::uint64_t triangles, const prep::Image& diff
     for (const prep::Image* image : {&diffuse, &normals}) {
         prep::ImageRef ref;
         ref.name = "made here.png";
-        ref.bytes = *prep::encode_png(*image);
+        auto png = prep::encode_png(*image);
+        if (!png) {
+            std::fprintf(stderr, "%s\n", prep::to_string(png.error()).c_str());
+            std::exit(1);
+        }
+        ref.bytes = *std::move(png);
         scene.images.push_back(std::move(ref));
         prep::Texture texture;
         texture.image = std::uint32_t(scene.textures.size());
