@@ -18,6 +18,7 @@ MESHPREP_IMAGE_BACKEND() {
         [](const prep::Image& image, prep::PixelType type) {
             return prep::encode_png(image, type);
         },
+        [](const std::filesystem::path& path) { return prep::check_writable_image(path); },
         [](const std::filesystem::path& path, const std::filesystem::path& file,
            const prep::ImageLayout& layout) {
             return prep::detail::open_rows(path, file, layout);

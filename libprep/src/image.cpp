@@ -49,7 +49,7 @@ Result<const ImageBackend*> open_backend() {
                    (problem ? problem : "unknown");
     }
     return Error{
-        ErrorCode::unsupported,
+        ErrorCode::io,
         "the library for pictures cannot be loaded (" + reasons + "): install meshprep anew",
         MESHPREP_IMAGES_FILE};
 }
@@ -89,6 +89,11 @@ Result<void> save_image(const std::filesystem::path& path, const Image& image, P
     const auto bytes = (*images)->encode(path, image, type);
     if (!bytes) return bytes.error();
     return write_file(path, *bytes);
+}
+
+Result<void> check_writable_image(const std::filesystem::path& path) {
+    const auto& images = detail::image_backend();
+    return images ? (*images)->check_writable(path) : Result<void>(images.error());
 }
 
 Result<std::vector<std::byte>> encode_png(const Image& image, PixelType type) {

@@ -30,7 +30,7 @@ struct PrepareCommand {
     bool recursive = false;
     bool overwrite = true;
     bool explain = false;
-    std::string format = "glb";  // of files in an output directory
+    std::string format;  // of files in an output directory; empty: glb
     prep::PrepareOptions prepare;
     prep::SaveOptions save;
 };

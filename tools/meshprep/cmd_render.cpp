@@ -252,8 +252,8 @@ std::vector<std::string> not_drawn(const prep::PreparedScene& prepared) {
     return out;
 }
 
-Result<Json> render_file(const RenderCommand& command, Console& console) {
-    const CommonOptions& common = command.common;
+// Errors, io apart, are mistakes in the command line.
+Result<void> check_files(const RenderCommand& command) {
     if (const Result<void> there = require_file(command.input); !there) return there.error();
     if (const Result<void> parent = require_parent(command.output); !parent) return parent.error();
     std::error_code ec;
@@ -263,7 +263,11 @@ Result<Json> render_file(const RenderCommand& command, Console& console) {
     if (!command.buffer_file.empty())
         if (const Result<void> parent = require_parent(command.buffer_file); !parent)
             return parent.error();
+    return prep::check_writable_image(command.output);
+}
 
+Result<Json> render_file(const RenderCommand& command, Console& console) {
+    const CommonOptions& common = command.common;
     console.progress(common, command.input.string() + " … reading");
     Clock::time_point start = Clock::now();
     Result<prep::JsonScene> loaded = load(command.input, common.threads);
@@ -362,7 +366,8 @@ Result<Json> render_file(const RenderCommand& command, Console& console) {
 
 int run_render(const RenderCommand& command, Console& console) {
     Json document = json_head("render");
-    const Result<Json> done = render_file(command, console);
+    const Result<void> sound = check_files(command);
+    const Result<Json> done = sound ? render_file(command, console) : Result<Json>(sound.error());
     if (done)
         document.update(*done);
     else
@@ -370,6 +375,7 @@ int run_render(const RenderCommand& command, Console& console) {
     if (!done) console.error(done.error());
     console.progress(command.common, "");
     if (command.common.json) console.json(json_text(document));
+    if (!sound && sound.error().code != ErrorCode::io) return exit_usage;
     return done ? exit_done : exit_failed;
 }
 

@@ -109,6 +109,24 @@ Result<void> check_writable_ending(const fs::path& path) {
                  path.string()};
 }
 
+// Options that nothing would follow.
+Result<void> check_idle_options(const JobList& list, const PrepareCommand& command) {
+    if (!command.format.empty() && list.directories.empty() &&
+        (command.in_place || lower_ending(command.output) != command.format))
+        return Error{ErrorCode::invalid,
+                     command.in_place ? "--in-place keeps each file's format; leave --format out"
+                                      : "its ending says the format, and --format " +
+                                            command.format + " another; leave one of them out",
+                     command.output.string()};
+    if (!command.save.ascii || list.jobs.empty()) return {};
+    for (const Job& job : list.jobs)
+        if (const std::string ending = lower_ending(job.output); ending == "ply" || ending == "stl")
+            return {};
+    return Error{ErrorCode::invalid,
+                 "--ascii is for PLY and STL, which also have a binary form; leave it out",
+                 list.jobs[0].output.string()};
+}
+
 Result<void> check_conflicts(const JobList& list, const PrepareCommand& command) {
     std::map<fs::path, fs::path> outputs;
     std::set<fs::path> inputs;
@@ -211,6 +229,7 @@ Result<JobList> plan_jobs(const PrepareCommand& command) {
     } else if (names_directory(command, inputs->size())) {
         fs::path directory = command.output;
         if (!directory.has_filename()) directory = directory.parent_path();
+        const std::string format = command.format.empty() ? "glb" : command.format;
         std::set<fs::path> below;
         list.directories.push_back(directory);
         for (const Input& input : *inputs) {
@@ -219,9 +238,8 @@ Result<JobList> plan_jobs(const PrepareCommand& command) {
                 folder /= part;
                 below.insert(folder);
             }
-            list.jobs.push_back(
-                {input.path,
-                 directory / input.below / (input.path.stem().string() + "." + command.format)});
+            list.jobs.push_back({input.path, directory / input.below /
+                                                 (input.path.stem().string() + "." + format)});
         }
         for (const fs::path& folder : below) list.directories.push_back(directory / folder);
         std::error_code ec;
@@ -247,6 +265,7 @@ Result<JobList> plan_jobs(const PrepareCommand& command) {
     }
     for (const Job& job : list.jobs)
         if (const Result<void> good = check_writable_ending(job.output); !good) return good.error();
+    if (const Result<void> good = check_idle_options(list, command); !good) return good.error();
     if (const Result<void> good = check_conflicts(list, command); !good) return good.error();
     return list;
 }

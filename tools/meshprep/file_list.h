@@ -29,7 +29,7 @@ struct JobList {
 // Errors (all of them are mistakes in the command line, none leaves a trace): an input is not
 // there, a directory without mesh files, an output without or with an unknown ending, its directory
 // missing, two inputs with one output, an output that is also an input without --in-place, an
-// existing output with --no-overwrite.
+// existing output with --no-overwrite, a --format or --ascii that no output follows.
 prep::Result<JobList> plan_jobs(const PrepareCommand& command);
 
 // `path` must be there and be a file that can be read. For messages before the libraries' own.

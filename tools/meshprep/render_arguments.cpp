@@ -306,6 +306,11 @@ void check_render(const RenderCommand& c) {
                     "needs a number in its name for --turntable, as in b.%04d.exr");
     if (c.coverage == rast::Coverage::area && c.samples.value_or(1) != 1)
         usage_error("--coverage", "area takes the place of --samples");
+    if (const auto n = static_cast<std::uint32_t>(c.supersample.value_or(1));
+        c.size && std::max(c.size->x, c.size->y) > rast::max_picture_extent / n)
+        usage_error("--supersample", std::to_string(n) + " needs a --size of at most " +
+                                         std::to_string(rast::max_picture_extent / n) +
+                                         " pixels a side");
     if (c.crop && c.size &&
         (c.crop->x + c.crop->width > c.size->x || c.crop->y + c.crop->height > c.size->y))
         usage_error("--crop", "leaves the picture of --size");

@@ -50,6 +50,9 @@ Result<Image> load_image(const ImageRef& ref);
 
 enum class PixelType : std::uint8_t { u8, u16, f16, f32 };
 
+// Whether pictures of this name's ending are written. Errors: unsupported (it says what is).
+Result<void> check_writable_image(const std::filesystem::path& path);
+
 // Writes `pixels` as they are (encode sRGB before). The format follows the ending: png, jpg, exr, …
 // The file appears complete or not at all (temporary name, then rename).
 Result<void> save_image(const std::filesystem::path& path, const Image& image,
