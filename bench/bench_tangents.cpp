@@ -163,6 +163,13 @@ void hard_edges(benchmark::State& state) {
     run(state, mesh, int(state.range(1)));
 }
 
+// None is: what is left of a small mesh's time.
+void no_hard_edges(benchmark::State& state) {
+    prep::Mesh mesh = bench::bumpy_torus(bench::torus_size(std::uint64_t(state.range(0))));
+    add_normals(mesh, 180);
+    run(state, mesh, int(state.range(1)));
+}
+
 void pole_seen_from_above(benchmark::State& state) {
     run(state, pole(Index(state.range(0)), false), int(state.range(1)));
 }
@@ -183,6 +190,7 @@ BENCHMARK(indexed)->Apply([](auto* b) { sizes(b, {10'000, 100'000, 980'000, 4'00
 BENCHMARK(soup)->Apply([](auto* b) { sizes(b, {980'000}, {1, 2}); });
 BENCHMARK(in_random_order)->Apply([](auto* b) { sizes(b, {980'000}, {1, 2}); });
 BENCHMARK(hard_edges)->Apply([](auto* b) { sizes(b, {46'000}, {1}); });
+BENCHMARK(no_hard_edges)->Apply([](auto* b) { sizes(b, {10'000}, {1}); });
 BENCHMARK(pole_seen_from_above)->Apply([](auto* b) { sizes(b, {100'000}, {1}); });
 BENCHMARK(pole_with_uvs_around)->Apply([](auto* b) { sizes(b, {100'000}, {1}); });
 // Last: its mesh alone takes 2 GB.
