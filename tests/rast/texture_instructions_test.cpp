@@ -80,10 +80,11 @@ TEST_P(TextureInstructions, GiveTheSameBytesForEveryWrapFilterAndMask) {
                  {rast::TextureFilter::by_sampler, rast::TextureFilter::nearest,
                   rast::TextureFilter::bilinear, rast::TextureFilter::nearest_mip,
                   rast::TextureFilter::trilinear, rast::TextureFilter::anisotropic,
-                  rast::TextureFilter::ripmap, rast::TextureFilter::ewa}) {
+                  rast::TextureFilter::ripmap, rast::TextureFilter::ewa,
+                  rast::TextureFilter::bicubic}) {
                 // The costly ones not with every wrap.
                 if (filter == rast::TextureFilter::by_sampler && wrap % 5 != 0) continue;
-                if (filter >= rast::TextureFilter::anisotropic && wrap % 5 != 0) continue;
+                if (filter >= rast::TextureFilter::bicubic && wrap % 5 != 0) continue;
                 rast::RenderRequest request;
                 request.width = 123;
                 request.height = 95;
@@ -164,10 +165,10 @@ TEST_P(TextureInstructions, ReadTwoMapsAsEachAlone) {
             material.emissive_map.texture = both ? 0 : prep::no_index;
             scene.scene.materials.push_back(material);
             scene.meshes[0].ranges = {{0, 1, 0, prep::no_index}, {1, 1, 1, prep::no_index}};
-            for (const auto filter :
-                 {rast::TextureFilter::nearest, rast::TextureFilter::bilinear,
-                  rast::TextureFilter::trilinear, rast::TextureFilter::anisotropic,
-                  rast::TextureFilter::ripmap, rast::TextureFilter::ewa}) {
+            for (const auto filter : {rast::TextureFilter::nearest, rast::TextureFilter::bilinear,
+                                      rast::TextureFilter::trilinear,
+                                      rast::TextureFilter::anisotropic, rast::TextureFilter::ripmap,
+                                      rast::TextureFilter::ewa, rast::TextureFilter::bicubic}) {
                 rast::RenderRequest request;
                 request.width = 61;
                 request.height = 47;
@@ -218,8 +219,9 @@ TEST_P(TextureInstructions, ReadWhatOneTextureReadsThroughEveryFootprint) {
     std::uniform_real_distribution<float> unit(0, 1);
     const prep::ImageRef image = noise(37, 23, 4, GetParam());
     constexpr float half = 1, step = 2 * half / 31;
-    for (const TextureFilter filter : {TextureFilter::trilinear, TextureFilter::anisotropic,
-                                       TextureFilter::ripmap, TextureFilter::ewa})
+    for (const TextureFilter filter :
+         {TextureFilter::trilinear, TextureFilter::anisotropic, TextureFilter::ripmap,
+          TextureFilter::ewa, TextureFilter::bicubic})
         for (int n = 0; n < 24; ++n) {
             prep::Material material;
             material.diffuse = glm::vec4(1);

@@ -1,6 +1,6 @@
-// Maps of a draw through filters that read several times: anisotropic, ripmap. What is out of
-// range, and EWA and bicubic, are left to MipTexture::sample, lane by lane. Included once per
-// instruction set, inside the namespace that has its lanes.
+// Maps of a draw through filters that read several times: anisotropic, ripmap, EWA, bicubic. What
+// is out of range is left to MipTexture::sample, lane by lane.
+// Included once per instruction set, inside the namespace that has its lanes.
 
 template <int part = 0, class Body>
 RAST_INLINE void for_each_part(const Body& body) {
@@ -201,6 +201,33 @@ inline void read_rips(const BoundMap* const maps[], const Coordinates& at, Texel
     for (int i = 0; i < count; ++i) sample_each(*maps[i], at, bits_of(good), out[i]);
 }
 
+// Of `count` textures, on the two levels around each lane's; `read` gives codes or floats of one.
+template <int count, class Read>
+RAST_INLINE void between_levels(const BoundMap* const maps[], F lod, const Read& read, F out[][4]) {
+    const F whole = floor(lod), between = lod - whole;
+    const I fine = to_int(whole);
+    const M two = between > set(0.0f);
+    Reads reads;
+    reads.last = select(two, fine + set(1), fine);
+    for (int i = 0; i < count; ++i) make_levels(*maps[i], reads);
+    read(fine, out);
+    if (!any(two)) return;
+    F coarse[count][4];
+    read(reads.last, coarse);
+    for (int i = 0; i < count; ++i)
+        for (int k = 0; k < 4; ++k)
+            out[i][k] = select(two, out[i][k] + (coarse[i][k] - out[i][k]) * between, out[i][k]);
+}
+template <int count>
+RAST_INLINE void finish_values(const TextureView* const views[], const F values[][4], Texel out[]) {
+    for (int i = 0; i < count; ++i) {
+        const auto finished = [&](int k) {
+            return views[i]->packed != nullptr ? finished_code(values[i][k]) : values[i][k];
+        };
+        out[i] = {finished(0), finished(1), finished(2), finished(3)};
+    }
+}
+
 // As MipTexture::ellipse: of `count` textures on one level for each lane. Results are codes or
 // floats.
 struct EllipseSides {
@@ -330,32 +357,82 @@ inline void read_ewa(const BoundMap* const maps[], const Coordinates& coordinate
         // The others read a small one, for nothing.
         const auto drawn = [&](F x) { return select(reads_ellipse, x, none); };
         e = {drawn(e.major_u), drawn(e.major_v), drawn(e.minor_u), drawn(e.minor_v)};
-        const F level = drawn(lod), whole = floor(level), between = level - whole;
-        const M two = between > none;
-        Reads reads;
-        const I fine = to_int(whole);
-        reads.last = select(two, fine + set(1), fine);
-        for (int i = 0; i < count; ++i) make_levels(*maps[i], reads);
-        F near[count][4], far[count][4];
-        read_ellipses<count>(views, at.u, at.v, e, fine, near);
-        if (any(two)) {
-            read_ellipses<count>(views, at.u, at.v, e, reads.last, far);
-            for (int i = 0; i < count; ++i)
-                for (int k = 0; k < 4; ++k)
-                    near[i][k] =
-                        select(two, near[i][k] + (far[i][k] - near[i][k]) * between, near[i][k]);
-        }
+        F ellipses[count][4];
+        between_levels<count>(
+            maps, drawn(lod),
+            [&](I level, F to[][4]) { read_ellipses<count>(views, at.u, at.v, e, level, to); },
+            ellipses);
         for (int i = 0; i < count; ++i)
             for (int k = 0; k < 4; ++k)
-                values[i][k] = select(reads_ellipse, near[i][k], values[i][k]);
+                values[i][k] = select(reads_ellipse, ellipses[i][k], values[i][k]);
     }
-    for (int i = 0; i < count; ++i) {
-        F* const c = values[i];
-        for (int k = 0; view.packed != nullptr && k < 4; ++k) c[k] = finished_code(c[k]);
-        out[i] = {c[0], c[1], c[2], c[3]};
-    }
+    finish_values<count>(views, values, out);
     if (all(good)) return;
     for (int i = 0; i < count; ++i) sample_each(*maps[i], coordinates, bits_of(good), out[i]);
+}
+
+// As MipTexture::bicubic, on one level for each lane.
+struct Keys {
+    F weight[4];
+};
+RAST_INLINE Keys keys_of(F t) {
+    const F t2 = t * t, t3 = t2 * t, half = set(0.5f);
+    return {{set(-0.5f) * t3 + t2 - half * t, set(1.5f) * t3 - set(2.5f) * t2 + set(1.0f),
+             set(-1.5f) * t3 + set(2.0f) * t2 + half * t, half * t3 - half * t2}};
+}
+template <int count>
+RAST_INLINE void read_keys(const TextureView* const views[], F at_u, F at_v, I level, F out[][4]) {
+    const TextureView& view = *views[0];
+    const Sizes size = sizes_of(view, level);
+    const F half = set(0.5f), none = set(0.0f);
+    const F u = at_u * to_float(size.width) - half, v = at_v * to_float(size.height) - half;
+    const F whole_x = floor(u), whole_y = floor(v);
+    const Keys across = keys_of(u - whole_x), down = keys_of(v - whole_y);
+    I columns[4], rows[4];
+    for (int i = 0; i < 4; ++i) {
+        const I offset = set(i - 1);
+        columns[i] =
+            wrapped(view.wrap_u, is_power(view.widths[0]), to_int(whole_x) + offset, size.width);
+        rows[i] =
+            wrapped(view.wrap_v, is_power(view.heights[0]), to_int(whole_y) + offset, size.height) *
+                size.pitch +
+            size.first;
+    }
+    F base[count][4], sum[count][4];
+    for (int i = 0; i < count; ++i) {
+        gather_texels(*views[i], rows[1] + columns[1], base[i]);
+        for (int k = 0; k < 4; ++k) sum[i][k] = none;
+    }
+    for (int r = 0; r < 4; ++r)
+        for (int i = 0; i < count; ++i) {
+            F row[4] = {none, none, none, none};
+            for (int c = 0; c < 4; ++c) {
+                F t[4];
+                gather_texels(*views[i], rows[r] + columns[c], t);
+                for (int k = 0; k < 4; ++k)
+                    row[k] = row[k] + (t[k] - base[i][k]) * across.weight[c];
+            }
+            for (int k = 0; k < 4; ++k) sum[i][k] = sum[i][k] + row[k] * down.weight[r];
+        }
+    const F middle = set(view.packed != nullptr ? float(texel_middle) : 0.0f);
+    for (int i = 0; i < count; ++i)
+        for (int k = 0; k < 4; ++k) out[i][k] = (base[i][k] + middle) + sum[i][k];
+}
+template <int count>
+inline void read_bicubic(const BoundMap* const maps[], const Coordinates& at, Texel out[]) {
+    const TextureView* views[count];
+    for (int i = 0; i < count; ++i) views[i] = &maps[i]->texture->view();
+    const TextureView& view = *views[0];
+    const F none = set(0.0f);
+    const M good = are_texels(view, at.u, at.v);
+    const F u = select(good, at.u, none), v = select(good, at.v, none);
+    F values[count][4];
+    between_levels<count>(
+        maps, view.level_count > 1 ? level_of_detail(view, at) : none,
+        [&](I level, F to[][4]) { read_keys<count>(views, u, v, level, to); }, values);
+    finish_values<count>(views, values, out);
+    if (all(good)) return;
+    for (int i = 0; i < count; ++i) sample_each(*maps[i], at, bits_of(good), out[i]);
 }
 
 // `count` maps on the same texels, all floats, all packed and alone, or all of one pair, through a
@@ -369,6 +446,10 @@ RAST_INLINE void sample_maps(const BoundMap* const maps[], const Coordinates& at
     }
     if (view.rip_columns > 0 && maps[0]->filter == TextureFilter::ripmap) {
         read_rips<count>(maps, at, out);
+        return;
+    }
+    if (view.by_lanes && maps[0]->filter == TextureFilter::bicubic) {
+        read_bicubic<count>(maps, at, out);
         return;
     }
     if (view.by_lanes && view.level_count > 1 && maps[0]->filter == TextureFilter::ewa) {
