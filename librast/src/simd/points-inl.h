@@ -281,18 +281,27 @@ inline void ask_for(const ShadeDraw& draw, const MapGroup& group, Points& points
     }
 }
 
+// What was asked for.
 template <int count>
 RAST_INLINE void read_together(const ShadeDraw& draw, int first, Points& points) {
     const BoundMap* maps[count];
     for (int i = 0; i < count; ++i) maps[i] = &draw.maps[draw.used[first + i]];
-    const bool asked = reads_by_lanes(*maps[0]);
     for (std::size_t n = 0; n < points.held; n += vector_size) {
         Texel t[count];
-        const Coordinates at = coordinates_at(points, *maps[0], n);
-        if (asked)
-            read_maps_at<count>(maps, at, points.reads[n / vector_size], t);
-        else
-            sample_maps<count>(maps, at, t);
+        read_maps_at<count>(maps, coordinates_at(points, *maps[0], n),
+                            points.reads[n / vector_size], t);
+        for (int i = 0; i < count; ++i)
+            points.put3({t[i].r, t[i].g, t[i].b}, Points::texels + 3 * draw.used[first + i], n);
+    }
+}
+// Apart: among it, the other one would lose registers.
+template <int count>
+__attribute__((noinline)) void sample_together(const ShadeDraw& draw, int first, Points& points) {
+    const BoundMap* maps[count];
+    for (int i = 0; i < count; ++i) maps[i] = &draw.maps[draw.used[first + i]];
+    for (std::size_t n = 0; n < points.held; n += vector_size) {
+        Texel t[count];
+        sample_maps<count>(maps, coordinates_at(points, *maps[0], n), t);
         for (int i = 0; i < count; ++i)
             points.put3({t[i].r, t[i].g, t[i].b}, Points::texels + 3 * draw.used[first + i], n);
     }
@@ -307,13 +316,18 @@ inline void read_maps(const ShadeDraw& draw, Points& points) {
             const TextureView& b = draw.maps[draw.used[n]].texture->view();
             return (a.packed != nullptr) == (b.packed != nullptr) && a.pair == b.pair;
         };
+        const bool asked = reads_by_lanes(draw.maps[draw.used[group.begin]]);
         for (int m = group.begin; m < group.end; ++m) {
-            if (m + 1 < group.end && are_alike(m, m + 1)) {
+            const bool two = m + 1 < group.end && are_alike(m, m + 1);
+            if (asked && two)
                 read_together<2>(draw, m, points);
-                ++m;
-            } else {
+            else if (asked)
                 read_together<1>(draw, m, points);
-            }
+            else if (two)
+                sample_together<2>(draw, m, points);
+            else
+                sample_together<1>(draw, m, points);
+            m += two;
         }
         if (group.end == draw.used_count) return;
     }
