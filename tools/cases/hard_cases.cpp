@@ -36,8 +36,9 @@ Mesh slivers(double aspect, bool turn) {
     std::uniform_real_distribution<double> rough(-0.3, 0.3);
     Mesh mesh = shapes::fan_triangulated(shapes::grid(8, 8));
     return mapped(std::move(mesh), [&](const glm::dvec3& p) {
-        const glm::dvec3 q(p.x + rough(random), (p.y + rough(random)) / aspect,
-                           rough(random) / aspect);
+        // Drawn one after the other: the order of arguments is the compiler's.
+        const double z = rough(random), y = rough(random), x = rough(random);
+        const glm::dvec3 q(p.x + x, (p.y + y) / aspect, z / aspect);
         return turn ? turned(q) : q;
     });
 }

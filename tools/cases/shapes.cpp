@@ -295,8 +295,10 @@ std::vector<Index> random_order(std::size_t count, std::mt19937_64& random) {
 
 void jitter(prep::Mesh& mesh, float amount, std::mt19937_64& random) {
     std::uniform_real_distribution<float> offset(-amount, amount);
-    for (glm::vec3& p : mesh.positions)
-        p += glm::vec3(offset(random), offset(random), offset(random));
+    for (glm::vec3& p : mesh.positions) {
+        // One after the other: the order of arguments is the compiler's.
+        for (const int axis : {2, 1, 0}) p[axis] += offset(random);
+    }
 }
 
 prep::Mesh random_triangles(std::size_t vertices, std::size_t faces, std::mt19937_64& random) {
