@@ -145,7 +145,7 @@ TEST(TangentsIdentity, SameWhetherVerticesAreListedOrNot) {
 // So many triangles that threads take ranges of them, in an order in which nearly every vertex is
 // in several ranges: what ranges note for each other's vertices is added in the triangles' order.
 TEST(TangentsIdentity, SameForManyThreadsOnShuffledTriangles) {
-    constexpr int n = 190;
+    constexpr int n = 260;  // so many triangles that each thread's share is cut
     const CornerSoup ordered = wavy_grid(n);
     std::vector<std::uint32_t> order(2 * n * n);
     for (std::uint32_t t = 0; t < order.size(); ++t) order[t] = t;
@@ -163,6 +163,34 @@ TEST(TangentsIdentity, SameForManyThreadsOnShuffledTriangles) {
             expect_same(
                 tangents(indexed.input(), TangentMode::mikktspace, threads, SimdLevel::automatic),
                 want);
+    }
+}
+
+// Differences of positions times those of UVs pass the largest float: infinite and NaN gradients.
+TEST(TangentsIdentity, SameWhereGradientsOverflow) {
+    std::mt19937 random(11);
+    std::uniform_real_distribution<float> any(1, 2);
+    for (const auto& [size, span] : {std::pair(1e18f, 1e21f), {1e15f, 1e25f}, {1e10f, 1e35f}}) {
+        for (const bool along_u : {false, true}) {
+            CornerSoup soup;
+            for (int t = 0; t < 61; ++t) {
+                for (int c = 0; c < 3; ++c) {
+                    const float x = any(random) * (c == 1 ? 3.0f : 1.0f) + 10.0f * float(t);
+                    const float y = any(random) * (c == 2 ? 3.0f : 1.0f);
+                    const glm::vec2 uv(0.5f * float(c), (c == 1 ? 1.0f : 0.6f * float(c)) * span);
+                    soup.add({x * size, y * size, 0}, {0, 0, 1},
+                             along_u ? glm::vec2(uv.y, uv.x) : uv);
+                }
+                soup.end_face();
+            }
+            for (const TangentMode mode : {TangentMode::mikktspace, TangentMode::definition,
+                                           TangentMode::mikktspace_exact}) {
+                const auto want = tangents(soup.input(), mode, 1, SimdLevel::scalar);
+                for (const SimdLevel simd : {SimdLevel::sse4, SimdLevel::avx2, SimdLevel::avx512})
+                    if (prep::simd_available(simd))
+                        expect_same(tangents(soup.input(), mode, 1, simd), want);
+            }
+        }
     }
 }
 

@@ -224,7 +224,8 @@ HWY_INLINE void make_frames(const TermBlock& block, std::size_t count, Between& 
         // Both magnitudes, length / |area2|, are far from zero but for extreme triangles.
         const F least =
             hn::Mul(set(4 * std::numeric_limits<float>::min()), hn::Max(magnitude, set(1.0f)));
-        Mask healthy = hn::And(has_area, hn::Gt(hn::Min(s_length, t_length), least));
+        // One by one: the lesser of a NaN and a number would be the number.
+        Mask healthy = hn::And(has_area, hn::And(hn::Gt(s_length, least), hn::Gt(t_length, least)));
         const Mask degenerate =
             hn::Or(equal(p[0], p[1]), hn::Or(equal(p[0], p[2]), equal(p[1], p[2])));
 
@@ -301,7 +302,8 @@ HWY_INLINE void make_corners(const TermBlock& block, std::size_t count, bool che
             const F off_s = dot(n, s), off_t = dot(n, t);
             const Vec3 on_plane = operator_sub(s, scaled(off_s, n));
             Vec3 on_s = scaled(inverse_root(dot(on_plane, on_plane)), on_plane);
-            const Mask near = hn::Le(hn::Max(hn::Abs(off_s), hn::Abs(off_t)), set(most_off_plane));
+            const Mask near = hn::And(hn::Le(hn::Abs(off_s), set(most_off_plane)),
+                                      hn::Le(hn::Abs(off_t), set(most_off_plane)));
             // Where S is that near the plane it is not zero on it.
             const Mask long_edges = hn::And(hn::Gt(previous2, set(certainly_not_zero)),
                                             hn::Gt(next2, set(certainly_not_zero)));
