@@ -246,11 +246,15 @@ void MipTexture::move_to(const std::shared_ptr<std::byte>& pair, bool second) {
     memory_ = pair;
 }
 
+// Both are there twice while they are put together: not those beyond 4096 x 4096 and its levels.
+constexpr std::size_t most_paired_texels = std::size_t(1) << 25;
+
 bool MipTexture::put_together(MipTexture& a, MipTexture& b) {
     const auto alone = [](const MipTexture& t) {
         return t.packed_ != nullptr && t.view_.pair == nullptr && t.rip_.empty();
     };
     if (&a == &b || !alone(a) || !alone(b) || !have_same_texels(a.view_, b.view_)) return false;
+    if (a.texel_count_ > most_paired_texels) return false;
     const std::shared_ptr<std::byte> pair =
         texel_memory(a.texel_count_ * 2 * 4 * sizeof(std::int16_t));
     a.move_to(pair, false);

@@ -146,11 +146,12 @@ TEST_P(TextureInstructions, GiveTheBitsOfOneTexelAfterTheOther) {
 }
 
 // Two maps of one size lie side by side where their texels are packed. One triangle reads them in
-// that order, the other one in the opposite order, or the second one alone.
+// that order, the other one in the opposite order, or one of them alone or twice.
 TEST_P(TextureInstructions, ReadTwoMapsAsEachAlone) {
     const prep::ImageRef images[] = {noise(23, 21, 3, GetParam()), noise(23, 21, 4, GetParam())};
     for (int wrap = 0; wrap < 16; wrap += 5)
-        for (const bool both : {false, true}) {
+        for (const auto& [diffuse, emissive] :
+             {std::pair(1u, 0u), {1u, prep::no_index}, {1u, 1u}, {0u, 0u}}) {
             prep::Material material;
             material.diffuse = glm::vec4(1);
             material.emissive = glm::vec3(1);
@@ -161,8 +162,8 @@ TEST_P(TextureInstructions, ReadTwoMapsAsEachAlone) {
             scene.scene.images.push_back(images[1]);
             scene.scene.textures.push_back(sampler);
             material = scene.scene.materials[0];
-            material.diffuse_map.texture = 1;
-            material.emissive_map.texture = both ? 0 : prep::no_index;
+            material.diffuse_map.texture = diffuse;
+            material.emissive_map.texture = emissive;
             scene.scene.materials.push_back(material);
             scene.meshes[0].ranges = {{0, 1, 0, prep::no_index}, {1, 1, 1, prep::no_index}};
             for (const auto filter : {rast::TextureFilter::nearest, rast::TextureFilter::bilinear,
@@ -200,8 +201,9 @@ TEST_P(TextureInstructions, ReadTwoMapsAsEachAlone) {
                         return glm::vec3(alone[t].sample(frame.uv[i], {}, filter));
                     };
                     const bool second = frame.triangle[i] == 1;
-                    const glm::vec3 emitted = !second ? read(1) : both ? read(0) : glm::vec3(1);
-                    ASSERT_EQ(glm::vec3(frame.color[i]), read(second ? 1 : 0) + emitted)
+                    const std::uint32_t light = second ? emissive : 1;
+                    const glm::vec3 emitted = light == prep::no_index ? glm::vec3(1) : read(light);
+                    ASSERT_EQ(glm::vec3(frame.color[i]), read(second ? diffuse : 0) + emitted)
                         << "wrap " << wrap << ", filter " << int(filter);
                     ++compared[second];
                 }

@@ -314,7 +314,9 @@ inline void read_maps(const ShadeDraw& draw, Points& points) {
         const auto are_alike = [&](int m, int n) {
             const TextureView& a = draw.maps[draw.used[m]].texture->view();
             const TextureView& b = draw.maps[draw.used[n]].texture->view();
-            return (a.packed != nullptr) == (b.packed != nullptr) && a.pair == b.pair;
+            // Two halves of one pair, not one half twice.
+            return (a.packed != nullptr) == (b.packed != nullptr) && a.pair == b.pair &&
+                   (a.pair == nullptr || a.packed != b.packed);
         };
         const bool asked = reads_by_lanes(draw.maps[draw.used[group.begin]]);
         for (int m = group.begin; m < group.end; ++m) {
