@@ -21,7 +21,7 @@ constexpr std::uint64_t seeds = 20;
 // A bumpy torus of quads or triangles with UVs all around (seams included).
 Mesh random_mesh(std::uint64_t seed) {
     std::mt19937_64 random(seed);
-    // Drawn one after the other: the order of arguments is the compiler's. g++'s is kept.
+    // Drawn one after the other: the order of arguments is the compiler's.
     const std::uint32_t sides = 6 + std::uint32_t(random() % 6);
     const std::uint32_t rings = 10 + std::uint32_t(random() % 8);
     Mesh mesh = shapes::torus(rings, sides);
