@@ -267,12 +267,14 @@ class Run {
     CornerTangents result_;
 };
 
-// Up to so many corners threads save little, and what each of them works in is much beside the
-// mesh.
-constexpr std::size_t few_corners = 60000;
+// Of fewer corners a thread saves little, and what it works in is much beside the mesh.
+constexpr std::size_t corners_of_thread = 30000;
 
 int useful_threads(const TangentInput& input, const TangentOptions& options) {
-    return input.corner_vertices.size() <= few_corners ? 1 : options.threads;
+    const int asked = options.threads == 0 ? detail::parallel_width() : options.threads;
+    const std::size_t most =
+        std::max<std::size_t>(input.corner_vertices.size() / corners_of_thread, 1);
+    return std::size_t(asked) <= most ? options.threads : int(most);
 }
 
 }  // namespace
