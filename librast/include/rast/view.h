@@ -78,7 +78,9 @@ View bounded_view(const prep::PreparedScene& scene, const View& view);
 // picture shows all that the camera frames, undistorted, and more above and below or at the sides.
 View camera_view(const prep::Scene& scene, std::uint32_t camera_node, double aspect);
 
-// A key, a fill and a rim light that stand with the view, and a little ambient light.
+// A key, a fill and a rim light that stand with the view (from above on the left, from the right
+// and from behind above it: 0.85, 0.28 and 0.45, the first two with a tint), and ambient light of
+// 0.08.
 std::vector<LightInstance> three_light_setup(const View& view);
 
 // The scene's own lights in world space.
