@@ -223,9 +223,12 @@ class Builder {
         return out;
     }
 
-    Json texture_info(const TextureRef& ref) {
+    // A picture as it is, or with its green turned over: normal maps whose green points down.
+    enum class Green : std::uint8_t { kept, turned };
+
+    Json texture_info(const TextureRef& ref, Green green) {
         Json info;
-        const Index texture = texture_index(ref.texture);
+        const Index texture = texture_index(ref.texture, green);
         if (texture == no_index) return info;
         info["index"] = texture;
         if (ref.uv_set) info["texCoord"] = ref.uv_set;
@@ -240,13 +243,13 @@ class Builder {
         return info;
     }
 
-    Index texture_index(Index texture) {
+    Index texture_index(Index texture, Green green) {
         if (texture >= scene_.textures.size()) return no_index;
-        const auto known = texture_map_.find(texture);
+        const auto known = texture_map_.find({texture, green});
         if (known != texture_map_.end()) return known->second;
         const Texture& t = scene_.textures[texture];
         Index result = no_index;
-        const Index image = image_index(t.image);
+        const Index image = image_index(t.image, green);
         if (image != no_index) {
             const auto wrap = [](Wrap w) {
                 return w == Wrap::repeat ? 10497 : w == Wrap::mirror ? 33648 : 33071;
@@ -261,13 +264,13 @@ class Builder {
             const std::size_t s = buffer_.push("samplers", std::move(sampler));
             result = Index(buffer_.push("textures", Json{{"sampler", s}, {"source", image}}));
         }
-        texture_map_.emplace(texture, result);
+        texture_map_.emplace(std::pair(texture, green), result);
         return result;
     }
 
-    Index image_index(Index image) {
+    Index image_index(Index image, Green green) {
         if (image >= scene_.images.size()) return no_index;
-        const auto known = image_map_.find(image);
+        const auto known = image_map_.find({image, green});
         if (known != image_map_.end()) return known->second;
         const ImageRef& ref = scene_.images[image];
         std::vector<std::byte> bytes = ref.bytes;
@@ -276,9 +279,11 @@ class Builder {
             if (file) bytes = *std::move(file);
         }
         std::string mime = mime_of(bytes);
-        if (mime.empty()) {  // glTF holds PNG and JPEG only
+        if (mime.empty() || green == Green::turned) {  // glTF holds PNG and JPEG only
+            mime.clear();
             auto decoded = load_image(ref);
             if (decoded) {
+                if (green == Green::turned) turn_green(*decoded);
                 auto png = encode_png(*decoded);
                 if (png) {
                     bytes = *std::move(png);
@@ -296,8 +301,13 @@ class Builder {
             if (!ref.name.empty()) out["name"] = ref.name;
             result = Index(buffer_.push("images", std::move(out)));
         }
-        image_map_.emplace(image, result);
+        image_map_.emplace(std::pair(image, green), result);
         return result;
+    }
+
+    static void turn_green(Image& image) {
+        for (std::size_t i = 1; image.channels >= 2 && i < image.pixels.size(); i += image.channels)
+            image.pixels[i] = 1 - image.pixels[i];
     }
 
     static std::string mime_of(const std::vector<std::byte>& bytes) {
@@ -331,7 +341,8 @@ class Builder {
                 set_texture(pbr, "metallicRoughnessTexture", m.metallic_roughness_map);
             out["pbrMetallicRoughness"] = std::move(pbr);
             if (m.normal_map && m.normal_map_space == NormalMapSpace::tangent) {
-                set_texture(out, "normalTexture", m.normal_map);
+                set_texture(out, "normalTexture", m.normal_map,
+                            m.normal_map_flip_green ? Green::turned : Green::kept);
                 if (out.contains("normalTexture") && m.normal_map.strength != 1)
                     out["normalTexture"]["scale"] = m.normal_map.strength;
             } else if (m.normal_map) {
@@ -340,6 +351,9 @@ class Builder {
             if (m.bump_map) note_once("glTF has no bump maps: left out");
             if (m.displacement_map) note_once("glTF has no displacement maps: left out");
             set_texture(out, "occlusionTexture", m.occlusion_map);
+            if (out.contains("occlusionTexture") && m.occlusion_map.strength != 1)
+                out["occlusionTexture"]["strength"] =
+                    std::clamp(m.occlusion_map.strength, 0.0f, 1.0f);
             set_texture(out, "emissiveTexture", m.emissive_map);
             if (m.emissive != glm::vec3(0.0f)) emissive(m.emissive, out);
             if (m.alpha_mode != AlphaMode::opaque) {
@@ -356,9 +370,10 @@ class Builder {
         }
     }
 
-    void set_texture(Json& owner, const char* slot, const TextureRef& ref) {
+    void set_texture(Json& owner, const char* slot, const TextureRef& ref,
+                     Green green = Green::kept) {
         if (!ref) return;
-        Json info = texture_info(ref);
+        Json info = texture_info(ref, green);
         if (!info.is_null()) owner[slot] = std::move(info);
     }
 
@@ -398,11 +413,13 @@ class Builder {
                 note_once("glTF has no ambient lights: left out");
                 continue;
             }
+            // Colours end at 1, intensities nowhere.
+            const float brightest = std::max({light.color.r, light.color.g, light.color.b, 1.0f});
             Json out{{"type", light.kind == LightKind::directional ? "directional"
                               : light.kind == LightKind::point     ? "point"
                                                                    : "spot"},
-                     {"color", array3(glm::clamp(light.color, 0.0f, 1.0f))},
-                     {"intensity", std::max(light.intensity, 0.0f)}};
+                     {"color", array3(glm::clamp(light.color / brightest, 0.0f, 1.0f))},
+                     {"intensity", std::max(light.intensity, 0.0f) * brightest}};
             if (!light.name.empty()) out["name"] = light.name;
             if (light.range > 0 && light.kind != LightKind::directional) out["range"] = light.range;
             if (light.kind == LightKind::spot)
@@ -499,7 +516,7 @@ class Builder {
     };
     std::vector<Variant> variants_;  // by index in the output
     std::map<std::pair<Index, std::uint64_t>, Index> variant_index_;
-    std::map<Index, Index> texture_map_, image_map_;
+    std::map<std::pair<Index, Green>, Index> texture_map_, image_map_;
     std::set<std::string> extensions_;
 };
 
