@@ -12,6 +12,8 @@
 #include <numbers>
 #include <sstream>
 
+#include "meshprep/commands.h"
+
 extern char** environ;
 
 namespace test {
@@ -22,6 +24,18 @@ std::filesystem::path command_path() {
 
 Ran run_command(const std::vector<std::string>& arguments) {
     return run_program(command_path(), arguments);
+}
+
+Ran run_here(const std::vector<std::string>& arguments) {
+    std::vector<const char*> argv{"meshprep"};
+    for (const std::string& argument : arguments) argv.push_back(argument.c_str());
+    std::ostringstream out, err;
+    Ran ran;
+    ran.exit_code =
+        meshprep::run(static_cast<int>(argv.size()), argv.data(), out, err, /*terminal*/ false);
+    ran.out = out.str();
+    ran.err = err.str();
+    return ran;
 }
 
 Ran run_program(const std::filesystem::path& program, const std::vector<std::string>& arguments) {
@@ -78,6 +92,80 @@ std::string read_text(const std::filesystem::path& path) {
     std::ostringstream text;
     text << in.rdbuf();
     return text.str();
+}
+
+std::string base64_of(const std::string& bytes) {
+    const std::string digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    std::string text;
+    std::uint32_t bits = 0;
+    int held = 0;
+    for (const char c : bytes) {
+        bits = bits << 8 | static_cast<unsigned char>(c);
+        for (held += 8; held >= 6; held -= 6) text += digits[bits >> (held - 6) & 63];
+    }
+    if (held > 0) text += digits[bits << (6 - held) & 63];
+    while (text.size() % 4 != 0) text += '=';
+    return text;
+}
+
+std::string json_quoted(const std::string& text) {
+    return nlohmann::json(text).dump();
+}
+
+std::size_t GltfText::accessor(const void* bytes, std::size_t size, std::size_t count, int type,
+                               const std::string& kind, const std::string& more) {
+    const std::string comma = accessor_count_ > 0 ? "," : "", number = std::to_string(size);
+    buffers_ += comma + R"({"uri":"data:application/octet-stream;base64,)" +
+                base64_of(std::string(static_cast<const char*>(bytes), size)) +
+                R"(","byteLength":)" + number + "}";
+    views_ += comma + R"({"buffer":)" + std::to_string(accessor_count_) + R"(,"byteLength":)" +
+              number + "}";
+    accessors_ += comma + R"({"bufferView":)" + std::to_string(accessor_count_) +
+                  R"(,"componentType":)" + std::to_string(type) + R"(,"count":)" +
+                  std::to_string(count) + R"(,"type":")" + kind + "\"" + more + "}";
+    return accessor_count_++;
+}
+
+void GltfText::add(const Primitive& p) {
+    const std::string comma = count_ > 0 ? "," : "", number = std::to_string(count_);
+    std::string low, high;
+    for (std::size_t k = 0; k < 3; ++k) {
+        float least = p.positions[k], most = least;
+        for (std::size_t i = k; i < p.positions.size(); i += 3) {
+            least = std::min(least, p.positions[i]);
+            most = std::max(most, p.positions[i]);
+        }
+        low += (k > 0 ? "," : "") + nlohmann::json(least).dump();
+        high += (k > 0 ? "," : "") + nlohmann::json(most).dump();
+    }
+    std::string attributes;
+    const auto layer = [&](const char* name, const std::vector<float>& values, std::size_t width,
+                           const std::string& more) {
+        if (values.empty()) return;
+        const std::size_t at = accessor(values.data(), values.size() * 4, values.size() / width,
+                                        5126, "VEC" + std::to_string(width), more);
+        attributes +=
+            (attributes.empty() ? "\"" : ",\"") + std::string(name) + "\":" + std::to_string(at);
+    };
+    layer("POSITION", p.positions, 3, R"(,"min":[)" + low + R"(],"max":[)" + high + "]");
+    layer("NORMAL", p.normals, 3, "");
+    layer("TEXCOORD_0", p.uvs, 2, "");
+    layer("TANGENT", p.tangents, 4, "");
+    const std::size_t indices =
+        accessor(p.indices.data(), p.indices.size() * 4, p.indices.size(), 5125, "SCALAR", "");
+    meshes_ += comma + R"({"name":)" + json_quoted(p.name) + R"(,"primitives":[{"attributes":{)" +
+               attributes + R"(},"indices":)" + std::to_string(indices) +
+               (p.more.empty() ? "" : "," + p.more) + "}]}";
+    nodes_ += comma + R"({"mesh":)" + number + (p.node.empty() ? "" : "," + p.node) + "}";
+    roots_ += comma + number;
+    ++count_;
+}
+
+std::string GltfText::text(const std::string& more) const {
+    return R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[)" + roots_ +
+           R"(]}],"nodes":[)" + nodes_ + R"(],"meshes":[)" + meshes_ + R"(],"accessors":[)" +
+           accessors_ + R"(],"bufferViews":[)" + views_ + R"(],"buffers":[)" + buffers_ + "]" +
+           (more.empty() ? "" : "," + more) + "}";
 }
 
 namespace {

@@ -1,6 +1,7 @@
 // Runs the built command as a process of its own, and small files for it to work on.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -19,6 +20,9 @@ struct Ran {
 Ran run_command(const std::vector<std::string>& arguments);
 std::filesystem::path command_path();
 Ran run_program(const std::filesystem::path& program, const std::vector<std::string>& arguments);
+// The same command inside this process: no start, no loading of libraries. For tests that run it
+// many times and care for what it says and writes, not for the process.
+Ran run_here(const std::vector<std::string>& arguments);
 
 // A new empty directory, removed with all it holds at the end.
 class TemporaryDirectory {
@@ -37,6 +41,34 @@ class TemporaryDirectory {
 
 void write_text(const std::filesystem::path& path, const std::string& text);
 std::string read_text(const std::filesystem::path& path);
+
+// A glTF file as text, its numbers in it: one mesh after the other, each of one primitive, under a
+// node of its own. Written anew from the specification, so that it depends on no writer.
+class GltfText {
+  public:
+    struct Primitive {
+        std::string name;
+        std::vector<float> positions;  // three a vertex
+        std::vector<float> normals, uvs, tangents;
+        std::vector<std::uint32_t> indices;
+        std::string more;  // further members of the primitive: "\"material\":0"
+        std::string node;  // further members of its node: "\"translation\":[1,0,0]"
+    };
+    void add(const Primitive& primitive);
+    // `more`: further members of the document.
+    std::string text(const std::string& more = "") const;
+
+  private:
+    std::size_t accessor(const void* bytes, std::size_t size, std::size_t count, int type,
+                         const std::string& kind, const std::string& more);
+    std::string buffers_, views_, accessors_, meshes_, nodes_, roots_;
+    std::size_t count_ = 0, accessor_count_ = 0;
+};
+
+// Bytes as base64 (RFC 4648).
+std::string base64_of(const std::string& bytes);
+// Text as it stands in a JSON string.
+std::string json_quoted(const std::string& text);
 
 // OBJ text: a unit cube of quads; the same with a UV square on every face; a UV sphere.
 std::string cube_obj();
