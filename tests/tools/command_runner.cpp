@@ -126,6 +126,12 @@ std::size_t GltfText::accessor(const void* bytes, std::size_t size, std::size_t 
     return accessor_count_++;
 }
 
+std::size_t GltfText::add_scalars(const std::vector<float>& values) {
+    return accessor(values.data(), values.size() * 4, values.size(), 5126, "SCALAR",
+                    R"(,"min":[)" + nlohmann::json(values.front()).dump() + R"(],"max":[)" +
+                        nlohmann::json(values.back()).dump() + "]");
+}
+
 void GltfText::add(const Primitive& p) {
     const std::string comma = count_ > 0 ? "," : "", number = std::to_string(count_);
     std::string low, high;

@@ -55,6 +55,7 @@ class GltfText {
         std::string node;  // further members of its node: "\"translation\":[1,0,0]"
     };
     void add(const Primitive& primitive);
+    std::size_t add_scalars(const std::vector<float>& values);  // the number of their accessor
     // `more`: further members of the document.
     std::string text(const std::string& more = "") const;
 
