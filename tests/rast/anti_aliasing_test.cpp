@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "builders.h"
+#include "oracles.h"
 
 namespace {
 
@@ -185,6 +186,68 @@ TEST(ExactAreas, TrianglesAcrossTheNearPlaneKeepWhatIsInFront) {
                 EXPECT_NEAR(covered, y > 16 ? 1 : 0, 1e-6) << x << " " << y;
             }
         }
+}
+
+// Where the near plane cuts a triangle, its depth there is the near plane's: a floor and a ramp,
+// both from behind the eye to far away, meet where rays say.
+TEST(ExactAreas, SurfacesThatTheNearPlaneCutsMeetWhereRaysSay) {
+    // Of two corners behind the eye, and of one; heights over the ground by x and z.
+    const glm::dvec3 ground[3] = {{-40, -1, 12}, {40, -1, 12}, {0, -1, -60}};
+    const glm::dvec3 ramp[3] = {{-25, 6, -40}, {30, -14, -35}, {3, -1.25, 20}};
+    prep::VertexMesh mesh;
+    for (const auto* corners : {ground, ramp})
+        for (int k = 0; k < 3; ++k) mesh.positions.push_back(glm::vec3(corners[k]));
+    mesh.colors = {{}};
+    for (int k = 0; k < 6; ++k)
+        mesh.colors[0].push_back(k < 3 ? glm::vec4(1, 0, 0, 1) : glm::vec4(0, 1, 0, 1));
+    mesh.indices = {0, 1, 2, 3, 4, 5};
+    prep::Material material = white();
+    material.unlit = material.double_sided = true;
+    for (const bool perspective : {true, false}) {
+        rast::RenderRequest request;
+        request.width = 64;
+        request.height = 48;
+        request.coverage = Coverage::area;
+        request.view = test::look_at({0, 0.25, 2}, {0, -0.75, -3}, 1.2, 0.75);
+        request.view->perspective = perspective;
+        request.view->half_height = 2;
+        request.view->zfar = perspective ? 0 : 100;
+        const rast::Frame frame = test::draw(test::scene_of(mesh, material), request);
+        // What a ray meets first beyond the near plane: 0 nothing, 1 the ground, 2 the ramp; −1
+        // where both are close, so that a corner's snapping decides.
+        const auto seen = [&](double x, double y) {
+            const test::Ray ray = test::ray_at(*request.view, frame.width, frame.height, x, y);
+            double nearest = 1e300;
+            int what = 0;
+            for (int which = 1; which <= 2; ++which) {
+                const glm::dvec3* const p = which == 1 ? ground : ramp;
+                const glm::dvec3 n = glm::cross(p[1] - p[0], p[2] - p[0]);
+                const double t = glm::dot(p[0] - ray.from, n) / glm::dot(ray.direction, n);
+                const glm::dvec3 w = test::weights_at(ray, p);
+                if (t < 0.75 || std::min({w.x, w.y, w.z}) < 0) continue;
+                if (std::abs(t - nearest) < 0.03 * t) return -1;
+                if (t >= nearest) continue;
+                nearest = t;
+                what = which;
+            }
+            return what;
+        };
+        int found[3] = {};
+        for (std::uint32_t y = 0; y < frame.height; ++y)
+            for (std::uint32_t x = 0; x < frame.width; ++x) {
+                const int what = seen(x + 0.5, y + 0.5);
+                bool whole = what >= 0;
+                for (const double dx : {0.0, 0.5, 1.0})
+                    for (const double dy : {0.0, 0.5, 1.0})
+                        whole = whole && seen(x + dx, y + dy) == what;
+                if (!whole) continue;
+                const glm::vec4 expected(what == 1, what == 2, 0, what > 0);
+                ASSERT_LT(glm::distance(frame.color[y * frame.width + x], expected), 1e-5)
+                    << x << " " << y << " " << what;
+                ++found[what];
+            }
+        for (const int count : found) EXPECT_GT(count, 100);
+    }
 }
 
 TEST(ExactAreas, BrokenAndHugeCornersAddNothingOrTheirPart) {

@@ -218,12 +218,14 @@ TEST_P(TextureInstructions, ReadWhatOneTextureReadsThroughEveryFootprint) {
     const prep::ImageRef image = noise(37, 23, 4, GetParam());
     constexpr float half = 1, step = 2 * half / 31;
     for (const TextureFilter filter :
-         {TextureFilter::trilinear, TextureFilter::anisotropic, TextureFilter::ripmap,
-          TextureFilter::ewa, TextureFilter::bicubic})
+         {TextureFilter::by_sampler, TextureFilter::nearest_mip, TextureFilter::trilinear,
+          TextureFilter::anisotropic, TextureFilter::ripmap, TextureFilter::ewa,
+          TextureFilter::bicubic})
         for (int n = 0; n < 24; ++n) {
             prep::Material material;
             material.diffuse = glm::vec4(1);
             prep::PreparedScene scene = textured_square(image, n % 16, material);
+            scene.scene.textures[0].mag = prep::Filter::nearest;  // as no filter has it
             // From a fifth of a texel to twelve texels a pixel, along axes that are turned.
             const auto length = [&] { return std::exp2(6 * unit(random) - 2.3f) / 30 / step; };
             const float along = length(), across = n % 6 == 5 ? 0 : length();
