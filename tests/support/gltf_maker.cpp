@@ -1,5 +1,7 @@
 #include "gltf_maker.h"
 
+#include <draco/compression/encode.h>
+#include <draco/mesh/triangle_soup_mesh_builder.h>
 #include <meshoptimizer.h>
 
 #include <cstring>
@@ -13,6 +15,55 @@ std::size_t width_of(const std::string& type) {
     if (type == "VEC3") return 3;
     if (type == "MAT3") return 9;
     return type == "MAT4" ? 16 : 4;
+}
+
+draco::DataType draco_type(int component_type) {
+    switch (component_type) {
+        case 5120:
+            return draco::DT_INT8;
+        case 5121:
+            return draco::DT_UINT8;
+        case 5122:
+            return draco::DT_INT16;
+        case 5123:
+            return draco::DT_UINT16;
+        case 5125:
+            return draco::DT_UINT32;
+        default:
+            return draco::DT_FLOAT32;
+    }
+}
+
+draco::GeometryAttribute::Type draco_semantic(const std::string& semantic) {
+    if (semantic == "POSITION") return draco::GeometryAttribute::POSITION;
+    if (semantic == "NORMAL") return draco::GeometryAttribute::NORMAL;
+    if (semantic.starts_with("TEXCOORD")) return draco::GeometryAttribute::TEX_COORD;
+    if (semantic.starts_with("COLOR")) return draco::GeometryAttribute::COLOR;
+    return draco::GeometryAttribute::GENERIC;
+}
+
+template <class T>
+std::vector<std::byte> as_bytes_of(const std::vector<double>& values) {
+    const std::vector<T> typed(values.begin(), values.end());
+    const auto bytes = std::as_bytes(std::span(typed));
+    return {bytes.begin(), bytes.end()};
+}
+
+std::vector<std::byte> as_bytes_of(const std::vector<double>& values, int component_type) {
+    switch (component_type) {
+        case 5120:
+            return as_bytes_of<std::int8_t>(values);
+        case 5121:
+            return as_bytes_of<std::uint8_t>(values);
+        case 5122:
+            return as_bytes_of<std::int16_t>(values);
+        case 5123:
+            return as_bytes_of<std::uint16_t>(values);
+        case 5125:
+            return as_bytes_of<std::uint32_t>(values);
+        default:
+            return as_bytes_of<float>(values);
+    }
 }
 
 void append(std::string& to, std::uint32_t value) {
@@ -73,6 +124,48 @@ std::size_t GltfMaker::meshopt_view(const std::string& mode, const std::string& 
     if (mode == "ATTRIBUTES") view["byteStride"] = stride;
     decompressed_ += (bytes.size() + 3) / 4 * 4;
     return push("bufferViews", std::move(view));
+}
+
+GltfMaker::Json GltfMaker::draco_primitive(const std::vector<DracoAttribute>& attributes) {
+    static const char* const types[] = {"", "SCALAR", "VEC2", "VEC3", "VEC4"};
+    const std::size_t corners = attributes[0].corners.size() / std::size_t(attributes[0].width);
+    draco::TriangleSoupMeshBuilder builder;
+    builder.Start(int(corners / 3));
+    std::vector<int> ids;
+    for (const DracoAttribute& a : attributes) {
+        ids.push_back(builder.AddAttribute(draco_semantic(a.semantic), std::int8_t(a.width),
+                                           draco_type(a.component_type)));
+        const std::vector<std::byte> bytes = as_bytes_of(a.corners, a.component_type);
+        const std::size_t size = bytes.size() / corners;
+        for (std::size_t f = 0; f < corners / 3; ++f)
+            builder.SetAttributeValuesForFace(ids.back(), draco::FaceIndex(std::uint32_t(f)),
+                                              &bytes[3 * f * size], &bytes[(3 * f + 1) * size],
+                                              &bytes[(3 * f + 2) * size]);
+    }
+    const std::unique_ptr<draco::Mesh> mesh = builder.Finalize();
+    draco::Encoder encoder;
+    draco::EncoderBuffer buffer;
+    if (!mesh || !encoder.EncodeMeshToBuffer(*mesh, &buffer).ok()) return {};
+    const std::size_t data = view(std::as_bytes(std::span(buffer.data(), buffer.size())));
+
+    Json compressed{{"bufferView", data}}, primitive;
+    for (std::size_t a = 0; a < attributes.size(); ++a) {
+        const DracoAttribute& in = attributes[a];
+        Json accessor{{"componentType", in.component_type},
+                      {"count", mesh->num_points()},
+                      {"type", types[in.width]}};
+        if (in.normalized) accessor["normalized"] = true;
+        primitive["attributes"][in.semantic] = push("accessors", std::move(accessor));
+        compressed["attributes"][in.semantic] = mesh->attribute(ids[a])->unique_id();
+    }
+    primitive["indices"] =
+        push("accessors", {{"componentType", 5125}, {"count", corners}, {"type", "SCALAR"}});
+    primitive["extensions"]["KHR_draco_mesh_compression"] = std::move(compressed);
+    if (!json.contains("extensionsRequired")) {
+        json["extensionsUsed"] = {"KHR_draco_mesh_compression"};
+        json["extensionsRequired"] = {"KHR_draco_mesh_compression"};
+    }
+    return primitive;
 }
 
 std::size_t GltfMaker::typed_accessor(std::span<const std::byte> bytes, std::size_t component,

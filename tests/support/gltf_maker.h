@@ -51,6 +51,16 @@ class GltfMaker {
                               type, normalized);
     }
 
+    // A primitive of triangles in KHR_draco_mesh_compression. Values are by corner, three corners
+    // to a triangle; equal corners become one vertex, and vertices share equal values. Lossless.
+    struct DracoAttribute {
+        std::string semantic;
+        int component_type = 5126, width = 3;
+        bool normalized = false;
+        std::vector<double> corners;
+    };
+    Json draco_primitive(const std::vector<DracoAttribute>& attributes);
+
     // A mesh of these primitives, and a node of the scene that has it.
     std::size_t mesh(Json primitives);
     // A node that is a root of the scene.
