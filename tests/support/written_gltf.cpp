@@ -170,11 +170,14 @@ std::string GltfFile::view_bytes(std::size_t view) const {
 }
 
 GltfValues GltfFile::accessor(std::size_t index) const {
+    return decoded(index, json.at("accessors").at(index).value("normalized", false));
+}
+
+GltfValues GltfFile::decoded(std::size_t index, bool normalized) const {
     const Json& a = json.at("accessors").at(index);
     GltfValues out;
     out.type = a.at("type");
     out.component_type = a.at("componentType");
-    const bool normalized = a.value("normalized", false);
     const std::size_t count = a.at("count"), size = bytes_of_type(out.component_type);
     const Shape shape = shape_of(out.type);
     out.width = shape.columns * shape.rows;
@@ -276,9 +279,7 @@ std::string GltfFile::accessor_fault(std::size_t index) const {
         if (!a.contains(key)) continue;
         if (a[key].size() != all.width) return name + ": size of " + key;
         // Bounds are those of the stored numbers.
-        GltfFile plain = *this;
-        plain.json["accessors"][index].erase("normalized");
-        const GltfValues stored = plain.accessor(index);
+        const GltfValues stored = decoded(index, false);
         for (std::size_t k = 0; k < all.width; ++k) {
             double bound = stored.values[k];
             for (std::size_t i = 0; i < stored.count(); ++i) {
@@ -381,6 +382,14 @@ class Comparison {
         };
         accessors("skins", nullptr, {"inverseBindMatrices"});
         accessors("animations", "samplers", {"input", "output"});
+        const auto instances = "/extensions/EXT_mesh_gpu_instancing/attributes"_json_pointer;
+        for (std::size_t i = 0; i < size(a_.json, "nodes"); ++i) {
+            where_ = "node " + std::to_string(i) + ": ";
+            const Json x = a_.json["nodes"][i].value(instances, Json::object());
+            for (const auto& item : x.items())
+                same_accessor(x, b_.json.at("nodes").at(i).at(instances), item.key());
+        }
+        where_.clear();
         for (std::size_t i = 0; i < size(a_.json, "images"); ++i)
             if (a_.json["images"][i].contains("bufferView") &&
                 a_.view_bytes(a_.json["images"][i]["bufferView"]) !=

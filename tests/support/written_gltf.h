@@ -53,6 +53,7 @@ class GltfFile {
     std::string fault() const;
 
   private:
+    GltfValues decoded(std::size_t index, bool normalized) const;
     std::string primitive_fault(const Json& primitive) const;
     std::string accessor_fault(std::size_t index) const;
 };
