@@ -450,12 +450,14 @@ class Reader {
         for (std::size_t s = 0; s < list->size(); ++s)
             if (auto done = scene_nodes((*list)[s], "/scenes/" + std::to_string(s)); !done)
                 return done;
-        if (list->empty()) return {};
-        const Json& scene = (*list)[*chosen == no_index ? 0 : *chosen];
         constexpr std::uint8_t unknown = 0, hidden = 1, shown = 2;
-        std::vector<std::uint8_t> state(scene_.nodes.size(), unknown);
-        if (scene.contains("nodes"))
-            for (const Json& n : scene["nodes"]) state[n.get<std::size_t>()] = shown;
+        // Without any scene, all nodes are.
+        std::vector<std::uint8_t> state(scene_.nodes.size(), list->empty() ? shown : unknown);
+        if (!list->empty()) {
+            const Json& scene = (*list)[*chosen == no_index ? 0 : *chosen];
+            if (scene.contains("nodes"))
+                for (const Json& n : scene["nodes"]) state[n.get<std::size_t>()] = shown;
+        }
         std::vector<Index> path;  // each node is walked over once, however deep the tree
         for (Index n = 0; n < scene_.nodes.size(); ++n) {
             Index k = n;
