@@ -19,8 +19,8 @@
 namespace prep {
 
 struct RepairOptions {
-    // Vertices nearer than this to an earlier one that is kept become that one (greedy, by vertex
-    // number); in the unit of the positions, 0: equal positions only.
+    // Vertices no farther than this from an earlier one that is kept become that one (greedy, by
+    // vertex number); in the unit of the positions, 0: equal positions only.
     std::optional<double> weld_tolerance;
     // Corners that repeat their neighbour's point go; faces left with fewer than three points or
     // with an area of exactly zero go. A zero-area triangle whose middle vertex lies on the edge of
