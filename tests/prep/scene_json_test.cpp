@@ -120,6 +120,63 @@ TEST(SceneJson, SaysWhereAndWhatIsNotJson) {
     expect({R"({"asset": {"version": "2.0"}})", ErrorCode::invalid, "#", "not a meshprep scene"});
 }
 
+TEST(SceneJson, SaysTheLineAndColumnOfEveryKindOfComplaint) {
+    expect({"{\"meshprep\": 1,\n\n  \"a\": {\"x\": 1,\n \"x\": 2}}", ErrorCode::syntax, ":4:4",
+            "the key 'x' is given twice"});
+    expect({"{\"a\": {\"x\": 1}, \"b\": {\"x\": 1}} x", ErrorCode::syntax, ":1:32", ""});
+    const auto nested = [](std::size_t depth) {
+        return "{\"comment\": " + std::string(depth, '[') + std::string(depth, ']') + "}";
+    };
+    // 64 levels, the outer object among them.
+    EXPECT_EQ(parse(nested(63)).error().code, ErrorCode::invalid);
+    const auto deep = parse(nested(64));
+    ASSERT_FALSE(deep.has_value());
+    EXPECT_EQ(deep.error().code, ErrorCode::syntax);
+    EXPECT_EQ(deep.error().place, "nowhere/s.json:1:76");
+    EXPECT_NE(deep.error().text.find("deeper than 64 levels"), std::string::npos);
+}
+
+TEST(SceneJson, BoundsAreInclusiveAndFiguresAreFinite) {
+    const auto material = [](const std::string& rest) {
+        return with(R"("materials": {"m": {)" + rest + "}}");
+    };
+    const auto fine = [&](const std::string& rest) {
+        const auto scene = parse(material(rest));
+        EXPECT_TRUE(scene.has_value()) << to_string(scene.error());
+    };
+    const auto refuse = [&](const std::string& rest, const char* place, const char* says) {
+        const std::string text = material(rest);
+        expect({text.c_str(), ErrorCode::invalid, place, says});
+    };
+    fine(R"("opacity": 0)");
+    fine(R"("opacity": 1)");
+    refuse(R"("opacity": -0.001)", "#/materials/m/opacity", "from 0 to 1, found -0.001");
+    refuse(R"("opacity": 1.001)", "#/materials/m/opacity", "from 0 to 1, found 1.001");
+    refuse(R"("opacity": null)", "#/materials/m/opacity", "found null");
+    refuse(R"("opacity": [1, 2])", "#/materials/m/opacity", "found an array of 2");
+    refuse(R"("opacity": {})", "#/materials/m/opacity", "found an object");
+    refuse(R"("emissive": [1, 2])", "#/materials/m/emissive", "");
+    refuse(R"("emissive": [1, 2, 3, 4])", "#/materials/m/emissive", "");
+    refuse(R"("emissive": [1, 2, "3"])", "#/materials/m/emissive/2", "");
+    refuse(R"("unlit": 1)", "#/materials/m/unlit", "true or false");
+    refuse(R"("normal_map": "")", "#/materials/m/normal_map", "an empty one");
+    refuse(R"("normal_map": ")" + std::string(41, 'x') + "\"", "#/materials/m/normal_map", "");
+}
+
+TEST(SceneJson, NumbersTooLargeForAFloatAreRefused) {
+    const auto refuse = [](const std::string& rest, const char* place, const char* says) {
+        const std::string text = with(rest);
+        expect({text.c_str(), ErrorCode::invalid, place, says});
+    };
+    refuse(R"("nodes": [{"mesh": "a", "translate": [0, 1e39, 0]}])", "#/nodes/0/translate/1",
+           "too large");
+    refuse(R"("nodes": [{"mesh": "a", "translate": [0, 0]}])", "#/nodes/0/translate",
+           "3 numbers, found an array of 2");
+    refuse(R"("nodes": [{"mesh": "a", "translate": [0, 0, 0, 0]}])", "#/nodes/0/translate",
+           "3 numbers, found an array of 4");
+    refuse(R"("nodes": [{"mesh": 1}])", "#/nodes/0/mesh", "expected a string, found 1");
+}
+
 TEST(SceneJson, SaysWhereAndWhatContradictsTheFormat) {
     expect({R"({"meshprep": 2, "meshes": {"a": {"shape": {"kind": "box"}}}})",
             ErrorCode::unsupported, "#/meshprep", "version 2"});

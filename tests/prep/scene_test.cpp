@@ -60,4 +60,32 @@ TEST(WorldTransforms, ParentsComeFirstWhateverTheOrder) {
     EXPECT_EQ(world[2][3], glm::dvec4(0, 20, 100, 1));
 }
 
+TEST(BlinnPhong, ExponentIsThatOfTheMicrofacetsWidthUpToItsLimit) {
+    for (const double roughness : {0.2, 0.3, 0.5, 0.7, 0.9}) {
+        const double alpha = roughness * roughness, expected = 2 / (alpha * alpha) - 2;
+        EXPECT_NEAR(double(blinn_phong(glm::vec3(1), 0, float(roughness)).shininess), expected,
+                    1e-5 * expected + 1e-5);
+    }
+    // α is at least 0.02: 2/0.0004 − 2
+    EXPECT_NEAR(double(blinn_phong(glm::vec3(1), 0, 0.1f).shininess), 4998, 0.01);
+    EXPECT_NEAR(double(blinn_phong(glm::vec3(1), 0, 0.0f).shininess), 4998, 0.01);
+}
+
+TEST(Scenes, MeshesThatNoNodeShowsGetOneEach) {
+    prep::Scene scene;
+    scene.meshes.resize(3);
+    scene.meshes[0].name = "first";
+    scene.meshes[2].name = "third";
+    scene.nodes.resize(2);
+    scene.nodes[1].mesh = 1;
+    prep::instance_unused_meshes(scene);
+    ASSERT_EQ(scene.nodes.size(), 4u);
+    EXPECT_EQ(scene.nodes[0].mesh, prep::no_index);
+    EXPECT_EQ(scene.nodes[1].mesh, 1u);
+    EXPECT_EQ(scene.nodes[2].mesh, 0u);
+    EXPECT_EQ(scene.nodes[2].name, "first");
+    EXPECT_EQ(scene.nodes[3].mesh, 2u);
+    EXPECT_EQ(scene.nodes[3].name, "third");
+}
+
 }  // namespace
