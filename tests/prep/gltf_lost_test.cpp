@@ -1,0 +1,126 @@
+// glTF files written in formats that hold less: what is kept has its values, what is not is told.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <sstream>
+
+#include "gltf_source.h"
+#include "mesh_files.h"
+#include "prep/io.h"
+#include "prep/save.h"
+
+namespace {
+
+using Json = test::GltfSource::Json;
+using Notes = std::vector<std::string>;
+
+// A triangle on a node that turns x → y → −x, doubles and moves by (10, 20, 30); beside it whatever
+// other formats do not hold.
+test::GltfSource rich() {
+    test::GltfSource d;
+    const std::size_t positions = d.add_positions(std::vector<float>{0, 0, 0, 1, 0, 0, 0, 1, 0});
+    Json attributes{{"POSITION", positions},
+                    {"NORMAL", d.add_floats("VEC3", {1, 0, 0, 0, 1, 0, 0, 0, 1})},
+                    {"TEXCOORD_0", d.add_floats("VEC2", {0, 0.25f, 1, 0.5f, 0, 1})},
+                    {"_PAIN", d.add_floats("SCALAR", {1, 2, 3})},
+                    {"JOINTS_0", d.add("VEC4", std::vector<std::uint8_t>(12, 0))},
+                    {"WEIGHTS_0", d.add_floats("VEC4", {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0})}};
+    Json points = attributes;
+    points.erase("JOINTS_0");
+    points.erase("WEIGHTS_0");
+    points.erase("_PAIN");
+    points.erase("TEXCOORD_0");
+    const Json target{{"POSITION", positions}};
+    d.json["meshes"] = {{{"primitives",
+                          {{{"attributes", attributes}, {"targets", {target, target}}},
+                           {{"attributes", points}, {"mode", 0}, {"targets", {target, target}}}}}}};
+    d.json["nodes"] = {
+        {{"mesh", 0}, {"matrix", {0, 2, 0, 0, -2, 0, 0, 0, 0, 0, 2, 0, 10, 20, 30, 1}}},
+        {{"name", "bone"}, {"skin", 0}, {"mesh", 0}}};
+    d.json["skins"] = {{{"joints", {1}}}};
+    const std::size_t times = d.add_floats("SCALAR", {0, 1});
+    d.json["animations"] = {
+        {{"channels", {{{"sampler", 0}, {"target", {{"node", 1}, {"path", "translation"}}}}}},
+         {"samplers", {{{"input", times}, {"output", d.add_floats("VEC3", {0, 0, 0, 1, 1, 1})}}}}}};
+    d.json["animations"].push_back(d.json["animations"][0]);
+    return d;
+}
+
+Notes notes_of(test::GltfSource d, const std::string& name, std::string* text = nullptr) {
+    const test::TempDir dir;
+    d.write(dir / "in.glb");
+    auto scene = prep::load_scene(dir / "in.glb");
+    EXPECT_TRUE(scene.has_value()) << prep::to_string(scene.error());
+    if (!scene) return {};
+    const auto notes = prep::save_scene(test::untouched(*std::move(scene)), dir / name);
+    EXPECT_TRUE(notes.has_value()) << prep::to_string(notes.error());
+    if (text) *text = test::file_text(dir / name);
+    return notes ? *notes : Notes{};
+}
+
+bool told(const Notes& notes, const std::string& note) {
+    return std::count(notes.begin(), notes.end(), note) == 1;
+}
+
+TEST(GltfLost, OtherFormatsTellWhatTheyDoNotHold) {
+    for (const auto& [ending, format] : std::vector<std::pair<std::string, std::string>>{
+             {"ply", "PLY"}, {"stl", "STL"}, {"off", "OFF"}, {"obj", "OBJ"}, {"OBJ", "OBJ"}}) {
+        const Notes notes = notes_of(rich(), "out." + ending);
+        EXPECT_TRUE(told(notes,
+                         "normals and UVs of lines and points are kept in glTF files only: "
+                         "those of 1 primitive were left out"))
+            << ending;
+        EXPECT_TRUE(told(notes, format + " holds no attributes of other names: _PAIN left out"));
+        EXPECT_TRUE(told(notes, format + " holds no morph targets: 2 left out")) << ending;
+        EXPECT_TRUE(told(notes, format + " holds no animations: 2 left out")) << ending;
+        EXPECT_TRUE(told(notes, format == "OBJ" ? "OBJ holds no cameras, lights or skins: left out"
+                                                : format + " holds no skins: left out"))
+            << ending;
+        EXPECT_FALSE(told(notes, "OBJ holds no skins: left out"));
+    }
+}
+
+TEST(GltfLost, NothingIsToldOfWhatIsNotThere) {
+    test::GltfSource d;
+    d.json["meshes"] = {
+        {{"primitives",
+          {{{"attributes",
+             {{"POSITION", d.add_positions(std::vector<float>{0, 0, 0, 1, 0, 0, 0, 1, 0})}}}},
+           {{"attributes",
+             {{"POSITION", d.add_positions(std::vector<float>{0, 0, 0, 1, 0, 0, 0, 1, 0})}}},
+            {"mode", 0}}}}}};
+    d.json["nodes"] = {{{"mesh", 0}}};
+    EXPECT_EQ(notes_of(d, "out.obj"), Notes{});
+}
+
+TEST(GltfLost, ObjHasThePlacesNormalsAndUvsOfItsNodes) {
+    test::GltfSource d = rich();
+    d.json["nodes"].erase(1);
+    for (const char* key : {"skins", "animations"}) d.json.erase(key);
+    d.json["meshes"][0]["primitives"].erase(1);
+    d.json["meshes"][0]["primitives"][0]["attributes"].erase("JOINTS_0");
+    d.json["meshes"][0]["primitives"][0]["attributes"].erase("WEIGHTS_0");
+    std::string text;
+    notes_of(d, "out.obj", &text);
+    std::vector<std::vector<double>> v, vn, vt;
+    std::istringstream lines(text);
+    for (std::string line; std::getline(lines, line);) {
+        std::istringstream words(line);
+        std::string key;
+        words >> key;
+        std::vector<double> numbers;
+        for (double x; words >> x;) numbers.push_back(x);
+        if (key == "v") v.push_back(numbers);
+        if (key == "vn") vn.push_back(numbers);
+        if (key == "vt") vt.push_back(numbers);
+        if (key == "f") {
+            EXPECT_EQ(line, "f 1/1/1 2/2/2 3/3/3");
+        }
+    }
+    using Rows = std::vector<std::vector<double>>;
+    EXPECT_EQ(v, (Rows{{10, 20, 30}, {10, 22, 30}, {8, 20, 30}}));
+    EXPECT_EQ(vn, (Rows{{0, 1, 0}, {-1, 0, 0}, {0, 0, 1}}));
+    EXPECT_EQ(vt, (Rows{{0, 0.75}, {1, 0.5}, {0, 0}}));  // v counts from the bottom
+}
+
+}  // namespace
