@@ -16,8 +16,9 @@ using test::run_command;
 using test::TemporaryDirectory;
 using test::write_text;
 
-prep::Image load(const std::filesystem::path& path) {
-    auto image = prep::load_image(path);
+prep::Image load(const std::filesystem::path& path,
+                 prep::ImageChannels channels = prep::ImageChannels::color) {
+    auto image = prep::load_image(path, channels);
     EXPECT_TRUE(image) << to_string(image.error());
     return image ? *std::move(image) : prep::Image{};
 }
@@ -51,7 +52,8 @@ TEST(RenderBuffers, HoldWhatIsAtEachPixel) {
                                                      "a.normal.exr", "a.png", "a.position.exr",
                                                      "a.uv.exr", "square.obj"}));
     EXPECT_EQ(ran.json()["outputs"].size(), 7u);
-    const prep::Image depth = load(dir / "a.depth.exr"), id = load(dir / "a.id.exr"),
+    const prep::Image depth = load(dir / "a.depth.exr"),
+                      id = load(dir / "a.id.exr", prep::ImageChannels::all),
                       normal = load(dir / "a.normal.exr"), uv = load(dir / "a.uv.exr"),
                       barycentric = load(dir / "a.barycentric.exr"),
                       position = load(dir / "a.position.exr");
@@ -61,6 +63,7 @@ TEST(RenderBuffers, HoldWhatIsAtEachPixel) {
     ASSERT_EQ(uv.channels, 2u);
     ASSERT_EQ(barycentric.channels, 3u);
     ASSERT_EQ(position.channels, 3u);
+    int triangles[2] = {0, 0};
     for (std::uint32_t y = 0; y < 32; ++y)
         for (std::uint32_t x = 0; x < 32; ++x) {
             SCOPED_TRACE(std::to_string(x) + " " + std::to_string(y));
@@ -69,15 +72,18 @@ TEST(RenderBuffers, HoldWhatIsAtEachPixel) {
             if (!inside) {
                 EXPECT_TRUE(std::isinf(depth.at(x, y)[0]));
                 EXPECT_EQ(depth.at(x, y)[1], 0.0f);
-                EXPECT_EQ(id.at(x, y)[0], 1.0f);  // 2^32 − 1 of 2^32 − 1
+                EXPECT_EQ(id.integers[2 * (32 * y + x)], 0xffffffffu);
+                EXPECT_EQ(id.integers[2 * (32 * y + x) + 1], 0xffffffffu);
                 EXPECT_EQ(normal.at(x, y)[2], 0.0f);
                 EXPECT_EQ(position.at(x, y)[0], 0.0f);
                 continue;
             }
             EXPECT_NEAR(depth.at(x, y)[0], 5, 1e-5);
             EXPECT_GT(depth.at(x, y)[1], 0.0f);
-            EXPECT_LT(id.at(x, y)[0], 1e-8f);
-            EXPECT_LT(id.at(x, y)[1], 1e-8f);
+            EXPECT_EQ(id.integers[2 * (32 * y + x)], 0u);
+            const std::uint32_t triangle = id.integers[2 * (32 * y + x) + 1];
+            EXPECT_LT(triangle, 2u);
+            ++triangles[triangle < 2 ? triangle : 0];
             EXPECT_EQ(normal.at(x, y)[2], 1.0f);
             const double wx = (x + 0.5) / 8 - 2, wy = 2 - (y + 0.5) / 8;
             EXPECT_NEAR(position.at(x, y)[0], wx, 1e-6);
@@ -89,13 +95,22 @@ TEST(RenderBuffers, HoldWhatIsAtEachPixel) {
             const float* b = barycentric.at(x, y);
             EXPECT_NEAR(b[0] + b[1] + b[2], 1, 1e-6);
         }
+    // Halves of 16 x 16 pixels, the diagonal's 16 to either of them.
+    EXPECT_EQ(triangles[0] + triangles[1], 256);
+    EXPECT_NEAR(triangles[0], 128, 8);
 
     // All of them in one file: the same values.
     std::vector<std::string> one = view;
     one.insert(one.end(), {"--buffers", "uv,position", "--buffer-file", (dir / "b.exr").string()});
     render(dir / "square.obj", dir / "b.png", one);
-    const prep::Image both = load(dir / "b.exr");
-    ASSERT_EQ(both.channels, 4u);  // of five: images are read up to four
+    const prep::Image both = load(dir / "b.exr", prep::ImageChannels::all);
+    EXPECT_EQ(both.channel_names, (std::vector<std::string>{"P.X", "P.Y", "P.Z", "UV.U", "UV.V"}));
+    ASSERT_EQ(both.channels, 5u);
+    for (std::uint32_t y = 0; y < 32; ++y)
+        for (std::uint32_t x = 0; x < 32; ++x) {
+            for (int k = 0; k < 3; ++k) ASSERT_EQ(both.at(x, y)[k], position.at(x, y)[k]);
+            for (int k = 0; k < 2; ++k) ASSERT_EQ(both.at(x, y)[3 + k], uv.at(x, y)[k]);
+        }
 }
 
 TEST(RenderBuffers, PerspectiveDistanceIsAlongTheView) {
