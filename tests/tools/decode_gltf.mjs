@@ -24,7 +24,7 @@
 //                         A property that is a texture is TEXTURE or null.
 //   lights[]              name, type, color[3], intensity, range (null: no limit), innerConeAngle,
 //                         outerConeAngle
-//   cameras[]             name, type, yfov, aspectRatio, xmag, ymag, znear, zfar
+//   cameras[]             name, type, yfov, aspectRatio, xmag, ymag, znear, zfar (null: infinite)
 //   images[]              name, uri, mimeType, bytes (their number), hash (FNV-1a, 32 bits)
 //   extensionsUsed[], extensionsRequired[]
 //
@@ -43,7 +43,7 @@ import { pathToFileURL } from 'node:url';
 const [, , folder, listFile] = process.argv;
 const nodeModules = resolve(folder);
 const require = createRequire(join(nodeModules, 'none.js'));
-const { NodeIO, Texture, TextureInfo, Verbosity, Logger } = require('@gltf-transform/core');
+const { NodeIO, Texture, Verbosity, Logger } = require('@gltf-transform/core');
 const { ALL_EXTENSIONS } = require('@gltf-transform/extensions');
 
 const { MeshoptDecoder } = await import(pathToFileURL(join(nodeModules, 'meshoptimizer', 'meshopt_decoder.mjs')));
@@ -141,10 +141,9 @@ class Decoded {
   properties(object) {
     const out = {};
     for (const getter of Object.getOwnPropertyNames(Object.getPrototypeOf(object))) {
-      if (!/^get[A-Z]/.test(getter) || object[getter].length > 0) continue;
+      if (!/^get[A-Z]/.test(getter) || /^getDefaults$|TextureInfo$/.test(getter) || object[getter].length > 0) continue;
       const key = getter[3].toLowerCase() + getter.slice(4);
       const value = object[getter]();
-      if (value instanceof TextureInfo) continue;
       if (value instanceof Texture) out[key] = this.texture(value, object[getter + 'Info']?.());
       else out[key] = typeof value === 'number' && !Number.isFinite(value) ? null : value;
     }
@@ -225,10 +224,11 @@ class Decoded {
         extensions: Object.fromEntries(m.listExtensions().map((e) => [e.extensionName, this.properties(e)])),
       })),
       lights: this.lights.map((l) => ({ name: l.getName(), ...this.properties(l) })),
-      cameras: root.listCameras().map((c) => ({
+      cameras: root.listCameras().map((c, i) => ({
         name: c.getName(), type: c.getType(), yfov: c.getYFov(), aspectRatio: c.getAspectRatio(),
         xmag: c.getXMag(), ymag: c.getYMag(), znear: c.getZNear(),
-        zfar: Number.isFinite(c.getZFar()) ? c.getZFar() : null,
+        // The package has 100 where the file says that it is infinite.
+        zfar: this.raw.cameras[i][c.getType()]?.zfar ?? null,
       })),
       images: root.listTextures().map((t) => ({
         name: t.getName(), uri: t.getURI(), mimeType: t.getMimeType(),
