@@ -121,4 +121,115 @@ TEST(Requirements, FaceWithoutMaterialIsLitByTheDefaultOne) {
               "faces without a material are lit by the default one");
 }
 
+// A second UV set, and none in the first.
+prep::Scene with_second_set_only() {
+    prep::Scene scene = textured_triangle();
+    prep::Mesh& mesh = scene.meshes[0];
+    mesh.uvs.insert(mesh.uvs.begin(), prep::CornerLayer<glm::vec2>());
+    return scene;
+}
+
+TEST(Requirements, AMapCallsForUvsWhereTheSetThatItSamplesExists) {
+    const std::pair<const char*, prep::TextureRef prep::Material::*> maps[] = {
+        {"diffuse map", &prep::Material::diffuse_map},
+        {"specular map", &prep::Material::specular_map},
+        {"emissive map", &prep::Material::emissive_map},
+        {"occlusion map", &prep::Material::occlusion_map},
+        {"normal map", &prep::Material::normal_map},
+        {"bump map", &prep::Material::bump_map},
+        {"displacement map", &prep::Material::displacement_map},
+        {"metallic-roughness map", &prep::Material::metallic_roughness_map}};
+    for (const auto& [name, map] : maps) {
+        for (const std::uint32_t set : {0u, 1u, 2u}) {
+            prep::Scene scene = with_second_set_only();
+            prep::TextureRef& ref = scene.materials[0].*map;
+            ref.texture = 0;
+            ref.uv_set = set;
+            const prep::Need uvs = prep::requirements(scene)[0].uvs;
+            EXPECT_EQ(uvs.needed, set == 1) << name << ", set " << set;
+            EXPECT_EQ(uvs.reason, set == 1 ? std::string("material 'brick' has a ") + name
+                                           : "no material in use samples a texture on this mesh");
+        }
+    }
+}
+
+TEST(Requirements, TangentsFollowTheSetOfTheFirstNormalMapThatHasOne) {
+    prep::Scene scene = with_second_set_only();
+    scene.materials.resize(3);
+    scene.meshes[0].face_materials = {2};
+    scene.meshes[0].variant_materials = {0, 1};
+    for (prep::Material& m : scene.materials) m.normal_map.texture = 0;
+    scene.materials[1].name = "plaster";
+    scene.materials[2].name = "tile";
+    scene.materials[2].normal_map.uv_set = 3;
+    scene.materials[0].normal_map.uv_set = 0;
+    scene.materials[1].normal_map.uv_set = 1;
+    auto r = prep::requirements(scene)[0];
+    EXPECT_TRUE(r.tangents.needed);
+    EXPECT_EQ(r.tangents.reason, "material 'plaster' has a tangent-space normal map");
+    EXPECT_EQ(r.tangent_uv_set, 1u);
+    EXPECT_FALSE(r.tangents.asked);
+    // Without it the first that lacks its set is named: the mesh's own before the variants'.
+    scene.materials[1].normal_map.uv_set = 2;
+    r = prep::requirements(scene)[0];
+    EXPECT_FALSE(r.tangents.needed);
+    EXPECT_EQ(r.tangents.reason, "material 'tile' has a normal map, but UV set 3 is missing");
+    // A material without a name is told by its number.
+    scene.materials[2].name.clear();
+    EXPECT_EQ(prep::requirements(scene)[0].tangents.reason,
+              "material 2 has a normal map, but UV set 3 is missing");
+}
+
+TEST(Requirements, AnUnlitMaterialsNormalMapCallsForNothing) {
+    prep::Scene scene = textured_triangle();
+    scene.materials[0].normal_map.texture = 0;
+    scene.materials[0].unlit = true;
+    const auto r = prep::requirements(scene)[0];
+    EXPECT_FALSE(r.tangents.needed);
+    EXPECT_EQ(r.tangents.reason, "no material in use has a tangent-space normal map");
+    EXPECT_FALSE(r.normals.needed);
+    EXPECT_EQ(r.normals.reason, "every material used is unlit");
+}
+
+TEST(Requirements, TheRequestDecidesBeforeTheMaterials) {
+    prep::Scene scene = textured_triangle();
+    scene.materials[0].unlit = true;
+    prep::Request request;
+    request.normals = prep::Request::Level::always;
+    auto r = prep::requirements(scene, request)[0];
+    EXPECT_TRUE(r.normals.needed);
+    EXPECT_EQ(r.normals.reason, "asked for by the request");
+    scene.materials[0].unlit = false;
+    scene.materials[0].normal_map.texture = 0;
+    request = {prep::Request::Level::never, prep::Request::Level::never};
+    r = prep::requirements(scene, request)[0];
+    EXPECT_FALSE(r.normals.needed || r.tangents.needed);
+    EXPECT_EQ(r.normals.reason, "switched off by the request");
+    EXPECT_EQ(r.tangents.reason, "switched off by the request");
+}
+
+TEST(Requirements, WhatIsAskedForIsAskedOnlyWhereItCanBeMade) {
+    prep::Scene scene = textured_triangle();
+    prep::Request request;
+    request.tangents = prep::Request::Level::always;
+    EXPECT_TRUE(prep::requirements(scene, request)[0].tangents.asked);
+    scene.meshes[0].uvs.clear();
+    EXPECT_FALSE(prep::requirements(scene, request)[0].tangents.asked);
+    EXPECT_FALSE(prep::requirements(textured_triangle())[0].tangents.asked);
+}
+
+TEST(Requirements, TangentsGoWithTheFilesNormalsWhereNoneAreComputed) {
+    prep::Scene scene = textured_triangle();
+    scene.materials[0].normal_map.texture = 0;
+    prep::Request request;
+    request.normals = prep::Request::Level::never;
+    EXPECT_EQ(prep::requirements(scene, request)[0].tangents.reason,
+              "tangents need normals, which are switched off");
+    EXPECT_FALSE(prep::requirements(scene, request)[0].tangents.needed);
+    scene.meshes[0].normals = {{{0, 0, 1}}, {0, 0, 0}};
+    const auto r = prep::requirements(scene, request)[0];
+    EXPECT_TRUE(r.tangents.needed);
+    EXPECT_EQ(r.normals.reason, "tangents need normals");
+}
+
 }  // namespace
