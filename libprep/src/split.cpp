@@ -7,6 +7,7 @@
 #include "corner_steps.h"
 #include "parallel.h"
 #include "prep/triangulate.h"
+#include "step_count.h"
 #include "vertex_corners.h"
 
 namespace prep {
@@ -168,6 +169,10 @@ class VertexSplitter {
     VertexSplitter(const Attributes& attributes, Block& block, std::vector<Index>& corner_out)
         : attributes_(attributes), block_(block), corner_out_(corner_out) {}
 
+    ~VertexSplitter() { detail::count_steps(steps_); }
+    VertexSplitter(const VertexSplitter&) = delete;
+    VertexSplitter& operator=(const VertexSplitter&) = delete;
+
     // `corner_out` gets numbers within the block.
     void split(Index v, std::span<const Index> corners) {
         first_copy_ = block_.first_corners.size();
@@ -190,8 +195,8 @@ class VertexSplitter {
     }
 
   private:
-    Index find(Index c) const {
-        for (std::size_t k = first_copy_; k < block_.first_corners.size(); ++k)
+    Index find(Index c) {
+        for (std::size_t k = first_copy_; k < block_.first_corners.size(); ++k, ++steps_)
             if (attributes_.same(block_.first_corners[k], c)) return Index(k);
         return no_index;
     }
@@ -200,7 +205,7 @@ class VertexSplitter {
             for (std::size_t k = first_copy_; k < block_.first_corners.size(); ++k)
                 by_hash_.emplace(attributes_.hash(block_.first_corners[k]), Index(k));
         const auto [begin, end] = by_hash_.equal_range(attributes_.hash(c));
-        for (auto it = begin; it != end; ++it)
+        for (auto it = begin; it != end; ++it, ++steps_)
             if (attributes_.same(block_.first_corners[it->second], c)) return it->second;
         return no_index;
     }
@@ -209,6 +214,7 @@ class VertexSplitter {
     Block& block_;
     std::vector<Index>& corner_out_;
     std::size_t first_copy_ = 0;
+    std::size_t steps_ = 0;  // comparisons of corners that differ
     std::unordered_multimap<std::uint64_t, Index> by_hash_;
 };
 

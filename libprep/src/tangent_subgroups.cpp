@@ -6,6 +6,7 @@
 #include <numbers>
 #include <unordered_map>
 
+#include "step_count.h"
 #include "tangent_math.h"
 
 namespace prep::detail {
@@ -95,6 +96,7 @@ bool SubgroupEvaluator::all_together() const {
 void SubgroupEvaluator::split_by_angle(std::vector<GroupFrame>& frames,
                                        std::vector<Index>& results) {
     const std::size_t n = members_.size();
+    count_steps(n * n);
     struct Known {
         Index member, frame;
     };
@@ -233,6 +235,7 @@ void SubgroupEvaluator::split_by_arcs(std::span<const Index> members,
         last_begin = begin.at;
         last_end = end.at;
     }
+    count_steps(members.size() + begin.at + end.at);
 }
 
 GroupFrame SubgroupEvaluator::sum(std::span<const Index> list) const {

@@ -5,6 +5,7 @@
 
 #include "corner_steps.h"
 #include "parallel.h"
+#include "step_count.h"
 #include "vertex_corners.h"
 
 namespace prep {
@@ -27,18 +28,24 @@ Index half_edge_of(std::uint64_t entry) {
     return Index(entry);
 }
 
-// A handful in nearly all cases.
-void sort_entries(std::vector<std::uint64_t>& entries) {
+// A handful in nearly all cases. Gives the number of comparisons.
+std::size_t sort_entries(std::vector<std::uint64_t>& entries) {
+    std::size_t steps = entries.size();
     if (entries.size() > 24) {
-        std::sort(entries.begin(), entries.end());
-        return;
+        std::sort(entries.begin(), entries.end(), [&](std::uint64_t a, std::uint64_t b) {
+            ++steps;
+            return a < b;
+        });
+        return steps;
     }
     for (std::size_t i = 1; i < entries.size(); ++i) {
         const std::uint64_t e = entries[i];
         std::size_t k = i;
         for (; k > 0 && entries[k - 1] > e; --k) entries[k] = entries[k - 1];
         entries[k] = e;
+        steps += i - k;
     }
+    return steps;
 }
 
 template <class Steps>
@@ -49,6 +56,7 @@ class Pairing {
 
     // Pairs the half-edges without an opposite whose lower end is in [begin, end).
     void run(const detail::VertexCorners& around, std::size_t begin, std::size_t end) {
+        std::size_t steps = 0;
         for (std::size_t v = begin; v < end; ++v) {
             entries_.clear();
             for (Index i = around.offsets[v]; i < around.offsets[v + 1]; ++i) {
@@ -57,7 +65,7 @@ class Pairing {
                 if (to > v && takes_part(c)) entries_.push_back(packed(to, c));
                 if (from > v && takes_part(before)) entries_.push_back(packed(from, before));
             }
-            sort_entries(entries_);
+            steps += sort_entries(entries_);
             for (std::size_t i = 0; i < entries_.size();) {
                 std::size_t k = i + 1;
                 while (k < entries_.size() && upper_of(entries_[k]) == upper_of(entries_[i])) ++k;
@@ -65,6 +73,7 @@ class Pairing {
                 i = k;
             }
         }
+        detail::count_steps(steps);
     }
 
   private:

@@ -7,6 +7,7 @@
 #include "corner_tree.h"
 #include "orient2d.h"
 #include "parallel.h"
+#include "step_count.h"
 
 namespace prep {
 namespace {
@@ -83,6 +84,7 @@ class EarClipper {
             looked_at_all = false;
         }
         emit(at);
+        detail::count_steps(work_);
     }
 
   private:

@@ -3,6 +3,7 @@
 
 #include "parallel.h"
 #include "prep/topology.h"
+#include "step_count.h"
 
 namespace prep {
 namespace {
@@ -40,6 +41,7 @@ void weld_part(std::span<const glm::vec3> positions, std::span<const Hashed> par
                std::vector<Index>& welded) {
     std::vector<Hashed> table(std::bit_ceil(part.size() * 2 + 2), {0, no_index});
     const std::size_t mask = table.size() - 1;
+    std::size_t steps = part.size();
     for (const Hashed& h : part) {
         const glm::vec3& p = positions[h.vertex];
         if (has_nan(p)) {
@@ -49,10 +51,11 @@ void weld_part(std::span<const glm::vec3> positions, std::span<const Hashed> par
         std::size_t slot = h.hash & mask;
         while (table[slot].vertex != no_index &&
                !(table[slot].hash == h.hash && positions[table[slot].vertex] == p))
-            slot = (slot + 1) & mask;
+            slot = (slot + 1) & mask, ++steps;
         if (table[slot].vertex == no_index) table[slot] = h;
         welded[h.vertex] = table[slot].vertex;
     }
+    detail::count_steps(steps);
 }
 
 }  // namespace
