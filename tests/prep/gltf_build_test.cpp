@@ -210,9 +210,10 @@ TEST(GltfBuild, WhatIsNotFiniteIsLeftOutAndTold) {
 
 TEST(GltfBuild, IndicesAreTheSmallestTypeThatHoldsThem) {
     // 65535 as a 16-bit index is primitive restart: the last vertex may be 65534.
-    for (const std::uint32_t vertices : {65535u, 65538u}) {
-        std::vector<std::uint32_t> corners(vertices);
-        for (std::uint32_t c = 0; c < vertices; ++c) corners[c] = c;
+    for (const std::uint32_t vertices : {65535u, 65536u}) {
+        std::vector<std::uint32_t> corners(65535);
+        for (std::uint32_t c = 0; c < 65535; ++c) corners[c] = c;
+        corners.insert(corners.end(), {0, 1, vertices - 1});
         const test::GltfFile file = saved(scene_of(mesh_of(corners, vertices))).file;
         const test::GltfValues indices = file.accessor(file.primitive(0, 0)["indices"]);
         EXPECT_EQ(indices.component_type, vertices == 65535 ? 5123 : 5125);
@@ -266,25 +267,29 @@ TEST(GltfBuild, MeshesFarFromZeroStayInTheirPlace) {
     const glm::dvec3 origin(5000000.1, -3000000.7, 10.3);
     for (const bool turned : {false, true}) {
         prep::Scene scene;
-        scene.meshes = {mesh_of({0, 1, 2}, 3)};
-        scene.meshes[0].origin = origin;
-        scene.nodes.resize(2);
-        scene.nodes[0].mesh = 0;
+        scene.meshes = {prep::Mesh{}, mesh_of({0, 1, 2}, 3), mesh_of({2, 1, 0}, 3)};
+        scene.meshes[1].origin = origin;
+        scene.meshes[2].origin = -origin;
+        scene.nodes.resize(3);
+        scene.nodes[0].mesh = 1;
         scene.nodes[1].parent = turned ? 0 : prep::no_index;
-        if (turned) {  // x → y → −x, then moved
-            scene.nodes[0].transform = glm::dmat4(0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1, 0, 7, 8, 9, 1);
-        }
+        scene.nodes[2].mesh = 2;
+        // x → y → −x, then moved.
+        const glm::dmat4 matrix(0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1, 0, 7, 8, 9, 1);
+        if (turned) scene.nodes[0].transform = scene.nodes[2].transform = matrix;
         const Json nodes = saved(scene).file.json["nodes"];
-        const Json translation = {origin.x, origin.y, origin.z};
+        const Json first = {{"translation", {origin.x, origin.y, origin.z}}, {"mesh", 0}};
+        const Json second = {{"translation", {-origin.x, -origin.y, -origin.z}}, {"mesh", 1}};
         if (!turned) {
-            EXPECT_EQ(nodes, (Json{{{"translation", translation}, {"mesh", 0}}, Json::object()}));
+            EXPECT_EQ(nodes, Json({first, Json::object(), second}));
             continue;
         }
-        ASSERT_EQ(nodes.size(), 3u);
-        EXPECT_EQ(nodes[0]["matrix"], Json({0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1, 0, 7, 8, 9, 1}));
-        EXPECT_EQ(nodes[0]["children"], Json({1, 2}));
-        EXPECT_FALSE(nodes[0].contains("mesh"));
-        EXPECT_EQ(nodes[2], (Json{{"translation", translation}, {"mesh", 0}}));
+        const Json places = {0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1, 0, 7, 8, 9, 1};
+        EXPECT_EQ(nodes, Json({{{"matrix", places}, {"children", {1, 3}}},
+                               Json::object(),
+                               {{"matrix", places}, {"children", {4}}},
+                               first,
+                               second}));
     }
 }
 

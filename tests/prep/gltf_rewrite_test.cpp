@@ -332,24 +332,29 @@ TEST(GltfRewrite, WhatNothingRefersToGoesUnlessAnExtensionMightReferToIt) {
 }
 
 TEST(GltfRewrite, VerticesBeyond65535GetWideIndices) {
-    for (const std::size_t triangles : {21845u, 21846u}) {  // 65535 and 65538 vertices
+    for (const std::size_t vertices : {65535u, 65536u}) {
         GltfSource d;
         std::vector<float> positions;
         std::vector<std::uint32_t> indices;
-        for (std::size_t t = 0; t < triangles; ++t)
-            for (std::size_t k = 0; k < 3; ++k) {
-                positions.insert(positions.end(), {float(t), float(k), float(k * k)});
-                indices.push_back(std::uint32_t(3 * t + k));
-            }
+        for (std::size_t v = 0; v < vertices; ++v) {
+            positions.insert(positions.end(), {float(v / 3), float(v % 3), float(v % 3 * v % 7)});
+            if (v < 65535) indices.push_back(std::uint32_t(v));
+        }
+        indices.insert(indices.end(), {0, 1, std::uint32_t(vertices - 1)});
         std::reverse(indices.begin(), indices.end());
-        d.json["meshes"] = {{{"primitives",
-                              {{{"attributes", {{"POSITION", d.add_positions(positions)}}},
-                                {"indices", d.add("SCALAR", indices)}}}}}};
+        // One that is not finite is mended: all of the primitive is written anew.
+        std::vector<float> uvs(2 * vertices, 0.25f);
+        uvs[7] = std::numeric_limits<float>::infinity();
+        const Json attributes{{"POSITION", d.add_positions(positions)},
+                              {"TEXCOORD_0", d.add_floats("VEC2", uvs)}};
+        d.json["meshes"] = {
+            {{"primitives",
+              {{{"attributes", attributes}, {"indices", d.add("SCALAR", indices)}}}}}};
         d.json["nodes"] = {{{"mesh", 0}}};
-        const Rewritten out = rewritten(d, {});
+        const Rewritten out = rewritten(d, nothing());
         const auto written = out.after.accessor(out.after.primitive(0, 0)["indices"]);
-        EXPECT_EQ(written.component_type, triangles == 21845 ? 5123 : 5125);
-        EXPECT_TRUE(out.after.primitive(0, 0)["attributes"].contains("NORMAL"));
+        EXPECT_EQ(written.component_type, vertices == 65535 ? 5123 : 5125);
+        EXPECT_EQ(out.after.attribute(0, 0, "TEXCOORD_0").at(3), (Numbers{0.25, 0}));
         const auto corners = out.after.triangles(0, 0);
         ASSERT_EQ(corners.size(), indices.size());
         const auto at = out.after.attribute(0, 0, "POSITION");
@@ -446,7 +451,7 @@ TEST(GltfRewrite, TrianglesThatAreNotFiniteAreLeftOutAndTheirVerticesWithThem) {
     d.json["meshes"] = {
         {{"primitives",
           {{{"attributes", attributes},
-            {"indices", d.add("SCALAR", U16{0, 1, 2, 1, 4, 2, 0, 2, 3, 5, 4, 0})}}}}}};
+            {"indices", d.add("SCALAR", U16{0, 1, 2, 1, 4, 2, 0, 2, 3, 5, 0, 4, 4, 1, 0})}}}}}};
     d.json["nodes"] = {{{"mesh", 0}}};
     const Rewritten out = rewritten(d, nothing());
     const auto corners = out.after.triangles(0, 0);
@@ -457,7 +462,7 @@ TEST(GltfRewrite, TrianglesThatAreNotFiniteAreLeftOutAndTheirVerticesWithThem) {
         EXPECT_EQ(out.after.attribute(0, 0, "_ID").at(corners[c]),
                   Numbers{10.0 + double(expected[c])});
     EXPECT_EQ(out.notes,
-              std::vector<std::string>{"2 triangles with a position that is not finite left out"});
+              std::vector<std::string>{"3 triangles with a position that is not finite left out"});
 }
 
 TEST(GltfRewrite, EmptyListsGo) {

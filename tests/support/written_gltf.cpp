@@ -307,6 +307,14 @@ std::string GltfFile::primitive_fault(const Json& p) const {
         return std::string();
     };
     std::string fault = same_count(attributes);
+    for (const auto& item : attributes.items()) {  // vertices start at multiples of four bytes
+        const Json& a = json["accessors"][item.value().get<std::size_t>()];
+        if (!a.contains("bufferView")) continue;
+        const Shape shape = shape_of(a["type"]);
+        const std::size_t tight = shape.columns * shape.rows * bytes_of_type(a["componentType"]);
+        const Json& view = json["bufferViews"].at(a["bufferView"].get<std::size_t>());
+        if (view.value("byteStride", tight) % 4 != 0) fault = item.key() + " is not aligned";
+    }
     if (!json["accessors"][attributes["POSITION"].get<std::size_t>()].contains("min") ||
         !json["accessors"][attributes["POSITION"].get<std::size_t>()].contains("max"))
         fault = "POSITION without bounds";
