@@ -1,10 +1,13 @@
 #include "corner_soup.h"
 
 #include <array>
+#include <bit>
+#include <cmath>
 #include <cstring>
 #include <fstream>
 #include <map>
 #include <numeric>
+#include <utility>
 
 namespace test {
 namespace {
@@ -122,6 +125,88 @@ CornerSoup hostile_soup(std::mt19937& random, const HostileOptions& options) {
         soup.end_face();
     }
     return soup;
+}
+
+CornerSoup seamed_surface(std::mt19937& random) {
+    const auto below = [&](std::uint32_t n) { return std::uint32_t(random() % n); };
+    const std::uint32_t columns = 2 + below(5), rows = 2 + below(5), stride = columns + 1;
+    std::vector<glm::vec3> positions, normals;
+    for (std::uint32_t y = 0; y <= rows; ++y) {
+        for (std::uint32_t x = 0; x <= columns; ++x) {
+            positions.emplace_back(float(x) + 0.04f * float(below(9)),
+                                   float(y) + 0.04f * float(below(9)), 0.1f * float(below(8)));
+            const glm::vec3 n(0.05f * float(below(9)) - 0.2f, 0.05f * float(below(9)) - 0.2f, 1.0f);
+            normals.push_back(n * (1.0f / std::sqrt(n.x * n.x + n.y * n.y + 1.0f)));
+        }
+    }
+    if (below(3) == 0) positions[below(std::uint32_t(positions.size()))] = positions[0];
+    if (below(3) == 0)
+        positions[positions.size() - 1 - below(stride)] = positions[1 + below(stride)];
+    const std::uint32_t island_size = 1 + below(9), hard_every = 1 + below(8);
+    const bool shuffled = below(4) == 0, wheel = below(5) == 0;
+    struct Triangle {
+        std::uint32_t v[3], island;
+    };
+    std::vector<Triangle> triangles;
+    for (std::uint32_t y = 0; y < rows; ++y) {
+        for (std::uint32_t x = 0; x < columns; ++x) {
+            const std::uint32_t a = y * stride + x, b = a + 1, c = a + stride, d = c + 1;
+            const std::uint32_t island = (x / island_size) + 3 * (y / island_size);
+            const bool other = below(2) == 0;
+            triangles.push_back({{a, b, other ? c : d}, island});
+            triangles.push_back({{other ? b : a, d, c}, island + (below(6) == 0)});
+        }
+    }
+    // All around the first vertex, once more.
+    for (std::uint32_t k = 1; wheel && k < 11; ++k)
+        triangles.push_back({{0, k % stride + stride, (k + 1) % stride + stride}, k / 6});
+    for (std::size_t i = triangles.size(); shuffled && i-- > 1;)
+        std::swap(triangles[i], triangles[below(std::uint32_t(i + 1))]);
+    CornerSoup soup;
+    for (std::size_t t = 0; t < triangles.size(); ++t) {
+        if (below(12) == 0) continue;
+        const auto& [v, island] = triangles[t];
+        const bool own_normal = below(8) >= hard_every;
+        for (const std::uint32_t i : v) {
+            const glm::vec3& p = positions[i];
+            glm::vec2 uv(p.x + 0.25f * p.z, p.y);
+            if (island % 3 == 1) uv.x = 9 - uv.x;  // mirrored
+            if (island % 4 == 2) uv = {uv.y, uv.x};
+            if (island % 5 == 4) uv = {0.5f, uv.y};  // says nothing
+            soup.add(p, own_normal ? normals[t % normals.size()] : normals[i], uv);
+        }
+        soup.end_face();
+    }
+    return soup;
+}
+
+std::vector<NamedSoup> recorded_soups() {
+    std::vector<NamedSoup> result;
+    for (std::uint32_t seed = 0; seed < 300; ++seed) {
+        std::mt19937 random(seed);
+        HostileOptions hostile;
+        hostile.minus_zeros = seed & 1;
+        hostile.nans = seed & 2;
+        hostile.odd_scales = seed & 4;
+        result.push_back({"hostile-" + std::to_string(seed), hostile_soup(random, hostile)});
+    }
+    for (std::uint32_t seed = 0; seed < 400; ++seed) {
+        std::mt19937 random(seed);
+        result.push_back({"surface-" + std::to_string(seed), seamed_surface(random)});
+    }
+    return result;
+}
+
+std::uint64_t hash_of(const std::vector<glm::vec4>& tangents) {
+    std::uint64_t hash = 0xcbf29ce484222325u;  // FNV-1a
+    for (const glm::vec4& t : tangents) {
+        for (int k = 0; k < 4; ++k) {
+            const auto bits = std::isnan(t[k]) ? 0x7fc00000u : std::bit_cast<std::uint32_t>(t[k]);
+            for (int shift = 0; shift < 32; shift += 8)
+                hash = (hash ^ (bits >> shift & 0xffu)) * 0x100000001b3u;
+        }
+    }
+    return hash;
 }
 
 IndexedSoup share_values(const CornerSoup& soup) {

@@ -6,6 +6,7 @@
 #include <glm/glm.hpp>
 #include <optional>
 #include <random>
+#include <string>
 #include <vector>
 
 #include "prep/tangents.h"
@@ -38,6 +39,21 @@ struct HostileOptions {
 // Few distinct positions, normals and UVs, so that much is shared, degenerate, repeated, mirrored
 // or non-manifold.
 CornerSoup hostile_soup(std::mt19937& random, const HostileOptions& options);
+
+// A bent patch of triangles with what modelled meshes have: UV islands, some mirrored, hard edges,
+// pinched vertices, a missing triangle here and there, vertices of three to a dozen triangles.
+CornerSoup seamed_surface(std::mt19937& random);
+
+// The soups whose tangents by the C reference are recorded in tests/prep/tangents_reference.txt, a
+// line each: name and hash_of() them, or "crash". TangentsNpm holds the record against the package.
+struct NamedSoup {
+    std::string name;
+    CornerSoup soup;
+};
+std::vector<NamedSoup> recorded_soups();
+
+// Of the bits of all tangents; NaN is one value, whatever its bits.
+std::uint64_t hash_of(const std::vector<glm::vec4>& tangents);
 
 // The same corners with shared values: each distinct position, normal and UV (by bits) once, in
 // order of appearance.
