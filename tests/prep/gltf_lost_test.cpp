@@ -123,4 +123,26 @@ TEST(GltfLost, ObjHasThePlacesNormalsAndUvsOfItsNodes) {
     EXPECT_EQ(vt, (Rows{{0, 0.75}, {1, 0.5}, {0, 0}}));  // v counts from the bottom
 }
 
+// A .bin beside the output must not take the place of what the scene still reads.
+TEST(GltfLost, FilesThatTheSceneWasReadFromAreSpared) {
+    const test::TempDir dir;
+    test::write_text(dir / "out.bin", "a picture, whatever its name");
+    test::write_text(dir / "in.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    auto scene = prep::load_scene(dir / "in.obj");
+    ASSERT_TRUE(scene.has_value());
+    scene->images.resize(2);
+    scene->images[0].path = dir / "out.bin";
+    const prep::PreparedScene prepared = test::untouched(*scene);
+    const auto refused = prep::save_scene(prepared, dir / "out.gltf");
+    ASSERT_FALSE(refused.has_value());
+    EXPECT_EQ(refused.error().place, (dir / "out.bin").string());
+    EXPECT_NE(refused.error().text.find("read for the result"), std::string::npos);
+    EXPECT_EQ(test::file_text(dir / "out.bin"), "a picture, whatever its name");
+    EXPECT_EQ(dir.names(), (std::vector<std::string>{"in.obj", "out.bin"}));
+    prep::SaveOptions options;
+    options.replace_sources = true;
+    EXPECT_TRUE(prep::save_scene(prepared, dir / "out.gltf", options).has_value());
+    EXPECT_EQ(dir.names(), (std::vector<std::string>{"in.obj", "out.bin", "out.gltf"}));
+}
+
 }  // namespace

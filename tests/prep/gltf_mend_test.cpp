@@ -123,6 +123,17 @@ TEST(SkinWeights, RandomVerticesAddUp) {
     }
 }
 
+// The validator of the format allows 2e-7 for each weight.
+TEST(SkinWeights, SumsThatAreALittleOffAreScaled) {
+    RawAccessor raw = set_of<float>({0.5f, 0.5005f, 0, 0, 0.5f, 0.499999f, 0, 0});
+    EXPECT_TRUE(normalise({&raw}));
+    const Floats after = values_of<float>(raw);
+    EXPECT_NEAR(after[0], 0.5 / 1.0005, 1e-7);
+    EXPECT_NEAR(after[1], 0.5005 / 1.0005, 1e-7);
+    EXPECT_NEAR(after[4], 0.5 / 0.999999, 1e-7);
+    EXPECT_NEAR(double(after[4]) + double(after[5]), 1, 1e-7);
+}
+
 TEST(SkinWeights, OddInputIsLeftAlone) {
     RawAccessor raw = set_of<std::uint8_t>({100, 50, 50, 0});
     raw.normalized = false;

@@ -100,6 +100,18 @@ TEST(GltfRewrite, NormalsThatWereReplacedAreWrittenThoughNoVertexSplits) {
         EXPECT_EQ(turned.attribute(0, 0, "TANGENT").at(v), (Numbers{1, 0, 0, 1}));
 }
 
+TEST(GltfRewrite, NormalsAloneAreWrittenThoughNoVertexSplits) {
+    GltfSource d;
+    const Json attributes{{"POSITION", d.add_positions(square)},
+                          {"NORMAL", d.add_floats("VEC3", {1, 0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0})}};
+    prep::PrepareOptions options;
+    options.normals = prep::Authored::replace;
+    EXPECT_EQ(written(one_primitive(d, attributes, {0, 1, 2, 0, 2, 3}), options)
+                  .attribute(0, 0, "NORMAL")
+                  .values,
+              (Numbers{0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1}));
+}
+
 // Whatever the normal, what stands in for a tangent that is not finite is unit and at right angles.
 TEST(GltfRewrite, TangentsThatAreNotFiniteBecomeAnyInTheSurface) {
     const float nan = std::numeric_limits<float>::quiet_NaN();

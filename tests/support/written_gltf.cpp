@@ -141,6 +141,7 @@ GltfFile::GltfFile(const std::filesystem::path& path) {
             has_chunk |= number == 1;
             at += 8 + length;
         }
+        if (text.find('\0') != std::string::npos) broken("JSON is padded with blanks");
     }
     json = Json::parse(text);
     if (!json.contains("buffers")) return;
