@@ -12,7 +12,7 @@
 namespace {
 
 using test::read_text;
-using test::run_command;
+using test::run_here;
 using test::TemporaryDirectory;
 using test::write_text;
 
@@ -28,7 +28,7 @@ test::Ran render(const std::filesystem::path& in, const std::filesystem::path& o
                  std::vector<std::string> more) {
     std::vector<std::string> all = {"render", in.string(), "-o", out.string(), "--json"};
     all.insert(all.end(), more.begin(), more.end());
-    test::Ran ran = run_command(all);
+    test::Ran ran = run_here(all);
     EXPECT_EQ(ran.exit_code, 0) << ran.err;
     return ran;
 }
@@ -154,9 +154,9 @@ TEST(RenderBuffers, UnknownOnesAreUsageErrors) {
              {"--band-memory", "0"}}) {
         std::vector<std::string> all = {"render", in, "-o", out};
         all.insert(all.end(), more.begin(), more.end());
-        EXPECT_EQ(run_command(all).exit_code, 2) << more[0] << " " << more[1];
+        EXPECT_EQ(run_here(all).exit_code, 2) << more[0] << " " << more[1];
     }
-    EXPECT_EQ(run_command({"render", in, "-o", (dir / "a%03d.png").string()}).exit_code, 2);
+    EXPECT_EQ(run_here({"render", in, "-o", (dir / "a%03d.png").string()}).exit_code, 2);
     EXPECT_EQ(dir.names(), std::vector<std::string>{"square.obj"});
 }
 
@@ -170,20 +170,19 @@ TEST(RenderCommand, ChoicesThatWouldChangeNothingAreErrors) {
     // Linear files have no tone curve; "off" says what they do.
     for (const std::string ending : {"exr", "hdr"}) {
         const std::string out = (dir / ("a." + ending)).string();
-        const test::Ran ran = run_command({"render", in, "-o", out, "--tone-map", "reinhard"});
+        const test::Ran ran = run_here({"render", in, "-o", out, "--tone-map", "reinhard"});
         EXPECT_EQ(ran.exit_code, 2);
         EXPECT_NE(ran.err.find("--tone-map"), std::string::npos) << ran.err;
     }
     // The file's own camera is orthographic.
     const std::string out = (dir / "a.png").string();
-    const test::Ran ran = run_command({"render", in, "-o", out, "--fov", "40"});
+    const test::Ran ran = run_here({"render", in, "-o", out, "--fov", "40"});
     EXPECT_EQ(ran.exit_code, 1);
     EXPECT_NE(ran.err.find("--fov"), std::string::npos) << ran.err;
     EXPECT_EQ(dir.names(), std::vector<std::string>{"scene.json"});
-    EXPECT_EQ(run_command({"render", in, "-o", out, "--fov", "40", "--camera", "0,0"}).exit_code,
-              0);
+    EXPECT_EQ(run_here({"render", in, "-o", out, "--fov", "40", "--camera", "0,0"}).exit_code, 0);
     const std::string linear = (dir / "a.exr").string();
-    EXPECT_EQ(run_command({"render", in, "-o", linear, "--tone-map", "off"}).exit_code, 0);
+    EXPECT_EQ(run_here({"render", in, "-o", linear, "--tone-map", "off"}).exit_code, 0);
 }
 
 TEST(RenderCrop, IsThePartOfTheWholePicture) {
@@ -199,8 +198,8 @@ TEST(RenderCrop, IsThePartOfTheWholePicture) {
             for (int c = 0; c < 3; ++c)
                 ASSERT_EQ(part.at(x, y)[c], whole.at(x + 37, y + 21)[c]) << x << " " << y;
     // The scene's or the default size decides where --size is not given.
-    const auto ran = run_command({"render", (dir / "sphere.obj").string(), "-o",
-                                  (dir / "none.png").string(), "--crop", "1000,0,100x100"});
+    const auto ran = run_here({"render", (dir / "sphere.obj").string(), "-o",
+                               (dir / "none.png").string(), "--crop", "1000,0,100x100"});
     EXPECT_EQ(ran.exit_code, 1);
     EXPECT_NE(ran.err.find("1024x768"), std::string::npos) << ran.err;
 }
@@ -257,8 +256,8 @@ TEST(RenderTurntable, AllPicturesOrNone) {
     write_text(dir / "cube.obj", test::cube_obj());
     write_text(dir / "t_002.png", "mine");
     const std::string in = (dir / "cube.obj").string();
-    const auto ran = run_command({"render", in, "-o", (dir / "t.png").string(), "--turntable", "4",
-                                  "--size", "16x16", "--no-overwrite"});
+    const auto ran = run_here({"render", in, "-o", (dir / "t.png").string(), "--turntable", "4",
+                               "--size", "16x16", "--no-overwrite"});
     EXPECT_EQ(ran.exit_code, 1);
     EXPECT_NE(ran.err.find("t_002.png"), std::string::npos) << ran.err;
     EXPECT_EQ(dir.names(), (std::vector<std::string>{"cube.obj", "t_002.png"}));
@@ -300,9 +299,9 @@ TEST(RenderBands, GiveTheSameBytes) {
 TEST(RenderOutputs, TwoOutputsOfOneNameAreRefused) {
     const TemporaryDirectory dir;
     write_text(dir / "cube.obj", test::textured_cube_obj());
-    const test::Ran ran = run_command({"render", (dir / "cube.obj").string(), "-o",
-                                       (dir / "a.exr").string(), "--size", "16x16", "--buffers",
-                                       "uv", "--buffer-file", (dir / "./a.exr").string()});
+    const test::Ran ran =
+        run_here({"render", (dir / "cube.obj").string(), "-o", (dir / "a.exr").string(), "--size",
+                  "16x16", "--buffers", "uv", "--buffer-file", (dir / "./a.exr").string()});
     EXPECT_EQ(ran.exit_code, 1);
     EXPECT_NE(ran.err.find("two outputs"), std::string::npos) << ran.err;
     EXPECT_EQ(dir.names(), std::vector<std::string>{"cube.obj"});
@@ -311,7 +310,7 @@ TEST(RenderOutputs, TwoOutputsOfOneNameAreRefused) {
 TEST(RenderOutputs, RadianceFilesHoldThreeChannels) {
     const TemporaryDirectory dir;
     write_text(dir / "cube.obj", test::cube_obj());
-    const test::Ran ran = run_command(
+    const test::Ran ran = run_here(
         {"render", (dir / "cube.obj").string(), "-o", (dir / "a.hdr").string(), "--size", "16x16"});
     EXPECT_EQ(ran.exit_code, 0) << ran.err;
     EXPECT_EQ(read_text(dir / "a.hdr").substr(0, 2), "#?");
@@ -321,8 +320,8 @@ TEST(RenderOutputs, TurntablesTurnAlsoSeenFromAbove) {
     const TemporaryDirectory dir;
     write_text(dir / "flag.obj", "v 0 0 0\nv 3 0 0\nv 0 0 -1\nf 1 2 3\n");
     const test::Ran ran =
-        run_command({"render", (dir / "flag.obj").string(), "-o", (dir / "t.png").string(),
-                     "--size", "32x32", "--camera", "0,90", "--turntable", "4", "--cull", "none"});
+        run_here({"render", (dir / "flag.obj").string(), "-o", (dir / "t.png").string(), "--size",
+                  "32x32", "--camera", "0,90", "--turntable", "4", "--cull", "none"});
     ASSERT_EQ(ran.exit_code, 0) << ran.err;
     std::set<std::string> pictures;
     for (const char* name : {"t_000.png", "t_001.png", "t_002.png", "t_003.png"})

@@ -9,7 +9,7 @@
 namespace {
 
 using test::read_text;
-using test::run_command;
+using test::run_here;
 using test::TemporaryDirectory;
 using test::write_text;
 
@@ -35,12 +35,12 @@ TEST(Render, SceneFilesTakeEveryFilterWordOfTheCommandLine) {
         SCOPED_TRACE(word);
         write_text(dir / "scene.json",
                    slanted_floor(R"({"size": [96, 64], "filter": ")" + word + "\"}"));
-        const test::Ran by_file = run_command({"render", (dir / "scene.json").string(), "-o",
-                                               (dir / "by_file.png").string(), "--quiet"});
+        const test::Ran by_file = run_here({"render", (dir / "scene.json").string(), "-o",
+                                            (dir / "by_file.png").string(), "--quiet"});
         ASSERT_EQ(by_file.exit_code, 0) << by_file.err;
         const test::Ran by_option =
-            run_command({"render", (dir / "plain.json").string(), "-o",
-                         (dir / "by_option.png").string(), "--filter", word, "--quiet"});
+            run_here({"render", (dir / "plain.json").string(), "-o",
+                      (dir / "by_option.png").string(), "--filter", word, "--quiet"});
         ASSERT_EQ(by_option.exit_code, 0) << by_option.err;
         const std::string bytes = read_text(dir / "by_file.png");
         EXPECT_EQ(bytes, read_text(dir / "by_option.png"));
@@ -60,7 +60,7 @@ TEST(Render, TexturesAreReadAsTheirSamplersAskUnlessAFilterIsAskedFor) {
         std::vector<std::string> words{"render", (dir / "scene.json").string(), "-o",
                                        (dir / "out.png").string(), "--quiet"};
         words.insert(words.end(), options.begin(), options.end());
-        const test::Ran ran = run_command(words);
+        const test::Ran ran = run_here(words);
         EXPECT_EQ(ran.exit_code, 0) << ran.err;
         return read_text(dir / "out.png");
     };
@@ -81,7 +81,7 @@ TEST(Render, SceneFilesAskForTheSameAsOptionsAndTheOptionsWin) {
         std::vector<std::string> words{"render", (dir / scene).string(), "-o",
                                        (dir / "out.png").string(), "--quiet"};
         words.insert(words.end(), options.begin(), options.end());
-        const test::Ran ran = run_command(words);
+        const test::Ran ran = run_here(words);
         EXPECT_EQ(ran.exit_code, 0) << ran.err;
         return read_text(dir / "out.png");
     };
@@ -128,12 +128,12 @@ TEST(Render, FloatTexturesAreLinearLight) {
   {"diffuse": 1, "diffuse_map": "t", "unlit": true}}, )" +
                    tail);
     for (const std::string name : {"plain", "mapped"}) {
-        const test::Ran ran = run_command({"render", (dir / (name + ".json")).string(), "-o",
-                                           (dir / (name + ".exr")).string(), "--quiet"});
+        const test::Ran ran = run_here({"render", (dir / (name + ".json")).string(), "-o",
+                                        (dir / (name + ".exr")).string(), "--quiet"});
         ASSERT_EQ(ran.exit_code, 0) << ran.err;
     }
     const test::Ran same =
-        run_command({"diff", (dir / "plain.exr").string(), (dir / "mapped.exr").string()});
+        run_here({"diff", (dir / "plain.exr").string(), (dir / "mapped.exr").string()});
     EXPECT_EQ(same.exit_code, 0) << same.out;
 }
 
@@ -150,7 +150,7 @@ TEST(Render, WhatIsNotDrawnIsTold) {
         std::vector<std::string> words{"render", (dir / "scene.json").string(), "-o",
                                        (dir / output).string()};
         words.insert(words.end(), more.begin(), more.end());
-        const test::Ran ran = run_command(words);
+        const test::Ran ran = run_here(words);
         EXPECT_EQ(ran.exit_code, 0) << ran.err;
         return ran.err;
     };
@@ -172,8 +172,8 @@ TEST(Render, DrawsTheExamplesOfTheSceneFormatPage) {
         at += open.size();
         write_text(dir / "scene.json", page.substr(at, page.find("```", at) - at));
         const test::Ran ran =
-            run_command({"render", (dir / "scene.json").string(), "-o",
-                         (dir / "scene.png").string(), "--size", "160x90", "--quiet"});
+            run_here({"render", (dir / "scene.json").string(), "-o", (dir / "scene.png").string(),
+                      "--size", "160x90", "--quiet"});
         EXPECT_EQ(ran.exit_code, 0) << ran.err;
         ++examples;
     }

@@ -5,7 +5,7 @@
 
 namespace {
 
-using test::run_command;
+using test::run_here;
 using test::TemporaryDirectory;
 
 TEST(RenderUsage, RefusesWaysUpThatAreNone) {
@@ -15,7 +15,7 @@ TEST(RenderUsage, RefusesWaysUpThatAreNone) {
         std::vector<std::string> all = {
             "render", (dir / "cube.obj").string(), "-o", (dir / "a.png").string(), "--size", "8x8"};
         all.insert(all.end(), more.begin(), more.end());
-        return run_command(all);
+        return run_here(all);
     };
     const test::Ran zero = run({"--look-from", "1,2,3", "--up", "0,0,0"});
     EXPECT_EQ(zero.exit_code, 2);
@@ -44,7 +44,7 @@ TEST(SceneNumbers, SayThatTheyAreTooLargeAndTheLimit) {
                              "nodes": [{"mesh": "m", "translate": [)" +
                              number + ", 0, 0]}]}");
         const test::Ran ran =
-            run_command({"render", (dir / "s.json").string(), "-o", (dir / "a.png").string()});
+            run_here({"render", (dir / "s.json").string(), "-o", (dir / "a.png").string()});
         EXPECT_EQ(ran.exit_code, 1);
         EXPECT_NE(ran.err.find("at most 1e+30 in size, found"), std::string::npos) << ran.err;
         EXPECT_NE(ran.err.find("too large"), std::string::npos) << ran.err;

@@ -11,15 +11,15 @@
 namespace {
 
 using nlohmann::json;
-using test::run_command;
+using test::run_here;
 using test::TemporaryDirectory;
 
 // A sphere of triangles with MikkTSpace's tangents, as GLB.
 prep::Scene make_sphere(const TemporaryDirectory& dir) {
     test::write_text(dir / "sphere.obj", test::sphere_obj(32, 16));
     const std::string bare = (dir / "bare.glb").string(), made = (dir / "made.glb").string();
-    EXPECT_EQ(run_command({"prepare", (dir / "sphere.obj").string(), "-o", bare}).exit_code, 0);
-    EXPECT_EQ(run_command({"prepare", bare, "-o", made, "--tangents", "mikktspace"}).exit_code, 0);
+    EXPECT_EQ(run_here({"prepare", (dir / "sphere.obj").string(), "-o", bare}).exit_code, 0);
+    EXPECT_EQ(run_here({"prepare", bare, "-o", made, "--tangents", "mikktspace"}).exit_code, 0);
     auto scene = prep::load_scene(made);
     EXPECT_TRUE(scene.has_value());
     return *std::move(scene);
@@ -33,7 +33,7 @@ void save(prep::Scene scene, const std::filesystem::path& path) {
 }
 
 json inspected(const std::filesystem::path& path) {
-    const test::Ran ran = run_command({"inspect", path.string(), "--json"});
+    const test::Ran ran = run_here({"inspect", path.string(), "--json"});
     EXPECT_EQ(ran.exit_code, 0) << ran.err;
     return ran.json().at("files").at(0).at("conventions");
 }
@@ -43,7 +43,7 @@ TEST(DiffTangents, FindsNothingBetweenAFileAndItself) {
     make_sphere(dir);
     const std::string made = (dir / "made.glb").string();
     const test::Ran ran =
-        run_command({"diff", "--tangents", made, made, "--tolerance", "0", "--json"});
+        run_here({"diff", "--tangents", made, made, "--tolerance", "0", "--json"});
     EXPECT_EQ(ran.exit_code, 0) << ran.err;
     EXPECT_NE(ran.out.find("\"sign_differences\": 0"), std::string::npos) << ran.out;
 }
@@ -62,8 +62,8 @@ TEST(DiffTangents, MeasuresAnglesAndSigns) {
     }
     for (const std::uint32_t i : mesh.tangents.indices) flipped += i % 4 == 0;
     save(scene, dir / "turned.glb");
-    const test::Ran ran = run_command({"diff", "--tangents", (dir / "made.glb").string(),
-                                       (dir / "turned.glb").string(), "--json"});
+    const test::Ran ran = run_here({"diff", "--tangents", (dir / "made.glb").string(),
+                                    (dir / "turned.glb").string(), "--json"});
     const json report = ran.json();
     const json* part = nullptr;
     for (const auto& [key, value] : report.items())
@@ -74,8 +74,8 @@ TEST(DiffTangents, MeasuresAnglesAndSigns) {
     EXPECT_EQ(part->at("sign_differences"), flipped);
     EXPECT_NEAR(part->at("degrees").at("mean").get<double>(), 10, 1e-3);
     EXPECT_NEAR(part->at("degrees").at("largest").get<double>(), 10, 1e-3);
-    EXPECT_EQ(run_command({"diff", "--tangents", (dir / "made.glb").string(),
-                           (dir / "turned.glb").string(), "--tolerance", "11"})
+    EXPECT_EQ(run_here({"diff", "--tangents", (dir / "made.glb").string(),
+                        (dir / "turned.glb").string(), "--tolerance", "11"})
                   .exit_code,
               1);  // the angles would pass, the signs do not
 }
@@ -85,12 +85,12 @@ TEST(TangentAngle, KeepsGradientsApart) {
     make_sphere(dir);
     const std::string bare = (dir / "bare.glb").string(), apart = (dir / "apart.glb").string();
     const auto prepare = [&](const char* degrees) {
-        return run_command({"prepare", bare, "-o", apart, "--tangents", "mikktspace",
-                            "--tangent-angle", degrees, "--quiet"})
+        return run_here({"prepare", bare, "-o", apart, "--tangents", "mikktspace",
+                         "--tangent-angle", degrees, "--quiet"})
             .exit_code;
     };
     const auto same = [&] {
-        return run_command(
+        return run_here(
                    {"diff", "--tangents", (dir / "made.glb").string(), apart, "--tolerance", "0"})
                    .exit_code == 0;
     };
@@ -111,7 +111,7 @@ TEST(InspectTangents, TellsMikktspaceByItsBits) {
     EXPECT_EQ(told.at("sign"), "as-gltf");
     EXPECT_GT(told.at("compared"), 2000);
     EXPECT_EQ(told.at("identical"), told.at("compared"));
-    const test::Ran words = run_command({"inspect", (dir / "made.glb").string()});
+    const test::Ran words = run_here({"inspect", (dir / "made.glb").string()});
     EXPECT_NE(words.out.find("tangents: MikkTSpace (100.0 % of"), std::string::npos) << words.out;
 }
 
@@ -121,7 +121,7 @@ TEST(InspectTangents, TellsInvertedSigns) {
     for (glm::vec4& t : scene.meshes[0].tangents.values) t.w = -t.w;
     save(scene, dir / "inverted.glb");
     EXPECT_EQ(inspected(dir / "inverted.glb").at("tangents").at(0).at("sign"), "inverted");
-    const test::Ran words = run_command({"inspect", (dir / "inverted.glb").string()});
+    const test::Ran words = run_here({"inspect", (dir / "inverted.glb").string()});
     EXPECT_NE(words.out.find("tangent sign: looks inverted"), std::string::npos) << words.out;
 }
 

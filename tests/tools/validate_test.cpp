@@ -7,7 +7,7 @@
 
 namespace {
 
-using test::run_command;
+using test::run_here;
 using test::TemporaryDirectory;
 
 // In the bytes of pictures anything may stand.
@@ -24,9 +24,8 @@ TEST(Validate, ThePageHoldsNoTimes) {
     std::string pages[2];
     for (std::string& page : pages) {
         const std::string out = (dir / (&page == pages ? "a" : "b")).string();
-        const test::Ran ran =
-            run_command({"validate", (dir / "cube.obj").string(), "-o", out, "--panel", "64",
-                         "--threads", &page == pages ? "1" : "2"});
+        const test::Ran ran = run_here({"validate", (dir / "cube.obj").string(), "-o", out,
+                                        "--panel", "64", "--threads", &page == pages ? "1" : "2"});
         ASSERT_EQ(ran.exit_code, 0) << ran.err;
         page = test::read_text(std::filesystem::path(out) / "cube.html");
     }
@@ -51,7 +50,7 @@ TEST(Validate, CountsTheMaterialsOfTheMesh) {
     const auto materials = [&](const std::string& faces) -> std::string {
         test::write_text(dir / "m.obj",
                          "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n" + faces);
-        const test::Ran ran = run_command(
+        const test::Ran ran = run_here(
             {"validate", (dir / "m.obj").string(), "-o", (dir / "out").string(), "--panel", "64"});
         EXPECT_EQ(ran.exit_code, 0) << ran.err;
         const std::string page = test::read_text(dir / "out/m.html");

@@ -94,7 +94,9 @@ CLI::App* define_validate(CLI::App& app, ValidateCommand& c) {
     sub->add_option("--panel", c.panel, "Width and height of each picture (default 480)")
         ->check(CLI::Range(64, 2048))
         ->type_name("PIXELS");
-    sub->add_option("--max-meshes", c.max_meshes, "At most so many sheets a file (default 64)")
+    sub->add_option("--max-meshes", c.max_meshes,
+                    "Sheets for at most so many meshes of a file, beside the whole scene's "
+                    "(default 64)")
         ->check(CLI::Range(1, 100000))
         ->type_name("N");
     add_preparation_options(sub, c.prepare);

@@ -148,7 +148,7 @@ class Validator {
         report::Page page;
         page.title = out_.input.filename().string();
         page.subtitle = subtitle(*prepared);
-        if (choice->whole && (choice->meshes.size() != 1)) {
+        if (choice->whole) {
             if (std::optional<Error> error =
                     add_sheet(page, report::whole_subject(*prepared, "whole scene"), check.meshes,
                               called_for, out_.findings, options, stem))
