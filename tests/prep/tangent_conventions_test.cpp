@@ -227,4 +227,140 @@ TEST(TangentConventions, LeavesOpenWhatIsNotThere) {
     EXPECT_EQ(prep::tangent_conventions(mesh).compared, 0u);
 }
 
+// Triangles in the plane z = 0, u along x and v down: MikkTSpace's tangent is (1, 0, 0, 1) in
+// glTF's convention. Each corner has one of its own.
+prep::Mesh flat(std::size_t triangles) {
+    prep::Mesh mesh;
+    mesh.uvs.resize(1);
+    for (std::uint32_t c = 0; c < 3 * triangles; ++c) {
+        const glm::vec3 p(float(c / 3) + (c % 3 == 1 ? 1.0f : 0.0f), c % 3 == 2 ? 1 : 0, 0);
+        mesh.positions.push_back(p);
+        mesh.corner_vertices.push_back(c);
+        if (c % 3 == 2) mesh.face_offsets.push_back(c + 1);
+        mesh.uvs[0].values.push_back({p.x / 64, 1 - p.y / 64});
+        mesh.tangents.values.push_back({1, 0, 0, 1});
+    }
+    mesh.uvs[0].indices = mesh.tangents.indices = mesh.corner_vertices;
+    mesh.normals.values = {{0, 0, 1}};
+    mesh.normals.indices.assign(3 * triangles, 0);
+    return mesh;
+}
+// The first `count` tangents turned about z.
+prep::Mesh flat_turned(std::size_t triangles, std::size_t count, double degrees) {
+    prep::Mesh mesh = flat(triangles);
+    const double a = degrees * 3.14159265358979 / 180;
+    for (std::size_t c = 0; c < count; ++c)
+        mesh.tangents.values[c] = glm::vec4(std::cos(a), std::sin(a), 0, 1);
+    return mesh;
+}
+
+TEST(TangentConventions, KnowsThePlanesOwnDirection) {
+    const auto told = prep::tangent_conventions(flat(10));
+    EXPECT_EQ(told.compared, 30u);
+    EXPECT_EQ(told.identical, 30u);
+    EXPECT_EQ(told.same_sign, 30u);
+    EXPECT_EQ(int(told.method), int(TangentMethod::mikktspace));
+    EXPECT_EQ(int(told.sign), int(TangentSign::as_gltf));
+    // At right angles nothing agrees; as many of both signs is neither convention.
+    prep::Mesh mesh = flat_turned(10, 30, 90);
+    EXPECT_NEAR(prep::tangent_conventions(mesh).median_degrees, 90, 1e-4);
+    EXPECT_EQ(prep::tangent_conventions(mesh).within_5, 0u);
+}
+
+TEST(TangentConventions, VerdictsTakeTheSharesTheyName) {
+    const auto method = [](std::size_t turned, double degrees) {
+        return prep::tangent_conventions(flat_turned(100, turned, degrees)).method;
+    };
+    // Of 300 corners: 99 % within 1°, then 95 % within 5°.
+    EXPECT_EQ(int(method(3, 2)), int(TangentMethod::mikktspace));
+    EXPECT_EQ(int(method(4, 2)), int(TangentMethod::similar));
+    EXPECT_EQ(int(method(15, 30)), int(TangentMethod::similar));
+    EXPECT_EQ(int(method(16, 30)), int(TangentMethod::other));
+    EXPECT_EQ(int(method(300, 0.99)), int(TangentMethod::mikktspace));
+    EXPECT_EQ(int(method(300, 1.01)), int(TangentMethod::similar));
+    EXPECT_EQ(int(method(300, 4.99)), int(TangentMethod::similar));
+    EXPECT_EQ(int(method(300, 5.01)), int(TangentMethod::other));
+    EXPECT_EQ(prep::tangent_conventions(flat_turned(100, 7, 174)).opposite, 0u);
+    EXPECT_EQ(prep::tangent_conventions(flat_turned(100, 7, 176)).opposite, 7u);
+    const auto sign = [](std::size_t turned) {
+        prep::Mesh mesh = flat(10);
+        for (std::size_t c = 0; c < turned; ++c) mesh.tangents.values[c].w = -1;
+        return prep::tangent_conventions(mesh).sign;
+    };
+    EXPECT_EQ(int(sign(3)), int(TangentSign::as_gltf));  // of 30
+    EXPECT_EQ(int(sign(4)), int(TangentSign::mixed));
+    EXPECT_EQ(int(sign(26)), int(TangentSign::mixed));
+    EXPECT_EQ(int(sign(27)), int(TangentSign::inverted));
+    // Nine corners are too few to tell by, twelve are not.
+    EXPECT_EQ(int(prep::tangent_conventions(flat(3)).method), int(TangentMethod::undecided));
+    EXPECT_EQ(int(prep::tangent_conventions(flat(3)).sign), int(TangentSign::undecided));
+    EXPECT_EQ(prep::tangent_conventions(flat(3)).compared, 9u);
+    EXPECT_EQ(int(prep::tangent_conventions(flat(4)).method), int(TangentMethod::mikktspace));
+}
+
+TEST(TangentConventions, ComparesOnlyWhatIsATangentAndHasAGradient) {
+    prep::Mesh mesh = flat(10);
+    mesh.tangents.values[0] = {0, 0, 0, 1};
+    mesh.tangents.values[1] = {1, 0, 0, 0};
+    mesh.tangents.values[2].x = std::numeric_limits<float>::infinity();
+    mesh.tangents.indices[3] = prep::no_index;
+    for (std::size_t c = 6; c < 9; ++c) mesh.uvs[0].values[c] = {0.5f, 0.5f};  // a whole triangle
+    mesh.tangents.values[9] = {2, 0, 0, 1};  // a direction, but not the same bits
+    const auto told = prep::tangent_conventions(mesh);
+    EXPECT_EQ(told.compared, 30u - 3 - 1 - 3);
+    EXPECT_EQ(told.identical, told.compared - 1);
+    EXPECT_EQ(told.within_1, told.compared);
+}
+
+// Heights h = k · (x − middle) · up have slopes k · up to the right and k · (x − middle) upwards,
+// whose cross derivatives are both k: correlation 1, or −1 where green is turned. It is turned to
+// the right of the middle, where its slope is 0.
+Image saddle(std::uint32_t size, double k, std::uint32_t middle) {
+    Image map{size, size, 3, {}, false};
+    for (std::uint32_t y = 0; y < size; ++y)
+        for (std::uint32_t x = 0; x < size; ++x) {
+            const double up = size / 2.0 - y, right = double(x) - middle;
+            const double p = k * up, q = k * right * (x < middle ? 1 : -1);
+            const double length = std::sqrt(p * p + q * q + 1);
+            for (const double n : {-p / length, -q / length, 1 / length})
+                map.pixels.push_back(float(0.5 + 0.5 * n));
+        }
+    return map;
+}
+
+TEST(GreenChannel, CorrelationIsTheShareOfWhatPointsUpLessTheRest) {
+    for (const auto& [middle, direction] : {std::pair{96u, GreenDirection::up},
+                                            {80u, GreenDirection::undecided},
+                                            {48u, GreenDirection::undecided},
+                                            {32u, GreenDirection::down}}) {
+        const auto told = prep::green_channel(saddle(128, 0.02, middle));
+        const double share = middle / 128.0;
+        EXPECT_EQ(int(told.direction), int(direction)) << middle;
+        // The columns beside the middle have a slope of either sign.
+        EXPECT_NEAR(told.correlations[0], 2 * share - 1, 0.03) << middle;
+        EXPECT_NEAR(told.correlations[1], 2 * share - 1, 0.06) << middle;
+    }
+}
+
+TEST(GreenChannel, CountsTheTexelsThatHaveASay) {
+    const auto told = prep::green_channel(saddle(128, 0.02, 128));
+    EXPECT_EQ(int(told.direction), int(GreenDirection::up));
+    EXPECT_NEAR(told.correlation, 1, 1e-3);
+    // All but the rim at full size, at half …; of 8 × 8 too few are left.
+    for (std::size_t s = 0; s < 4; ++s) {
+        const std::uint64_t side = (128u >> s) - 2;
+        EXPECT_EQ(told.texels[s], side * side) << s;
+        EXPECT_NEAR(told.correlations[s], 1, 1e-3) << s;
+    }
+    EXPECT_EQ(told.texels[4], 0u);
+    EXPECT_EQ(told.correlations[4], 0.0);
+    // Slopes that change by less than 1/50 over two texels are rounding: 2 k + 2 k.
+    EXPECT_EQ(prep::green_channel(saddle(128, 0.0049, 128)).texels[0], 0u);
+    EXPECT_EQ(prep::green_channel(saddle(128, 0.0052, 128)).texels[0], 126u * 126u);
+    // Steeper than four is no surface: a band around the middle is left.
+    const auto steep = prep::green_channel(saddle(128, 0.125, 64));
+    EXPECT_LT(steep.texels[0], 64u * 64);
+    EXPECT_GT(steep.texels[0], 58u * 58);
+}
+
 }  // namespace

@@ -115,6 +115,72 @@ TEST(InspectTangents, TellsMikktspaceByItsBits) {
     EXPECT_NE(words.out.find("tangents: MikkTSpace (100.0 % of"), std::string::npos) << words.out;
 }
 
+// Twenty triangles in the plane z = 0 whose u runs along x and whose v runs down: MikkTSpace's
+// tangent is x, its sign +1 in glTF's convention. Each corner has a tangent of its own, turned by
+// so many degrees about z.
+std::string flat_gltf(const std::vector<double>& degrees, const std::vector<int>& signs) {
+    std::vector<float> positions, normals, uvs, tangents;
+    std::vector<std::uint32_t> indices;
+    for (std::size_t c = 0; c < degrees.size(); ++c) {
+        const auto left = float(c / 3), x = left + (c % 3 == 1 ? 1.0f : 0.0f),
+                   y = c % 3 == 2 ? 1.0f : 0.0f;
+        positions.insert(positions.end(), {x, y, 0});
+        normals.insert(normals.end(), {0, 0, 1});
+        uvs.insert(uvs.end(), {x / 32, 1 - y / 32});
+        const double a = degrees[c] * 3.14159265358979 / 180;
+        const bool whole = degrees[c] == 0;
+        tangents.insert(tangents.end(), {whole ? 1 : float(std::cos(a)),
+                                         whole ? 0 : float(std::sin(a)), 0, float(signs[c])});
+        indices.push_back(std::uint32_t(c));
+    }
+    test::GltfText gltf;
+    gltf.add({"flat", positions, normals, uvs, tangents, indices, "", ""});
+    return gltf.text();
+}
+
+TEST(InspectTangents, FiguresAreThoseOfThePlanesOwnDirections) {
+    const TemporaryDirectory dir;
+    std::vector<double> degrees(60, 0.0);
+    std::vector<int> signs(60, 1);
+    test::write_text(dir / "flat.gltf", flat_gltf(degrees, signs));
+    json told = inspected(dir / "flat.gltf").at("tangents").at(0);
+    EXPECT_EQ(told.at("mesh"), "flat");
+    EXPECT_EQ(told.at("uv_set"), 0);
+    EXPECT_EQ(told.at("method"), "mikktspace");
+    EXPECT_EQ(told.at("sign"), "as-gltf");
+    EXPECT_EQ(told.at("compared"), 60);
+    EXPECT_EQ(told.at("identical"), 60);
+    EXPECT_EQ(told.at("largest_degrees"), 0.0);
+    // 40 as they were, 12 within 5°, 5 within 90° and 3 nearly the other way round; 7 signs turned.
+    for (std::size_t c = 40; c < 60; ++c)
+        degrees[c] = c < 52 ? 0.125 * double(c - 39) + 1.5 : c < 57 ? 60 + double(c - 52) : 177;
+    for (std::size_t c = 0; c < 7; ++c) signs[8 * c] = -1;
+    test::write_text(dir / "turned.gltf", flat_gltf(degrees, signs));
+    told = inspected(dir / "turned.gltf").at("tangents").at(0);
+    EXPECT_EQ(told.at("method"), "other");
+    EXPECT_EQ(told.at("sign"), "mixed");  // 88 %
+    EXPECT_EQ(told.at("identical"), 40);
+    EXPECT_EQ(told.at("within_1_degree"), 40);
+    EXPECT_EQ(told.at("within_5_degrees"), 52);
+    EXPECT_EQ(told.at("opposite"), 3);
+    EXPECT_EQ(told.at("same_sign"), 53);
+    EXPECT_NEAR(told.at("largest_degrees").get<double>(), 177, 1e-4);
+    EXPECT_EQ(told.at("median_degrees"), 0.0);
+    const std::string words = run_here({"inspect", (dir / "turned.gltf").string()}).out;
+    EXPECT_NE(words.find("  flat: tangents: not MikkTSpace (66.7 % of 60 corners within 1°, 86.7 % "
+                         "within 5°, 66.7 % to the last bit; median 0°, largest 177°)\n"),
+              std::string::npos)
+        << words;
+    EXPECT_NE(words.find("  flat: tangent sign: agrees with no convention (w is glTF's at 88.3 % "
+                         "of the corners)\n"),
+              std::string::npos)
+        << words;
+    test::write_text(dir / "back.gltf", flat_gltf(std::vector<double>(60, 180.0), signs));
+    EXPECT_NE(run_here({"inspect", (dir / "back.gltf").string()})
+                  .out.find("; 100.0 % point the other way"),
+              std::string::npos);
+}
+
 TEST(InspectTangents, TellsInvertedSigns) {
     const TemporaryDirectory dir;
     prep::Scene scene = make_sphere(dir);
@@ -144,6 +210,14 @@ TEST(InspectTangents, TellsFlippedGreen) {
         const json map_told = inspected(dir / "cube.obj").at("normal_maps").at(0);
         EXPECT_EQ(map_told.at("green"), green > 0 ? "up" : "down");
         EXPECT_GT(green * map_told.at("correlation").get<double>(), 0.8);
+        EXPECT_EQ(map_told.at("image"), "bump.png");
+        EXPECT_EQ(map_told.at("material"), "m");
+        const std::string words = run_here({"inspect", (dir / "cube.obj").string()}).out;
+        EXPECT_NE(
+            words.find(green > 0 ? "normal map bump.png: green points up, as glTF has it"
+                                 : "normal map bump.png: green looks flipped: it points down"),
+            std::string::npos)
+            << words;
     }
 }
 
