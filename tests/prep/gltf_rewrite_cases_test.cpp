@@ -154,7 +154,7 @@ TEST(GltfRewrite, VerticesAtOnePlaceAreNotMadeOne) {
     GltfSource source = one_primitive(d, attributes, {});
     source.json["skins"] = {{{"joints", {1, 2, 3, 4, 5, 6}}}};
     source.json["nodes"][0]["skin"] = 0;
-    for (int j = 0; j < 6; ++j) source.json["nodes"].push_back(Json::object());
+    for (int j = 0; j < 6; ++j) source.json["nodes"].push_back(GltfSource::Json::object());
     const test::TempDir dir;
     source.write(dir / "in.glb");
     const test::GltfFile before(dir / "in.glb"), after = written(source, {});

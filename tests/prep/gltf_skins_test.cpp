@@ -136,7 +136,7 @@ TEST(GltfSkins, TrianglesThatCloseAHoleHaveTheirVerticesSkin) {
                             {"targets", {{{"POSITION", d.add_positions(moves)}}}}}}}}};
     d.json["skins"] = {{{"joints", {1, 2, 3, 4, 5}}}};
     d.json["nodes"] = {{{"mesh", 0}, {"skin", 0}}};
-    for (int j = 0; j < 5; ++j) d.json["nodes"].push_back(Json::object());
+    for (int j = 0; j < 5; ++j) d.json["nodes"].push_back(GltfSource::Json::object());
     prep::RepairOptions repair;
     repair.hole_edges = 100;
     const test::GltfFile file = repaired(d, repair);
