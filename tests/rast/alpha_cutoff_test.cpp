@@ -143,6 +143,21 @@ TEST(AlphaMask, ShowsWhatIsBehind) {
     }
 }
 
+// Depths and numbers are those of what stands, also where nobody asks for colours.
+TEST(AlphaMask, CutsBuffersWithoutColoursToo) {
+    const prep::PreparedScene scene = ramp_scene(0.5f);
+    rast::RenderRequest request = ramp_request();
+    request.keep_depth = request.keep_ids = true;
+    for (const bool colors : {true, false}) {
+        request.keep_color = colors;
+        const rast::Frame frame = test::draw(scene, request);
+        for (std::size_t x = 0; x < 256; ++x) {
+            ASSERT_EQ(frame.depth[256 + x] > 0, x >= 128) << x;
+            ASSERT_EQ(frame.triangle[256 + x] != prep::no_index, x >= 128) << x;
+        }
+    }
+}
+
 // Without a mask, alpha decides nothing: blended materials are drawn opaque.
 TEST(AlphaMask, IsReadInItsOwnModeAlone) {
     for (const auto mode : {prep::AlphaMode::opaque, prep::AlphaMode::blend}) {

@@ -148,6 +148,49 @@ TEST(AreaCoverage, TheFarPlaneCuts) {
     EXPECT_EQ(pixel.empty_area(), 1);
 }
 
+TEST(AreaCoverage, BeyondTheFarPlaneWhatIsBehindIsSeen) {
+    const Polygon all = {{-1, -1}, {2, -1}, {2, 2}, {-1, 2}};
+    for (const bool turned : {false, true}) {
+        PixelCoverage pixel;
+        pixel.clear();
+        if (turned) pixel.add(all, {0.5, -1, 0}, 2);
+        pixel.add(all, {0.1, 0, 0}, 1);
+        if (!turned) pixel.add(all, {0.5, -1, 0}, 2);  // nearer up to 0.4, beyond from 0.5 on
+        EXPECT_NEAR(area_of(pixel, 2), 0.4, 1e-6);
+        EXPECT_NEAR(area_of(pixel, 1), 0.6, 1e-6);
+        EXPECT_NEAR(pixel.empty_area(), 0, 1e-12);
+    }
+}
+
+TEST(AreaCoverage, CentroidsAreThoseOfThePartsThatAreSeen) {
+    // A triangle's is a third of the sum of its corners; the rest of the square follows.
+    const Polygon triangle = {{0, 0}, {0.75, 0}, {0, 0.375}};
+    PixelCoverage pixel;
+    pixel.clear();
+    pixel.add({{-1, -1}, {2, -1}, {2, 2}, {-1, 2}}, {0.25, 0, 0}, 7);
+    pixel.add(triangle, {0.5, 0, 0}, 3);
+    const auto shares = pixel.shares();
+    ASSERT_EQ(shares.size(), 2u);
+    const double area = 0.75 * 0.375 / 2;
+    EXPECT_EQ(shares[0].owner, 3u);
+    EXPECT_NEAR(shares[0].area, area, 1e-12);
+    EXPECT_NEAR(shares[0].centroid.x, 0.25, 1e-12);
+    EXPECT_NEAR(shares[0].centroid.y, 0.125, 1e-12);
+    EXPECT_NEAR(shares[1].centroid.x, (0.5 - area * 0.25) / (1 - area), 1e-12);
+    EXPECT_NEAR(shares[1].centroid.y, (0.5 - area * 0.125) / (1 - area), 1e-12);
+    // What of a polygon lies inside the pixel, whatever is in front of it.
+    Polygon inside;
+    glm::dvec2 centroid(0);
+    ASSERT_TRUE(
+        PixelCoverage::clip_to_pixel({{-2, -1}, {0.5, -1}, {0.5, 3}, {-2, 3}}, inside, centroid));
+    EXPECT_NEAR(centroid.x, 0.25, 1e-12);
+    EXPECT_NEAR(centroid.y, 0.5, 1e-12);
+    ASSERT_TRUE(PixelCoverage::clip_to_pixel(triangle, inside, centroid));
+    EXPECT_NEAR(centroid.x, 0.25, 1e-12);
+    EXPECT_NEAR(centroid.y, 0.125, 1e-12);
+    EXPECT_FALSE(PixelCoverage::clip_to_pixel({{2, 0}, {3, 0}, {3, 1}}, inside, centroid));
+}
+
 // Random triangles at random slants against counting which is nearest at many points: nothing is
 // lost, and every surface gets its share within what the points can tell.
 TEST(AreaCoverage, RandomScenesAgreeWithCounting) {

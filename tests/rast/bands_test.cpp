@@ -65,6 +65,31 @@ TEST(Bands, JoinToTheWholePictureBitForBit) {
     }
 }
 
+TEST(Bands, OfACropAreItsRows) {
+    const prep::PreparedScene scene = test::scene_of(test::sphere(60, 40), prep::Material{});
+    rast::RenderRequest request;
+    request.width = 200;
+    request.height = 160;
+    const rast::Frame whole = test::draw(scene, request);
+    request.crop = rast::Crop{30, 41, 120, 90};
+    for (const std::uint64_t rows : {1u, 7u, 64u}) {
+        request.band_bytes = rows * 120 * 16;
+        std::uint32_t next = 0;
+        const auto done = rast::render_bands(
+            scene, plan_of(scene, request), [&](const rast::Frame& band, std::uint32_t first) {
+                EXPECT_EQ(first, next);
+                next += band.height;
+                for (std::uint32_t y = 0; y < band.height; ++y)
+                    for (std::uint32_t x = 0; x < 120; ++x)
+                        EXPECT_EQ(band.color[y * 120 + x],
+                                  whole.color[(41 + first + y) * 200 + 30 + x]);
+                return prep::Result<void>();
+            });
+        ASSERT_TRUE(done);
+        EXPECT_EQ(next, 90u);
+    }
+}
+
 TEST(Bands, OfExactAreasAndSupersamplingJoinAsWell) {
     const prep::PreparedScene scene = test::scene_of(test::sphere(30, 20), prep::Material{});
     for (const bool areas : {false, true}) {

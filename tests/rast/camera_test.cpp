@@ -252,6 +252,24 @@ TEST(CameraView, FollowsItsNodeAndItsParents) {
     EXPECT_EQ(view.aspect, 1.5);
 }
 
+TEST(CameraView, IsThePlansWhereTheSceneHasOneAndTheRequestDoesNotSay) {
+    prep::PreparedScene scene = box_scene({-1, -1, -1}, {1, 1, 1});
+    scene.scene.cameras.resize(1);
+    prep::Node node;
+    node.camera = 0;
+    node.transform[3] = {7, 8, 9, 1};
+    scene.scene.nodes.push_back(node);
+    rast::RenderRequest request;
+    // A camera that nobody chose is only there.
+    expect_near(glm::normalize(rast::plan(scene, request)->view.eye()),
+                {std::sin(30 * degree) * std::cos(20 * degree), std::sin(20 * degree),
+                 std::cos(30 * degree) * std::cos(20 * degree)});
+    scene.scene.active_camera = 1;
+    expect_near(rast::plan(scene, request)->view.eye(), {7, 8, 9});
+    request.view = test::look_at({1, 2, 3}, {0, 0, 0});
+    expect_near(rast::plan(scene, request)->view.eye(), {1, 2, 3});
+}
+
 TEST(WorldBounds, AreOfEveryInstanceAboutItsOrigin) {
     prep::PreparedScene scene = box_scene({-1, -2, -3}, {1, 2, 3});
     scene.meshes[0].origin = {100, 0, 0};

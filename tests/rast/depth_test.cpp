@@ -164,4 +164,31 @@ TEST(DepthFormats, CrossingTrianglesLieOnTheGridToo) {
     EXPECT_GT(covered, 200u);
 }
 
+// The nearest of all depths is the grid's highest, one step below 1, however a triangle is drawn.
+TEST(DepthFormats, NothingIsNearerThanTheGridsTop) {
+    for (const bool crossing : {false, true})
+        for (const DepthFormat format : {DepthFormat::fixed16, DepthFormat::fixed24}) {
+            prep::VertexMesh mesh;  // on the near plane, or one corner just in front of it
+            const float z = -1.00000012f;
+            mesh.positions = {{-2, -2, z}, {2, -2, z}, {0, 3, crossing ? -0.9999999f : z}};
+            mesh.indices = {0, 1, 2};
+            rast::RenderRequest request;
+            request.width = request.height = 32;
+            request.view = test::look_at({0, 0, 0}, {0, 0, -1}, 0.8, 1);
+            request.keep_depth = true;
+            request.depth_format = format;
+            const rast::Frame frame = test::draw(test::scene_of(mesh), request);
+            EXPECT_EQ(frame.counters.crossing, crossing ? 1u : 0u);
+            const int bits = format == DepthFormat::fixed16 ? 16 : 24;
+            std::size_t covered = 0;
+            for (const float depth : frame.depth) {
+                if (depth == 0) continue;
+                ASSERT_GE(depth, 1 - std::ldexp(2.0, -bits));
+                ASSERT_LT(depth, 1);
+                covered += 1;
+            }
+            EXPECT_GT(covered, 200u);
+        }
+}
+
 }  // namespace

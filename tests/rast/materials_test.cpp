@@ -111,6 +111,15 @@ TEST(Materials, DiffuseMapsMultiplyTheFactorAndVertexColours) {
     expect_floor(scene, s, {0, 0, 1}, bound, untextured);
 }
 
+// A colour without a value is no colour: white.
+TEST(Materials, VertexColoursThatAreNotFiniteCountAsWhite) {
+    for (const float broken : {NAN, INFINITY, -INFINITY}) {
+        prep::PreparedScene scene = test::scene_of(floor_of(4), glossy());
+        scene.meshes[0].colors = {std::vector<glm::vec4>(4, glm::vec4(0.5f, broken, 0.5f, 1))};
+        expect_floor(scene, from_factors(glossy()));
+    }
+}
+
 TEST(Materials, SpecularMapsMultiplyTheSpecularFactorAlone) {
     for (const bool encoded_8 : {false, true}) {
         prep::PreparedScene scene = test::scene_of(floor_of(4), glossy());
@@ -284,6 +293,38 @@ TEST(NormalMaps, LieAlongTangentAndBitangent) {
         const glm::dvec3 n = texel * 2.0 - 1.0, t(0.6, 0.8, 0), b(-0.8 * sign, 0.6 * sign, 0);
         expect_floor(scene, from_factors(glossy()),
                      glm::normalize(t * n.x + b * n.y + glm::dvec3(0, 0, n.z)), 2e-4);
+    }
+}
+
+// A surface seen from behind is lit on that side, whatever its normals come from.
+TEST(Normals, ArePointedToTheSideThatIsSeen) {
+    enum { of_vertices, of_faces, of_a_tangent_map, of_an_object_map };
+    for (const int source : {of_vertices, of_faces, of_a_tangent_map, of_an_object_map}) {
+        prep::Material material = glossy();
+        material.double_sided = true;
+        prep::PreparedScene scene = test::scene_of(floor_of(4), material);
+        scene.meshes[0].indices = {0, 2, 1, 0, 3, 2};  // the back is up, its normals point down
+        scene.meshes[0].normals.assign(4, {0, 0, -1});
+        glm::dvec3 normal(0, 0, 1);
+        if (source == of_faces) scene.meshes[0].normals.clear();
+        if (source >= of_a_tangent_map) {
+            const glm::dvec3 texel(0.8, 0.35, 0.85);
+            prep::Material& mapped = scene.scene.materials[0];
+            mapped.normal_map = add_map(scene, texel);
+            const glm::dvec3 n = texel * 2.0 - 1.0;
+            // Tangent +X, normal −Z: the bitangent is −Y. All of it is then turned over.
+            normal = glm::normalize(-glm::dvec3(n.x, -n.y, -n.z));
+            if (source == of_an_object_map) {
+                mapped.normal_map_space = prep::NormalMapSpace::object;
+                normal = -glm::normalize(n);
+            }
+        }
+        SCOPED_TRACE("source " + std::to_string(source));
+        rast::RenderRequest request = floor_request();
+        if (source == of_an_object_map)  // from below, where that points
+            request.lights = std::vector<LightInstance>{ambient({0.3f, 0.2f, 0.4f}),
+                                                        directional({-1, 1, -2}, {1, 1, 1})};
+        expect_floor(scene, from_factors(material), normal, 2e-4, request);
     }
 }
 

@@ -24,11 +24,16 @@ struct Corner {
     glm::dvec2 uv;
 };
 constexpr std::uint32_t texels_u = 64, texels_v = 32;
-const std::array<Corner, 3> corners = {
+using Corners = std::array<Corner, 3>;
+constexpr Corners before_the_eye = {
     {{4, 6, 60, {0.125, 0.25}}, {-32, 150, 1, {3.5, 2.75}}, {170, 20, 1, {7.25, -9.5}}}};
+// A corner behind the eye, whose place on the screen is the one it is projected to through the eye:
+// the near plane cuts the triangle, which fills the picture but for its upper left.
+constexpr Corners through_the_eye = {
+    {{4, 6, 60, {0.125, 0.25}}, {60, -90, -1.5, {3.5, -2.75}}, {170, 20, 1, {7.25, -9.5}}}};
 
 // UVs times `stretch`.
-glm::dvec2 uv_at(double x, double y, double stretch) {
+glm::dvec2 uv_at(const Corners& corners, double x, double y, double stretch) {
     const auto area = [&](const Corner& a, const Corner& b, double px, double py) {
         return (b.x - a.x) * (py - a.y) - (b.y - a.y) * (px - a.x);
     };
@@ -43,11 +48,13 @@ glm::dvec2 uv_at(double x, double y, double stretch) {
     return sum / total * stretch;
 }
 
-double level_of_detail(double x, double y, double stretch) {
+double level_of_detail(const Corners& corners, double x, double y, double stretch) {
     constexpr double h = 1e-4;
     const glm::dvec2 size(texels_u, texels_v);
-    const glm::dvec2 right = (uv_at(x + h, y, stretch) - uv_at(x - h, y, stretch)) / (2 * h) * size;
-    const glm::dvec2 down = (uv_at(x, y + h, stretch) - uv_at(x, y - h, stretch)) / (2 * h) * size;
+    const glm::dvec2 right =
+        (uv_at(corners, x + h, y, stretch) - uv_at(corners, x - h, y, stretch)) / (2 * h) * size;
+    const glm::dvec2 down =
+        (uv_at(corners, x, y + h, stretch) - uv_at(corners, x, y - h, stretch)) / (2 * h) * size;
     return std::log2(std::max(glm::length(right), glm::length(down)));
 }
 
@@ -135,11 +142,11 @@ const Reading readings[] = {
 };
 
 // By definition; nothing where rounding decides. `read`: how often each level is.
-std::optional<glm::dvec3> reference(const Reading& reading, const std::vector<Level>& levels,
-                                    double x, double y, double stretch,
-                                    std::vector<std::size_t>& read) {
-    const glm::dvec2 uv = uv_at(x, y, stretch);
-    const double lod = level_of_detail(x, y, stretch), last = double(levels.size() - 1);
+std::optional<glm::dvec3> reference(const Corners& corners, const Reading& reading,
+                                    const std::vector<Level>& levels, double x, double y,
+                                    double stretch, std::vector<std::size_t>& read) {
+    const glm::dvec2 uv = uv_at(corners, x, y, stretch);
+    const double lod = level_of_detail(corners, x, y, stretch), last = double(levels.size() - 1);
     const double kept = std::clamp(lod, 0.0, last), part = kept - std::floor(kept);
     if (reading.mag != reading.min && std::abs(lod) < 1e-4) return std::nullopt;
     const Filter within = lod > 0 ? reading.min : reading.mag;
@@ -163,7 +170,8 @@ std::optional<glm::dvec3> reference(const Reading& reading, const std::vector<Le
     return glm::mix(*a, *b, part);
 }
 
-prep::PreparedScene triangle_scene(const prep::Image& image, prep::PixelType type, float stretch) {
+prep::PreparedScene triangle_scene(const Corners& corners, const prep::Image& image,
+                                   prep::PixelType type, float stretch) {
     prep::VertexMesh mesh;
     mesh.uvs.emplace_back();
     for (const Corner& c : corners) {
@@ -204,7 +212,7 @@ TEST(MipLevels, AreChosenAndMixedByTheFootprintOfEachPixel) {
                                             {prep::PixelType::u16, 0.5f},
                                             {prep::PixelType::u8, 4.0f}}) {
             SCOPED_TRACE(reading.name + (" on UVs times " + std::to_string(stretch)));
-            prep::PreparedScene scene = triangle_scene(image, type, stretch);
+            prep::PreparedScene scene = triangle_scene(before_the_eye, image, type, stretch);
             prep::Texture& sampler = scene.scene.textures[0];
             if (reading.filter == TextureFilter::by_sampler) {
                 sampler.mag = reading.mag;
@@ -216,13 +224,41 @@ TEST(MipLevels, AreChosenAndMixedByTheFootprintOfEachPixel) {
             // levels of detail to 1e-5; packed texels by half a step a level.
             const float by = stretch;
             const std::size_t compared = expect_pixels(scene, request, 3e-4, [&](auto x, auto y) {
-                return reference(reading, levels, x + 0.5, y + 0.5, double(by), read);
+                return reference(before_the_eye, reading, levels, x + 0.5, y + 0.5, double(by),
+                                 read);
             });
             EXPECT_GT(compared, 2500u);
         }
         if (reading.mip == MipFilter::none) continue;
         for (std::size_t l = 0; l < levels.size(); ++l) EXPECT_GT(read[l], 50u) << l;
     }
+}
+
+// The same of a triangle that the near plane cuts, by its own way through the rasterizer.
+TEST(MipLevels, AreChosenByTheFootprintWhereTheNearPlaneCutsToo) {
+    const prep::Image image = noise();
+    const std::vector<Level> levels = pyramid_of(image);
+    rast::RenderRequest request;
+    request.width = width;
+    request.height = height;
+    rast::View view;
+    view.yfov = 2 * std::atan(tangent);
+    request.view = view;
+    for (const Reading& reading : {readings[2], readings[3]})
+        for (const float stretch : {0.0625f, 0.5f}) {
+            SCOPED_TRACE(reading.name);
+            const prep::PreparedScene scene =
+                triangle_scene(through_the_eye, image, prep::PixelType::u8, stretch);
+            request.filter = reading.filter;
+            std::vector<std::size_t> read(levels.size());
+            const std::size_t compared = expect_pixels(scene, request, 3e-4, [&](auto x, auto y) {
+                return reference(through_the_eye, reading, levels, x + 0.5, y + 0.5,
+                                 double(stretch), read);
+            });
+            EXPECT_GT(compared, 2500u);
+            EXPECT_GT(test::draw(scene, request).counters.crossing, 0u);
+            for (std::size_t l = 0; l < 3; ++l) EXPECT_GT(read[l], 20u) << l;
+        }
 }
 
 }  // namespace
