@@ -106,10 +106,18 @@ class EarClipper {
         return a.x != b.x ? (a.x < b.x) != (b.x < c.x) : (a.y < b.y) != (b.y < c.y);
     }
     // Whether a side at r, which lies where the corner b of the triangle a, b, c does, leaves into
-    // the triangle.
+    // the triangle; or both run along the triangle's own sides, with nothing of the polygon between
+    // them.
     bool enters(Index r, Index a, Index b, Index c) const {
+        const Index before = previous_[r], after = next_[r];
         const auto inside = [&](Index k) { return orient(b, c, k) > 0 && orient(a, b, k) > 0; };
-        return inside(previous_[r]) || inside(next_[r]);
+        return inside(before) || inside(after) || (along(b, c, before) && along(b, a, after));
+    }
+    // Whether k lies on the ray from `from` to `to`.
+    bool along(Index from, Index to, Index k) const {
+        const glm::vec2 &f = points_[from], &t = points_[to], &p = points_[k];
+        return p != f && orient(from, to, k) == 0 &&
+               (t.x != f.x ? (t.x > f.x) == (p.x > f.x) : (t.y > f.y) == (p.y > f.y));
     }
 
     bool is_ear(Index i) {
