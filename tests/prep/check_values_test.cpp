@@ -154,9 +154,9 @@ TEST(CheckValues, RimsThatEndAtACrowdedEdgeCountOneByOne) {
 }
 
 TEST(CheckValues, ARepeatedCornerDoesNotCutTheRim) {
-    // A square that repeats its second corner: one rim of four edges.
-    const Mesh mesh =
-        shapes::mesh_of({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {1, 0, 0}}, {{0, 1, 4, 2, 3}});
+    // A square that repeats its second and its fourth corner: one rim of four edges.
+    const Mesh mesh = shapes::mesh_of(
+        {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 4, 2, 3, 5}});
     const prep::MeshSummary s = prep::check(mesh).summary;
     EXPECT_EQ(s.open_edges, 4u);
     EXPECT_EQ(s.holes, 1u);
@@ -269,7 +269,7 @@ TEST(CheckValues, UvAreasAreThoseOfTheWholeFace) {
     Mesh mesh = shapes::grid(1, 1);
     mesh.uvs.resize(1);
     mesh.uvs[0].indices = {0, 1, 2, 3};
-    mesh.uvs[0].values = {{0, 0}, {2, 1}, {4, 0}, {2, 4}};
+    mesh.uvs[0].values = {{0, 0}, {2, 1}, {4, 0}, {1, 2}};
     EXPECT_EQ(places(mesh, "mirrored-uv"), Indices{0});
     std::reverse(mesh.uvs[0].values.begin(), mesh.uvs[0].values.end());
     EXPECT_EQ(places(mesh, "mirrored-uv"), Indices{});

@@ -162,6 +162,32 @@ TEST(MorphTargets, TangentsTurnWithTheShape) {
     expect_all(saved.values(primitive["targets"][1]["NORMAL"]), {1, 0, -1});
 }
 
+// The normal map samples a second set, in which u runs along y: so do the tangents and their
+// deltas.
+TEST(MorphTargets, TangentsFollowTheUvSetOfTheNormalMap) {
+    Document document = turning_square(true);
+    Json& primitive = document.json["meshes"][0]["primitives"][0];
+    primitive["attributes"]["TEXCOORD_1"] =
+        document.add(std::vector<glm::vec2>{{0, 0}, {0, 1}, {1, 1}, {1, 0}}, 5126, "VEC2");
+    primitive["material"] = 0;
+    document.json["materials"] = {{{"normalTexture", {{"index", 0}, {"texCoord", 1}}}}};
+    document.json["textures"] = {{{"source", 0}}};
+    document.json["images"] = {{{"uri", "none.png"}}};
+    prep::PrepareOptions options;
+    options.request.tangents = prep::Request::Level::always;
+    const auto scene = prep::prepare(document.parse(), options);
+    ASSERT_TRUE(scene.has_value());
+    ASSERT_EQ(scene->requirements[0].tangent_uv_set, 1u);
+    for (const glm::vec4& t : scene->meshes[0].tangents)
+        EXPECT_EQ(glm::vec3(t), glm::vec3(0, 1, 0));
+    // About z (0, 1, 0) becomes (−1, 0, 0); about y it stays.
+    ASSERT_EQ(scene->morphs[0].size(), 2u);
+    for (const glm::vec3& d : scene->morphs[0][0].tangents)
+        EXPECT_NEAR(glm::distance(d, glm::vec3(-1, -1, 0)), 0, 1e-6);
+    for (const glm::vec3& d : scene->morphs[0][1].tangents) EXPECT_NEAR(glm::length(d), 0, 1e-6);
+    EXPECT_EQ(scene->morphs[0][0].tangents.size(), 4u);
+}
+
 TEST(MorphTargets, ComputedNormalsTurnWithTheShape) {
     Document document = turning_square(false);
     const Saved saved = prepared(document);

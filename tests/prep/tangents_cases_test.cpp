@@ -1,0 +1,228 @@
+// Single cases of tangents with a closed form: which diagonal of a quad, what is counted, and what
+// stands in where the definition gives nothing.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "corner_soup.h"
+#include "prep/tangents.h"
+
+namespace {
+
+using prep::TangentFault;
+using prep::TangentSource;
+using test::CornerSoup;
+
+struct Corner {
+    glm::vec3 position;
+    glm::vec2 uv;
+    glm::vec3 normal{0, 0, 1};
+};
+
+void add_face(CornerSoup& soup, std::initializer_list<Corner> corners) {
+    for (const Corner& c : corners) soup.add(c.position, c.normal, c.uv);
+    soup.end_face();
+}
+
+struct Made {
+    std::vector<glm::vec4> tangents;
+    prep::CornerTangents whole;
+};
+
+Made make(const CornerSoup& soup, prep::TangentMode mode = prep::TangentMode::mikktspace,
+          prep::SimdLevel simd = prep::SimdLevel::automatic) {
+    prep::TangentOptions options;
+    options.mode = mode;
+    options.simd = simd;
+    options.uv_origin = prep::UvOrigin::bottom_left;
+    auto result = prep::corner_tangents(soup.input(), options);
+    EXPECT_TRUE(result.has_value());
+    return {test::flattened(*result), *std::move(result)};
+}
+
+void expect_near(const glm::vec4& tangent, const glm::vec3& direction, float w) {
+    const glm::vec3 unit = glm::normalize(direction);
+    for (int k = 0; k < 3; ++k) EXPECT_NEAR(tangent[k], unit[k], 1e-6);
+    EXPECT_EQ(tangent.w, w);
+}
+
+void expect_fallback(const Made& made, std::uint32_t corner, TangentFault fault,
+                     TangentSource source) {
+    for (const auto& f : made.whole.fallbacks) {
+        if (f.corner != corner) continue;
+        EXPECT_EQ(int(f.fault), int(fault)) << corner;
+        EXPECT_EQ(int(f.source), int(source)) << corner;
+        return;
+    }
+    ADD_FAILURE() << "no fallback at corner " << corner;
+}
+
+// Both diagonals are as long as each other in the texture and in space, though the quad is bent:
+// the definition cuts from the first corner. Its second corner then sees the plane z = x alone, and
+// dP/du = (1, 0, 1) on the plane of its normal.
+TEST(TangentCases, AQuadWithEqualDiagonalsIsCutFromItsFirstCorner) {
+    const glm::vec3 n(0, 0.6f, 0.8f);
+    CornerSoup soup;
+    add_face(soup, {{{0, 0, 0}, {0, 0}, n},
+                    {{1, 0, 1}, {1, 0}, n},
+                    {{1, 1, 0}, {1, 1}, n},
+                    {{0, 1, 1}, {0, 1}, n}});
+    for (const auto mode : {prep::TangentMode::mikktspace, prep::TangentMode::definition}) {
+        const Made made = make(soup, mode);
+        expect_near(made.tangents[1], {1, -0.48f, 0.36f}, 1);
+        expect_near(made.tangents[3], {1, 0.48f, -0.36f}, 1);
+    }
+    // The shorter one in the texture goes first, though it is the longer one in space.
+    soup = CornerSoup();
+    add_face(soup, {{{0, 0, 0}, {0, 0}, n},
+                    {{1, 0, 1}, {0.9f, 0.1f}, n},
+                    {{1, 1, 0}, {1, 1}, n},
+                    {{0, 1, 0.5f}, {0.1f, 0.9f}, n}});
+    // 1–3: the first corner sees the triangle 0, 1, 3.
+    const glm::dvec3 d1(1, 0, 1), d2(0, 1, 0.5);
+    const glm::dvec3 s = 0.9 * d1 - 0.1 * d2,
+                     on_plane = s - glm::dot(s, glm::dvec3(n)) * glm::dvec3(n);
+    expect_near(make(soup).tangents[0], on_plane, 1);
+}
+
+TEST(TangentCases, MirroredTrianglesAreThoseThatTakePart) {
+    CornerSoup soup;
+    // A quad whose second half has no area but UVs that run backwards; a mirrored quad; a good one;
+    // one whose UVs say nothing.
+    add_face(
+        soup,
+        {{{0, 0, 0}, {0, 0}}, {{1, 0, 0}, {1, 0}}, {{1, 1, 0}, {1, 1}}, {{1, 1, 0}, {2, 0.5f}}});
+    add_face(
+        soup,
+        {{{3, 0, 0}, {0, 0}}, {{4, 0, 0}, {-1, 0}}, {{4, 1, 0}, {-1, 1}}, {{3, 1, 0}, {0, 1}}});
+    add_face(soup,
+             {{{6, 0, 0}, {0, 0}}, {{7, 0, 0}, {1, 0}}, {{7, 1, 0}, {1, 1}}, {{6, 1, 0}, {0, 1}}});
+    add_face(soup, {{{9, 0, 0}, {0, 0}}, {{9, 1, 0}, {0, 0}}, {{8, 1, 0}, {0, 0}}});
+    const Made made = make(soup);
+    EXPECT_EQ(made.whole.mirrored_triangles, 2u);
+    EXPECT_EQ(made.whole.degenerate_triangles, 1u);
+}
+
+// dP/du runs along the normal; across dP/dv there is one direction left, and w tells which side.
+TEST(TangentCases, WhereUGoesAlongTheNormalTheBitangentDecides) {
+    for (const float u : {1.0f, -1.0f}) {
+        CornerSoup soup;
+        add_face(soup, {{{0, 0, 0}, {0, 0}}, {{0, 0, 1}, {u, 0}}, {{0, 1, 0}, {0, 1}}});
+        const Made made = make(soup);
+        for (std::uint32_t c = 0; c < 3; ++c) {
+            // B = w · N × T is dP/dv = y.
+            expect_near(made.tangents[c], {u, 0, 0}, u);
+            const glm::vec3 b =
+                made.tangents[c].w * glm::cross(glm::vec3(0, 0, 1), glm::vec3(made.tangents[c]));
+            EXPECT_NEAR(b.y, 1, 1e-6);
+        }
+        ASSERT_EQ(made.whole.fallbacks.size(), 3u);
+        for (const auto& f : made.whole.fallbacks)
+            EXPECT_EQ(int(f.source), int(TangentSource::bitangent));
+    }
+}
+
+// A normal that leans by 1e-4 from dP/du: what is left of it is far below unit but no rounding.
+TEST(TangentCases, TangentsAlongTheNormalAreToldAsSuch) {
+    CornerSoup soup;
+    const glm::vec3 along(1, 0, 0);
+    add_face(soup,
+             {{{0, 0, 0}, {0, 0}, along}, {{1, 0, 0}, {1, 0}, along}, {{0, 1, 0}, {0, 1}, along}});
+    const Made made = make(soup);
+    ASSERT_EQ(made.whole.fallbacks.size(), 3u);
+    for (const auto& f : made.whole.fallbacks) {
+        const bool none =
+            f.fault == TangentFault::vanished || f.fault == TangentFault::along_normal;
+        EXPECT_TRUE(none) << int(f.fault);
+        EXPECT_EQ(int(f.source), int(TangentSource::bitangent));
+    }
+}
+
+// A corner without a normal takes what its face's UVs say, all of its triangles' together.
+TEST(TangentCases, TheGradientIsThatOfTheWholeFace) {
+    CornerSoup soup;
+    // The first triangle, 0–1–2, has neither area nor UV area.
+    add_face(soup, {{{0, 0, 0}, {0, 0}},
+                    {{1, 0, 0}, {0, 1}, {0, 0, 0}},
+                    {{2, 0, 0}, {0, 2}},
+                    {{0, 1, 0}, {-1, 0}}});
+    const Made made = make(soup);
+    expect_fallback(made, 1, TangentFault::no_normal, TangentSource::gradient);
+    // u falls along y.
+    expect_near(made.tangents[1], {0, -1, 0}, 1);
+}
+
+// Three triangles that meet in one point alone: the middle one's UVs say nothing. The lower of the
+// two good corners there gives it tangent and sign.
+TEST(TangentCases, OfTwoSignsAtAPointTheLowerCornersIsTaken) {
+    const auto good = [](CornerSoup& soup, float u, float at) {
+        add_face(soup, {{{0, 0, 0}, {0, 0}},
+                        {{at, 1, 0}, {at * u, 1}},
+                        {{at - 0.5f, 1, 0}, {(at - 0.5f) * u, 1}}});
+    };
+    for (const float first : {1.0f, -1.0f}) {
+        CornerSoup soup;
+        good(soup, first, 2);
+        add_face(soup, {{{0, 0, 0}, {0, 0}}, {{0.5f, 1, 0}, {0, 0}}, {{0, 1, 0}, {0, 0}}});
+        good(soup, -first, -1);
+        const Made made = make(soup);
+        expect_near(made.tangents[0], {first, 0, 0}, first);
+        expect_near(made.tangents[6], {-first, 0, 0}, -first);
+        expect_fallback(made, 3, TangentFault::no_gradient, TangentSource::neighbour);
+        expect_near(made.tangents[3], {first, 0, 0}, first);
+    }
+}
+
+// Two fans of the same vertex: over the edges that three triangles share, the first that leaves
+// meets the first that enters. Each triangle's dP/du is turned, so that what is averaged shows.
+TEST(TangentCases, FansThatMeetInAVertexAreAveragedApart) {
+    for (const auto simd : {prep::SimdLevel::scalar, prep::SimdLevel::automatic}) {
+        CornerSoup soup;
+        // Two triangles to the right and two to the left of a point, touching in it alone; the
+        // texture is turned by 45° on the left.
+        const auto triangle = [&](float angle, bool turned) {
+            const auto corner = [&](float degrees) {
+                const float a = degrees * 3.14159265f / 180;
+                const glm::vec3 p(std::cos(a), std::sin(a), 0);
+                return Corner{p, turned ? glm::vec2(p.x + p.y, p.y - p.x) : glm::vec2(p)};
+            };
+            add_face(soup, {{{0, 0, 0}, {0, 0}}, corner(angle), corner(angle + 30)});
+        };
+        triangle(-30, false);
+        triangle(0, false);
+        triangle(150, true);
+        triangle(180, true);
+        const Made made = make(soup, prep::TangentMode::definition, simd);
+        for (const std::uint32_t c : {0u, 3u}) expect_near(made.tangents[c], {1, 0, 0}, 1);
+        for (const std::uint32_t c : {6u, 9u}) expect_near(made.tangents[c], {1, 1, 0}, 1);
+    }
+}
+
+// Normals that are 1 % off unit: they are made unit first, wherever they stand among good ones.
+TEST(TangentCases, NormalsThatAreNotUnitAreMadeSoOnEveryInstructionSet) {
+    for (const float length : {1.05f, 0.95f, 3.0f, 0.2f}) {
+        CornerSoup soup, unit;
+        for (int t = 0; t < 37; ++t) {
+            const glm::vec3 n = glm::normalize(glm::vec3(0.3f, 0.1f * float(t % 5), 1.0f));
+            const float x = float(t);
+            for (CornerSoup* to : {&soup, &unit}) {
+                const glm::vec3 own = to == &soup && t % 9 == 4 ? length * n : n;
+                add_face(*to, {{{x, 0, 0}, {0, 0}, own},
+                               {{x + 0.9f, 0.2f, 0}, {1, 0.1f}, own},
+                               {{x, 0.7f, 0.3f}, {0.2f, 1}, own}});
+            }
+        }
+        const auto expected = make(unit).tangents;
+        for (const auto simd : {prep::SimdLevel::scalar, prep::SimdLevel::sse4,
+                                prep::SimdLevel::avx2, prep::SimdLevel::avx512}) {
+            if (!prep::simd_available(simd)) continue;
+            const auto found = make(soup, prep::TangentMode::mikktspace, simd).tangents;
+            for (std::size_t c = 0; c < found.size(); ++c)
+                for (int k = 0; k < 4; ++k)
+                    ASSERT_NEAR(found[c][k], expected[c][k], 1e-6)
+                        << "corner " << c << ", length " << length << ", " << prep::to_string(simd);
+        }
+    }
+}
+
+}  // namespace
