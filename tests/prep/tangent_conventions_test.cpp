@@ -361,72 +361,72 @@ TEST(GreenChannel, CountsTheTexelsThatHaveASay) {
     const auto steep = prep::green_channel(saddle(128, 0.125, 64));
     EXPECT_LT(steep.texels[0], 64u * 64);
     EXPECT_GT(steep.texels[0], 58u * 58);
+}
 
-    TEST(TangentConventions, CountsBitsAndAngles) {
-        // A hundredth of a degree off: within every tolerance, but no bits are the same.
-        prep::Mesh mesh = sphere_with_tangents();
-        turn(mesh, 0.005);
-        auto told = prep::tangent_conventions(mesh);
-        EXPECT_EQ(told.identical, 0u);
-        EXPECT_EQ(told.within_1, told.compared);
-        EXPECT_EQ(int(told.method), int(TangentMethod::mikktspace));
-        // Four corners in ten by 0.5°, the others by 2°, a handful by 178° and 172°.
-        mesh = sphere_with_tangents();
-        const prep::Mesh exact = mesh;
-        std::uint64_t near = 0, middle = 0, opposite = 0, wide = 0;
-        std::vector<prep::Mesh> turned(4, exact);
-        const double degrees[] = {0.5, 2, 178, 172};
-        for (int k = 0; k < 4; ++k) turn(turned[std::size_t(k)], degrees[k]);
-        mesh.tangents = turned[1].tangents;
-        for (std::uint32_t c = 0; c < mesh.corner_count(); ++c) {
-            const std::size_t k = c % 50 == 0 ? 2 : c % 50 == 1 ? 3 : c % 10 < 4 ? 0 : 1;
-            mesh.tangents.values[mesh.tangents.indices[c]] =
-                turned[k].tangents.values[turned[k].tangents.indices[c]];
-            ++(k == 0 ? near : k == 1 ? middle : k == 2 ? opposite : wide);
-        }
-        told = prep::tangent_conventions(mesh);
-        ASSERT_EQ(told.compared, near + middle + opposite + wide);
-        EXPECT_NEAR(told.median_degrees, 2, 1e-3);
-        EXPECT_NEAR(told.largest_degrees, 178, 1e-3);
-        EXPECT_EQ(told.within_1, near);
-        EXPECT_EQ(told.within_5, near + middle);
-        EXPECT_EQ(told.opposite, opposite);
-        EXPECT_EQ(told.identical, 0u);
+TEST(TangentConventions, CountsBitsAndAngles) {
+    // A hundredth of a degree off: within every tolerance, but no bits are the same.
+    prep::Mesh mesh = sphere_with_tangents();
+    turn(mesh, 0.005);
+    auto told = prep::tangent_conventions(mesh);
+    EXPECT_EQ(told.identical, 0u);
+    EXPECT_EQ(told.within_1, told.compared);
+    EXPECT_EQ(int(told.method), int(TangentMethod::mikktspace));
+    // Four corners in ten by 0.5°, the others by 2°, a handful by 178° and 172°.
+    mesh = sphere_with_tangents();
+    const prep::Mesh exact = mesh;
+    std::uint64_t near = 0, middle = 0, opposite = 0, wide = 0;
+    std::vector<prep::Mesh> turned(4, exact);
+    const double degrees[] = {0.5, 2, 178, 172};
+    for (int k = 0; k < 4; ++k) turn(turned[std::size_t(k)], degrees[k]);
+    mesh.tangents = turned[1].tangents;
+    for (std::uint32_t c = 0; c < mesh.corner_count(); ++c) {
+        const std::size_t k = c % 50 == 0 ? 2 : c % 50 == 1 ? 3 : c % 10 < 4 ? 0 : 1;
+        mesh.tangents.values[mesh.tangents.indices[c]] =
+            turned[k].tangents.values[turned[k].tangents.indices[c]];
+        ++(k == 0 ? near : k == 1 ? middle : k == 2 ? opposite : wide);
     }
+    told = prep::tangent_conventions(mesh);
+    ASSERT_EQ(told.compared, near + middle + opposite + wide);
+    EXPECT_NEAR(told.median_degrees, 2, 1e-3);
+    EXPECT_NEAR(told.largest_degrees, 178, 1e-3);
+    EXPECT_EQ(told.within_1, near);
+    EXPECT_EQ(told.within_5, near + middle);
+    EXPECT_EQ(told.opposite, opposite);
+    EXPECT_EQ(told.identical, 0u);
+}
 
-    // Waves of 32 texels that point one way, on swells that point the other: at a sixteenth of the
-    // size two texels are a wave, and only the swell is left. The mean alone would say up.
-    TEST(GreenChannel, ScalesThatContradictEachOtherLeaveItOpen) {
-        constexpr std::uint32_t size = 384;
-        const double pi = std::acos(-1.0);
-        const auto map_of = [&](double waves, double swell) {
-            Image map{size, size, 3, {}, false};
-            const auto slope = [&](double along, double length) {
-                return std::sin(2 * pi * along / length);
-            };
-            for (std::uint32_t y = 0; y < size; ++y) {
-                for (std::uint32_t x = 0; x < size; ++x) {
-                    // Heights that go with x + y: both slopes are the same, of which green is shown
-                    // the other way round where it points down.
-                    const double fine = waves * slope(x + y, 32),
-                                 coarse = swell * slope(x + y, 200);
-                    const double p = fine + coarse, q = fine - coarse;
-                    const double length = std::sqrt(p * p + q * q + 1);
-                    for (const double n : {p / length, -q / length, 1 / length})
-                        map.pixels.push_back(float(n * 0.5 + 0.5));
-                }
-            }
-            return map;
+// Waves of 32 texels that point one way, on swells that point the other: at a sixteenth of the
+// size two texels are a wave, and only the swell is left. The mean alone would say up.
+TEST(GreenChannel, ScalesThatContradictEachOtherLeaveItOpen) {
+    constexpr std::uint32_t size = 384;
+    const double pi = std::acos(-1.0);
+    const auto map_of = [&](double waves, double swell) {
+        Image map{size, size, 3, {}, false};
+        const auto slope = [&](double along, double length) {
+            return std::sin(2 * pi * along / length);
         };
-        const auto up = prep::green_channel(map_of(0.4, 0));
-        EXPECT_EQ(int(up.direction), int(GreenDirection::up));
-        const auto down = prep::green_channel(map_of(0, 0.4));
-        EXPECT_EQ(int(down.direction), int(GreenDirection::down));
-        const auto both = prep::green_channel(map_of(0.3, 0.3));
-        for (std::size_t scale = 0; scale < 4; ++scale) EXPECT_GT(both.correlations[scale], 0.3);
-        EXPECT_LT(both.correlations[4], -0.3);
-        EXPECT_GT(both.correlation, 0.3);
-        EXPECT_EQ(int(both.direction), int(GreenDirection::undecided));
-    }
+        for (std::uint32_t y = 0; y < size; ++y) {
+            for (std::uint32_t x = 0; x < size; ++x) {
+                // Heights that go with x + y: both slopes are the same, of which green is shown
+                // the other way round where it points down.
+                const double fine = waves * slope(x + y, 32), coarse = swell * slope(x + y, 200);
+                const double p = fine + coarse, q = fine - coarse;
+                const double length = std::sqrt(p * p + q * q + 1);
+                for (const double n : {p / length, -q / length, 1 / length})
+                    map.pixels.push_back(float(n * 0.5 + 0.5));
+            }
+        }
+        return map;
+    };
+    const auto up = prep::green_channel(map_of(0.4, 0));
+    EXPECT_EQ(int(up.direction), int(GreenDirection::up));
+    const auto down = prep::green_channel(map_of(0, 0.4));
+    EXPECT_EQ(int(down.direction), int(GreenDirection::down));
+    const auto both = prep::green_channel(map_of(0.3, 0.3));
+    for (std::size_t scale = 0; scale < 4; ++scale) EXPECT_GT(both.correlations[scale], 0.3);
+    EXPECT_LT(both.correlations[4], -0.3);
+    EXPECT_GT(both.correlation, 0.3);
+    EXPECT_EQ(int(both.direction), int(GreenDirection::undecided));
+}
 
 }  // namespace
