@@ -245,6 +245,29 @@ TEST(PrepareReports, SplitsAreCountedByTheirReason) {
     expect(mesh, &prep::SplitCounts::smoothing_group, 16);
 }
 
+// Three quads around a vertex, open at the fourth: the first two part for their groups, the second
+// and the third for their angle. A copy is told to be for the edges at either corner, whichever of
+// their two sides they are on.
+TEST(PrepareReports, ACopyIsForTheEdgesAtBothCorners) {
+    // The grid's faces are 0 1 / 2 3; around the middle, vertex 4, the order is 0, 1, 3.
+    for (const bool backwards : {false, true}) {
+        Mesh mesh = shapes::grid(2, 2);
+        mesh.positions[0].z = mesh.positions[3].z = -0.2f;  // 0 bends a little, 3 by 90°
+        mesh.positions[7] = {1, 1, 1};
+        mesh.positions[8] = {2, 1, 1};
+        mesh = shapes::with_face_order(mesh, backwards ? Indices{3, 1, 0} : Indices{0, 1, 3});
+        mesh.face_smoothing = backwards ? Indices{2, 2, 1} : Indices{1, 2, 2};
+        PrepareOptions options;
+        options.hard_edges.angle_inside_groups = true;
+        const PreparedScene scene = prepared({mesh}, options);
+        // The middle has three vertices, of which both copies are for both; the edges' other ends
+        // have two each.
+        EXPECT_EQ(scene.meshes[0].vertex_count(), 8u + 2 + 2) << backwards;
+        EXPECT_EQ(scene.splits.smoothing_group, 2u + 1) << backwards;
+        EXPECT_EQ(scene.splits.hard_edge, 2u + 1) << backwards;
+    }
+}
+
 TEST(PrepareReports, CopiesAtOneVertexAreToldApartByTheirEdges) {
     // Three faces of a cube's corner: groups 1, 1, 2. Inside a group the angle is not asked.
     Mesh mesh = shapes::mesh_of(

@@ -198,6 +198,35 @@ TEST(TangentCases, FansThatMeetInAVertexAreAveragedApart) {
     }
 }
 
+// Two cones with a common tip, each closed around it; the lower one's texture is turned.
+TEST(TangentCases, ConesThatMeetInTheirTipAreAveragedApart) {
+    for (const auto simd : {prep::SimdLevel::scalar, prep::SimdLevel::sse4, prep::SimdLevel::avx2,
+                            prep::SimdLevel::avx512}) {
+        if (!prep::simd_available(simd)) continue;
+        for (const auto& [upper, lower] : {std::pair{3, 3}, {4, 4}, {3, 5}, {5, 3}}) {
+            CornerSoup soup;
+            const auto cone = [&](int sides, float down, bool turned) {
+                const auto corner = [&](int i) {
+                    const float a = 2 * 3.14159265f * float(i % sides) / float(sides);
+                    const glm::vec3 p(std::cos(a), std::sin(a), -down);
+                    return Corner{
+                        p, turned ? glm::vec2(0.9f * p.x + 0.5f * p.y, 0.9f * p.y - 0.5f * p.x)
+                                  : glm::vec2(p)};
+                };
+                for (int i = 0; i < sides; ++i)
+                    add_face(soup, {{{0, 0, 0}, {0, 0}}, corner(i), corner(i + 1)});
+            };
+            cone(upper, 0.1f, false);
+            cone(lower, 0.4f, true);
+            const Made made = make(soup, prep::TangentMode::definition, simd);
+            // Symmetric: what the sides' slopes add cancels around the tip.
+            for (int f = 0; f < upper + lower; ++f)
+                expect_near(made.tangents[std::size_t(3 * f)],
+                            f < upper ? glm::vec3(1, 0, 0) : glm::vec3(0.9f, 0.5f, 0), 1);
+        }
+    }
+}
+
 // Normals that are 1 % off unit: they are made unit first, wherever they stand among good ones.
 TEST(TangentCases, NormalsThatAreNotUnitAreMadeSoOnEveryInstructionSet) {
     for (const float length : {1.05f, 0.95f, 3.0f, 0.2f}) {
