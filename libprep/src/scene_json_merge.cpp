@@ -43,7 +43,8 @@ MergedPart merge_scene(Scene& into, Scene&& part, const std::string& name) {
     for (Material& material : part.materials)
         for (const auto map : maps) shift((material.*map).texture, into.textures.size());
     for (Mesh& mesh : part.meshes)
-        for (std::uint32_t& material : mesh.face_materials) shift(material, into.materials.size());
+        for (auto* list : {&mesh.face_materials, &mesh.variant_materials})
+            for (std::uint32_t& material : *list) shift(material, into.materials.size());
 
     MergedPart merged;
     merged.first_mesh = static_cast<std::uint32_t>(into.meshes.size());

@@ -9,6 +9,7 @@
 #include "prep/io.h"
 #include "prep/prepare.h"
 #include "prep/save.h"
+#include "prep/scene_json.h"
 
 namespace {
 
@@ -185,6 +186,36 @@ TEST(GltfVariants, NormalMapsOfTheirMaterialsGetTangentsBehindTheMeshsOwn) {
     const std::vector<glm::vec4> own = tangents(R"({"normalTexture":{"index":0}})");
     ASSERT_FALSE(own.empty());
     EXPECT_EQ(glm::vec3(own[0]), glm::vec3(1, 0, 0));
+}
+
+// Beside another file in a scene: materials are numbered through.
+TEST(GltfVariants, AreThoseOfTheirFileInSceneFiles) {
+    const test::TempDir dir;
+    File file;
+    file.add("POSITION", "VEC3", 3, {0, 0, 0, 2, 0, 0, 0, 2, 0});
+    std::string text = file.text({0, 1, 2});
+    const std::string primitive = R"("indices":1)";
+    text.insert(text.find(primitive) + primitive.size(),
+                R"(,"material":1,"extensions":{"KHR_materials_variants":{"mappings":[)"
+                R"({"material":0,"variants":[0]}]}})");
+    text.pop_back();
+    text += R"(,"extensionsUsed":["KHR_materials_variants"],"extensions":)"
+            R"({"KHR_materials_variants":{"variants":[{"name":"a"}]}},)"
+            R"("materials":[{"name":"other"},{"name":"own"}]})";
+    test::write_text(dir / "in.gltf", text);
+    test::write_text(dir / "in.bin", file.bytes);
+    const auto scene = prep::parse_scene_json(
+        R"({"meshprep": 1, "meshes": {"a": {"file": "in.gltf"}, "b": {"file": "in.gltf"}}})",
+        dir / "s.json");
+    ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
+    const prep::Scene& both = scene->scene;
+    ASSERT_EQ(both.meshes.size(), 2u);
+    for (const prep::Mesh& mesh : both.meshes) {
+        ASSERT_EQ(mesh.variant_materials.size(), 1u);
+        EXPECT_EQ(both.materials.at(mesh.variant_materials[0]).name, "other");
+        EXPECT_EQ(both.materials.at(mesh.face_materials.at(0)).name, "own");
+    }
+    EXPECT_NE(both.meshes[0].variant_materials, both.meshes[1].variant_materials);
 }
 
 // A triangle without area along the bottom of another: its middle point is put into that edge, with
