@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <optional>
 #include <vector>
 
@@ -64,11 +65,13 @@ std::string missing_of_jpeg(const ByteSource& file) {
 // Fields of a TIFF directory, in either byte order and either width.
 class Tiff {
   public:
-    explicit Tiff(const ByteSource& file) : file_(file) {}
+    // `all`: every value counts, not only what leads to the pixels.
+    Tiff(const ByteSource& file, bool all) : file_(file), all_(all) {}
 
     std::string missing() {
         std::array<std::byte, 8> head{};
-        if (file_.size < head.size() || !file_.read(0, head)) return {};
+        if (file_.size < head.size() || !file_.read(0, head))
+            return all_ ? cut("its beginning") : std::string();
         big_endian_ = head[0] == std::byte('M');
         const auto magic = number(2, 2);
         big_ = magic == 43;
@@ -81,6 +84,7 @@ class Tiff {
         if (*fields > file_.size / entry) return cut("its directory");
         for (std::uint64_t i = 0; i < *fields; ++i)
             if (!note(*directory + (big_ ? 8 : 2) + i * entry)) return cut("its directory");
+        if (all_ && (offsets_.count == 0 || counts_.count == 0)) return cut("its directory");
         return strips();
     }
 
@@ -102,6 +106,12 @@ class Tiff {
             value = value << 8 | std::to_integer<std::uint64_t>(
                                      raw[std::size_t(big_endian_ ? i : width - 1 - i)]);
         return value;
+    }
+
+    // Of a value of any type; 0 where there is no such type.
+    static std::uint64_t bytes_of(std::uint64_t type) {
+        constexpr std::uint8_t bytes[] = {0, 1, 1, 2, 4, 8, 1, 1, 2, 4, 8, 4, 8, 4, 0, 0, 8, 8, 8};
+        return type < std::size(bytes) ? bytes[type] : 0;
     }
 
     static std::uint64_t width_of(std::uint64_t type) {
@@ -126,6 +136,12 @@ class Tiff {
         const auto count = number(at + 4, big_ ? 8 : 4);
         const std::uint64_t inside = big_ ? 8 : 4, values = at + 4 + inside;
         if (!tag || !type || !count) return false;
+        if (const std::uint64_t each = bytes_of(*type);
+            all_ && each > 0 && *count > inside / each) {
+            const auto first = number(values, inside);
+            if (!first || *first > file_.size || *count > (file_.size - *first) / each)
+                return false;
+        }
         Field field{*type, *count, values};
         const std::uint64_t width = width_of(*type);
         if (width == 0) return true;
@@ -199,6 +215,8 @@ class Tiff {
             const std::string name = (tiled_ ? "tile " : "strip ") + std::to_string(i + 1) +
                                      " of " + std::to_string(count);
             if (!offset || !bytes) return cut("the list of its strips or tiles");
+            // The directory is there first, with nothing in it yet.
+            if (all_ && (*offset == 0 || *bytes == 0)) return cut(name);
             const std::uint64_t need = std::min(*bytes, most(i));
             if (need > 0 && (*offset > file_.size || need > file_.size - *offset)) return cut(name);
         }
@@ -206,6 +224,7 @@ class Tiff {
     }
 
     const ByteSource& file_;
+    const bool all_;
     bool big_endian_ = false, big_ = false, tiled_ = false;
     Field columns_, rows_, bits_, compression_, samples_, rows_per_strip_, planes_, offsets_,
         counts_;
@@ -220,8 +239,12 @@ std::string missing_part(const ByteSource& file) {
     if (is(0, 0xff) && is(1, start_of_image) && is(2, 0xff)) return missing_of_jpeg(file);
     if ((is(0, 'I') && is(1, 'I') && is(3, 0) && (is(2, 42) || is(2, 43))) ||
         (is(0, 'M') && is(1, 'M') && is(2, 0) && (is(3, 42) || is(3, 43))))
-        return Tiff(file).missing();
+        return Tiff(file, false).missing();
     return {};
+}
+
+std::string missing_part_of_written_tiff(const ByteSource& file) {
+    return Tiff(file, true).missing();
 }
 
 }  // namespace prep::detail

@@ -26,4 +26,8 @@ struct ByteSource {
 // tiles must lie within the file. Cost: JPEG O(bytes), TIFF O(strips), in little memory.
 std::string missing_part(const ByteSource& file);
 
+// The same for a TIFF file that has just been written, to the last value of its directory: libtiff
+// writes the end of it when it is closed, and does not say that it could not.
+std::string missing_part_of_written_tiff(const ByteSource& file);
+
 }  // namespace prep::detail

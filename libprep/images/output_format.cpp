@@ -1,6 +1,9 @@
 #include "output_format.h"
 
 #include <cctype>
+#include <fstream>
+
+#include "completeness.h"
 
 namespace prep::detail {
 
@@ -32,6 +35,22 @@ Result<std::unique_ptr<OIIO::ImageOutput>> output_for(const std::filesystem::pat
 
 bool takes_proxies(const OIIO::ImageOutput& output, const std::string& ending) {
     return output.supports("ioproxy") && ending != ".tif" && ending != ".tiff";
+}
+
+Result<void> check_written(const std::filesystem::path& file, const std::string& place) {
+    std::error_code error;
+    std::ifstream in(file, std::ios::binary);
+    ByteSource source;
+    source.size = std::filesystem::file_size(file, error);
+    source.read = [&in](std::uint64_t offset, std::span<std::byte> out) {
+        in.seekg(std::streamoff(offset));
+        in.read(reinterpret_cast<char*>(out.data()), std::streamsize(out.size()));
+        return bool(in);
+    };
+    const std::string missing = error ? error.message() : missing_part_of_written_tiff(source);
+    if (missing.empty()) return {};
+    return Error{ErrorCode::io,
+                 "the image cannot be written: " + missing + "; the disk may be full", place};
 }
 
 void set_options(OIIO::ImageSpec& spec, const std::string& ending) {

@@ -17,8 +17,12 @@ Result<std::unique_ptr<OIIO::ImageOutput>> output_for(const std::filesystem::pat
                                                       std::string& ending);
 
 // Whether it can be given a file of ours, or memory, in place of a name. That of TIFF says so and
-// gets it wrong (OpenImageIO 2.4); it checks its files itself.
+// gets it wrong (OpenImageIO 2.4).
 bool takes_proxies(const OIIO::ImageOutput& output, const std::string& ending);
+
+// Whether all of a TIFF file has arrived that its writer has closed: it checks each strip that it
+// writes, but not what it writes last. `place` is for the message. Errors: io.
+Result<void> check_written(const std::filesystem::path& file, const std::string& place);
 
 // How hard to compress; and formats that note when a file was written get one date for all: the
 // same picture, the same bytes.

@@ -105,8 +105,9 @@ Result<std::vector<std::byte>> encode_by_ending(const std::filesystem::path& pat
         std::filesystem::temp_directory_path(error) / detail::unique_name("meshprep", ending);
     const bool written = output->open(temporary.string(), spec_of(image, type, ending)) &&
                          write_pixels(*output, image, type) && output->close();
-    auto bytes = written ? read_file(temporary)
-                         : Result<std::vector<std::byte>>(failed(output->geterror(), place));
+    const Result<void> whole = written ? detail::check_written(temporary, place)
+                                       : Result<void>(failed(output->geterror(), place));
+    auto bytes = whole ? read_file(temporary) : Result<std::vector<std::byte>>(whole.error());
     std::filesystem::remove(temporary, error);
     return bytes;
 }

@@ -22,10 +22,11 @@ Error failed(const std::string& why, const std::string& place) {
 class FileRows final : public RowWriter {
   public:
     FileRows(std::unique_ptr<CheckedFile> file, std::unique_ptr<oiio::ImageOutput> output,
-             const ImageLayout& layout, std::string place)
+             const ImageLayout& layout, std::filesystem::path path, std::string place)
         : file_(std::move(file)),
           output_(std::move(output)),
           layout_(layout),
+          path_(std::move(path)),
           place_(std::move(place)) {}
 
     Result<void> write(const void* values, std::uint32_t rows) override {
@@ -43,7 +44,7 @@ class FileRows final : public RowWriter {
             const std::string problem = file_ ? file_->finish() : std::string();
             if (!problem.empty()) return failed(problem, place_);
             if (!good) return failed(output_->geterror(), place_);
-            return {};
+            return file_ ? Result<void>() : check_written(path_, place_);
         });
     }
 
@@ -66,6 +67,7 @@ class FileRows final : public RowWriter {
     std::unique_ptr<CheckedFile> file_;  // outlives the writer; none where that takes names only
     std::unique_ptr<oiio::ImageOutput> output_;
     ImageLayout layout_;
+    std::filesystem::path path_;
     std::string place_;
     int row_ = 0;
 };
@@ -122,7 +124,7 @@ Result<std::unique_ptr<RowWriter>> open_checked(const std::filesystem::path& pat
         return failed(why, place);
     }
     return std::unique_ptr<RowWriter>(
-        std::make_unique<FileRows>(std::move(checked), std::move(output), layout, place));
+        std::make_unique<FileRows>(std::move(checked), std::move(output), layout, file, place));
 }
 
 }  // namespace

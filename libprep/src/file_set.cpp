@@ -37,16 +37,31 @@ class Staged {
         static Staged* const staged = new Staged;  // never destroyed: signal threads outlive main
         return *staged;
     }
-    void add(const std::string& name) {
-        const std::lock_guard lock(mutex_);
-        names_.insert(name);
+    // A new file, open for writing; −1 and errno where there is none.
+    int create(const std::string& name) {
+        const std::lock_guard lock(mutex_);  // never a file that is there and not in the list
+        if (ended_) {
+            errno = ECANCELED;
+            return -1;
+        }
+        const int fd = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        if (fd >= 0) names_.insert(name);
+        return fd;
     }
     void remove(const std::string& name) {
         const std::lock_guard lock(mutex_);
         names_.erase(name);
     }
-    std::size_t unlink_all() {
+    // While files get their names: between two renames is no moment to end in.
+    std::unique_lock<std::mutex> renaming() { return std::unique_lock(renaming_); }
+    bool ended() {
         const std::lock_guard lock(mutex_);
+        return ended_;
+    }
+    std::size_t unlink_all() {
+        const std::lock_guard after_renames(renaming_);
+        const std::lock_guard lock(mutex_);
+        ended_ = true;
         std::size_t removed = 0;
         for (const std::string& name : names_) removed += ::unlink(name.c_str()) == 0;
         names_.clear();
@@ -54,8 +69,9 @@ class Staged {
     }
 
   private:
-    std::mutex mutex_;
+    std::mutex mutex_, renaming_;
     std::set<std::string> names_;
+    bool ended_ = false;
 };
 
 bool same_file(const std::filesystem::path& a, const std::filesystem::path& b) {
@@ -141,11 +157,7 @@ Result<int> FileSet::create(File& file, const std::filesystem::path& near) const
     int fd = -1;
     do {
         file.staged = unused_name(near, "new");
-        Staged::instance().add(file.staged);
-        fd = ::open(file.staged.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-        const int why = errno;
-        if (fd < 0) Staged::instance().remove(file.staged);
-        errno = why;
+        fd = Staged::instance().create(file.staged);
     } while (fd < 0 && errno == EEXIST);
     if (fd < 0) return io_error("cannot create a file here", errno, near);
     return fd;
@@ -217,6 +229,11 @@ Result<void> FileSet::commit() {
         if (!bytes) return bytes.error();
         file.direct = std::move(*bytes);
     }
+    auto renaming = Staged::instance().renaming();
+    if (Staged::instance().ended()) {
+        const std::string first = files_.empty() ? std::string() : files_[0].path.string();
+        return Error{ErrorCode::io, "cannot write the file: the process was told to end", first};
+    }
     for (std::size_t i = 0; i < files_.size(); ++i) {
         File& file = files_[i];
         if (file.in_place) continue;
@@ -250,6 +267,7 @@ Result<void> FileSet::commit() {
     }
     for (const File& file : files_)
         if (!file.backup.empty()) ::unlink(file.backup.c_str());
+    renaming.unlock();  // a pipe may keep us waiting
     for (const File& file : files_) {
         if (!file.in_place) continue;
         const int fd = ::open(file.path.c_str(), O_WRONLY | O_CLOEXEC);

@@ -1,7 +1,10 @@
 #include "command_runner.h"
 
 #include <fcntl.h>
+#include <grp.h>
+#include <signal.h>
 #include <spawn.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -35,6 +38,84 @@ Ran run_here(const std::vector<std::string>& arguments) {
         meshprep::run(static_cast<int>(argv.size()), argv.data(), out, err, /*terminal*/ false);
     ran.out = out.str();
     ran.err = err.str();
+    return ran;
+}
+
+std::vector<std::optional<unsigned>> users() {
+    std::vector<std::optional<unsigned>> list{std::nullopt};
+    if (::geteuid() == 0) list.push_back(65534);  // nobody
+    return list;
+}
+
+namespace {
+
+std::vector<char*> pointers_to(std::vector<std::string>& texts) {
+    std::vector<char*> list;
+    for (std::string& text : texts) list.push_back(text.data());
+    list.push_back(nullptr);
+    return list;
+}
+
+// In the new process; what fails here ends it with a code that the command does not have.
+[[noreturn]] void become(int program, const Circumstances& c, const std::string& out,
+                         const std::string& err, char* const* argv, char* const* variables) {
+    const auto expect = [](bool good) {
+        if (!good) ::_exit(120);
+    };
+    const auto open_as = [&](int as, const std::string& path, int flags) {
+        const int file = ::open(path.c_str(), flags, 0600);
+        expect(file >= 0 && (file == as || (::dup2(file, as) == as && ::close(file) == 0)));
+    };
+    open_as(0, "/dev/null", O_RDONLY);
+    open_as(1, out, O_WRONLY | O_CREAT);
+    open_as(2, err, O_WRONLY | O_CREAT);
+    if (c.out && c.out->empty()) expect(::close(1) == 0);
+    for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGXFSZ, SIGPIPE})
+        expect(::signal(number, SIG_DFL) != SIG_ERR);
+    for (const int number : c.ignored_signals) expect(::signal(number, SIG_IGN) != SIG_ERR);
+    const auto limit = [&](auto what, std::uint64_t bytes) {
+        const rlimit wanted{bytes, bytes};
+        expect(bytes == 0 || ::setrlimit(what, &wanted) == 0);
+    };
+    limit(RLIMIT_FSIZE, c.largest_file);
+    limit(RLIMIT_AS, c.memory);
+    if (c.user)
+        expect(::setgroups(0, nullptr) == 0 && ::setgid(*c.user) == 0 && ::setuid(*c.user) == 0);
+    ::fexecve(program, argv, variables);
+    ::_exit(121);
+}
+
+}  // namespace
+
+Ran run_command(const std::vector<std::string>& arguments, const Circumstances& circumstances) {
+    const TemporaryDirectory directory;
+    const bool elsewhere = circumstances.out && !circumstances.out->empty();
+    const std::string out = elsewhere ? circumstances.out->string() : (directory / "out").string();
+    const std::string err = (directory / "err").string();
+    std::vector<std::string> words{command_path().string()}, variables;
+    words.insert(words.end(), arguments.begin(), arguments.end());
+    for (char** at = environ; *at; ++at) {
+        const std::string variable = *at;
+        const auto& given = circumstances.environment;
+        if (std::none_of(given.begin(), given.end(), [&](const auto& entry) {
+                return variable.rfind(entry.first + "=", 0) == 0;
+            }))
+            variables.push_back(variable);
+    }
+    for (const auto& [name, value] : circumstances.environment)
+        variables.push_back(name + "=" + value);
+    const std::vector<char*> argv = pointers_to(words), envp = pointers_to(variables);
+    // Opened here: another user may not get to where the command stands.
+    const int program = ::open(command_path().c_str(), O_RDONLY | O_CLOEXEC);
+    const pid_t pid = ::fork();
+    if (pid == 0) become(program, circumstances, out, err, argv.data(), envp.data());
+    Ran ran;
+    int status = 0;
+    if (pid > 0 && ::waitpid(pid, &status, 0) == pid)
+        ran.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+    ::close(program);
+    if (!elsewhere) ran.out = read_text(out);
+    ran.err = read_text(err);
     return ran;
 }
 

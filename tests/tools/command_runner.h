@@ -4,7 +4,9 @@
 #include <cstdint>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace test {
@@ -23,6 +25,19 @@ Ran run_program(const std::filesystem::path& program, const std::vector<std::str
 // The same command inside this process: no start, no loading of libraries. For tests that run it
 // many times and care for what it says and writes, not for the process.
 Ran run_here(const std::vector<std::string>& arguments);
+
+// What the process finds around it, where that matters.
+struct Circumstances {
+    std::vector<std::pair<std::string, std::string>> environment = {};  // beside what there is
+    std::optional<unsigned> user = {};  // runs as this one, which takes the superuser to ask for
+    std::optional<std::filesystem::path> out = {};  // standard output; empty: it is closed
+    std::vector<int> ignored_signals = {};
+    std::uint64_t largest_file = 0, memory = 0;  // limits in bytes; 0: none
+};
+Ran run_command(const std::vector<std::string>& arguments, const Circumstances& circumstances);
+
+// Whoever runs the tests, and an ordinary user where that is the superuser, who may do anything.
+std::vector<std::optional<unsigned>> users();
 
 // A new empty directory, removed with all it holds at the end.
 class TemporaryDirectory {

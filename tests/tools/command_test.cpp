@@ -1,7 +1,5 @@
 // The command from outside: exit codes, streams, files.
 #include <gtest/gtest.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include "command_runner.h"
 #include "prep/io.h"
@@ -363,19 +361,6 @@ TEST(Prepare, AFailedRunLeavesTheOldFileAsItWas) {
     EXPECT_EQ(ran.exit_code, 1);
     EXPECT_EQ(read_text(dir / "old.glb"), "the old file");
     EXPECT_EQ(dir.names(), (std::vector<std::string>{"bad.obj", "old.glb"}));
-}
-
-TEST(Prepare, AnUnwritableDirectoryIsAnErrorAndLeavesNothing) {
-    if (::geteuid() == 0) GTEST_SKIP() << "the superuser may write anywhere";
-    const TemporaryDirectory dir;
-    write_text(dir / "cube.obj", test::cube_obj());
-    std::filesystem::create_directory(dir / "locked");
-    ::chmod((dir / "locked").c_str(), 0500);
-    const test::Ran ran = run_command(
-        {"prepare", (dir / "cube.obj").string(), "-o", (dir / "locked/cube.glb").string()});
-    EXPECT_EQ(ran.exit_code, 1);
-    EXPECT_TRUE(std::filesystem::is_empty(dir / "locked"));
-    ::chmod((dir / "locked").c_str(), 0700);
 }
 
 TEST(Prepare, WritesOverItsInputOnlyInPlace) {

@@ -21,13 +21,15 @@ int run(int argc, const char* const* argv, std::ostream& out, std::ostream& err,
     const Arguments arguments = parse_arguments(argc, argv);
     out << arguments.out;
     err << arguments.err;
-    if (!arguments.command) return arguments.exit_code;
-    Console console(out, err, err_is_terminal);
-    int code = exit_failed;
-    try {
-        code = std::visit(Runner{console}, *arguments.command);
-    } catch (const std::bad_alloc&) {
-        console.error("out of memory; nothing was half written");
+    int code = arguments.exit_code;
+    if (arguments.command) {
+        Console console(out, err, err_is_terminal);
+        code = exit_failed;
+        try {
+            code = std::visit(Runner{console}, *arguments.command);
+        } catch (const std::bad_alloc&) {
+            console.error("out of memory; nothing was half written");
+        }
     }
     out.flush();
     if (!out) {

@@ -1,0 +1,313 @@
+// The command in a bad world: signals at the worst moments, full disks, renames that fail, standard
+// output that cannot be written. Files appear complete or not at all, old ones stay as they were,
+// nothing is left beside them, and the exit code says it. See world/world_faults.cpp.
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <map>
+
+#include "command_runner.h"
+
+namespace {
+
+namespace fs = std::filesystem;
+using test::read_text;
+using test::TemporaryDirectory;
+using test::write_text;
+using Variables = std::vector<std::pair<std::string, std::string>>;
+using Files = std::map<std::string, std::string>;  // names and what they hold
+
+Files files_in(const fs::path& directory) {
+    Files files;
+    for (const auto& entry : fs::directory_iterator(directory))
+        files[entry.path().filename().string()] = read_text(entry.path());
+    return files;
+}
+
+const char* const material = "newmtl red\nKd 1 0 0\n";
+
+// A directory for outputs, in a world that can be troubled; the input stands in another.
+class World {
+  public:
+    World() {
+        write_text(in_ / "ball.obj", "mtllib red.mtl\nusemtl red\n" + test::sphere_obj(8, 4));
+        write_text(in_ / "red.mtl", material);
+        // For other users: the library stands where they can read it, and they may write here.
+        fs::copy_file(WORLD_FAULTS, in_ / "faults.so");
+        ::chmod(in_.path().c_str(), 0755);
+        ::chmod(out_.path().c_str(), 0777);
+        for (const auto& entry : fs::directory_iterator(in_.path()))
+            ::chmod(entry.path().c_str(), 0755);
+    }
+    const fs::path& out() const { return out_.path(); }
+    std::string input() const { return (in_ / "ball.obj").string(); }
+
+    // What the old files of these names hold, set anew.
+    Files set(const std::vector<std::string>& old_files) const {
+        for (const auto& entry : fs::directory_iterator(out())) fs::remove_all(entry.path());
+        for (const std::string& name : old_files) write_text(out() / name, "old " + name);
+        return files_in(out());
+    }
+    std::vector<std::string> prepare(const std::string& name) const {
+        return {"prepare", input(), "-o", (out() / name).string()};
+    }
+    test::Ran run(const std::vector<std::string>& arguments, const Variables& troubles,
+                  const std::optional<unsigned>& user = {},
+                  const std::vector<int>& ignored = {}) const {
+        const char* options = std::getenv("ASAN_OPTIONS");
+        Variables variables{
+            {"LD_PRELOAD", (in_ / "faults.so").string()},
+            {"WORLD_DIR", fs::canonical(out()).string()},
+            // The library has to come before the sanitizer's.
+            {"ASAN_OPTIONS",
+             (options ? options + std::string(":") : std::string()) + "verify_asan_link_order=0"}};
+        variables.insert(variables.end(), troubles.begin(), troubles.end());
+        test::Circumstances circumstances;
+        circumstances.environment = variables;
+        circumstances.user = user;
+        circumstances.ignored_signals = ignored;
+        return test::run_command(arguments, circumstances);
+    }
+
+  private:
+    TemporaryDirectory in_, out_;
+};
+
+std::string as(const std::optional<unsigned>& user) {
+    return user ? "as user " + std::to_string(*user) : "as oneself";
+}
+
+struct Outputs {
+    std::string name;                // what -o says
+    std::vector<std::string> files;  // what is written
+};
+const std::vector<Outputs> outputs{{"a.glb", {"a.glb"}},
+                                   {"a.gltf", {"a.bin", "a.gltf"}},
+                                   {"a.obj", {"a.mtl", "a.obj"}},
+                                   {"a.ply", {"a.ply"}}};
+
+std::vector<std::string> names_of(const Files& files) {
+    std::vector<std::string> names;
+    for (const auto& [name, text] : files) names.push_back(name);
+    return names;
+}
+
+// The number of writes is not known here: each is interrupted in turn until there are no more.
+TEST(World, AnInterruptWhileWritingLeavesTheOldFilesAndNothingBesideThem) {
+    const World world;
+    for (const auto& user : test::users())
+        for (const Outputs& output : outputs) {
+            const int signals[] = {SIGINT, SIGTERM, SIGHUP};
+            const Files old = world.set(output.files);
+            for (int n = 1;; ++n) {
+                const int signal = signals[n % 3];
+                SCOPED_TRACE(output.name + ", write " + std::to_string(n) + ", " + as(user));
+                ASSERT_LT(n, 50);
+                const test::Ran ran = world.run(world.prepare(output.name),
+                                                {{"WORLD_AT", "write:" + std::to_string(n)},
+                                                 {"WORLD_SIGNAL", std::to_string(signal)}},
+                                                user);
+                if (ran.exit_code == 0) {
+                    EXPECT_GT(n, int(output.files.size()));  // each file is written
+                    break;
+                }
+                ASSERT_EQ(ran.exit_code, 128 + signal) << ran.err;
+                ASSERT_EQ(files_in(world.out()), old);
+            }
+        }
+}
+
+// Between two renames one file is new and the other old: an interrupt waits until both are new.
+TEST(World, AnInterruptAmongRenamesLeavesAllFilesNewOrAllOld) {
+    const World world;
+    for (const Outputs& output : outputs)
+        for (const bool exist : {true, false}) {
+            const std::vector<std::string> none;
+            world.set(none);
+            ASSERT_EQ(world.run(world.prepare(output.name), {}).exit_code, 0);
+            const Files fresh = files_in(world.out());
+            ASSERT_EQ(names_of(fresh), output.files);
+            for (const std::string what : {"link", "rename", "unlink"})
+                for (std::size_t n = 1; n <= output.files.size(); ++n) {
+                    SCOPED_TRACE(output.name + ", " + what + " " + std::to_string(n));
+                    const Files old = world.set(exist ? output.files : none);
+                    const test::Ran ran = world.run(world.prepare(output.name),
+                                                    {{"WORLD_AT", what + ":" + std::to_string(n)},
+                                                     {"WORLD_SIGNAL", std::to_string(SIGINT)}});
+                    // What comes too late changes nothing.
+                    EXPECT_TRUE(ran.exit_code == 0 || ran.exit_code == 128 + SIGINT) << ran.err;
+                    const Files now = files_in(world.out());
+                    EXPECT_EQ(names_of(now), names_of(now == old ? old : fresh));
+                    EXPECT_TRUE(now == old || now == fresh);
+                }
+        }
+}
+
+TEST(World, SignalsThatAreIgnoredStayIgnored) {
+    const World world;
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+        world.set({});
+        const test::Ran ran = world.run(world.prepare("a.glb"),
+                                        {{"WORLD_AT", "write:1"},
+                                         {"WORLD_SIGNAL", std::to_string(signal)},
+                                         {"WORLD_GO_ON", "1"}},
+                                        {}, {signal});
+        EXPECT_EQ(ran.exit_code, 0) << signal << ran.err;
+        EXPECT_EQ(names_of(files_in(world.out())), std::vector<std::string>{"a.glb"}) << signal;
+    }
+}
+
+// Room for nothing, for parts, and for all but one byte.
+void expect_full_disk_is_told(const World& world, const std::vector<std::string>& arguments,
+                              const std::vector<std::string>& written, const std::string& says,
+                              int parts, const std::optional<unsigned>& user) {
+    world.set({});
+    const test::Ran whole = world.run(arguments, {}, user);
+    ASSERT_EQ(whole.exit_code, 0) << whole.err;
+    const Files fresh = files_in(world.out());
+    ASSERT_EQ(names_of(fresh), written);
+    std::size_t total = 0;
+    for (const auto& [name, text] : fresh) total += text.size();
+    std::vector<std::size_t> rooms{total - 1};
+    for (int k = 0; k < parts; ++k) rooms.push_back(total * std::size_t(k) / std::size_t(parts));
+    const Files old = world.set(written);
+    for (const std::size_t room : rooms) {
+        SCOPED_TRACE(std::to_string(room) + " of " + std::to_string(total) + " bytes");
+        const test::Ran ran = world.run(arguments, {{"WORLD_SPACE", std::to_string(room)}}, user);
+        EXPECT_EQ(ran.exit_code, 1);
+        EXPECT_NE(ran.err.find(says), std::string::npos) << ran.err;
+        ASSERT_EQ(files_in(world.out()), old);
+    }
+}
+
+TEST(World, AFullDiskIsToldAndLeavesTheOldFiles) {
+    const World world;
+    for (const auto& user : test::users())
+        for (const Outputs& output :
+             {Outputs{"a.glb", {"a.glb"}}, Outputs{"a.gltf", {"a.bin", "a.gltf"}},
+              Outputs{"a.obj", {"a.mtl", "a.obj"}}, Outputs{"a.ply", {"a.ply"}},
+              Outputs{"a.stl", {"a.stl"}}, Outputs{"a.off", {"a.off"}}}) {
+            SCOPED_TRACE(output.name + ", " + as(user));
+            expect_full_disk_is_told(world, world.prepare(output.name), output.files,
+                                     "No space left on device", 3, user);
+        }
+}
+
+// libtiff writes most of a small picture when it closes it, and says nothing of what goes wrong.
+TEST(World, AFullDiskIsToldOfPictures) {
+    const World world;
+    const auto at = [&](const char* name) { return (world.out() / name).string(); };
+    for (const std::string ending : {"png", "tif"})
+        for (const bool several : {false, true}) {
+            if (several && ending == "tif") continue;
+            SCOPED_TRACE(ending);
+            const std::string name = "a." + ending;
+            std::vector<std::string> words{"render",         world.input(), "-o",
+                                           at(name.c_str()), "--size",      "40x30"},
+                files{name};
+            if (several) {
+                words.insert(words.end(), {"--buffers", "depth"});
+                files = {"a.depth.exr", name};
+            }
+            expect_full_disk_is_told(world, words, files, "the image cannot be written",
+                                     ending == "tif" ? 3 : 1, {});
+        }
+}
+
+TEST(World, WritesInPiecesAndInterruptedOnesAreWhole) {
+    const World world;
+    for (const Outputs& output : outputs) {
+        SCOPED_TRACE(output.name);
+        world.set({});
+        ASSERT_EQ(world.run(world.prepare(output.name), {}).exit_code, 0);
+        const Files fresh = files_in(world.out());
+        world.set({});
+        const test::Ran ran = world.run(world.prepare(output.name), {{"WORLD_PIECES", "1"}});
+        EXPECT_EQ(ran.exit_code, 0) << ran.err;
+        EXPECT_EQ(files_in(world.out()), fresh);
+    }
+}
+
+// Network file systems may keep what is wrong until the file is closed.
+TEST(World, AnErrorOnClosingIsTold) {
+    const World world;
+    for (const Outputs& output : outputs)
+        for (std::size_t n = 1; n <= output.files.size(); ++n) {
+            SCOPED_TRACE(output.name + ", close " + std::to_string(n));
+            const Files old = world.set(output.files);
+            const test::Ran ran =
+                world.run(world.prepare(output.name), {{"WORLD_CLOSE", std::to_string(n)}});
+            EXPECT_EQ(ran.exit_code, 1);
+            EXPECT_NE(ran.err.find("Input/output error"), std::string::npos) << ran.err;
+            EXPECT_EQ(files_in(world.out()), old);
+        }
+}
+
+// A triangle with a texture that stands in the file, for formats that write it as a file of its
+// own.
+const char* const textured = R"({"asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}],
+"nodes": [{"mesh": 0}], "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "TEXCOORD_0": 1},
+"material": 0}]}], "materials": [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}],
+"textures": [{"source": 0}], "images": [{"mimeType": "image/png", "bufferView": 2}],
+"accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3",
+"min": [0, 0, 0], "max": [1, 1, 0]}, {"bufferView": 1, "componentType": 5126, "count": 3,
+"type": "VEC2"}], "bufferViews": [{"buffer": 0, "byteLength": 36}, {"buffer": 0, "byteOffset": 0,
+"byteLength": 24}, {"buffer": 0, "byteOffset": 36, "byteLength": 8}], "buffers": [{"byteLength": 44,
+"uri": "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAiVBORw0KGgo="}]})";
+
+// Old files of all outputs, of none, and of one alone; with hard links and without.
+TEST(World, AFailedRenameUndoesTheEarlierOnes) {
+    const World world;
+    const TemporaryDirectory in;
+    write_text(in / "t.gltf", textured);
+    ::chmod(in.path().c_str(), 0755);
+    const std::string obj = (world.out() / "a.obj").string();
+    struct Case {
+        std::vector<std::string> arguments, files;
+        std::vector<std::vector<std::string>> old;
+    };
+    const std::vector<Case> cases{
+        {world.prepare("a.gltf"), {"a.bin", "a.gltf"}, {{"a.bin", "a.gltf"}, {"a.gltf"}}},
+        {{"prepare", (in / "t.gltf").string(), "-o", obj},
+         {"a.mtl", "a.obj", "a_image0.png"},
+         {{"a.mtl", "a.obj", "a_image0.png"}, {}, {"a.mtl"}}}};
+    for (const auto& user : test::users())
+        for (const Case& c : cases) {
+            for (const auto& exist : c.old)
+                for (const char* links : {"1", "0"})
+                    for (std::size_t n = 1; n <= c.files.size(); ++n) {
+                        std::string trace = "rename " + std::to_string(n) + ", links " + links +
+                                            ", " + as(user) + ", old:";
+                        for (const std::string& name : exist) trace += " " + name;
+                        SCOPED_TRACE(trace);
+                        const Files old = world.set(exist);
+                        const test::Ran ran = world.run(
+                            c.arguments,
+                            {{"WORLD_RENAME", std::to_string(n)}, {"WORLD_LINKS", links}}, user);
+                        EXPECT_EQ(ran.exit_code, 1);
+                        EXPECT_NE(ran.err.find("Input/output error"), std::string::npos) << ran.err;
+                        EXPECT_EQ(files_in(world.out()), old);
+                    }
+            world.set({});
+            EXPECT_EQ(world.run(c.arguments, {}, user).exit_code, 0);
+            EXPECT_EQ(names_of(files_in(world.out())), c.files);
+        }
+}
+
+TEST(World, WithoutHardLinksOutputsAreReplacedAllTheSame) {
+    const World world;
+    for (const Outputs& output : outputs) {
+        SCOPED_TRACE(output.name);
+        world.set({});
+        ASSERT_EQ(world.run(world.prepare(output.name), {}).exit_code, 0);
+        const Files fresh = files_in(world.out());
+        world.set(output.files);
+        const test::Ran ran = world.run(world.prepare(output.name), {{"WORLD_LINKS", "0"}});
+        EXPECT_EQ(ran.exit_code, 0) << ran.err;
+        EXPECT_EQ(files_in(world.out()), fresh);
+    }
+}
+
+}  // namespace
