@@ -17,6 +17,10 @@ using Index = std::uint32_t;
 // Deeper than any real file; a longer chain is a broken or hostile one.
 constexpr int max_depth = 2000;
 
+// Assimp 5.2 passes over what Collada says of a camera, and then takes its own angle of π/4 for
+// degrees: a picture of nearly nothing.
+constexpr float unread_angle = 0.7853981634f * 0.0174532925f;
+
 std::string text(const aiString& s) {
     return {s.data, s.length};
 }
@@ -194,11 +198,16 @@ class Converter {
             Camera out;
             out.name = text(in.mName);
             out.aspect = in.mAspect;
-            const double half = std::tan(double(in.mHorizontalFOV) / 2);
-            const double aspect = in.mAspect > 0 ? double(in.mAspect) : 4.0 / 3.0;
-            if (half > 0) out.yfov = 2 * std::atan(half / aspect);
-            if (in.mClipPlaneNear > 0) out.znear = in.mClipPlaneNear;
-            out.zfar = in.mClipPlaneFar;
+            if (std::abs(in.mHorizontalFOV - unread_angle) < 1e-6f) {
+                scene_.warnings.push_back("Assimp does not read the angle of the camera '" +
+                                          out.name + "': it gets the usual one");
+            } else {
+                const double half = std::tan(double(in.mHorizontalFOV) / 2);
+                const double aspect = in.mAspect > 0 ? double(in.mAspect) : 4.0 / 3.0;
+                if (half > 0) out.yfov = 2 * std::atan(half / aspect);
+                if (in.mClipPlaneNear > 0) out.znear = in.mClipPlaneNear;
+                out.zfar = in.mClipPlaneFar;
+            }
             const Index node = node_named(in.mName);
             if (node != no_index) scene_.nodes[node].camera = Index(scene_.cameras.size());
             scene_.cameras.push_back(std::move(out));

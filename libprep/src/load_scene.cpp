@@ -27,7 +27,7 @@ std::string sniff(std::span<const std::byte> bytes) {
     if (text.starts_with("ply")) return ".ply";
     if (text.starts_with("solid")) return ".stl";
     const std::string_view first = text.substr(0, text.find_first_of(" \r\n"));
-    if (first.ends_with("OFF") && first.size() <= 7) return ".off";
+    if (first.ends_with("OFF") && first.size() <= 8) return ".off";
     if (text.find("\nv ") != std::string_view::npos || text.starts_with("v ")) return ".obj";
     if (text.find("\"asset\"") != std::string_view::npos) return ".gltf";
     return {};

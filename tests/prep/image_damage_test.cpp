@@ -189,6 +189,47 @@ TEST(TruncatedTiff, IsAnErrorWhereverItIsCut) {
     }
 }
 
+// The same pixels in a BigTIFF (its proposal of 2004): numbers of eight bytes, one strip.
+Bytes big_tiff() {
+    Bytes out;
+    const auto number = [&](std::uint64_t value, int width) {
+        for (int i = 0; i < width; ++i) add(out, {int(value >> 8 * i & 255)});
+    };
+    add(out, {'I', 'I'});
+    number(43, 2);
+    number(8, 2);
+    number(0, 2);
+    number(16, 8);
+    constexpr int fields = 9;
+    number(fields, 8);
+    constexpr std::uint64_t after = 16 + 8 + fields * 20 + 8;
+    const std::uint64_t values[fields][3] = {{256, 3, 2}, {257, 3, 4}, {258, 3, 8},
+                                             {259, 3, 1}, {262, 3, 1}, {273, 16, after},
+                                             {277, 3, 1}, {278, 3, 4}, {279, 16, 8}};
+    for (const auto& [tag, type, value] : values) {
+        number(tag, 2);
+        number(type, 2);
+        number(1, 8);
+        number(value, 8);
+    }
+    number(0, 8);
+    for (int i = 1; i <= 8; ++i) add(out, {i * 30});
+    return out;
+}
+
+TEST(TruncatedTiff, OfTheLargeKindIsAnErrorWhereverItIsCut) {
+    const Bytes whole = big_tiff();
+    const auto image = prep::decode_image(whole, "a.tif");
+    ASSERT_TRUE(image) << to_string(image.error());
+    ASSERT_EQ(image->pixels.size(), 8u);
+    for (int i = 1; i <= 8; ++i)
+        EXPECT_EQ(std::lround(image->pixels[std::size_t(i - 1)] * 255), i * 30);
+    for (std::size_t size = 24; size < whole.size(); ++size)
+        EXPECT_TRUE(
+            is_truncated(error_of(Bytes(whole.begin(), whole.begin() + long(size)), "a.tif")))
+            << size << " of " << whole.size();
+}
+
 TEST(TruncatedTiff, ALastStripCountedAsAFullOneIsWhole) {
     const auto image = prep::decode_image(tiff(false, 6), "a.tif");
     ASSERT_TRUE(image) << to_string(image.error());

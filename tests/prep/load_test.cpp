@@ -1,7 +1,9 @@
 // load_scene: which reader gets a file, what is refused before any reader, and the whole corpus
 // against the counts of its list.
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdlib>
@@ -10,11 +12,13 @@
 #include <set>
 #include <span>
 #include <string>
+#include <thread>
 
 #include "invariants.h"
 #include "mesh_files.h"
 #include "prep/gltf.h"
 #include "prep/io.h"
+#include "prep/obj.h"
 #include "shared_data.h"
 
 namespace {
@@ -67,6 +71,60 @@ TEST(LoadScene, UnknownEndingsAreReadByTheirFirstBytes) {
     EXPECT_EQ(error_of(dir / "x.dat"),
               "unknown file type '.dat': OBJ, PLY, STL, OFF, OM, glTF, GLB, JSON scenes and the "
               "formats of Assimp (FBX, DAE, 3DS, …) are read");
+}
+
+TEST(LoadScene, OffIsRecognisedWithAnyPrefix) {
+    const test::TempDir dir;
+    const std::pair<const char*, const char*> files[] = {
+        {"OFF", "0 0 0"},
+        {"COFF", "0 0 0 255 0 0"},
+        {"NOFF", "0 0 0 0 0 1"},
+        {"STOFF", "0 0 0 0.5 0.5"},
+        {"STCN4OFF", "0 0 0 1 0 0 1 255 0 0 0.5 0.5"}};
+    for (const auto& [word, vertex] : files) {
+        std::string text = std::string(word) + "\n3 1 0\n";
+        for (int k = 0; k < 3; ++k) text += std::string(vertex) + "\n";
+        test::write_text(dir / "mesh.data", text + "3 0 1 2\n");
+        const auto scene = prep::load_scene(dir / "mesh.data");
+        ASSERT_TRUE(scene.has_value()) << word << prep::to_string(scene.error());
+        EXPECT_EQ(scene->meshes[0].face_count(), 1u) << word;
+    }
+}
+
+TEST(LoadScene, CoordinatesBeyondFloatsAreToldWhateverTheirAxis) {
+    const test::TempDir dir;
+    test::write_text(dir / "a.obj",
+                     "v 0 1e39 0\nv 0 0 -1e39\nv 1e39 0 0\nv 0 1 0\nf 1 2 3\nf 2 3 4\n");
+    const auto scene = prep::load_scene(dir / "a.obj");
+    ASSERT_TRUE(scene.has_value());
+    EXPECT_EQ(std::count(scene->warnings.begin(), scene->warnings.end(),
+                         "3 vertices are infinite, or beyond the range of float (3.4e38)"),
+              1);
+}
+
+// Of pipes nobody knows how much will come.
+TEST(ReadFile, PipesAreReadToTheirEnd) {
+    const test::TempDir dir;
+    std::string text = "v 1 2 3\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    while (text.size() < 200000) text += "# " + std::to_string(text.size()) + "\n";
+    for (const bool as_mesh : {false, true}) {
+        const auto pipe = dir / (as_mesh ? "pipe.obj" : "pipe");
+        ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+        std::thread writer([&] { test::write_text(pipe, text); });
+        if (as_mesh) {
+            const auto scene = prep::load_obj(pipe);
+            writer.join();
+            ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
+            ASSERT_EQ(scene->meshes[0].face_count(), 1u);
+            EXPECT_EQ(scene->meshes[0].positions[0], glm::vec3(1, 2, 3));
+        } else {
+            const auto bytes = prep::read_file(pipe);
+            writer.join();
+            ASSERT_TRUE(bytes.has_value()) << prep::to_string(bytes.error());
+            EXPECT_TRUE(std::string(reinterpret_cast<const char*>(bytes->data()), bytes->size()) ==
+                        text);
+        }
+    }
 }
 
 TEST(LoadScene, GltfInstancesThatAreNotDrawnAreToldOf) {
@@ -126,6 +184,16 @@ TEST(SetPositions, OriginOnlyWhereFloatsWouldLoseDigits) {
     // The error of a coordinate is a float's rounding at the mesh's size, not at its distance.
     EXPECT_NEAR(mesh.origin.x + double(mesh.positions[0].x), 1e9 + 0.1, 1e-7);
     EXPECT_EQ(mesh.origin.x + double(mesh.positions[1].x), 1e9 + 1.1);
+}
+
+// Their sum would be infinite, their centre is not.
+TEST(SetPositions, TheCentreOfTwoOfTheLargestIsFinite) {
+    prep::Mesh mesh;
+    const std::vector<glm::dvec3> far{{1.6e308, 0, 0}, {1.6e308, 1, 0.1}};
+    prep::set_positions(mesh, far);
+    EXPECT_EQ(mesh.origin.x, 1.6e308);
+    EXPECT_EQ(mesh.positions[0].x, 0);
+    EXPECT_EQ(mesh.positions[1].x, 0);
 }
 
 TEST(SetPositions, ExtremesStayFinite) {

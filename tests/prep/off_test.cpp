@@ -84,6 +84,19 @@ TEST(Off, SegmentsPointCloudsAndFaceColours) {
     EXPECT_EQ(nothing->meshes[0].vertex_count(), 0u);
 }
 
+TEST(Off, PointsKeepTheirColours) {
+    const auto scene = parse("COFF\n2 0 0\n0 0 0 1 0 0 1\n1 0 0 0.5 0.25 0 0.125\n");
+    ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
+    EXPECT_EQ(scene->meshes[0].vertex_colors[1], glm::vec4(0.5f, 0.25f, 0, 0.125f));
+    const auto bytes = parse("COFF\n2 0 0\n0 0 0 255 0 0\n1 0 0 0 188 0 51\n");
+    ASSERT_TRUE(bytes.has_value()) << prep::to_string(bytes.error());
+    ASSERT_EQ(bytes->meshes[0].vertex_colors.size(), 2u);
+    EXPECT_EQ(bytes->meshes[0].vertex_colors[0], glm::vec4(1, 0, 0, 1));
+    // 188 of 255 by IEC 61966-2-1; alpha is no light.
+    EXPECT_NEAR(bytes->meshes[0].vertex_colors[1].g, 0.5028865, 1e-6);
+    EXPECT_FLOAT_EQ(bytes->meshes[0].vertex_colors[1].a, 0.2f);
+}
+
 TEST(Off, ErrorsNameTheLine) {
     EXPECT_EQ(error_of(""), "test.off:0: the file is empty");
     EXPECT_EQ(error_of("OFF\n"), "test.off:1: the file ends after its first line");

@@ -1,8 +1,11 @@
 // OM files: what OpenMesh wrote, cut, bent and set against its promises.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+#include <cstring>
 #include <string>
+#include <vector>
 
 #include "foreign_files.h"
 #include "invariants.h"
@@ -97,6 +100,82 @@ TEST(OpenMeshFile, ErrorsNameTheByte) {
     bent = whole;
     bent[4] = 30;  // more vertices, still fewer than the file has bytes for
     EXPECT_NE(error_of(bent).find("test.om, byte "), std::string::npos);
+}
+
+template <class T>
+void put(std::string& out, std::initializer_list<T> values) {
+    for (const T value : values) {
+        char raw[sizeof value];
+        std::memcpy(raw, &value, sizeof value);
+        out.append(raw, sizeof value);
+    }
+}
+
+// A chunk's head: entity (0 vertices, 2 faces, 6 half-edges, 7 none), type (0 positions,
+// 7 connectivity), values of one signed byte or one float, so many of them.
+void head(std::string& out, unsigned entity, unsigned type, bool floats, unsigned count) {
+    put<std::uint16_t>(out, {std::uint16_t(entity << 2 | type << 5 | 1u << 9 |
+                                           (floats ? 1u << 10 : 0u) | (count - 1) << 11)});
+}
+
+// A file of half-edges (next, vertex they lead to, face), one of each vertex and each face.
+std::string om(std::uint32_t vertices, std::uint32_t faces,
+               const std::vector<std::array<std::int8_t, 3>>& halfedges,
+               std::initializer_list<std::int8_t> outgoing,
+               std::initializer_list<std::int8_t> of_faces) {
+    std::string out = "OMP\x40";
+    put<std::uint32_t>(out, {vertices, faces, std::uint32_t(halfedges.size() / 2)});
+    head(out, 0, 0, true, 3);
+    for (std::uint32_t v = 0; v < vertices; ++v)
+        put<float>(out, {float(v % 2), float(v / 2), 0.0f});
+    head(out, 6, 7, false, 3);
+    for (const auto& h : halfedges) put<std::int8_t>(out, {h[0], h[1], h[2]});
+    head(out, 0, 7, false, 1);
+    put<std::int8_t>(out, outgoing);
+    head(out, 2, 7, false, 1);
+    put<std::int8_t>(out, of_faces);
+    head(out, 7, 0, false, 1);
+    return out;
+}
+
+TEST(OpenMeshFile, FacesHaveThreeEdgesAtLeast) {
+    // Half-edges 2k and 2k + 1 are the sides of edge k: 0 1 2 round the face, the others outside.
+    const auto triangle =
+        parse(om(3, 1, {{2, 1, 0}, {5, 0, -1}, {4, 2, 0}, {1, 1, -1}, {0, 0, 0}, {3, 2, -1}},
+                 {0, 2, 4}, {0}));
+    ASSERT_TRUE(triangle.has_value()) << prep::to_string(triangle.error());
+    EXPECT_EQ(triangle->meshes[0].corner_count(), 3u);
+    EXPECT_EQ(triangle->meshes[0].positions[2], glm::vec3(0, 1, 0));
+    EXPECT_EQ(error_of(om(2, 1, {{2, 1, 0}, {3, 0, -1}, {0, 0, 0}, {1, 1, -1}}, {0, 2}, {0})),
+              "test.om: the half-edges do not form closed faces");
+}
+
+TEST(OpenMeshFile, IndicesBeyondTheLastAreRefusedBeforeOpenMeshSeesThem) {
+    const std::vector<std::array<std::int8_t, 3>> good{{2, 1, 0},  {5, 0, -1}, {4, 2, 0},
+                                                       {1, 1, -1}, {0, 0, 0},  {3, 2, -1}};
+    const auto refused = [](const std::string& text, int element) {
+        const std::string says =
+            "an index of the connectivity is out of range, in element " + std::to_string(element);
+        EXPECT_NE(error_of(text).find(says), std::string::npos) << error_of(text);
+    };
+    const int counts[3] = {6, 3, 1};  // half-edges, vertices, faces
+    for (std::size_t part = 0; part < 3; ++part)
+        for (const int value : {counts[part], 127, -2}) {
+            auto bad = good;
+            bad[4][part] = std::int8_t(value);
+            refused(om(3, 1, bad, {0, 2, 4}, {0}), 4);
+        }
+    for (const std::int8_t value : {std::int8_t(6), std::int8_t(-2)}) {
+        refused(om(3, 1, good, {0, value, 4}, {0}), 1);
+        refused(om(3, 1, good, {0, 2, 4}, {value}), 0);
+    }
+    // None is a value for a face's side and a vertex's way out alone.
+    for (std::size_t part = 0; part < 2; ++part) {
+        auto bad = good;
+        bad[4][part] = -1;
+        refused(om(3, 1, bad, {0, 2, 4}, {0}), 4);
+    }
+    refused(om(3, 1, good, {0, 2, 4}, {-1}), 0);
 }
 
 TEST(OpenMeshFile, LoadsByEnding) {

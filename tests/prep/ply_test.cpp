@@ -165,6 +165,47 @@ TEST(Ply, ByteColoursAreSrgb) {
     EXPECT_EQ(scene->meshes[0].points, (std::vector<std::uint32_t>{0}));
 }
 
+// Values that the other sign of their type would change; the quick way to them is text's.
+TEST(Ply, IntegersAreOfTheirSignAndWidth) {
+    for (const bool big : {false, true}) {
+        std::string text =
+            header(big ? "binary_big_endian" : "binary_little_endian",
+                   "element vertex 1\nproperty int8 x\nproperty uint8 y\nproperty int16 z\n"
+                   "property uint16 nx\nproperty int32 ny\nproperty uint32 nz\n"
+                   "element face 1\n" +
+                       indices);
+        put(text, std::int8_t(-100), big);
+        put(text, std::uint8_t(200), big);
+        put(text, std::int16_t(-30000), big);
+        put(text, std::uint16_t(60000), big);
+        put(text, std::int32_t(-(1 << 30)), big);
+        put(text, std::uint32_t(3u << 30), big);
+        put(text, std::uint8_t(3), big);
+        for (int k = 0; k < 3; ++k) put(text, std::int32_t(0), big);
+        const auto scene = parse(text);
+        ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
+        EXPECT_EQ(scene->meshes[0].positions[0], glm::vec3(-100, 200, -30000));
+        EXPECT_EQ(scene->meshes[0].normals.values[0],
+                  glm::vec3(60000, -1073741824.0f, 3221225472.0f));
+    }
+}
+
+TEST(Ply, PropertiesAreKnownByAllTheirNames) {
+    const auto scene = parse(header("ascii", "element vertex 1\n" + xyz +
+                                                 "property float texture_u\nproperty float "
+                                                 "texture_v\nproperty float diffuse_red\n"
+                                                 "property float diffuse_green\nproperty float "
+                                                 "diffuse_blue\nelement face 1\n" +
+                                                 indices) +
+                             "1 2 3 0.25 0.125 0.5 0.75 1\n3 0 0 0\n");
+    ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
+    ASSERT_EQ(scene->meshes[0].uvs.size(), 1u);
+    EXPECT_EQ(scene->meshes[0].uvs[0].values[0], glm::vec2(0.25f, 0.875f));
+    ASSERT_EQ(scene->meshes[0].colors.size(), 1u);
+    EXPECT_EQ(scene->meshes[0].colors[0].values[0], glm::vec4(0.5f, 0.75f, 1, 1));
+    EXPECT_TRUE(scene->warnings.empty());
+}
+
 TEST(Ply, TexcoordListsAreUvsPerCorner) {
     const auto scene =
         parse(header("ascii", "element vertex 3\n" + xyz + "element face 3\n" + indices +

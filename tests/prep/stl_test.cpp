@@ -95,6 +95,38 @@ TEST(Stl, FacetsWithoutThreeCornersAreDropped) {
     EXPECT_EQ(scene->warnings[0], "test.stl: 2 facets without exactly three corners were dropped");
 }
 
+TEST(Stl, WhatIsDroppedTakesNoCornerOfOthersAlong) {
+    const std::string four =
+        "facet normal 0 0 1\nouter loop\nvertex 5 0 0\nvertex 6 0 0\nvertex 6 1 0\nvertex 5 1 0\n"
+        "endloop\nendfacet\n";
+    const auto scene = parse("solid a\n" + facet + four + four + facet + "endsolid a\n");
+    ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
+    const std::vector<glm::vec3> once{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    std::vector<glm::vec3> twice = once;
+    twice.insert(twice.end(), once.begin(), once.end());
+    EXPECT_EQ(scene->meshes[0].positions, twice);
+    EXPECT_EQ(
+        scene->warnings,
+        std::vector<std::string>{"test.stl: 2 facets without exactly three corners were dropped"});
+}
+
+TEST(Stl, CapitalsAreTheSameWords) {
+    std::string text = "solid a\n" + facet + "endsolid a\n";
+    for (char& c : text) c = char(c >= 'a' && c <= 'z' ? c - 32 : c);
+    const auto scene = parse(text);
+    ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
+    EXPECT_EQ(scene->meshes[0].positions,
+              (std::vector<glm::vec3>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}));
+}
+
+// Neither its size nor its first word tells that it is binary: the zeros in it do.
+TEST(Stl, ABinaryFileMayBeginWithSolidAndBeLongerThanItsFacets) {
+    const auto scene = parse(binary(2, 2, "solid body") + "some more");
+    ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
+    EXPECT_EQ(scene->meshes[0].face_count(), 2u);
+    EXPECT_EQ(scene->meshes[0].positions[3], glm::vec3(9.1f, 10.1f, 11.1f));
+}
+
 TEST(Stl, NamesMayHoldTheWordFacet) {
     const auto scene = parse("solid big facet\n" + facet + "endsolid big facet\nsolid Facet\n" +
                              facet + "endsolid Facet\n");
