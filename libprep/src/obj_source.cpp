@@ -6,8 +6,10 @@
 
 #include <cerrno>
 #include <cstring>
+#include <utility>
 
 #include "prep/io.h"
+#include "read_open_file.h"
 
 namespace prep::detail {
 
@@ -27,9 +29,9 @@ Result<void> ObjFile::open(const std::filesystem::path& path) {
         size_ = std::size_t(info.st_size);
         return {};
     }
-    if (file_ >= 0) ::close(file_);
-    file_ = -1;
-    auto bytes = read_file(path);  // says what is wrong, or reads what has no size
+    // Says what is wrong, or reads what has no size; a pipe that is closed is lost to its writer.
+    auto bytes = file_ < 0 ? read_file(path) : read_open_file(file_, path);
+    if (file_ >= 0) ::close(std::exchange(file_, -1));
     if (!bytes) return std::move(bytes).error();
     whole_ = *std::move(bytes);
     size_ = whole_.size();
