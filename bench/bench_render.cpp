@@ -9,7 +9,7 @@
 #include <cstdlib>
 #include <random>
 
-#include "renderer.h"
+#include "frame/renderer.h"
 #include "torus_scene.h"
 
 namespace {

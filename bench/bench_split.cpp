@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "prep/prepare.h"
-#include "prep/split.h"
+#include "prep/split_vertices.h"
 #include "torus.h"
 
 namespace {

@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <span>
 
-#include "gltf_writer.h"
+#include "formats/gltf/gltf_writer.h"
 #include "invariants.h"
 #include "prep/gltf.h"
 #include "prep/tangent_conventions.h"

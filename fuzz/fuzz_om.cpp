@@ -3,7 +3,7 @@
 #include <cstdlib>
 #include <span>
 
-#include "foreign_files.h"
+#include "formats/foreign_files.h"
 #include "invariants.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

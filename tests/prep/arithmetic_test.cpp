@@ -9,17 +9,17 @@
 #include <random>
 #include <tuple>
 
-#include "arc_tangent.h"
-#include "corner_tree.h"
-#include "difference_of_products.h"
-#include "disjoint_sets.h"
+#include "base/disjoint_sets.h"
+#include "base/srgb.h"
 #include "exact.h"
-#include "order_free_sum.h"
-#include "orient2d.h"
+#include "exact/arc_tangent.h"
+#include "exact/difference_of_products.h"
+#include "exact/orient2d.h"
+#include "exact/reproducible_sum.h"
 #include "prep/simd.h"
-#include "srgb.h"
-#include "tangent_weld.h"
-#include "vertex_corners.h"
+#include "surface/corner_tree.h"
+#include "surface/vertex_corners.h"
+#include "tangents/weld.h"
 
 namespace {
 

@@ -9,7 +9,7 @@
 
 #include "exact.h"
 #include "prep/corner_normals.h"
-#include "prep/split.h"
+#include "prep/split_vertices.h"
 #include "prep/triangulate.h"
 #include "shapes.h"
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "gltf_document.h"
+#include "formats/gltf/document.h"
 #include "gltf_maker.h"
 #include "mesh_files.h"
 

@@ -5,7 +5,7 @@
 #include <cstring>
 #include <filesystem>
 
-#include "gltf_document.h"
+#include "formats/gltf/document.h"
 #include "gltf_maker.h"
 #include "mesh_files.h"
 

@@ -1,5 +1,3 @@
-#include "gltf_mend.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -7,6 +5,7 @@
 #include <limits>
 #include <random>
 
+#include "formats/gltf/value_repair.h"
 #include "mesh_files.h"
 #include "prep/io.h"
 #include "prep/save.h"

@@ -1,10 +1,9 @@
 // The shapes that a glTF file's morph targets lead to: base plus deltas, by hand.
-#include "gltf_morph.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 
+#include "formats/gltf/morph_targets.h"
 #include "gltf_maker.h"
 #include "mesh_files.h"
 

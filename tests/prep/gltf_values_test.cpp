@@ -6,9 +6,9 @@
 #include <cmath>
 #include <iostream>
 
+#include "formats/gltf/document.h"
+#include "formats/gltf/morph_targets.h"
 #include "gltf_cases.h"
-#include "gltf_document.h"
-#include "gltf_morph.h"
 #include "gltf_oracle.h"
 #include "mesh_files.h"
 #include "npm_tools.h"

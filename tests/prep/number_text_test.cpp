@@ -1,5 +1,3 @@
-#include "number_text.h"
-
 #include <gtest/gtest.h>
 
 #include <bit>
@@ -10,7 +8,8 @@
 #include <random>
 #include <string>
 
-#include "digits.h"
+#include "text/digits.h"
+#include "text/numbers.h"
 
 namespace {
 

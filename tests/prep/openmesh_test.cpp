@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "foreign_files.h"
+#include "formats/foreign_files.h"
 #include "invariants.h"
 #include "mesh_files.h"
 #include "prep/io.h"

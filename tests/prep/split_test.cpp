@@ -1,5 +1,3 @@
-#include "prep/split.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -9,6 +7,7 @@
 #include <map>
 
 #include "prep/corner_normals.h"
+#include "prep/split_vertices.h"
 #include "prep/triangulate.h"
 #include "shapes.h"
 #include "split_oracle.h"

@@ -1,5 +1,5 @@
 // Exact areas within one pixel against closed forms.
-#include "area_coverage.h"
+#include "coverage/area_coverage.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,6 @@
 // Triangles behind the near plane or beyond the guard band, drawn by blocks, against each pixel
 // looked at by itself.
-#include "crossing.h"
-
+#include "coverage/homogeneous_raster.h"
 #include "hits.h"
 
 namespace {

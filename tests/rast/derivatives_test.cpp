@@ -6,8 +6,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "shading/texture.h"
 #include "snapped_triangle.h"
-#include "texture.h"
 
 namespace {
 

@@ -11,10 +11,10 @@
 #include <random>
 #include <vector>
 
-#include "instance.h"
-#include "samples.h"
-#include "setup.h"
-#include "tile_renderer.h"
+#include "coverage/binning.h"
+#include "coverage/samples.h"
+#include "draws/instance.h"
+#include "passes/tile_renderer.h"
 
 namespace hits {
 

@@ -5,7 +5,7 @@
 #include <cstring>
 
 #include "builders.h"
-#include "texture.h"
+#include "shading/texture.h"
 
 namespace {
 

@@ -12,7 +12,7 @@
 #include "prep/image.h"
 #include "prep/io.h"
 #include "prep/simd.h"
-#include "texture.h"
+#include "shading/texture.h"
 
 namespace {
 

@@ -1,5 +1,5 @@
 // Wrapping, filters, mip levels, sRGB and the elementary functions, against direct computation.
-#include "texture.h"
+#include "shading/texture.h"
 
 #include <gtest/gtest.h>
 
@@ -8,10 +8,10 @@
 #include <numbers>
 #include <random>
 
-#include "color.h"
-#include "elementary.h"
+#include "kernels/kernels.h"
 #include "rast/render.h"
-#include "simd/kernels.h"
+#include "shading/color.h"
+#include "shading/portable_math.h"
 
 namespace {
 

@@ -15,7 +15,7 @@
 #include <numbers>
 #include <sstream>
 
-#include "meshprep/commands.h"
+#include "meshprep/commands/commands.h"
 
 extern char** environ;
 

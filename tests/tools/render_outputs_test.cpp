@@ -1,5 +1,5 @@
 // What `meshprep render` writes: buffers, crops, cameras, sequences, bands.
-#include "meshprep/render_outputs.h"
+#include "meshprep/files/render_outputs.h"
 
 #include <gtest/gtest.h>
 

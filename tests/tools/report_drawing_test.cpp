@@ -5,10 +5,10 @@
 #include <cmath>
 
 #include "prep/image.h"
-#include "report/canvas.h"
-#include "report/sheet.h"
-#include "report/stroke_font.h"
-#include "report/test_patterns.h"
+#include "sheets/canvas.h"
+#include "sheets/sheet.h"
+#include "sheets/stroke_font.h"
+#include "sheets/test_patterns.h"
 
 namespace {
 

@@ -5,7 +5,7 @@
 #include <map>
 #include <numbers>
 
-#include "report/edges.h"
+#include "sheets/edges.h"
 
 namespace {
 

@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "command_runner.h"
-#include "report/figures.h"
+#include "sheets/figures.h"
 
 namespace {
 

@@ -4,7 +4,7 @@
 #include <set>
 
 #include "command_runner.h"
-#include "report/page.h"
+#include "sheets/page.h"
 
 namespace {
 

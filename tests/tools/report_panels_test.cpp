@@ -7,10 +7,10 @@
 #include <numbers>
 #include <random>
 
-#include "report/overlay.h"
-#include "report/panels.h"
-#include "report/shot.h"
 #include "shapes.h"
+#include "sheets/overlay.h"
+#include "sheets/panels.h"
+#include "sheets/shot.h"
 
 namespace {
 

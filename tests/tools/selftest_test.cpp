@@ -1,5 +1,5 @@
 // `inspect --selftest`, and the counts of what exact arithmetic decided.
-#include "meshprep/selftest.h"
+#include "meshprep/commands/selftest.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 #include <new>
 
-#include "meshprep/commands.h"
+#include "meshprep/commands/commands.h"
 
 namespace meshprep {
 namespace {

@@ -39,7 +39,7 @@ enum class TextureFilter : std::uint8_t {
 };
 
 // How much of a pixel a surface fills: by samples, or by the exact area that is seen of it, for
-// reference pictures (librast/src/coverage_resolve.h says what that is and what it costs).
+// reference pictures (librast/src/passes/area_resolve.h says what that is and what it costs).
 enum class Coverage : std::uint8_t { samples, area };
 
 // How depths are kept: reversed float (1 near, 0 far, so that float's fine steps lie where the

@@ -1,0 +1,117 @@
+#include "exact/exact_corner_sums.h"
+
+#include <boost/multiprecision/cpp_bin_float.hpp>
+#include <vector>
+
+#include "exact/exact_normals.h"
+
+namespace prep::detail {
+namespace {
+
+using Index = std::uint32_t;
+using Real = boost::multiprecision::number<
+    boost::multiprecision::cpp_bin_float<256, boost::multiprecision::digit_base_2>,
+    boost::multiprecision::et_off>;
+
+struct Vector {
+    Real x, y, z;
+};
+
+Vector operator-(const Vector& a, const Vector& b) {
+    return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+Vector operator*(const Vector& a, const Real& s) {
+    return {a.x * s, a.y * s, a.z * s};
+}
+Vector cross(const Vector& a, const Vector& b) {
+    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+Real dot(const Vector& a, const Vector& b) {
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+void add(Vector& to, const Vector& v) {
+    to.x += v.x;
+    to.y += v.y;
+    to.z += v.z;
+}
+
+class CornerSum {
+  public:
+    CornerSum(const MeshView& mesh, std::span<const Index> corner_faces, NormalWeight weight)
+        : mesh_(mesh), corner_faces_(corner_faces), weight_(weight) {}
+
+    glm::dvec3 sum(std::span<const Index> corners) const {
+        Vector total{0, 0, 0};
+        Real size = 0;
+        for (const Index c : corners) {
+            const Vector t = term(c);
+            add(total, t);
+            size += abs(t.x) + abs(t.y) + abs(t.z);
+        }
+        const Real largest = std::max({Real(abs(total.x)), Real(abs(total.y)), Real(abs(total.z))});
+        if (largest <= ldexp(size, -150)) return glm::dvec3(0.0);
+        const int exponent = ilogb(largest);
+        const auto scaled = [&](const Real& x) {
+            return Real(ldexp(x, -exponent)).convert_to<double>();
+        };
+        return {scaled(total.x), scaled(total.y), scaled(total.z)};
+    }
+
+  private:
+    Vector at(Index corner) const {
+        const glm::vec3& p = mesh_.positions[mesh_.corner_vertices[corner]];
+        return {Real(p.x), Real(p.y), Real(p.z)};
+    }
+
+    Vector area_vector(Index begin, Index end) const {
+        const Vector first = at(begin);
+        Vector total{0, 0, 0}, previous = at(begin + 1) - first;
+        for (Index c = begin + 2; c < end; ++c) {
+            const Vector edge = at(c) - first;
+            add(total, cross(previous, edge));
+            previous = edge;
+        }
+        return total;
+    }
+
+    Vector term(Index corner) const {
+        const Index face = corner_faces_[corner];
+        const Index begin = mesh_.face_offsets[face], end = mesh_.face_offsets[face + 1];
+        const Vector area = area_vector(begin, end);
+        const Real length = sqrt(dot(area, area));
+        if (length == 0) return {0, 0, 0};
+        const Vector normal = area * (1 / length);
+        if (weight_ == NormalWeight::uniform) return normal;
+        const Vector p = at(corner);
+        const Vector e1 = at(corner + 1 == end ? begin : corner + 1) - p;
+        const Vector e2 = at(corner == begin ? end - 1 : corner - 1) - p;
+        const Vector turn = cross(e1, e2);
+        const Real sine = sqrt(dot(turn, turn)), cosine = dot(e1, e2);
+        if (weight_ == NormalWeight::edge_length) {
+            const Real lengths = dot(e1, e1) * dot(e2, e2);
+            return lengths > 0 ? normal * (sine / lengths) : Vector{0, 0, 0};
+        }
+        if (sine == 0 && cosine == 0) return {0, 0, 0};
+        Real angle = atan2(sine, cosine);
+        if (dot(turn, normal) < 0) angle = 2 * boost::math::constants::pi<Real>() - angle;
+        return (weight_ == NormalWeight::angle ? normal : area) * angle;
+    }
+
+    const MeshView& mesh_;
+    std::span<const Index> corner_faces_;
+    NormalWeight weight_;
+};
+
+}  // namespace
+
+glm::dvec3 exact_corner_sum(const MeshView& mesh, std::span<const Index> corner_faces,
+                            std::span<const Index> corners, NormalWeight weight) {
+    if (weight == NormalWeight::area) {
+        std::vector<Index> faces;
+        for (const Index c : corners) faces.push_back(corner_faces[c]);
+        return exact_area_sum(mesh, faces);
+    }
+    return CornerSum(mesh, corner_faces, weight).sum(corners);
+}
+
+}  // namespace prep::detail

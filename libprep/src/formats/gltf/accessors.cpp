@@ -1,0 +1,391 @@
+#include <meshoptimizer.h>
+
+#include <algorithm>
+#include <cstring>
+
+#include "formats/gltf/document.h"
+
+namespace prep {
+namespace detail {
+
+std::size_t component_size(int type) {
+    switch (type) {
+        case 5120:
+        case 5121:
+            return 1;
+        case 5122:
+        case 5123:
+            return 2;
+        case 5125:
+        case 5126:
+            return 4;
+        default:
+            return 0;
+    }
+}
+
+int components_of(const std::string& type) {
+    if (type == "SCALAR") return 1;
+    if (type == "VEC2") return 2;
+    if (type == "VEC3") return 3;
+    if (type == "VEC4" || type == "MAT2") return 4;
+    if (type == "MAT3") return 9;
+    if (type == "MAT4") return 16;
+    return 0;
+}
+
+namespace {
+
+// Columns of small matrices start at multiples of four bytes.
+std::size_t padded_matrix_size(const std::string& type, std::size_t component) {
+    if (type == "MAT2" && component == 1) return 8;
+    if (type == "MAT3" && component == 1) return 12;
+    if (type == "MAT3" && component == 2) return 24;
+    return 0;
+}
+
+}  // namespace
+
+std::size_t stored_size(const std::string& type, int component_type) {
+    const std::size_t component = component_size(component_type);
+    const std::size_t padded = padded_matrix_size(type, component);
+    return padded ? padded : component * std::size_t(components_of(type));
+}
+
+std::size_t RawAccessor::element_size() const {
+    return component_size(component_type) * std::size_t(width);
+}
+
+namespace {
+
+Error bad(const GltfDocument& d, const std::string& pointer, std::string text) {
+    return {ErrorCode::invalid, std::move(text), d.place(pointer)};
+}
+
+Result<std::vector<std::byte>> decompress(const GltfDocument& d, const Json& extension,
+                                          const std::string& pointer) {
+    const auto buffer = index_member(d, extension, "buffer", pointer, d.buffers.size());
+    if (!buffer) return buffer.error();
+    if (*buffer == no_index) return bad(d, pointer + "/buffer", "the member is missing");
+    if (!d.buffers[*buffer]) return d.buffers[*buffer].error();
+    const std::vector<std::byte>& bytes = *d.buffers[*buffer];
+    const auto offset = whole_member(d, extension, "byteOffset", pointer, 0, bytes.size(), 0);
+    const auto length = whole_member(d, extension, "byteLength", pointer, 1, bytes.size(), {});
+    const auto stride = whole_member(d, extension, "byteStride", pointer, 1, 256, {});
+    const auto count = whole_member(d, extension, "count", pointer, 1, max_elements, {});
+    for (const auto* r : {&offset, &length, &stride, &count})
+        if (!*r) return r->error();
+    if (*offset + *length > bytes.size())
+        return bad(d, pointer + "/byteLength", "the view goes beyond its buffer");
+    std::vector<std::byte> out(*count * *stride);
+    const auto* in = reinterpret_cast<const unsigned char*>(bytes.data() + *offset);
+    const std::string mode = extension.value("mode", std::string());
+    int failed = -1;
+    if (mode == "ATTRIBUTES") {
+        if (*stride % 4 != 0) return bad(d, pointer + "/byteStride", "expected a multiple of 4");
+        failed = meshopt_decodeVertexBuffer(out.data(), *count, *stride, in, *length);
+    } else if (mode == "TRIANGLES" || mode == "INDICES") {
+        if (*stride != 2 && *stride != 4) return bad(d, pointer + "/byteStride", "expected 2 or 4");
+        if (mode == "TRIANGLES" && *count % 3 != 0)
+            return bad(d, pointer + "/count", "expected a multiple of 3");
+        failed = mode == "TRIANGLES"
+                     ? meshopt_decodeIndexBuffer(out.data(), *count, *stride, in, *length)
+                     : meshopt_decodeIndexSequence(out.data(), *count, *stride, in, *length);
+    } else {
+        return bad(d, pointer + "/mode", "expected ATTRIBUTES, TRIANGLES or INDICES");
+    }
+    if (failed) return bad(d, pointer, "the compressed data cannot be decoded");
+    const std::string filter = extension.value("filter", std::string("NONE"));
+    if (filter == "OCTAHEDRAL") {
+        if (*stride != 4 && *stride != 8)
+            return bad(d, pointer + "/byteStride", "expected 4 or 8 with this filter");
+        meshopt_decodeFilterOct(out.data(), *count, *stride);
+    } else if (filter == "QUATERNION") {
+        if (*stride != 8) return bad(d, pointer + "/byteStride", "expected 8 with this filter");
+        meshopt_decodeFilterQuat(out.data(), *count, *stride);
+    } else if (filter == "EXPONENTIAL") {
+        meshopt_decodeFilterExp(out.data(), *count, *stride);
+    } else if (filter != "NONE") {
+        return bad(d, pointer + "/filter", "unknown filter");
+    }
+    return out;
+}
+
+}  // namespace
+
+}  // namespace detail
+
+using namespace detail;
+
+Result<std::span<const std::byte>> GltfDocument::view(std::size_t index) const {
+    const Json& view = json["bufferViews"][index];
+    const std::string pointer = "/bufferViews/" + std::to_string(index);
+    if (const auto known = decompressed_.find(index); known != decompressed_.end())
+        return std::span<const std::byte>(known->second);
+    if (view.contains("extensions") && view["extensions"].is_object() &&
+        view["extensions"].contains("EXT_meshopt_compression") &&
+        view["extensions"]["EXT_meshopt_compression"].is_object()) {
+        Result<std::vector<std::byte>> bytes = Error{};
+        try {
+            bytes = decompress(*this, view["extensions"]["EXT_meshopt_compression"],
+                               pointer + "/extensions/EXT_meshopt_compression");
+        } catch (const Json::exception& e) {
+            bytes = bad(*this, pointer, e.what());
+        }
+        if (!bytes) return std::move(bytes).error();
+        return std::span<const std::byte>(
+            decompressed_.emplace(index, *std::move(bytes)).first->second);
+    }
+    const auto buffer = index_member(*this, view, "buffer", pointer, buffers.size());
+    if (!buffer) return buffer.error();
+    if (*buffer == no_index) return bad(*this, pointer + "/buffer", "the member is missing");
+    if (!buffers[*buffer]) return buffers[*buffer].error();
+    const std::vector<std::byte>& bytes = *buffers[*buffer];
+    const auto offset = whole_member(*this, view, "byteOffset", pointer, 0, bytes.size(), 0);
+    if (!offset) return offset.error();
+    const auto length = whole_member(*this, view, "byteLength", pointer, 1,
+                                     std::max<std::size_t>(bytes.size(), 1), {});
+    if (!length) return length.error();
+    if (*offset + *length > bytes.size())
+        return bad(*this, pointer + "/byteLength",
+                   "the view ends at byte " + std::to_string(*offset + *length) +
+                       ", its buffer has " + std::to_string(bytes.size()));
+    return std::span<const std::byte>(bytes).subspan(*offset, *length);
+}
+
+namespace {
+
+struct Layout {
+    std::size_t offset = 0, stride = 0, element = 0, component = 0;
+    std::size_t count = 0;
+};
+
+// Copies `count` elements out of a view, or those of them that are asked for.
+Result<void> gather(const GltfDocument& d, std::size_t view_index, const Layout& layout,
+                    const std::string& type, const std::string& pointer,
+                    const std::vector<std::uint32_t>* only, std::vector<std::byte>& out) {
+    const auto bytes = d.view(view_index);
+    if (!bytes) return bytes.error();
+    const std::size_t padded = padded_matrix_size(type, layout.component);
+    const std::size_t source = padded ? padded : layout.element;
+    const std::size_t stride = layout.stride ? layout.stride : source;
+    if (layout.offset > bytes->size() ||
+        (layout.count > 0 &&
+         (bytes->size() - layout.offset < source ||
+          (layout.count - 1) > (bytes->size() - layout.offset - source) / stride)))
+        return bad(d, pointer,
+                   std::to_string(layout.count) + " elements from byte " +
+                       std::to_string(layout.offset) + " with stride " + std::to_string(stride) +
+                       " do not fit the bufferView of " + std::to_string(bytes->size()) + " bytes");
+    const std::size_t count = only ? only->size() : layout.count;
+    out.resize(count * layout.element);
+    const std::byte* from = bytes->data() + layout.offset;
+    if (!only && stride == layout.element && !padded) {
+        std::memcpy(out.data(), from, out.size());
+        return {};
+    }
+    const std::size_t rows = type == "MAT2" ? 2 : 3, column = rows * layout.component;
+    for (std::size_t i = 0; i < count; ++i) {
+        const std::byte* const element = from + (only ? (*only)[i] : i) * stride;
+        std::byte* const to = out.data() + i * layout.element;
+        if (!padded)
+            std::memcpy(to, element, layout.element);
+        else
+            for (std::size_t c = 0; c < rows; ++c)
+                std::memcpy(to + c * column, element + c * (padded / rows), column);
+    }
+    return {};
+}
+
+// check_structure() has seen to it that members are there and of their types.
+std::size_t whole(const Json& object, const char* key) {
+    const auto it = object.find(key);
+    return it == object.end() ? 0 : it->get<std::size_t>();
+}
+
+Result<void> apply_sparse(const GltfDocument& d, const Json& sparse, const std::string& type,
+                          const std::string& pointer, RawAccessor& raw) {
+    const std::size_t count = whole(sparse, "count");
+    RawAccessor indices{int(whole(sparse["indices"], "componentType")), 1, false, count, {}};
+    std::vector<std::byte> values;
+    for (const bool first : {true, false}) {
+        const Json& part = sparse[first ? "indices" : "values"];
+        const Layout layout{
+            whole(part, "byteOffset"), 0, first ? indices.element_size() : raw.element_size(),
+            component_size(first ? indices.component_type : raw.component_type), count};
+        if (auto done = gather(d, whole(part, "bufferView"), layout, first ? "SCALAR" : type,
+                               pointer + (first ? "/indices" : "/values"), nullptr,
+                               first ? indices.bytes : values);
+            !done)
+            return done;
+    }
+    const std::vector<std::uint32_t> targets = to_indices(indices);
+    const std::size_t size = raw.element_size();
+    for (std::size_t i = 0; i < targets.size(); ++i) {
+        if (targets[i] >= raw.count)
+            return bad(d, pointer + "/indices",
+                       "index " + std::to_string(targets[i]) +
+                           " is out of range: the accessor has " + std::to_string(raw.count) +
+                           " elements");
+        if (i > 0 && targets[i] <= targets[i - 1])
+            return bad(d, pointer + "/indices",
+                       "the indices must ascend, found " + std::to_string(targets[i]) + " after " +
+                           std::to_string(targets[i - 1]));
+        std::memcpy(raw.bytes.data() + targets[i] * size, values.data() + i * size, size);
+    }
+    return {};
+}
+
+// `only`: the elements to be read; null: all.
+Result<RawAccessor> read_accessor(const GltfDocument& d, std::size_t index,
+                                  const std::vector<std::uint32_t>* only) {
+    const std::string pointer = "/accessors/" + std::to_string(index);
+    const Json& accessor = d.json["accessors"][index];
+    const std::string type = accessor["type"].get<std::string>();
+    RawAccessor raw;
+    raw.component_type = int(whole(accessor, "componentType"));
+    raw.width = components_of(type);
+    raw.normalized = accessor.value("normalized", false);
+    raw.count = whole(accessor, "count");
+    if (accessor.contains("bufferView")) {
+        const std::size_t view = whole(accessor, "bufferView");
+        const Layout layout{whole(accessor, "byteOffset"),
+                            whole(d.json["bufferViews"][view], "byteStride"), raw.element_size(),
+                            component_size(raw.component_type), raw.count};
+        if (auto done = gather(d, view, layout, type, pointer, only, raw.bytes); !done)
+            return std::move(done).error();
+        if (only) raw.count = only->size();
+    } else {
+        if (only) raw.count = only->size();
+        raw.bytes.resize(raw.count * raw.element_size());
+    }
+    if (const auto it = accessor.find("sparse"); it != accessor.end())
+        if (auto done = apply_sparse(d, *it, type, pointer + "/sparse", raw); !done)
+            return std::move(done).error();
+    return raw;
+}
+
+}  // namespace
+
+Result<RawAccessor> GltfDocument::raw_accessor(std::size_t index) const {
+    return read_accessor(*this, index, nullptr);
+}
+
+Result<RawAccessor> GltfDocument::raw_elements(std::size_t index,
+                                               const std::vector<std::uint32_t>& elements) const {
+    if (!json["accessors"][index].contains("sparse")) return read_accessor(*this, index, &elements);
+    auto all = raw_accessor(index);
+    if (!all) return all;
+    return selected(*all, elements);
+}
+
+namespace detail {
+
+namespace {
+
+template <class T, class Out, class Map>
+void convert(const RawAccessor& raw, std::vector<Out>& out, const Map& map) {
+    const std::size_t n = raw.bytes.size() / sizeof(T);
+    out.resize(n);
+    for (std::size_t i = 0; i < n; ++i) {
+        T value;
+        std::memcpy(&value, raw.bytes.data() + i * sizeof(T), sizeof(T));
+        out[i] = map(value);
+    }
+}
+
+}  // namespace
+
+RawAccessor selected(const RawAccessor& raw, const std::vector<std::uint32_t>& elements) {
+    RawAccessor out{raw.component_type, raw.width, raw.normalized, elements.size(), {}};
+    const std::size_t size = raw.element_size();
+    out.bytes.resize(elements.size() * size);
+    for (std::size_t i = 0; i < elements.size(); ++i)
+        std::memcpy(out.bytes.data() + i * size, raw.bytes.data() + elements[i] * size, size);
+    return out;
+}
+
+bool has_more_than_layers(const GltfDocument& document, std::size_t mesh) {
+    for (const Json& primitive : document.json["meshes"][mesh]["primitives"]) {
+        if (primitive.contains("targets")) return true;
+        for (const auto& item : primitive["attributes"].items())
+            if (item.key().starts_with("_")) return true;
+    }
+    return false;
+}
+
+std::vector<std::uint32_t> materials_of_variants(const Json& primitive) {
+    std::vector<std::uint32_t> materials;
+    const Json::json_pointer mappings("/extensions/KHR_materials_variants/mappings");
+    if (!primitive.contains(mappings)) return materials;
+    for (const Json& mapping : primitive.at(mappings)) {
+        if (!mapping.is_object()) continue;
+        const auto material = mapping.find("material");
+        if (material == mapping.end() || !material->is_number_unsigned()) continue;
+        const auto index = material->get<std::uint64_t>();
+        if (index < no_index) materials.push_back(std::uint32_t(index));
+    }
+    return materials;
+}
+
+std::optional<std::size_t> set_number(std::string_view semantic, std::string_view prefix) {
+    if (!semantic.starts_with(prefix)) return std::nullopt;
+    const std::string_view digits = semantic.substr(prefix.size());
+    if (digits.empty() || digits.size() > 2 ||
+        digits.find_first_not_of("0123456789") != std::string_view::npos)
+        return std::nullopt;
+    return std::size_t(std::stoul(std::string(digits)));
+}
+
+std::vector<float> to_floats(const RawAccessor& raw) {
+    std::vector<float> out;
+    const bool n = raw.normalized;
+    const auto scaled = [n](double largest) {
+        return [n, largest](auto v) {
+            return n ? float(std::max(double(v) / largest, -1.0)) : float(v);
+        };
+    };
+    switch (raw.component_type) {
+        case 5120:
+            convert<std::int8_t>(raw, out, scaled(127));
+            break;
+        case 5121:
+            convert<std::uint8_t>(raw, out, scaled(255));
+            break;
+        case 5122:
+            convert<std::int16_t>(raw, out, scaled(32767));
+            break;
+        case 5123:
+            convert<std::uint16_t>(raw, out, scaled(65535));
+            break;
+        case 5125:
+            convert<std::uint32_t>(raw, out, scaled(4294967295.0));
+            break;
+        default:
+            convert<float>(raw, out, [](float v) { return v; });
+            break;
+    }
+    return out;
+}
+
+std::vector<std::uint32_t> to_indices(const RawAccessor& raw) {
+    std::vector<std::uint32_t> out;
+    const auto same = [](auto v) { return std::uint32_t(v); };
+    switch (raw.component_type) {
+        case 5121:
+            convert<std::uint8_t>(raw, out, same);
+            break;
+        case 5123:
+            convert<std::uint16_t>(raw, out, same);
+            break;
+        case 5125:
+            convert<std::uint32_t>(raw, out, same);
+            break;
+        default:
+            break;
+    }
+    return out;
+}
+
+}  // namespace detail
+}  // namespace prep

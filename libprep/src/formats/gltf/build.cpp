@@ -1,0 +1,530 @@
+#include "formats/gltf/build.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <set>
+
+#include "prep/image.h"
+#include "prep/io.h"
+
+namespace prep::detail {
+namespace {
+
+using Index = std::uint32_t;
+
+bool finite(const glm::vec3& p) {
+    return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
+}
+
+Json array3(const glm::vec3& v) {
+    return {v.x, v.y, v.z};
+}
+Json array3(const glm::dvec3& v) {
+    return {v.x, v.y, v.z};
+}
+
+class Builder {
+  public:
+    Builder(const PreparedScene& prepared, Json& document, GltfBuffer& buffer,
+            std::vector<std::string>& notes)
+        : prepared_(prepared),
+          scene_(prepared.scene),
+          document_(document),
+          buffer_(buffer),
+          notes_(notes) {}
+
+    void run() {
+        choose_materials();
+        meshes();
+        materials();
+        lights();
+        cameras();
+        nodes();
+        if (dropped_triangles_ > 0) notes_.push_back(non_finite_note(dropped_triangles_));
+        for (const std::string& name : extensions_) document_["extensionsUsed"].push_back(name);
+    }
+
+  private:
+    void note_once(const std::string& text) {
+        if (std::find(notes_.begin(), notes_.end(), text) == notes_.end()) notes_.push_back(text);
+    }
+
+    // How many UV sets the maps that glTF has a place for read: 0 where there is no such map.
+    static std::uint64_t uv_sets_read(const Material& m) {
+        std::uint64_t sets = 0;
+        const auto read = [&](const TextureRef& ref) {
+            if (ref) sets = std::max(sets, std::uint64_t(ref.uv_set) + 1);
+        };
+        for (const TextureRef* ref : {&m.diffuse_map, &m.occlusion_map, &m.emissive_map})
+            read(*ref);
+        if (m.normal_map_space == NormalMapSpace::tangent) read(m.normal_map);
+        read(m.metallic_roughness ? m.metallic_roughness_map : m.specular_map);
+        return sets;
+    }
+
+    // A map may only read UV sets that the primitive has. Where one lacks some, it gets a variant
+    // of its material without those maps; the first variant stands at the material's own place
+    // where no primitive needs the whole.
+    void choose_materials() {
+        const std::uint64_t whole = std::numeric_limits<std::uint64_t>::max();
+        std::vector<std::set<std::uint64_t>> sets(scene_.materials.size());
+        for (const VertexMesh& mesh : prepared_.meshes)
+            for (const VertexMesh::Range& range : mesh.ranges) {
+                if (range.material >= scene_.materials.size()) continue;
+                const bool enough =
+                    uv_sets_read(scene_.materials[range.material]) <= mesh.uvs.size();
+                sets[range.material].insert(enough ? whole : mesh.uvs.size());
+            }
+        std::uint64_t count = 0;
+        for (Index m = 0; m < sets.size(); ++m) variants_.push_back({m, whole});
+        for (Index m = 0; m < sets.size(); ++m) {
+            bool own_place = !sets[m].contains(whole);
+            for (const std::uint64_t n : sets[m]) {
+                if (n == whole) continue;
+                ++count;
+                if (own_place)
+                    variants_[m].uv_sets = n;
+                else
+                    variants_.push_back({m, n});
+                variant_index_[{m, n}] = own_place ? m : Index(variants_.size() - 1);
+                own_place = false;
+            }
+        }
+        if (count > 0)
+            notes_.push_back("maps were left out where faces have no UVs for them (" +
+                             std::to_string(count) + (count == 1 ? " material)" : " materials)"));
+    }
+
+    Index material_for(const VertexMesh& mesh, Index material) const {
+        const auto variant = variant_index_.find({material, mesh.uvs.size()});
+        return variant == variant_index_.end() ? material : variant->second;
+    }
+
+    void meshes() {
+        mesh_index_.assign(scene_.meshes.size(), no_index);
+        for (Index m = 0; m < scene_.meshes.size(); ++m) {
+            Json primitives = Json::array();
+            const VertexMesh& mesh = prepared_.meshes[m];
+            for (const VertexMesh::Range& range : mesh.ranges) {
+                std::vector<Index> indices;
+                indices.reserve(range.triangle_count * std::size_t(3));
+                for (Index t = 0; t < range.triangle_count; ++t) {
+                    const Index* i = &mesh.indices[3 * std::size_t(range.first_triangle + t)];
+                    if (finite(mesh.positions[i[0]]) && finite(mesh.positions[i[1]]) &&
+                        finite(mesh.positions[i[2]]))
+                        indices.insert(indices.end(), i, i + 3);
+                    else
+                        ++dropped_triangles_;
+                }
+                add_primitive(mesh, std::move(indices), 4, range.material, primitives);
+            }
+            add_primitive(mesh, only_finite(mesh, mesh.lines, 2), 1, no_index, primitives);
+            add_primitive(mesh, only_finite(mesh, mesh.points, 1), 0, no_index, primitives);
+            if (primitives.empty()) {
+                note_once("mesh '" + scene_.meshes[m].name + "' has nothing to draw: left out");
+                continue;
+            }
+            Json out{{"primitives", std::move(primitives)}};
+            if (!scene_.meshes[m].name.empty()) out["name"] = scene_.meshes[m].name;
+            mesh_index_[m] = Index(buffer_.push("meshes", std::move(out)));
+        }
+    }
+
+    static std::vector<Index> only_finite(const VertexMesh& mesh, const std::vector<Index>& indices,
+                                          std::size_t group) {
+        std::vector<Index> kept;
+        for (std::size_t i = 0; i < indices.size(); i += group) {
+            bool good = true;
+            for (std::size_t k = 0; k < group; ++k) good &= finite(mesh.positions[indices[i + k]]);
+            if (good) kept.insert(kept.end(), &indices[i], &indices[i] + group);
+        }
+        return kept;
+    }
+
+    void add_primitive(const VertexMesh& mesh, std::vector<Index> indices, int mode, Index material,
+                       Json& primitives) {
+        if (indices.empty()) return;
+        // The vertices that this primitive uses, in their order.
+        std::vector<Index> used, to_local;
+        const bool all = mesh.ranges.size() == 1 && mesh.lines.empty() && mesh.points.empty() &&
+                         indices.size() == mesh.indices.size();
+        if (!all) {
+            to_local.assign(mesh.vertex_count(), no_index);
+            for (const Index i : indices) to_local[i] = 0;
+            for (Index v = 0; v < mesh.vertex_count(); ++v)
+                if (to_local[v] == 0) {
+                    to_local[v] = Index(used.size());
+                    used.push_back(v);
+                }
+            for (Index& i : indices) i = to_local[i];
+        }
+        const std::size_t count = all ? mesh.vertex_count() : used.size();
+        const auto add = [&](const auto& values, int width) {
+            using T = std::decay_t<decltype(values[0])>;
+            if (all) return buffer_.add_floats(&values[0].x, count, width);
+            std::vector<T> gathered(count);
+            for (std::size_t i = 0; i < count; ++i) gathered[i] = values[used[i]];
+            return buffer_.add_floats(&gathered[0].x, count, width);
+        };
+        Json attributes;
+        const std::size_t position = add(mesh.positions, 3);
+        set_bounds(mesh, used, all, position);
+        attributes["POSITION"] = position;
+        const bool faces = mode == 4;
+        if (faces && !mesh.normals.empty()) attributes["NORMAL"] = add(mesh.normals, 3);
+        if (faces && !mesh.tangents.empty() && !mesh.normals.empty())
+            attributes["TANGENT"] = add(mesh.tangents, 4);
+        if (faces)
+            for (std::size_t s = 0; s < mesh.uvs.size(); ++s)
+                attributes["TEXCOORD_" + std::to_string(s)] = add(finite_uvs(mesh.uvs[s]), 2);
+        for (std::size_t s = 0; s < mesh.colors.size(); ++s)
+            attributes["COLOR_" + std::to_string(s)] = add(clamped_colors(mesh.colors[s]), 4);
+        Json primitive{{"attributes", std::move(attributes)}};
+        primitive["indices"] = buffer_.add_indices(indices, count);
+        if (material < scene_.materials.size())
+            primitive["material"] = material_for(mesh, material);
+        if (mode != 4) primitive["mode"] = mode;
+        primitives.push_back(std::move(primitive));
+    }
+
+    void set_bounds(const VertexMesh& mesh, const std::vector<Index>& used, bool all,
+                    std::size_t accessor) {
+        const std::size_t count = all ? mesh.vertex_count() : used.size();
+        glm::vec3 low = mesh.positions[all ? 0 : used[0]], high = low;
+        for (std::size_t i = 0; i < count; ++i) {
+            const glm::vec3& p = mesh.positions[all ? i : used[i]];
+            low = glm::min(low, p);
+            high = glm::max(high, p);
+        }
+        document_["accessors"][accessor]["min"] = array3(low);
+        document_["accessors"][accessor]["max"] = array3(high);
+    }
+
+    std::vector<glm::vec2> finite_uvs(const std::vector<glm::vec2>& uvs) {
+        std::vector<glm::vec2> out = uvs;
+        for (glm::vec2& uv : out)
+            if (!std::isfinite(uv.x) || !std::isfinite(uv.y)) {
+                uv = glm::vec2(0.0f);
+                note_once("UVs that are not finite were written as 0");
+            }
+        return out;
+    }
+
+    std::vector<glm::vec4> clamped_colors(const std::vector<glm::vec4>& colors) {
+        std::vector<glm::vec4> out = colors;
+        for (glm::vec4& c : out)
+            for (int k = 0; k < 4; ++k)
+                if (!(c[k] >= 0 && c[k] <= 1)) {
+                    c[k] = c[k] > 1 ? 1.0f : 0.0f;
+                    note_once("vertex colours outside 0 … 1 were clamped");
+                }
+        return out;
+    }
+
+    // A picture as it is, or with its green turned over: normal maps whose green points down.
+    enum class Green : std::uint8_t { kept, turned };
+
+    Json texture_info(const TextureRef& ref, Green green) {
+        Json info;
+        const Index texture = texture_index(ref.texture, green);
+        if (texture == no_index) return info;
+        info["index"] = texture;
+        if (ref.uv_set) info["texCoord"] = ref.uv_set;
+        if (ref.offset != glm::vec2(0.0f) || ref.scale != glm::vec2(1.0f) || ref.rotation != 0) {
+            extensions_.insert("KHR_texture_transform");
+            Json transform;
+            transform["offset"] = {ref.offset.x, ref.offset.y};
+            transform["rotation"] = ref.rotation;
+            transform["scale"] = {ref.scale.x, ref.scale.y};
+            info["extensions"]["KHR_texture_transform"] = std::move(transform);
+        }
+        return info;
+    }
+
+    Index texture_index(Index texture, Green green) {
+        if (texture >= scene_.textures.size()) return no_index;
+        const auto known = texture_map_.find({texture, green});
+        if (known != texture_map_.end()) return known->second;
+        const Texture& t = scene_.textures[texture];
+        Index result = no_index;
+        const Index image = image_index(t.image, green);
+        if (image != no_index) {
+            const auto wrap = [](Wrap w) {
+                return w == Wrap::repeat ? 10497 : w == Wrap::mirror ? 33648 : 33071;
+            };
+            Json sampler{{"magFilter", t.mag == Filter::nearest ? 9728 : 9729}};
+            const bool nearest = t.min == Filter::nearest;
+            sampler["minFilter"] = t.mip == MipFilter::none      ? (nearest ? 9728 : 9729)
+                                   : t.mip == MipFilter::nearest ? (nearest ? 9984 : 9985)
+                                                                 : (nearest ? 9986 : 9987);
+            sampler["wrapS"] = wrap(t.wrap_u);
+            sampler["wrapT"] = wrap(t.wrap_v);
+            const std::size_t s = buffer_.push("samplers", std::move(sampler));
+            result = Index(buffer_.push("textures", Json{{"sampler", s}, {"source", image}}));
+        }
+        texture_map_.emplace(std::pair(texture, green), result);
+        return result;
+    }
+
+    Index image_index(Index image, Green green) {
+        if (image >= scene_.images.size()) return no_index;
+        const auto known = image_map_.find({image, green});
+        if (known != image_map_.end()) return known->second;
+        const ImageRef& ref = scene_.images[image];
+        std::vector<std::byte> bytes = ref.bytes;
+        if (bytes.empty()) {
+            auto file = read_file(ref.path);
+            if (file) bytes = *std::move(file);
+        }
+        std::string mime = mime_of(bytes);
+        if (mime.empty() || green == Green::turned) {  // glTF holds PNG and JPEG only
+            mime.clear();
+            auto decoded = load_image(ref);
+            if (decoded) {
+                if (green == Green::turned) turn_green(*decoded);
+                auto png = encode_png(*decoded);
+                if (png) {
+                    bytes = *std::move(png);
+                    mime = "image/png";
+                    note_once("texture '" + ref.name + "' was converted to PNG");
+                }
+            }
+        }
+        Index result = no_index;
+        if (mime.empty()) {
+            note_once("texture '" + ref.name + "' cannot be read: its material goes without");
+        } else {
+            const std::size_t view = buffer_.add_view(bytes, 0);
+            Json out{{"bufferView", view}, {"mimeType", mime}};
+            if (!ref.name.empty()) out["name"] = ref.name;
+            result = Index(buffer_.push("images", std::move(out)));
+        }
+        image_map_.emplace(std::pair(image, green), result);
+        return result;
+    }
+
+    static void turn_green(Image& image) {
+        for (std::size_t i = 1; image.channels >= 2 && i < image.pixels.size(); i += image.channels)
+            image.pixels[i] = 1 - image.pixels[i];
+    }
+
+    static std::string mime_of(const std::vector<std::byte>& bytes) {
+        const auto starts = [&](std::initializer_list<unsigned char> magic) {
+            return bytes.size() >= magic.size() &&
+                   std::equal(magic.begin(), magic.end(), bytes.begin(),
+                              [](unsigned char a, std::byte b) { return std::byte(a) == b; });
+        };
+        if (starts({0x89, 'P', 'N', 'G'})) return "image/png";
+        if (starts({0xff, 0xd8, 0xff})) return "image/jpeg";
+        return {};
+    }
+
+    void materials() {
+        for (const Variant& variant : variants_) {
+            Material m = scene_.materials[variant.material];
+            for (TextureRef* ref : {&m.diffuse_map, &m.specular_map, &m.emissive_map,
+                                    &m.occlusion_map, &m.normal_map, &m.metallic_roughness_map})
+                if (ref->uv_set >= variant.uv_sets) *ref = {};
+            const auto unit = [](float x) { return std::clamp(x, 0.0f, 1.0f); };
+            Json out, pbr;
+            if (!m.name.empty()) out["name"] = m.name;
+            pbr["baseColorFactor"] = {unit(m.diffuse.r), unit(m.diffuse.g), unit(m.diffuse.b),
+                                      unit(m.diffuse.a)};
+            pbr["metallicFactor"] = m.metallic_roughness ? unit(m.metallic) : 0.0f;
+            pbr["roughnessFactor"] = m.metallic_roughness
+                                         ? unit(m.roughness)
+                                         : float(std::sqrt(std::sqrt(2.0 / (m.shininess + 2.0))));
+            set_texture(pbr, "baseColorTexture", m.diffuse_map);
+            if (m.metallic_roughness)
+                set_texture(pbr, "metallicRoughnessTexture", m.metallic_roughness_map);
+            out["pbrMetallicRoughness"] = std::move(pbr);
+            if (m.normal_map && m.normal_map_space == NormalMapSpace::tangent) {
+                set_texture(out, "normalTexture", m.normal_map,
+                            m.normal_map_flip_green ? Green::turned : Green::kept);
+                if (out.contains("normalTexture") && m.normal_map.strength != 1)
+                    out["normalTexture"]["scale"] = m.normal_map.strength;
+            } else if (m.normal_map) {
+                note_once("glTF has no object-space normal maps: left out");
+            }
+            if (m.bump_map) note_once("glTF has no bump maps: left out");
+            if (m.displacement_map) note_once("glTF has no displacement maps: left out");
+            set_texture(out, "occlusionTexture", m.occlusion_map);
+            if (out.contains("occlusionTexture") && m.occlusion_map.strength != 1)
+                out["occlusionTexture"]["strength"] =
+                    std::clamp(m.occlusion_map.strength, 0.0f, 1.0f);
+            set_texture(out, "emissiveTexture", m.emissive_map);
+            if (m.emissive != glm::vec3(0.0f)) emissive(m.emissive, out);
+            if (m.alpha_mode != AlphaMode::opaque) {
+                out["alphaMode"] = m.alpha_mode == AlphaMode::mask ? "MASK" : "BLEND";
+                if (m.alpha_mode == AlphaMode::mask) out["alphaCutoff"] = m.alpha_cutoff;
+            }
+            if (m.double_sided) out["doubleSided"] = true;
+            if (m.unlit) {
+                extensions_.insert("KHR_materials_unlit");
+                out["extensions"]["KHR_materials_unlit"] = Json::object();
+            }
+            if (!m.metallic_roughness) blinn_phong(m, out);
+            buffer_.push("materials", std::move(out));
+        }
+    }
+
+    void set_texture(Json& owner, const char* slot, const TextureRef& ref,
+                     Green green = Green::kept) {
+        if (!ref) return;
+        Json info = texture_info(ref, green);
+        if (!info.is_null()) owner[slot] = std::move(info);
+    }
+
+    void emissive(const glm::vec3& color, Json& out) {
+        const float largest = std::max({color.r, color.g, color.b});
+        const float scale = largest > 1 ? largest : 1;
+        out["emissiveFactor"] = array3(glm::max(color / scale, glm::vec3(0.0f)));
+        if (scale > 1) {
+            extensions_.insert("KHR_materials_emissive_strength");
+            out["extensions"]["KHR_materials_emissive_strength"]["emissiveStrength"] = scale;
+        }
+    }
+
+    void blinn_phong(const Material& m, Json& out) {
+        if (!m.unlit) {
+            // A dielectric reflects 4 % of light that falls in straight: the factor scales that.
+            extensions_.insert("KHR_materials_specular");
+            Json& specular = out["extensions"]["KHR_materials_specular"];
+            const float most = std::numeric_limits<float>::max();
+            specular["specularColorFactor"] =
+                array3(glm::clamp(m.specular / 0.04f, glm::vec3(0.0f), glm::vec3(most)));
+            set_texture(specular, "specularColorTexture", m.specular_map);
+        }
+        Json& exact = out["extras"]["blinnPhong"];
+        exact["ambient"] = array3(m.ambient);
+        exact["diffuse"] = {m.diffuse.r, m.diffuse.g, m.diffuse.b, m.diffuse.a};
+        exact["specular"] = array3(m.specular);
+        exact["shininess"] = m.shininess;
+    }
+
+    void lights() {
+        light_index_.assign(scene_.lights.size(), no_index);
+        Json list = Json::array();
+        for (Index l = 0; l < scene_.lights.size(); ++l) {
+            const Light& light = scene_.lights[l];
+            if (light.kind == LightKind::ambient) {
+                note_once("glTF has no ambient lights: left out");
+                continue;
+            }
+            // Colours end at 1, intensities nowhere.
+            const float brightest = std::max({light.color.r, light.color.g, light.color.b, 1.0f});
+            Json out{{"type", light.kind == LightKind::directional ? "directional"
+                              : light.kind == LightKind::point     ? "point"
+                                                                   : "spot"},
+                     {"color", array3(glm::clamp(light.color / brightest, 0.0f, 1.0f))},
+                     {"intensity", std::max(light.intensity, 0.0f) * brightest}};
+            if (!light.name.empty()) out["name"] = light.name;
+            if (light.range > 0 && light.kind != LightKind::directional) out["range"] = light.range;
+            if (light.kind == LightKind::spot)
+                out["spot"] = {{"innerConeAngle", light.inner_cone},
+                               {"outerConeAngle", light.outer_cone}};
+            light_index_[l] = Index(list.size());
+            list.push_back(std::move(out));
+        }
+        if (list.empty()) return;
+        extensions_.insert("KHR_lights_punctual");
+        document_["extensions"]["KHR_lights_punctual"]["lights"] = std::move(list);
+    }
+
+    void cameras() {
+        for (const Camera& camera : scene_.cameras) {
+            Json out;
+            if (!camera.name.empty()) out["name"] = camera.name;
+            out["type"] = camera.perspective ? "perspective" : "orthographic";
+            Json& lens = out[camera.perspective ? "perspective" : "orthographic"];
+            if (camera.perspective) {
+                lens["yfov"] = camera.yfov;
+                if (camera.aspect > 0) lens["aspectRatio"] = camera.aspect;
+                lens["znear"] = camera.znear;
+                if (camera.zfar > camera.znear) lens["zfar"] = camera.zfar;
+            } else {
+                lens["xmag"] = camera.xmag;
+                lens["ymag"] = camera.ymag;
+                lens["znear"] = camera.znear;
+                lens["zfar"] = camera.zfar;
+            }
+            buffer_.push("cameras", std::move(out));
+        }
+    }
+
+    void nodes() {
+        const std::size_t count = scene_.nodes.size();
+        Json roots = Json::array();
+        std::vector<Json> children(count, Json::array());
+        for (Index n = 0; n < count; ++n) {
+            if (scene_.nodes[n].parent == no_index)
+                roots.push_back(n);
+            else
+                children[scene_.nodes[n].parent].push_back(n);
+        }
+        std::vector<Json> offset_nodes;
+        for (Index n = 0; n < count; ++n) {
+            const Node& node = scene_.nodes[n];
+            Json out = Json::object();
+            if (!node.name.empty()) out["name"] = node.name;
+            if (node.transform != glm::dmat4(1.0)) {
+                Json matrix = Json::array();
+                for (int c = 0; c < 4; ++c)
+                    for (int r = 0; r < 4; ++r) matrix.push_back(node.transform[c][r]);
+                out["matrix"] = std::move(matrix);
+            }
+            if (node.camera != no_index) out["camera"] = node.camera;
+            if (node.light != no_index && light_index_[node.light] != no_index)
+                out["extensions"]["KHR_lights_punctual"]["light"] = light_index_[node.light];
+            if (node.mesh != no_index && mesh_index_[node.mesh] != no_index) {
+                const glm::dvec3 origin = prepared_.meshes[node.mesh].origin;
+                if (origin == glm::dvec3(0.0)) {
+                    out["mesh"] = mesh_index_[node.mesh];
+                } else if (node.transform == glm::dmat4(1.0) && children[n].empty()) {
+                    // Doubles in JSON keep what float positions could not.
+                    out["translation"] = array3(origin);
+                    out["mesh"] = mesh_index_[node.mesh];
+                } else {
+                    children[n].push_back(count + offset_nodes.size());
+                    offset_nodes.push_back(
+                        Json{{"translation", array3(origin)}, {"mesh", mesh_index_[node.mesh]}});
+                }
+            }
+            if (!children[n].empty()) out["children"] = children[n];
+            buffer_.push("nodes", std::move(out));
+        }
+        for (Json& node : offset_nodes) buffer_.push("nodes", std::move(node));
+        document_["scene"] = 0;
+        Json out_scene = Json::object();
+        if (!roots.empty()) out_scene["nodes"] = std::move(roots);
+        if (!scene_.name.empty()) out_scene["name"] = scene_.name;
+        buffer_.push("scenes", std::move(out_scene));
+    }
+
+    const PreparedScene& prepared_;
+    const Scene& scene_;
+    Json& document_;
+    GltfBuffer& buffer_;
+    std::vector<std::string>& notes_;
+    std::uint64_t dropped_triangles_ = 0;
+    std::vector<Index> mesh_index_, light_index_;
+    struct Variant {
+        Index material;
+        std::uint64_t uv_sets;  // maps that read others are left out
+    };
+    std::vector<Variant> variants_;  // by index in the output
+    std::map<std::pair<Index, std::uint64_t>, Index> variant_index_;
+    std::map<std::pair<Index, Green>, Index> texture_map_, image_map_;
+    std::set<std::string> extensions_;
+};
+
+}  // namespace
+
+void build_gltf(const PreparedScene& prepared, Json& document, GltfBuffer& buffer,
+                std::vector<std::string>& notes) {
+    Builder(prepared, document, buffer, notes).run();
+}
+
+}  // namespace prep::detail

@@ -1,0 +1,135 @@
+// The retained glTF file: its JSON, its buffers, and where each primitive went.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "prep/gltf.h"
+#include "text/json_pointer.h"
+
+namespace prep {
+
+namespace detail {
+
+using Json = nlohmann::ordered_json;
+
+// Elements of an accessor, tightly packed in their own component type, sparse values applied.
+struct RawAccessor {
+    int component_type = 5126;
+    int width = 1;  // components to an element
+    bool normalized = false;
+    std::size_t count = 0;
+    std::vector<std::byte> bytes;
+    std::size_t element_size() const;
+};
+
+std::size_t component_size(int component_type);  // 0: no such type
+int components_of(const std::string& type);      // 0: no such type
+
+// Bytes of one element in a bufferView: matrices of small components have padded columns.
+std::size_t stored_size(const std::string& type, int component_type);
+constexpr std::uint64_t max_elements = std::uint64_t(1) << 31;  // of an accessor
+
+// Where one primitive's vertices went in its Mesh.
+struct GltfPrimitive {
+    std::uint32_t first_vertex = 0, vertex_count = 0;  // in the Mesh
+    bool triangles = false;
+    // The accessors' element behind each of these vertices, ascending; empty: vertex i is element
+    // i. Primitives that share their accessors with others keep only what they use.
+    std::vector<std::uint32_t> elements;
+    std::uint32_t element_of(std::uint32_t vertex) const {
+        return elements.empty() ? vertex : elements[vertex];
+    }
+    // Attributes (by semantic) that KHR_draco_mesh_compression held; accessors say nothing of them.
+    std::map<std::string, RawAccessor> draco;
+};
+
+}  // namespace detail
+
+class GltfDocument {
+  public:
+    detail::Json json;
+    // The bytes of each buffer, cut to its byteLength; or why they are not there, which matters
+    // only once something refers to them.
+    std::vector<Result<std::vector<std::byte>>> buffers;
+    std::uint64_t input_bytes = 0;  // of the file and its buffers
+    std::filesystem::path directory;
+    std::string name;
+    std::vector<std::vector<detail::GltfPrimitive>> primitives;  // per mesh
+
+    // "name#/pointer" for messages.
+    std::string place(const std::string& pointer) const { return name + "#" + pointer; }
+
+    // The bytes of a bufferView, decompressed if need be; kept for the next call.
+    Result<std::span<const std::byte>> view(std::size_t index) const;
+    // Only after check_structure(). Errors: the data are not there, or cannot be decompressed.
+    Result<detail::RawAccessor> raw_accessor(std::size_t index) const;
+    // Only these of its elements, all of which it must have, in this order: the cost is theirs, but
+    // for sparse accessors.
+    Result<detail::RawAccessor> raw_elements(std::size_t index,
+                                             const std::vector<std::uint32_t>& elements) const;
+
+  private:
+    mutable std::map<std::size_t, std::vector<std::byte>> decompressed_;
+};
+
+namespace detail {
+
+// Container, JSON, buffers; the structure below is not looked at yet.
+Result<GltfDocument> open_gltf(std::span<const std::byte> bytes, const GltfOptions& options);
+
+// The files that the document's buffers lie in.
+std::vector<std::filesystem::path> files_of_buffers(const GltfDocument& document);
+
+// Bytes behind a URI: data: or a regular file, by a path relative to the document's folder.
+// Errors: io (also where there is no folder), syntax, unsupported (other schemes).
+Result<std::vector<std::byte>> resolve_uri(const GltfDocument& document, const std::string& uri,
+                                           const std::string& pointer);
+
+// Only these elements, in this order.
+RawAccessor selected(const RawAccessor& raw, const std::vector<std::uint32_t>& elements);
+
+// An accessor as floats, normalised integers mapped to 0 … 1 or −1 … 1.
+std::vector<float> to_floats(const RawAccessor& raw);
+std::vector<std::uint32_t> to_indices(const RawAccessor& raw);
+
+// Whether a mesh's vertices carry more than a Mesh has layers for, and than goes by the point alone
+// (positions, skins): attributes of other names, morph targets.
+bool has_more_than_layers(const GltfDocument& document, std::size_t mesh);
+
+// Those that KHR_materials_variants may put in place of a primitive's own; whatever is no index is
+// left out.
+std::vector<std::uint32_t> materials_of_variants(const Json& primitive);
+
+// The n of "TEXCOORD_n" for the prefix "TEXCOORD_"; none for other names.
+std::optional<std::size_t> set_number(std::string_view semantic, std::string_view prefix);
+
+// Decodes a primitive's Draco data: its attributes into `out` and its indices.
+Result<std::vector<std::uint32_t>> decode_draco(const GltfDocument& document, const Json& primitive,
+                                                const std::string& pointer,
+                                                std::map<std::string, RawAccessor>& out);
+
+// A member that must be an index into an array of `size`; no_index where it is absent.
+Result<std::uint32_t> index_member(const GltfDocument& document, const Json& object,
+                                   const char* key, const std::string& pointer, std::size_t size);
+// A member that must be a whole number in [low, high]; `otherwise` where it is absent.
+Result<std::uint64_t> whole_member(const GltfDocument& document, const Json& object,
+                                   const char* key, const std::string& pointer, std::uint64_t low,
+                                   std::uint64_t high, std::optional<std::uint64_t> otherwise);
+// The same for a value that is there already.
+Result<std::uint32_t> index_value(const GltfDocument& document, const Json& value,
+                                  const std::string& pointer, std::size_t size);
+// The array under a top-level key; empty where it is absent. Errors: invalid, when it is none or
+// has members that are no objects.
+Result<const Json*> top_array(const GltfDocument& document, const char* key);
+
+}  // namespace detail
+}  // namespace prep

@@ -1,0 +1,493 @@
+#include "formats/gltf/meshes.h"
+
+#include <algorithm>
+#include <cstring>
+
+namespace prep::detail {
+namespace {
+
+using Index = std::uint32_t;
+
+constexpr std::uint64_t free_attribute_bytes = std::uint64_t(256) << 20;
+constexpr std::uint64_t attribute_bytes_per_input_byte = 64;
+
+std::string number(std::uint64_t value) {
+    return std::to_string(value);
+}
+
+// An attribute of all vertices, which grows with the primitives that have it.
+template <class T>
+struct Growing {
+    std::vector<T> values;
+    std::vector<bool> has;
+
+    void append(std::size_t first, const RawAccessor& raw) {
+        values.resize(first, T(0.0f));
+        has.resize(first, false);
+        const std::vector<float> floats = to_floats(raw);
+        const int width = std::min(raw.width, int(T::length()));
+        values.resize(first + raw.count, T(0.0f));
+        for (std::size_t i = 0; i < raw.count; ++i)
+            std::memcpy(&values[first + i], &floats[i * std::size_t(raw.width)],
+                        std::size_t(width) * sizeof(float));
+        has.resize(values.size(), true);
+    }
+
+    void finish(const Mesh& mesh, CornerLayer<T>& layer) {
+        if (!values.empty() && mesh.corner_count() > 0) {
+            values.resize(mesh.vertex_count(), T(0.0f));
+            has.resize(mesh.vertex_count(), false);
+            layer.indices.resize(mesh.corner_count());
+            for (std::size_t c = 0; c < mesh.corner_count(); ++c) {
+                const Index v = mesh.corner_vertices[c];
+                layer.indices[c] = has[v] ? v : no_index;
+            }
+            layer.values = std::move(values);
+        }
+        values.clear();
+        has.clear();
+    }
+};
+
+class MeshReader {
+  public:
+    MeshReader(GltfDocument& document, Scene& scene, std::vector<std::vector<GltfJoints>>& joints)
+        : d_(document), scene_(scene), joints_(joints) {
+        budget_ = free_attribute_bytes + attribute_bytes_per_input_byte * d_.input_bytes;
+        accessors_ = (*top_array(d_, "accessors"))->size();
+        materials_ = (*top_array(d_, "materials"))->size();
+    }
+
+    Result<void> run() {
+        const Json* list = *top_array(d_, "meshes");
+        if (auto done = find_shared(*list); !done) return done;
+        for (std::size_t m = 0; m < list->size(); ++m)
+            if (auto done = mesh((*list)[m], "/meshes/" + number(m)); !done) return done;
+        return {};
+    }
+
+  private:
+    Error bad(const std::string& pointer, std::string text) const {
+        return {ErrorCode::invalid, std::move(text), d_.place(pointer)};
+    }
+
+    Result<void> spend(std::uint64_t bytes, const std::string& pointer) {
+        if (bytes > budget_)
+            return Error{ErrorCode::limit,
+                         "the primitives use the file's data so often that they would fill " +
+                             number((free_attribute_bytes +
+                                     attribute_bytes_per_input_byte * d_.input_bytes) >>
+                                    20) +
+                             " MiB",
+                         d_.place(pointer)};
+        budget_ -= bytes;
+        return {};
+    }
+
+    // --- what is there, by JSON alone ---------------------------------------------------------
+
+    // Looks at the lists, and finds the accessors that more than one primitive uses.
+    Result<void> find_shared(const Json& meshes) {
+        std::vector<std::uint8_t> users(accessors_, 0);
+        for (std::size_t m = 0; m < meshes.size(); ++m) {
+            const std::string pointer = "/meshes/" + number(m) + "/primitives";
+            const auto primitives = meshes[m].find("primitives");
+            if (primitives == meshes[m].end() || !primitives->is_array() || primitives->empty())
+                return bad(pointer, "expected a list with at least one primitive");
+            for (std::size_t p = 0; p < primitives->size(); ++p) {
+                const std::string place = pointer + "/" + number(p);
+                const Json& primitive = (*primitives)[p];
+                if (!primitive.is_object()) return bad(place, "expected an object");
+                const auto attributes = primitive.find("attributes");
+                if (attributes == primitive.end() || !attributes->is_object() ||
+                    attributes->empty())
+                    return bad(place + "/attributes",
+                               "expected an object with at least one attribute");
+                for (const auto& item : attributes->items()) {
+                    const auto accessor =
+                        index_value(d_, item.value(),
+                                    place + "/attributes/" + pointer_key(item.key()), accessors_);
+                    if (!accessor) return accessor.error();
+                    if (users[*accessor] < 2) ++users[*accessor];
+                }
+            }
+        }
+        shared_.resize(accessors_);
+        for (std::size_t a = 0; a < accessors_; ++a) shared_[a] = users[a] > 1;
+        return {};
+    }
+
+    std::uint64_t count_of(Index accessor) const {
+        return d_.json["accessors"][accessor]["count"].get<std::uint64_t>();
+    }
+
+    // --- a mesh ------------------------------------------------------------------------------
+
+    Result<void> mesh(const Json& in, const std::string& pointer) {
+        scene_.meshes.emplace_back();
+        d_.primitives.emplace_back();
+        joints_.emplace_back();
+        Mesh& mesh = scene_.meshes.back();
+        if (const auto name = in.find("name"); name != in.end() && name->is_string())
+            mesh.name = name->get<std::string>();
+        const Json& primitives = in["primitives"];
+        for (std::size_t p = 0; p < primitives.size(); ++p)
+            if (auto done = primitive(primitives[p], p, pointer + "/primitives/" + number(p), mesh);
+                !done)
+                return done;
+        // Every layer ends up as long as the mesh, also one that a single primitive has.
+        const std::uint64_t layers = 2 + uvs_.size() + colors_.size();
+        if (auto done = spend(layers * (mesh.vertex_count() + mesh.corner_count()) * 4, pointer);
+            !done)
+            return done;
+        finish_layers(mesh);
+        return {};
+    }
+
+    void add_variants(const Json& in, Mesh& mesh) const {
+        std::vector<Index>& list = mesh.variant_materials;
+        for (const Index m : materials_of_variants(in))
+            if (m < materials_) list.push_back(m);
+        std::sort(list.begin(), list.end());
+        list.erase(std::unique(list.begin(), list.end()), list.end());
+    }
+
+    Result<void> primitive(const Json& in, std::size_t part, const std::string& pointer,
+                           Mesh& mesh) {
+        const Json& attributes = in["attributes"];
+        GltfPrimitive out;
+        out.first_vertex = Index(mesh.positions.size());
+        const auto written_mode = whole_member(d_, in, "mode", pointer, 0, 6, 4);
+        if (!written_mode) return written_mode.error();
+        int mode = int(*written_mode);
+        out.triangles = mode >= 4;
+        const auto material = index_member(d_, in, "material", pointer, materials_);
+        if (!material) return material.error();
+
+        std::optional<std::vector<Index>> indices;
+        if (out.triangles && in.contains("extensions") && in["extensions"].is_object() &&
+            in["extensions"].contains("KHR_draco_mesh_compression")) {
+            auto decoded = decode_draco(d_, in, pointer, out.draco);
+            if (!decoded) return std::move(decoded).error();
+            indices = *std::move(decoded);
+            mode = 4;  // strips come out of the decoder as triangles
+        }
+        const auto count = vertex_count(attributes, out, pointer);
+        if (!count) return count.error();
+        if (auto done = check_targets(in, pointer, *count); !done) return done;
+        if (!indices) {
+            auto read = read_indices(in, pointer, *count);
+            if (!read) return std::move(read).error();
+            indices = *std::move(read);
+        }
+        if (auto done = spend(indices->size() * 16, pointer); !done) return done;
+        for (std::size_t i = 0; i < indices->size(); ++i)
+            if ((*indices)[i] >= *count)
+                return bad(pointer + "/indices", "index " + number((*indices)[i]) + " (number " +
+                                                     number(i) +
+                                                     ") is out of range: the primitive has " +
+                                                     number(*count) + " vertices");
+        if (!attributes.contains("POSITION")) {
+            scene_.warnings.push_back(d_.place(pointer) + ": no positions: nothing to draw");
+            indices->clear();
+            out.elements.clear();
+        } else {
+            take_used(attributes, *count, *indices, out);
+            const auto vertices = out.elements.empty() ? *count : out.elements.size();
+            if (mesh.positions.size() + vertices >= no_index)
+                return Error{ErrorCode::limit, "more than 2^32 - 2 vertices", d_.place(pointer)};
+            out.vertex_count = Index(vertices);
+            if (auto done = read_attributes(attributes, pointer + "/attributes", out, mesh); !done)
+                return done;
+        }
+        tell_left_over(mode, indices->size(), pointer);
+        add_elements(mode, *indices, out.first_vertex, mesh);
+        mesh.face_materials.resize(mesh.face_count(), *material);
+        if (out.triangles) add_variants(in, mesh);
+        mesh.face_parts.resize(mesh.face_count(), Index(part));
+        mesh.parts.resize(part + 1);
+        d_.primitives.back().push_back(std::move(out));
+        return {};
+    }
+
+    // All attributes have the same number of elements; returns it.
+    Result<std::uint64_t> vertex_count(const Json& attributes, const GltfPrimitive& out,
+                                       const std::string& pointer) const {
+        std::optional<std::uint64_t> count;
+        std::string first;
+        for (const auto& item : attributes.items()) {
+            const auto draco = out.draco.find(item.key());
+            const std::uint64_t n = draco != out.draco.end()
+                                        ? draco->second.count
+                                        : count_of(item.value().template get<Index>());
+            if (!count) {
+                count = n;
+                first = item.key();
+            }
+            if (n != *count)
+                return bad(pointer + "/attributes/" + pointer_key(item.key()),
+                           "has " + number(n) + " elements, " + first + " has " + number(*count));
+        }
+        return *count;
+    }
+
+    Result<std::vector<Index>> read_indices(const Json& in, const std::string& pointer,
+                                            std::uint64_t count) const {
+        std::vector<Index> indices;
+        if (!in.contains("indices")) {
+            // A list of all vertices would cost a file of zeros nothing and us four bytes each.
+            if (!in["attributes"].contains("POSITION")) return indices;
+            indices.resize(count);
+            for (std::size_t i = 0; i < count; ++i) indices[i] = Index(i);
+            return indices;
+        }
+        const auto accessor = index_member(d_, in, "indices", pointer, accessors_);
+        if (!accessor) return accessor.error();
+        const std::string place = pointer + "/indices";
+        const auto raw = d_.raw_accessor(*accessor);
+        if (!raw) return raw.error();
+        const int type = raw->component_type;
+        if (raw->width != 1 || (type != 5121 && type != 5123 && type != 5125))
+            return bad(place, "indices must be unsigned whole scalars, accessor " +
+                                  number(*accessor) + " is of another type");
+        indices = to_indices(*raw);
+        const Index restart = type == 5121 ? 0xff : type == 5123 ? 0xffff : 0xffffffff;
+        for (std::size_t i = 0; i < indices.size(); ++i)
+            if (indices[i] == restart)
+                return bad(place, "index number " + number(i) + " is " + number(restart) +
+                                      ", the largest of its type, which means primitive restart");
+        return indices;
+    }
+
+    // Primitives that share their vertices with others, as when one buffer serves a whole scene,
+    // take what they use: the memory is that of the indices then, however many they are.
+    void take_used(const Json& attributes, std::uint64_t count, std::vector<Index>& indices,
+                   GltfPrimitive& out) const {
+        if (!out.draco.empty() || indices.empty() ||
+            !shared_[attributes["POSITION"].template get<Index>()])
+            return;
+        std::vector<Index> used(indices);
+        std::sort(used.begin(), used.end());
+        used.erase(std::unique(used.begin(), used.end()), used.end());
+        if (used.size() == count) return;
+        for (Index& i : indices)
+            i = Index(std::lower_bound(used.begin(), used.end(), i) - used.begin());
+        out.elements = std::move(used);
+    }
+
+    // --- attributes --------------------------------------------------------------------------
+
+    // What the primitive uses of an attribute. Shared accessors that are read whole are read once.
+    Result<const RawAccessor*> attribute(const GltfPrimitive& primitive,
+                                         const std::string& semantic, Index accessor) {
+        const auto draco = primitive.draco.find(semantic);
+        if (draco != primitive.draco.end()) return &draco->second;
+        const bool whole = primitive.elements.empty();
+        if (whole && shared_[accessor])
+            if (const auto known = decoded_.find(accessor); known != decoded_.end())
+                return &known->second;
+        auto raw =
+            whole ? d_.raw_accessor(accessor) : d_.raw_elements(accessor, primitive.elements);
+        if (!raw) return std::move(raw).error();
+        if (whole && shared_[accessor])
+            return &decoded_.emplace(accessor, *std::move(raw)).first->second;
+        unshared_ = *std::move(raw);
+        return &unshared_;
+    }
+
+    Result<void> read_attributes(const Json& attributes, const std::string& pointer,
+                                 const GltfPrimitive& out, Mesh& mesh) {
+        for (const auto& item : attributes.items()) {
+            const std::string& semantic = item.key();
+            const std::string place = pointer + "/" + pointer_key(semantic);
+            const auto raw = attribute(out, semantic, item.value().template get<Index>());
+            if (!raw) return raw.error();
+            if (auto done = spend(std::uint64_t(out.vertex_count) * 16, place); !done) return done;
+            if (auto done = use_attribute(semantic, **raw, place, out, mesh); !done) return done;
+            if (set_number(semantic, "JOINTS_"))
+                if (auto done = find_largest_joint(attributes, semantic, **raw, place, out); !done)
+                    return done;
+        }
+        return {};
+    }
+
+    Result<void> use_attribute(const std::string& semantic, const RawAccessor& raw,
+                               const std::string& place, const GltfPrimitive& out, Mesh& mesh) {
+        const auto wants = [&](int low, int high) -> Result<void> {
+            if (raw.width < low || raw.width > high)
+                return bad(place, semantic + " needs " + number(std::uint64_t(low)) +
+                                      (high > low ? " or " + number(std::uint64_t(high)) : "") +
+                                      " components, found " + number(std::uint64_t(raw.width)));
+            if (raw.component_type == 5125)
+                return bad(place, semantic + " cannot be of unsigned 32-bit type");
+            return {};
+        };
+        const std::size_t first = out.first_vertex;
+        if (semantic == "POSITION") {
+            if (auto done = wants(3, 3); !done) return done;
+            Growing<glm::vec3> positions;
+            positions.append(0, raw);
+            mesh.positions.insert(mesh.positions.end(), positions.values.begin(),
+                                  positions.values.end());
+        } else if (semantic == "NORMAL") {
+            if (auto done = wants(3, 3); !done) return done;
+            normals_.append(first, raw);
+        } else if (semantic == "TANGENT") {
+            if (auto done = wants(4, 4); !done) return done;
+            tangents_.append(first, raw);
+        } else if (const auto uv = set_number(semantic, "TEXCOORD_")) {
+            if (auto done = wants(2, 2); !done) return done;
+            if (uvs_.size() <= *uv) uvs_.resize(*uv + 1);
+            uvs_[*uv].append(first, raw);
+        } else if (const auto color = set_number(semantic, "COLOR_")) {
+            if (auto done = wants(3, 4); !done) return done;
+            if (colors_.size() <= *color) colors_.resize(*color + 1);
+            colors_[*color].append(first, raw);
+            if (raw.width == 3)
+                for (std::size_t i = first; i < colors_[*color].values.size(); ++i)
+                    colors_[*color].values[i].a = 1;
+        } else if (set_number(semantic, "JOINTS_") || set_number(semantic, "WEIGHTS_")) {
+            if (auto done = wants(4, 4); !done) return done;
+            if (semantic[0] == 'J' && raw.component_type != 5121 && raw.component_type != 5123)
+                return bad(place, "joints must be unsigned whole numbers of 8 or 16 bits");
+        }
+        return {};
+    }
+
+    Result<void> find_largest_joint(const Json& attributes, const std::string& semantic,
+                                    const RawAccessor& joints, const std::string& place,
+                                    const GltfPrimitive& out) {
+        const std::vector<Index> numbers = to_indices(joints);
+        std::vector<float> weights;
+        const auto weight = attributes.find("WEIGHTS_" + semantic.substr(7));
+        if (weight != attributes.end()) {
+            const auto raw = attribute(out, weight.key(), weight->template get<Index>());
+            if (!raw) return raw.error();
+            weights = to_floats(**raw);
+        }
+        GltfJoints found{place, 0};
+        for (std::size_t i = 0; i < numbers.size(); ++i)
+            if (i < weights.size() && weights[i] != 0)
+                found.largest = std::max(found.largest, numbers[i]);
+        joints_.back().push_back(std::move(found));
+        return {};
+    }
+
+    Result<void> check_targets(const Json& in, const std::string& pointer,
+                               std::uint64_t count) const {
+        const auto targets = in.find("targets");
+        if (targets == in.end()) return {};
+        if (!targets->is_array()) return bad(pointer + "/targets", "expected an array");
+        for (std::size_t t = 0; t < targets->size(); ++t) {
+            const std::string place = pointer + "/targets/" + number(t);
+            if (!(*targets)[t].is_object()) return bad(place, "expected an object");
+            for (const auto& item : (*targets)[t].items()) {
+                const std::string at = place + "/" + pointer_key(item.key());
+                const auto accessor = index_value(d_, item.value(), at, accessors_);
+                if (!accessor) return accessor.error();
+                if (count_of(*accessor) != count)
+                    return bad(at, "has " + number(count_of(*accessor)) +
+                                       " elements, the primitive has " + number(count) +
+                                       " vertices");
+                const std::string& semantic = item.key();
+                const bool vector =
+                    semantic == "POSITION" || semantic == "NORMAL" || semantic == "TANGENT";
+                if (vector && d_.json["accessors"][*accessor]["type"] != "VEC3")
+                    return bad(at, "a target's " + semantic + " must be VEC3");
+            }
+        }
+        return {};
+    }
+
+    void tell_left_over(int mode, std::size_t count, const std::string& pointer) {
+        const std::size_t each = mode == 4 ? 3 : mode == 1 ? 2 : 1;
+        const std::size_t least = mode >= 4 ? 3 : mode == 0 ? 0 : 2;
+        if (count % each == 0 && (count == 0 || count >= least)) return;
+        scene_.warnings.push_back(d_.place(pointer) + ": " + number(count) + " indices make no " +
+                                  (mode >= 4 ? "whole triangles" : "whole lines") +
+                                  ": the last ones were left out");
+    }
+
+    // --- faces, lines and points -------------------------------------------------------------
+
+    static void add_elements(int mode, const std::vector<Index>& indices, Index base, Mesh& mesh) {
+        const std::size_t n = indices.size();
+        const auto face = [&](Index a, Index b, Index c) {
+            for (const Index v : {a, b, c}) mesh.corner_vertices.push_back(base + v);
+            mesh.face_offsets.push_back(Index(mesh.corner_vertices.size()));
+        };
+        const auto line = [&](std::size_t first, std::size_t last, bool closed) {
+            if (last - first < 2) return;
+            for (std::size_t i = first; i < last; ++i)
+                mesh.line_vertices.push_back(base + indices[i]);
+            if (closed) mesh.line_vertices.push_back(base + indices[first]);
+            mesh.line_offsets.push_back(Index(mesh.line_vertices.size()));
+        };
+        switch (mode) {
+            case 0:
+                for (const Index v : indices) mesh.points.push_back(base + v);
+                break;
+            case 1:
+                for (std::size_t i = 0; i + 1 < n; i += 2) line(i, i + 2, false);
+                break;
+            case 2:
+                line(0, n, true);
+                break;
+            case 3:
+                line(0, n, false);
+                break;
+            case 4:
+                for (std::size_t i = 0; i + 2 < n; i += 3)
+                    face(indices[i], indices[i + 1], indices[i + 2]);
+                break;
+            case 5:  // the order of the specification: the first vertex stays the provoking one
+                for (std::size_t i = 0; i + 2 < n; ++i)
+                    face(indices[i], indices[i + 1 + i % 2], indices[i + 2 - i % 2]);
+                break;
+            case 6:
+                for (std::size_t i = 0; i + 2 < n; ++i)
+                    face(indices[i + 1], indices[i + 2], indices[0]);
+                break;
+            default:
+                break;
+        }
+    }
+
+    void finish_layers(Mesh& mesh) {
+        normals_.finish(mesh, mesh.normals);
+        tangents_.finish(mesh, mesh.tangents);
+        mesh.uvs.resize(uvs_.size());
+        for (std::size_t s = 0; s < uvs_.size(); ++s) uvs_[s].finish(mesh, mesh.uvs[s]);
+        if (!colors_.empty() && mesh.corner_count() == 0 && !colors_[0].values.empty()) {
+            colors_[0].values.resize(mesh.vertex_count(), glm::vec4(1.0f));
+            mesh.vertex_colors = colors_[0].values;
+        }
+        mesh.colors.resize(mesh.corner_count() > 0 ? colors_.size() : 0);
+        for (std::size_t s = 0; s < mesh.colors.size(); ++s)
+            colors_[s].finish(mesh, mesh.colors[s]);
+        uvs_.clear();
+        colors_.clear();
+    }
+
+    GltfDocument& d_;
+    Scene& scene_;
+    std::vector<std::vector<GltfJoints>>& joints_;
+    std::uint64_t budget_ = 0;
+    std::size_t accessors_ = 0, materials_ = 0;
+    std::vector<bool> shared_;              // per accessor: several primitives use it
+    std::map<Index, RawAccessor> decoded_;  // the shared ones
+    RawAccessor unshared_;                  // the last of the others
+    Growing<glm::vec3> normals_;
+    Growing<glm::vec4> tangents_;
+    std::vector<Growing<glm::vec2>> uvs_;
+    std::vector<Growing<glm::vec4>> colors_;
+};
+
+}  // namespace
+
+Result<void> read_gltf_meshes(GltfDocument& document, Scene& scene,
+                              std::vector<std::vector<GltfJoints>>& joints) {
+    return MeshReader(document, scene, joints).run();
+}
+
+}  // namespace prep::detail

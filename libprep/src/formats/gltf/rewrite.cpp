@@ -1,0 +1,754 @@
+#include "formats/gltf/rewrite.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <functional>
+#include <set>
+
+#include "formats/gltf/build.h"
+#include "formats/gltf/value_repair.h"
+#include "text/name_list.h"
+
+namespace prep::detail {
+namespace {
+
+using Index = std::uint32_t;
+
+// Extensions whose references to accessors and bufferViews are known to refer_to() below, or that
+// have none. Anything else may hold indices that must not be renumbered.
+bool references_known(const std::string& name) {
+    static const std::set<std::string> names{
+        "KHR_mesh_quantization",   "KHR_texture_transform",
+        "KHR_lights_punctual",     "KHR_texture_basisu",
+        "KHR_xmp_json_ld",         "KHR_animation_pointer",
+        "EXT_meshopt_compression", "KHR_draco_mesh_compression",
+        "EXT_texture_webp",        "EXT_mesh_gpu_instancing"};
+    return names.contains(name) || name.starts_with("KHR_materials_");
+}
+
+class Rewriter {
+  public:
+    Rewriter(const PreparedScene& prepared, std::vector<std::string>& notes)
+        : prepared_(prepared), document_(*prepared.scene.document), notes_(notes) {}
+
+    Result<RewrittenGltf> run() {
+        json_ = document_.json;
+        // Made first: a new key moves its siblings, and references to them are held below. pack()
+        // takes away what stays empty.
+        for (const char* list : {"accessors", "bufferViews"})
+            if (!json_.contains(list)) json_[list] = Json::array();
+        for (Index m = 0; m < prepared_.scene.meshes.size(); ++m)
+            if (auto done = mesh(m); !done) return std::move(done).error();
+        if (dropped_triangles_ > 0) notes_.push_back(non_finite_note(dropped_triangles_));
+        remove_compression();
+        images();
+        tell_non_finite();
+        if (auto done = pack(); !done) return std::move(done).error();
+        remove_empty_lists();
+        RewrittenGltf out;
+        out.json = std::move(json_);
+        out.binary = std::move(binary_);
+        return out;
+    }
+
+  private:
+    struct Gathered {
+        std::size_t accessor = 0;  // of the file
+        bool implied = false;      // zeros, of which the file stores none
+        RawAccessor values;        // at the primitive's vertices
+    };
+    // Which elements of the file's accessors the vertices are. Welded vertices are one in place,
+    // but each of its corners keeps the attributes that it had: then `of_corners` has those.
+    struct Elements {
+        std::vector<Index> of_vertices, of_corners;
+        const std::vector<Index>& of(const std::string& semantic) const {
+            const bool by_vertex = semantic == "POSITION" || semantic.starts_with("JOINTS_") ||
+                                   semantic.starts_with("WEIGHTS_");
+            return by_vertex || of_corners.empty() ? of_vertices : of_corners;
+        }
+    };
+    using AttributeMap = std::map<std::string, Gathered>;
+    struct GatheredPrimitive {
+        AttributeMap attributes;  // but normals and tangents, which the mesh has
+        std::vector<AttributeMap> targets;
+    };
+
+    void note_once(const std::string& text) {
+        if (std::find(notes_.begin(), notes_.end(), text) == notes_.end()) notes_.push_back(text);
+    }
+
+    // --- primitives ----------------------------------------------------------------------
+
+    Result<void> mesh(Index m) {
+        const std::vector<GltfPrimitive>& primitives = document_.primitives[m];
+        const VertexMesh& mesh = prepared_.meshes[m];
+        for (std::size_t p = 0; p < primitives.size(); ++p) {
+            if (!primitives[p].triangles) continue;
+            // Ranges are per part and material; a primitive has one material.
+            std::vector<Index> indices;
+            for (const VertexMesh::Range& range : mesh.ranges)
+                if (range.part == p)
+                    indices.insert(
+                        indices.end(),
+                        mesh.indices.begin() + std::ptrdiff_t(range.first_triangle) * 3,
+                        mesh.indices.begin() +
+                            std::ptrdiff_t(range.first_triangle + range.triangle_count) * 3);
+            if (indices.empty()) continue;
+            if (auto done = primitive(m, p, std::move(indices)); !done) return done;
+        }
+        return {};
+    }
+
+    static bool finite(const glm::vec3& p) {
+        return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
+    }
+
+    Result<void> primitive(Index m, std::size_t p, std::vector<Index> indices) {
+        const GltfPrimitive& source = document_.primitives[m][p];
+        const VertexMesh& mesh = prepared_.meshes[m];
+        drop_non_finite(mesh, indices);
+        if (indices.empty()) {
+            if (!source.draco.empty())
+                return Error{ErrorCode::unsupported,
+                             "a compressed primitive without a triangle of finite positions cannot "
+                             "be written",
+                             document_.place("/meshes/" + std::to_string(m) + "/primitives/" +
+                                             std::to_string(p))};
+            note_once("primitives without a triangle of finite positions were left as they are");
+            return {};
+        }
+        std::vector<Index> used(indices);
+        std::sort(used.begin(), used.end());
+        used.erase(std::unique(used.begin(), used.end()), used.end());
+        for (Index& i : indices)
+            i = Index(std::lower_bound(used.begin(), used.end(), i) - used.begin());
+        const Mesh& faces = prepared_.scene.meshes[m];
+        Elements elements;
+        for (const Index i : used) {
+            const Index v = mesh.source_vertices[i], c = mesh.source_corners[i];
+            const Index of_vertex = faces.file_vertices.empty() ? v : faces.file_vertices[v];
+            elements.of_vertices.push_back(source.element_of(of_vertex - source.first_vertex));
+            if (faces.corner_file_vertices.empty()) continue;
+            const Index of_corner = c == no_index ? of_vertex : faces.corner_file_vertices[c];
+            elements.of_corners.push_back(source.element_of(of_corner - source.first_vertex));
+        }
+
+        Json& out = json_["meshes"][m]["primitives"][p];
+        auto gathered = gather_all(source, out, elements);
+        if (!gathered) return std::move(gathered).error();
+        const std::vector<glm::vec3> normals = mended_normals(mesh.normals, used);
+        const std::vector<glm::vec4> tangents = mended_tangents(mesh.tangents, normals, used);
+        if (!mended_ && elements.of_corners.empty() &&
+            untouched(m, out, source, elements.of_vertices, indices, normals, tangents))
+            return {};
+
+        const bool had_tangents = out["attributes"].contains("TANGENT");
+        Json attributes = Json::object();
+        for (const auto& item : out["attributes"].items())
+            if (const auto it = gathered->attributes.find(item.key());
+                it != gathered->attributes.end())
+                attributes[item.key()] =
+                    emit_reshaped(item.key(), std::move(it->second), elements, m, used);
+        if (!normals.empty()) attributes["NORMAL"] = floats(normals);
+        if (!tangents.empty() && !normals.empty() && (had_tangents || wants_tangents(m, out)))
+            attributes["TANGENT"] = floats(tangents);
+        out["attributes"] = std::move(attributes);
+        targets(m, used, std::move(gathered->targets), out);
+        out["indices"] = index_accessor(indices, used.size());
+        // Strips and fans have become triangles, the default.
+        out.erase("mode");
+        remove_extension(out, "KHR_draco_mesh_compression");
+        return {};
+    }
+
+    std::span<const MorphDeltas> morphs(std::size_t m) const {
+        if (m >= prepared_.morphs.size()) return {};
+        return prepared_.morphs[m];
+    }
+
+    // Morph targets: what was computed for them, else their own data at the new vertices. What
+    // turns an attribute that the primitive does not have is left out.
+    void targets(std::size_t m, const std::vector<Index>& used, std::vector<AttributeMap> gathered,
+                 Json& primitive) {
+        if (!primitive.contains("targets")) return;
+        const Json& attributes = primitive["attributes"];
+        const std::span<const MorphDeltas> made = morphs(m);
+        for (std::size_t t = 0; t < primitive["targets"].size(); ++t) {
+            Json& target = primitive["targets"][t];
+            const bool moves = target.contains("POSITION");
+            const bool turns = moves || target.contains("NORMAL");
+            // One that moves nothing of its own may still share edges with what moves.
+            const bool bends = t < made.size() &&
+                               std::any_of(made[t].normals.begin(), made[t].normals.end(),
+                                           [](const glm::vec3& d) { return d != glm::vec3(0.0f); });
+            const bool new_normals =
+                t < made.size() && !made[t].normals.empty() && (turns || bends);
+            const bool new_tangents = t < made.size() && !made[t].tangents.empty() && turns;
+            Json result = Json::object();
+            for (const auto& item : target.items()) {
+                const bool normal = item.key() == "NORMAL", tangent = item.key() == "TANGENT";
+                if ((normal && new_normals) || (tangent && new_tangents)) continue;
+                if ((normal || tangent) && !attributes.contains(item.key())) continue;
+                result[item.key()] = emit(item.key(), std::move(gathered[t].at(item.key())));
+            }
+            if (new_normals && attributes.contains("NORMAL"))
+                result["NORMAL"] = floats(at_vertices(made[t].normals, used));
+            if (new_tangents && attributes.contains("TANGENT"))
+                result["TANGENT"] = floats(at_vertices(made[t].tangents, used));
+            target = std::move(result);
+        }
+    }
+
+    // A mesh carries tangents as a whole; primitives whose material has no normal map need none,
+    // unless they were asked for.
+    bool wants_tangents(std::size_t m, const Json& primitive) const {
+        if (m < prepared_.requirements.size() && prepared_.requirements[m].tangents.asked)
+            return true;
+        const std::vector<Material>& materials = prepared_.scene.materials;
+        for (const Index other : materials_of_variants(primitive))
+            if (other < materials.size() && materials[other].normal_map) return true;
+        if (!primitive.contains("material")) return false;
+        return bool(materials[primitive["material"].get<std::size_t>()].normal_map);
+    }
+
+    // --- values --------------------------------------------------------------------------
+
+    void note_mended(unsigned kinds) {
+        for (unsigned k = 0; k < mend_kinds; ++k)
+            if (kinds >> k & 1u) note_once(mend_notes[k]);
+        mended_ |= kinds != 0;
+    }
+
+    // All that is carried over, valid: sets mended_ where that took a change.
+    Result<GatheredPrimitive> gather_all(const GltfPrimitive& source, const Json& primitive,
+                                         const Elements& elements) {
+        GatheredPrimitive result;
+        mended_ = false;
+        std::vector<RawAccessor*> weights;
+        for (const auto& item : primitive["attributes"].items()) {
+            if (item.key() == "NORMAL" || item.key() == "TANGENT") continue;
+            auto values = gather(source, item.key(), item.value().get<std::size_t>(),
+                                 elements.of(item.key()));
+            if (!values) return std::move(values).error();
+            Gathered& kept = result.attributes[item.key()] = *std::move(values);
+            note_mended(mend_values(item.key(), MendOf::attribute, kept.values));
+            if (item.key().starts_with("WEIGHTS_")) weights.push_back(&kept.values);
+        }
+        if (normalise_weights(weights)) note_mended(mend_weight_sum);
+        if (!primitive.contains("targets")) return result;
+        for (const Json& target : primitive["targets"]) {
+            AttributeMap& kept = result.targets.emplace_back();
+            for (const auto& item : target.items()) {
+                auto values = gather({}, item.key(), item.value().get<std::size_t>(),
+                                     elements.of(item.key()));
+                if (!values) return std::move(values).error();
+                Gathered& to = kept[item.key()] = *std::move(values);
+                note_mended(mend_values(item.key(), MendOf::morph_target, to.values));
+            }
+        }
+        return result;
+    }
+
+    // The mesh's own layer of a semantic, which repairs may have changed; null: it has none.
+    template <class T>
+    static const std::vector<T>* layer_of(const std::vector<std::vector<T>>& sets,
+                                          const std::string& semantic, const char* head) {
+        const auto set = set_number(semantic, head);
+        return set && *set < sets.size() && !sets[*set].empty() ? &sets[*set] : nullptr;
+    }
+
+    // The mesh's own values of a layer, valid, where corners that a repair put into faces have some
+    // that no element of the file has: `raw` is what the file has for them.
+    std::optional<RawAccessor> reshaped(const std::string& semantic, const RawAccessor& raw,
+                                        std::size_t m, const std::vector<Index>& used) const {
+        const VertexMesh& mesh = prepared_.meshes[m];
+        const auto* uvs = layer_of(mesh.uvs, semantic, "TEXCOORD_");
+        const auto* colors = layer_of(mesh.colors, semantic, "COLOR_");
+        if (!uvs && !colors) return std::nullopt;
+        RawAccessor now;
+        now.width = raw.width;
+        now.count = used.size();
+        const std::size_t size = now.element_size();
+        now.bytes.resize(used.size() * size);
+        for (std::size_t i = 0; i < used.size(); ++i)
+            std::memcpy(now.bytes.data() + i * size,
+                        uvs ? &(*uvs)[used[i]].x : &(*colors)[used[i]].x, size);
+        mend_values(semantic, MendOf::attribute, now);
+        if (to_floats(now) == to_floats(raw)) return std::nullopt;
+        return now;
+    }
+
+    template <class T>
+    static std::vector<T> at_vertices(const std::vector<T>& values,
+                                      const std::vector<Index>& used) {
+        std::vector<T> result;
+        if (values.empty()) return result;
+        result.reserve(used.size());
+        for (const Index v : used) result.push_back(values[v]);
+        return result;
+    }
+
+    std::vector<glm::vec3> mended_normals(const std::vector<glm::vec3>& values,
+                                          const std::vector<Index>& used) {
+        std::vector<glm::vec3> result = at_vertices(values, used);
+        for (glm::vec3& n : result)
+            if (!finite(n)) {
+                n = glm::vec3(0, 0, 1);
+                note_once("normals that are not finite were written as (0, 0, 1)");
+                mended_ = true;
+            }
+        return result;
+    }
+
+    // Where nothing calls for tangents, the file's own may be anything.
+    std::vector<glm::vec4> mended_tangents(const std::vector<glm::vec4>& values,
+                                           const std::vector<glm::vec3>& normals,
+                                           const std::vector<Index>& used) {
+        std::vector<glm::vec4> result = at_vertices(values, used);
+        for (std::size_t i = 0; i < result.size(); ++i) {
+            glm::vec4& t = result[i];
+            if (finite(glm::vec3(t)) && std::isfinite(t.w)) continue;
+            mended_ = true;
+            if (finite(glm::vec3(t))) {
+                t.w = 1;
+                note_once("signs of tangents that are not finite were written as 1");
+                continue;
+            }
+            glm::vec3 n = normals.empty() ? glm::vec3(0, 0, 1) : normals[i];
+            if (n == glm::vec3(0.0f)) n = glm::vec3(0, 0, 1);
+            const glm::vec3 axis = std::abs(n.x) < 0.5f ? glm::vec3(1, 0, 0) : glm::vec3(0, 1, 0);
+            t = glm::vec4(glm::normalize(glm::cross(n, axis)), 1.0f);
+            note_once("tangents that are not finite were replaced by any in the surface");
+        }
+        return result;
+    }
+
+    // --- helpers of primitive() ----------------------------------------------------------
+
+    void drop_non_finite(const VertexMesh& mesh, std::vector<Index>& indices) {
+        std::size_t kept = 0;
+        for (std::size_t i = 0; i < indices.size(); i += 3) {
+            if (!finite(mesh.positions[indices[i]]) || !finite(mesh.positions[indices[i + 1]]) ||
+                !finite(mesh.positions[indices[i + 2]]))
+                continue;
+            for (int k = 0; k < 3; ++k) indices[kept++] = indices[i + std::size_t(k)];
+        }
+        if (kept > 0) dropped_triangles_ += (indices.size() - kept) / 3;
+        indices.resize(kept);
+    }
+
+    // Same vertices in the same order, the same triangles, the same normals and tangents: the
+    // primitive's accessors stay.
+    bool untouched(std::size_t m, const Json& out, const GltfPrimitive& source,
+                   const std::vector<Index>& local, const std::vector<Index>& indices,
+                   const std::vector<glm::vec3>& normals,
+                   const std::vector<glm::vec4>& tangents) const {
+        if (!source.draco.empty() || local.size() != source.vertex_count) return false;
+        for (std::size_t i = 0; i < local.size(); ++i)
+            if (local[i] != i) return false;
+        if (out.value("mode", 4) != 4) return false;
+        if (!morphs(m).empty() && out.contains("targets")) return false;
+        const Json& attributes = out["attributes"];
+        if (attributes.contains("NORMAL") != !normals.empty() ||
+            (!tangents.empty() && wants_tangents(m, out) && !attributes.contains("TANGENT")) ||
+            (tangents.empty() && attributes.contains("TANGENT")))
+            return false;
+        if (out.contains("indices")) {
+            const auto raw = document_.raw_accessor(out["indices"].get<std::size_t>());
+            if (!raw || to_indices(*raw) != indices) return false;
+        } else {
+            for (std::size_t i = 0; i < indices.size(); ++i)
+                if (indices[i] != i) return false;
+        }
+        return same_values(attributes, "NORMAL", 3, normals) &&
+               same_values(attributes, "TANGENT", 4, tangents);
+    }
+
+    template <class T>
+    bool same_values(const Json& attributes, const char* semantic, std::size_t width,
+                     const std::vector<T>& values) const {
+        if (values.empty() || !attributes.contains(semantic)) return true;
+        const auto raw = document_.raw_accessor(attributes[semantic].get<std::size_t>());
+        if (!raw) return false;
+        const std::vector<float> before = to_floats(*raw);
+        return before.size() == values.size() * width &&
+               std::memcmp(values.data(), before.data(), before.size() * sizeof(float)) == 0;
+    }
+
+    // An accessor's elements for the given source vertices, in the accessor's own type.
+    Result<Gathered> gather(const GltfPrimitive& source, const std::string& semantic,
+                            std::size_t accessor, const std::vector<Index>& local) const {
+        Gathered result;
+        result.accessor = accessor;
+        if (const auto draco = source.draco.find(semantic); draco != source.draco.end()) {
+            result.values = selected(draco->second, local);
+            return result;
+        }
+        auto read = document_.raw_elements(accessor, local);
+        if (!read) return std::move(read).error();
+        result.values = *std::move(read);
+        const Json& in = document_.json["accessors"][accessor];
+        result.implied = !in.contains("bufferView") && !in.contains("sparse");
+        return result;
+    }
+
+    // Writes them; returns the new accessor.
+    std::size_t emit(const std::string& semantic, Gathered gathered) {
+        RawAccessor& raw = gathered.values;
+        Json out = document_.json["accessors"][gathered.accessor];
+        const bool bounded = out.contains("min") || semantic == "POSITION";
+        for (const char* key : {"bufferView", "byteOffset", "sparse", "min", "max"}) out.erase(key);
+        out["count"] = raw.count;
+        if (bounded) set_bounds(raw, out);
+        if (!gathered.implied) {
+            const std::size_t size = raw.element_size();
+            const std::size_t stride = (size + 3) & ~std::size_t(3);  // vertex data is aligned
+            std::vector<std::byte> bytes = std::move(raw.bytes);
+            if (stride != size) {
+                std::vector<std::byte> apart(raw.count * stride);
+                for (std::size_t i = 0; i < raw.count; ++i)
+                    std::memcpy(apart.data() + i * stride, bytes.data() + i * size, size);
+                bytes = std::move(apart);
+            }
+            out["bufferView"] = new_view(std::move(bytes), 34962, stride == size ? 0 : stride);
+        }
+        return new_accessor(std::move(out));
+    }
+
+    std::size_t emit_reshaped(const std::string& semantic, Gathered gathered,
+                              const Elements& elements, std::size_t m,
+                              const std::vector<Index>& used) {
+        std::optional<RawAccessor> now;
+        if (!elements.of_corners.empty()) now = reshaped(semantic, gathered.values, m, used);
+        if (!now) return emit(semantic, std::move(gathered));
+        const char* const types[] = {"SCALAR", "VEC2", "VEC3", "VEC4"};
+        return new_accessor(Json{{"bufferView", new_view(std::move(now->bytes), 34962, 0)},
+                                 {"componentType", 5126},
+                                 {"count", now->count},
+                                 {"type", types[now->width - 1]}});
+    }
+
+    static void set_bounds(const RawAccessor& raw, Json& out) {
+        // Bounds are of the stored numbers, not of what normalisation makes of them.
+        RawAccessor plain = raw;
+        plain.normalized = false;
+        const std::vector<float> values = to_floats(plain);
+        Json low = Json::array(), high = Json::array();
+        for (int k = 0; k < raw.width; ++k) {
+            float least = values[std::size_t(k)], most = least;
+            for (std::size_t v = 0; v < raw.count; ++v) {
+                const float x = values[v * std::size_t(raw.width) + std::size_t(k)];
+                least = std::min(least, x);
+                most = std::max(most, x);
+            }
+            if (raw.component_type == 5126) {
+                low.push_back(least);
+                high.push_back(most);
+            } else {
+                low.push_back(std::int64_t(least));
+                high.push_back(std::int64_t(most));
+            }
+        }
+        out["min"] = std::move(low);
+        out["max"] = std::move(high);
+    }
+
+    template <class T>
+    std::size_t floats(const std::vector<T>& values) {
+        std::vector<std::byte> bytes(values.size() * sizeof(T));
+        std::memcpy(bytes.data(), values.data(), bytes.size());
+        return new_accessor(Json{{"bufferView", new_view(std::move(bytes), 34962, 0)},
+                                 {"componentType", 5126},
+                                 {"count", values.size()},
+                                 {"type", sizeof(T) == 12 ? "VEC3" : "VEC4"}});
+    }
+
+    std::size_t index_accessor(const std::vector<Index>& indices, std::size_t vertices) {
+        const bool narrow = vertices <= 65535;  // the type's largest value is primitive restart
+        std::vector<std::byte> bytes(indices.size() * (narrow ? 2 : 4));
+        for (std::size_t i = 0; i < indices.size(); ++i) {
+            const std::uint16_t small = std::uint16_t(indices[i]);
+            if (narrow)
+                std::memcpy(bytes.data() + 2 * i, &small, 2);
+            else
+                std::memcpy(bytes.data() + 4 * i, &indices[i], 4);
+        }
+        return new_accessor(Json{{"bufferView", new_view(std::move(bytes), 34963, 0)},
+                                 {"componentType", narrow ? 5123 : 5125},
+                                 {"count", indices.size()},
+                                 {"type", "SCALAR"}});
+    }
+
+    // New views and accessors stand behind the file's own; their bytes are kept apart.
+    std::size_t new_view(std::vector<std::byte> bytes, int target, std::size_t stride) {
+        Json view{{"buffer", 0}, {"byteLength", bytes.size()}};
+        if (stride) view["byteStride"] = stride;
+        if (target) view["target"] = target;
+        Json& list = json_["bufferViews"];
+        new_bytes_.emplace(list.size(), std::move(bytes));
+        list.push_back(std::move(view));
+        return list.size() - 1;
+    }
+    std::size_t new_accessor(Json accessor) {
+        Json& list = json_["accessors"];
+        list.push_back(std::move(accessor));
+        return list.size() - 1;
+    }
+
+    // --- compression and images ----------------------------------------------------------
+
+    static void remove_extension(Json& object, const char* name) {
+        const auto it = object.find("extensions");
+        if (it == object.end() || !it->is_object()) return;
+        it->erase(name);
+        if (it->empty()) object.erase("extensions");
+    }
+
+    void remove_compression() {
+        for (const char* name : {"EXT_meshopt_compression", "KHR_draco_mesh_compression"})
+            for (const char* list : {"extensionsUsed", "extensionsRequired"}) {
+                const auto it = json_.find(list);
+                if (it == json_.end() || !it->is_array()) continue;
+                it->erase(std::remove(it->begin(), it->end(), Json(name)), it->end());
+                if (it->empty()) json_.erase(list);
+            }
+        if (json_.contains("bufferViews"))
+            for (Json& view : json_["bufferViews"])
+                remove_extension(view, "EXT_meshopt_compression");
+    }
+
+    static const char* mime_of(const std::vector<std::byte>& bytes) {
+        const auto starts = [&](std::string_view magic, std::size_t at = 0) {
+            return bytes.size() >= at + magic.size() &&
+                   std::memcmp(bytes.data() + at, magic.data(), magic.size()) == 0;
+        };
+        if (starts("\x89PNG")) return "image/png";
+        if (starts("\xff\xd8\xff")) return "image/jpeg";
+        if (starts("RIFF") && starts("WEBP", 8)) return "image/webp";
+        if (starts("\xabKTX 20\xbb")) return "image/ktx2";
+        return nullptr;
+    }
+
+    // Pictures beside the source would be lost to an output elsewhere: they move into the buffer.
+    void images() {
+        const auto list = json_.find("images");
+        if (list == json_.end()) return;
+        for (std::size_t i = 0; i < list->size() && i < prepared_.scene.images.size(); ++i) {
+            Json& image = (*list)[i];
+            if (!image.contains("uri")) continue;
+            const std::vector<std::byte>& bytes = prepared_.scene.images[i].bytes;
+            const char* mime = mime_of(bytes);
+            if (!mime) {
+                note_once("image " + std::to_string(i) +
+                          " could not be read: the output still names its file");
+                continue;
+            }
+            const std::string uri = image["uri"].get<std::string>();
+            if (!image.contains("name") && !uri.starts_with("data:")) image["name"] = uri;
+            image.erase("uri");
+            image["mimeType"] = mime;
+            image["bufferView"] = new_view(bytes, 0, 0);
+        }
+    }
+
+    // --- packing -------------------------------------------------------------------------
+
+    using Visit = std::function<void(Json& index)>;
+
+    static void visit_member(Json& object, const char* key, const Visit& visit) {
+        if (!object.is_object()) return;
+        const auto it = object.find(key);
+        if (it != object.end() && it->is_number_integer()) visit(*it);
+    }
+    static void visit_members(Json& object, const Visit& visit) {
+        if (!object.is_object()) return;
+        for (auto& item : object.items())
+            if (item.value().is_number_integer()) visit(item.value());
+    }
+    Json* member(Json& object, const char* key) const {
+        if (!object.is_object()) return nullptr;
+        const auto it = object.find(key);
+        return it == object.end() ? nullptr : &*it;
+    }
+    template <class Each>
+    void each(Json& object, const char* key, const Each& body) const {
+        if (Json* list = member(object, key); list && list->is_array())
+            for (Json& item : *list) body(item);
+    }
+
+    void visit_accessors(const Visit& visit) {
+        each(json_, "meshes", [&](Json& mesh) {
+            each(mesh, "primitives", [&](Json& primitive) {
+                if (Json* attributes = member(primitive, "attributes"))
+                    visit_members(*attributes, visit);
+                visit_member(primitive, "indices", visit);
+                each(primitive, "targets", [&](Json& target) { visit_members(target, visit); });
+            });
+        });
+        each(json_, "animations", [&](Json& animation) {
+            each(animation, "samplers", [&](Json& sampler) {
+                visit_member(sampler, "input", visit);
+                visit_member(sampler, "output", visit);
+            });
+        });
+        each(json_, "skins", [&](Json& skin) { visit_member(skin, "inverseBindMatrices", visit); });
+        each(json_, "nodes", [&](Json& node) {
+            Json* extensions = member(node, "extensions");
+            Json* instancing =
+                extensions ? member(*extensions, "EXT_mesh_gpu_instancing") : nullptr;
+            if (!instancing) return;
+            if (Json* attributes = member(*instancing, "attributes"))
+                visit_members(*attributes, visit);
+        });
+    }
+
+    // What is carried over untouched: lines and points, animations, skins, instances.
+    void tell_non_finite() {
+        const std::size_t count = document_.json.contains("accessors")
+                                      ? document_.json["accessors"].size()
+                                      : std::size_t(0);
+        std::set<std::size_t> kept;
+        visit_accessors([&](Json& index) {
+            const auto i = index.get<std::uint64_t>();
+            if (i < count && json_["accessors"][i]["componentType"] == 5126) kept.insert(i);
+        });
+        // Those that were left as they are have a note of their own.
+        each(json_, "meshes", [&](Json& mesh) {
+            each(mesh, "primitives", [&](Json& primitive) {
+                const Visit leave = [&](Json& index) { kept.erase(index.get<std::size_t>()); };
+                if (primitive.value("mode", 4) < 4) return;
+                visit_members(primitive["attributes"], leave);
+                each(primitive, "targets", [&](Json& target) { visit_members(target, leave); });
+            });
+        });
+        NameList broken;
+        for (const std::size_t i : kept) {
+            const auto raw = document_.raw_accessor(i);
+            if (!raw) continue;
+            const std::vector<float> values = to_floats(*raw);
+            if (!std::all_of(values.begin(), values.end(),
+                             [](float v) { return std::isfinite(v); }))
+                broken.add(std::to_string(i));
+        }
+        if (!broken.empty())
+            notes_.push_back(
+                "lines, points, animations, skins or instances have values that are not finite, "
+                "which the format forbids; they were kept (accessors of the source: " +
+                broken.text() + ")");
+    }
+
+    void visit_views(const Visit& visit) {
+        each(json_, "accessors", [&](Json& accessor) {
+            visit_member(accessor, "bufferView", visit);
+            if (Json* sparse = member(accessor, "sparse")) {
+                if (Json* indices = member(*sparse, "indices"))
+                    visit_member(*indices, "bufferView", visit);
+                if (Json* values = member(*sparse, "values"))
+                    visit_member(*values, "bufferView", visit);
+            }
+        });
+        each(json_, "images", [&](Json& image) { visit_member(image, "bufferView", visit); });
+    }
+
+    // Keeps the entries of a list that `visit_all` reaches and renumbers the references.
+    template <class VisitAll>
+    std::vector<std::size_t> compact(const char* key, bool keep_all, const VisitAll& visit_all) {
+        std::vector<std::size_t> kept;
+        const auto list = json_.find(key);
+        if (list == json_.end() || !list->is_array()) return kept;
+        std::vector<bool> used(list->size(), keep_all);
+        visit_all([&](Json& index) {
+            const auto i = index.get<std::uint64_t>();
+            if (i < used.size()) used[i] = true;
+        });
+        std::vector<std::size_t> renumbered(list->size(), 0);
+        Json out = Json::array();
+        for (std::size_t i = 0; i < list->size(); ++i) {
+            if (!used[i]) continue;
+            renumbered[i] = kept.size();
+            kept.push_back(i);
+            out.push_back(std::move((*list)[i]));
+        }
+        if (out.empty())
+            json_.erase(key);
+        else
+            *list = std::move(out);
+        visit_all([&](Json& index) {
+            const auto i = index.get<std::uint64_t>();
+            if (i < renumbered.size()) index = renumbered[i];
+        });
+        return kept;
+    }
+
+    Result<void> pack() {
+        bool keep_all = false;
+        for (const char* list : {"extensionsUsed", "extensionsRequired"})
+            if (Json* names = member(json_, list); names && names->is_array())
+                for (const Json& name : *names)
+                    keep_all |= !name.is_string() || !references_known(name.get<std::string>());
+        if (keep_all)
+            note_once("an extension is in use that may refer to any data: none was dropped");
+        compact("accessors", keep_all, [&](const Visit& v) { visit_accessors(v); });
+        const std::vector<std::size_t> views =
+            compact("bufferViews", keep_all, [&](const Visit& v) { visit_views(v); });
+        for (std::size_t v = 0; v < views.size(); ++v) {
+            Json& view = json_["bufferViews"][v];
+            std::span<const std::byte> bytes;
+            if (const auto made = new_bytes_.find(views[v]); made != new_bytes_.end()) {
+                bytes = made->second;
+            } else {
+                const auto read = document_.view(views[v]);
+                if (!read) return read.error();
+                bytes = *read;
+            }
+            binary_.resize((binary_.size() + 3) & ~std::size_t(3));
+            view["buffer"] = 0;
+            view["byteOffset"] = binary_.size();
+            view["byteLength"] = bytes.size();
+            binary_.insert(binary_.end(), bytes.begin(), bytes.end());
+        }
+        json_.erase("buffers");
+        return {};
+    }
+
+    // glTF forbids empty lists; they say what an absent one says.
+    void remove_empty_lists() {
+        std::vector<std::string> empty;
+        for (const auto& item : json_.items())
+            if (item.value().is_array() && item.value().empty()) empty.push_back(item.key());
+        for (const std::string& key : empty) json_.erase(key);
+        if (Json* nodes = member(json_, "nodes"))
+            for (Json& node : *nodes)
+                if (const Json* children = member(node, "children"); children && children->empty())
+                    node.erase("children");
+        if (Json* scenes = member(json_, "scenes"))
+            for (Json& scene : *scenes)
+                if (const Json* nodes = member(scene, "nodes"); nodes && nodes->empty())
+                    scene.erase("nodes");
+    }
+
+    const PreparedScene& prepared_;
+    const GltfDocument& document_;
+    std::vector<std::string>& notes_;
+    std::uint64_t dropped_triangles_ = 0;
+    Json json_;
+    bool mended_ = false;  // the primitive at hand: values were made valid
+    std::map<std::size_t, std::vector<std::byte>> new_bytes_;  // by bufferView
+    std::vector<std::byte> binary_;
+};
+
+}  // namespace
+
+Result<RewrittenGltf> rewrite_gltf(const PreparedScene& prepared, std::vector<std::string>& notes) {
+    try {
+        return Rewriter(prepared, notes).run();
+    } catch (const Json::exception& e) {
+        // Where the reader let something through that it carries without knowing it.
+        return Error{ErrorCode::invalid,
+                     std::string("the glTF document contradicts itself: ") + e.what(),
+                     {}};
+    }
+}
+
+}  // namespace prep::detail

@@ -1,0 +1,497 @@
+#include <algorithm>
+#include <optional>
+#include <unordered_map>
+
+#include "base/parallel.h"
+#include "formats/obj/blocks.h"
+#include "formats/obj/tags.h"
+#include "prep/io.h"
+#include "prep/obj.h"
+#include "text/scan.h"
+
+namespace prep {
+namespace {
+
+using namespace detail;
+using Index = std::uint32_t;
+
+struct Counts {
+    std::size_t positions = 0, uvs = 0, normals = 0;
+    std::size_t faces = 0, corners = 0, lines = 0;
+};
+
+class Assembler {
+  public:
+    Assembler(std::vector<ObjBlock> blocks, const glm::dvec3& origin, const ObjOptions& options)
+        : blocks_(std::move(blocks)), origin_(origin), options_(options) {}
+
+    Result<Scene> run() {
+        if (auto done = count(); !done) return std::move(done).error();
+        scene_.name = options_.name;
+        scene_.meshes.emplace_back();
+        mesh_ = &scene_.meshes.back();
+        mesh_->name = std::filesystem::path(options_.name).stem().string();
+        make_room();
+        vertices();
+        if (auto done = faces(); !done) return std::move(done).error();
+        if (auto done = polylines(); !done) return std::move(done).error();
+        states();
+        if (auto done = tags(); !done) return std::move(done).error();
+        colors();
+        warnings();
+        instance_unused_meshes(scene_);
+        return std::move(scene_);
+    }
+
+  private:
+    Error error_at(std::size_t line, std::string text, ErrorCode code = ErrorCode::invalid) const {
+        return {code, std::move(text), options_.name + ":" + std::to_string(line)};
+    }
+    std::size_t line_of(std::size_t block, std::uint32_t local) const {
+        return bases_[block].lines + local;
+    }
+
+    Result<void> count() {
+        bases_.resize(blocks_.size() + 1);
+        for (std::size_t b = 0; b < blocks_.size(); ++b) {
+            const ObjBlock& block = blocks_[b];
+            const Counts& base = bases_[b];
+            if (block.failure)
+                return error_at(base.lines + block.failure->line, block.failure->text,
+                                ErrorCode::syntax);
+            bases_[b + 1] = {
+                base.positions + block.positions.size(), base.uvs + block.uvs.size(),
+                base.normals + block.normals.size(),     base.faces + block.faces.count,
+                base.corners + block.faces.v.size(),     base.lines + block.lines};
+        }
+        const Counts& total = bases_.back();
+        const std::size_t limit = std::size_t(relative_bias);
+        if (total.positions >= limit || total.uvs >= limit || total.normals >= limit ||
+            total.corners >= no_index)
+            return Error{ErrorCode::limit,
+                         "more than 2^30 vertices or 2^32 - 2 corners: cut the file into pieces",
+                         options_.name};
+        return {};
+    }
+
+    static bool any(const std::vector<ObjBlock>& blocks, std::vector<ObjIndex> ObjElements::*list) {
+        return std::any_of(blocks.begin(), blocks.end(),
+                           [&](const ObjBlock& block) { return !(block.faces.*list).empty(); });
+    }
+
+    // All lists at their full size. Memory is first touched here: each list on a thread of its own.
+    void make_room() {
+        const Counts& total = bases_.back();
+        const bool uv = any(blocks_, &ObjElements::t), normals = any(blocks_, &ObjElements::n);
+        if (uv) mesh_->uvs.resize(1);
+        parallel_blocks(7, 1, options_.threads, [&](std::size_t list, std::size_t) {
+            if (list == 0) mesh_->corner_vertices.resize(total.corners);
+            if (list == 1 && uv) mesh_->uvs[0].indices.resize(total.corners);
+            if (list == 2 && normals) mesh_->normals.indices.resize(total.corners);
+            if (list == 3) mesh_->positions.resize(total.positions);
+            if (list == 4) mesh_->face_offsets.resize(total.faces + 1);
+            if (list == 5 && uv) mesh_->uvs[0].values.resize(total.uvs);
+            if (list == 6 && normals) mesh_->normals.values.resize(total.normals);
+        });
+    }
+
+    void vertices() {
+        mesh_->origin = origin_;
+        const bool uv = !mesh_->uvs.empty(), normals = !mesh_->normals.indices.empty();
+        parallel_blocks(blocks_.size(), 1, options_.threads, [&](std::size_t b, std::size_t) {
+            const ObjBlock& block = blocks_[b];
+            const Counts& base = bases_[b];
+            std::copy(block.positions.begin(), block.positions.end(),
+                      mesh_->positions.begin() + std::ptrdiff_t(base.positions));
+            if (uv)
+                std::copy(block.uvs.begin(), block.uvs.end(),
+                          mesh_->uvs[0].values.begin() + std::ptrdiff_t(base.uvs));
+            if (normals)
+                std::copy(block.normals.begin(), block.normals.end(),
+                          mesh_->normals.values.begin() + std::ptrdiff_t(base.normals));
+        });
+    }
+
+    // The 0-based index into all the file's elements; false when there is no such element.
+    static bool resolve(ObjIndex raw, std::size_t base, std::size_t total, Index& out) {
+        if (raw == 0) {
+            out = no_index;
+            return true;
+        }
+        const std::int64_t i = raw > 0 ? std::int64_t(raw) - 1
+                                       : std::int64_t(base) - (std::int64_t(raw) + relative_bias);
+        if (i < 0 || i >= std::int64_t(total)) return false;
+        out = Index(i);
+        return true;
+    }
+
+    // One block's indices of one kind, absent ones (an empty list) included. Returns the first
+    // corner whose index is out of range, or their number.
+    static std::size_t resolve_list(const std::vector<ObjIndex>& from, bool relative,
+                                    std::size_t base, std::size_t total, std::size_t corners,
+                                    Index* to) {
+        if (from.empty()) {
+            std::fill(to, to + corners, no_index);
+            return corners;
+        }
+        if (!relative) {
+            // 0 becomes no_index by itself; it is over any total, so that it needs the second look.
+            bool doubtful = false;
+            for (std::size_t c = 0; c < corners; ++c) {
+                to[c] = Index(from[c]) - 1;
+                doubtful |= to[c] >= total;
+            }
+            if (!doubtful) return corners;
+        }
+        for (std::size_t c = 0; c < corners; ++c)
+            if (!resolve(from[c], base, total, to[c])) return c;
+        return corners;
+    }
+
+    Error out_of_range(std::size_t block, const ObjElements& elements, std::size_t corner,
+                       const char* what, ObjIndex raw, std::size_t base, std::size_t total) const {
+        const std::size_t line = line_of(block, elements.line_of_corner(corner));
+        if (raw < 0) {  // counts back from its line on: it can only reach too far
+            const std::int64_t first = std::int64_t(base) - (std::int64_t(raw) + relative_bias) + 1;
+            return error_at(line, std::string("relative ") + what + " index reaches " +
+                                      std::to_string(1 - first) + " before the first " + what +
+                                      "; " + std::to_string(total) + " are in the file");
+        }
+        return error_at(line, std::string(what) + " index " + std::to_string(raw) +
+                                  " is out of range: the file has " + std::to_string(total));
+    }
+
+    Result<void> faces() {
+        const Counts& total = bases_.back();
+        std::vector<std::optional<Error>> bad(blocks_.size());
+        parallel_blocks(blocks_.size(), 1, options_.threads, [&](std::size_t b, std::size_t) {
+            const ObjElements& faces = blocks_[b].faces;
+            const Counts& base = bases_[b];
+            Index end = Index(base.corners);
+            Index* offset = mesh_->face_offsets.data() + base.faces + 1;
+            for (std::size_t r = 0; r < faces.sizes.size(); ++r) {
+                const Index until =
+                    r + 1 < faces.sizes.size() ? faces.sizes[r + 1].element : faces.count;
+                for (Index f = faces.sizes[r].element; f < until; ++f)
+                    *offset++ = end += faces.sizes[r].value;
+            }
+            const std::size_t corners = faces.v.size();
+            std::size_t first = corners;
+            const auto take = [&](const std::vector<ObjIndex>& from, std::vector<Index>& to,
+                                  std::size_t local, std::size_t all, const char* what) {
+                if (to.empty()) return;
+                const std::size_t c = resolve_list(from, faces.relative, local, all, corners,
+                                                   to.data() + base.corners);
+                if (c >= first) return;  // the file's first error is the one to name
+                first = c;
+                bad[b] = out_of_range(b, faces, c, what, from[c], local, all);
+            };
+            take(faces.v, mesh_->corner_vertices, base.positions, total.positions, "vertex");
+            if (!mesh_->uvs.empty())
+                take(faces.t, mesh_->uvs[0].indices, base.uvs, total.uvs, "texture coordinate");
+            take(faces.n, mesh_->normals.indices, base.normals, total.normals, "normal");
+        });
+        for (std::optional<Error>& first : bad)
+            if (first) return std::move(*first);
+        return {};
+    }
+
+    Result<void> polylines() {
+        const std::size_t total = bases_.back().positions;
+        for (std::size_t b = 0; b < blocks_.size(); ++b) {
+            for (const bool lines : {true, false}) {
+                const ObjElements& elements = lines ? blocks_[b].polylines : blocks_[b].points;
+                for (std::size_t c = 0; c < elements.v.size(); ++c) {
+                    Index v = no_index;
+                    if (!resolve(elements.v[c], bases_[b].positions, total, v))
+                        return out_of_range(b, elements, c, "vertex", elements.v[c],
+                                            bases_[b].positions, total);
+                    (lines ? mesh_->line_vertices : mesh_->points).push_back(v);
+                }
+                if (!lines) continue;
+                for (std::size_t r = 0; r < elements.sizes.size(); ++r) {
+                    const Index until = r + 1 < elements.sizes.size()
+                                            ? elements.sizes[r + 1].element
+                                            : elements.count;
+                    for (Index l = elements.sizes[r].element; l < until; ++l)
+                        mesh_->line_offsets.push_back(mesh_->line_offsets.back() +
+                                                      elements.sizes[r].value);
+                }
+            }
+        }
+        return {};
+    }
+
+    // usemtl, s, o and g hold from their line to the next of their kind, across blocks.
+    void states() {
+        bool any_material = false, any_smoothing = false, any_part = false;
+        for (const ObjBlock& block : blocks_)
+            for (const ObjEvent& e : block.events) {
+                any_material |= e.kind == ObjEvent::Kind::material;
+                any_smoothing |= e.kind == ObjEvent::Kind::smoothing;
+                any_part |= e.kind == ObjEvent::Kind::group || e.kind == ObjEvent::Kind::object;
+                if (e.kind == ObjEvent::Kind::library) libraries(e.text);
+            }
+        for (Index m = 0; m < scene_.materials.size(); ++m)
+            materials_.emplace(scene_.materials[m].name, m);
+
+        const std::size_t faces = bases_.back().faces;
+        if (any_material) mesh_->face_materials.assign(faces, no_index);
+        if (any_smoothing) mesh_->face_smoothing.assign(faces, 0);
+        if (any_part) mesh_->face_parts.assign(faces, no_index);
+        Index material = no_index, smoothing = 0, part = no_index;
+        std::string object, group;
+        std::size_t from = 0;
+        const auto fill = [&](std::size_t to) {
+            if (any_material)
+                std::fill(mesh_->face_materials.begin() + std::ptrdiff_t(from),
+                          mesh_->face_materials.begin() + std::ptrdiff_t(to), material);
+            if (any_smoothing)
+                std::fill(mesh_->face_smoothing.begin() + std::ptrdiff_t(from),
+                          mesh_->face_smoothing.begin() + std::ptrdiff_t(to), smoothing);
+            if (any_part && to > from) {
+                if (part == no_index) part = part_named(object, group);
+                std::fill(mesh_->face_parts.begin() + std::ptrdiff_t(from),
+                          mesh_->face_parts.begin() + std::ptrdiff_t(to), part);
+            }
+            from = to;
+        };
+        for (std::size_t b = 0; b < blocks_.size(); ++b)
+            for (const ObjEvent& e : blocks_[b].events) {
+                fill(bases_[b].faces + e.face);
+                switch (e.kind) {
+                    case ObjEvent::Kind::material:
+                        material = material_named(e.text);
+                        break;
+                    case ObjEvent::Kind::smoothing:
+                        smoothing = e.number;
+                        break;
+                    case ObjEvent::Kind::object:
+                        object = e.text;
+                        group.clear();
+                        part = no_index;
+                        break;
+                    case ObjEvent::Kind::group:
+                        group = e.text;
+                        part = no_index;
+                        break;
+                    case ObjEvent::Kind::library:
+                        break;
+                }
+            }
+        fill(faces);
+        // Groups without a name say nothing either.
+        if (mesh_->parts.size() == 1 && mesh_->parts[0].empty()) {
+            mesh_->parts.clear();
+            mesh_->face_parts.clear();
+        }
+        // "s off" throughout is what exporters write when they know of no groups: no information.
+        if (std::all_of(mesh_->face_smoothing.begin(), mesh_->face_smoothing.end(),
+                        [](Index s) { return s == 0; }))
+            mesh_->face_smoothing.clear();
+    }
+
+    Index part_named(const std::string& object, const std::string& group) {
+        const std::string name = object.empty()  ? group
+                                 : group.empty() ? object
+                                                 : object + "/" + group;
+        const auto [it, added] = parts_.emplace(name, Index(mesh_->parts.size()));
+        if (added) mesh_->parts.push_back(name);
+        return it->second;
+    }
+
+    // A name may hold a #; one that only exists without what looks like a comment is meant so.
+    Index material_named(const std::string& whole) {
+        std::string name = whole;
+        if (!materials_.contains(name)) {
+            const std::string before = before_comment(whole);
+            if (!before.empty() && materials_.contains(before)) name = before;
+        }
+        const auto [it, added] = materials_.emplace(name, Index(scene_.materials.size()));
+        if (added) {
+            scene_.materials.emplace_back();
+            scene_.materials.back().name = name;
+            if (options_.read_materials && !missing_library_)
+                scene_.warnings.push_back("material '" + name +
+                                          "' is in no library: the default look is used");
+        }
+        return it->second;
+    }
+
+    void libraries(const std::string& whole) {
+        if (!options_.read_materials) return;
+        // One file name with blanks, or several names: what exists decides.
+        if (library(whole)) return;
+        const std::string names = before_comment(whole);
+        if (names != whole && library(names)) return;
+        LineWords words(names);
+        bool several = false;
+        for (std::string word; words.next(word);) {
+            if (word == names) break;
+            several = true;
+            if (!library(word)) missing(word);
+        }
+        if (!several) missing(names);
+    }
+
+    struct LineWords {
+        explicit LineWords(std::string_view names) : text(names) {}
+        bool next(std::string& word) {
+            const std::size_t begin = text.find_first_not_of(" \t");
+            if (begin == std::string_view::npos) return false;
+            text.remove_prefix(begin);
+            const std::size_t end = std::min(text.find_first_of(" \t"), text.size());
+            word = std::string(text.substr(0, end));
+            text.remove_prefix(end);
+            return true;
+        }
+        std::string_view text;
+    };
+
+    void missing(const std::string& name) {
+        missing_library_ = true;
+        scene_.warnings.push_back("material library '" + name +
+                                  "' cannot be read: its materials get the default look");
+    }
+
+    bool library(const std::string& name) {
+        std::string portable = name;
+        std::replace(portable.begin(), portable.end(), '\\', '/');
+        if (portable.empty()) return false;
+        const std::filesystem::path path = options_.directory / portable;
+        std::error_code ec;
+        if (!std::filesystem::is_regular_file(path, ec)) return false;
+        const auto bytes = read_file(path);
+        if (!bytes) return false;
+        scene_.libraries.push_back(path);
+        MtlLibrary lib = parse_mtl({reinterpret_cast<const char*>(bytes->data()), bytes->size()},
+                                   name, path.parent_path());
+        const Index textures = Index(scene_.textures.size()), images = Index(scene_.images.size());
+        for (Texture& t : lib.textures) {
+            t.image += images;
+            scene_.textures.push_back(t);
+        }
+        for (ImageRef& image : lib.images) scene_.images.push_back(std::move(image));
+        for (Material& m : lib.materials) {
+            for (TextureRef* ref :
+                 {&m.diffuse_map, &m.specular_map, &m.emissive_map, &m.occlusion_map, &m.normal_map,
+                  &m.bump_map, &m.displacement_map, &m.metallic_roughness_map})
+                if (*ref) ref->texture += textures;
+            scene_.materials.push_back(std::move(m));
+        }
+        for (std::string& w : lib.warnings) scene_.warnings.push_back(std::move(w));
+        return true;
+    }
+
+    Result<void> tags() {
+        for (std::size_t b = 0; b < blocks_.size(); ++b)
+            for (const ObjTag& tag : blocks_[b].tags) {
+                std::string problem = read_obj_tag(tag.text, *mesh_);
+                if (!problem.empty()) return error_at(line_of(b, tag.line), std::move(problem));
+            }
+        return {};
+    }
+
+    void colors() {
+        const bool any = std::any_of(blocks_.begin(), blocks_.end(),
+                                     [](const ObjBlock& b) { return !b.colors.empty(); });
+        if (!any) return;
+        std::vector<glm::vec4> values(bases_.back().positions, glm::vec4(1.0f));
+        for (std::size_t b = 0; b < blocks_.size(); ++b)
+            std::copy(blocks_[b].colors.begin(), blocks_[b].colors.end(),
+                      values.begin() + std::ptrdiff_t(bases_[b].positions));
+        if (mesh_->corner_count() > 0) {
+            mesh_->colors.emplace_back();
+            mesh_->colors[0].indices = mesh_->corner_vertices;
+            mesh_->colors[0].values = std::move(values);
+        } else {
+            mesh_->vertex_colors = std::move(values);
+        }
+    }
+
+    void warn(std::uint64_t count, std::size_t first_line, const std::string& text) {
+        if (count > 0)
+            scene_.warnings.push_back(options_.name + ":" + std::to_string(first_line) + ": " +
+                                      text + " (" + std::to_string(count) + " in all)");
+    }
+
+    void warnings() {
+        std::uint64_t shorts = 0, free_form = 0, unknown = 0, non_finite = 0;
+        std::size_t short_line = 0, free_line = 0, unknown_line = 0, finite_line = 0;
+        std::string word;
+        for (std::size_t b = 0; b < blocks_.size(); ++b) {
+            const ObjBlock& block = blocks_[b];
+            const auto gather = [&](std::uint64_t& sum, std::size_t& line, std::uint32_t n,
+                                    std::uint32_t local) {
+                if (sum == 0 && n > 0) line = line_of(b, local);
+                sum += n;
+            };
+            if (unknown == 0) word = block.unknown_word;
+            gather(shorts, short_line, block.short_faces, block.short_face_line);
+            gather(free_form, free_line, block.free_form, block.free_form_line);
+            gather(unknown, unknown_line, block.unknown, block.unknown_line);
+            gather(non_finite, finite_line, block.non_finite, block.non_finite_line);
+        }
+        warn(shorts, short_line, "elements with too few corners were dropped");
+        warn(free_form, free_line, "free-form geometry is not supported and was skipped");
+        warn(unknown, unknown_line, "unknown statement " + word + " was skipped");
+        warn(non_finite, finite_line, "coordinates that are not finite");
+    }
+
+    std::vector<ObjBlock> blocks_;
+    glm::dvec3 origin_;
+    const ObjOptions& options_;
+    std::vector<Counts> bases_;
+    Scene scene_;
+    Mesh* mesh_ = nullptr;
+    std::unordered_map<std::string, Index> materials_, parts_;
+    bool missing_library_ = false;
+};
+
+// A zero byte in one of the first two characters, or the byte order mark that says it.
+bool is_utf16(const ObjSource& source) {
+    char text[2];
+    if (source.size() < 2 || !source.read(0, 2, text)) return false;
+    const std::string_view mark(text, 2);
+    return text[0] == '\0' || text[1] == '\0' || mark == "\xff\xfe" || mark == "\xfe\xff";
+}
+
+Result<Scene> read_obj(const ObjSource& source, const ObjOptions& options) {
+    if (is_utf16(source))
+        return Error{ErrorCode::syntax,
+                     "this is UTF-16 or no text; expected OBJ as ASCII or UTF-8: save it so",
+                     options.name + ":1"};
+    auto blocks = parse_obj_blocks(source, options.name, options.threads);
+    if (!blocks) return std::move(blocks).error();
+    PositionBounds bounds;
+    for (const ObjBlock& block : *blocks) bounds.add(block.bounds);
+    const glm::dvec3 origin = bounds.origin();
+    if (origin != glm::dvec3(0.0)) {
+        // Far from zero, which is rare: once more, now with the place that floats are about. To
+        // keep every coordinate in double until that is known would cost all other files more.
+        blocks = parse_obj_blocks(source, options.name, options.threads, origin);
+        if (!blocks) return std::move(blocks).error();
+    }
+    return Assembler(*std::move(blocks), origin, options).run();
+}
+
+}  // namespace
+
+Result<Scene> parse_obj(std::span<const std::byte> bytes, const ObjOptions& options) {
+    return read_obj(ObjMemory({reinterpret_cast<const char*>(bytes.data()), bytes.size()}),
+                    options);
+}
+
+Result<Scene> load_obj(const std::filesystem::path& path, int threads) {
+    ObjFile file;
+    if (auto opened = file.open(path); !opened) return std::move(opened).error();
+    ObjOptions options;
+    options.name = path.filename().string();
+    options.directory = path.parent_path();
+    options.threads = threads;
+    auto scene = read_obj(file, options);
+    if (scene) scene->source = path;
+    return scene;
+}
+
+}  // namespace prep

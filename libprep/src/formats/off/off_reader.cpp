@@ -1,0 +1,259 @@
+#include <algorithm>
+
+#include "base/srgb.h"
+#include "prep/io.h"
+#include "prep/mesh_files.h"
+#include "text/scan.h"
+
+namespace prep {
+namespace {
+
+using detail::LineScanner;
+
+// Lines that hold something, comments cut off.
+class Lines {
+  public:
+    explicit Lines(std::string_view text) : text_(text) {}
+    bool next(std::string_view& line) {
+        while (!text_.empty()) {
+            const std::size_t end = std::min(text_.find('\n'), text_.size());
+            line = text_.substr(0, end);
+            text_.remove_prefix(std::min(end + 1, text_.size()));
+            ++number_;
+            line = line.substr(0, std::min(line.find('#'), line.size()));
+            if (!LineScanner(line).at_end()) return true;
+        }
+        return false;
+    }
+    std::size_t number() const { return number_; }
+    std::size_t bytes_left() const { return text_.size(); }
+
+  private:
+    std::string_view text_;
+    std::size_t number_ = 0;
+};
+
+struct Header {
+    bool st = false, c = false, n = false, four = false;
+    std::int64_t vertices = 0, faces = 0;
+};
+
+class OffParser {
+  public:
+    OffParser(std::string_view text, const std::string& name) : lines_(text), name_(name) {}
+
+    Result<Scene> run() {
+        if (auto done = header(); !done) return std::move(done).error();
+        scene_.name = name_;
+        scene_.meshes.emplace_back();
+        Mesh& mesh = scene_.meshes.back();
+        mesh.name = std::filesystem::path(name_).stem().string();
+        if (auto done = vertices(mesh); !done) return std::move(done).error();
+        if (auto done = faces(mesh); !done) return std::move(done).error();
+        if (header_.c) colors(mesh);
+        instance_unused_meshes(scene_);
+        return std::move(scene_);
+    }
+
+  private:
+    Error fail(const std::string& what, std::string_view line,
+               ErrorCode code = ErrorCode::syntax) const {
+        return {code, what + (line.empty() ? "" : " in " + detail::quoted_line(line)),
+                name_ + ":" + std::to_string(lines_.number())};
+    }
+
+    Result<void> header() {
+        std::string_view line;
+        if (!lines_.next(line)) return fail("the file is empty", "");
+        LineScanner scan(line);
+        LineScanner probe = scan;
+        std::string_view magic = probe.word();
+        if (magic.ends_with("OFF")) {
+            scan = probe;
+            magic.remove_suffix(3);
+            if (magic.starts_with("ST")) header_.st = true, magic.remove_prefix(2);
+            if (magic.starts_with("C")) header_.c = true, magic.remove_prefix(1);
+            if (magic.starts_with("N")) header_.n = true, magic.remove_prefix(1);
+            if (magic.starts_with("4")) header_.four = true, magic.remove_prefix(1);
+            if (!magic.empty())
+                return fail("only the prefixes ST, C, N and 4 of OFF are supported", line,
+                            ErrorCode::unsupported);
+            LineScanner after = scan;
+            if (after.word() == "BINARY")
+                return fail("binary OFF is not supported: save it as text", line,
+                            ErrorCode::unsupported);
+            if (scan.at_end()) {
+                if (!lines_.next(line)) return fail("the file ends after its first line", "");
+                scan = LineScanner(line);
+            }
+        }
+        std::int64_t edges = 0;
+        const bool good = scan.integer(header_.vertices) && (scan.skip_blanks(), true) &&
+                          scan.integer(header_.faces) && (scan.skip_blanks(), true) &&
+                          (scan.at_end() || scan.integer(edges));
+        if (!good || header_.vertices < 0 || header_.faces < 0)
+            return fail("expected OFF and the numbers of vertices, faces and edges", line);
+        // A vertex takes at least 6 bytes of text ("0 0 0\n"), a face 2.
+        const std::size_t left = lines_.bytes_left() + 1;
+        if (std::size_t(header_.vertices) > left / 6 + 1 ||
+            std::size_t(header_.faces) > left / 2 + 1)
+            return fail("the header announces " + std::to_string(header_.vertices) +
+                            " vertices and " + std::to_string(header_.faces) +
+                            " faces, more than the file has room for",
+                        "");
+        if (std::size_t(header_.vertices) >= no_index)
+            return fail("more than 2^32 - 2 vertices", "", ErrorCode::limit);
+        return {};
+    }
+
+    Result<void> vertices(Mesh& mesh) {
+        std::vector<glm::dvec3> positions;
+        positions.reserve(std::size_t(header_.vertices));
+        std::string_view line;
+        for (std::int64_t v = 0; v < header_.vertices; ++v) {
+            if (!lines_.next(line))
+                return fail("the file ends after " + std::to_string(v) + " of " +
+                                std::to_string(header_.vertices) + " vertices",
+                            "");
+            LineScanner scan(line);
+            glm::dvec3 p, n(0.0);
+            double w = 1;
+            bool good = scan.number(p.x) && scan.number(p.y) && scan.number(p.z);
+            if (good && header_.four) {
+                good = scan.number(w);
+                if (good && w != 0 && w != 1) p /= w;
+            }
+            if (good && header_.n) {
+                good = scan.number(n.x) && scan.number(n.y) && scan.number(n.z);
+                normals_.push_back(glm::vec3(n));
+            }
+            if (!good) return fail("expected coordinates", line);
+            if (header_.c) color(scan);
+            glm::dvec2 uv(0.0);
+            if (header_.st && !scan.at_end()) {
+                if (!scan.number(uv.x) || !scan.number(uv.y))
+                    return fail("expected texture coordinates", line);
+            }
+            if (header_.st) uvs_.push_back({float(uv.x), float(1.0 - uv.y)});
+            positions.push_back(p);
+        }
+        set_positions(mesh, positions);
+        return {};
+    }
+
+    void color(LineScanner& scan) {
+        // Three or four numbers, then the two of ST: all integers are 0 … 255, others 0 … 1.
+        int words = 0;
+        for (LineScanner probe = scan; !probe.at_end(); probe.word()) ++words;
+        const int most = std::clamp(words - (header_.st ? 2 : 0), 0, 4);
+        double c[4] = {1, 1, 1, 1};
+        int count = 0;
+        bool integers = true;
+        while (count < most) {
+            LineScanner probe = scan;
+            if (!scan.number(c[count])) break;
+            integers =
+                integers && probe.word().find_first_not_of("+0123456789") == std::string_view::npos;
+            ++count;
+        }
+        for (int k = 0; integers && k < count; ++k)
+            c[k] = k < 3 ? detail::srgb_to_linear(c[k] / 255) : c[k] / 255;
+        colors_.push_back(glm::vec4(glm::dvec4(c[0], c[1], c[2], c[3])));
+    }
+
+    Result<void> faces(Mesh& mesh) {
+        std::string_view line;
+        bool face_colors = false;
+        std::uint64_t short_faces = 0;
+        for (std::int64_t f = 0; f < header_.faces; ++f) {
+            if (!lines_.next(line))
+                return fail("the file ends after " + std::to_string(f) + " of " +
+                                std::to_string(header_.faces) + " faces",
+                            "");
+            LineScanner scan(line);
+            scan.skip_blanks();
+            std::int64_t corners = 0;
+            if (!scan.integer(corners) || corners < 0)
+                return fail("expected a number of corners", line);
+            const std::size_t first = mesh.corner_vertices.size();
+            for (std::int64_t k = 0; k < corners; ++k) {
+                std::int64_t v = 0;
+                scan.skip_blanks();
+                if (!scan.integer(v))
+                    return fail("expected " + std::to_string(corners) + " vertex indices", line);
+                if (v < 0 || v >= header_.vertices)
+                    return fail("vertex index " + std::to_string(v) +
+                                    " is out of range: the file has " +
+                                    std::to_string(header_.vertices),
+                                line, ErrorCode::invalid);
+                mesh.corner_vertices.push_back(std::uint32_t(v));
+            }
+            face_colors |= !scan.at_end();
+            if (mesh.corner_vertices.size() >= no_index)
+                return fail("more than 2^32 - 2 corners", "", ErrorCode::limit);
+            if (corners == 2) {
+                for (std::size_t k = first; k < first + 2; ++k)
+                    mesh.line_vertices.push_back(mesh.corner_vertices[k]);
+                mesh.line_offsets.push_back(std::uint32_t(mesh.line_vertices.size()));
+            }
+            if (corners < 3) {
+                short_faces += corners != 2;
+                mesh.corner_vertices.resize(first);
+                continue;
+            }
+            mesh.face_offsets.push_back(std::uint32_t(mesh.corner_vertices.size()));
+        }
+        if (short_faces)
+            scene_.warnings.push_back(name_ + ": " + std::to_string(short_faces) +
+                                      " faces with fewer than two corners were dropped");
+        if (face_colors) scene_.warnings.push_back(name_ + ": colours of faces were skipped");
+        if (mesh.face_count() == 0) {  // nothing to hang normals and UVs on
+            if ((header_.n || header_.st) && !mesh.positions.empty())
+                scene_.warnings.push_back(name_ + ": " +
+                                          (header_.n && header_.st ? "normals and UVs"
+                                           : header_.n             ? "normals"
+                                                                   : "UVs") +
+                                          " of points were not taken: only faces have them here");
+            if (mesh.line_vertices.empty())
+                for (std::uint32_t v = 0; v < mesh.positions.size(); ++v) mesh.points.push_back(v);
+            return {};
+        }
+        if (header_.n) {
+            mesh.normals.values = std::move(normals_);
+            mesh.normals.indices = mesh.corner_vertices;
+        }
+        if (header_.st) {
+            mesh.uvs.emplace_back();
+            mesh.uvs[0].values = std::move(uvs_);
+            mesh.uvs[0].indices = mesh.corner_vertices;
+        }
+        return {};
+    }
+
+    void colors(Mesh& mesh) {
+        if (mesh.corner_count() == 0) {
+            mesh.vertex_colors = std::move(colors_);
+            return;
+        }
+        mesh.colors.emplace_back();
+        mesh.colors[0].values = std::move(colors_);
+        mesh.colors[0].indices = mesh.corner_vertices;
+    }
+
+    Lines lines_;
+    const std::string& name_;
+    Header header_;
+    Scene scene_;
+    std::vector<glm::vec3> normals_;
+    std::vector<glm::vec2> uvs_;
+    std::vector<glm::vec4> colors_;
+};
+
+}  // namespace
+
+Result<Scene> parse_off(std::span<const std::byte> bytes, const std::string& name) {
+    const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    return OffParser(text, name).run();
+}
+
+}  // namespace prep

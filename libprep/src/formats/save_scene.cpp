@@ -1,0 +1,149 @@
+#include <cctype>
+#include <cmath>
+
+#include "formats/gltf/document.h"
+#include "formats/writers.h"
+#include "prep/gltf.h"
+#include "prep/save.h"
+#include "text/name_list.h"
+
+namespace prep {
+namespace detail {
+
+FileSetRules rules_for(const PreparedScene& prepared, const std::filesystem::path& path,
+                       const SaveOptions& options) {
+    FileSetRules rules;
+    rules.replace = options.replace;
+    rules.target = path;
+    if (options.replace_sources) return rules;
+    rules.spare = prepared.scene.libraries;
+    if (!prepared.scene.source.empty()) rules.spare.push_back(prepared.scene.source);
+    for (const ImageRef& image : prepared.scene.images)
+        if (image.bytes.empty()) rules.spare.push_back(image.path);
+    return rules;
+}
+
+void note_groups(const PreparedScene& prepared, const std::string& format,
+                 std::vector<std::string>& notes) {
+    std::size_t count = 0;
+    for (const Mesh& mesh : prepared.scene.meshes)
+        for (const std::string& part : mesh.parts) count += !part.empty();
+    if (count > 0)
+        notes.push_back(format + " holds no groups within a mesh: " + std::to_string(count) +
+                        (count == 1 ? " name was left out" : " names were left out"));
+}
+
+namespace {
+
+// What glTF files keep and the other formats do not, beside what their writers tell of themselves.
+void note_lost(const PreparedScene& prepared, const std::string& format,
+               std::vector<std::string>& notes) {
+    const GltfDocument* document = prepared.scene.document.get();
+    if (!document) return;
+    std::size_t loose = 0;
+    NameList custom;
+    for (std::size_t m = 0; m < document->primitives.size(); ++m)
+        for (std::size_t p = 0; p < document->primitives[m].size(); ++p) {
+            const Json& attributes = document->json["meshes"][m]["primitives"][p]["attributes"];
+            bool any = false;
+            for (const auto& item : attributes.items()) {
+                any |= item.key() == "NORMAL" || item.key().starts_with("TEXCOORD_");
+                if (item.key().starts_with("_")) custom.add(item.key());
+            }
+            loose += any && !document->primitives[m][p].triangles;
+        }
+    if (loose > 0)
+        notes.push_back(
+            "normals and UVs of lines and points are kept in glTF files only: those of " +
+            std::to_string(loose) +
+            (loose == 1 ? " primitive were left out" : " primitives were left out"));
+    if (!custom.empty())
+        notes.push_back(format + " holds no attributes of other names: " + custom.text() +
+                        " left out");
+    if (const std::size_t targets = morph_target_count(prepared.scene); targets > 0)
+        notes.push_back(format + " holds no morph targets: " + std::to_string(targets) +
+                        " left out");
+    if (format != "OBJ" && !prepared.scene.skins.empty())
+        notes.push_back(format + " holds no skins: left out");
+    if (const auto list = document->json.find("animations");
+        list != document->json.end() && list->is_array() && !list->empty())
+        notes.push_back(format + " holds no animations: " + std::to_string(list->size()) +
+                        " left out");
+}
+
+bool finite(const glm::vec2& v) {
+    return std::isfinite(v.x) && std::isfinite(v.y);
+}
+bool finite(const glm::vec3& v) {
+    return finite(glm::vec2(v)) && std::isfinite(v.z);
+}
+bool finite(const glm::vec4& v) {
+    return finite(glm::vec3(v)) && std::isfinite(v.w);
+}
+
+void note_non_finite(const PreparedScene& prepared, const std::string& format,
+                     std::vector<std::string>& notes) {
+    const auto note = [&](const char* one, const char* several, std::size_t count) {
+        if (count > 0)
+            notes.push_back(std::to_string(count) + (count == 1 ? one : several) +
+                            " not finite and written so: many programs refuse the file");
+    };
+    const auto count_in = [](const auto& values) {
+        std::size_t count = 0;
+        for (const auto& v : values) count += !finite(v);
+        return count;
+    };
+    std::size_t vertices = 0, uvs = 0, colors = 0;
+    if (format == "OBJ") {  // written from the faces, the others from the split vertices
+        for (const Mesh& mesh : prepared.scene.meshes) {
+            vertices += count_in(mesh.positions);
+            if (!mesh.uvs.empty()) uvs += count_in(mesh.uvs[0].values);
+            if (!mesh.colors.empty()) colors += count_in(mesh.colors[0].values);
+        }
+    } else {
+        for (const VertexMesh& mesh : prepared.meshes) {
+            vertices += count_in(mesh.positions);
+            if (!mesh.uvs.empty()) uvs += count_in(mesh.uvs[0]);
+            if (!mesh.colors.empty()) colors += count_in(mesh.colors[0]);
+        }
+    }
+    note(" vertex is", " vertices are", vertices);
+    if (format != "STL") note(" UV is", " UVs are", uvs);
+    // PLY's are bytes.
+    if (format == "OBJ" || format == "OFF") note(" colour is", " colours are", colors);
+}
+
+}  // namespace
+}  // namespace detail
+
+Result<std::vector<std::string>> save_scene(const PreparedScene& prepared,
+                                            const std::filesystem::path& path,
+                                            const SaveOptions& options) {
+    std::string ending = path.extension().string();
+    for (char& c : ending) c = char(std::tolower(static_cast<unsigned char>(c)));
+    if (ending == ".glb" || ending == ".gltf") return detail::write_gltf(prepared, path, options);
+    using Write = Result<std::vector<std::string>> (*)(
+        const PreparedScene&, const std::filesystem::path&, const SaveOptions&);
+    struct Format {
+        const char *ending, *name;
+        Write write;
+    };
+    static constexpr Format others[] = {{".obj", "OBJ", detail::write_obj},
+                                        {".ply", "PLY", detail::write_ply},
+                                        {".stl", "STL", detail::write_stl},
+                                        {".off", "OFF", detail::write_off}};
+    for (const Format& format : others) {
+        if (ending != format.ending) continue;
+        auto notes = format.write(prepared, path, options);
+        if (notes) {
+            detail::note_lost(prepared, format.name, *notes);
+            detail::note_non_finite(prepared, format.name, *notes);
+        }
+        return notes;
+    }
+    return Error{ErrorCode::unsupported,
+                 "cannot write '" + ending + "': GLB, glTF, OBJ, PLY, STL and OFF are written",
+                 path.string()};
+}
+
+}  // namespace prep

@@ -1,0 +1,82 @@
+#include "formats/scene_json/merge.h"
+
+#include <cctype>
+
+#include "prep/io.h"
+
+namespace prep::detail {
+namespace {
+
+template <class T>
+void append(std::vector<T>& into, std::vector<T>&& from) {
+    into.insert(into.end(), std::make_move_iterator(from.begin()),
+                std::make_move_iterator(from.end()));
+}
+
+void shift(std::uint32_t& index, std::size_t by) {
+    if (index != no_index) index += static_cast<std::uint32_t>(by);
+}
+
+constexpr TextureRef Material::*maps[] = {
+    &Material::diffuse_map,      &Material::specular_map,
+    &Material::emissive_map,     &Material::occlusion_map,
+    &Material::normal_map,       &Material::bump_map,
+    &Material::displacement_map, &Material::metallic_roughness_map,
+};
+
+}  // namespace
+
+MergedPart merge_scene(Scene& into, Scene&& part, const std::string& name) {
+    instance_unused_meshes(part);
+    std::string left;
+    const auto leave = [&left](bool present, const char* what) {
+        if (present) left += (left.empty() ? "" : ", ") + std::string(what);
+    };
+    leave(!part.lights.empty(), "lights");
+    leave(!part.cameras.empty(), "cameras");
+    leave(!part.skins.empty(), "skins");
+    if (!left.empty())
+        into.warnings.push_back("mesh '" + name + "': the file's own " + left +
+                                " are not part of the scene");
+
+    for (Texture& texture : part.textures) shift(texture.image, into.images.size());
+    for (Material& material : part.materials)
+        for (const auto map : maps) shift((material.*map).texture, into.textures.size());
+    for (Mesh& mesh : part.meshes)
+        for (auto* list : {&mesh.face_materials, &mesh.variant_materials})
+            for (std::uint32_t& material : *list) shift(material, into.materials.size());
+
+    MergedPart merged;
+    merged.first_mesh = static_cast<std::uint32_t>(into.meshes.size());
+    merged.mesh_count = static_cast<std::uint32_t>(part.meshes.size());
+    merged.nodes = std::move(part.nodes);
+    for (Node& node : merged.nodes) {
+        shift(node.mesh, into.meshes.size());
+        node.camera = node.light = node.skin = no_index;
+    }
+    append(into.images, std::move(part.images));
+    append(into.textures, std::move(part.textures));
+    append(into.materials, std::move(part.materials));
+    append(into.meshes, std::move(part.meshes));
+    return merged;
+}
+
+void instance_part(Scene& scene, const MergedPart& part, std::uint32_t parent) {
+    const std::size_t first = scene.nodes.size();
+    for (const Node& node : part.nodes) {
+        Node copy = node;
+        if (copy.parent == no_index)
+            copy.parent = parent;
+        else
+            shift(copy.parent, first);
+        scene.nodes.push_back(std::move(copy));
+    }
+}
+
+std::string ending_of(const std::filesystem::path& path) {
+    std::string ending = path.extension().string();
+    for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    return ending;
+}
+
+}  // namespace prep::detail

@@ -1,0 +1,111 @@
+// What the JSON scene's keys are read into, and the tables that say which keys there are.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "prep/scene_json.h"
+#include "text/json_schema.h"
+
+namespace prep::detail {
+
+struct TextureSpec {
+    schema::Name file;
+    Wrap wrap = Wrap::repeat;
+    std::optional<Wrap> wrap_u, wrap_v;
+    Filter mag = Filter::linear, min = Filter::linear;
+    MipFilter mip = MipFilter::linear;
+};
+
+struct MapSpec {
+    schema::Name texture;
+    TextureRef ref;
+    double rotate = 0;  // degrees
+};
+
+struct MaterialSpec {
+    Material material;
+    float opacity = 1;
+    std::optional<MapSpec> diffuse, specular, emissive, occlusion, normal, bump, displacement;
+};
+
+// Which map of the specification fills which of the material.
+struct MapSlot {
+    const char* key;
+    std::optional<MapSpec> MaterialSpec::*spec;
+    TextureRef Material::*map;
+};
+inline constexpr MapSlot map_slots[] = {
+    {"diffuse_map", &MaterialSpec::diffuse, &Material::diffuse_map},
+    {"specular_map", &MaterialSpec::specular, &Material::specular_map},
+    {"emissive_map", &MaterialSpec::emissive, &Material::emissive_map},
+    {"occlusion_map", &MaterialSpec::occlusion, &Material::occlusion_map},
+    {"normal_map", &MaterialSpec::normal, &Material::normal_map},
+    {"bump_map", &MaterialSpec::bump, &Material::bump_map},
+    {"displacement_map", &MaterialSpec::displacement, &Material::displacement_map},
+};
+
+enum class ShapeKind { plane, box, sphere, cylinder, torus };
+
+struct ShapeSpec {
+    ShapeKind kind = ShapeKind::sphere;
+    glm::vec3 size{1};
+    float radius = 1, height = 2, tube = 0.25f;
+    std::uint32_t segments = 0, rings = 0;  // 0: by kind
+};
+
+struct MeshSpec {
+    schema::Name file;
+    std::optional<ShapeSpec> shape;
+    schema::Name material;
+    std::vector<std::pair<std::string, schema::Name>> replaced;  // the file's material → ours
+};
+
+struct TransformSpec {
+    std::optional<glm::dvec3> translate, rotate, scale;  // rotate: degrees about X, Y, Z
+    std::optional<glm::dmat4> matrix;
+};
+
+struct NodeSpec {
+    schema::Name name, parent, mesh;
+    TransformSpec transform;
+};
+
+struct LightSpec {
+    schema::Name name;
+    LightKind kind = LightKind::directional;
+    glm::vec3 color{1};
+    float intensity = 1, range = 0;
+    std::optional<glm::dvec3> direction, position;
+    std::optional<double> inner_cone, outer_cone;  // degrees
+};
+
+struct OrbitSpec {
+    double azimuth = 30, elevation = 20, distance = 1;
+};
+
+struct CameraSpec {
+    std::optional<glm::dvec3> position, target;
+    glm::dvec3 up{0, 1, 0};
+    std::optional<double> fov;     // degrees, vertical
+    std::optional<double> height;  // orthographic
+    double near = 0.01, far = 0;
+    std::optional<OrbitSpec> orbit;
+};
+
+struct SceneSpec {
+    std::uint32_t version = 0;
+    std::string name;
+    std::vector<schema::Named<TextureSpec>> textures;
+    std::vector<schema::Named<MaterialSpec>> materials;
+    std::vector<schema::Named<MeshSpec>> meshes;
+    std::vector<schema::Named<NodeSpec>> nodes;
+    std::vector<schema::Named<LightSpec>> lights;
+    std::optional<CameraSpec> camera;
+    PictureSettings picture;
+};
+
+const schema::Table<SceneSpec>& scene_table();
+
+}  // namespace prep::detail

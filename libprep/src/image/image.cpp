@@ -1,0 +1,105 @@
+#include "prep/image.h"
+
+#include <dlfcn.h>
+
+#include "image/image_library.h"
+#include "prep/io.h"
+#include "prep/scene.h"
+
+// OpenImageIO brings some 250 libraries along, whose loading takes longer than many a conversion of
+// a mesh: the part that uses it is a library of its own, loaded with the first picture.
+
+#define MESHPREP_TEXT_OF(x) #x
+#define MESHPREP_TEXT(x) MESHPREP_TEXT_OF(x)
+
+namespace prep {
+namespace {
+
+using detail::ImageBackend;
+
+// Where the library may stand, in this order.
+std::vector<std::string> candidates() {
+    const std::string file = MESHPREP_IMAGES_FILE;
+    std::vector<std::string> list;
+    std::error_code ec;
+    const auto program = std::filesystem::read_symlink("/proc/self/exe", ec);
+    if (!ec) {
+        if (program.string().starts_with(MESHPREP_IMAGES_BUILD "/"))
+            list.push_back(MESHPREP_IMAGES_BUILD "/" + file);
+        list.push_back((program.parent_path() / file).string());
+        const auto installed = program.parent_path() / MESHPREP_IMAGES_FROM_BIN / file;
+        list.push_back(installed.lexically_normal().string());
+    }
+    list.push_back(file);  // linked already, or where the system looks
+    return list;
+}
+
+Result<const ImageBackend*> open_backend() {
+    std::string reasons;
+    for (const std::string& path : candidates()) {
+        // Never closed: libraries of this size do not survive it.
+        void* library = ::dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
+        const char* problem = library ? nullptr : ::dlerror();
+        if (library) {
+            void* symbol = ::dlsym(library, MESHPREP_TEXT(MESHPREP_IMAGE_BACKEND));
+            if (symbol) return reinterpret_cast<detail::ImageBackendFunction>(symbol)();
+            problem = "is of another build";
+        }
+        reasons += (reasons.empty() ? "" : "; ") + (library ? path + " " : std::string()) +
+                   (problem ? problem : "unknown");
+    }
+    return Error{
+        ErrorCode::io,
+        "the library for pictures cannot be loaded (" + reasons + "): install meshprep anew",
+        MESHPREP_IMAGES_FILE};
+}
+
+}  // namespace
+
+const Result<const ImageBackend*>& detail::image_backend() {
+    static const Result<const ImageBackend*> opened = open_backend();
+    return opened;
+}
+
+Result<Image> load_image(const std::filesystem::path& path, ImageChannels channels) {
+    const auto& images = detail::image_backend();
+    return images ? (*images)->load(path, channels) : Result<Image>(images.error());
+}
+
+Result<Image> decode_image(std::span<const std::byte> bytes, const std::string& name) {
+    const auto& images = detail::image_backend();
+    return images ? (*images)->decode(bytes, name) : Result<Image>(images.error());
+}
+
+Result<Image> load_image(const ImageRef& ref) {
+    if (!ref.bytes.empty()) {
+        std::string name = ref.name;
+        if (std::filesystem::path(name).extension().empty() && ref.mime_type.size() > 6 &&
+            ref.mime_type.starts_with("image/"))
+            name.append(".").append(ref.mime_type, 6);
+        return decode_image(ref.bytes, name);
+    }
+    if (!ref.path.empty()) return load_image(ref.path);
+    return Error{ErrorCode::io, "the image has neither a file nor embedded bytes", ref.name};
+}
+
+Result<void> save_image(const std::filesystem::path& path, const Image& image, PixelType type) {
+    const auto& images = detail::image_backend();
+    if (!images) return images.error();
+    const auto bytes = (*images)->encode(path, image, type);
+    if (!bytes) return bytes.error();
+    return write_file(path, *bytes);
+}
+
+Result<void> check_writable_image(const std::filesystem::path& path) {
+    const auto& images = detail::image_backend();
+    return images ? (*images)->check_writable(path) : Result<void>(images.error());
+}
+
+Result<std::vector<std::byte>> encode_png(const Image& image, PixelType type) {
+    const auto& images = detail::image_backend();
+    return images ? (*images)->encode_png(image, type)
+                  : Result<std::vector<std::byte>>(images.error());
+}
+
+}  // namespace prep

@@ -1,0 +1,36 @@
+// What the image library of this project (image/openimageio, loaded when a picture is first read or
+// written) offers to libprep. Both sides come from one build.
+#pragma once
+
+#include <memory>
+
+#include "prep/image.h"
+
+namespace prep::detail {
+
+// A file that takes rows. Destroyed unclosed, it leaves the file as it is.
+class RowWriter {
+  public:
+    virtual ~RowWriter() = default;
+    // `values` are floats, or 32 bits of either kind where the layout has integer channels.
+    virtual Result<void> write(const void* values, std::uint32_t rows) = 0;
+    virtual Result<void> close() = 0;
+};
+
+struct ImageBackend {
+    Result<Image> (*load)(const std::filesystem::path&, ImageChannels);
+    Result<Image> (*decode)(std::span<const std::byte>, const std::string&);
+    Result<std::vector<std::byte>> (*encode)(const std::filesystem::path&, const Image&, PixelType);
+    Result<std::vector<std::byte>> (*encode_png)(const Image&, PixelType);
+    Result<void> (*check_writable)(const std::filesystem::path&);
+    // `path` names the format and stands in messages; `file` is written.
+    Result<std::unique_ptr<RowWriter>> (*open_rows)(const std::filesystem::path& path,
+                                                    const std::filesystem::path& file,
+                                                    const ImageLayout&);
+};
+
+// The library exports this function under the name `image_backend_name`; it carries the version and
+// a hash of the headers that both sides share.
+using ImageBackendFunction = const ImageBackend* (*)();
+
+}  // namespace prep::detail

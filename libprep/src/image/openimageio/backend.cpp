@@ -1,0 +1,27 @@
+#include "image/image_backend.h"
+#include "image/openimageio/encode_image.h"
+
+// The name carries the version and a hash of the types, so that a library of another build is never
+// taken for this one's.
+extern "C" __attribute__((visibility("default"))) const prep::detail::ImageBackend*
+MESHPREP_IMAGE_BACKEND() {
+    static const prep::detail::ImageBackend backend{
+        [](const std::filesystem::path& path, prep::ImageChannels channels) {
+            return prep::load_image(path, channels);
+        },
+        [](std::span<const std::byte> bytes, const std::string& name) {
+            return prep::decode_image(bytes, name);
+        },
+        [](const std::filesystem::path& path, const prep::Image& image, prep::PixelType type) {
+            return prep::detail::encode_image(path, image, type);
+        },
+        [](const prep::Image& image, prep::PixelType type) {
+            return prep::encode_png(image, type);
+        },
+        [](const std::filesystem::path& path) { return prep::check_writable_image(path); },
+        [](const std::filesystem::path& path, const std::filesystem::path& file,
+           const prep::ImageLayout& layout) {
+            return prep::detail::open_rows(path, file, layout);
+        }};
+    return &backend;
+}

@@ -1,0 +1,285 @@
+#include <OpenImageIO/filesystem.h>
+#include <OpenImageIO/imageio.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <memory>
+#include <string_view>
+
+#include "image/openimageio/backend_parts.h"
+#include "image/openimageio/completeness.h"
+#include "prep/image.h"
+#include "prep/io.h"
+
+namespace prep {
+namespace {
+
+namespace oiio = OIIO;
+
+// The worst honest ratio of pixel bytes to file bytes: deflate reaches 1032, LZW 2730. Small
+// pictures are exempt, because some formats store a constant picture in a hundred bytes.
+constexpr std::uint64_t largest_compression = 4096;
+constexpr std::uint64_t always_allowed_bytes = std::uint64_t(1) << 28;
+
+std::string reason_of(const std::string& from_reader) {
+    std::string reason = from_reader.empty() ? oiio::geterror() : from_reader;
+    while (!reason.empty() && std::isspace(static_cast<unsigned char>(reason.back())))
+        reason.pop_back();
+    // Several messages come as several lines.
+    for (std::size_t at; (at = reason.find_first_of("\r\n")) != std::string::npos;) {
+        const std::size_t end = reason.find_first_not_of("\r\n", at);
+        reason.replace(at, end - at, "; ");
+    }
+    return reason.empty() ? "no reason given" : reason;
+}
+
+bool starts_with(std::span<const std::byte> bytes, std::string_view magic, std::size_t at = 0) {
+    return bytes.size() >= at + magic.size() &&
+           std::memcmp(bytes.data() + at, magic.data(), magic.size()) == 0;
+}
+
+// The format by its first bytes; empty where they do not tell (TGA has no such mark).
+std::string_view sniff(std::span<const std::byte> bytes) {
+    if (starts_with(bytes, "\x89PNG")) return "png";
+    if (starts_with(bytes, "\xff\xd8\xff")) return "jpg";
+    if (starts_with(bytes, "\x76\x2f\x31\x01")) return "exr";
+    if (starts_with(bytes, "#?")) return "hdr";
+    if (starts_with(bytes, "GIF8")) return "gif";
+    if (starts_with(bytes, "RIFF") && starts_with(bytes, "WEBP", 8)) return "webp";
+    if (starts_with(bytes, "DDS ")) return "dds";
+    if (starts_with(bytes, "BM")) return "bmp";
+    if (starts_with(bytes, std::string_view("II*\0", 4)) ||
+        starts_with(bytes, std::string_view("MM\0*", 4)))
+        return "tif";
+    return {};
+}
+
+// Still pictures only: the library also opens movies, volumes and pictures that exist in name only.
+constexpr std::string_view known_formats[] = {
+    "png",  "jpeg",      "openexr",  "hdr",  "gif", "webp",  "dds", "bmp",
+    "tiff", "targa",     "pnm",      "psd",  "sgi", "rla",   "iff", "cineon",
+    "dpx",  "softimage", "jpeg2000", "heif", "ico", "zfile", "fits"};
+
+constexpr int most_channels = 32;  // as Image::integer_channels has bits
+
+Result<void> check_spec(const oiio::ImageSpec& spec, std::uint64_t count, std::uint64_t file_bytes,
+                        const std::string& place) {
+    if (spec.deep)
+        return Error{ErrorCode::unsupported,
+                     "this is a deep image; flatten it before using it as a texture", place};
+    if (spec.width <= 0 || spec.height <= 0 || spec.nchannels <= 0)
+        return Error{ErrorCode::invalid, "the image is empty", place};
+    if (spec.depth > 1)
+        return Error{ErrorCode::unsupported, "this is a volume image; a flat one is needed", place};
+    if (std::uint32_t(spec.width) > max_image_extent ||
+        std::uint32_t(spec.height) > max_image_extent)
+        return Error{ErrorCode::limit,
+                     "the image is " + std::to_string(spec.width) + " x " +
+                         std::to_string(spec.height) + " pixels, at most " +
+                         std::to_string(max_image_extent) + " each way are read; scale it down",
+                     place};
+    const std::uint64_t pixels = std::uint64_t(spec.width) * std::uint64_t(spec.height);
+    const std::uint64_t need = pixels * count * sizeof(float);
+    if (need > always_allowed_bytes && need / largest_compression > file_bytes)
+        return Error{ErrorCode::invalid,
+                     "the header promises " + std::to_string(spec.width) + " x " +
+                         std::to_string(spec.height) + " pixels, but the file has only " +
+                         std::to_string(file_bytes) + " bytes; it is truncated or damaged",
+                     place};
+    return {};
+}
+
+bool says_srgb(const oiio::ImageSpec& spec) {
+    const std::string space = spec.get_string_attribute("oiio:ColorSpace");
+    if (!space.empty()) return space == "sRGB";
+    // Pictures of 8 bits are sRGB unless something says otherwise; floats are linear.
+    return spec.format == oiio::TypeDesc::UINT8;
+}
+
+// Floats hold 24 bits of an integer; numbers that name things need all 32.
+bool read_integers(oiio::ImageInput& input, Image& image) {
+    if (std::string_view(input.format_name()) != "openexr") return true;
+    const oiio::ImageSpec& spec = input.spec();
+    for (std::uint32_t k = 0; k < image.channels; ++k) {
+        if (spec.channelformat(int(k)) != oiio::TypeDesc::UINT32) continue;
+        image.integer_channels |= 1u << k;
+        image.integers.resize(image.pixels.size());
+        const auto stride = oiio::stride_t(image.channels * sizeof(std::uint32_t));
+        if (!input.read_image(0, 0, int(k), int(k) + 1, oiio::TypeDesc::UINT32,
+                              image.integers.data() + k, stride))
+            return false;
+    }
+    return true;
+}
+
+// OpenImageIO 2.4 multiplies the colours of WebP pictures by their alpha, whatever is asked for. It
+// does so in 8 bits: half a level of error becomes 128 / alpha levels. Later readers that heed the
+// wish say so in the spec.
+void straighten(const oiio::ImageInput& input, Image& image) {
+    if (std::string_view(input.format_name()) != "webp" || image.channels != 4 ||
+        input.spec().get_int_attribute("oiio:UnassociatedAlpha") != 0)
+        return;
+    for (std::size_t i = 0; i < image.pixels.size(); i += 4) {
+        const float alpha = image.pixels[i + 3];
+        if (!(alpha > 0)) continue;
+        for (std::size_t k = 0; k < 3; ++k)
+            image.pixels[i + k] = std::min(image.pixels[i + k] / alpha, 1.0f);
+    }
+}
+
+Result<void> check_complete(const detail::ByteSource& file, const std::string& place) {
+    const std::string missing = detail::missing_part(file);
+    if (missing.empty()) return {};
+    return Error{ErrorCode::syntax,
+                 "the image is truncated: " + missing + "; copy or export it again", place};
+}
+
+Result<void> check_complete(const std::filesystem::path& path, std::uint64_t size,
+                            const std::string& place) {
+    std::ifstream in(path, std::ios::binary);
+    detail::ByteSource file;
+    file.size = size;
+    file.read = [&in](std::uint64_t offset, std::span<std::byte> out) {
+        in.seekg(std::streamoff(offset));
+        in.read(reinterpret_cast<char*>(out.data()), std::streamsize(out.size()));
+        return bool(in);
+    };
+    return check_complete(file, place);
+}
+
+Result<void> check_complete(std::span<const std::byte> bytes, const std::string& place) {
+    detail::ByteSource file;
+    file.size = bytes.size();
+    file.read = [bytes](std::uint64_t offset, std::span<std::byte> out) {
+        std::memcpy(out.data(), bytes.data() + offset, out.size());
+        return true;
+    };
+    return check_complete(file, place);
+}
+
+Result<Image> read(oiio::ImageInput& input, ImageChannels channels, std::uint64_t file_bytes,
+                   const std::string& place) {
+    const oiio::ImageSpec& spec = input.spec();
+    const bool all = channels == ImageChannels::all;
+    if (all && spec.nchannels > most_channels)
+        return Error{ErrorCode::limit,
+                     "the image has " + std::to_string(spec.nchannels) + " channels, at most " +
+                         std::to_string(most_channels) + " are read",
+                     place};
+    const int count = all ? spec.nchannels : std::min(spec.nchannels, 4);
+    if (auto checked = check_spec(spec, std::uint64_t(std::max(count, 0)), file_bytes, place);
+        !checked)
+        return checked.error();
+    Image image;
+    image.width = std::uint32_t(spec.width);
+    image.height = std::uint32_t(spec.height);
+    image.channels = std::uint32_t(count);
+    if (all) image.channel_names = spec.channelnames;
+    image.srgb = says_srgb(spec);
+    image.floating = spec.format.is_floating_point();
+    image.pixels.resize(std::size_t(image.width) * image.height * image.channels);
+    if (!input.read_image(0, 0, 0, int(image.channels), oiio::TypeDesc::FLOAT,
+                          image.pixels.data())) {
+        return Error{ErrorCode::syntax,
+                     "the image cannot be decoded: " + reason_of(input.geterror()), place};
+    }
+    straighten(input, image);
+    if (!read_integers(input, image))
+        return Error{ErrorCode::syntax,
+                     "the image cannot be decoded: " + reason_of(input.geterror()), place};
+    input.close();
+    return image;
+}
+
+// Alpha stays apart from colour: textures filter and blend it themselves.
+oiio::ImageSpec reading_options() {
+    oiio::ImageSpec config;
+    config.attribute("oiio:UnassociatedAlpha", 1);
+    return config;
+}
+
+bool is_known(const oiio::ImageInput& input) {
+    return std::find(std::begin(known_formats), std::end(known_formats), input.format_name()) !=
+           std::end(known_formats);
+}
+
+Error not_an_image(const std::string& why, const std::string& place) {
+    return {ErrorCode::syntax, "no image format recognises this file: " + why, place};
+}
+
+Result<Image> decode(std::span<const std::byte> bytes, const std::string& name) {
+    if (bytes.empty()) return Error{ErrorCode::syntax, "the image has no bytes", name};
+    if (auto complete = check_complete(bytes, name); !complete) return complete.error();
+    // Only the ending matters to the library: nothing is looked up on the disk.
+    std::string ending = std::filesystem::path(name).extension().string();
+    if (const std::string_view sniffed = sniff(bytes); !sniffed.empty())
+        ending = std::string(".").append(sniffed);
+    if (ending.empty())
+        return Error{ErrorCode::unsupported,
+                     "the image's format is not recognised from its first bytes, and its name has "
+                     "no ending",
+                     name};
+    const std::string stand_in = "memory" + ending;
+    const oiio::ImageSpec config = reading_options();
+    oiio::Filesystem::IOMemReader memory(const_cast<std::byte*>(bytes.data()), bytes.size());
+    auto input = oiio::ImageInput::create(stand_in, false, nullptr, &memory);
+    if (!input) return not_an_image(reason_of({}), name);
+    if (!is_known(*input))
+        return Error{ErrorCode::unsupported,
+                     std::string("images of the format '") + input->format_name() +
+                         "' are not read; convert it to PNG or EXR",
+                     name};
+    if (!input->supports("ioproxy")) {
+        // A few readers only take files.
+        const auto file =
+            std::filesystem::temp_directory_path() / detail::unique_name("meshprep-image", ending);
+        if (auto written = write_file(file, bytes); !written) return written.error();
+        auto image = load_image(file, ImageChannels::color);
+        std::error_code ignored;
+        std::filesystem::remove(file, ignored);
+        if (!image) image.error().place = name;
+        return image;
+    }
+    oiio::ImageSpec spec;
+    input->set_ioproxy(&memory);
+    if (!input->open(stand_in, spec, config))
+        return Error{ErrorCode::syntax,
+                     "the image cannot be decoded: " + reason_of(input->geterror()), name};
+    return read(*input, ImageChannels::color, bytes.size(), name);
+}
+
+}  // namespace
+
+Result<Image> decode_image(std::span<const std::byte> bytes, const std::string& name) {
+    return detail::guarded(ErrorCode::syntax, name,
+                           [&]() -> Result<Image> { return decode(bytes, name); });
+}
+
+Result<Image> load_image(const std::filesystem::path& path, ImageChannels channels) {
+    const std::string place = path.string();
+    return detail::guarded(ErrorCode::syntax, place, [&]() -> Result<Image> {
+        std::error_code error;
+        const auto status = std::filesystem::status(path, error);
+        if (!std::filesystem::exists(status))
+            return Error{ErrorCode::io, "the image file does not exist", place};
+        if (!std::filesystem::is_regular_file(status))
+            return Error{ErrorCode::io, "this is not a file; an image file is needed", place};
+        const std::uint64_t size = std::filesystem::file_size(path, error);
+        if (error) return Error{ErrorCode::io, "cannot read the file: " + error.message(), place};
+        if (auto complete = check_complete(path, size, place); !complete) return complete.error();
+        const oiio::ImageSpec config = reading_options();
+        auto input = oiio::ImageInput::open(place, &config);
+        if (!input) return not_an_image(reason_of({}), place);
+        if (!is_known(*input))
+            return Error{ErrorCode::unsupported,
+                         std::string("images of the format '") + input->format_name() +
+                             "' are not read; convert it to PNG or EXR",
+                         place};
+        return read(*input, channels, size, place);
+    });
+}
+
+}  // namespace prep

@@ -1,0 +1,149 @@
+#include <OpenImageIO/filesystem.h>
+#include <OpenImageIO/imageio.h>
+#include <unistd.h>
+
+#include <atomic>
+
+#include "image/openimageio/backend_parts.h"
+#include "image/openimageio/encode_image.h"
+#include "image/openimageio/output_format.h"
+#include "image/openimageio/pixel_types.h"
+#include "prep/image.h"
+#include "prep/io.h"
+
+namespace prep {
+namespace {
+
+namespace oiio = OIIO;
+
+using detail::quantise;
+using detail::type_of;
+
+Result<void> check(const Image& image, const std::string& place) {
+    if (image.width == 0 || image.height == 0 || image.channels == 0)
+        return Error{ErrorCode::invalid, "the image to write is empty", place};
+    if (image.channels > 4)
+        return Error{ErrorCode::invalid,
+                     "the image to write has " + std::to_string(image.channels) +
+                         " channels; 1 to 4 can be written",
+                     place};
+    if (image.width > max_image_extent || image.height > max_image_extent)
+        return Error{ErrorCode::limit,
+                     "the image to write is larger than " + std::to_string(max_image_extent) +
+                         " pixels in one direction",
+                     place};
+    if (image.pixels.size() != std::size_t(image.width) * image.height * image.channels)
+        return Error{ErrorCode::invalid,
+                     "the image to write has " + std::to_string(image.pixels.size()) +
+                         " values where its size asks for " +
+                         std::to_string(std::size_t(image.width) * image.height * image.channels),
+                     place};
+    return {};
+}
+
+oiio::ImageSpec spec_of(const Image& image, PixelType type, const std::string& ending) {
+    oiio::ImageSpec spec(int(image.width), int(image.height), int(image.channels), type_of(type));
+    spec.attribute("oiio:ColorSpace", image.srgb ? "sRGB" : "Linear");
+    spec.attribute("oiio:UnassociatedAlpha", 1);
+    detail::set_options(spec, ending);
+    return spec;
+}
+
+std::string ending_of(const std::string& name) {
+    return name.substr(name.rfind('.'));
+}
+
+Error failed(const std::string& why, const std::string& place) {
+    return {ErrorCode::io,
+            "the image cannot be written: " + (why.empty() ? std::string("no reason given") : why),
+            place};
+}
+
+bool write_pixels(oiio::ImageOutput& output, const Image& image, PixelType type) {
+    // Integers are rounded here, so that the bytes do not depend on the library's version.
+    switch (type) {
+        case PixelType::u8:
+            return output.write_image(oiio::TypeDesc::UINT8,
+                                      quantise<std::uint8_t>(image.pixels).data());
+        case PixelType::u16:
+            return output.write_image(oiio::TypeDesc::UINT16,
+                                      quantise<std::uint16_t>(image.pixels).data());
+        case PixelType::f16:
+        case PixelType::f32:
+            break;
+    }
+    return output.write_image(oiio::TypeDesc::FLOAT, image.pixels.data());
+}
+
+Result<std::vector<std::byte>> encode(const std::string& stand_in, const Image& image,
+                                      PixelType type, const std::string& place) {
+    std::vector<unsigned char> bytes;
+    {
+        oiio::Filesystem::IOVecOutput memory(bytes);
+        auto output = oiio::ImageOutput::create(stand_in);
+        if (!output) return failed(oiio::geterror(), place);
+        output->set_ioproxy(&memory);
+        if (!output->open(stand_in, spec_of(image, type, ending_of(stand_in))) ||
+            !write_pixels(*output, image, type) || !output->close())
+            return failed(output->geterror(), place);
+    }
+    const auto* begin = reinterpret_cast<const std::byte*>(bytes.data());
+    return std::vector<std::byte>(begin, begin + bytes.size());
+}
+
+Result<std::vector<std::byte>> encode_by_ending(const std::filesystem::path& path,
+                                                const Image& image, PixelType type) {
+    const std::string place = path.string();
+    std::string ending;
+    auto made = detail::output_for(path, ending);
+    if (!made) return made.error();
+    std::unique_ptr<oiio::ImageOutput> output = *std::move(made);
+    if (detail::takes_proxies(*output, ending))
+        return encode("memory" + ending, image, type, place);
+    std::error_code error;
+    const auto temporary =
+        std::filesystem::temp_directory_path(error) / detail::unique_name("meshprep", ending);
+    const bool written = output->open(temporary.string(), spec_of(image, type, ending)) &&
+                         write_pixels(*output, image, type) && output->close();
+    const Result<void> whole = written ? detail::check_written(temporary, place)
+                                       : Result<void>(failed(output->geterror(), place));
+    auto bytes = whole ? read_file(temporary) : Result<std::vector<std::byte>>(whole.error());
+    std::filesystem::remove(temporary, error);
+    return bytes;
+}
+
+}  // namespace
+
+namespace detail {
+
+std::string unique_name(const std::string& stem, const std::string& ending) {
+    static std::atomic<unsigned> counter{0};
+    return stem + "." + std::to_string(::getpid()) + "-" + std::to_string(counter++) + ending;
+}
+
+Result<std::vector<std::byte>> encode_image(const std::filesystem::path& path, const Image& image,
+                                            PixelType type) {
+    if (auto checked = check(image, path.string()); !checked) return checked.error();
+    return detail::guarded(ErrorCode::io, path.string(),
+                           [&] { return encode_by_ending(path, image, type); });
+}
+
+}  // namespace detail
+
+Result<void> check_writable_image(const std::filesystem::path& path) {
+    return detail::guarded(ErrorCode::io, path.string(), [&]() -> Result<void> {
+        std::string ending;
+        if (auto made = detail::output_for(path, ending); !made) return made.error();
+        return {};
+    });
+}
+
+Result<std::vector<std::byte>> encode_png(const Image& image, PixelType type) {
+    const std::string place = "memory.png";
+    if (auto checked = check(image, place); !checked) return checked.error();
+    if (type == PixelType::f16 || type == PixelType::f32)
+        return Error{ErrorCode::unsupported, "PNG holds 8 or 16 bits a channel, not floats", place};
+    return detail::guarded(ErrorCode::io, place, [&] { return encode(place, image, type, place); });
+}
+
+}  // namespace prep

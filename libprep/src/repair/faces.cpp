@@ -1,0 +1,277 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <unordered_map>
+
+#include "prep/face_normals.h"
+#include "repair/repair_steps.h"
+#include "surface/duplicate_faces.h"
+
+namespace prep::detail {
+namespace {
+
+using Index = std::uint32_t;
+using Cell = std::array<std::int64_t, 3>;
+
+struct CellHash {
+    std::size_t operator()(const Cell& cell) const {
+        std::uint64_t h = 0;
+        for (const std::int64_t x : cell) {
+            h ^= std::uint64_t(x) + 0x9e3779b97f4a7c15u + (h << 6) + (h >> 2);
+            h *= 0xbf58476d1ce4e5b9u;
+        }
+        return std::size_t(h ^ (h >> 31));
+    }
+};
+
+bool finite(const glm::vec3& p) {
+    return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
+}
+
+// The part of the file that a vertex belongs to: parts of glTF are primitives, which share none.
+std::vector<Index> parts_of_vertices(const Mesh& mesh) {
+    std::vector<Index> parts(mesh.vertex_count(), 0);
+    if (mesh.face_parts.empty()) return parts;
+    for (Index f = 0; f < mesh.face_count(); ++f)
+        for (Index c = mesh.face_offsets[f]; c < mesh.face_offsets[f + 1]; ++c)
+            parts[mesh.corner_vertices[c]] = mesh.face_parts[f];
+    return parts;
+}
+
+// A vertex put into an edge of a face.
+struct Insertion {
+    Index before;  // corner of the face that the new one precedes
+    Index vertex;
+    float t;  // where on the edge that ends there
+};
+
+void insert_corners(Mesh& mesh, std::vector<Insertion> insertions) {
+    if (insertions.empty()) return;
+    std::sort(insertions.begin(), insertions.end(), [](const Insertion& a, const Insertion& b) {
+        return a.before != b.before ? a.before < b.before : a.t < b.t;
+    });
+    const Mesh old = mesh;
+    std::vector<Index> offsets{0}, vertices;
+    struct Source {
+        Index a, b;
+        float t;
+    };
+    std::vector<Source> sources;
+    std::size_t next = 0;
+    for (Index f = 0; f < old.face_count(); ++f) {
+        const Index begin = old.face_offsets[f], end = old.face_offsets[f + 1];
+        // An insertion before the first corner lies on the edge from the last one: at the end.
+        std::vector<Insertion> last;
+        for (Index c = begin; c < end; ++c) {
+            while (next < insertions.size() && insertions[next].before == c) {
+                const Insertion& in = insertions[next++];
+                if (c == begin) {
+                    last.push_back(in);
+                    continue;
+                }
+                vertices.push_back(in.vertex);
+                sources.push_back({c - 1, c, in.t});
+            }
+            vertices.push_back(old.corner_vertices[c]);
+            sources.push_back({c, c, 0});
+        }
+        for (const Insertion& in : last) {
+            vertices.push_back(in.vertex);
+            sources.push_back({end - 1, begin, in.t});
+        }
+        offsets.push_back(Index(vertices.size()));
+    }
+    // New corners have attributes of their own; what they lack, their vertex has.
+    number_corner_file_vertices(mesh);
+    std::vector<Index> in_file(sources.size());
+    for (std::size_t c = 0; c < sources.size(); ++c) {
+        const auto [a, b, t] = sources[c];
+        in_file[c] = a == b                       ? mesh.corner_file_vertices[a]
+                     : mesh.file_vertices.empty() ? vertices[c]
+                                                  : mesh.file_vertices[vertices[c]];
+    }
+    mesh.corner_file_vertices = std::move(in_file);
+    mesh.face_offsets = std::move(offsets);
+    mesh.corner_vertices = std::move(vertices);
+    for_each_layer(mesh, [&](auto& layer) {
+        if (layer.empty()) return;
+        const std::vector<Index> indices = std::move(layer.indices);
+        layer.indices.assign(sources.size(), no_index);
+        for (std::size_t c = 0; c < sources.size(); ++c) {
+            const Index a = indices[sources[c].a], b = indices[sources[c].b];
+            if (a == b || a == no_index || b == no_index) {
+                layer.indices[c] = a == b ? a : no_index;
+                continue;
+            }
+            const float t = sources[c].t;
+            layer.indices[c] = Index(layer.values.size());
+            layer.values.push_back(layer.values[a] * (1 - t) + layer.values[b] * t);
+        }
+    });
+    // Directions between two unit vectors are not unit: computed anew where they are missing.
+    for (std::size_t c = 0; c < sources.size(); ++c) {
+        if (sources[c].a == sources[c].b) continue;
+        if (!mesh.normals.empty()) mesh.normals.indices[c] = no_index;
+        if (!mesh.tangents.empty()) mesh.tangents.indices[c] = no_index;
+    }
+}
+
+// Removes corners at the same point as the next one of their face; marks the faces that had some.
+void remove_repeated_corners(Mesh& mesh, const Topology& topology,
+                             std::vector<std::uint8_t>& changed) {
+    std::vector<Index> offsets{0}, kept;
+    for (Index f = 0; f < mesh.face_count(); ++f) {
+        for (Index c = mesh.face_offsets[f]; c < mesh.face_offsets[f + 1]; ++c) {
+            if (topology.kinds[c] == EdgeKind::degenerate)
+                changed[f] = 1;
+            else
+                kept.push_back(c);
+        }
+        offsets.push_back(Index(kept.size()));
+    }
+    if (kept.size() < mesh.corner_count()) keep_corners(mesh, kept, std::move(offsets));
+}
+
+}  // namespace
+
+RepairStep weld_vertices(Mesh& mesh, double tolerance, int threads) {
+    RepairStep step;
+    step.step = "weld";
+    step.place_kind = PlaceKind::vertex;
+    step.text = "vertices were welded to an earlier one within the tolerance";
+    const std::vector<Index> parts = parts_of_vertices(mesh);
+    const std::vector<Index> equal = weld_exact(mesh.positions, threads);
+    std::vector<Index> target(mesh.vertex_count());
+    std::unordered_map<Cell, std::vector<Index>, CellHash> cells;
+    Places moved;
+    for (Index v = 0; v < mesh.vertex_count(); ++v) {
+        target[v] = v;
+        const glm::dvec3 p(mesh.positions[v]);
+        if (!finite(mesh.positions[v])) continue;
+        if (tolerance == 0) {
+            if (parts[equal[v]] == parts[v]) target[v] = equal[v];
+        } else {
+            // Beyond 2^62 cells a coordinate's own grid is coarser than the tolerance.
+            const glm::dvec3 scaled = glm::clamp(p / tolerance, -0x1p62, 0x1p62);
+            const Cell home{std::int64_t(std::floor(scaled.x)), std::int64_t(std::floor(scaled.y)),
+                            std::int64_t(std::floor(scaled.z))};
+            Index best = no_index;
+            for (int k = 0; k < 27; ++k) {
+                const Cell near{home[0] + k % 3 - 1, home[1] + k / 3 % 3 - 1, home[2] + k / 9 - 1};
+                const auto found = cells.find(near);
+                if (found == cells.end()) continue;
+                for (const Index u : found->second)
+                    if (u < best && parts[u] == parts[v] &&
+                        glm::length(glm::dvec3(mesh.positions[u]) - p) <= tolerance)
+                        best = u;
+            }
+            if (best != no_index)
+                target[v] = best;
+            else
+                cells[home].push_back(v);
+        }
+        if (target[v] != v) moved.add(v);
+    }
+    step.changed = moved.count;
+    step.places = std::move(moved.first);
+    if (step.changed == 0) return step;
+    number_corner_file_vertices(mesh);
+    for (auto* users : {&mesh.corner_vertices, &mesh.line_vertices, &mesh.points})
+        for (Index& v : *users) v = target[v];
+    for (glm::uvec2& m : mesh.hard_marks) m = {target[m.x], target[m.y]};
+    for (EdgeMark& m : mesh.subdivision.creases) {
+        m.v0 = target[m.v0];
+        m.v1 = target[m.v1];
+    }
+    for (VertexMark& m : mesh.subdivision.corners) m.vertex = target[m.vertex];
+    return step;
+}
+
+RepairStep remove_degenerate_faces(Mesh& mesh, int threads) {
+    RepairStep step;
+    step.step = "degenerate";
+    step.text =
+        "faces that repeat a point or have no area lost the repeated corners or were removed";
+    std::vector<std::uint8_t> changed(mesh.face_count(), 0);  // by number before the step
+    remove_repeated_corners(mesh, repair_topology(mesh, threads), changed);
+
+    // A face may be left with less than three corners: it goes before anything looks at it.
+    std::vector<std::uint8_t> keep(mesh.face_count(), 1);
+    std::vector<Index> numbers;  // of the faces that stay, before the step
+    for (Index f = 0; f < mesh.face_count(); ++f) {
+        keep[f] = mesh.face_offsets[f + 1] - mesh.face_offsets[f] >= 3;
+        if (keep[f]) numbers.push_back(f);
+    }
+    if (numbers.size() < keep.size()) keep_faces(mesh, keep);
+
+    const FaceNormals faces = face_normals(MeshView(mesh), Precision::accurate, threads);
+    const Topology topology = repair_topology(mesh, threads);
+    keep.assign(mesh.face_count(), 1);
+    std::vector<Insertion> insertions;
+    bool flat = false;
+    for (Index f = 0; f < mesh.face_count(); ++f) {
+        if (faces.states[f] != FaceState::zero_area) continue;
+        keep[f] = 0;
+        flat = true;
+        changed[numbers[f]] = 1;
+        const Index begin = mesh.face_offsets[f], end = mesh.face_offsets[f + 1];
+        if (end - begin != 3) continue;
+        Index longest = begin;
+        double length = -1;
+        for (Index c = begin; c < end; ++c) {
+            const Index to = next_corner(mesh.face_offsets, f, c);
+            const double l = glm::length(glm::dvec3(mesh.positions[mesh.corner_vertices[to]]) -
+                                         glm::dvec3(mesh.positions[mesh.corner_vertices[c]]));
+            if (l > length) {
+                length = l;
+                longest = c;
+            }
+        }
+        const Index across = topology.opposite[longest];
+        if (across == no_index) continue;
+        const Index neighbour = topology.corner_faces[across];
+        if (faces.states[neighbour] != FaceState::regular) continue;
+        if (!mesh.face_parts.empty() && mesh.face_parts[neighbour] != mesh.face_parts[f]) continue;
+        // The neighbour runs from this edge's end to its start.
+        const Index to = next_corner(mesh.face_offsets, f, longest);
+        const Index middle = next_corner(mesh.face_offsets, f, to);
+        const auto at = [&](Index c) {
+            return glm::dvec3(mesh.positions[mesh.corner_vertices[c]]);
+        };
+        const double t = glm::length(at(middle) - at(to)) / length;
+        insertions.push_back({next_corner(mesh.face_offsets, neighbour, across),
+                              mesh.corner_vertices[middle], float(std::min(t, 1.0))});
+    }
+    Places places;
+    for (Index f = 0; f < changed.size(); ++f)
+        if (changed[f]) places.add(f);
+    step.changed = places.count;
+    step.places = std::move(places.first);
+    if (!flat) return step;
+    // Insertions shift corners, not faces.
+    insert_corners(mesh, std::move(insertions));
+    keep_faces(mesh, keep);
+    return step;
+}
+
+RepairStep remove_duplicate_faces(Mesh& mesh, int threads) {
+    RepairStep step;
+    step.step = "duplicates";
+    step.text = "faces with the same points in the same direction as an earlier one were removed";
+    std::vector<Index> candidates(mesh.face_count());
+    for (Index f = 0; f < mesh.face_count(); ++f) candidates[f] = f;
+    const std::vector<Index> welded = weld_exact(mesh.positions, threads);
+    const DuplicateFaces found = find_duplicate_faces(mesh, welded, candidates);
+    std::vector<std::uint8_t> keep(mesh.face_count(), 1);
+    Places places;
+    for (const Index f : found.same) {
+        keep[f] = 0;
+        places.add(f);
+    }
+    step.changed = places.count;
+    step.places = std::move(places.first);
+    if (step.changed > 0) keep_faces(mesh, keep);
+    return step;
+}
+
+}  // namespace prep::detail

@@ -1,0 +1,60 @@
+// The steps of repair() and the edits that they share.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
+#include "check/check_parts.h"
+#include "prep/repair.h"
+#include "prep/topology.h"
+
+namespace prep::detail {
+
+// Calls visit(layer) for every corner layer of the mesh.
+template <class Visit>
+void for_each_layer(Mesh& mesh, const Visit& visit) {
+    visit(mesh.normals);
+    visit(mesh.tangents);
+    for (auto& layer : mesh.uvs) visit(layer);
+    for (auto& layer : mesh.colors) visit(layer);
+}
+
+// Removes the faces with keep[f] == 0, and the marks that name them.
+void keep_faces(Mesh& mesh, const std::vector<std::uint8_t>& keep);
+
+// Turns the faces with turn[f] != 0: their first corner stays first, the others run backwards.
+// Authored normals that agreed with the old direction turn too.
+void turn_faces(Mesh& mesh, const std::vector<std::uint8_t>& turn, const FaceNormals& faces);
+
+// Keeps the corners `kept` (ascending, by their number before), all of whose faces stand in the
+// new `face_offsets`.
+void keep_corners(Mesh& mesh, const std::vector<std::uint32_t>& kept,
+                  std::vector<std::uint32_t> face_offsets);
+
+// An edge by its two points, in either order.
+inline std::uint64_t edge_key(std::uint32_t a, std::uint32_t b) {
+    return std::uint64_t(std::min(a, b)) << 32 | std::max(a, b);
+}
+
+// Names the file's vertices where nothing was renumbered so far: of vertices, and of corners.
+void number_file_vertices(Mesh& mesh);
+void number_corner_file_vertices(Mesh& mesh);
+
+// Appends a copy of a vertex, and keeps track of where it came from.
+std::uint32_t copy_vertex(Mesh& mesh, std::uint32_t vertex);
+
+// Which topology the steps see: exactly equal positions are one point.
+Topology repair_topology(const Mesh& mesh, int threads);
+
+RepairStep weld_vertices(Mesh& mesh, double tolerance, int threads);
+RepairStep remove_degenerate_faces(Mesh& mesh, int threads);
+RepairStep remove_duplicate_faces(Mesh& mesh, int threads);
+RepairStep split_non_manifold_edges(Mesh& mesh, int threads);
+RepairStep split_non_manifold_vertices(Mesh& mesh, int threads);
+RepairStep unify_orientation(Mesh& mesh, int threads);
+RepairStep turn_outward(Mesh& mesh, int threads);
+RepairStep fill_holes(Mesh& mesh, std::uint32_t most_edges, int threads);
+RepairStep remove_isolated_vertices(Mesh& mesh);
+
+}  // namespace prep::detail

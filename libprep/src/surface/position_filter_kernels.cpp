@@ -1,0 +1,125 @@
+#include "base/simd_targets.h"
+#include "surface/position_filter.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "surface/position_filter_kernels.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace prep::detail::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+using Index = std::uint32_t;
+using Floats = hn::ScalableTag<float>;
+using Indices = hn::RebindToUnsigned<Floats>;
+using I = hn::Vec<Indices>;
+
+struct Bits {
+    I word, bits;
+};
+
+// filter_bits of a vector's positions.
+HWY_INLINE Bits bits_of(const float* positions, I last_word) {
+    const Floats df;
+    const Indices d;
+    hn::Vec<Floats> x, y, z;
+    hn::LoadInterleaved3(df, positions, x, y, z);
+    const auto value = [&](hn::Vec<Floats> v)
+                           HWY_ATTR { return hn::BitCast(d, hn::Add(v, hn::Zero(df))); };
+    I h = hn::Mul(value(x), hn::Set(d, 0x9e3779b1u));
+    h = hn::Mul(hn::Add(hn::Xor(h, hn::ShiftRight<15>(h)), value(y)), hn::Set(d, 0x85ebca6bu));
+    h = hn::Mul(hn::Add(hn::Xor(h, hn::ShiftRight<13>(h)), value(z)), hn::Set(d, 0xc2b2ae35u));
+    h = hn::Xor(h, hn::ShiftRight<16>(h));
+    const I other = hn::Mul(h, hn::Set(d, 0x27d4eb2fu)), one = hn::Set(d, 1u);
+    const I second = hn::And(hn::ShiftRight<22>(other), hn::Set(d, 31u));
+    return {hn::And(h, last_word),
+            hn::Or(hn::Shl(one, hn::ShiftRight<27>(other)), hn::Shl(one, second))};
+}
+
+void bits(const glm::vec3* positions, std::size_t count, Index last_word, Index* words,
+          Index* bits_to) {
+    const Indices d;
+    const I last = hn::Set(d, last_word);
+    std::size_t i = 0;
+    for (; i + hn::Lanes(d) <= count; i += hn::Lanes(d)) {
+        const Bits found = bits_of(&positions[i].x, last);
+        hn::StoreU(found.word, d, words + i);
+        hn::StoreU(found.bits, d, bits_to + i);
+    }
+    for (; i < count; ++i) {
+        const FilterBits found = filter_bits(positions[i], last_word);
+        words[i] = found.word;
+        bits_to[i] = found.bits;
+    }
+}
+
+std::size_t find(const glm::vec3* positions, std::size_t count, Index last_word,
+                 const Index* filter, Index first, Index* found) {
+    const Indices d;
+    const hn::RebindToSigned<Indices> di;
+    static_assert(hn::MaxLanes(d) <= most_filter_lanes);
+    const I last = hn::Set(d, last_word);
+    std::size_t i = 0, n = 0;
+    for (; i + hn::Lanes(d) <= count; i += hn::Lanes(d)) {
+        const Bits at = bits_of(&positions[i].x, last);
+        const I word = hn::GatherIndex(d, filter, hn::BitCast(di, at.word));
+        const auto set = hn::Eq(hn::And(word, at.bits), at.bits);
+        if (HWY_LIKELY(hn::AllFalse(d, set))) continue;
+        n += hn::CompressStore(hn::Iota(d, first + Index(i)), set, d, found + n);
+    }
+    for (; i < count; ++i) {
+        const FilterBits at = filter_bits(positions[i], last_word);
+        if ((filter[at.word] & at.bits) == at.bits) found[n++] = first + Index(i);
+    }
+    return n;
+}
+
+}  // namespace prep::detail::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace prep::detail {
+namespace {
+
+void scalar_bits(const glm::vec3* positions, std::size_t count, std::uint32_t last_word,
+                 std::uint32_t* words, std::uint32_t* bits) {
+    for (std::size_t i = 0; i < count; ++i) {
+        const FilterBits found = filter_bits(positions[i], last_word);
+        words[i] = found.word;
+        bits[i] = found.bits;
+    }
+}
+
+std::size_t scalar_find(const glm::vec3* positions, std::size_t count, std::uint32_t last_word,
+                        const std::uint32_t* filter, std::uint32_t first, std::uint32_t* found) {
+    std::size_t n = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+        const FilterBits at = filter_bits(positions[i], last_word);
+        if ((filter[at.word] & at.bits) == at.bits) found[n++] = first + std::uint32_t(i);
+    }
+    return n;
+}
+
+}  // namespace
+
+FilterKernels filter_kernels(SimdLevel level) {
+    [[maybe_unused]] const std::int64_t usable = HWY_TARGETS & machine_targets();
+    [[maybe_unused]] const bool any = level == SimdLevel::automatic;
+#if HWY_TARGETS & HWY_AVX3
+    if ((any || level == SimdLevel::avx512) && (usable & HWY_AVX3))
+        return {N_AVX3::bits, N_AVX3::find};
+#endif
+#if HWY_TARGETS & HWY_AVX2
+    if ((any || level == SimdLevel::avx2) && (usable & HWY_AVX2))
+        return {N_AVX2::bits, N_AVX2::find};
+#endif
+#if HWY_TARGETS & HWY_SSE4
+    if ((any || level == SimdLevel::sse4) && (usable & HWY_SSE4))
+        return {N_SSE4::bits, N_SSE4::find};
+#endif
+    return {scalar_bits, scalar_find};
+}
+
+}  // namespace prep::detail
+#endif

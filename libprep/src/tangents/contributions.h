@@ -1,0 +1,142 @@
+// What each triangle gives to the tangents of its three corners: steps 3, 4 and the summands of 7.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "base/scratch_buffer.h"
+#include "tangents/gather.h"
+
+namespace prep::detail {
+
+// The summand of one triangle at one corner: its S on the plane of the normal, unit, times the
+// corner's angle. −0 in all three where the triangle adds nothing (−0 is neutral in sums).
+struct alignas(16) CornerTerm {
+    float x, y, z;
+    std::uint32_t code;  // bits of TermCode
+};
+
+// Directions of the projected S and T: bit k is set where component k is above direction_bound, bit
+// k + 3 where it is below its negative. S and T are unit before they are projected, so that is more
+// than 5 % of the length. Vectors that share a bit are less than 180° apart by a margin (cosine ≥
+// −0.995) that no rounding reaches; triangles that group with anything share all. None is set where
+// the normal is not unit.
+enum TermCode : std::uint32_t {
+    s_directions = 0x03f,
+    t_directions = 0xfc0,
+    orientation_preserving = 1u << 12,  // these and the following are the same at all three corners
+    group_with_anything = 1u << 13,     // no frame of its own: joins whatever group reaches it
+    degenerate_triangle = 1u << 14,     // two equal positions: takes no part
+    quad_first = 1u << 15,
+    quad_second = 1u << 16,
+    half_degenerate_quad = 1u << 17,  // the other half of its quad is degenerate
+    // The opposites of the first two, so that one conjunction over a star's codes tells all.
+    orientation_mirrored = 1u << 18,
+    own_frame = 1u << 19,
+    code_float = 1u << 30,  // in all: codes that get into sums of floats are no denormal numbers
+};
+inline constexpr float direction_bound = 0.051f;
+inline constexpr float most_off_unit = 2e-3f;    // of a normal's squared length, from 1
+inline constexpr int triangle_flags_shift = 12;  // eight bits from there on are kept per triangle
+
+struct TermCounts {
+    std::uint64_t mirrored = 0, anything = 0, degenerate = 0;  // disjoint
+    bool nan = false;  // set where a position, normal or UV is NaN (also for some infinite ones)
+
+    void add(const TermCounts& other) {
+        mirrored += other.mirrored;
+        anything += other.anything;
+        degenerate += other.degenerate;
+        nan |= other.nan;
+    }
+};
+
+struct TermBlockResult {
+    TermCounts counts;
+    bool far_from_unit =
+        false;  // a normal is more than 0.1 % off: nothing else is meant to be used
+};
+
+// Writes `count` terms (up to TermBlock::size, the rest undefined) to each plane. Kernels may read
+// and write the whole block. check_unit: look for normals far from unit.
+using TermKernel = TermBlockResult (*)(const TermBlock& block, std::size_t count, bool check_unit,
+                                       CornerTerm* const planes[3]);
+
+TermBlockResult terms_scalar(const TermBlock& block, std::size_t count, bool check_unit,
+                             CornerTerm* const planes[3]);
+TermKernel term_kernel(SimdLevel level);  // in simd/
+
+// The terms of a few triangles at a time.
+class TermMaker {
+  public:
+    // What it works in; large, and worth keeping from one call to the next.
+    struct Room {
+        TermBlock inputs{};
+        alignas(64) CornerTerm planes[3][TermBlock::size];
+    };
+
+    TermMaker(const CornerReader& read, const TangentTriangles& triangles,
+              const TangentOptions& options);
+    TermMaker(const TermMaker&) = delete;
+    TermMaker& operator=(const TermMaker&) = delete;
+
+    // The terms of triangles [first, end), up to TermBlock::size of them, to room.planes; adds to
+    // the counts and gives how many it made. Neither `first` nor `end` may part a quad; it does
+    // not.
+    std::size_t run(std::size_t first, std::size_t end, Room& room, TermCounts& counts) const;
+    // The same for up to TermBlock::size triangles by number; halves of quads need not agree.
+    void run(std::span<const std::uint32_t> list, Room& room) const;
+
+  private:
+    TermCounts finish(std::size_t count, Room& room) const;
+    void settle_quads(std::size_t first, std::size_t count, Room& room) const;
+
+    const CornerReader& read_;
+    const TangentTriangles& triangles_;
+    Stager stager_;
+    TermKernel kernel_;
+    bool check_unit_;
+};
+
+struct Terms {
+    std::uint32_t flags(std::size_t triangle) const {
+        return std::uint32_t(triangle_flags[triangle]) << triangle_flags_shift;
+    }
+    // Of a triangle that has terms.
+    const CornerTerm& at(std::size_t triangle, std::size_t k) const {
+        return planes[k][place(triangle)];
+    }
+    std::size_t place(std::size_t triangle) const;
+
+    ScratchBuffer<std::uint8_t> triangle_flags;
+    TermCounts counts;
+    ScratchBuffer<CornerTerm> planes[3];
+    bool complete = false;  // all triangles have terms
+    // Which triangles have terms, and how many do before each 64 of them; empty: all have.
+    std::vector<std::uint64_t> chosen;
+    std::vector<std::uint32_t> chosen_before;
+};
+
+// Flags, counts and terms of all triangles.
+void compute_all_terms(const TermMaker& maker, const TangentTriangles& triangles, int threads,
+                       Terms& terms);
+// Terms of those that `chosen` has: one bit per triangle.
+void compute_terms(const TermMaker& maker, std::vector<std::uint64_t> chosen, int threads,
+                   Terms& terms);
+
+// The bits of a corner's S and T (unit or zero) on the plane of its normal, all that are so.
+std::uint32_t direction_code(const glm::vec3& n, const glm::vec3& s, const glm::vec3& t);
+
+// A triangle's own frame, as step 4 gives it (for vertices that need more than sums).
+struct TriangleFrame {
+    glm::vec3 s{0.0f}, t{0.0f};        // unit where the triangle is healthy
+    float s_length = 0, t_length = 0;  // |dP/du|, |dP/dv|
+    bool preserving = false, healthy = false;
+};
+TriangleFrame triangle_frame(const glm::vec3 p[3], const glm::vec2 uv[3]);
+TriangleFrame triangle_frame(const CornerReader& read, const TangentTriangles& triangles,
+                             std::size_t triangle);
+
+}  // namespace prep::detail

@@ -1,0 +1,92 @@
+#include "draws/instance.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace rast::detail {
+namespace {
+
+// Scaled by a power of two so that its largest element is of order one: squares and products then
+// stay in float's range. Zero and non-finite stay as they are.
+glm::dmat3 to_order_one(const glm::dmat3& m) {
+    double most = 0;
+    for (int c = 0; c < 3; ++c)
+        for (int r = 0; r < 3; ++r) most = std::max(most, std::abs(m[c][r]));
+    if (!(most > 0) || !std::isfinite(most)) return m;
+    // In two steps, because 2^-exponent itself can overflow.
+    const int e = -std::ilogb(most);
+    return m * std::ldexp(1.0, e / 2) * std::ldexp(1.0, e - e / 2);
+}
+
+glm::dmat3 cofactors(const glm::dmat3& m) {
+    return {glm::cross(m[1], m[2]), glm::cross(m[2], m[0]), glm::cross(m[0], m[1])};
+}
+
+constexpr float largest_color = 1e18f;
+
+bool usable(const glm::vec4& c) {
+    bool good = true;
+    for (int k = 0; k < 4; ++k) good = good && std::abs(c[k]) <= largest_color;  // NaN fails
+    return good;
+}
+
+glm::vec4 mended(const glm::vec4& c) {
+    for (int k = 0; k < 4; ++k)
+        if (!std::isfinite(c[k])) return glm::vec4(1.0f);
+    return glm::clamp(c, -largest_color, largest_color);
+}
+
+}  // namespace
+
+RenderInstance::RenderInstance(const prep::VertexMesh& mesh, std::uint32_t node,
+                               const glm::dmat4& world, const View& view, std::uint32_t width,
+                               std::uint32_t height, std::vector<VertexRecord> storage)
+    : records(std::move(storage)), mesh_(&mesh), node_(node) {
+    const glm::dmat3 linear(world);
+    const glm::dmat3 scaled = to_order_one(linear);
+    mirrored_ = glm::dot(scaled[0], glm::cross(scaled[1], scaled[2])) < 0;
+    normal_matrix_ = to_order_one(cofactors(scaled));
+    if (mirrored_) normal_matrix_ *= -1.0;
+    from_eye_ = glm::dmat4(linear);
+    from_eye_[3] = glm::dvec4((glm::dvec3(world[3]) - view.eye()) + linear * mesh.origin, 1.0);
+
+    const glm::dmat4 rotation(glm::dmat3(view.world_to_view));
+    const double aspect = view.aspect > 0 ? view.aspect : double(width) / height;
+    glm::dmat4 to_screen = projection(view, aspect) * rotation * from_eye_;
+    for (int c = 0; c < 4; ++c) {
+        task_.rows[0][c] = to_screen[c][0] * 0.5 * width;
+        task_.rows[1][c] = to_screen[c][1] * -0.5 * height;
+        task_.rows[2][c] = to_screen[c][2];
+        task_.rows[3][c] = to_screen[c][3];
+    }
+    records.resize(mesh.vertex_count());
+    if (!mesh.positions.empty()) task_.positions = &mesh.positions[0].x;
+    if (mesh.colors.empty()) return;
+    const std::vector<glm::vec4>& colors = mesh.colors[0];
+    if (std::all_of(colors.begin(), colors.end(), usable)) return;
+    mended_colors_.resize(colors.size());
+    std::transform(colors.begin(), colors.end(), mended_colors_.begin(), mended);
+}
+
+const float* RenderInstance::colors() const {
+    if (mesh_->colors.empty()) return nullptr;
+    return mended_colors_.empty() ? &mesh_->colors[0][0].x : &mended_colors_[0].x;
+}
+
+ScreenVertex RenderInstance::homogeneous(std::uint32_t vertex) const {
+    const glm::dvec3 p(mesh_->positions[vertex]);
+    const auto row = [&](int r) {  // the kernel's order of operations
+        const double* m = task_.rows[r];
+        return ((m[0] * p.x + m[1] * p.y) + m[2] * p.z) + m[3];
+    };
+    return {row(0), row(1), row(2), row(3)};
+}
+
+void RenderInstance::transform(const Kernels& kernels, std::size_t begin, std::size_t end) {
+    TransformTask task = task_;  // a copy: several threads are here
+    task.out = records.data();   // the instance may have moved
+    kernels.transform(task, begin, end);
+}
+
+}  // namespace rast::detail

@@ -1,0 +1,92 @@
+#include "rast/render.h"
+
+#include <algorithm>
+#include <optional>
+
+#include "base/parallel.h"
+#include "frame/supersampled_renderer.h"
+#include "shading/color.h"
+
+namespace rast {
+namespace {
+
+Crop picture_part(const RenderPlan& plan) {
+    return plan.request.crop.value_or(Crop{0, 0, plan.request.width, plan.request.height});
+}
+
+}  // namespace
+
+SceneRenderer::SceneRenderer(const prep::PreparedScene& scene)
+    : painter_(std::make_unique<detail::Painter>(scene)) {}
+SceneRenderer::SceneRenderer(SceneRenderer&&) noexcept = default;
+SceneRenderer& SceneRenderer::operator=(SceneRenderer&&) noexcept = default;
+SceneRenderer::~SceneRenderer() = default;
+
+prep::Result<void> SceneRenderer::render(const RenderPlan& plan, Frame& frame) {
+    // The stages share their threads: each would wait for its own to start.
+    prep::detail::with_threads(plan.request.threads, [&](int) {
+        painter_->begin(plan);
+        const Crop part = picture_part(plan);
+        painter_->place(part);
+        painter_->draw_rows(0, part.height, frame);
+    });
+    frame.warnings = painter_->warnings();
+    return {};
+}
+
+prep::Result<Frame> render(const prep::PreparedScene& scene, const RenderPlan& plan) {
+    Frame frame;
+    if (auto done = SceneRenderer(scene).render(plan, frame); !done) return done.error();
+    return frame;
+}
+
+prep::Result<Frame> render_bands(const prep::PreparedScene& scene, const RenderPlan& plan,
+                                 const BandSink& take) {
+    return SceneRenderer(scene).render_bands(plan, take);
+}
+
+prep::Result<Frame> SceneRenderer::render_bands(const RenderPlan& plan, const BandSink& take) {
+    painter_->begin(plan);
+    const Crop part = picture_part(plan);
+    Frame all, band;
+    all.width = part.width;
+    all.height = part.height;
+    // Bands of whole tiles share what was sorted by tile; thinner ones do without.
+    const std::uint32_t step = std::max(plan.band_rows, 1u);
+    const bool share = step % std::uint32_t(detail::tile_size) == 0 || step >= part.height;
+    if (share) painter_->place(part);
+    for (std::uint32_t row = 0; row < part.height;) {
+        const std::uint32_t rows = std::min(step, part.height - row);
+        if (!share) painter_->place({part.x, part.y + row, part.width, rows});
+        painter_->draw_rows(share ? row : 0, rows, band);
+        detail::add_counters(all.counters, band.counters);
+        all.geometry_ms += band.geometry_ms;
+        all.raster_ms += band.raster_ms;
+        if (prep::Result<void> taken = take(band, row); !taken) return taken.error();
+        row += rows;
+    }
+    all.warnings = painter_->warnings();
+    return all;
+}
+
+prep::Image to_srgb(const Frame& frame, const ToneOptions& options) {
+    prep::Image image;
+    image.width = frame.width;
+    image.height = frame.height;
+    image.channels = 3;
+    image.srgb = true;
+    image.pixels.resize(frame.color.size() * 3);
+    constexpr std::size_t grain = 16384;
+    prep::detail::parallel_blocks(
+        frame.color.size(), grain, options.threads, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i)
+                for (int k = 0; k < 3; ++k) {
+                    float x = frame.color[i][k] * options.exposure;
+                    if (options.tone_map && x > 0) x = x / (1 + x);
+                    image.pixels[3 * i + std::size_t(k)] = linear_to_srgb(x);
+                }
+        });
+    return image;
+}
+
+}  // namespace rast

@@ -1,0 +1,311 @@
+#include <fmt/format.h>
+
+#include <set>
+
+#include "meshprep/commands/commands.h"
+#include "meshprep/commands/selftest.h"
+#include "meshprep/files/file_list.h"
+#include "meshprep/output/conventions_text.h"
+#include "meshprep/output/counts.h"
+#include "meshprep/output/findings_text.h"
+#include "meshprep/output/report_json.h"
+#include "prep/check.h"
+#include "prep/io.h"
+
+namespace meshprep {
+namespace {
+
+struct MapName {
+    const char* name;
+    prep::TextureRef prep::Material::*map;
+};
+constexpr MapName map_names[] = {
+    {"diffuse", &prep::Material::diffuse_map},
+    {"specular", &prep::Material::specular_map},
+    {"emissive", &prep::Material::emissive_map},
+    {"occlusion", &prep::Material::occlusion_map},
+    {"normal", &prep::Material::normal_map},
+    {"bump", &prep::Material::bump_map},
+    {"displacement", &prep::Material::displacement_map},
+    {"metallic-roughness", &prep::Material::metallic_roughness_map},
+};
+
+std::string image_name(const prep::Scene& scene, const prep::TextureRef& ref) {
+    if (ref.texture >= scene.textures.size()) return "texture " + std::to_string(ref.texture);
+    const std::uint32_t image = scene.textures[ref.texture].image;
+    if (image >= scene.images.size()) return "no image";
+    const prep::ImageRef& r = scene.images[image];
+    if (!r.path.empty()) return r.path.filename().string();
+    return (r.name.empty() ? "image " + std::to_string(image) : r.name) + " (" +
+           byte_size(r.bytes.size()) + ")";
+}
+
+std::string name_or(const std::string& name, const char* kind, std::size_t index) {
+    return name.empty() ? fmt::format("{} {}", kind, index) : name;
+}
+
+std::string attributes_of(const prep::Mesh& mesh) {
+    std::vector<std::string> list;
+    if (!mesh.normals.empty()) list.emplace_back("normals");
+    if (!mesh.tangents.empty()) list.emplace_back("tangents");
+    if (!mesh.uvs.empty()) list.push_back(count_of(mesh.uvs.size(), "UV set"));
+    if (!mesh.colors.empty()) list.push_back(count_of(mesh.colors.size(), "colour set"));
+    if (!mesh.face_smoothing.empty()) list.emplace_back("smoothing groups");
+    if (!mesh.subdivision.creases.empty())
+        list.push_back(count_of(mesh.subdivision.creases.size(), "crease"));
+    return list.empty() ? "no attributes" : fmt::format("{}", fmt::join(list, ", "));
+}
+
+std::string faces_of(const prep::MeshSummary& s) {
+    std::vector<std::string> list;
+    if (s.triangles > 0) list.push_back(count_of(s.triangles, "triangle"));
+    if (s.quads > 0) list.push_back(count_of(s.quads, "quad"));
+    if (s.polygons > 0)
+        list.push_back(
+            fmt::format("{} (up to {} corners)", count_of(s.polygons, "polygon"), s.largest_face));
+    if (s.line_segments > 0) list.push_back(count_of(s.line_segments, "line segment"));
+    if (s.point_primitives > 0) list.push_back(count_of(s.point_primitives, "point"));
+    return list.empty() ? "no faces" : fmt::format("{}", fmt::join(list, ", "));
+}
+
+std::string shape_of(const prep::MeshSummary& s) {
+    if (s.faces == 0) return {};
+    std::string text = count_of(s.components, "component");
+    text += s.closed ? ", closed"
+                     : fmt::format(", {} open edges in {}", with_commas(s.open_edges),
+                                   count_of(s.holes, "loop"));
+    text += s.manifold ? ", manifold" : ", not manifold";
+    if (!s.oriented) text += ", mixed orientation";
+    if (s.genus >= 0) text += fmt::format(", genus {}", s.genus);
+    return text;
+}
+
+std::string size_of(const prep::MeshSummary& s) {
+    const glm::dvec3 extent = s.high - s.low;
+    std::string text = fmt::format("{:.4g} × {:.4g} × {:.4g}", extent.x, extent.y, extent.z);
+    const glm::dvec3 centre = (s.low + s.high) * 0.5;
+    text += fmt::format(" about ({:.4g}, {:.4g}, {:.4g})", centre.x, centre.y, centre.z);
+    if (s.area > 0) text += fmt::format(", area {:.4g}", s.area);
+    if (s.volume != 0) text += fmt::format(", volume {:.4g}", s.volume);
+    return text;
+}
+
+Json vector_json(const glm::dvec3& v) {
+    return Json::array({v.x, v.y, v.z});
+}
+
+Json mesh_json(const prep::Mesh& mesh, const prep::MeshSummary& s) {
+    Json json;
+    json["name"] = mesh.name;
+    json["vertices"] = s.vertices;
+    json["points"] = s.points;
+    json["faces"] = s.faces;
+    json["triangles"] = s.triangles;
+    json["quads"] = s.quads;
+    json["polygons"] = s.polygons;
+    json["largest_face"] = s.largest_face;
+    json["line_segments"] = s.line_segments;
+    json["point_primitives"] = s.point_primitives;
+    json["edges"] = s.edges;
+    json["open_edges"] = s.open_edges;
+    json["holes"] = s.holes;
+    json["non_manifold_edges"] = s.non_manifold_edges;
+    json["non_manifold_vertices"] = s.non_manifold_vertices;
+    json["mixed_orientation_edges"] = s.mixed_orientation_edges;
+    json["components"] = s.components;
+    json["closed"] = s.closed;
+    json["manifold"] = s.manifold;
+    json["oriented"] = s.oriented;
+    json["euler"] = s.euler;
+    json["genus"] = s.genus >= 0 ? Json(s.genus) : Json(nullptr);
+    json["largest_valence"] = s.largest_valence;
+    json["mirrored_uv_faces"] = s.mirrored_uv_faces;
+    json["low"] = vector_json(s.low);
+    json["high"] = vector_json(s.high);
+    json["area"] = s.area;
+    json["volume"] = s.volume;
+    json["has_normals"] = !mesh.normals.empty();
+    json["has_tangents"] = !mesh.tangents.empty();
+    json["uv_sets"] = mesh.uvs.size();
+    json["color_sets"] = mesh.colors.size();
+    json["smoothing_groups"] = !mesh.face_smoothing.empty();
+    json["parts"] = mesh.parts;
+    return json;
+}
+
+Json scene_json(const prep::Scene& scene) {
+    Json materials = Json::array();
+    for (const prep::Material& m : scene.materials) {
+        Json maps = Json::object();
+        for (const MapName& entry : map_names)
+            if (m.*entry.map) maps[entry.name] = image_name(scene, m.*entry.map);
+        materials.push_back({{"name", m.name},
+                             {"maps", maps},
+                             {"double_sided", m.double_sided},
+                             {"unlit", m.unlit},
+                             {"metallic_roughness", m.metallic_roughness}});
+    }
+    return materials;
+}
+
+void print_file(const std::filesystem::path& path, const prep::Scene& scene,
+                const prep::SceneCheck& check, const SceneConventions& conventions,
+                const Counts& gltf, const InspectCommand& command, Console& console) {
+    const CommonOptions& common = command.common;
+    const auto say = [&](const std::string& line) { console.result(common, line); };
+    std::error_code ec;
+    const auto size = std::filesystem::file_size(path, ec);
+    say(fmt::format("{}  {}", path.string(), ec ? "" : byte_size(size)));
+    std::vector<std::string> parts = {
+        count_of(scene.meshes.size(), "mesh", "meshes"), count_of(scene.nodes.size(), "node"),
+        count_of(scene.materials.size(), "material"), count_of(scene.textures.size(), "texture")};
+    if (!scene.lights.empty()) parts.push_back(count_of(scene.lights.size(), "light"));
+    if (!scene.cameras.empty()) parts.push_back(count_of(scene.cameras.size(), "camera"));
+    for (const char* name : {"skins", "animations", "morph targets"})
+        if (const std::uint64_t* n = gltf.find(name); n && *n > 0)
+            parts.push_back(with_commas(*n) + " " + name);
+    say(fmt::format("  {}", fmt::join(parts, ", ")));
+    if (!gltf.extensions.empty())
+        say(fmt::format("  extensions: {}", fmt::join(gltf.extensions, ", ")));
+
+    constexpr std::size_t most = 100;
+    for (std::size_t m = 0; m < scene.meshes.size() && m < most; ++m) {
+        const prep::MeshSummary& s = check.meshes[m];
+        say(fmt::format("  {}: {}, {}; {}", name_or(scene.meshes[m].name, "mesh", m),
+                        count_of(s.vertices, "vertex", "vertices"), faces_of(s),
+                        attributes_of(scene.meshes[m])));
+        if (const std::string shape = shape_of(s); !shape.empty()) say("    " + shape);
+        if (s.vertices > 0) say("    " + size_of(s));
+    }
+    if (scene.meshes.size() > most)
+        say(fmt::format("  … and {} more meshes", scene.meshes.size() - most));
+    for (std::size_t m = 0; m < scene.materials.size() && m < most; ++m) {
+        std::vector<std::string> maps;
+        for (const MapName& entry : map_names)
+            if (const prep::TextureRef& ref = scene.materials[m].*entry.map)
+                maps.push_back(fmt::format("{} map {}", entry.name, image_name(scene, ref)));
+        if (!maps.empty())
+            say(fmt::format("  {}: {}", name_or(scene.materials[m].name, "material", m),
+                            fmt::join(maps, ", ")));
+    }
+    for (const std::string& line : conventions_text(conventions, scene)) say("  " + line);
+    std::vector<std::string> names;
+    for (const prep::Mesh& mesh : scene.meshes) names.push_back(mesh.name);
+    if (check.findings.empty()) {
+        say("  no findings");
+        return;
+    }
+    say("  findings");
+    for (const std::string& line : findings_text(check.findings, names, command.places)) say(line);
+}
+
+std::string degrees_text(double value) {
+    return fmt::format("{:.1e}", value);
+}
+
+Json selftest_json(const Selftest& test) {
+    Json json;
+    json["ok"] = test.ok();
+    json["bounds_degrees"] = {{"fast", selftest_fast_bound()},
+                              {"accurate", selftest_accurate_bound()},
+                              {"rounded", selftest_rounded_bound()}};
+    json["cases"] = Json::array();
+    for (const SelftestCase& c : test.cases)
+        json["cases"].push_back({{"case", c.name},
+                                 {"value", c.value},
+                                 {"fast_degrees", c.fast},
+                                 {"accurate_degrees", c.accurate},
+                                 {"rounded_degrees", c.rounded},
+                                 {"fans", c.fans},
+                                 {"flagged", c.flagged},
+                                 {"ok", c.ok}});
+    json["checks"] = Json::array();
+    for (const SelftestCheck& c : test.checks)
+        json["checks"].push_back(
+            {{"check", c.name}, {"unit", c.unit}, {"tried", c.tried}, {"wrong", c.wrong}});
+    json["milliseconds"] = test.milliseconds;
+    return json;
+}
+
+int run_selftest(const InspectCommand& command, Console& console) {
+    console.progress(command.common, "hard cases …");
+    const Selftest test = selftest(command.common.threads);
+    console.progress(command.common, "");
+    const auto say = [&](const std::string& line) { console.result(command.common, line); };
+    say("Largest angles in degrees between our normals and exact ones");
+    std::vector<std::vector<std::string>> rows = {
+        {"case", "value", "fast", "accurate", "as float", "fans", "undetermined", ""}};
+    for (const SelftestCase& c : test.cases)
+        rows.push_back({c.name, fmt::format("{:g}", c.value), degrees_text(c.fast),
+                        degrees_text(c.accurate), degrees_text(c.rounded), with_commas(c.fans),
+                        with_commas(c.flagged), c.ok ? "ok" : "FAILED"});
+    rows.push_back({"bound", "", degrees_text(selftest_fast_bound()),
+                    degrees_text(selftest_accurate_bound()), degrees_text(selftest_rounded_bound()),
+                    "", "", ""});
+    for (const std::string& line :
+         align_table(rows, {false, true, true, true, true, true, true, false}))
+        say(line);
+    say("");
+    rows = {{"what must hold", "tried", "", "wrong"}};
+    for (const SelftestCheck& c : test.checks)
+        rows.push_back({c.name, with_commas(c.tried), c.unit, with_commas(c.wrong)});
+    for (const std::string& line : align_table(rows, {false, true, false, true})) say(line);
+    say(fmt::format("{} in {}", test.ok() ? "all is well" : "something is WRONG",
+                    duration(test.milliseconds)));
+    if (command.common.json) {
+        Json document = json_head("inspect");
+        document["selftest"] = selftest_json(test);
+        console.json(json_text(document));
+    }
+    return test.ok() ? exit_done : exit_failed;
+}
+
+}  // namespace
+
+int run_inspect(const InspectCommand& command, Console& console) {
+    if (command.selftest) return run_selftest(command, console);
+    Json document = json_head("inspect");
+    document["files"] = Json::array();
+    bool failed = false, strict_failed = false;
+    for (const std::filesystem::path& path : command.inputs) {
+        console.progress(command.common, path.string() + " …");
+        Json file;
+        file["input"] = path.string();
+        prep::Result<prep::Scene> scene = prep::load_scene(path, {command.common.threads});
+        if (!scene) {
+            failed = true;
+            console.error(scene.error());
+            file["status"] = "failed";
+            file["error"] = to_json(scene.error());
+            document["files"].push_back(std::move(file));
+            continue;
+        }
+        const prep::SceneCheck check = prep::check(*scene, {command.common.threads});
+        const Counts gltf = count_gltf_file(path);
+        for (const std::string& text : scene->warnings)
+            console.warning(command.common, path.string() + ": " + text);
+        const SceneConventions conventions = scene_conventions(*scene, command.common.threads);
+        print_file(path, *scene, check, conventions, gltf, command, console);
+        for (const prep::Finding& f : check.findings)
+            strict_failed |= f.severity != prep::Severity::info;
+        if (!command.common.json) continue;
+        file["status"] = "ok";
+        file["counts"] = to_json(count_scene(*scene));
+        if (!gltf.figures.empty()) file["gltf"] = to_json(gltf);
+        file["meshes"] = Json::array();
+        for (std::size_t m = 0; m < scene->meshes.size(); ++m)
+            file["meshes"].push_back(mesh_json(scene->meshes[m], check.meshes[m]));
+        file["materials"] = scene_json(*scene);
+        file["conventions"] = to_json(conventions, *scene);
+        file["findings"] = Json::array();
+        for (const prep::Finding& f : check.findings)
+            file["findings"].push_back(to_json(f, *scene));
+        file["warnings"] = scene->warnings;
+        document["files"].push_back(std::move(file));
+    }
+    console.progress(command.common, "");
+    if (command.common.json) console.json(json_text(document));
+    return failed || (command.strict && strict_failed) ? exit_failed : exit_done;
+}
+
+}  // namespace meshprep

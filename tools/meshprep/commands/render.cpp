@@ -1,0 +1,383 @@
+#include "rast/render.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cmath>
+#include <numbers>
+#include <set>
+
+#include "meshprep/commands/commands.h"
+#include "meshprep/commands/render_views.h"
+#include "meshprep/files/file_list.h"
+#include "meshprep/files/render_outputs.h"
+#include "meshprep/options/render_names.h"
+#include "meshprep/output/report_json.h"
+#include "prep/gltf.h"
+#include "prep/image.h"
+#include "prep/io.h"
+#include "prep/scene_json.h"
+
+namespace meshprep {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using prep::Error;
+using prep::ErrorCode;
+using prep::Result;
+
+constexpr double degrees = std::numbers::pi / 180;
+
+double since(Clock::time_point start) {
+    return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+Result<prep::JsonScene> load(const std::filesystem::path& path, int threads) {
+    if (lower_ending(path) == "json") return prep::load_scene_json(path, {threads});
+    Result<prep::Scene> scene = prep::load_scene(path, {threads});
+    if (!scene) return scene.error();
+    return prep::JsonScene{*std::move(scene), {}};
+}
+
+rast::LightInstance ambient_light(float intensity) {
+    rast::LightInstance ambient;
+    ambient.kind = prep::LightKind::ambient;
+    ambient.color = glm::vec3(intensity);
+    return ambient;
+}
+
+// The lights asked for, about the view; those of the plan with another ambient light where only
+// that was asked for.
+std::vector<rast::LightInstance> lights_of(const RenderCommand& command,
+                                           const rast::RenderPlan& plan) {
+    std::vector<rast::LightInstance> lights;
+    if (command.lights.empty()) {
+        for (const rast::LightInstance& light : plan.lights)
+            if (light.kind != prep::LightKind::ambient) lights.push_back(light);
+    }
+    const glm::dmat3 to_world = glm::transpose(glm::dmat3(plan.view.world_to_view));
+    for (const LightChoice& choice : command.lights) {
+        const double a = choice.azimuth * degrees, e = choice.elevation * degrees;
+        const glm::dvec3 from(std::sin(a) * std::cos(e), std::sin(e), std::cos(a) * std::cos(e));
+        rast::LightInstance light;
+        light.kind = prep::LightKind::directional;
+        light.direction = to_world * -from;
+        light.color = glm::vec3(choice.intensity);
+        lights.push_back(light);
+    }
+    lights.push_back(ambient_light(command.ambient.value_or(0.1f)));
+    return lights;
+}
+
+// What must not be written over.
+std::vector<std::filesystem::path> files_read(const RenderCommand& command,
+                                              const prep::PreparedScene& prepared) {
+    std::vector<std::filesystem::path> files = prepared.scene.libraries;
+    files.push_back(command.input);
+    for (const prep::ImageRef& image : prepared.scene.images)
+        if (image.bytes.empty()) files.push_back(image.path);
+    return files;
+}
+
+// Several samples exclude exact areas: what the command line says of one overrules the file's
+// other.
+void choose_coverage(const RenderCommand& command, const prep::PictureSettings& picture,
+                     rast::RenderRequest& request) {
+    request.supersample =
+        command.supersample.value_or(picture.supersample.value_or(request.supersample));
+    if (command.samples)
+        request.samples = *command.samples;
+    else if (command.coverage != rast::Coverage::area)
+        request.samples = picture.samples.value_or(request.samples);
+    if (command.coverage)
+        request.coverage = *command.coverage;
+    else if (picture.coverage && command.samples.value_or(1) == 1)
+        request.coverage = value_of(coverage_words(), *picture.coverage);
+}
+
+// The command line first, then the scene file's wishes, then the renderer's defaults.
+rast::RenderRequest request_of(const RenderCommand& command, const prep::PictureSettings& picture) {
+    rast::RenderRequest request;
+    request.threads = command.common.threads;
+    const std::optional<glm::uvec2> size = command.size ? command.size : picture.size;
+    if (size) {
+        request.width = size->x;
+        request.height = size->y;
+    }
+    if (command.shading)
+        request.shading = *command.shading;
+    else if (picture.shading)
+        request.shading = value_of(shading_words(), *picture.shading);
+    if (command.cull)
+        request.cull = *command.cull;
+    else if (picture.cull)
+        request.cull = value_of(cull_words(), *picture.cull);
+    if (command.filter)
+        request.filter = *command.filter;
+    else if (picture.filter)
+        request.filter = value_of(filter_words(), *picture.filter);
+    request.background =
+        command.background.value_or(picture.background.value_or(request.background));
+    request.textures = command.textures;
+    choose_coverage(command, picture, request);
+    request.depth_format = command.depth_format;
+    request.max_anisotropy =
+        command.max_anisotropy.value_or(picture.max_anisotropy.value_or(request.max_anisotropy));
+    request.crop = command.crop;
+    if (command.band_bytes) request.band_bytes = *command.band_bytes;
+    keep(request, command.buffers);
+    return request;
+}
+
+// The request for one of the pictures.
+Result<rast::RenderPlan> plan_of(const RenderCommand& command, const prep::PreparedScene& prepared,
+                                 rast::RenderRequest request,
+                                 const std::optional<rast::View>& view) {
+    request.view = view;
+    if (!command.lights.empty() || command.ambient) {
+        // The plan knows the view and the lights there would be otherwise.
+        const Result<rast::RenderPlan> plan = rast::plan(prepared, request);
+        if (!plan) return plan.error();
+        request.lights = lights_of(command, *plan);
+    }
+    return rast::plan(prepared, request);
+}
+
+Json plan_json(const rast::RenderPlan& plan) {
+    Json json;
+    json["width"] = plan.request.width;
+    json["height"] = plan.request.height;
+    json["shading"] = word_of(shading_words(), plan.request.shading);
+    json["triangles"] = plan.triangles;
+    json["lights"] = plan.lights.size();
+    json["memory_estimate"] = plan.memory_estimate;
+    json["band_rows"] = plan.band_rows;
+    json["band_memory_estimate"] = plan.band_memory_estimate;
+    json["variants"] = Json::array();
+    for (const rast::PlanVariant& v : plan.variants)
+        json["variants"].push_back({{"shading", v.name}, {"triangles", v.triangles}});
+    json["steps"] = Json::array();
+    for (const rast::PlanStep& s : plan.steps)
+        json["steps"].push_back({{"step", s.name}, {"run", s.run}, {"reason", s.reason}});
+    return json;
+}
+
+Json counters_json(const rast::Counters& c) {
+    return {{"triangles", c.triangles},
+            {"non_finite", c.non_finite},
+            {"degenerate", c.degenerate},
+            {"facing_away", c.facing_away},
+            {"outside", c.outside},
+            {"between_samples", c.between_samples},
+            {"crossing", c.crossing},
+            {"vertices_lit", c.vertices_lit},
+            {"pixels_shaded", c.pixels_shaded},
+            {"texture_samples", c.texture_samples},
+            {"textures_read", c.textures_read},
+            {"texture_levels", c.texture_levels},
+            {"buffer_bytes", c.buffer_bytes},
+            {"list_bytes", c.list_bytes}};
+}
+
+void explain(const rast::RenderPlan& plan, const CommonOptions& common, Console& console) {
+    std::vector<std::vector<std::string>> rows;
+    for (const rast::PlanStep& s : plan.steps)
+        rows.push_back({s.name, s.run ? "run" : "skipped", s.reason});
+    for (const std::string& line : align_table(rows, {})) console.result(common, line);
+    console.result(
+        common, fmt::format("  {}, about {} beside textures", count_of(plan.triangles, "triangle"),
+                            byte_size(plan.band_memory_estimate)));
+}
+
+// What drawing one picture came to.
+struct Drawn {
+    rast::Frame frame;  // without pixels
+    std::vector<std::filesystem::path> paths;
+    double draw_ms = 0, write_ms = 0;
+};
+
+Result<Drawn> draw(rast::SceneRenderer& renderer, const rast::RenderPlan& plan,
+                   prep::ImageFiles& files, const OutputOptions& options) {
+    const Clock::time_point start = Clock::now();
+    Drawn drawn;
+    RenderOutputs outputs(files, options);
+    if (const Result<void> opened = outputs.open(plan); !opened) return opened.error();
+    drawn.write_ms = since(start);
+    Result<rast::Frame> frame =
+        renderer.render_bands(plan, [&](const rast::Frame& band, std::uint32_t) -> Result<void> {
+            const Clock::time_point before = Clock::now();
+            Result<void> written = outputs.write(band);
+            drawn.write_ms += since(before);
+            return written;
+        });
+    if (!frame) return frame.error();
+    drawn.frame = *std::move(frame);
+    drawn.paths = outputs.paths();
+    drawn.draw_ms = since(start) - drawn.write_ms;
+    return drawn;
+}
+
+// What the scene has and no picture shows.
+std::vector<std::string> not_drawn(const prep::PreparedScene& prepared) {
+    std::set<std::uint32_t> materials;
+    std::size_t lines = 0, points = 0, skinned = 0;
+    for (const prep::VertexMesh& mesh : prepared.meshes) {
+        for (const prep::VertexMesh::Range& range : mesh.ranges)
+            if (range.triangle_count > 0 && range.material != prep::no_index)
+                materials.insert(range.material);
+        lines += mesh.lines.size() / 2;
+        points += mesh.points.size();
+    }
+    for (const prep::Node& node : prepared.scene.nodes)
+        skinned += node.mesh != prep::no_index && node.skin != prep::no_index;
+    std::vector<std::string> out;
+    for (const std::uint32_t m : materials) {
+        const prep::Material& material = prepared.scene.materials[m];
+        const std::string name =
+            "material " + (material.name.empty() ? std::to_string(m) : "'" + material.name + "'");
+        if (material.alpha_mode == prep::AlphaMode::blend)
+            out.push_back(name + " is drawn opaque: nothing is blended");
+        if (material.bump_map) out.push_back(name + " has a bump map, which is not drawn");
+        if (material.displacement_map)
+            out.push_back(name + " has a displacement map, which is not drawn");
+    }
+    if (skinned > 0)
+        out.push_back(count_of(skinned, "skinned mesh") +
+                      (skinned == 1 ? " is drawn" : " are drawn") + " as modelled, not posed");
+    if (const std::size_t targets = prep::morph_target_count(prepared.scene); targets > 0)
+        out.push_back("morph targets are not applied: " + std::to_string(targets) +
+                      ", whatever their weights");
+    if (lines + points > 0)
+        out.push_back(count_of(lines, "line segment") + " and " + count_of(points, "point") +
+                      " are not drawn, only triangles are");
+    return out;
+}
+
+// Errors, io apart, are mistakes in the command line.
+Result<void> check_files(const RenderCommand& command) {
+    if (const Result<void> there = require_file(command.input); !there) return there.error();
+    if (const Result<void> parent = require_parent(command.output); !parent) return parent.error();
+    std::error_code ec;
+    if (std::filesystem::equivalent(command.input, command.output, ec))
+        return Error{ErrorCode::invalid, "the picture would be written over the input",
+                     command.output.string()};
+    if (!command.buffer_file.empty())
+        if (const Result<void> parent = require_parent(command.buffer_file); !parent)
+            return parent.error();
+    return prep::check_writable_image(command.output);
+}
+
+Result<Json> render_file(const RenderCommand& command, Console& console) {
+    const CommonOptions& common = command.common;
+    console.progress(common, command.input.string() + " … reading");
+    Clock::time_point start = Clock::now();
+    Result<prep::JsonScene> loaded = load(command.input, common.threads);
+    if (!loaded) return loaded.error();
+    const double read_ms = since(start);
+    for (const std::string& text : loaded->scene.warnings)
+        console.warning(common, command.input.string() + ": " + text);
+
+    console.progress(common, command.input.string() + " … preparing");
+    start = Clock::now();
+    prep::PrepareOptions options = command.prepare;
+    options.threads = common.threads;
+    const Result<prep::PreparedScene> prepared = prep::prepare(std::move(loaded->scene), options);
+    if (!prepared) return prepared.error();
+    const double prepare_ms = since(start);
+
+    const rast::RenderRequest request = request_of(command, loaded->picture);
+    const Result<std::vector<std::optional<rast::View>>> views = views_of(
+        command, loaded->picture, *prepared, static_cast<double>(request.width) / request.height);
+    if (!views) return views.error();
+
+    OutputOptions outputs;
+    outputs.buffers = command.buffers;
+    outputs.tone.threads = common.threads;
+    outputs.tone.exposure =
+        command.exposure.value_or(static_cast<float>(loaded->picture.exposure.value_or(1.0)));
+    outputs.tone.tone_map =
+        command.tone_map.value_or(loaded->picture.tone_map.value_or("off") == "reinhard");
+    prep::ImageFiles files({command.overwrite, files_read(command, *prepared)});
+    Json json;
+    json["input"] = command.input.string();
+    json["output"] = command.output.string();
+    json["outputs"] = Json::array();
+    json["warnings"] = Json::array();
+    double render_ms = 0, write_ms = 0;
+    rast::SceneRenderer renderer(*prepared);  // keeps textures between pictures
+    const auto count = std::uint32_t(views->size());
+    for (std::uint32_t n = 0; n < count; ++n) {
+        const Result<rast::RenderPlan> plan = plan_of(command, *prepared, request, (*views)[n]);
+        if (!plan) return plan.error();
+        console.progress(common, command.input.string() + " … drawing" +
+                                     (count > 1 ? fmt::format(" {}/{}", n + 1, count) : ""));
+        const bool sequence = command.turntable > 0;
+        outputs.picture = sequence ? sequence_name(command.output, n, count) : command.output;
+        outputs.buffer_file = sequence && !command.buffer_file.empty()
+                                  ? sequence_name(command.buffer_file, n, count)
+                                  : command.buffer_file;
+        const Result<Drawn> drawn = draw(renderer, *plan, files, outputs);
+        if (!drawn) return drawn.error();
+        render_ms += drawn->draw_ms;
+        write_ms += drawn->write_ms;
+        for (const std::filesystem::path& path : drawn->paths)
+            json["outputs"].push_back(path.string());
+        if (n > 0) continue;
+        std::vector<std::string> warnings = not_drawn(*prepared);
+        if (const std::uint64_t broken = drawn->frame.counters.non_finite; broken > 0)
+            warnings.push_back(count_of(broken, "triangle") +
+                               " with positions that are not finite or beyond all range left out");
+        if (outputs.tone.tone_map && keeps_float(outputs.picture))
+            warnings.push_back(
+                "the scene's tone_map is for pictures of 8 bits: linear light is "
+                "kept in '" +
+                outputs.picture.filename().string() + "'");
+        warnings.insert(warnings.end(), drawn->frame.warnings.begin(), drawn->frame.warnings.end());
+        for (const std::string& text : warnings) {
+            console.warning(common, text);
+            json["warnings"].push_back(text);
+        }
+        json["plan"] = plan_json(*plan);
+        json["counters"] = counters_json(drawn->frame.counters);
+        if (command.explain) explain(*plan, common, console);
+    }
+    const Clock::time_point committing = Clock::now();
+    if (const Result<void> saved = files.commit(); !saved) return saved.error();
+    write_ms += since(committing);
+    const Json& plan = json["plan"];
+    const std::size_t written = json["outputs"].size();
+    console.result(
+        common,
+        fmt::format("{} → {}  {}×{}, {}, {}; read {}, prepare {}, draw {}, write {}",
+                    command.input.string(),
+                    written == 1 ? json["outputs"][0].get<std::string>()
+                                 : fmt::format("{} and {} more",
+                                               json["outputs"][0].get<std::string>(), written - 1),
+                    request.crop ? request.crop->width : request.width,
+                    request.crop ? request.crop->height : request.height,
+                    plan["shading"].get<std::string>(),
+                    count_of(plan["triangles"].get<std::uint64_t>(), "triangle"), duration(read_ms),
+                    duration(prepare_ms), duration(render_ms), duration(write_ms)));
+    json["milliseconds"] = {
+        {"read", read_ms}, {"prepare", prepare_ms}, {"render", render_ms}, {"write", write_ms}};
+    return json;
+}
+
+}  // namespace
+
+int run_render(const RenderCommand& command, Console& console) {
+    Json document = json_head("render");
+    const Result<void> sound = check_files(command);
+    const Result<Json> done = sound ? render_file(command, console) : Result<Json>(sound.error());
+    if (done)
+        document.update(*done);
+    else
+        document["error"] = to_json(done.error());
+    if (!done) console.error(done.error());
+    console.progress(command.common, "");
+    if (command.common.json) console.json(json_text(document));
+    if (!sound && sound.error().code != ErrorCode::io) return exit_usage;
+    return done ? exit_done : exit_failed;
+}
+
+}  // namespace meshprep

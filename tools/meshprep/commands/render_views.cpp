@@ -1,0 +1,186 @@
+#include "meshprep/commands/render_views.h"
+
+#include <algorithm>
+#include <numbers>
+
+namespace meshprep {
+namespace {
+
+using prep::Error;
+using prep::ErrorCode;
+using prep::Result;
+
+constexpr double degrees = std::numbers::pi / 180;
+
+// A node with a camera, by the node's or the camera's name, or the n-th of them.
+Result<std::uint32_t> find_camera(const prep::Scene& scene, const std::string& text) {
+    std::vector<std::uint32_t> nodes;
+    std::string names;
+    for (std::uint32_t n = 0; n < scene.nodes.size(); ++n) {
+        if (scene.nodes[n].camera == prep::no_index) continue;
+        const std::string& camera = scene.cameras[scene.nodes[n].camera].name;
+        if (scene.nodes[n].name == text || camera == text) return n;
+        const std::string& name = scene.nodes[n].name.empty() ? camera : scene.nodes[n].name;
+        names += (nodes.empty() ? "" : ", ") + std::to_string(nodes.size()) +
+                 (name.empty() ? "" : " '" + name + "'");
+        nodes.push_back(n);
+    }
+    if (!text.empty() && text.find_first_not_of("0123456789") == std::string::npos &&
+        text.size() < 10) {
+        const auto index = static_cast<std::size_t>(std::stoul(text));
+        if (index < nodes.size()) return nodes[index];
+    }
+    return Error{
+        ErrorCode::invalid,
+        "no camera '" + text + "' in the scene; " +
+            (nodes.empty() ? "it has none: give --camera AZIMUTH,ELEVATION" : "it has " + names),
+        scene.source.string()};
+}
+
+// Views from all around the scene, each made anew, so that its near plane fits.
+class Viewer {
+  public:
+    Viewer(const RenderCommand& command, const prep::PreparedScene& prepared, double aspect)
+        : command_(command),
+          prepared_(prepared),
+          aspect_(aspect),
+          count_(std::max<std::uint32_t>(command.turntable, 1)) {
+        const std::optional<rast::Bounds> bounds = rast::world_bounds(prepared);
+        if (bounds) centre_ = bounds->centre();
+    }
+
+    std::vector<rast::View> orbits(const OrbitChoice& choice) const {
+        rast::OrbitOptions options;
+        options.elevation_degrees = choice.elevation;
+        options.aspect = aspect_;
+        if (command_.yfov) options.yfov = *command_.yfov;
+        const auto at = [&](std::uint32_t n) {
+            options.azimuth_degrees = choice.azimuth + 360.0 * n / count_;
+            return rast::orbit_view(prepared_, options);
+        };
+        if (choice.distance != 1 || count_ > 1) {
+            // One distance for all of them: the scene must not pulse as it turns.
+            double fitting = 0;
+            for (std::uint32_t n = 0; n < count_; ++n)
+                fitting = std::max(fitting, glm::length(at(n).eye() - centre_));
+            options.distance = choice.distance * fitting;
+        }
+        std::vector<rast::View> views;
+        for (std::uint32_t n = 0; n < count_; ++n) views.push_back(at(n));
+        return views;
+    }
+
+    std::vector<rast::View> places(const PlaceChoice& choice) const {
+        std::vector<rast::View> views;
+        for (std::uint32_t n = 0; n < count_; ++n) {
+            rast::LookAtOptions options;
+            options.eye = turned(choice.from, n);
+            options.target = turned(choice.at.value_or(centre_), n);
+            options.up = turned_direction(choice.up, n);
+            if (command_.yfov) options.yfov = *command_.yfov;
+            views.push_back(rast::look_at_view(prepared_, options));
+        }
+        return views;
+    }
+
+    // What is said of the scene's centre was not known when the arguments were read.
+    Result<std::vector<std::optional<rast::View>>> from_place(const PlaceChoice& choice) const {
+        const glm::dvec3 view = choice.at.value_or(centre_) - choice.from;
+        if (choice.up_given && !(glm::length(view) > 0))
+            return Error{ErrorCode::invalid,
+                         "--look-from is the scene's centre: say with --look-at where to look",
+                         prepared_.scene.source.string()};
+        const double lengths = glm::length(view) * glm::length(choice.up);
+        if (choice.up_given && !(glm::length(glm::cross(view, choice.up)) > 1e-9 * lengths))
+            return Error{ErrorCode::invalid,
+                         "--up points along the view from --look-from to the scene's centre: "
+                         "choose another, or another --look-at",
+                         prepared_.scene.source.string()};
+        return finished(places(choice));
+    }
+
+    Result<std::vector<rast::View>> cameras(std::uint32_t node) const {
+        rast::View view = rast::camera_view(prepared_.scene, node, aspect_);
+        if (command_.yfov && !view.perspective)
+            return Error{ErrorCode::invalid,
+                         "--fov is an angle of perspective, and the camera '" +
+                             prepared_.scene.nodes[node].name +
+                             "' has none: --ortho HEIGHT changes what it shows",
+                         prepared_.scene.source.string()};
+        if (command_.yfov) view.yfov = *command_.yfov;
+        std::vector<rast::View> views;
+        for (std::uint32_t n = 0; n < count_; ++n)
+            views.push_back(n == 0 ? view : rast::turned_view(view, centre_, angle(n)));
+        return views;
+    }
+
+    Result<std::vector<std::optional<rast::View>>> through_camera(std::uint32_t node) const {
+        const Result<std::vector<rast::View>> views = cameras(node);
+        if (!views) return views.error();
+        return finished(*views);
+    }
+
+    // With the projection asked for.
+    std::vector<std::optional<rast::View>> finished(const std::vector<rast::View>& views) const {
+        std::vector<std::optional<rast::View>> out;
+        double half_height = 0;
+        for (rast::View view : views) {
+            if (command_.ortho_height) {
+                view = rast::orthographic_view(prepared_, view, *command_.ortho_height,
+                                               view.aspect > 0 ? view.aspect : aspect_);
+                half_height = std::max(half_height, view.half_height);
+            }
+            out.emplace_back(view);
+        }
+        for (std::optional<rast::View>& view : out)
+            if (command_.ortho_height) view->half_height = half_height;
+        return out;
+    }
+
+  private:
+    double angle(std::uint32_t n) const { return 2 * std::numbers::pi * n / count_; }
+    glm::dvec3 turned(const glm::dvec3& place, std::uint32_t n) const {
+        if (n == 0) return place;
+        return centre_ + turned_direction(place - centre_, n);
+    }
+    glm::dvec3 turned_direction(const glm::dvec3& p, std::uint32_t n) const {
+        if (n == 0) return p;
+        const double c = std::cos(angle(n)), s = std::sin(angle(n));
+        return {c * p.x + s * p.z, p.y, c * p.z - s * p.x};
+    }
+
+    const RenderCommand& command_;
+    const prep::PreparedScene& prepared_;
+    double aspect_;
+    std::uint32_t count_;
+    glm::dvec3 centre_{0.0};
+};
+
+}  // namespace
+
+Result<std::vector<std::optional<rast::View>>> views_of(const RenderCommand& command,
+                                                        const prep::PictureSettings& picture,
+                                                        const prep::PreparedScene& prepared,
+                                                        double aspect) {
+    const Viewer viewer(command, prepared, aspect);
+    if (const auto* orbit = std::get_if<OrbitChoice>(&command.camera))
+        return viewer.finished(viewer.orbits(*orbit));
+    if (const auto* place = std::get_if<PlaceChoice>(&command.camera))
+        return viewer.from_place(*place);
+    if (const auto* name = std::get_if<std::string>(&command.camera)) {
+        const Result<std::uint32_t> node = find_camera(prepared.scene, *name);
+        if (!node) return node.error();
+        return viewer.through_camera(*node);
+    }
+    if (picture.orbit_azimuth)
+        return viewer.finished(
+            viewer.orbits({*picture.orbit_azimuth / degrees, *picture.orbit_elevation / degrees,
+                           *picture.orbit_distance}));
+    if (command.turntable == 0 && !command.yfov && !command.ortho_height)
+        return std::vector<std::optional<rast::View>>(1);
+    if (prepared.scene.active_camera != prep::no_index)
+        return viewer.through_camera(prepared.scene.active_camera);
+    return viewer.finished(viewer.orbits({}));
+}
+
+}  // namespace meshprep

@@ -1,0 +1,21 @@
+// Where the pictures of `meshprep render` are taken from.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "meshprep/options/arguments.h"
+#include "prep/prepare.h"
+#include "prep/scene_json.h"
+#include "rast/view.h"
+
+namespace meshprep {
+
+// One view, or those of the turntable; unset: the renderer's choice. Errors: invalid (no such
+// camera).
+prep::Result<std::vector<std::optional<rast::View>>> views_of(const RenderCommand& command,
+                                                              const prep::PictureSettings& picture,
+                                                              const prep::PreparedScene& prepared,
+                                                              double aspect);
+
+}  // namespace meshprep

@@ -1,0 +1,368 @@
+#include <fmt/format.h>
+
+#include <chrono>
+#include <set>
+
+#include "meshprep/commands/commands.h"
+#include "meshprep/files/file_list.h"
+#include "meshprep/output/findings_text.h"
+#include "meshprep/output/report_json.h"
+#include "prep/check.h"
+#include "prep/image.h"
+#include "prep/io.h"
+#include "prep/requirements.h"
+#include "prep/version.h"
+#include "sheets/figures.h"
+#include "sheets/page.h"
+#include "sheets/panels.h"
+
+namespace meshprep {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using prep::Error;
+using prep::ErrorCode;
+using prep::Result;
+
+double since(Clock::time_point start) {
+    return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+// Letters, digits, dot, dash and underscore survive in file names; the rest becomes a dash.
+std::string file_word(const std::string& text) {
+    std::string word;
+    for (const char c : text) {
+        const bool good = (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') ||
+                          (c >= 'A' && c <= 'Z') || c == '.' || c == '_';
+        if (good)
+            word += c;
+        else if (!word.empty() && word.back() != '-')
+            word += '-';
+    }
+    while (!word.empty() && (word.back() == '-' || word.back() == '.')) word.pop_back();
+    return word.substr(0, 60);
+}
+
+// What one file's sheets are of.
+struct Choice {
+    bool whole = false;
+    std::vector<std::uint32_t> meshes;
+    std::size_t left_out = 0;
+};
+
+Result<Choice> choose(const prep::Scene& scene, const ValidateCommand& command) {
+    Choice choice;
+    if (!command.meshes.empty()) {
+        for (const std::string& text : command.meshes) {
+            bool found = false;
+            for (std::uint32_t m = 0; m < scene.meshes.size(); ++m) {
+                if (scene.meshes[m].name != text && std::to_string(m) != text) continue;
+                choice.meshes.push_back(m);
+                found = true;
+                break;
+            }
+            if (!found) {
+                std::string names;
+                for (std::uint32_t m = 0; m < scene.meshes.size() && m < 12; ++m)
+                    names +=
+                        (m == 0 ? "" : ", ") + std::to_string(m) +
+                        (scene.meshes[m].name.empty() ? "" : " '" + scene.meshes[m].name + "'");
+                return Error{ErrorCode::invalid, "no mesh '" + text + "'; the file has " + names,
+                             scene.source.string()};
+            }
+        }
+        return choice;
+    }
+    choice.whole = scene.meshes.size() != 1;
+    if (choice.whole && scene.meshes.empty()) return choice;
+    const std::size_t most = command.max_meshes;
+    for (std::uint32_t m = 0; m < scene.meshes.size(); ++m) {
+        if (choice.meshes.size() < most)
+            choice.meshes.push_back(m);
+        else
+            ++choice.left_out;
+    }
+    return choice;
+}
+
+struct Outcome {
+    std::filesystem::path input, page;
+    std::vector<std::filesystem::path> sheets;
+    std::optional<Error> error;
+    std::vector<std::string> warnings;
+    std::vector<prep::Finding> findings;
+    std::vector<std::string> mesh_names;
+    Json numbers = Json::array();
+    double milliseconds = 0;
+};
+
+class Validator {
+  public:
+    Validator(const ValidateCommand& command, Console& console)
+        : command_(command), console_(console) {}
+
+    Outcome run(const std::filesystem::path& input, const std::string& stem) {
+        const Clock::time_point start = Clock::now();
+        out_ = {};
+        out_.input = input;
+        out_.page = command_.output / (stem + ".html");
+        out_.error = validate(stem);
+        out_.milliseconds = since(start);
+        return std::move(out_);
+    }
+
+  private:
+    std::optional<Error> validate(const std::string& stem) {
+        const int threads = command_.common.threads;
+        progress("reading");
+        Result<prep::Scene> scene = prep::load_scene(out_.input, {threads});
+        if (!scene) return scene.error();
+        out_.warnings = scene->warnings;
+        for (const prep::Mesh& mesh : scene->meshes) out_.mesh_names.push_back(mesh.name);
+        progress("checking");
+        prep::SceneCheck check = prep::check(*scene, {threads});
+        // What the materials call for, told before the sheet asks for tangents everywhere.
+        const std::vector<prep::MeshRequirements> called_for =
+            prep::requirements(*scene, command_.prepare.request);
+        progress("preparing");
+        prep::PrepareOptions options = command_.prepare;
+        options.threads = threads;
+        // The sheet shows tangents wherever there can be some, unless they are switched off.
+        if (options.request.tangents == prep::Request::Level::as_called_for)
+            options.request.tangents = prep::Request::Level::always;
+        Result<prep::PreparedScene> prepared = prep::prepare(*std::move(scene), options);
+        if (!prepared) return prepared.error();
+        Result<Choice> choice = choose(prepared->scene, command_);
+        if (!choice) return choice.error();
+        if (choice->left_out > 0)
+            out_.warnings.push_back(fmt::format("{} left out; --max-meshes N draws more",
+                                                count_of(choice->left_out, "mesh", "meshes")));
+        out_.findings = check.findings;
+        for (const prep::Finding& f : prepared->findings) {
+            bool known = false;
+            for (const prep::Finding& other : check.findings)
+                known |= other.kind == f.kind && other.mesh == f.mesh;
+            if (!known) out_.findings.push_back(f);
+        }
+
+        report::Page page;
+        page.title = out_.input.filename().string();
+        page.subtitle = subtitle(*prepared);
+        if (choice->whole) {
+            if (std::optional<Error> error =
+                    add_sheet(page, report::whole_subject(*prepared, "whole scene"), check.meshes,
+                              called_for, out_.findings, options, stem))
+                return error;
+        }
+        for (const std::uint32_t m : choice->meshes) {
+            std::vector<prep::Finding> findings;
+            for (const prep::Finding& f : out_.findings)
+                if (f.mesh == m) findings.push_back(f);
+            const std::string name =
+                file_word(fmt::format("{}-{}-{}", stem, m, prepared->scene.meshes[m].name));
+            const bool only = prepared->scene.meshes.size() == 1;
+            if (std::optional<Error> error =
+                    add_sheet(page, report::mesh_subject(*prepared, m), {check.meshes[m]},
+                              {called_for[m]}, findings, options, only ? stem : name))
+                return error;
+        }
+        add_tables(page, *prepared);
+        progress("writing the page");
+        const Result<std::string> html = report::html_page(page);
+        if (!html) return html.error();
+        const Result<void> written = prep::write_file(
+            out_.page, std::as_bytes(std::span<const char>(html->data(), html->size())));
+        if (!written) return written.error();
+        return {};
+    }
+
+    static std::string subtitle(const prep::PreparedScene& prepared) {
+        std::uint64_t faces = 0, triangles = 0, before = 0, after = 0;
+        for (const prep::Mesh& mesh : prepared.scene.meshes) {
+            faces += mesh.face_count();
+            before += mesh.vertex_count();
+        }
+        for (const prep::VertexMesh& mesh : prepared.meshes) {
+            triangles += mesh.triangle_count();
+            after += mesh.vertex_count();
+        }
+        return fmt::format("{}, {}, {}; {} → {} vertices",
+                           count_of(prepared.scene.meshes.size(), "mesh", "meshes"),
+                           count_of(faces, "face"), count_of(triangles, "triangle"),
+                           with_commas(before), with_commas(after));
+    }
+
+    std::optional<Error> add_sheet(report::Page& page, report::Subject subject,
+                                   const std::vector<prep::MeshSummary>& summaries,
+                                   const std::vector<prep::MeshRequirements>& called_for,
+                                   const std::vector<prep::Finding>& findings,
+                                   const prep::PrepareOptions& prepare, const std::string& stem) {
+        progress("drawing " + subject.name);
+        report::Sheet sheet;
+        const bool only = subject.scene.scene.meshes.size() == 1 && page.sheets.empty() &&
+                          out_.mesh_names.size() == 1;
+        sheet.title = out_.input.filename().string() + (only ? "" : " · " + subject.name);
+        sheet.subtitle = (only ? subject.name + ": " : "") + subtitle(subject.scene);
+        sheet.footer = fmt::format("meshprep {} · hard angle {} · weight {}", prep::version(),
+                                   angle_text(), weight_text());
+        std::string reason = "no";
+        for (const prep::MeshRequirements& need : called_for)
+            if (need.tangents.needed) reason = "yes";
+        sheet.groups = report::make_figures(subject.scene, summaries, reason);
+
+        report::PanelOptions options;
+        options.size = command_.panel;
+        options.azimuth = command_.camera.azimuth;
+        options.elevation = command_.camera.elevation;
+        options.prepare = prepare;
+        options.threads = command_.common.threads;
+        Result<report::PanelSet> panels = report::make_panels(std::move(subject), options);
+        if (!panels) return panels.error();
+        for (const std::string& text : panels->warnings) out_.warnings.push_back(text);
+        sheet.panels = std::move(panels->panels);
+        if (!panels->edges.figures.empty()) sheet.groups.push_back(panels->edges);
+        if (!panels->differences.figures.empty()) sheet.groups.push_back(panels->differences);
+        sheet.groups.push_back(report::findings_group(findings, 8));
+
+        Json numbers;
+        numbers["sheet"] = sheet.title;
+        for (const report::FigureGroup& group : sheet.groups)
+            for (const report::Figure& f : group.figures)
+                numbers["figures"][group.title][f.name] = f.value;
+        numbers["panels"] = Json::array();
+        for (const report::Panel& p : sheet.panels)
+            numbers["panels"].push_back({{"id", p.id},
+                                         {"drawn", p.picture.has_value()},
+                                         {"text", p.picture ? p.caption : p.note}});
+        out_.numbers.push_back(std::move(numbers));
+
+        const std::filesystem::path path = command_.output / (stem + ".png");
+        const Result<void> saved =
+            prep::save_image(path, report::draw_sheet(sheet, command_.panel));
+        if (!saved) return saved.error();
+        out_.sheets.push_back(path);
+        page.sheets.push_back(std::move(sheet));
+        return {};
+    }
+
+    void add_tables(report::Page& page, const prep::PreparedScene& prepared) const {
+        // Without times: the same input gives the same page.
+        report::Table stages{"Stages", {"stage", "", "reason"}, {}};
+        for (const prep::StageReport& s : prepared.stages)
+            stages.rows.push_back({s.stage, s.run ? "run" : "skipped", s.reason});
+        page.tables.push_back(std::move(stages));
+        if (out_.findings.empty()) return;
+        report::Table findings{
+            "Findings", {"severity", "count", "kind", "mesh", "what", "where"}, {}};
+        for (const prep::Finding& f : out_.findings) {
+            const bool named = f.mesh < out_.mesh_names.size() && !out_.mesh_names[f.mesh].empty();
+            findings.rows.push_back({severity_name(f.severity), with_commas(f.count), f.kind,
+                                     named ? out_.mesh_names[f.mesh] : std::to_string(f.mesh),
+                                     f.text, places_text(f, 8)});
+        }
+        page.tables.push_back(std::move(findings));
+    }
+
+    std::string angle_text() const {
+        const auto& angle = command_.prepare.hard_edges.angle_degrees;
+        return angle ? fmt::format("{:g}°", *angle) : "off";
+    }
+    std::string weight_text() const {
+        switch (command_.prepare.normal.weight) {
+            case prep::NormalWeight::uniform:
+                return "uniform";
+            case prep::NormalWeight::angle:
+                return "angle";
+            case prep::NormalWeight::area_angle:
+                return "area × angle";
+            case prep::NormalWeight::edge_length:
+                return "edge length";
+            case prep::NormalWeight::area:
+                break;
+        }
+        return "area";
+    }
+    void progress(const std::string& what) {
+        console_.progress(command_.common, out_.input.string() + " … " + what);
+    }
+
+    const ValidateCommand& command_;
+    Console& console_;
+    Outcome out_;
+};
+
+// A stem per input; inputs of one stem keep their endings apart. Names both where that fails.
+Result<std::vector<std::string>> stems_of(const std::vector<std::filesystem::path>& inputs) {
+    std::vector<std::string> stems;
+    std::set<std::string> taken;
+    for (const std::filesystem::path& input : inputs) {
+        std::string stem = input.stem().string();
+        if (!taken.insert(stem).second) stem = input.filename().string();
+        if (stem != input.stem().string() && !taken.insert(stem).second)
+            return Error{ErrorCode::invalid,
+                         "two inputs would have the same sheets; validate them into directories of "
+                         "their own",
+                         input.string()};
+        stems.push_back(stem);
+    }
+    return stems;
+}
+
+}  // namespace
+
+int run_validate(const ValidateCommand& command, Console& console) {
+    const CommonOptions& common = command.common;
+    Json document = json_head("validate");
+    const auto fail = [&](const Error& error, int code) {
+        console.error(error);
+        document["error"] = to_json(error);
+        if (common.json) console.json(json_text(document));
+        return code;
+    };
+    for (const std::filesystem::path& input : command.inputs)
+        if (const Result<void> there = require_file(input); !there && command.inputs.size() == 1)
+            return fail(there.error(), exit_failed);
+    const Result<std::vector<std::string>> stems = stems_of(command.inputs);
+    if (!stems) return fail(stems.error(), exit_usage);
+    if (const Result<void> made = make_directory(command.output); !made)
+        return fail(made.error(), exit_failed);
+
+    document["files"] = Json::array();
+    std::size_t failed = 0;
+    for (std::size_t i = 0; i < command.inputs.size(); ++i) {
+        const Outcome outcome = Validator(command, console).run(command.inputs[i], (*stems)[i]);
+        for (const std::string& text : outcome.warnings)
+            console.warning(common, outcome.input.string() + ": " + text);
+        Json file;
+        file["input"] = outcome.input.string();
+        file["status"] = outcome.error ? "failed" : "ok";
+        if (outcome.error) {
+            ++failed;
+            console.error(*outcome.error);
+            file["error"] = to_json(*outcome.error);
+        } else {
+            console.result(common,
+                           fmt::format("{} → {}  {}", outcome.input.string(), outcome.page.string(),
+                                       duration(outcome.milliseconds)));
+            for (const std::filesystem::path& sheet : outcome.sheets)
+                console.result(common, "  " + sheet.string());
+            for (const std::string& line : findings_text(outcome.findings, outcome.mesh_names, 4))
+                console.result(common, line);
+            file["page"] = outcome.page.string();
+            file["sheets"] = Json::array();
+            for (const std::filesystem::path& sheet : outcome.sheets)
+                file["sheets"].push_back(sheet.string());
+        }
+        file["numbers"] = outcome.numbers;
+        file["findings"] = Json::array();
+        for (const prep::Finding& f : outcome.findings) file["findings"].push_back(to_json(f, {}));
+        file["warnings"] = outcome.warnings;
+        file["milliseconds"] = outcome.milliseconds;
+        document["files"].push_back(std::move(file));
+    }
+    console.progress(common, "");
+    if (common.json) console.json(json_text(document));
+    return failed > 0 ? exit_failed : exit_done;
+}
+
+}  // namespace meshprep

@@ -1,0 +1,32 @@
+#include "meshprep/files/interrupt.h"
+
+#include <pthread.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <thread>
+
+#include "prep/io.h"
+
+namespace meshprep {
+
+void watch_interrupts() {
+    sigset_t signals;
+    sigemptyset(&signals);
+    bool any = false;
+    for (const int number : {SIGINT, SIGTERM, SIGHUP}) {
+        struct sigaction old {};
+        if (sigaction(number, nullptr, &old) == 0 && old.sa_handler == SIG_IGN) continue;
+        sigaddset(&signals, number);
+        any = true;
+    }
+    if (!any || pthread_sigmask(SIG_BLOCK, &signals, nullptr) != 0) return;
+    std::thread([signals] {
+        int number = 0;
+        if (sigwait(&signals, &number) != 0) return;
+        prep::discard_unfinished_files();
+        ::_exit(128 + number);
+    }).detach();
+}
+
+}  // namespace meshprep

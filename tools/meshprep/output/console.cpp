@@ -1,0 +1,96 @@
+#include "meshprep/output/console.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace meshprep {
+
+void Console::result(const CommonOptions& common, const std::string& line) {
+    if (common.json || common.quiet) return;
+    progress(common, "");
+    out_ << line << '\n';
+}
+
+void Console::json(const std::string& text) {
+    out_ << text << '\n';
+}
+
+void Console::warning(const CommonOptions& common, const std::string& text) {
+    if (common.quiet) return;
+    progress(common, "");
+    err_ << "meshprep: warning: " << text << '\n';
+}
+
+void Console::error(const std::string& text) {
+    if (progress_shown_) err_ << "\r\033[K";
+    progress_shown_ = false;
+    err_ << "meshprep: error: " << text << '\n';
+}
+
+void Console::error(const prep::Error& e) {
+    error(prep::to_string(e));
+}
+
+void Console::progress(const CommonOptions& common, const std::string& text) {
+    if (!terminal_ || common.quiet || (text.empty() && !progress_shown_)) return;
+    err_ << "\r\033[K" << text << std::flush;
+    progress_shown_ = !text.empty();
+}
+
+std::string with_commas(std::uint64_t value) {
+    std::string digits = std::to_string(value);
+    for (std::size_t i = digits.size(); i > 3; i -= 3) digits.insert(i - 3, ",");
+    return digits;
+}
+
+std::string count_of(std::uint64_t value, const std::string& singular, const std::string& plural) {
+    return with_commas(value) + " " +
+           (value == 1       ? singular
+            : plural.empty() ? singular + "s"
+                             : plural);
+}
+
+std::string duration(double ms) {
+    if (ms < 10) return fmt::format("{:.1f} ms", ms);
+    if (ms < 1000) return fmt::format("{:.0f} ms", ms);
+    return fmt::format("{:.1f} s", ms / 1000);
+}
+
+std::string byte_size(std::uint64_t bytes) {
+    const double b = static_cast<double>(bytes);
+    if (bytes < 1000) return fmt::format("{} B", bytes);
+    if (b < 1e6) return fmt::format("{:.1f} kB", b / 1e3);
+    if (b < 1e9) return fmt::format("{:.1f} MB", b / 1e6);
+    return fmt::format("{:.1f} GB", b / 1e9);
+}
+
+std::size_t display_width(const std::string& utf8) {
+    return static_cast<std::size_t>(
+        std::count_if(utf8.begin(), utf8.end(), [](char c) { return (c & 0xC0) != 0x80; }));
+}
+
+std::vector<std::string> align_table(const std::vector<std::vector<std::string>>& rows,
+                                     const std::vector<bool>& right) {
+    std::vector<std::size_t> widths;
+    for (const auto& row : rows) {
+        widths.resize(std::max(widths.size(), row.size()), 0);
+        for (std::size_t i = 0; i < row.size(); ++i)
+            widths[i] = std::max(widths[i], display_width(row[i]));
+    }
+    std::vector<std::string> lines;
+    for (const auto& row : rows) {
+        std::string line;
+        for (std::size_t i = 0; i < row.size(); ++i) {
+            const std::string pad(widths[i] - display_width(row[i]), ' ');
+            const bool to_right = i < right.size() && right[i];
+            line += "  ";
+            line += to_right ? pad + row[i] : row[i] + pad;
+        }
+        line.erase(line.find_last_not_of(' ') + 1);
+        lines.push_back(std::move(line));
+    }
+    return lines;
+}
+
+}  // namespace meshprep

@@ -1,0 +1,540 @@
+#include "sheets/panels.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+
+#include "sheets/edges.h"
+#include "sheets/figures.h"
+#include "sheets/overlay.h"
+#include "sheets/shot.h"
+#include "sheets/test_patterns.h"
+
+namespace report {
+namespace {
+
+using prep::Material;
+using prep::no_index;
+using prep::Result;
+
+constexpr Color ink = rgb(0x1f2937);
+constexpr Color tangent_color = rgb(0xdc2626);
+constexpr Color bitangent_color = rgb(0x15803d);
+
+Color class_color(EdgeClass kind) {
+    switch (kind) {
+        case EdgeClass::angle:
+            return rgb(0xdc2626);
+        case EdgeClass::smoothing_group:
+            return rgb(0xc026d3);
+        case EdgeClass::mark:
+            return rgb(0xea580c);
+        case EdgeClass::material:
+            return rgb(0x7c3aed);
+        case EdgeClass::uv_request:
+            return rgb(0x0891b2);
+        case EdgeClass::authored:
+            return rgb(0xd97706);
+        case EdgeClass::non_manifold:
+            return rgb(0x111827);
+        case EdgeClass::border:
+            return rgb(0x2563eb);
+        case EdgeClass::uv_seam:
+            return rgb(0x0d9488);
+        case EdgeClass::smooth:
+            break;
+    }
+    return rgb(0x9ca3af);
+}
+
+std::string commas(std::uint64_t value) {
+    std::string digits = std::to_string(value);
+    for (std::size_t i = digits.size(); i > 3; i -= 3) digits.insert(i - 3, ",");
+    return digits;
+}
+
+// Root mean square over pixels that both pictures cover, in 8-bit levels; the largest too.
+struct Difference {
+    double rms = 0, largest = 0;
+};
+Difference difference(const prep::Image& a, const prep::Image& b) {
+    double sum = 0, largest = 0;
+    std::uint64_t count = 0;
+    for (std::size_t i = 0; i + 3 < a.pixels.size(); i += 4) {
+        if (!(a.pixels[i + 3] > 0) || !(b.pixels[i + 3] > 0)) continue;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const double d = 255.0 * (a.pixels[i + k] - b.pixels[i + k]);
+            sum += d * d;
+            largest = std::max(largest, std::abs(d));
+            ++count;
+        }
+    }
+    return {count > 0 ? std::sqrt(sum / static_cast<double>(count)) : 0, largest};
+}
+
+class Maker {
+  public:
+    Maker(Subject subject, const PanelOptions& options)
+        : subject_(std::move(subject)),
+          scene_(subject_.scene),
+          options_(options),
+          materials_(scene_.scene.materials) {
+        // Faces without a material get one, so that it can be replaced like the others.
+        materials_.push_back({});
+        for (prep::VertexMesh& mesh : scene_.meshes) {
+            for (prep::VertexMesh::Range& range : mesh.ranges)
+                range.material = std::min<std::uint32_t>(
+                    range.material, static_cast<std::uint32_t>(materials_.size() - 1));
+            triangles_ += mesh.triangle_count();
+            vertices_ += mesh.vertex_count();
+            with_normals_ |= !mesh.normals.empty();
+            with_tangents_ |= !mesh.tangents.empty();
+            with_uvs_ |= !mesh.uvs.empty();
+            for (const prep::VertexMesh::Range& range : mesh.ranges)
+                normal_mapped_ |= bool(materials_[range.material].normal_map);
+            colors_.push_back(std::move(mesh.colors));
+            mesh.colors.clear();
+        }
+        // Open and one-sided surfaces are drawn from both sides: nothing is to be missing.
+        view_ = fitted_view(scene_, options.azimuth, options.elevation);
+        world_ = prep::world_transforms(scene_.scene);
+    }
+
+    Result<PanelSet> run() {
+        if (triangles_ == 0) {
+            const std::pair<const char*, const char*> all[] = {{"flat", "Flat"},
+                                                               {"gouraud", "Gouraud"},
+                                                               {"phong", "Phong"},
+                                                               {"normal-mapped", "Normal-mapped"}};
+            for (const auto& [id, title] : all) add_note(id, title, "No faces: nothing to shade.");
+            return std::move(out_);
+        }
+        const auto steps = {&Maker::shadings,   &Maker::normals,   &Maker::tangents,
+                            &Maker::uv_checker, &Maker::wireframe, &Maker::hard_edges,
+                            &Maker::materials};
+        for (const auto step : steps)
+            if (std::optional<prep::Error> error = (this->*step)()) return *std::move(error);
+        return std::move(out_);
+    }
+
+  private:
+    using Step = std::optional<prep::Error>;
+
+    Material neutral(float grey, float specular) const {
+        Material m;
+        m.diffuse = glm::vec4(glm::vec3(grey), 1.0f);
+        m.specular = glm::vec3(specular);
+        m.shininess = 40;
+        return m;
+    }
+
+    // Every material like `model`; with the file's normal maps where asked for.
+    void dress(const Material& model, bool normal_maps) {
+        scene_.scene.materials.assign(materials_.size(), model);
+        if (!normal_maps) return;
+        for (std::size_t m = 0; m < materials_.size(); ++m) {
+            Material& material = scene_.scene.materials[m];
+            material.normal_map = materials_[m].normal_map;
+            material.normal_map_space = materials_[m].normal_map_space;
+            material.normal_map_flip_green = materials_[m].normal_map_flip_green;
+        }
+    }
+
+    Result<Shot> shoot(rast::Shading shading, bool data = false) {
+        ShotOptions shot;
+        shot.size = options_.size;
+        shot.samples = options_.samples;
+        shot.shading = shading;
+        shot.cull = rast::Cull::none;
+        shot.threads = options_.threads;
+        shot.data = data;
+        if (data) shot.lights = normal_color_lights();
+        Result<Shot> taken = take_shot(scene_, view_, shot);
+        if (taken)
+            for (const std::string& text : taken->frame.warnings)
+                if (std::find(out_.warnings.begin(), out_.warnings.end(), text) ==
+                    out_.warnings.end())
+                    out_.warnings.push_back(text);
+        return taken;
+    }
+
+    Panel& add(const char* id, const char* title, std::string caption, std::string alt) {
+        Panel panel;
+        panel.id = id;
+        panel.title = title;
+        panel.caption = std::move(caption);
+        panel.alt = subject_.name + ", " + std::move(alt);
+        out_.panels.push_back(std::move(panel));
+        return out_.panels.back();
+    }
+    void add_note(const char* id, const char* title, const std::string& note) {
+        Panel& panel = add(id, title, "", "not drawn: " + note);
+        panel.note = note;
+    }
+
+    // The image that a texture slot is given for a panel.
+    std::uint32_t add_texture(prep::ImageRef image) {
+        prep::Scene& scene = scene_.scene;
+        prep::Texture texture;
+        texture.image = static_cast<std::uint32_t>(scene.images.size());
+        scene.images.push_back(std::move(image));
+        scene.textures.push_back(texture);
+        return static_cast<std::uint32_t>(scene.textures.size() - 1);
+    }
+
+    Step shadings() {
+        const Material grey = neutral(0.40f, 0.9f);
+        dress(grey, false);
+        Result<Shot> flat = shoot(rast::Shading::flat);
+        if (!flat) return flat.error();
+        add("flat", "Flat", fmt::format("One normal a triangle: {} facets", commas(triangles_)),
+            "flat shading: each triangle has one shade")
+            .picture = flat->image;
+        Result<Shot> gouraud = shoot(rast::Shading::gouraud);
+        if (!gouraud) return gouraud.error();
+        add("gouraud", "Gouraud",
+            fmt::format("Light at {} vertices, interpolated: highlights smear", commas(vertices_)),
+            "Gouraud shading: light is interpolated between vertices")
+            .picture = gouraud->image;
+        Result<Shot> phong = shoot(rast::Shading::phong);
+        if (!phong) return phong.error();
+        add("phong", "Phong", "Normals interpolated, light at every pixel: highlights are round",
+            "Phong shading: normals are interpolated and lit at every pixel")
+            .picture = phong->image;
+        out_.differences.title = "Shadings apart (8-bit levels)";
+        add_difference("flat – Gouraud", flat->image, gouraud->image);
+        add_difference("Gouraud – Phong", gouraud->image, phong->image);
+        return normal_mapped(grey, phong->image);
+    }
+
+    void add_difference(const char* name, const prep::Image& a, const prep::Image& b) {
+        const Difference d = difference(a, b);
+        out_.differences.figures.push_back(
+            {name, fmt::format("RMS {:.2f}, max {:.0f}", d.rms, d.largest)});
+    }
+
+    Step normal_mapped(Material grey, const prep::Image& phong) {
+        std::string caption;
+        if (normal_mapped_) {
+            dress(grey, true);
+            caption = "The file's normal maps: relief lit as the light falls";
+        } else if (with_uvs_ && with_tangents_) {
+            Result<prep::ImageRef> map = bump_normal_map();
+            if (!map) return map.error();
+            grey.normal_map.texture = add_texture(*std::move(map));
+            dress(grey, false);
+            caption = "Test pattern (no material has a normal map): all must look like bumps";
+        } else {
+            add_note("normal-mapped", "Normal-mapped",
+                     with_uvs_ ? "No tangents were prepared, and a normal map needs them."
+                               : "No UVs: a normal map has nothing to lie on.");
+            return {};
+        }
+        Result<Shot> shot = shoot(rast::Shading::normal_mapped);
+        if (!shot) return shot.error();
+        // The plan has the last word: if it shaded without maps, the picture says why.
+        for (const rast::PlanStep& step : shot->plan.steps)
+            if (step.name == "normal maps" && !step.run) caption = step.reason;
+        add("normal-mapped", "Normal-mapped", caption,
+            normal_mapped_ ? "shaded with the file's normal maps"
+                           : "shaded with a test pattern of round bumps")
+            .picture = shot->image;
+        add_difference("Phong – normal-mapped", phong, shot->image);
+        return {};
+    }
+
+    // Vertices to put marks on: one per cell of the screen, but each of those at the same place.
+    struct Mark {
+        std::uint32_t node, vertex;
+        glm::dvec3 world;
+        double pixel;  // world units
+    };
+    std::vector<Mark> marks(const Overlay& overlay, double cell) const {
+        struct Taken {
+            glm::dvec3 world;
+            int count;
+        };
+        std::map<std::pair<std::int64_t, std::int64_t>, Taken> cells;
+        std::vector<Mark> found;
+        for (std::uint32_t n = 0; n < scene_.scene.nodes.size(); ++n) {
+            const std::uint32_t m = scene_.scene.nodes[n].mesh;
+            if (m == no_index) continue;
+            const prep::VertexMesh& mesh = scene_.meshes[m];
+            for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v) {
+                const glm::dvec3 p = to_world(n, glm::dvec3(mesh.positions[v]) + mesh.origin);
+                const rast::Projected at = overlay.projected(p);
+                if (!at.visible) continue;
+                const auto key = std::make_pair(static_cast<std::int64_t>(std::floor(at.x / cell)),
+                                                static_cast<std::int64_t>(std::floor(at.y / cell)));
+                const auto there = cells.find(key);
+                // Up to eight normals at one place: hard corners show all of theirs.
+                if (there != cells.end() && (there->second.world != p || there->second.count >= 8))
+                    continue;
+                if (!overlay.visible(p)) continue;
+                if (there == cells.end())
+                    cells.emplace(key, Taken{p, 1});
+                else
+                    ++there->second.count;
+                found.push_back({n, v, p, overlay.pixel_extent(p)});
+            }
+        }
+        return found;
+    }
+
+    glm::dvec3 to_world(std::uint32_t node, const glm::dvec3& p) const {
+        return glm::dvec3(world_[node] * glm::dvec4(p, 1.0));
+    }
+    glm::dvec3 direction_to_world(std::uint32_t node, const glm::dvec3& d) const {
+        const glm::dvec3 w = glm::dmat3(world_[node]) * d;
+        const double length = glm::length(w);
+        return length > 0 ? w / length : w;
+    }
+    glm::dvec3 normal_to_world(std::uint32_t node, const glm::dvec3& n) const {
+        const glm::dmat3 l(world_[node]);
+        const glm::dmat3 cofactor(glm::cross(l[1], l[2]), glm::cross(l[2], l[0]),
+                                  glm::cross(l[0], l[1]));
+        const double sign = glm::dot(l[0], cofactor[0]) < 0 ? -1 : 1;
+        const glm::dvec3 w = cofactor * n * sign;
+        const double length = glm::length(w);
+        return length > 0 ? w / length : w;
+    }
+    double scale() const { return options_.size / 480.0; }
+
+    Step normals() {
+        if (!with_normals_) {
+            add_note("normals", "Normals", "No normals were prepared: nothing that is lit.");
+            return {};
+        }
+        Material white = neutral(1.0f, 0.0f);
+        dress(white, false);
+        Result<Shot> shot = shoot(rast::Shading::phong, true);
+        if (!shot) return shot.error();
+        Overlay overlay(*shot);
+        for (const Mark& mark : marks(overlay, 20 * scale())) {
+            const prep::VertexMesh& mesh = scene_.meshes[scene_.scene.nodes[mark.node].mesh];
+            if (mesh.normals.empty()) continue;
+            const glm::dvec3 n = normal_to_world(mark.node, glm::dvec3(mesh.normals[mark.vertex]));
+            overlay.segment(mark.world, mark.world + n * (16 * scale() * mark.pixel), ink,
+                            1.1 * scale());
+        }
+        add("normals", "Normals", "x, y, z as red, green, blue; ticks at vertices",
+            "its interpolated normals as colours, with ticks at vertices")
+            .picture = overlay.image();
+        return {};
+    }
+
+    Step tangents() {
+        if (!with_tangents_) {
+            add_note("tangents", "Tangents",
+                     with_uvs_ ? "No tangents were prepared: switched off by the options."
+                               : "No UVs: tangents are not defined.");
+            return {};
+        }
+        dress(neutral(0.72f, 0.0f), false);
+        std::uint64_t mirrored = 0;
+        for (prep::VertexMesh& mesh : scene_.meshes) {
+            if (mesh.tangents.empty()) continue;
+            auto& tint = mesh.colors.emplace_back(mesh.vertex_count(), glm::vec4(1));
+            for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
+                if (!mirrored_uv(mesh, t)) continue;
+                ++mirrored;
+                for (int k = 0; k < 3; ++k)
+                    tint[mesh.indices[3 * t + k]] = glm::vec4(0.55f, 0.72f, 1.0f, 1.0f);
+            }
+        }
+        Result<Shot> shot = shoot(rast::Shading::phong);
+        for (prep::VertexMesh& mesh : scene_.meshes) mesh.colors.clear();
+        if (!shot) return shot.error();
+        Overlay overlay(*shot);
+        for (const Mark& mark : marks(overlay, 22 * scale())) {
+            const prep::VertexMesh& mesh = scene_.meshes[scene_.scene.nodes[mark.node].mesh];
+            if (mesh.tangents.empty() || mesh.normals.empty()) continue;
+            const glm::dvec4 t(mesh.tangents[mark.vertex]);
+            const glm::dvec3 b =
+                t.w * glm::cross(glm::dvec3(mesh.normals[mark.vertex]), glm::dvec3(t));
+            // Lifted off the surface by a pixel, along the normal: they lie in it otherwise.
+            const glm::dvec3 foot =
+                mark.world +
+                normal_to_world(mark.node, glm::dvec3(mesh.normals[mark.vertex])) * mark.pixel;
+            const double length = 14 * scale() * mark.pixel;
+            overlay.segment(foot, foot + direction_to_world(mark.node, b) * length, bitangent_color,
+                            1.3 * scale());
+            overlay.segment(foot, foot + direction_to_world(mark.node, glm::dvec3(t)) * length,
+                            tangent_color, 1.3 * scale());
+        }
+        Panel& panel = add("tangents", "Tangents",
+                           mirrored > 0 ? fmt::format("{} of {} triangles have mirrored UVs",
+                                                      commas(mirrored), commas(triangles_))
+                                        : std::string("No mirrored UVs"),
+                           "its tangents and bitangents as ticks");
+        panel.picture = overlay.image();
+        panel.legend = {{tangent_color, "tangent"}, {bitangent_color, "bitangent"}};
+        if (mirrored > 0) panel.legend.push_back({rgb(0x9dbdf5), "mirrored"});
+        return {};
+    }
+
+    Step uv_checker() {
+        if (!with_uvs_) {
+            add_note("uv", "UV checker", "No UVs in the file.");
+            return {};
+        }
+        Result<prep::ImageRef> checker = report::uv_checker();
+        if (!checker) return checker.error();
+        Material material = neutral(1.0f, 0.06f);
+        material.diffuse_map.texture = add_texture(*std::move(checker));
+        dress(material, false);
+        Result<Shot> shot = shoot(rast::Shading::phong);
+        if (!shot) return shot.error();
+        add("uv", "UV checker", "Set 0: letters must not be mirrored, squares not be stretched",
+            "a checker with letters laid over it by its UVs")
+            .picture = shot->image;
+        return {};
+    }
+
+    // Calls use(node, a, b, kind) for every edge of every instance, in world space.
+    template <class Use>
+    void each_edge(const Use& use) {
+        if (edges_.empty()) {
+            prep::PrepareOptions prepare = options_.prepare;
+            prepare.threads = options_.threads;
+            for (const prep::Mesh& mesh : scene_.scene.meshes)
+                edges_.push_back(classify_edges(mesh, prepare));
+        }
+        for (std::uint32_t n = 0; n < scene_.scene.nodes.size(); ++n) {
+            const std::uint32_t m = scene_.scene.nodes[n].mesh;
+            if (m == no_index) continue;
+            const prep::Mesh& mesh = scene_.scene.meshes[m];
+            for (const ClassedEdge& edge : edges_[m])
+                use(to_world(n, glm::dvec3(mesh.positions[edge.v0]) + mesh.origin),
+                    to_world(n, glm::dvec3(mesh.positions[edge.v1]) + mesh.origin), edge.kind);
+        }
+    }
+
+    Step wireframe() {
+        dress(neutral(0.86f, 0.0f), false);
+        Result<Shot> shot = shoot(rast::Shading::phong);
+        if (!shot) return shot.error();
+        clay_ = *std::move(shot);
+        Overlay overlay(*clay_);
+        // Where edges are shorter than a few pixels, full ink would blacken the picture.
+        double pixels = 0;
+        std::uint64_t count = 0;
+        each_edge([&](const glm::dvec3& a, const glm::dvec3& b, EdgeClass) {
+            const rast::Projected p = overlay.projected(a), q = overlay.projected(b);
+            if (!p.visible || !q.visible) return;
+            pixels += std::hypot(p.x - q.x, p.y - q.y);
+            ++count;
+        });
+        const double mean = count > 0 ? pixels / static_cast<double>(count) : 0;
+        const Color color = rgb(0x1e3a5f, static_cast<float>(std::clamp(mean / 8, 0.1, 0.9)));
+        const double width = (mean > 10 ? 1.2 : 0.9) * scale();
+        each_edge([&](const glm::dvec3& a, const glm::dvec3& b, EdgeClass) {
+            overlay.segment(a, b, color, width);
+        });
+        add("wireframe", "Wireframe",
+            fmt::format("{} edges as in the file, {:.1f} px long on average", commas(count), mean),
+            "its edges, those behind the surface left out")
+            .picture = overlay.image();
+        return {};
+    }
+
+    Step hard_edges() {
+        Overlay overlay(*clay_);
+        std::array<std::uint64_t, edge_class_count> counts{};
+        // Rarer and graver classes are drawn over the others.
+        const EdgeClass order[] = {
+            EdgeClass::uv_seam,    EdgeClass::border,          EdgeClass::authored,
+            EdgeClass::uv_request, EdgeClass::material,        EdgeClass::mark,
+            EdgeClass::angle,      EdgeClass::smoothing_group, EdgeClass::non_manifold};
+        for (const EdgeClass kind : order) {
+            each_edge([&](const glm::dvec3& a, const glm::dvec3& b, EdgeClass edge) {
+                if (edge != kind) return;
+                ++counts[static_cast<std::size_t>(kind)];
+                const bool thin = kind == EdgeClass::uv_seam;
+                overlay.segment(a, b, class_color(kind), (thin ? 1.2 : 2.0) * scale());
+            });
+        }
+        std::uint64_t hard = 0;
+        out_.edges.title = "Edges";
+        Panel& panel = add("hard-edges", "Hard edges", "", "the edges where its shading breaks");
+        for (std::size_t i = std::size(order); i-- > 0;) {
+            const std::uint64_t n = counts[static_cast<std::size_t>(order[i])];
+            if (n == 0) continue;
+            panel.legend.push_back({class_color(order[i]), edge_class_name(order[i])});
+            out_.edges.figures.push_back(
+                {edge_class_name(order[i]), commas(n), order[i] == EdgeClass::non_manifold});
+            if (order[i] != EdgeClass::uv_seam && order[i] != EdgeClass::border) hard += n;
+        }
+        panel.caption = hard > 0 ? fmt::format("Shading breaks at {} edges", commas(hard))
+                                 : std::string("Shading breaks nowhere: all edges are smooth");
+        if (out_.edges.figures.empty())
+            out_.edges.figures.push_back({"hard, open or seam", "none"});
+        panel.picture = overlay.image();
+        return {};
+    }
+
+    Step materials() {
+        scene_.scene.materials = materials_;
+        for (std::size_t m = 0; m < scene_.meshes.size(); ++m)
+            scene_.meshes[m].colors = std::move(colors_[m]);
+        Result<Shot> shot = shoot(rast::Shading::normal_mapped);
+        if (!shot) return shot.error();
+        add("materials", "Materials", "The file's own materials under this sheet's lights",
+            "drawn with its own materials and textures")
+            .picture = shot->image;
+        return {};
+    }
+
+    Subject subject_;
+    prep::PreparedScene& scene_;
+    const PanelOptions& options_;
+    std::vector<Material> materials_;
+    std::vector<std::vector<std::vector<glm::vec4>>> colors_;
+    std::uint64_t triangles_ = 0, vertices_ = 0;
+    bool with_normals_ = false, with_tangents_ = false, with_uvs_ = false, normal_mapped_ = false;
+    rast::View view_;
+    std::vector<glm::dmat4> world_;
+    std::vector<std::vector<ClassedEdge>> edges_;
+    std::optional<Shot> clay_;
+    PanelSet out_;
+};
+
+}  // namespace
+
+Subject whole_subject(const prep::PreparedScene& prepared, std::string name) {
+    return {std::move(name), prepared};
+}
+
+Subject mesh_subject(const prep::PreparedScene& prepared, std::uint32_t mesh) {
+    Subject subject;
+    prep::PreparedScene& out = subject.scene;
+    const prep::Scene& scene = prepared.scene;
+    subject.name = scene.meshes[mesh].name.empty() ? "mesh " + std::to_string(mesh)
+                                                   : "mesh '" + scene.meshes[mesh].name + "'";
+    out.scene.source = scene.source;
+    out.scene.meshes = {scene.meshes[mesh]};
+    out.scene.materials = scene.materials;
+    out.scene.textures = scene.textures;
+    out.scene.images = scene.images;
+    out.meshes = {prepared.meshes[mesh]};
+    out.requirements = {prepared.requirements[mesh]};
+    prep::Node node;
+    node.mesh = 0;
+    const std::vector<glm::dmat4> world = prep::world_transforms(scene);
+    for (std::size_t n = 0; n < scene.nodes.size(); ++n) {
+        if (scene.nodes[n].mesh != mesh) continue;
+        node.transform = world[n];
+        break;
+    }
+    out.scene.nodes.push_back(std::move(node));
+    return subject;
+}
+
+Result<PanelSet> make_panels(Subject subject, const PanelOptions& options) {
+    return Maker(std::move(subject), options).run();
+}
+
+}  // namespace report

@@ -1,0 +1,41 @@
+// The pictures of a validation sheet: four shadings, the file's materials, normals, tangents, UVs,
+// wireframe and hard edges.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "prep/prepare.h"
+#include "prep/result.h"
+#include "sheets/sheet.h"
+
+namespace report {
+
+struct PanelOptions {
+    std::uint32_t size = 480;             // pixels
+    std::uint32_t samples = 3;            // per pixel and axis
+    double azimuth = 30, elevation = 20;  // degrees
+    prep::PrepareOptions prepare;         // what the scene was prepared with: names hard edges
+    int threads = 0;
+};
+
+// What is drawn on one sheet: a scene of its own, changed while drawing.
+struct Subject {
+    std::string name;
+    prep::PreparedScene scene;
+};
+
+// The whole scene, or one mesh alone under the transform of its first instance.
+Subject whole_subject(const prep::PreparedScene& prepared, std::string name);
+Subject mesh_subject(const prep::PreparedScene& prepared, std::uint32_t mesh);
+
+struct PanelSet {
+    std::vector<Panel> panels;
+    FigureGroup differences;  // how far the shadings are apart, in 8-bit levels
+    FigureGroup edges;        // how many of each class
+    std::vector<std::string> warnings;
+};
+
+prep::Result<PanelSet> make_panels(Subject subject, const PanelOptions& options);
+
+}  // namespace report
