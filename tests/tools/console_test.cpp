@@ -1,5 +1,5 @@
 // How the command writes numbers, sizes and tables, and which files it takes from a directory.
-#include "meshprep/console.h"
+#include "meshprep/output/console.h"
 
 #include <gtest/gtest.h>
 
