@@ -163,6 +163,7 @@ TEST(DiffUsage, WhatCannotBeComparedExitsOneAndSaysWhy) {
     const TemporaryDirectory dir;
     const std::string a = save_levels(dir, "a.png", 1, {1, 2, 3});
     const std::string wide = save_levels(dir, "wide.png", 2, {1, 2, 3, 4, 5, 6});
+    const std::string tall = save_levels(dir, "tall.png", 1, {1, 2, 3, 4, 5, 6});
     write_text(dir / "cube.obj", test::cube_obj());
     write_text(dir / "lean.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nf 1//1 2//1 3//1\n");
     const std::string cube = (dir / "cube.obj").string(), lean = (dir / "lean.obj").string();
@@ -171,6 +172,7 @@ TEST(DiffUsage, WhatCannotBeComparedExitsOneAndSaysWhy) {
         const char* text;
     } cases[] = {
         {{a, wide}, "the pictures differ in size: 1×1 against 2×1"},
+        {{tall, a}, "the pictures differ in size: 1×2 against 1×1"},
         {{a, cube}, "one is a picture, the other a mesh"},
         {{a, a, "--normals"}, "pictures have no normals or tangents"},
         {{cube, cube}, "the files share neither normals nor tangents"},
@@ -363,6 +365,16 @@ TEST(DiffMeshes, DirectionsThatAreNoneAreCountedAndHoldNoTolerance) {
                   std::string::npos)
             << words;
     }
+    // A face without normals in one file alone.
+    const char* face = "f 1//1 2//1 3//1\n";
+    const std::string both = save("both.obj", std::string(face) + face),
+                      half = save("half.obj", std::string(face) + "f 1 2 3\n");
+    for (const auto& [left, right] : {std::pair{both, half}, std::pair{half, both}}) {
+        const json found = part(run_here({"diff", left, right, "--json"}));
+        EXPECT_EQ(found["compared"], 6);
+        EXPECT_EQ(found["invalid"], 3);
+    }
+    EXPECT_EQ(part(run_here({"diff", half, half, "--json"}))["compared"], 3);
     // Length is no direction.
     const json longer = part(run_here({"diff", a, save("c.obj", "f 1//4 2//4 3//4\n"), "--json"}));
     EXPECT_EQ(longer["invalid"], 0);
@@ -421,6 +433,21 @@ TEST(DiffMeshes, BothAttributesAreComparedWhereBothFilesHaveThem) {
     EXPECT_EQ(run_here({"diff", a, c, "--tolerance", "90"}).exit_code, 0);
     EXPECT_EQ(run_here({"diff", a, c, "--tolerance", "89"}).exit_code, 1);
     EXPECT_EQ(run_here({"diff", a, c, "--tolerance", "89", "--normals"}).exit_code, 0);
+    // And the other way round: it takes both.
+    std::string leaning = test::read_text(a);
+    const std::vector<float> upright = {0, 0, 1, 0, 0, 1, 0, 0, 1},
+                             tilted = {0, 0.6f, 0.8f, 0, 0, 1, 0, 0, 1};
+    const auto coded = [](const std::vector<float>& values) {
+        return test::base64_of(
+            std::string(reinterpret_cast<const char*>(values.data()), values.size() * 4));
+    };
+    const std::size_t at = leaning.find(coded(upright));
+    ASSERT_NE(at, std::string::npos);
+    leaning.replace(at, coded(upright).size(), coded(tilted));
+    write_text(dir / "d.gltf", leaning);
+    const std::string d = (dir / "d.gltf").string();
+    EXPECT_EQ(run_here({"diff", a, d, "--tolerance", "30"}).exit_code, 1);
+    EXPECT_EQ(run_here({"diff", a, d, "--tolerance", "30", "--tangents"}).exit_code, 0);
 }
 
 }  // namespace

@@ -235,6 +235,10 @@ TEST(InspectFigures, AreThoseOfAnOpenSurfaceWithLooseParts) {
     EXPECT_EQ(two.substr(0, 7), "(edges ");
     EXPECT_EQ(std::count(two.begin(), two.end(), ','), 2) << two;
     EXPECT_NE(two.find(", …)"), std::string::npos);
+    const std::string text =
+        run_here({"inspect", (dir / "parts.obj").string(), "--places", "2"}).out;
+    const std::string holes = text.substr(text.find("form a loop"));
+    EXPECT_NE(holes.substr(0, holes.find('\n')).find(", …)"), std::string::npos) << holes;  // of 3
 }
 
 TEST(InspectFigures, BadEdgesAndMixedOrientationAreTold) {
@@ -312,7 +316,7 @@ TEST(InspectFigures, AreThoseOfTheDocument) {
               {},
               {},
               {0, 1, 2},
-              R"("targets":[{"POSITION":2}])",
+              R"("targets":[{"POSITION":2}]},{"attributes":{"POSITION":2},"indices":3)",
               R"("camera":0,"extensions":{"KHR_lights_punctual":{"light":1}})"});
     EXPECT_EQ(gltf.add_scalars({0, 1, 2}), 4u);
     const std::string text = gltf.text(
@@ -340,7 +344,7 @@ TEST(InspectFigures, AreThoseOfTheDocument) {
         const json file = inspected(dir / name);
         EXPECT_EQ(file["gltf"], (json{{"nodes", 2},
                                       {"meshes", 2},
-                                      {"primitives", 2},
+                                      {"primitives", 3},
                                       {"morph_targets", 4},
                                       {"skins", 1},
                                       {"animations", 2},
@@ -353,7 +357,7 @@ TEST(InspectFigures, AreThoseOfTheDocument) {
                                       {"extensions", {"KHR_lights_punctual", "X_unknown"}}}))
             << name;
         EXPECT_EQ(file["counts"]["meshes"], 2);
-        EXPECT_EQ(file["counts"]["triangles"], 2);
+        EXPECT_EQ(file["counts"]["triangles"], 3);
         EXPECT_EQ(file["counts"]["materials"], 2);
         EXPECT_EQ(file["counts"]["textures"], 4);
         const std::string words = run_here({"inspect", (dir / name).string()}).out;
@@ -381,6 +385,12 @@ TEST(Inspect, EachFileHasItsOwnVerdictAndOneFailureIsTheExitCode) {
     EXPECT_EQ(files[1]["meshes"][0]["quads"], 6);
     EXPECT_EQ(run_here({"inspect", good, good}).exit_code, 0);
     EXPECT_EQ(run_here({"inspect", good, bad}).exit_code, 1);
+    // What is grave is said first, wherever it was found.
+    write_text(dir / "order.obj",
+               "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nvn 0 0 0\nf 1//1 2//1 3//2\n");
+    const std::string order = run_here({"inspect", (dir / "order.obj").string()}).out;
+    ASSERT_NE(order.find("zero-normal"), std::string::npos) << order;
+    EXPECT_LT(order.find("zero-normal"), order.find("open-edge"));
     // --strict: warnings fail, what is merely told does not.
     write_text(dir / "open.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
     const std::string open = (dir / "open.obj").string();

@@ -113,15 +113,20 @@ TEST(PrepareReport, FilesThatFailAndFilesWithWarningsAreCountedApart) {
     // A normal of no length is replaced, which is a warning.
     write_text(dir / "odd.obj",
                "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nvn 0 0 0\nf 1//1 2//1 3//2\n");
+    // A corner without a normal gets one, which is merely told.
+    write_text(dir / "some.obj",
+               "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nvn 0 0 1\n"
+               "f 1//1 2//1 3//1\nf 2 4 3\n");
     const std::vector<std::string> words = {"prepare",
                                             (dir / "good.obj").string(),
                                             (dir / "bad.obj").string(),
                                             (dir / "odd.obj").string(),
+                                            (dir / "some.obj").string(),
                                             "-o",
                                             (dir / "out").string()};
     const test::Ran ran = run_here(words);
     EXPECT_EQ(ran.exit_code, 1);
-    EXPECT_NE(ran.out.find("3 files: 2 ok, 1 failed, 1 with warnings, "), std::string::npos)
+    EXPECT_NE(ran.out.find("4 files: 3 ok, 1 failed, 1 with warnings, "), std::string::npos)
         << ran.out;
     EXPECT_NE(ran.out.find("  8 → 24 vertices, 12 triangles, "), std::string::npos) << ran.out;
     EXPECT_NE(ran.out.find("failed  " + (dir / "bad.obj").string() + "\n"), std::string::npos);
@@ -132,7 +137,9 @@ TEST(PrepareReport, FilesThatFailAndFilesWithWarningsAreCountedApart) {
     std::vector<std::string> as_json = words;
     as_json.push_back("--json");
     const json document = run_here(as_json).json();
-    EXPECT_EQ(document["summary"]["ok"], 2);
+    EXPECT_EQ(document["files"][3]["findings"][0]["kind"], "missing-normal");
+    EXPECT_EQ(document["files"][3]["findings"][0]["severity"], "info");
+    EXPECT_EQ(document["summary"]["ok"], 3);
     EXPECT_EQ(document["summary"]["failed"], 1);
     EXPECT_EQ(document["summary"]["with_warnings"], 1);
     EXPECT_EQ(document["files"][1]["status"], "failed");

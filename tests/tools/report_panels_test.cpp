@@ -344,11 +344,17 @@ TEST(Overlay, DrawsWhatTheEyeSees) {
     EXPECT_NEAR(overlay.projected({1, 0.5, 0}).x, 30, 1e-9);
     EXPECT_NEAR(overlay.projected({1, 0.5, 0}).y, 15, 1e-9);
     // A line on the large square, behind the small one: two pieces.
-    overlay.segment({-0.9, 0.05, 0}, {0.9, 0.05, 0}, report::rgb(0x00ff00), 1);
+    overlay.segment({-0.9, 0.05, 0}, {0.9, 0.05, 0}, report::rgb(0x00ff00), 1.5);
     const prep::Image image = overlay.image();
-    for (std::uint32_t x = 12; x < 28; ++x)
+    for (std::uint32_t x = 10; x < 30; ++x) {
+        if (x == 14 || x == 15 || x == 24 || x == 25) continue;  // round ends
         EXPECT_EQ(image.at(x, 19)[1] > 0.99f && image.at(x, 19)[0] < 0.01f, x < 15 || x >= 25) << x;
-    EXPECT_NE(image.at(13, 18)[1], 1.0f);
+    }
+    // A quarter of the rows beside it, on a surface that stays opaque.
+    for (int k = 0; k < 3; ++k)
+        EXPECT_NEAR(image.at(13, 18)[k], 0.75f * shot->image.at(13, 18)[k] + (k == 1 ? 0.25f : 0),
+                    1e-5f);
+    EXPECT_NEAR(image.at(13, 18)[3], 1, 1e-6f);
 }
 
 }  // namespace
