@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstring>
 #include <map>
+#include <memory>
 #include <random>
 #include <tuple>
 
@@ -18,7 +20,9 @@
 #include "exact/reproducible_sum.h"
 #include "prep/simd.h"
 #include "surface/corner_tree.h"
+#include "surface/position_filter.h"
 #include "surface/vertex_corners.h"
+#include "tangents/terms.h"
 #include "tangents/weld.h"
 
 namespace {
@@ -192,6 +196,10 @@ TEST(DisjointSets, AreNamedByTheirLowestMemberInAnyOrderOfUnions) {
 // Points on a coarse grid, so that many lie on rims of triangles and boxes; some come and go.
 TEST(CornerTree, OffersEveryLivePointInATriangleOrOnItsRim) {
     std::mt19937_64 random(6);
+    // Small whole numbers: exact.
+    const auto side = [](const glm::vec2& a, const glm::vec2& b, const glm::vec2& c) {
+        return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
+    };
     std::vector<glm::vec2> points;
     for (int i = 0; i < 300; ++i) points.emplace_back(float(random() % 12), float(random() % 12));
     prep::detail::CornerTree tree(points);
@@ -205,7 +213,7 @@ TEST(CornerTree, OffersEveryLivePointInATriangleOrOnItsRim) {
         }
         const glm::vec2 a = points[random() % points.size()], b = points[random() % points.size()],
                         c = points[random() % points.size()];
-        if (sign_of(a, b, c) <= 0) continue;
+        if (side(a, b, c) <= 0) continue;
         std::vector<bool> offered(points.size(), false);
         std::size_t work = 0;
         tree.any_near(a, b, c, work, [&](Index p) {
@@ -213,8 +221,8 @@ TEST(CornerTree, OffersEveryLivePointInATriangleOrOnItsRim) {
             return false;
         });
         for (Index p = 0; p < points.size(); ++p) {
-            const bool inside = sign_of(a, b, points[p]) >= 0 && sign_of(b, c, points[p]) >= 0 &&
-                                sign_of(c, a, points[p]) >= 0;
+            const bool inside = side(a, b, points[p]) >= 0 && side(b, c, points[p]) >= 0 &&
+                                side(c, a, points[p]) >= 0;
             if (inside && live[p]) {
                 ASSERT_TRUE(offered[p]) << "round " << round << ", point " << p;
                 ++met;
@@ -314,6 +322,76 @@ TEST(EqualPositions, AreFoundByEveryInstructionSetForAnyThreadCount) {
     EXPECT_TRUE(prep::detail::equal_positions(std::vector<glm::vec3>{{0, 0, 0}, {1, 0, 0}}, 1,
                                               prep::SimdLevel::automatic)
                     .empty());
+}
+
+constexpr prep::SimdLevel vector_levels[] = {prep::SimdLevel::sse4, prep::SimdLevel::avx2,
+                                             prep::SimdLevel::avx512};
+
+// The vectors' arc cosine is a polynomial, and where that is near the middle between two floats the
+// library's: in hundreds of thousands of angles some are.
+TEST(TermKernels, GiveTheScalarBitsForAllAngles) {
+    using prep::detail::CornerTerm;
+    using prep::detail::TermBlock;
+    std::mt19937_64 random(9);
+    std::uniform_real_distribution<float> unit(-1, 1);
+    const auto block = std::make_unique<TermBlock>();
+    struct Planes {
+        alignas(64) CornerTerm of[3][TermBlock::size];
+    };
+    const auto expected = std::make_unique<Planes>(), found = std::make_unique<Planes>();
+    for (int round = 0; round < 1500; ++round) {
+        for (std::size_t i = 0; i < TermBlock::size; ++i) {
+            for (int k = 0; k < 3; ++k) {
+                for (int d = 0; d < 3; ++d)
+                    block->p[k][d][i] = d == 2 ? 0.1f * unit(random) : unit(random);
+                const glm::vec3 n =
+                    glm::normalize(glm::vec3(0.2f * unit(random), 0.2f * unit(random), 1.0f));
+                for (int d = 0; d < 3; ++d) block->n[k][d][i] = n[d];
+                for (int d = 0; d < 2; ++d) block->uv[k][d][i] = unit(random);
+            }
+        }
+        CornerTerm* const to[3] = {expected->of[0], expected->of[1], expected->of[2]};
+        const auto wanted = prep::detail::terms_scalar(*block, TermBlock::size, true, to);
+        for (const prep::SimdLevel level : vector_levels) {
+            if (!prep::simd_available(level)) continue;
+            CornerTerm* const into[3] = {found->of[0], found->of[1], found->of[2]};
+            const auto got = prep::detail::term_kernel(level)(*block, TermBlock::size, true, into);
+            ASSERT_EQ(got.counts.mirrored, wanted.counts.mirrored);
+            for (int k = 0; k < 3; ++k)
+                for (std::size_t i = 0; i < TermBlock::size; ++i)
+                    ASSERT_EQ(std::memcmp(&found->of[k][i], &expected->of[k][i], 12), 0)
+                        << prep::to_string(level) << ", round " << round << ", " << i << ' ' << k;
+        }
+    }
+}
+
+// As equal_positions uses it: 16 bits a position, two of them its own; up to twice that where the
+// number of words is rounded up.
+TEST(PositionFilter, LetsLessThanOneInFiftyThroughThatEqualNone) {
+    std::mt19937_64 random(10);
+    std::uniform_real_distribution<float> coordinate(-1, 1);
+    for (const std::size_t count : {1022u, 20000u, 65534u, 65536u}) {
+        std::vector<glm::vec3> scattered, grid;
+        for (std::size_t v = 0; v < count; ++v) {
+            scattered.emplace_back(coordinate(random), coordinate(random), coordinate(random));
+            grid.emplace_back(float(v % 32), float(v / 32 % 32), float(v / 1024));
+        }
+        for (const auto* positions : {&scattered, &grid}) {
+            const std::size_t words = std::bit_ceil(count * 16 / 32 + 1);
+            std::vector<Index> taken(words, 0), shared(words, 0);
+            for (const glm::vec3& p : *positions) {
+                const auto [word, bits] = prep::detail::filter_bits(p, Index(words - 1));
+                if ((taken[word] & bits) == bits) shared[word] |= bits;
+                taken[word] |= bits;
+            }
+            std::size_t through = 0;
+            for (const glm::vec3& p : *positions) {
+                const auto [word, bits] = prep::detail::filter_bits(p, Index(words - 1));
+                through += (shared[word] & bits) == bits;
+            }
+            EXPECT_LT(50 * through, count) << (positions == &grid ? "grid of " : "") << count;
+        }
+    }
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 // A filter for equal positions: a hash of a few bits each, many at once. What it lets through is
-// all that may equal another, and some of the rest: less than one in a hundred.
+// all that may equal another, and some of the rest: less than one in fifty
+// (PositionFilter.LetsLessThanOneInFiftyThroughThatEqualNone).
 #pragma once
 
 #include <bit>
