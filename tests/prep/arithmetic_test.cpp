@@ -22,7 +22,7 @@
 #include "surface/corner_tree.h"
 #include "surface/position_filter.h"
 #include "surface/vertex_corners.h"
-#include "tangents/terms.h"
+#include "tangents/contributions.h"
 #include "tangents/weld.h"
 
 namespace {
