@@ -22,8 +22,8 @@
 #include "surface/corner_tree.h"
 #include "surface/position_filter.h"
 #include "surface/vertex_corners.h"
+#include "surface/weld.h"
 #include "tangents/contributions.h"
-#include "tangents/weld.h"
 
 namespace {
 

@@ -1,103 +1,228 @@
+#include "surface/weld.h"
+
+#include <algorithm>
 #include <bit>
 #include <cmath>
+#include <optional>
+#include <utility>
 
 #include "base/parallel.h"
+#include "base/scratch_buffer.h"
+#include "prep/mesh.h"
 #include "prep/topology.h"
 #include "step_count.h"
+#include "surface/position_filter.h"
 
-namespace prep {
+namespace prep::detail {
 namespace {
 
 using Index = std::uint32_t;
-constexpr std::size_t vertex_grain = 1 << 16;
-constexpr std::size_t part_count = 64;  // tables of n/64 slots stay in the second-level cache
+constexpr std::size_t position_grain = 32768;
+// Positions per part: its table (twice as many entries of 8 bytes) stays in the first-level cache.
+constexpr std::size_t part_size = 1024;
+constexpr std::size_t most_parts = 2048;
 
-std::uint32_t bits_of(float x) {
-    return x == 0.0f ? 0u : std::bit_cast<std::uint32_t>(x);  // −0 equals 0
-}
-
-std::uint64_t mix(std::uint64_t h) {  // the finaliser of SplitMix64 (Steele et al. 2014)
-    h = (h ^ (h >> 30)) * 0xbf58476d1ce4e5b9u;
-    h = (h ^ (h >> 27)) * 0x94d049bb133111ebu;
-    return h ^ (h >> 31);
-}
-
-std::uint64_t hash_of(const glm::vec3& p) {
-    const std::uint64_t xy = std::uint64_t(bits_of(p.x)) << 32 | bits_of(p.y);
-    return mix(mix(xy) ^ bits_of(p.z));
-}
-
-bool has_nan(const glm::vec3& p) {
-    return std::isnan(p.x) || std::isnan(p.y) || std::isnan(p.z);
-}
-
-struct Hashed {
-    std::uint32_t hash;
-    Index vertex;
+struct Entry {
+    Index hash, position;
 };
 
-// Vertices in ascending order, so that the first of a class is its lowest.
-void weld_part(std::span<const glm::vec3> positions, std::span<const Hashed> part,
-               std::vector<Index>& welded) {
-    std::vector<Hashed> table(std::bit_ceil(part.size() * 2 + 2), {0, no_index});
-    const std::size_t mask = table.size() - 1;
-    std::size_t steps = part.size();
-    for (const Hashed& h : part) {
-        const glm::vec3& p = positions[h.vertex];
-        if (has_nan(p)) {
-            welded[h.vertex] = h.vertex;
-            continue;
+// Adding 0 turns −0 into 0 and changes nothing else.
+std::uint64_t hash_of(const glm::vec3& p) {
+    const auto x = std::bit_cast<Index>(p.x + 0.0f), y = std::bit_cast<Index>(p.y + 0.0f),
+               z = std::bit_cast<Index>(p.z + 0.0f);
+    std::uint64_t h = (std::uint64_t(x) << 32 | y) * 0x9e3779b97f4a7c15u;
+    h ^= h >> 32;
+    h = (h + z) * 0xd6e8feb86659fd93u;
+    h ^= h >> 32;
+    return h * 0xd6e8feb86659fd93u;  // the upper bits depend on everything
+}
+
+bool is_number(const glm::vec3& p) {
+    return !(std::isnan(p.x) || std::isnan(p.y) || std::isnan(p.z));
+}
+
+// Positions that may equal others: all that do, and a few of the rest.
+class Suspects {
+  public:
+    Suspects(std::span<const glm::vec3> positions, SimdLevel simd, int threads)
+        : positions_(positions),
+          kernels_(filter_kernels(simd)),
+          threads_(threads),
+          words_(std::bit_ceil(positions.size() * bits_per_position / 32 + 1)) {}
+
+    // Ascending; nothing where they are so many that looking at all is as good.
+    std::optional<std::vector<Index>> find() {
+        // A position whose bits are taken equals an earlier one, or has them by chance; the second
+        // look finds the earlier ones. Halves have bits of their own at first.
+        const std::size_t n = positions_.size();
+        const std::size_t parts = threads_ == 1 || n < 2 * position_grain ? 1 : 2;
+        const std::size_t half = (n + parts - 1) / parts;
+        std::vector<Half> halves(parts);
+        parallel_blocks(n, half, threads_, [&](std::size_t begin, std::size_t end) {
+            look(halves[begin / half], begin, end);
+        });
+        for (const Half& one : halves)
+            if (one.many) return std::nullopt;
+        std::vector<Index>& shared = halves[0].shared;
+        for (std::size_t p = 1; p < parts; ++p) {
+            for (std::size_t w = 0; w < words_; ++w)
+                shared[w] |= halves[p].shared[w] | (halves[0].taken[w] & halves[p].taken[w]);
         }
-        std::size_t slot = h.hash & mask;
-        while (table[slot].vertex != no_index &&
-               !(table[slot].hash == h.hash && positions[table[slot].vertex] == p))
-            slot = (slot + 1) & mask, ++steps;
-        if (table[slot].vertex == no_index) table[slot] = h;
-        welded[h.vertex] = table[slot].vertex;
+        std::vector<std::vector<Index>> found((n + position_grain - 1) / position_grain);
+        parallel_blocks(n, position_grain, threads_, [&](std::size_t begin, std::size_t end) {
+            std::vector<Index>& list = found[begin / position_grain];
+            Index block[patience + most_filter_lanes];
+            for (std::size_t i = begin; i < end; i += patience) {
+                const std::size_t count =
+                    kernels_.find(&positions_[i], std::min(patience, end - i), Index(words_ - 1),
+                                  shared.data(), Index(i), block);
+                list.insert(list.end(), block, block + count);
+            }
+        });
+        std::vector<Index> all;
+        for (const auto& list : found) all.insert(all.end(), list.begin(), list.end());
+        return all;
     }
-    detail::count_steps(steps);
+
+  private:
+    // With two bits each, about one position in 150 finds them taken by chance.
+    static constexpr std::size_t bits_per_position = 16;
+    static constexpr std::size_t patience = 1024;
+    struct Half {
+        std::vector<Index> taken, shared;
+        bool many = false;
+    };
+    void look(Half& half, std::size_t begin, std::size_t end) const {
+        half.taken.assign(words_, 0);
+        half.shared.assign(words_, 0);
+        Index *const taken = half.taken.data(), *const shared = half.shared.data();
+        Index words[patience], bits[patience];
+        std::size_t later = 0;
+        for (std::size_t i = begin; i < end && !half.many; i += patience) {
+            const std::size_t count = std::min(patience, end - i);
+            kernels_.bits(&positions_[i], count, Index(words_ - 1), words, bits);
+            for (std::size_t k = 0; k < count; ++k) {
+                const Index word = taken[words[k]];
+                if ((word & bits[k]) == bits[k]) {
+                    shared[words[k]] |= bits[k];
+                    ++later;
+                }
+                taken[words[k]] = word | bits[k];
+            }
+            half.many = later > (i + count - begin) / 4;
+        }
+    }
+
+    std::span<const glm::vec3> positions_;
+    FilterKernels kernels_;
+    int threads_;
+    std::size_t words_;
+};
+
+// Calls found(part, lowest, equal to it) for `n` positions, the i-th of which is number(i),
+// ascending; for many parts at once.
+template <class Number, class Found>
+void equal_pairs(std::span<const glm::vec3> positions, std::size_t n, const Number& number,
+                 const Found& found, int threads) {
+    const int part_bits =
+        std::countr_zero(std::min(most_parts, std::bit_ceil((n + part_size - 1) / part_size)));
+    const std::size_t parts = std::size_t(1) << part_bits;
+    const std::size_t blocks = (n + position_grain - 1) / position_grain;
+    const auto part_of = [&](Index hash) { return part_bits == 0 ? 0 : hash >> (32 - part_bits); };
+
+    // A stable sort by part: blocks in order within a part.
+    ScratchBuffer<Index> hashes(n);
+    std::vector<Index> starts(parts * blocks + 1, 0);
+    parallel_blocks(n, position_grain, threads, [&](std::size_t begin, std::size_t end) {
+        std::vector<Index> counts(parts, 0);
+        for (std::size_t i = begin; i < end; ++i) {
+            hashes[i] = Index(hash_of(positions[number(i)]) >> 32);
+            ++counts[part_of(hashes[i])];
+        }
+        const std::size_t block = begin / position_grain;
+        for (std::size_t p = 0; p < parts; ++p) starts[p * blocks + block] = counts[p];
+    });
+    Index total = 0;
+    for (Index& start : starts) start = std::exchange(total, total + start);
+    ScratchBuffer<Entry> entries(n);
+    parallel_blocks(n, position_grain, threads, [&](std::size_t begin, std::size_t end) {
+        const std::size_t block = begin / position_grain;
+        std::vector<Index> cursors(parts);
+        for (std::size_t p = 0; p < parts; ++p) cursors[p] = starts[p * blocks + block];
+        for (std::size_t i = begin; i < end; ++i)
+            entries[cursors[part_of(hashes[i])]++] = {hashes[i], number(i)};
+    });
+
+    hashes = {};
+    parallel_blocks(parts, 16, threads, [&](std::size_t first, std::size_t last) {
+        std::vector<Entry> table;
+        std::size_t steps = 0;
+        for (std::size_t p = first; p < last; ++p) {
+            const Index begin = starts[p * blocks], end = starts[(p + 1) * blocks];
+            const std::size_t capacity = std::bit_ceil(std::size_t(end - begin) * 2 + 1);
+            table.assign(capacity, {0, no_index});
+            for (Index e = begin; e < end; ++e) {
+                const Entry entry = entries[e];
+                std::size_t slot = entry.hash & (capacity - 1);
+                for (;; slot = (slot + 1) & (capacity - 1)) {
+                    ++steps;
+                    if (table[slot].position == no_index) {
+                        if (is_number(positions[entry.position])) table[slot] = entry;
+                        break;
+                    }
+                    if (table[slot].hash == entry.hash &&
+                        positions[table[slot].position] == positions[entry.position]) {
+                        found(p, table[slot].position, entry.position);
+                        break;
+                    }
+                }
+            }
+        }
+        count_steps(steps);
+    });
+}
+
+std::vector<Index> all_by_themselves(std::size_t n) {
+    std::vector<Index> lowest(n);
+    for (Index i = 0; i < n; ++i) lowest[i] = i;
+    return lowest;
 }
 
 }  // namespace
 
-std::vector<std::uint32_t> weld_exact(std::span<const glm::vec3> positions, int threads) {
+std::vector<Index> equal_positions(std::span<const glm::vec3> positions, int threads,
+                                   SimdLevel simd) {
     const std::size_t n = positions.size();
-    std::vector<Index> welded(n);
-    if (n == 0) return welded;
-    // Cut by hash into parts that are welded apart; within a part vertices stay in order.
-    const std::size_t blocks = (n + vertex_grain - 1) / vertex_grain;
-    std::vector<std::uint64_t> hashes(n);
-    std::vector<Index> starts(blocks * part_count, 0);
-    const auto part_of = [](std::uint64_t hash) { return std::size_t(hash >> 58); };
-    detail::parallel_blocks(n, vertex_grain, threads, [&](std::size_t begin, std::size_t end) {
-        Index* counts = starts.data() + begin / vertex_grain * part_count;
-        for (std::size_t v = begin; v < end; ++v) {
-            hashes[v] = hash_of(positions[v]);
-            ++counts[part_of(hashes[v])];
-        }
-    });
-    std::vector<Index> part_starts(part_count + 1);
-    Index total = 0;
-    for (std::size_t p = 0; p < part_count; ++p) {
-        part_starts[p] = total;
-        for (std::size_t b = 0; b < blocks; ++b) {
-            const Index count = starts[b * part_count + p];
-            starts[b * part_count + p] = total;
-            total += count;
-        }
+    if (n < 2) return {};
+    if (const auto suspects = Suspects(positions, simd, threads).find()) {
+        std::vector<std::vector<std::pair<Index, Index>>> equals(most_parts);
+        equal_pairs(
+            positions, suspects->size(), [&](std::size_t i) { return (*suspects)[i]; },
+            [&](std::size_t part, Index low, Index position) {
+                equals[part].emplace_back(low, position);
+            },
+            threads);
+        const auto none = [](const auto& list) { return list.empty(); };
+        if (std::all_of(equals.begin(), equals.end(), none)) return {};
+        std::vector<Index> lowest = all_by_themselves(n);
+        for (const auto& list : equals)
+            for (const auto& [low, position] : list) lowest[position] = low;
+        return lowest;
     }
-    part_starts[part_count] = total;
-    std::vector<Hashed> sorted(n);
-    detail::parallel_blocks(n, vertex_grain, threads, [&](std::size_t begin, std::size_t end) {
-        Index* cursors = starts.data() + begin / vertex_grain * part_count;
-        for (std::size_t v = begin; v < end; ++v)
-            sorted[cursors[part_of(hashes[v])]++] = {std::uint32_t(hashes[v]), Index(v)};
-    });
-    detail::parallel_blocks(part_count, 1, threads, [&](std::size_t p, std::size_t) {
-        weld_part(positions, {sorted.data() + part_starts[p], part_starts[p + 1] - part_starts[p]},
-                  welded);
-    });
-    return welded;
+    std::vector<Index> lowest = all_by_themselves(n);
+    equal_pairs(
+        positions, n, [](std::size_t i) { return Index(i); },
+        [&](std::size_t, Index low, Index position) { lowest[position] = low; }, threads);
+    return lowest;
+}
+
+}  // namespace prep::detail
+
+namespace prep {
+
+std::vector<std::uint32_t> weld_exact(std::span<const glm::vec3> positions, int threads) {
+    std::vector<std::uint32_t> welded = detail::equal_positions(positions, threads);
+    return welded.empty() ? detail::all_by_themselves(positions.size()) : welded;
 }
 
 }  // namespace prep

@@ -73,7 +73,7 @@ struct TangentStars {
 };
 
 // Without members. Equal positions become one, numbered in the order of the lowest of each.
-// `lowest`: see equal_positions (tangents/weld.h).
+// `lowest`: see equal_positions (surface/weld.h).
 TangentStars named_vertices(const TangentInput& input, const TangentTriangles& triangles,
                             std::span<const std::uint32_t> lowest, int threads);
 

@@ -11,7 +11,7 @@
 #include "tangents/fans.h"
 #include "tangents/groups.h"
 #include "tangents/subgroups.h"
-#include "tangents/weld.h"
+#include "surface/weld.h"
 #include "tangents/worklist.h"
 
 namespace prep {
