@@ -257,7 +257,7 @@ TEST(Srgb, HasTheStandardsValuesBothWays) {
 // Without order, so that neighbours are far apart: the way that sorts by bucket.
 TEST(CornersByVertex, AreEveryVertexsCornersAscendingForAnyThreadCount) {
     std::mt19937_64 random(7);
-    constexpr std::size_t vertices = 70001, corners = 150000;
+    constexpr std::size_t vertices = 70001, corners = 300000;  // more than a block of work
     std::vector<Index> corner_vertices(corners);
     for (Index& v : corner_vertices) v = Index(random() % vertices);
     std::vector<std::vector<Index>> expected(vertices);

@@ -152,8 +152,8 @@ TEST(TangentsNpm, EveryBitOnHostileSoups) {
         hostile.odd_scales = seed & 4;
         cases.push_back({"seed " + std::to_string(seed), test::hostile_soup(random, hostile)});
     }
-    // It crashes on 138 of the 2000.
-    EXPECT_EQ(expect_parity(package, cases), 1862u);
+    // It crashes on 137 of the 2000.
+    EXPECT_EQ(expect_parity(package, cases), 1863u);
 }
 
 // tests/prep/tangents_reference.txt is what machines without the package go by

@@ -91,6 +91,7 @@ std::optional<std::vector<glm::vec4>> read_tan(const std::filesystem::path& path
 }
 
 CornerSoup hostile_soup(std::mt19937& random, const HostileOptions& options) {
+    // Braces, not parentheses: numbers are drawn from left to right, whatever the compiler.
     const auto below = [&](int n) { return int(random() % std::uint32_t(n)); };
     const float scale = options.odd_scales ? std::ldexp(1.0f, below(160) - 80) : 1.0f;
     const float uv_scale = options.odd_scales ? std::ldexp(1.0f, below(160) - 80) : 0.25f;
@@ -102,25 +103,27 @@ CornerSoup hostile_soup(std::mt19937& random, const HostileOptions& options) {
     };
     std::vector<glm::vec3> positions, normals;
     std::vector<glm::vec2> uvs;
-    for (int i = 4 + below(8); i > 0; --i) {
-        glm::vec3 p(coordinate(), coordinate(), coordinate());
+    for (int i = 4 + below(options.crowded ? 3 : 8); i > 0; --i) {
+        glm::vec3 p{coordinate(), coordinate(), coordinate()};
         if (below(4) == 0) p += glm::vec3(1e-3f * float(below(9)), 0.37f, 0.11f);
         positions.push_back(scale * p);
     }
     for (int i = 1 + below(3); i > 0; --i) {
-        const glm::vec3 n(coordinate(), coordinate(), coordinate());
+        const glm::vec3 n{coordinate(), coordinate(), coordinate()};
         const float length = std::sqrt(n.x * n.x + n.y * n.y + n.z * n.z);
         normals.push_back(length > 0 && below(5) != 0 ? n / length : n);
     }
     for (int i = 2 + below(6); i > 0; --i)
-        uvs.push_back(uv_scale * glm::vec2(coordinate(), coordinate()));
+        uvs.push_back(uv_scale * glm::vec2{coordinate(), coordinate()});
+    const auto any_of = [&](const auto& list) -> const auto& {
+        return list[std::size_t(below(int(list.size())))];
+    };
     CornerSoup soup;
-    for (int faces = 1 + below(40); faces > 0; --faces) {
+    for (int faces = options.crowded ? 40 + below(80) : 1 + below(40); faces > 0; --faces) {
         const int corners = options.quads && below(2) ? 4 : 3;
         for (int k = 0; k < corners; ++k) {
-            soup.add(positions[std::size_t(below(int(positions.size())))],
-                     normals[std::size_t(below(int(normals.size())))],
-                     uvs[std::size_t(below(int(uvs.size())))]);
+            const glm::vec3 &p = any_of(positions), &n = any_of(normals);
+            soup.add(p, n, any_of(uvs));
         }
         soup.end_face();
     }
@@ -133,9 +136,11 @@ CornerSoup seamed_surface(std::mt19937& random) {
     std::vector<glm::vec3> positions, normals;
     for (std::uint32_t y = 0; y <= rows; ++y) {
         for (std::uint32_t x = 0; x <= columns; ++x) {
-            positions.emplace_back(float(x) + 0.04f * float(below(9)),
-                                   float(y) + 0.04f * float(below(9)), 0.1f * float(below(8)));
-            const glm::vec3 n(0.05f * float(below(9)) - 0.2f, 0.05f * float(below(9)) - 0.2f, 1.0f);
+            // Braces: from left to right, whatever the compiler.
+            positions.push_back(glm::vec3{float(x) + 0.04f * float(below(9)),
+                                          float(y) + 0.04f * float(below(9)),
+                                          0.1f * float(below(8))});
+            const glm::vec3 n{0.05f * float(below(9)) - 0.2f, 0.05f * float(below(9)) - 0.2f, 1.0f};
             normals.push_back(n * (1.0f / std::sqrt(n.x * n.x + n.y * n.y + 1.0f)));
         }
     }
@@ -189,6 +194,13 @@ std::vector<NamedSoup> recorded_soups() {
         hostile.nans = seed & 2;
         hostile.odd_scales = seed & 4;
         result.push_back({"hostile-" + std::to_string(seed), hostile_soup(random, hostile)});
+    }
+    for (std::uint32_t seed = 0; seed < 100; ++seed) {
+        std::mt19937 random(seed);
+        HostileOptions crowded;
+        crowded.minus_zeros = seed & 1;
+        crowded.crowded = true;
+        result.push_back({"crowd-" + std::to_string(seed), hostile_soup(random, crowded)});
     }
     for (std::uint32_t seed = 0; seed < 400; ++seed) {
         std::mt19937 random(seed);
