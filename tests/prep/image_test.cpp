@@ -22,7 +22,7 @@ std::atomic<std::time_t> later{0};
 
 // In place of the C library's: the writers of pictures ask here what time it is.
 extern "C" std::time_t time(std::time_t* to) noexcept {
-    std::timespec now{};
+    timespec now{};
     ::syscall(SYS_clock_gettime, CLOCK_REALTIME, &now);
     now.tv_sec += later;
     if (to) *to = now.tv_sec;

@@ -124,7 +124,6 @@ TEST_F(ImageValues, TwoPicturesOfOneNameAreAnErrorHoweverItIsWritten) {
     layout.width = layout.height = 1;
     layout.channels = {"Y"};
     std::filesystem::create_directory(dir_ / "sub");
-    test::write_text(dir_ / "a.png", "old");
     std::filesystem::create_symlink("a.png", dir_ / "link.png");
     for (const std::string other : {"a.png", "sub/../a.png", "link.png"}) {
         prep::ImageFiles files;

@@ -119,6 +119,25 @@ std::optional<Error> FileSet::refusal(const std::filesystem::path& path, bool ex
     return std::nullopt;
 }
 
+namespace {
+
+// Where a link leads, also to a file that is not there yet; other paths as they are.
+std::filesystem::path behind_links(const std::filesystem::path& path) {
+    std::error_code failed;
+    if (!std::filesystem::is_symlink(path, failed)) return path;
+    if (std::filesystem::exists(path, failed)) {
+        std::filesystem::path behind = std::filesystem::canonical(path, failed);
+        return failed ? path : behind;  // links of /proc lead to what has no path
+    }
+    std::filesystem::path at = path;
+    constexpr int most = 40;  // as the kernel follows
+    for (int k = 0; k < most && std::filesystem::is_symlink(at, failed); ++k)
+        at = at.parent_path() / std::filesystem::read_symlink(at, failed);
+    return failed ? path : at;
+}
+
+}  // namespace
+
 // Where a path leads.
 struct FileSet::Target {
     File file;
@@ -127,12 +146,7 @@ struct FileSet::Target {
 
 Result<FileSet::Target> FileSet::target_of(const std::filesystem::path& path) const {
     Target target;
-    target.file.path = path;
-    std::error_code no_link;
-    if (std::filesystem::is_symlink(path, no_link)) {
-        std::filesystem::path behind = std::filesystem::weakly_canonical(path, no_link);
-        if (!no_link) target.file.path = std::move(behind);
-    }
+    target.file.path = behind_links(path);
     std::error_code unknown;
     const std::filesystem::path full = std::filesystem::weakly_canonical(target.file.path, unknown);
     for (const File& other : files_)
