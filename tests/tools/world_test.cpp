@@ -99,6 +99,7 @@ TEST(World, AnInterruptWhileWritingLeavesTheOldFilesAndNothingBesideThem) {
     const World world;
     for (const auto& user : test::users())
         for (const Outputs& output : outputs) {
+            if (user && output.files.size() == 1) continue;
             const int signals[] = {SIGINT, SIGTERM, SIGHUP};
             const Files old = world.set(output.files);
             for (int n = 1;; ++n) {
@@ -159,10 +160,11 @@ TEST(World, SignalsThatAreIgnoredStayIgnored) {
     }
 }
 
-// Room for nothing, for parts, and for all but one byte.
+// Room for these parts of what is written, and for all of it but one byte.
 void expect_full_disk_is_told(const World& world, const std::vector<std::string>& arguments,
                               const std::vector<std::string>& written, const std::string& says,
-                              int parts, const std::optional<unsigned>& user) {
+                              const std::vector<double>& parts,
+                              const std::optional<unsigned>& user) {
     world.set({});
     const test::Ran whole = world.run(arguments, {}, user);
     ASSERT_EQ(whole.exit_code, 0) << whole.err;
@@ -171,7 +173,7 @@ void expect_full_disk_is_told(const World& world, const std::vector<std::string>
     std::size_t total = 0;
     for (const auto& [name, text] : fresh) total += text.size();
     std::vector<std::size_t> rooms{total - 1};
-    for (int k = 0; k < parts; ++k) rooms.push_back(total * std::size_t(k) / std::size_t(parts));
+    for (const double part : parts) rooms.push_back(std::size_t(double(total) * part));
     const Files old = world.set(written);
     for (const std::size_t room : rooms) {
         SCOPED_TRACE(std::to_string(room) + " of " + std::to_string(total) + " bytes");
@@ -186,34 +188,30 @@ TEST(World, AFullDiskIsToldAndLeavesTheOldFiles) {
     const World world;
     for (const auto& user : test::users())
         for (const Outputs& output :
-             {Outputs{"a.glb", {"a.glb"}}, Outputs{"a.gltf", {"a.bin", "a.gltf"}},
-              Outputs{"a.obj", {"a.mtl", "a.obj"}}, Outputs{"a.ply", {"a.ply"}},
-              Outputs{"a.stl", {"a.stl"}}, Outputs{"a.off", {"a.off"}}}) {
+             {Outputs{"a.gltf", {"a.bin", "a.gltf"}}, Outputs{"a.obj", {"a.mtl", "a.obj"}},
+              Outputs{"a.glb", {"a.glb"}}, Outputs{"a.ply", {"a.ply"}}, Outputs{"a.stl", {"a.stl"}},
+              Outputs{"a.off", {"a.off"}}}) {
             SCOPED_TRACE(output.name + ", " + as(user));
             expect_full_disk_is_told(world, world.prepare(output.name), output.files,
-                                     "No space left on device", 3, user);
+                                     "No space left on device", {0, 0.3, 0.7}, user);
+            if (user) break;
         }
 }
 
-// libtiff writes most of a small picture when it closes it, and says nothing of what goes wrong.
 TEST(World, AFullDiskIsToldOfPictures) {
     const World world;
-    const auto at = [&](const char* name) { return (world.out() / name).string(); };
-    for (const std::string ending : {"png", "tif"})
-        for (const bool several : {false, true}) {
-            if (several && ending == "tif") continue;
-            SCOPED_TRACE(ending);
-            const std::string name = "a." + ending;
-            std::vector<std::string> words{"render",         world.input(), "-o",
-                                           at(name.c_str()), "--size",      "40x30"},
-                files{name};
-            if (several) {
-                words.insert(words.end(), {"--buffers", "depth"});
-                files = {"a.depth.exr", name};
-            }
-            expect_full_disk_is_told(world, words, files, "the image cannot be written",
-                                     ending == "tif" ? 3 : 1, {});
-        }
+    const auto render = [&](const std::string& name) {
+        return std::vector<std::string>{
+            "render", world.input(), "-o", (world.out() / name).string(), "--size", "40x30"};
+    };
+    std::vector<std::string> several = render("a.png");
+    several.insert(several.end(), {"--buffers", "depth"});
+    expect_full_disk_is_told(world, several, {"a.depth.exr", "a.png"},
+                             "the image cannot be written", {}, {});
+    // libtiff writes most of a small picture when it closes it, and says nothing of what goes
+    // wrong: at a third there is a directory with nothing in it.
+    expect_full_disk_is_told(world, render("a.tif"), {"a.tif"}, "the image cannot be written",
+                             {1.0 / 3}, {});
 }
 
 TEST(World, WritesInPiecesAndInterruptedOnesAreWhole) {

@@ -131,9 +131,12 @@ std::filesystem::path behind_links(const std::filesystem::path& path) {
     }
     std::filesystem::path at = path;
     constexpr int most = 40;  // as the kernel follows
-    for (int k = 0; k < most && std::filesystem::is_symlink(at, failed); ++k)
+    std::error_code no_link;
+    for (int k = 0; k < most && std::filesystem::is_symlink(at, no_link); ++k) {
         at = at.parent_path() / std::filesystem::read_symlink(at, failed);
-    return failed ? path : at;
+        if (failed) return path;
+    }
+    return at;
 }
 
 }  // namespace

@@ -7,8 +7,8 @@
 #include <cstring>
 
 #include "base/atomic_files.h"
+#include "base/read_open_file.h"
 #include "prep/io.h"
-#include "read_open_file.h"
 
 namespace prep {
 namespace {

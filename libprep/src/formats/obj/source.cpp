@@ -8,8 +8,8 @@
 #include <cstring>
 #include <utility>
 
+#include "base/read_open_file.h"
 #include "prep/io.h"
-#include "read_open_file.h"
 
 namespace prep::detail {
 
