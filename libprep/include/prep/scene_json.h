@@ -42,12 +42,11 @@ struct JsonScene {
 };
 
 // Referenced files are relative to the scene file. A mesh file brings its meshes, nodes and
-// materials; its own lights, cameras, skins and animations are not taken (a note in
-// Scene::warnings says so). Errors: io (a file is missing), syntax (not JSON, a repeated key),
+// materials; its own lights, cameras and skins are not taken (a note in Scene::warnings says so),
+// nor are animations. Errors: io (a file is missing), syntax (not JSON, a repeated key),
 // invalid (unknown key, wrong type, out of range, missing or cyclic reference), unsupported (a
 // later version of the format), limit (over 64 MiB, generated shapes with over 2^24 faces in
-// all), and those
-// of the mesh files. O(text) and the meshes.
+// all), and those of the mesh files. O(text) and the meshes.
 Result<JsonScene> load_scene_json(const std::filesystem::path& path,
                                   const LoadOptions& options = {});
 // The same of a scene in memory; `path` is its name in messages and where references start.
