@@ -1,0 +1,135 @@
+// FBX, DAE and 3DS, as another program writes them: Assimp's exporters, on a mesh made here.
+#include <assimp/scene.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <assimp/Exporter.hpp>
+#include <cmath>
+#include <memory>
+
+#include "mesh_files.h"
+#include "prep/io.h"
+
+namespace {
+
+// A tetrahedron with a UV at each corner, whose v counts from the bottom as Assimp has it.
+const std::array<std::array<float, 3>, 4> points = {{{0, 0, 0}, {2, 0, 0}, {0, 3, 0}, {0, 0, 4}}};
+const std::array<std::array<unsigned, 3>, 4> faces = {{{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}};
+std::array<float, 2> uv_of(unsigned face, unsigned corner) {
+    return {0.125f * float(face), 0.25f * float(corner)};
+}
+
+std::unique_ptr<aiScene> tetrahedron() {
+    auto scene = std::make_unique<aiScene>();
+    scene->mMaterials = new aiMaterial* [1] { new aiMaterial() };
+    scene->mNumMaterials = 1;
+    aiString name("stone");
+    scene->mMaterials[0]->AddProperty(&name, AI_MATKEY_NAME);
+    auto* mesh = new aiMesh();
+    scene->mMeshes = new aiMesh* [1] { mesh };
+    scene->mNumMeshes = 1;
+    mesh->mName = "m";
+    mesh->mPrimitiveTypes = aiPrimitiveType_TRIANGLE;
+    mesh->mNumVertices = 12;
+    mesh->mVertices = new aiVector3D[12];
+    mesh->mTextureCoords[0] = new aiVector3D[12];
+    mesh->mNumUVComponents[0] = 2;
+    mesh->mNumFaces = 4;
+    mesh->mFaces = new aiFace[4];
+    for (unsigned f = 0; f < 4; ++f) {
+        mesh->mFaces[f].mNumIndices = 3;
+        mesh->mFaces[f].mIndices = new unsigned[3];
+        for (unsigned c = 0; c < 3; ++c) {
+            const unsigned i = 3 * f + c;
+            const auto& p = points[faces[f][c]];
+            mesh->mVertices[i] = {p[0], p[1], p[2]};
+            mesh->mTextureCoords[0][i] = {uv_of(f, c)[0], uv_of(f, c)[1], 0};
+            mesh->mFaces[f].mIndices[c] = i;
+        }
+    }
+    scene->mRootNode = new aiNode();
+    scene->mRootNode->mNumMeshes = 1;
+    scene->mRootNode->mMeshes = new unsigned[1]{0};
+    return scene;
+}
+
+// Triangles in the world, each turned so that its least corner comes first, and sorted.
+struct Corner {
+    glm::dvec3 position;
+    glm::dvec2 uv;
+};
+using Triangle = std::array<Corner, 3>;
+bool before(const Corner& a, const Corner& b) {
+    for (int k = 0; k < 3; ++k)
+        if (std::abs(a.position[k] - b.position[k]) > 1e-4) return a.position[k] < b.position[k];
+    return false;
+}
+std::vector<Triangle> sorted(std::vector<Triangle> triangles) {
+    for (Triangle& t : triangles)
+        std::rotate(t.begin(), std::min_element(t.begin(), t.end(), before), t.end());
+    std::sort(triangles.begin(), triangles.end(), [](const Triangle& a, const Triangle& b) {
+        return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end(), before);
+    });
+    return triangles;
+}
+
+// What was exported, as we count: v from the top. In 3DS files z is up, which Assimp turns to y
+// when it reads, not when it writes.
+std::vector<Triangle> exported(bool z_is_up) {
+    std::vector<Triangle> out;
+    for (unsigned f = 0; f < 4; ++f) {
+        Triangle t;
+        for (unsigned c = 0; c < 3; ++c) {
+            const auto& p = points[faces[f][c]];
+            t[c].position = z_is_up ? glm::dvec3(p[0], p[2], -p[1]) : glm::dvec3(p[0], p[1], p[2]);
+            t[c].uv = {uv_of(f, c)[0], 1 - uv_of(f, c)[1]};
+        }
+        out.push_back(t);
+    }
+    return sorted(out);
+}
+
+TEST(AssimpFormats, TrianglesAndUvsOfFbxDaeAnd3dsAreThoseThatWereExported) {
+    const std::unique_ptr<aiScene> source = tetrahedron();
+    const test::TempDir dir;
+    for (const auto& [format, name] :
+         {std::pair{"fbxa", "a.fbx"}, {"collada", "a.dae"}, {"3ds", "a.3ds"}, {"x", "a.x"}}) {
+        SCOPED_TRACE(name);
+        Assimp::Exporter exporter;
+        ASSERT_EQ(exporter.Export(source.get(), format, (dir / name).string()), aiReturn_SUCCESS)
+            << exporter.GetErrorString();
+        const auto scene = prep::load_scene(dir / name);
+        ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
+        const auto world = prep::world_transforms(*scene);
+        std::vector<Triangle> found;
+        for (std::size_t n = 0; n < scene->nodes.size(); ++n) {
+            if (scene->nodes[n].mesh == prep::no_index) continue;
+            const prep::Mesh& mesh = scene->meshes.at(scene->nodes[n].mesh);
+            ASSERT_EQ(mesh.uvs.size(), 1u);
+            for (std::size_t f = 0; f < mesh.face_count(); ++f) {
+                ASSERT_EQ(mesh.face_offsets[f + 1] - mesh.face_offsets[f], 3u);
+                Triangle t;
+                for (std::uint32_t c = 0; c < 3; ++c) {
+                    const std::uint32_t corner = mesh.face_offsets[f] + c;
+                    const glm::dvec3 p =
+                        mesh.origin + glm::dvec3(mesh.positions[mesh.corner_vertices[corner]]);
+                    t[c] = {glm::dvec3(world[n] * glm::dvec4(p, 1)),
+                            mesh.uvs[0].values[mesh.uvs[0].indices[corner]]};
+                }
+                found.push_back(t);
+            }
+        }
+        found = sorted(found);
+        const std::vector<Triangle> expected = exported(name == std::string("a.3ds"));
+        ASSERT_EQ(found.size(), expected.size());
+        for (std::size_t t = 0; t < 4; ++t)
+            for (std::size_t c = 0; c < 3; ++c) {
+                EXPECT_LT(glm::length(found[t][c].position - expected[t][c].position), 1e-5)
+                    << t << " " << c;
+                EXPECT_LT(glm::length(found[t][c].uv - expected[t][c].uv), 1e-6) << t << " " << c;
+            }
+    }
+}
+
+}  // namespace
