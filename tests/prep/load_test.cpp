@@ -196,6 +196,19 @@ TEST(SetPositions, TheCentreOfTwoOfTheLargestIsFinite) {
     EXPECT_EQ(mesh.positions[1].x, 0);
 }
 
+// docs/conventions.md: further from zero than 8 times the extent, here a diagonal of 1.
+TEST(SetPositions, OriginBeginsBeyondEightExtents) {
+    for (const double at : {7.95, 8.05})
+        for (int axis = 0; axis < 3; ++axis) {
+            glm::dvec3 corners[2] = {glm::dvec3(0.1), glm::dvec3(0.1)};  // no floats
+            corners[0][axis] = at - 0.5;
+            corners[1][axis] = at + 0.5;
+            prep::Mesh mesh;
+            prep::set_positions(mesh, corners);
+            EXPECT_EQ(mesh.origin != glm::dvec3(0), at > 8) << at << " " << axis;
+        }
+}
+
 TEST(SetPositions, ExtremesStayFinite) {
     const double largest = std::numeric_limits<double>::max(), nan = std::nan("");
     prep::Mesh mesh;

@@ -82,6 +82,24 @@ TEST(AlphaMask, IsTheProductOfFactorVertexColourAndMap) {
     }
 }
 
+// docs/rendering.md: with exact areas a mask is asked once for all of a triangle in a pixel. Four
+// texels to a pixel; its centroid lies between the second and the third.
+TEST(AlphaMask, OfExactAreasCountsForAllOfATriangleInAPixel) {
+    rast::RenderRequest request = ramp_request();
+    request.width = 64;
+    request.coverage = rast::Coverage::area;
+    for (const int pixel : {5, 12, 50, 60})  // beside the floor's diagonal
+        for (const bool seen : {true, false}) {
+            // From the pixel's second texel on, or from its last one alone.
+            const int first = 4 * pixel + (seen ? 1 : 3);
+            const rast::Frame frame = test::draw(ramp_scene(float(first) / 255.0f), request);
+            const glm::vec4* row = frame.color.data() + frame.width;
+            EXPECT_EQ(row[pixel - 1].a, 0.0f) << first;
+            EXPECT_NEAR(row[pixel].a, seen ? 1.0f : 0.0f, 1e-6f) << first;
+            EXPECT_NEAR(row[pixel + 1].a, 1.0f, 1e-6f) << first;
+        }
+}
+
 TEST(AlphaMask, WithoutAMapIsDecidedByFactorAndVertexColour) {
     prep::Material material = white();
     material.alpha_mode = prep::AlphaMode::mask;

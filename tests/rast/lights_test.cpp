@@ -161,6 +161,25 @@ TEST(Lights, OfAllKindsAddUp) {
     expect_floor(material, one_of_each());
 }
 
+// The renderer proves preparation: it casts no shadows (README, "Limits, honestly").
+TEST(Lights, FallThroughWhatStandsBetween) {
+    LightInstance sun;
+    sun.kind = LightKind::directional;
+    sun.direction = glm::normalize(glm::dvec3(0.1, 0.2, -1));
+    sun.color = {0.5f, 0.25f, 0.125f};
+    const rast::RenderRequest request =
+        floor_request({point_light({0.2, 0.1, 8}, {30, 20, 10}), sun});
+    prep::PreparedScene scene = test::scene_of(floor_of(4), glossy());
+    const rast::Frame open = test::draw(scene, request);
+    // A sheet as wide as the floor behind the eye, between it and both lights.
+    prep::Node node;
+    node.mesh = 0;
+    node.transform = glm::translate(glm::dmat4(1), {0, 0, 5});
+    scene.scene.nodes.push_back(node);
+    const rast::Frame covered = test::draw(scene, request);
+    EXPECT_EQ(open.color, covered.color);
+}
+
 TEST(Lights, DirectionalOnesShineAlongTheirDirection) {
     // Downwards onto a floor that faces up, in full; upwards from below, nothing.
     for (const double z : {-1.0, 1.0}) {
