@@ -1,7 +1,11 @@
-// The documentation's own promises: what its links lead to is there.
+// The documentation's own promises: what its links lead to is there, what it tells people to type
+// is taken.
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <map>
+#include <regex>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -60,6 +64,98 @@ TEST(Documentation, PagesThatTheCodeNamesAreThere) {
             }
         }
     EXPECT_GT(names, 5u);
+}
+
+TEST(Documentation, TheIndexListsEveryPage) {
+    const std::string index = test::read_text(test::source_dir() / "docs/README.md");
+    for (const fs::directory_entry& entry : fs::directory_iterator(test::source_dir() / "docs")) {
+        const std::string name = entry.path().filename();
+        if (entry.path().extension() == ".md" && name != "README.md") {
+            EXPECT_NE(index.find("](" + name + ")"), std::string::npos) << name;
+        }
+    }
+}
+
+// Lines of `meshprep SUBCOMMAND …` and options in backticks, against what --help lists.
+TEST(Documentation, OptionsOfThePagesAreThoseOfTheCommand) {
+    std::map<std::string, std::string> help;
+    std::string all;
+    for (const char* name : {"prepare", "inspect", "render", "validate", "diff"}) {
+        const test::Ran ran = test::run_here({name, "--help"});
+        ASSERT_EQ(ran.exit_code, 0) << name;
+        // Without the examples.
+        help[name] = ran.out.substr(0, ran.out.find("Examples:"));
+        all += help[name];
+    }
+    const auto lists = [](const std::string& text, const std::string& option) {
+        return std::regex_search(text, std::regex("[ ,]" + option + "[ ,\n]"));
+    };
+    const std::regex word("--[a-z][a-z-]*");
+    std::size_t lines = 0, options = 0;
+    for (const fs::path& page : pages()) {
+        if (page.filename() == "CHANGELOG.md" || page.filename() == "mutants.md") continue;
+        std::istringstream text(test::read_text(page));
+        bool fenced = false;
+        for (std::string line; std::getline(text, line);) {
+            const std::size_t start = line.find_first_not_of(" ");
+            if (line.compare(0, 3, "```") == 0) fenced = !fenced;
+            std::smatch command;
+            if (start != std::string::npos && (fenced || start == 4) &&
+                line.compare(start, 9, "meshprep ") == 0 &&
+                std::regex_search(line, command, std::regex("meshprep +([a-z]+)"))) {
+                ASSERT_EQ(help.count(command[1]), 1u) << page << ": " << line;
+                line.resize(std::min(line.find('#'), line.size()));
+                ++lines;
+                for (std::sregex_iterator i(line.begin(), line.end(), word), end; i != end; ++i)
+                    EXPECT_TRUE(lists(help[command[1]], i->str()))
+                        << page << ": " << command[1] << " has no " << i->str();
+            } else {
+                for (const std::string& code : between(line, "`--", "`")) {
+                    std::smatch found;
+                    const std::string whole = "--" + code;
+                    if (!std::regex_search(whole, found, word)) continue;
+                    ++options;
+                    EXPECT_TRUE(lists(all, found.str())) << page << ": " << found.str();
+                }
+            }
+        }
+    }
+    EXPECT_GT(lines, 20u);
+    EXPECT_GT(options, 60u);
+}
+
+// The README's table: what is written is written and read back, what is only read is refused.
+TEST(Documentation, FormatsOfTheReadmeAreReadAndWritten) {
+    const test::TemporaryDirectory dir;
+    test::write_text(dir / "cube.obj", test::cube_obj());
+    std::istringstream text(test::read_text(test::source_dir() / "README.md"));
+    const std::regex row(R"(\| ([^|]+) \| yes \| (yes|–) \|.*)");
+    std::size_t written = 0, refused = 0;
+    for (std::string line; std::getline(text, line);) {
+        std::smatch cells;
+        if (!std::regex_match(line, cells, row)) continue;
+        const std::string formats = cells[1];
+        const std::regex name("[A-Za-z0-9]*[A-Z][A-Za-z0-9]*|3DS");
+        for (std::sregex_iterator i(formats.begin(), formats.end(), name), end; i != end; ++i) {
+            std::string ending = i->str();
+            if (ending == "MTL") continue;  // beside an OBJ
+            for (char& c : ending) c = char(std::tolower(static_cast<unsigned char>(c)));
+            const std::string out = (dir / ("a." + ending)).string();
+            const int code =
+                test::run_here({"prepare", (dir / "cube.obj").string(), "-o", out}).exit_code;
+            if (cells[2] == "yes") {
+                ++written;
+                EXPECT_EQ(code, 0) << ending;
+                EXPECT_EQ(test::run_here({"inspect", out}).exit_code, 0) << ending;
+            } else {
+                ++refused;
+                EXPECT_EQ(code, 2) << ending;
+                EXPECT_FALSE(fs::exists(out)) << ending;
+            }
+        }
+    }
+    EXPECT_EQ(written, 6u);  // OBJ, glTF, GLB, PLY, STL, OFF
+    EXPECT_EQ(refused, 4u);  // OM, FBX, DAE, 3DS
 }
 
 }  // namespace
