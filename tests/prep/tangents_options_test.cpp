@@ -107,4 +107,26 @@ TEST(TangentThreshold, OutOfRangeIsAnError) {
     }
 }
 
+// Nothing of such a mesh is there but its sizes, which are judged before anything is read.
+TEST(TangentLimits, MoreTrianglesOrCornersThanThereAreNumbersForAreRefused) {
+    const std::uint32_t index = 0;
+    const glm::vec3 point(0);
+    const glm::vec2 uv(0);
+    const auto refused = [&](std::size_t corners, std::size_t positions) {
+        const std::uint32_t offsets[2] = {0, std::uint32_t(corners)};  // one polygon
+        prep::TangentInput in;
+        in.positions = {&point, positions};
+        in.face_offsets = offsets;
+        in.corner_vertices = in.normals.indices = in.uv.indices = {&index, corners};
+        in.normals.values = {&point, 1};
+        in.uv.values = {&uv, 1};
+        const auto result = prep::corner_tangents(in);
+        return !result && result.error().code == prep::ErrorCode::limit;
+    };
+    const std::size_t most = std::size_t(1) << 30;
+    EXPECT_TRUE(refused(most + 3, 1));                   // a polygon of 2^30 + 1 triangles
+    EXPECT_TRUE(refused(3, std::size_t(4) * most - 4));  // with 3 corners, 2^32 − 1 names
+    EXPECT_TRUE(refused(most, std::size_t(3) * most - 1));
+}
+
 }  // namespace

@@ -86,8 +86,9 @@ struct PreparedScene {
     SplitCounts splits;
 };
 
-// Takes the scene by value: move it in to avoid a copy. Errors: limit (more than 2^32 − 2 vertices
-// or corners), invalid (options out of range).
+// Takes the scene by value: move it in to avoid a copy. Errors: limit (more than 2^32 − 2
+// vertices and corners together, or 2^30 triangles where tangents are computed), invalid (options
+// out of range).
 Result<PreparedScene> prepare(Scene scene, const PrepareOptions& options = {});
 
 }  // namespace prep
