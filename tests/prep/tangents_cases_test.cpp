@@ -2,8 +2,10 @@
 // stands in where the definition gives nothing.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <random>
 
 #include "corner_soup.h"
 #include "prep/tangents.h"
@@ -275,6 +277,110 @@ TEST(TangentCases, NormalsThatAreNotUnitAreMadeSoOnEveryInstructionSet) {
                 for (int k = 0; k < 4; ++k)
                     ASSERT_NEAR(found[c][k], expected[c][k], 1e-6)
                         << "corner " << c << ", length " << length << ", " << prep::to_string(simd);
+        }
+    }
+}
+
+// The second half of a quad that repeats its third position has no area: its last corner has the
+// tangent of the one at the same place.
+TEST(TangentCases, ARepeatedCornerOfAQuadHasItsTwinsTangent) {
+    CornerSoup soup;
+    add_face(
+        soup,
+        {{{0, 0, 0}, {0, 0}}, {{1, 0, 0}, {0, -1}}, {{1, 1, 0}, {1, -1}}, {{1, 1, 0}, {2, 0.5f}}});
+    for (const auto mode : {prep::TangentMode::definition, prep::TangentMode::mikktspace}) {
+        const Made made = make(soup, mode);
+        for (const glm::vec4& t : made.tangents) expect_near(t, {0, 1, 0}, 1);
+    }
+}
+
+// The halves of a quad run against each other in the texture: the larger one decides for both.
+TEST(TangentCases, OfAQuadsHalvesTheLargerDecidesWhichWayItRuns) {
+    for (const bool first_larger : {true, false}) {
+        CornerSoup soup;
+        const glm::vec2 big(4, -1), small(3, -0.5f);
+        add_face(soup, {{{0, 0, 0}, {0, 0}},
+                        {{1, 0, 0}, first_larger ? big : small},
+                        {{1, 1, 0}, {1, 0}},
+                        {{0, 1, 0}, first_larger ? small : big}});
+        const Made made = make(soup, prep::TangentMode::definition);
+        for (const glm::vec4& t : made.tangents) EXPECT_EQ(t.w, first_larger ? 1.0f : -1.0f);
+        EXPECT_EQ(made.whole.mirrored_triangles, first_larger ? 0u : 2u);
+    }
+}
+
+// A quad and a triangle around a corner, 45° each; dP/du at 0°, 20° and 40°, dP/dv at 90°. With a
+// threshold of 30° the halves of the quad sum to 10° and to 20°, the triangle to 30°: the quad's
+// corner has the mean of its halves.
+TEST(TangentCases, AQuadsCornerHasTheMeanOfItsHalves) {
+    const double degree = std::acos(-1.0) / 180;
+    const auto v3 = float(1 / (1 - std::tan(20 * degree)));
+    const auto v4 = float(v3 * (1 + std::tan(40 * degree)));
+    CornerSoup soup;
+    add_face(soup,
+             {{{0, 0, 0}, {0, 0}}, {{1, 0, 0}, {1, 0}}, {{1, 1, 0}, {1, 1}}, {{0, 1, 0}, {0, v3}}});
+    add_face(soup, {{{0, 0, 0}, {0, 0}}, {{0, 1, 0}, {0, v3}}, {{-1, 1, 0}, {-1, v4}}});
+    prep::TangentOptions options;
+    options.mode = prep::TangentMode::definition;
+    options.uv_origin = prep::UvOrigin::bottom_left;
+    options.angular_threshold = 30 * degree;
+    const auto result = prep::corner_tangents(soup.input(), options);
+    ASSERT_TRUE(result.has_value());
+    const auto tangents = test::flattened(*result);
+    const auto at = [&](double angle) {
+        return glm::vec3(std::cos(angle * degree), std::sin(angle * degree), 0);
+    };
+    expect_near(tangents[0], at(15), 1);
+    expect_near(tangents[4], at(30), 1);
+}
+
+// A plane of many triangles in no order, cut into islands whose textures run along x or along y.
+// Positions and normals are shared, some positions are nobody's: every corner's tangent is known,
+// for any number of threads.
+TEST(TangentCases, IslandsStayApartForAnyThreadCount) {
+    constexpr std::uint32_t n = 180;
+    std::mt19937 random(5);
+    test::IndexedSoup soup;
+    soup.normals = {{0, 0, 1}};
+    std::vector<std::uint32_t> place(std::size_t(n + 1) * (n + 1));
+    for (std::uint32_t v = 0; v < place.size(); ++v) {
+        if (random() % 9 == 0) soup.positions.emplace_back(-5.0f);  // of no triangle
+        place[v] = std::uint32_t(soup.positions.size());
+        soup.positions.emplace_back(float(v % (n + 1)), float(v / (n + 1)), 0.0f);
+    }
+    const std::size_t vertices = soup.positions.size();
+    for (const bool along_y : {false, true})
+        for (const glm::vec3& p : soup.positions)
+            soup.uvs.push_back(along_y ? glm::vec2(p.y, -p.x) : glm::vec2(p.x, p.y));
+    std::vector<std::uint32_t> order(2 * n * n);
+    for (std::uint32_t t = 0; t < order.size(); ++t) order[t] = t;
+    std::shuffle(order.begin(), order.end(), random);
+    std::vector<bool> turned;
+    for (const std::uint32_t t : order) {
+        const std::uint32_t x = t / 2 % n, y = t / 2 / n, a = y * (n + 1) + x;
+        const bool along_y = (x / 7 + y / 7) % 2 == 1;
+        for (const std::uint32_t v :
+             {a, t % 2 ? a + n + 2 : a + 1, t % 2 ? a + n + 1 : a + n + 2}) {
+            soup.vertices.push_back(place[v]);
+            soup.normal_indices.push_back(0);
+            soup.uv_indices.push_back(place[v] + (along_y ? std::uint32_t(vertices) : 0));
+        }
+        turned.push_back(along_y);
+        soup.end_face();
+    }
+    prep::TangentOptions options;
+    options.uv_origin = prep::UvOrigin::bottom_left;
+    for (const int threads : {1, 2, 4}) {
+        options.threads = threads;
+        const auto result = prep::corner_tangents(soup.input(), options);
+        ASSERT_TRUE(result.has_value());
+        EXPECT_TRUE(result->fallbacks.empty());
+        const auto tangents = test::flattened(*result);
+        for (std::size_t c = 0; c < tangents.size(); ++c) {
+            const glm::vec4 expected =
+                turned[c / 3] ? glm::vec4(0, 1, 0, 1) : glm::vec4(1, 0, 0, 1);
+            ASSERT_LT(glm::distance(tangents[c], expected), 1e-6f)
+                << "corner " << c << " with " << threads << " threads";
         }
     }
 }

@@ -103,23 +103,23 @@ CornerSoup hostile_soup(std::mt19937& random, const HostileOptions& options) {
     };
     std::vector<glm::vec3> positions, normals;
     std::vector<glm::vec2> uvs;
-    for (int i = 4 + below(options.crowded ? 3 : 8); i > 0; --i) {
+    for (int i = 4 + below(options.crowded ? 2 : 8); i > 0; --i) {
         glm::vec3 p{coordinate(), coordinate(), coordinate()};
         if (below(4) == 0) p += glm::vec3(1e-3f * float(below(9)), 0.37f, 0.11f);
         positions.push_back(scale * p);
     }
-    for (int i = 1 + below(3); i > 0; --i) {
+    for (int i = options.crowded ? 1 : 1 + below(3); i > 0; --i) {
         const glm::vec3 n{coordinate(), coordinate(), coordinate()};
         const float length = std::sqrt(n.x * n.x + n.y * n.y + n.z * n.z);
         normals.push_back(length > 0 && below(5) != 0 ? n / length : n);
     }
-    for (int i = 2 + below(6); i > 0; --i)
+    for (int i = options.crowded ? 3 : 2 + below(6); i > 0; --i)
         uvs.push_back(uv_scale * glm::vec2{coordinate(), coordinate()});
     const auto any_of = [&](const auto& list) -> const auto& {
         return list[std::size_t(below(int(list.size())))];
     };
     CornerSoup soup;
-    for (int faces = options.crowded ? 40 + below(80) : 1 + below(40); faces > 0; --faces) {
+    for (int faces = options.crowded ? 100 + below(150) : 1 + below(40); faces > 0; --faces) {
         const int corners = options.quads && below(2) ? 4 : 3;
         for (int k = 0; k < corners; ++k) {
             const glm::vec3 &p = any_of(positions), &n = any_of(normals);
@@ -187,7 +187,7 @@ CornerSoup seamed_surface(std::mt19937& random) {
 
 std::vector<NamedSoup> recorded_soups() {
     std::vector<NamedSoup> result;
-    for (std::uint32_t seed = 0; seed < 300; ++seed) {
+    for (std::uint32_t seed = 0; seed < 1000; ++seed) {
         std::mt19937 random(seed);
         HostileOptions hostile;
         hostile.minus_zeros = seed & 1;
