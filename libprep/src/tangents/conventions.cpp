@@ -1,5 +1,3 @@
-#include "prep/tangent_conventions.h"
-
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -7,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "prep/tangent_conventions.h"
 #include "prep/tangents.h"
 
 namespace prep {

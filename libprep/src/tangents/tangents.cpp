@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/parallel.h"
+#include "surface/weld.h"
 #include "tangents/accumulate.h"
 #include "tangents/c_reference_quirks.h"
 #include "tangents/degenerate.h"
@@ -11,7 +12,6 @@
 #include "tangents/fans.h"
 #include "tangents/groups.h"
 #include "tangents/subgroups.h"
-#include "surface/weld.h"
 #include "tangents/worklist.h"
 
 namespace prep {
