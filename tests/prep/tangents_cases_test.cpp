@@ -334,10 +334,10 @@ TEST(TangentCases, AQuadsCornerHasTheMeanOfItsHalves) {
     expect_near(tangents[4], at(30), 1);
 }
 
-// A plane of many triangles in no order, cut into islands whose textures run along x or along y.
+// A plane of many triangles, cut into islands whose textures run along x or along the diagonal.
 // Positions and normals are shared, some positions are nobody's: every corner's tangent is known,
-// for any number of threads.
-TEST(TangentCases, IslandsStayApartForAnyThreadCount) {
+// in order or in none, for any number of threads.
+void expect_islands(bool shuffled) {
     constexpr std::uint32_t n = 180;
     std::mt19937 random(5);
     test::IndexedSoup soup;
@@ -349,25 +349,26 @@ TEST(TangentCases, IslandsStayApartForAnyThreadCount) {
         soup.positions.emplace_back(float(v % (n + 1)), float(v / (n + 1)), 0.0f);
     }
     const std::size_t vertices = soup.positions.size();
-    for (const bool along_y : {false, true})
+    for (const bool turned : {false, true})
         for (const glm::vec3& p : soup.positions)
-            soup.uvs.push_back(along_y ? glm::vec2(p.y, -p.x) : glm::vec2(p.x, p.y));
+            soup.uvs.push_back(turned ? glm::vec2(p.x + p.y, p.y - p.x) : glm::vec2(p.x, p.y));
     std::vector<std::uint32_t> order(2 * n * n);
     for (std::uint32_t t = 0; t < order.size(); ++t) order[t] = t;
-    std::shuffle(order.begin(), order.end(), random);
-    std::vector<bool> turned;
+    if (shuffled) std::shuffle(order.begin(), order.end(), random);
+    std::vector<bool> diagonal;
     for (const std::uint32_t t : order) {
         const std::uint32_t x = t / 2 % n, y = t / 2 / n, a = y * (n + 1) + x;
-        const bool along_y = (x / 7 + y / 7) % 2 == 1;
+        const bool turned = (x / 30 + y / 30) % 2 == 1;
         for (const std::uint32_t v :
              {a, t % 2 ? a + n + 2 : a + 1, t % 2 ? a + n + 1 : a + n + 2}) {
             soup.vertices.push_back(place[v]);
             soup.normal_indices.push_back(0);
-            soup.uv_indices.push_back(place[v] + (along_y ? std::uint32_t(vertices) : 0));
+            soup.uv_indices.push_back(place[v] + (turned ? std::uint32_t(vertices) : 0));
         }
-        turned.push_back(along_y);
+        diagonal.push_back(turned);
         soup.end_face();
     }
+    const glm::vec4 half(std::sqrt(0.5f), std::sqrt(0.5f), 0, 1);
     prep::TangentOptions options;
     options.uv_origin = prep::UvOrigin::bottom_left;
     for (const int threads : {1, 2, 4}) {
@@ -377,12 +378,19 @@ TEST(TangentCases, IslandsStayApartForAnyThreadCount) {
         EXPECT_TRUE(result->fallbacks.empty());
         const auto tangents = test::flattened(*result);
         for (std::size_t c = 0; c < tangents.size(); ++c) {
-            const glm::vec4 expected =
-                turned[c / 3] ? glm::vec4(0, 1, 0, 1) : glm::vec4(1, 0, 0, 1);
+            const glm::vec4 expected = diagonal[c / 3] ? half : glm::vec4(1, 0, 0, 1);
             ASSERT_LT(glm::distance(tangents[c], expected), 1e-6f)
                 << "corner " << c << " with " << threads << " threads";
         }
     }
+}
+
+TEST(TangentCases, IslandsStayApartForAnyThreadCount) {
+    expect_islands(false);
+}
+
+TEST(TangentCases, IslandsInNoOrderStayApartForAnyThreadCount) {
+    expect_islands(true);
 }
 
 }  // namespace

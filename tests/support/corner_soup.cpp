@@ -123,7 +123,9 @@ CornerSoup hostile_soup(std::mt19937& random, const HostileOptions& options) {
         const int corners = options.quads && below(2) ? 4 : 3;
         for (int k = 0; k < corners; ++k) {
             const glm::vec3 &p = any_of(positions), &n = any_of(normals);
-            soup.add(p, n, any_of(uvs));
+            const glm::vec2& t = any_of(uvs);
+            soup.add(p, n,
+                     options.seamless ? uvs[std::size_t(&p - &positions[0]) % uvs.size()] : t);
         }
         soup.end_face();
     }
@@ -200,6 +202,7 @@ std::vector<NamedSoup> recorded_soups() {
         HostileOptions crowded;
         crowded.minus_zeros = seed & 1;
         crowded.crowded = true;
+        crowded.seamless = seed & 2;
         result.push_back({"crowd-" + std::to_string(seed), hostile_soup(random, crowded)});
     }
     for (std::uint32_t seed = 0; seed < 400; ++seed) {

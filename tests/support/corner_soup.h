@@ -35,7 +35,8 @@ struct HostileOptions {
     bool minus_zeros = false;
     bool nans = false;
     bool odd_scales = false;
-    bool crowded = false;  // dozens of triangles at each vertex
+    bool crowded = false;   // dozens of triangles at each vertex
+    bool seamless = false;  // each position has one UV
 };
 // Few distinct positions, normals and UVs, so that much is shared, degenerate, repeated, mirrored
 // or non-manifold.
