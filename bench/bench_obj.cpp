@@ -9,7 +9,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "prep/io.h"
+#include "prep/load.h"
 
 namespace {
 

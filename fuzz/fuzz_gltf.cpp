@@ -6,9 +6,10 @@
 #include <cstdlib>
 #include <span>
 
+#include "formats/gltf/gltf.h"
 #include "formats/gltf/gltf_writer.h"
 #include "invariants.h"
-#include "prep/gltf.h"
+#include "prep/prepare.h"
 #include "prep/tangent_conventions.h"
 
 namespace {

@@ -3,8 +3,8 @@
 #include <cstdlib>
 #include <span>
 
+#include "formats/obj/obj.h"
 #include "invariants.h"
-#include "prep/obj.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     prep::ObjOptions options;

@@ -3,6 +3,7 @@
 #include <cstdlib>
 
 #include "hostile_mesh.h"
+#include "prep/prepare.h"
 #include "rast/render.h"
 
 namespace {

@@ -3,8 +3,8 @@
 #include <cstdlib>
 #include <span>
 
+#include "formats/stl/stl.h"
 #include "invariants.h"
-#include "prep/mesh_files.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     const auto scene = prep::parse_stl(std::as_bytes(std::span(data, size)), "fuzz.stl");

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "prep/image.h"
-#include "prep/io.h"
+#include "prep/load.h"
 #include "prep/prepare.h"
 #include "rast/render.h"
 

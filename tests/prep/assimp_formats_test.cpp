@@ -9,7 +9,7 @@
 #include <memory>
 
 #include "mesh_files.h"
-#include "prep/io.h"
+#include "prep/load.h"
 
 namespace {
 

@@ -6,7 +6,7 @@
 
 #include "invariants.h"
 #include "mesh_files.h"
-#include "prep/io.h"
+#include "prep/load.h"
 
 namespace {
 

@@ -13,7 +13,7 @@
 #include <sstream>
 #include <string_view>
 
-#include "prep/gltf.h"
+#include "formats/gltf/gltf.h"
 #include "prep/prepare.h"
 #include "prep/save.h"
 #include "shared_data.h"

@@ -9,7 +9,7 @@
 #include "gltf_oracle.h"
 #include "mesh_files.h"
 #include "npm_tools.h"
-#include "prep/io.h"
+#include "prep/load.h"
 #include "prep/save.h"
 #include "shared_data.h"
 

@@ -6,7 +6,7 @@
 
 #include "gltf_source.h"
 #include "mesh_files.h"
-#include "prep/io.h"
+#include "prep/load.h"
 #include "prep/save.h"
 
 namespace {

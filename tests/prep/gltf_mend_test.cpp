@@ -7,7 +7,7 @@
 
 #include "formats/gltf/value_repair.h"
 #include "mesh_files.h"
-#include "prep/io.h"
+#include "prep/load.h"
 #include "prep/save.h"
 
 namespace {

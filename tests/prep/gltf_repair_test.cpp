@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "mesh_files.h"
-#include "prep/io.h"
+#include "prep/load.h"
 #include "prep/prepare.h"
 #include "prep/save.h"
 #include "prep/scene_json.h"

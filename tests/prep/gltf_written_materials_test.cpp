@@ -7,7 +7,6 @@
 
 #include "mesh_files.h"
 #include "prep/image.h"
-#include "prep/io.h"
 #include "prep/save.h"
 #include "written_gltf.h"
 

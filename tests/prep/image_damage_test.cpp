@@ -5,8 +5,8 @@
 #include <cstring>
 #include <filesystem>
 
+#include "prep/files.h"
 #include "prep/image.h"
-#include "prep/io.h"
 
 namespace {
 

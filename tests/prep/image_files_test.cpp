@@ -12,8 +12,8 @@
 #include <random>
 
 #include "image_folder.h"
+#include "prep/files.h"
 #include "prep/image.h"
-#include "prep/io.h"
 
 namespace {
 

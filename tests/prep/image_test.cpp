@@ -12,7 +12,7 @@
 #include <limits>
 
 #include "image_folder.h"
-#include "prep/io.h"
+#include "prep/files.h"
 #include "prep/scene.h"
 #include "shared_data.h"
 

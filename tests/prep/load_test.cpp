@@ -1,5 +1,7 @@
 // load_scene: which reader gets a file, what is refused before any reader, and the whole corpus
 // against the counts of its list.
+#include "prep/load.h"
+
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
@@ -14,11 +16,12 @@
 #include <string>
 #include <thread>
 
+#include "formats/gltf/gltf.h"
+#include "formats/obj/obj.h"
 #include "invariants.h"
 #include "mesh_files.h"
-#include "prep/gltf.h"
-#include "prep/io.h"
-#include "prep/obj.h"
+#include "prep/files.h"
+#include "prep/mesh.h"
 #include "shared_data.h"
 
 namespace {

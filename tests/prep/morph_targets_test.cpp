@@ -9,9 +9,9 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "formats/gltf/gltf.h"
 #include "mesh_files.h"
 #include "npm_tools.h"
-#include "prep/gltf.h"
 #include "prep/save.h"
 #include "shared_data.h"
 

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <string>
 
+#include "formats/obj/obj.h"
 #include "invariants.h"
 #include "mesh_files.h"
-#include "prep/obj.h"
 #include "prep/save.h"
 
 namespace {

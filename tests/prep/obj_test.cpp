@@ -1,4 +1,4 @@
-#include "prep/obj.h"
+#include "formats/obj/obj.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <string>
 
 #include "mesh_files.h"
-#include "prep/io.h"
+#include "prep/load.h"
 #include "shared_data.h"
 
 namespace {

@@ -4,9 +4,8 @@
 
 #include <string>
 
+#include "formats/obj/obj.h"
 #include "mesh_files.h"
-#include "prep/io.h"
-#include "prep/obj.h"
 
 namespace {
 

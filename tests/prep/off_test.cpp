@@ -1,11 +1,12 @@
+#include "formats/off/off.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <string>
 
 #include "mesh_files.h"
-#include "prep/io.h"
-#include "prep/mesh_files.h"
+#include "prep/load.h"
 #include "prep/save.h"
 #include "shapes.h"
 

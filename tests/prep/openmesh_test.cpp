@@ -10,7 +10,7 @@
 #include "formats/foreign_files.h"
 #include "invariants.h"
 #include "mesh_files.h"
-#include "prep/io.h"
+#include "prep/load.h"
 #include "shared_data.h"
 
 namespace {

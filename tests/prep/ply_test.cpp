@@ -1,3 +1,5 @@
+#include "formats/ply/ply.h"
+
 #include <gtest/gtest.h>
 
 #include <bit>
@@ -7,8 +9,7 @@
 #include <string>
 
 #include "mesh_files.h"
-#include "prep/io.h"
-#include "prep/mesh_files.h"
+#include "prep/load.h"
 #include "prep/save.h"
 #include "shapes.h"
 

@@ -8,7 +8,7 @@
 #include <limits>
 
 #include "mesh_files.h"
-#include "prep/io.h"
+#include "prep/load.h"
 
 namespace {
 

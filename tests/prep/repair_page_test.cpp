@@ -7,7 +7,7 @@
 
 #include "mesh_files.h"
 #include "prep/check.h"
-#include "prep/io.h"
+#include "prep/load.h"
 #include "prep/save.h"
 #include "shared_data.h"
 

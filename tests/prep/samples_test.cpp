@@ -7,7 +7,7 @@
 #include <set>
 
 #include "prep/check.h"
-#include "prep/io.h"
+#include "prep/load.h"
 #include "prep/prepare.h"
 #include "shared_data.h"
 

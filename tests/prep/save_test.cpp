@@ -9,10 +9,11 @@
 #include <limits>
 #include <string>
 
+#include "formats/obj/obj.h"
 #include "invariants.h"
 #include "mesh_files.h"
-#include "prep/io.h"
-#include "prep/obj.h"
+#include "prep/files.h"
+#include "prep/load.h"
 #include "shapes.h"
 #include "shared_data.h"
 

@@ -6,8 +6,8 @@
 #include <numbers>
 #include <string>
 
+#include "formats/obj/obj.h"
 #include "mesh_files.h"
-#include "prep/obj.h"
 #include "prep/scene_json.h"
 
 namespace {

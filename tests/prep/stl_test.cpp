@@ -1,3 +1,5 @@
+#include "formats/stl/stl.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -6,8 +8,7 @@
 #include <string>
 
 #include "mesh_files.h"
-#include "prep/io.h"
-#include "prep/mesh_files.h"
+#include "prep/load.h"
 #include "prep/save.h"
 #include "shapes.h"
 

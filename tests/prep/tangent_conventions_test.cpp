@@ -7,7 +7,6 @@
 #include <limits>
 #include <random>
 
-#include "prep/io.h"
 #include "prep/prepare.h"
 #include "shapes.h"
 #include "shared_data.h"

@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "corner_soup.h"
-#include "prep/io.h"
+#include "prep/load.h"
 #include "prep/prepare.h"
 #include "shapes.h"
 #include "shared_data.h"

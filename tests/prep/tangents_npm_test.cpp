@@ -13,7 +13,7 @@
 
 #include "corner_soup.h"
 #include "npm_tools.h"
-#include "prep/io.h"
+#include "prep/load.h"
 #include "prep/prepare.h"
 #include "shared_data.h"
 

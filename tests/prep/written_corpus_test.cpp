@@ -9,7 +9,7 @@
 #include <iostream>
 
 #include "mesh_files.h"
-#include "prep/io.h"
+#include "prep/load.h"
 #include "prep/save.h"
 #include "shared_data.h"
 #include "written_gltf.h"

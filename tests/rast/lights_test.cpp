@@ -3,7 +3,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "mesh_files.h"
-#include "prep/io.h"
+#include "prep/load.h"
 #include "prep/prepare.h"
 #include "reference_shading.h"
 

@@ -7,9 +7,9 @@
 #include <sstream>
 
 #include "builders.h"
+#include "formats/obj/obj.h"
 #include "hard_cases.h"
 #include "prep/image.h"
-#include "prep/obj.h"
 #include "shapes.h"
 
 namespace {

@@ -9,7 +9,7 @@
 
 #include "oracles.h"
 #include "prep/image.h"
-#include "prep/io.h"
+#include "prep/load.h"
 #include "prep/prepare.h"
 #include "shapes.h"
 #include "shared_data.h"

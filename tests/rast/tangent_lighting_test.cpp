@@ -5,7 +5,7 @@
 #include <map>
 #include <numeric>
 
-#include "prep/io.h"
+#include "prep/load.h"
 #include "prep/prepare.h"
 #include "prep/topology.h"
 #include "rast/render.h"

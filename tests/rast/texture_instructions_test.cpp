@@ -9,8 +9,8 @@
 #include <string>
 
 #include "builders.h"
+#include "prep/files.h"
 #include "prep/image.h"
-#include "prep/io.h"
 #include "prep/simd.h"
 #include "shading/texture.h"
 

@@ -9,7 +9,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "prep/gltf.h"
+#include "formats/gltf/gltf.h"
 
 namespace test {
 

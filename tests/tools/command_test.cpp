@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "command_runner.h"
-#include "prep/io.h"
+#include "prep/load.h"
 #include "shared_data.h"
 
 namespace {

@@ -10,7 +10,6 @@
 
 #include "command_runner.h"
 #include "npm_tools.h"
-#include "prep/io.h"
 #include "shared_data.h"
 
 namespace {

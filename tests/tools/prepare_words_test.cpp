@@ -7,7 +7,7 @@
 #include <functional>
 
 #include "command_runner.h"
-#include "prep/io.h"
+#include "prep/load.h"
 #include "prep/save.h"
 #include "shared_data.h"
 

@@ -5,7 +5,8 @@
 
 #include "command_runner.h"
 #include "prep/image.h"
-#include "prep/io.h"
+#include "prep/load.h"
+#include "prep/prepare.h"
 #include "prep/save.h"
 
 namespace {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "prep/check.h"
-#include "prep/prepare.h"
+#include "prep/prepared_scene.h"
 #include "sheets/sheet.h"
 
 namespace report {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "prep/image.h"
-#include "prep/prepare.h"
+#include "prep/prepared_scene.h"
 #include "prep/result.h"
 #include "rast/render.h"
 

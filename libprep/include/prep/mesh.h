@@ -115,6 +115,14 @@ struct Mesh {
     std::size_t corner_count() const { return corner_vertices.size(); }
 };
 
+// Positions parsed in double → mesh.positions (float, about mesh.origin). The origin is the centre
+// of the bounding box, rounded to a power of two of 1/32 to 1/16 of the box's diagonal (so that
+// writing and reading again keeps every bit), when its distance from zero is more than 8× the box's
+// diagonal and at least one coordinate is not exactly a float that survives unharmed; otherwise
+// zero, so that float input keeps its exact bits. Non-finite coordinates do not take part in the
+// box and are kept.
+void set_positions(Mesh& mesh, std::span<const glm::dvec3> positions);
+
 // The non-owning form that the algorithms take. Spans must outlive the call.
 struct MeshView {
     std::span<const glm::vec3> positions;

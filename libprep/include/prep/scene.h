@@ -142,6 +142,9 @@ BlinnPhong blinn_phong(const glm::vec3& base, float metallic, float roughness);
 // World transform of every node, parents applied first. O(nodes).
 std::vector<glm::dmat4> world_transforms(const Scene& scene);
 
+// Morph targets of all meshes; of a mesh with several parts, the most that one of them has.
+std::size_t morph_target_count(const Scene& scene);
+
 // Adds one node per mesh that no node uses (mesh files without a scene graph).
 void instance_unused_meshes(Scene& scene);
 

@@ -11,7 +11,7 @@
 #include <string>
 #include <string_view>
 
-#include "prep/io.h"
+#include "prep/load.h"
 #include "prep/result.h"
 #include "prep/scene.h"
 

@@ -11,7 +11,7 @@
 #include <mutex>
 #include <set>
 
-#include "prep/io.h"
+#include "prep/files.h"
 
 namespace prep::detail {
 namespace {

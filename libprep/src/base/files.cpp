@@ -1,3 +1,5 @@
+#include "prep/files.h"
+
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -8,7 +10,6 @@
 
 #include "base/atomic_files.h"
 #include "base/read_open_file.h"
-#include "prep/io.h"
 
 namespace prep {
 namespace {

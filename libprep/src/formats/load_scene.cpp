@@ -4,10 +4,13 @@
 #include <string_view>
 
 #include "formats/foreign_files.h"
-#include "prep/gltf.h"
-#include "prep/io.h"
-#include "prep/mesh_files.h"
-#include "prep/obj.h"
+#include "formats/gltf/gltf.h"
+#include "formats/obj/obj.h"
+#include "formats/off/off.h"
+#include "formats/ply/ply.h"
+#include "formats/stl/stl.h"
+#include "prep/files.h"
+#include "prep/load.h"
 #include "prep/scene_json.h"
 
 namespace prep {

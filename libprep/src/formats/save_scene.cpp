@@ -2,8 +2,8 @@
 #include <cmath>
 
 #include "formats/gltf/document.h"
+#include "formats/gltf/gltf.h"
 #include "formats/writers.h"
-#include "prep/gltf.h"
 #include "prep/save.h"
 #include "text/name_list.h"
 

@@ -3,7 +3,7 @@
 #include <dlfcn.h>
 
 #include "image/image_library.h"
-#include "prep/io.h"
+#include "prep/files.h"
 #include "prep/scene.h"
 
 // OpenImageIO brings some 250 libraries along, whose loading takes longer than many a conversion of

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "prep/io.h"
+#include "prep/mesh.h"
 
 namespace prep {
 namespace detail {

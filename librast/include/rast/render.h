@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "prep/image.h"
-#include "prep/prepare.h"
+#include "prep/prepared_scene.h"
 #include "prep/result.h"
 #include "prep/simd.h"
 #include "rast/view.h"

@@ -8,7 +8,7 @@
 #include <optional>
 #include <vector>
 
-#include "prep/prepare.h"
+#include "prep/prepared_scene.h"
 
 namespace rast {
 

@@ -6,7 +6,7 @@
 
 #include "draws/instance.h"
 #include "kernels/kernels.h"
-#include "prep/prepare.h"
+#include "prep/prepared_scene.h"
 #include "rast/render.h"
 
 namespace rast::detail {

@@ -1,6 +1,5 @@
 #include <prep/image.h>
-#include <prep/io.h>
-#include <prep/prepare.h>
+#include <prep/prep.h>
 #include <prep/version.h>
 #include <rast/render.h>
 #include <rast/version.h>

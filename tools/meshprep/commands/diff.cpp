@@ -8,7 +8,7 @@
 #include "meshprep/files/file_list.h"
 #include "meshprep/output/report_json.h"
 #include "prep/image.h"
-#include "prep/io.h"
+#include "prep/load.h"
 #include "sheets/image_diff.h"
 
 namespace meshprep {

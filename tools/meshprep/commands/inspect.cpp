@@ -10,7 +10,7 @@
 #include "meshprep/output/findings_text.h"
 #include "meshprep/output/report_json.h"
 #include "prep/check.h"
-#include "prep/io.h"
+#include "prep/load.h"
 
 namespace meshprep {
 namespace {

@@ -8,7 +8,7 @@
 #include "meshprep/output/counts.h"
 #include "meshprep/output/findings_text.h"
 #include "meshprep/output/report_json.h"
-#include "prep/io.h"
+#include "prep/load.h"
 #include "prep/save.h"
 
 namespace meshprep {

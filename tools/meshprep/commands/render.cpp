@@ -13,9 +13,8 @@
 #include "meshprep/files/render_outputs.h"
 #include "meshprep/options/render_names.h"
 #include "meshprep/output/report_json.h"
-#include "prep/gltf.h"
 #include "prep/image.h"
-#include "prep/io.h"
+#include "prep/load.h"
 #include "prep/scene_json.h"
 
 namespace meshprep {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "meshprep/options/arguments.h"
-#include "prep/prepare.h"
+#include "prep/prepared_scene.h"
 #include "prep/scene_json.h"
 #include "rast/view.h"
 

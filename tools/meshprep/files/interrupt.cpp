@@ -6,7 +6,7 @@
 
 #include <thread>
 
-#include "prep/io.h"
+#include "prep/files.h"
 
 namespace meshprep {
 

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "meshprep/files/file_list.h"
-#include "prep/io.h"
+#include "prep/files.h"
 
 namespace meshprep {
 namespace {

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "prep/prepare.h"
+#include "prep/prepared_scene.h"
 #include "prep/scene.h"
 
 namespace meshprep {

@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "prep/findings.h"
-#include "prep/prepare.h"
+#include "prep/prepared_scene.h"
 #include "prep/result.h"
 
 namespace meshprep {

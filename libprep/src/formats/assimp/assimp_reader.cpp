@@ -7,7 +7,7 @@
 #include <exception>
 
 #include "formats/foreign_files.h"
-#include "prep/io.h"
+#include "prep/mesh.h"
 
 namespace prep::detail {
 namespace {

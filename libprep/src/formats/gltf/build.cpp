@@ -6,8 +6,8 @@
 #include <map>
 #include <set>
 
+#include "prep/files.h"
 #include "prep/image.h"
-#include "prep/io.h"
 
 namespace prep::detail {
 namespace {

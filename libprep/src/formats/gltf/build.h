@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "formats/gltf/buffer.h"
-#include "prep/prepare.h"
+#include "prep/prepared_scene.h"
 
 namespace prep::detail {
 

@@ -3,6 +3,7 @@
 #include <string_view>
 
 #include "formats/gltf/document.h"
+#include "prep/files.h"
 
 namespace prep::detail {
 namespace {

@@ -12,7 +12,7 @@
 #include <string_view>
 #include <vector>
 
-#include "prep/gltf.h"
+#include "formats/gltf/gltf.h"
 #include "text/json_pointer.h"
 
 namespace prep {

@@ -9,6 +9,7 @@
 #include "formats/gltf/materials.h"
 #include "formats/gltf/meshes.h"
 #include "formats/gltf/structure.h"
+#include "prep/files.h"
 #include "text/name_list.h"
 
 namespace prep {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "prep/prepare.h"
+#include "prep/prepared_scene.h"
 #include "prep/result.h"
 
 namespace prep::detail {

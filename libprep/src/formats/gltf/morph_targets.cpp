@@ -6,7 +6,7 @@
 #include <optional>
 #include <span>
 
-#include "prep/gltf.h"
+#include "formats/gltf/gltf.h"
 
 namespace prep::detail {
 namespace {

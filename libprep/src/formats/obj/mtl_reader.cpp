@@ -5,7 +5,7 @@
 #include <limits>
 #include <unordered_map>
 
-#include "prep/obj.h"
+#include "formats/obj/obj.h"
 #include "text/name_list.h"
 #include "text/scan.h"
 

@@ -4,9 +4,9 @@
 
 #include "base/parallel.h"
 #include "formats/obj/blocks.h"
+#include "formats/obj/obj.h"
 #include "formats/obj/tags.h"
-#include "prep/io.h"
-#include "prep/obj.h"
+#include "prep/files.h"
 #include "text/scan.h"
 
 namespace prep {

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "base/read_open_file.h"
-#include "prep/io.h"
+#include "prep/files.h"
 
 namespace prep::detail {
 

@@ -1,8 +1,8 @@
 #include <algorithm>
 
 #include "base/srgb.h"
-#include "prep/io.h"
-#include "prep/mesh_files.h"
+#include "formats/off/off.h"
+#include "prep/mesh.h"
 #include "text/scan.h"
 
 namespace prep {

@@ -5,7 +5,7 @@
 
 #include "formats/foreign_files.h"
 #include "formats/openmesh/om_structure.h"
-#include "prep/io.h"
+#include "prep/mesh.h"
 
 namespace prep::detail {
 namespace {

@@ -5,9 +5,9 @@
 #include <optional>
 
 #include "base/srgb.h"
+#include "formats/ply/ply.h"
 #include "formats/ply/ply_header.h"
-#include "prep/io.h"
-#include "prep/mesh_files.h"
+#include "prep/mesh.h"
 #include "text/name_list.h"
 #include "text/scan.h"
 

@@ -2,8 +2,6 @@
 
 #include <cctype>
 
-#include "prep/io.h"
-
 namespace prep::detail {
 namespace {
 

@@ -8,6 +8,7 @@
 
 #include "formats/scene_json/merge.h"
 #include "formats/scene_json/spec.h"
+#include "prep/files.h"
 #include "model/primitive_shapes.h"
 #include "text/json_schema.h"
 

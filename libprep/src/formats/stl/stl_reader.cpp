@@ -3,8 +3,8 @@
 #include <cstring>
 #include <string_view>
 
-#include "prep/io.h"
-#include "prep/mesh_files.h"
+#include "formats/stl/stl.h"
+#include "prep/mesh.h"
 #include "text/scan.h"
 
 namespace prep {

@@ -11,8 +11,8 @@
 
 #include "image/openimageio/backend_parts.h"
 #include "image/openimageio/completeness.h"
+#include "prep/files.h"
 #include "prep/image.h"
-#include "prep/io.h"
 
 namespace prep {
 namespace {

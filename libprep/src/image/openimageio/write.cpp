@@ -8,8 +8,8 @@
 #include "image/openimageio/encode_image.h"
 #include "image/openimageio/output_format.h"
 #include "image/openimageio/pixel_types.h"
+#include "prep/files.h"
 #include "prep/image.h"
-#include "prep/io.h"
 
 namespace prep {
 namespace {

@@ -15,7 +15,7 @@
 #include <span>
 #include <string>
 
-#include "prep/io.h"
+#include "prep/load.h"
 #include "prep/result.h"
 #include "prep/scene.h"
 
@@ -30,9 +30,6 @@ struct GltfOptions {
 // that normals can be smooth across them. Errors: io (a buffer file), syntax, invalid, unsupported
 // (a required extension), limit; place = "name#/json/pointer".
 Result<Scene> parse_gltf(std::span<const std::byte> bytes, const GltfOptions& options = {});
-// Morph targets of a scene's meshes, of each mesh the most that a primitive has; 0 for other
-// formats.
-std::size_t morph_target_count(const Scene& scene);
 Result<Scene> load_gltf(const std::filesystem::path& path, const LoadOptions& options = {});
 
 }  // namespace prep

@@ -1,0 +1,19 @@
+// STL in, by a parser of our own (ply/ply.h says why).
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+
+#include "prep/result.h"
+#include "prep/scene.h"
+
+namespace prep {
+
+// ASCII (several solids, each a part) and binary, told apart by the size that a binary header
+// announces: many binary files begin with "solid". Facet normals are not read: they follow from the
+// corners. Every triangle has vertices of its own. One mesh and one node; `name` and errors as in
+// parse_ply().
+Result<Scene> parse_stl(std::span<const std::byte> bytes, const std::string& name);
+
+}  // namespace prep
