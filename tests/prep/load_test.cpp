@@ -72,7 +72,7 @@ TEST(LoadScene, UnknownEndingsAreReadByTheirFirstBytes) {
     }
     test::write_text(dir / "x.dat", "neither this nor that");
     EXPECT_EQ(error_of(dir / "x.dat"),
-              "unknown file type '.dat': OBJ, PLY, STL, OFF, OM, glTF, GLB, JSON scenes and the "
+              "unknown file type '.dat': GLB, glTF, OBJ, PLY, STL, OFF, OM, JSON scenes and the "
               "formats of Assimp (FBX, DAE, 3DS, …) are read");
 }
 

@@ -378,6 +378,23 @@ TEST(Prepare, DirectoriesKeepTheirTreeWithRecursive) {
         EXPECT_TRUE(std::filesystem::exists(dir / (std::string("tree/") + name))) << name;
 }
 
+// An avatar is a GLB of another ending: what is read by name is found in a directory, too.
+TEST(Prepare, DirectoriesAreReadForEveryEndingOfAFormat) {
+    const TemporaryDirectory dir;
+    std::filesystem::create_directories(dir / "in");
+    write_text(dir / "cube.obj", test::cube_obj());
+    ASSERT_EQ(run_command({"prepare", (dir / "cube.obj").string(), "-o", (dir / "c.glb").string()})
+                  .exit_code,
+              0);
+    std::filesystem::rename(dir / "c.glb", dir / "in/avatar.VRM");
+    write_text(dir / "in/settings.json", "{}");
+    const test::Ran ran = run_command(
+        {"prepare", (dir / "in").string(), "-o", (dir / "out/").string(), "--format", "obj"});
+    ASSERT_EQ(ran.exit_code, 0) << ran.err;
+    EXPECT_TRUE(std::filesystem::exists(dir / "out/avatar.obj"));
+    EXPECT_FALSE(std::filesystem::exists(dir / "out/settings.obj"));
+}
+
 TEST(Prepare, AFailedRunLeavesTheOldFileAsItWas) {
     const TemporaryDirectory dir;
     write_text(dir / "bad.obj", "v 0 0 0\nf 1 2 3\n");

@@ -1,9 +1,8 @@
-#include <cctype>
 #include <cmath>
 
 #include "formats/gltf/document.h"
 #include "formats/gltf/gltf.h"
-#include "formats/writers.h"
+#include "formats/registry.h"
 #include "prep/save.h"
 #include "text/name_list.h"
 
@@ -36,7 +35,7 @@ void note_groups(const PreparedScene& prepared, const std::string& format,
 namespace {
 
 // What glTF files keep and the other formats do not, beside what their writers tell of themselves.
-void note_lost(const PreparedScene& prepared, const std::string& format,
+void note_lost(const PreparedScene& prepared, const std::string& format, const FormatHolds& holds,
                std::vector<std::string>& notes) {
     const GltfDocument* document = prepared.scene.document.get();
     if (!document) return;
@@ -63,7 +62,7 @@ void note_lost(const PreparedScene& prepared, const std::string& format,
     if (const std::size_t targets = morph_target_count(prepared.scene); targets > 0)
         notes.push_back(format + " holds no morph targets: " + std::to_string(targets) +
                         " left out");
-    if (format != "OBJ" && !prepared.scene.skins.empty())
+    if (!holds.notes_skins && !prepared.scene.skins.empty())
         notes.push_back(format + " holds no skins: left out");
     if (const auto list = document->json.find("animations");
         list != document->json.end() && list->is_array() && !list->empty())
@@ -81,7 +80,7 @@ bool finite(const glm::vec4& v) {
     return finite(glm::vec3(v)) && std::isfinite(v.w);
 }
 
-void note_non_finite(const PreparedScene& prepared, const std::string& format,
+void note_non_finite(const PreparedScene& prepared, const FormatHolds& holds,
                      std::vector<std::string>& notes) {
     const auto note = [&](const char* one, const char* several, std::size_t count) {
         if (count > 0)
@@ -94,7 +93,7 @@ void note_non_finite(const PreparedScene& prepared, const std::string& format,
         return count;
     };
     std::size_t vertices = 0, uvs = 0, colors = 0;
-    if (format == "OBJ") {  // written from the faces, the others from the split vertices
+    if (holds.corner_values) {
         for (const Mesh& mesh : prepared.scene.meshes) {
             vertices += count_in(mesh.positions);
             if (!mesh.uvs.empty()) uvs += count_in(mesh.uvs[0].values);
@@ -108,9 +107,8 @@ void note_non_finite(const PreparedScene& prepared, const std::string& format,
         }
     }
     note(" vertex is", " vertices are", vertices);
-    if (format != "STL") note(" UV is", " UVs are", uvs);
-    // PLY's are bytes.
-    if (format == "OBJ" || format == "OFF") note(" colour is", " colours are", colors);
+    if (holds.uvs) note(" UV is", " UVs are", uvs);
+    if (holds.float_colors) note(" colour is", " colours are", colors);
 }
 
 }  // namespace
@@ -119,31 +117,20 @@ void note_non_finite(const PreparedScene& prepared, const std::string& format,
 Result<std::vector<std::string>> save_scene(const PreparedScene& prepared,
                                             const std::filesystem::path& path,
                                             const SaveOptions& options) {
-    std::string ending = path.extension().string();
-    for (char& c : ending) c = char(std::tolower(static_cast<unsigned char>(c)));
-    if (ending == ".glb" || ending == ".gltf") return detail::write_gltf(prepared, path, options);
-    using Write = Result<std::vector<std::string>> (*)(
-        const PreparedScene&, const std::filesystem::path&, const SaveOptions&);
-    struct Format {
-        const char *ending, *name;
-        Write write;
-    };
-    static constexpr Format others[] = {{".obj", "OBJ", detail::write_obj},
-                                        {".ply", "PLY", detail::write_ply},
-                                        {".stl", "STL", detail::write_stl},
-                                        {".off", "OFF", detail::write_off}};
-    for (const Format& format : others) {
-        if (ending != format.ending) continue;
-        auto notes = format.write(prepared, path, options);
-        if (notes) {
-            detail::note_lost(prepared, format.name, *notes);
-            detail::note_non_finite(prepared, format.name, *notes);
-        }
-        return notes;
+    const std::string ending = lower_ending(path);
+    const detail::Format* const format = detail::format_that_writes(ending);
+    if (!format)
+        return Error{
+            ErrorCode::unsupported,
+            "cannot write '" + ending + "': " + detail::format_titles(true) + " are written",
+            path.string()};
+    auto notes = format->write(prepared, path, options);
+    if (notes && !format->holds.everything) {
+        const std::string name(format->file.name);
+        detail::note_lost(prepared, name, format->holds, *notes);
+        detail::note_non_finite(prepared, format->holds, *notes);
     }
-    return Error{ErrorCode::unsupported,
-                 "cannot write '" + ending + "': GLB, glTF, OBJ, PLY, STL and OFF are written",
-                 path.string()};
+    return notes;
 }
 
 }  // namespace prep

@@ -3,9 +3,10 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cctype>
 #include <map>
 #include <set>
+
+#include "prep/formats.h"
 
 namespace meshprep {
 namespace {
@@ -14,16 +15,6 @@ namespace fs = std::filesystem;
 using prep::Error;
 using prep::ErrorCode;
 using prep::Result;
-
-// What people keep beside meshes is not listed here: a directory is read for these endings alone; a
-// file that is named is read whatever its ending.
-const std::vector<std::string>& input_endings() {
-    static const std::vector<std::string> endings = {
-        "obj", "ply",   "stl", "off", "om",  "gltf", "glb", "json", "fbx", "dae",
-        "3ds", "blend", "lwo", "ac",  "x",   "ase",  "dxf", "3mf",  "b3d", "md5mesh",
-        "lws", "ms3d",  "cob", "smd", "wrl", "x3d",  "amf", "bvh",  "ifc", "md2"};
-    return endings;
-}
 
 std::string joined(const std::vector<std::string>& words) {
     std::string text;
@@ -52,9 +43,10 @@ Result<std::vector<Input>> list_inputs(const PrepareCommand& command) {
         std::vector<Input> found;
         const auto take = [&](const fs::directory_entry& entry) {
             std::error_code entry_ec;
-            if (!entry.is_regular_file(entry_ec) || !is_input_file(entry.path())) return;
+            if (!entry.is_regular_file(entry_ec)) return;
             // A scene is JSON, but not all JSON is a scene: in a directory only meshes are meant.
-            if (lower_ending(entry.path()) == "json") return;
+            const prep::FileFormat* const format = prep::file_format(entry.path());
+            if (!format || !format->meshes) return;
             found.push_back({entry.path(), entry.path().parent_path().lexically_relative(path)});
         };
         if (command.recursive) {
@@ -157,7 +149,13 @@ Result<void> check_conflicts(const JobList& list, const PrepareCommand& command)
 }  // namespace
 
 const std::vector<std::string>& output_endings() {
-    static const std::vector<std::string> endings = {"glb", "gltf", "obj", "ply", "stl", "off"};
+    static const std::vector<std::string> endings = [] {
+        std::vector<std::string> list;
+        for (const prep::FileFormat& format : prep::file_formats())
+            for (const std::string_view ending : format.written)
+                list.emplace_back(ending.substr(1));
+        return list;
+    }();
     return endings;
 }
 
@@ -166,20 +164,21 @@ std::string output_endings_text() {
 }
 
 std::string input_endings_text() {
-    return "obj, ply, stl, off, om, gltf, glb, json (scenes), and what Assimp reads (fbx, dae, "
-           "3ds, "
-           "blend, …)";
+    std::vector<std::string> words;
+    for (const prep::FileFormat& format : prep::file_formats()) {
+        if (&format == &prep::file_formats().back()) {
+            words.push_back("and " + std::string(format.title));
+            break;
+        }
+        for (const std::string_view ending : format.endings)
+            words.push_back(std::string(ending.substr(1)) + (format.meshes ? "" : " (scenes)"));
+    }
+    return joined(words);
 }
 
 std::string lower_ending(const fs::path& path) {
-    std::string ending = path.extension().string();
-    if (!ending.empty()) ending.erase(0, 1);
-    for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    return ending;
-}
-
-bool is_input_file(const fs::path& path) {
-    return known(input_endings(), lower_ending(path));
+    const std::string ending = prep::lower_ending(path);
+    return ending.empty() ? ending : ending.substr(1);
 }
 
 Result<void> require_file(const fs::path& path) {

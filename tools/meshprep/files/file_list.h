@@ -14,7 +14,6 @@ namespace meshprep {
 const std::vector<std::string>& output_endings();
 std::string output_endings_text();  // "glb, gltf, obj, …"
 std::string input_endings_text();
-bool is_input_file(const std::filesystem::path& path);  // by its ending
 std::string lower_ending(const std::filesystem::path& path);
 
 struct Job {

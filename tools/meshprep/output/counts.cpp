@@ -6,6 +6,7 @@
 
 #include "meshprep/files/file_list.h"
 #include "prep/files.h"
+#include "prep/formats.h"
 
 namespace meshprep {
 namespace {
@@ -96,8 +97,8 @@ Counts count_prepared(const prep::PreparedScene& prepared) {
 }
 
 Counts count_gltf_file(const std::filesystem::path& path) {
-    const std::string ending = lower_ending(path);
-    if (ending != "gltf" && ending != "glb") return {};
+    const prep::FileFormat* const format = prep::file_format(path);
+    if (!format || format->name != "glTF") return {};
     const std::string text = gltf_text(path);
     // The non-throwing form; a document that is no JSON counts as nothing.
     const Json json = Json::parse(text, nullptr, false);

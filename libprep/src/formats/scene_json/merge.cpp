@@ -1,7 +1,5 @@
 #include "formats/scene_json/merge.h"
 
-#include <cctype>
-
 namespace prep::detail {
 namespace {
 
@@ -69,12 +67,6 @@ void instance_part(Scene& scene, const MergedPart& part, std::uint32_t parent) {
             shift(copy.parent, first);
         scene.nodes.push_back(std::move(copy));
     }
-}
-
-std::string ending_of(const std::filesystem::path& path) {
-    std::string ending = path.extension().string();
-    for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    return ending;
 }
 
 }  // namespace prep::detail

@@ -1,7 +1,6 @@
 // Putting a loaded file's meshes into a larger scene, once, and instancing them many times.
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -21,8 +20,5 @@ MergedPart merge_scene(Scene& into, Scene&& part, const std::string& name);
 
 // Adds copies of the part's nodes under `parent` (or at the root).
 void instance_part(Scene& scene, const MergedPart& part, std::uint32_t parent);
-
-// The lower-case ending with its dot: ".json".
-std::string ending_of(const std::filesystem::path& path);
 
 }  // namespace prep::detail

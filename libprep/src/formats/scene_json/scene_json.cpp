@@ -8,8 +8,9 @@
 
 #include "formats/scene_json/merge.h"
 #include "formats/scene_json/spec.h"
-#include "prep/files.h"
 #include "model/primitive_shapes.h"
+#include "prep/files.h"
+#include "prep/formats.h"
 #include "text/json_schema.h"
 
 namespace prep {
@@ -152,7 +153,7 @@ class Builder {
         }
         Result<std::filesystem::path> file = existing_file(spec.file);
         if (!file) return file.error();
-        if (ending_of(*file) == ".json")
+        if (lower_ending(*file) == ".json")
             return error(spec.file.pointer, "a scene file cannot contain another scene file",
                          ErrorCode::unsupported);
         Result<Scene> scene = load_scene(*file, options_);
