@@ -25,7 +25,7 @@ Floats floats_of(const GltfMaker& maker, std::size_t accessor) {
     const auto scene = maker.read();
     EXPECT_TRUE(scene) << test::error_of(scene);
     if (!scene) return {};
-    const auto raw = scene->document->raw_accessor(accessor);
+    const auto raw = prep::detail::gltf_document(*scene)->raw_accessor(accessor);
     EXPECT_TRUE(raw);
     return raw ? prep::detail::to_floats(*raw) : Floats{};
 }

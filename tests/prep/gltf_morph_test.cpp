@@ -3,9 +3,9 @@
 
 #include <cmath>
 
-#include "formats/gltf/morph_targets.h"
 #include "gltf_maker.h"
 #include "mesh_files.h"
+#include "pipeline/morph_targets.h"
 
 namespace {
 
@@ -52,16 +52,13 @@ GltfMaker two_primitives() {
 }
 
 prep::detail::MorphShape shape(const prep::Scene& scene, std::size_t target) {
-    auto made = prep::detail::morph_shape(*scene.document, 0, scene.meshes[0], target);
-    EXPECT_TRUE(made);
-    return made ? *std::move(made) : prep::detail::MorphShape();
+    return prep::detail::morph_shape(scene.meshes[0], scene.meshes[0].morph_targets.at(target));
 }
 
 TEST(GltfMorph, ShapesAreTheBasePlusTheDeltasOfTheirTarget) {
     const auto scene = two_primitives().read();
     ASSERT_TRUE(scene) << test::error_of(scene);
-    EXPECT_EQ(prep::detail::morph_target_count(*scene->document, 0), 3u)
-        << "the most that a primitive has";
+    EXPECT_EQ(prep::morph_target_count(*scene), 3u) << "the most that a primitive has";
     const prep::detail::MorphShape first = shape(*scene, 0), second = shape(*scene, 1);
     EXPECT_TRUE(first.moves);
     EXPECT_TRUE(first.normal_deltas.empty());
@@ -109,13 +106,11 @@ TEST(GltfMorph, WeldedMeshesTakeTheDeltasOfTheVerticesInTheFile) {
     mesh.corner_file_vertices = {3, 4, 5};
     mesh.normals.values = {{0, 0, 1}};
     mesh.normals.indices = {0, 0, no_index};
-    const auto made = prep::detail::morph_shape(*scene->document, 0, mesh, 0);
-    ASSERT_TRUE(made);
-    EXPECT_EQ(made->positions, (Vectors{{3, 3, 3}, {103, 105, 106}, {107, 108, 110}}));
-    const auto turned = prep::detail::morph_shape(*scene->document, 0, mesh, 2);
-    ASSERT_TRUE(turned);
-    EXPECT_EQ(turned->normal_deltas, (Vectors{{3, 0, 3}, {0, -1, -1}, {0, 0, -1}}));
-    const auto normals = prep::detail::morphed_normals(mesh, turned->normal_deltas);
+    const auto made = prep::detail::morph_shape(mesh, mesh.morph_targets.at(0));
+    EXPECT_EQ(made.positions, (Vectors{{3, 3, 3}, {103, 105, 106}, {107, 108, 110}}));
+    const auto turned = prep::detail::morph_shape(mesh, mesh.morph_targets.at(2));
+    EXPECT_EQ(turned.normal_deltas, (Vectors{{3, 0, 3}, {0, -1, -1}, {0, 0, -1}}));
+    const auto normals = prep::detail::morphed_normals(mesh, turned.normal_deltas);
     ASSERT_EQ(normals.indices.size(), 3u);
     EXPECT_NE(normals.indices[0], normals.indices[1]) << "one before, two now";
     EXPECT_NEAR(normals.values[normals.indices[0]].x, 0.6, 1e-7);

@@ -7,11 +7,11 @@
 #include <iostream>
 
 #include "formats/gltf/document.h"
-#include "formats/gltf/morph_targets.h"
 #include "gltf_cases.h"
 #include "gltf_oracle.h"
 #include "mesh_files.h"
 #include "npm_tools.h"
+#include "pipeline/morph_targets.h"
 #include "shared_data.h"
 
 namespace {
@@ -117,7 +117,7 @@ class Comparison {
             const json& primitives = list[m].at("primitives");
             const prep::Mesh& mesh = ours_.meshes[m];
             EXPECT_EQ(mesh.name, list[m].at("name")) << at;
-            if (!sizes(ours_.document->primitives[m].size(), primitives, at)) continue;
+            if (!sizes(document().primitives[m].size(), primitives, at)) continue;
             Elements next;
             for (std::size_t p = 0; p < primitives.size(); ++p) {
                 const std::string place = at + ", primitive " + std::to_string(p);
@@ -207,9 +207,8 @@ class Comparison {
 
     // Also those that a Mesh has no layer for: joints, weights, an application's own.
     void attributes(const json& primitive, std::size_t m, std::size_t p, const std::string& at) {
-        const prep::detail::Json& own =
-            ours_.document->json["meshes"][m]["primitives"][p]["attributes"];
-        const auto& draco = ours_.document->primitives[m][p].draco;
+        const prep::detail::Json& own = document().json["meshes"][m]["primitives"][p]["attributes"];
+        const auto& draco = document().primitives[m][p].draco;
         EXPECT_EQ(own.size(), primitive.at("attributes").size()) << at;
         for (const auto& [semantic, theirs] : primitive.at("attributes").items()) {
             const auto held = draco.find(semantic);
@@ -228,25 +227,25 @@ class Comparison {
     }
 
     void accessor(std::size_t index, const json& theirs, const std::string& what) {
-        const auto raw = ours_.document->raw_accessor(index);
+        const auto raw = document().raw_accessor(index);
         ASSERT_TRUE(raw) << what;
         list(prep::detail::to_floats(*raw), theirs, what);
     }
 
     void targets(const json& primitive, std::size_t m, std::size_t p, const std::string& at) {
         const json& list = primitive.at("targets");
-        const auto& where = ours_.document->primitives[m][p];
+        const auto& where = document().primitives[m][p];
         for (std::size_t t = 0; t < list.size(); ++t) {
             if (!list[t].contains("POSITION")) continue;
-            const auto shape = prep::detail::morph_shape(*ours_.document, m, ours_.meshes[m], t);
-            ASSERT_TRUE(shape) << at;
+            const prep::Mesh& mesh = ours_.meshes[m];
+            const auto shape = prep::detail::morph_shape(mesh, mesh.morph_targets.at(t));
             const std::string what = at + ", target " + std::to_string(t);
             const Numbers deltas = theirs_.numbers(list[t].at("POSITION")),
                           base = theirs_.numbers(primitive.at("attributes").at("POSITION"));
             for (std::uint32_t v = 0; v < where.vertex_count; ++v)
                 for (int k = 0; k < 3; ++k) {
                     const std::size_t i = 3 * where.element_of(v) + std::size_t(k);
-                    same(double(shape->positions[where.first_vertex + v][k]),
+                    same(double(shape.positions[where.first_vertex + v][k]),
                          double(float(base[i]) + float(deltas[i])), 0, what);
                 }
         }
@@ -311,15 +310,19 @@ class Comparison {
         }
     }
 
-    // We carry animations: what they refer to must have its values.
+    // What they refer to must have its values, and so must the scene's own lists.
     void animations() {
         const json& list = theirs_.json.at("animations");
         for (std::size_t a = 0; a < list.size(); ++a)
             for (std::size_t s = 0; s < list[a].at("samplers").size(); ++s) {
-                const auto& own = ours_.document->json["animations"][a]["samplers"][s];
+                const auto& own = document().json["animations"][a]["samplers"][s];
                 for (const char* key : {"input", "output"})
                     accessor(own[key].get<std::size_t>(), list[a].at("samplers")[s].at(key),
                              std::string("animation's ") + key);
+                const prep::AnimationSampler& sampler = ours_.animations.at(a).samplers.at(s);
+                ASSERT_TRUE(sampler.times && sampler.values);
+                this->list(*sampler.times, list[a].at("samplers")[s].at("input"), "key times");
+                this->list(*sampler.values, list[a].at("samplers")[s].at("output"), "key values");
             }
     }
 
@@ -442,6 +445,8 @@ class Comparison {
             same(double(found.roughness), in.at("roughnessFactor"), at + ", roughness");
         }
     }
+
+    const prep::GltfDocument& document() const { return *prep::detail::gltf_document(ours_); }
 
     const prep::Scene& ours_;
     const test::DecodedGltf& theirs_;

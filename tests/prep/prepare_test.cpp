@@ -356,7 +356,8 @@ TEST(Prepare, NormalsOfAGltfAreSmoothAcrossPrimitives) {
     EXPECT_EQ(smooth->meshes[0].vertex_count(), 8u);  // the primitives keep their own
     EXPECT_LT(bend(*smooth), 1e-6f);
     prep::Scene merged = *scene;  // as in a scene of several files
-    merged.document.reset();
+    merged.retained_file.reset();
+    for (prep::Mesh& mesh : merged.meshes) mesh.tied_to_file = false;
     const auto part = prep::prepare(merged);
     ASSERT_TRUE(part.has_value());
     EXPECT_LT(bend(*part), 1e-6f);

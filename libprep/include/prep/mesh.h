@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <limits>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -69,6 +70,33 @@ inline bool operator==(const VertexMark& a, const VertexMark& b) {
     return a.vertex == b.vertex && a.sharpness == b.sharpness;
 }
 
+// Differences at file vertices `first_vertex`, `first_vertex` + 1, …; several targets, or several
+// meshes, may share the values.
+struct VertexDeltas {
+    std::uint32_t first_vertex = 0;
+    std::shared_ptr<const std::vector<glm::vec3>> values;
+};
+
+// What a morph target adds at weight 1. Runs ascend and do not overlap; vertices in none of them
+// stay as they are. Normals and tangents without a run are those of the mesh.
+struct MorphTarget {
+    std::vector<VertexDeltas> positions, normals, tangents;
+};
+
+// Four joints that move a vertex, by file vertex; several sets add up. Weights need not be
+// normalised.
+struct SkinInfluences {
+    std::vector<glm::vec<4, std::uint16_t>> joints;  // into Skin::joints
+    std::vector<glm::vec4> weights;
+};
+
+// Numbers of a meaning that only the file's author knows ("_TEMPERATURE"), by file vertex.
+struct VertexAttribute {
+    std::string name;
+    std::uint32_t width = 1;    // numbers to a vertex
+    std::vector<float> values;  // empty: faces have none of them
+};
+
 // A polygon mesh. Face f has the corners face_offsets[f] .. face_offsets[f+1]-1; corner c is at
 // vertex corner_vertices[c]. Loaders guarantee: every index in range, offsets ascending, every face
 // has at least 3 corners, layer sizes as stated. They do not guarantee finite values, manifoldness
@@ -77,8 +105,8 @@ struct Mesh {
     std::string name;
     glm::dvec3 origin{0.0};            // positions are relative to this point
     std::vector<glm::vec3> positions;  // one per vertex
-    // Per vertex, the vertex of the file that it comes from; empty: each is itself. For formats
-    // whose other data (skins, morph targets) is by vertex.
+    // Per vertex, the vertex of the file that it comes from; empty: each is itself. Skins and
+    // targets are by file vertex: welding, repairing and splitting renumber this list alone.
     std::vector<std::uint32_t> file_vertices;
     std::vector<std::uint32_t> face_offsets{0};  // faces + 1
     std::vector<std::uint32_t> corner_vertices;  // one per corner
@@ -100,6 +128,19 @@ struct Mesh {
     std::vector<std::string>
         parts;  // OBJ objects/groups ("object" or "object/group"), glTF primitives
 
+    // By file vertex. Positions of targets and influences belong to a vertex; the targets' normals
+    // and tangents and the attributes to each of its corners.
+    std::vector<MorphTarget> morph_targets;
+    std::vector<SkinInfluences> skin_influences;
+    std::vector<VertexAttribute> vertex_attributes;
+
+    // Every corner's attributes are those of its vertex, so that the file repeats a point at each
+    // seam, whatever attributes there are.
+    bool indexed_by_vertex = false;
+    // The file is written back with only the prepared attributes changed: vertices are not shared
+    // for good, and parts keep vertices of their own.
+    bool tied_to_file = false;
+
     std::vector<glm::uvec2> hard_marks;  // edges marked hard, by vertices
     SubdivisionTags subdivision;
 
@@ -109,10 +150,19 @@ struct Mesh {
     std::vector<std::uint32_t> points;
     // Colours of vertices that no face uses (point clouds): one per vertex, or empty.
     std::vector<glm::vec4> vertex_colors;
+    // Parts of lines or points with normals or UVs, for which there is no place here.
+    std::uint32_t loose_parts_with_attributes = 0;
 
     std::size_t vertex_count() const { return positions.size(); }
     std::size_t face_count() const { return face_offsets.size() - 1; }
     std::size_t corner_count() const { return corner_vertices.size(); }
+    std::uint32_t file_vertex(std::uint32_t vertex) const {
+        return file_vertices.empty() ? vertex : file_vertices[vertex];
+    }
+    std::uint32_t corner_file_vertex(std::uint32_t corner) const {
+        return corner_file_vertices.empty() ? file_vertex(corner_vertices[corner])
+                                            : corner_file_vertices[corner];
+    }
 };
 
 // Positions parsed in double → mesh.positions (float, about mesh.origin). The origin is the centre

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <glm/ext/quaternion_double.hpp>
 #include <glm/glm.hpp>
 #include <memory>
 #include <optional>
@@ -13,7 +14,11 @@
 
 namespace prep {
 
-class GltfDocument;  // the retained glTF file (gltf.h): what we do not understand is written back
+// What a loader keeps of its file, so that the writer of the same format loses nothing of it. Only
+// that format knows what is in it.
+struct RetainedFile {
+    virtual ~RetainedFile() = default;
+};
 
 enum class Wrap : std::uint8_t { repeat, mirror, clamp, border };
 enum class Filter : std::uint8_t { nearest, linear };
@@ -94,11 +99,21 @@ struct Camera {
     double znear = 0.01, zfar = 0;  // zfar 0: infinite
 };
 
+// Scale first, then rotation, then translation: what animations move.
+struct Trs {
+    glm::dvec3 translation{0.0};
+    glm::dquat rotation{1, 0, 0, 0};  // of unit length; w first
+    glm::dvec3 scale{1.0};
+    glm::dmat4 matrix() const;
+};
+
 struct Node {
     std::string name;
     std::uint32_t parent =
         no_index;               // always an earlier or later node, never cyclic (loaders check)
     glm::dmat4 transform{1.0};  // to the parent
+    // Where the file gives the transform so: `transform` is its matrix. Empty: a matrix of its own.
+    std::optional<Trs> trs;
     std::uint32_t mesh = no_index, camera = no_index, light = no_index, skin = no_index;
 };
 
@@ -106,6 +121,31 @@ struct Skin {
     std::string name;
     std::vector<std::uint32_t> joints;    // nodes
     std::vector<glm::mat4> inverse_bind;  // one per joint
+};
+
+enum class Interpolation : std::uint8_t { linear, step, cubic_spline };
+enum class AnimationPath : std::uint8_t { translation, rotation, scale, weights, other };
+
+// Keys: values[i] stands at times[i]. A value is 3 numbers of a translation or scale, 4 of a
+// rotation (x, y, z, w), one for each morph target of weights; a cubic spline's key is three of
+// them: the tangent before, the value, the tangent after. Both null where the file's data are not
+// there.
+struct AnimationSampler {
+    Interpolation interpolation = Interpolation::linear;
+    std::shared_ptr<const std::vector<float>> times, values;  // seconds; samplers may share them
+};
+
+struct AnimationChannel {
+    std::uint32_t sampler = 0;      // of the same animation
+    std::uint32_t node = no_index;  // none: what `other` moves is known to the file alone
+    AnimationPath path = AnimationPath::other;
+};
+
+// Carried for whoever plays it; nothing here does.
+struct Animation {
+    std::string name;
+    std::vector<AnimationSampler> samplers;
+    std::vector<AnimationChannel> channels;
 };
 
 struct Scene {
@@ -120,8 +160,10 @@ struct Scene {
     std::vector<Light> lights;
     std::vector<Camera> cameras;
     std::vector<Skin> skins;
-    std::uint32_t active_camera = no_index;        // a node
-    std::shared_ptr<const GltfDocument> document;  // set when the source was glTF
+    std::vector<Animation> animations;
+    std::uint32_t active_camera = no_index;             // a node
+    std::shared_ptr<const RetainedFile> retained_file;  // none: no writer needs it
+    std::uint64_t source_bytes = 0;  // of the file and its buffers, where a limit depends on it
     std::vector<std::string>
         warnings;  // odd but usable: what the loader met and what it made of it
 };
@@ -142,7 +184,7 @@ BlinnPhong blinn_phong(const glm::vec3& base, float metallic, float roughness);
 // World transform of every node, parents applied first. O(nodes).
 std::vector<glm::dmat4> world_transforms(const Scene& scene);
 
-// Morph targets of all meshes; of a mesh with several parts, the most that one of them has.
+// Morph targets of all meshes.
 std::size_t morph_target_count(const Scene& scene);
 
 // Adds one node per mesh that no node uses (mesh files without a scene graph).

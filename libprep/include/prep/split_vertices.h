@@ -13,9 +13,6 @@ struct SplitOptions {
     // Faces of different part never share a vertex or a range, as glTF's primitives need it. False:
     // parts are names only, and ranges have none (`no_index`). Materials always stay apart.
     bool parts_apart = true;
-    // Corners of different Mesh::corner_file_vertices never share a vertex: for files that have
-    // more at their vertices than the mesh's layers.
-    bool file_vertices_apart = false;
     int threads = 0;
 };
 
@@ -23,7 +20,8 @@ struct SplitOptions {
 // only, it never splits by itself. Vertices come out by source vertex, then by first corner.
 // Source vertices that only lines or points use are kept; unused ones are dropped. A corner without
 // a value in a layer that others have gets (0,0,1) as normal, (1,0,0,1) as tangent, 0 as UV, white
-// as colour. NaN values compare by bits. O(corners). Errors: limit.
+// as colour. NaN values compare by bits. Where a mesh has morph targets or vertex attributes,
+// corners of different file vertices never share a vertex. O(corners). Errors: limit.
 Result<VertexMesh> split(const Mesh& mesh, const HardEdges* hard = nullptr,
                          const SplitOptions& options = {});
 

@@ -1,7 +1,5 @@
 #include <cmath>
 
-#include "formats/gltf/document.h"
-#include "formats/gltf/gltf.h"
 #include "formats/registry.h"
 #include "prep/save.h"
 #include "text/name_list.h"
@@ -37,20 +35,12 @@ namespace {
 // What glTF files keep and the other formats do not, beside what their writers tell of themselves.
 void note_lost(const PreparedScene& prepared, const std::string& format, const FormatHolds& holds,
                std::vector<std::string>& notes) {
-    const GltfDocument* document = prepared.scene.document.get();
-    if (!document) return;
     std::size_t loose = 0;
     NameList custom;
-    for (std::size_t m = 0; m < document->primitives.size(); ++m)
-        for (std::size_t p = 0; p < document->primitives[m].size(); ++p) {
-            const Json& attributes = document->json["meshes"][m]["primitives"][p]["attributes"];
-            bool any = false;
-            for (const auto& item : attributes.items()) {
-                any |= item.key() == "NORMAL" || item.key().starts_with("TEXCOORD_");
-                if (item.key().starts_with("_")) custom.add(item.key());
-            }
-            loose += any && !document->primitives[m][p].triangles;
-        }
+    for (const Mesh& mesh : prepared.scene.meshes) {
+        loose += mesh.loose_parts_with_attributes;
+        for (const VertexAttribute& attribute : mesh.vertex_attributes) custom.add(attribute.name);
+    }
     if (loose > 0)
         notes.push_back(
             "normals and UVs of lines and points are kept in glTF files only: those of " +
@@ -64,10 +54,8 @@ void note_lost(const PreparedScene& prepared, const std::string& format, const F
                         " left out");
     if (!holds.notes_skins && !prepared.scene.skins.empty())
         notes.push_back(format + " holds no skins: left out");
-    if (const auto list = document->json.find("animations");
-        list != document->json.end() && list->is_array() && !list->empty())
-        notes.push_back(format + " holds no animations: " + std::to_string(list->size()) +
-                        " left out");
+    if (const std::size_t count = prepared.scene.animations.size(); count > 0)
+        notes.push_back(format + " holds no animations: " + std::to_string(count) + " left out");
 }
 
 bool finite(const glm::vec2& v) {

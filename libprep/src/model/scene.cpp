@@ -1,6 +1,7 @@
 #include "prep/scene.h"
 
 #include <algorithm>
+#include <glm/gtc/quaternion.hpp>
 
 namespace prep {
 
@@ -10,6 +11,19 @@ BlinnPhong blinn_phong(const glm::vec3& base, float metallic, float roughness) {
     const glm::vec3 reflectance = glm::vec3(0.04f) + (base - glm::vec3(0.04f)) * metallic;
     const float width = shininess + 2;
     return {base * (1 - metallic), reflectance * (width / 8 + 0.5f / width), shininess};
+}
+
+glm::dmat4 Trs::matrix() const {
+    glm::dmat4 result = glm::mat4_cast(rotation);
+    for (int c = 0; c < 3; ++c) result[c] *= scale[c];
+    result[3] = glm::dvec4(translation, 1);
+    return result;
+}
+
+std::size_t morph_target_count(const Scene& scene) {
+    std::size_t count = 0;
+    for (const Mesh& mesh : scene.meshes) count += mesh.morph_targets.size();
+    return count;
 }
 
 std::vector<glm::dmat4> world_transforms(const Scene& scene) {

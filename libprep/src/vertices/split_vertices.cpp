@@ -62,7 +62,8 @@ class Attributes {
             if (!layer.empty()) uvs_.emplace_back(layer, missing_uv);
         for (const auto& layer : mesh.colors)
             if (!layer.empty()) colors_.emplace_back(layer, missing_color);
-        if (options.file_vertices_apart && !mesh.corner_file_vertices.empty())
+        if (!mesh.corner_file_vertices.empty() &&
+            !(mesh.morph_targets.empty() && mesh.vertex_attributes.empty()))
             file_vertices_ = mesh.corner_file_vertices.data();
         parts_apart_ = options.parts_apart && !uniform(mesh.face_parts);
         materials_apart_ = !uniform(mesh.face_materials);

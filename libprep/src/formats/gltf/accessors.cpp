@@ -305,13 +305,8 @@ RawAccessor selected(const RawAccessor& raw, const std::vector<std::uint32_t>& e
     return out;
 }
 
-bool has_more_than_layers(const GltfDocument& document, std::size_t mesh) {
-    for (const Json& primitive : document.json["meshes"][mesh]["primitives"]) {
-        if (primitive.contains("targets")) return true;
-        for (const auto& item : primitive["attributes"].items())
-            if (item.key().starts_with("_")) return true;
-    }
-    return false;
+const GltfDocument* gltf_document(const Scene& scene) {
+    return dynamic_cast<const GltfDocument*>(scene.retained_file.get());
 }
 
 std::vector<std::uint32_t> materials_of_variants(const Json& primitive) {

@@ -21,6 +21,11 @@ namespace detail {
 
 using Json = nlohmann::ordered_json;
 
+// What may be decoded of a file whose accessors name the same bytes again and again.
+constexpr std::uint64_t decoded_limit(std::uint64_t input_bytes) {
+    return (std::uint64_t(256) << 20) + 64 * input_bytes;
+}
+
 // Elements of an accessor, tightly packed in their own component type, sparse values applied.
 struct RawAccessor {
     int component_type = 5126;
@@ -54,7 +59,7 @@ struct GltfPrimitive {
 
 }  // namespace detail
 
-class GltfDocument {
+class GltfDocument final : public RetainedFile {
   public:
     detail::Json json;
     // The bytes of each buffer, cut to its byteLength; or why they are not there, which matters
@@ -101,9 +106,8 @@ RawAccessor selected(const RawAccessor& raw, const std::vector<std::uint32_t>& e
 std::vector<float> to_floats(const RawAccessor& raw);
 std::vector<std::uint32_t> to_indices(const RawAccessor& raw);
 
-// Whether a mesh's vertices carry more than a Mesh has layers for, and than goes by the point alone
-// (positions, skins): attributes of other names, morph targets.
-bool has_more_than_layers(const GltfDocument& document, std::size_t mesh);
+// The document that a scene came from, to be written back; null: it came from none.
+const GltfDocument* gltf_document(const Scene& scene);
 
 // Those that KHR_materials_variants may put in place of a primitive's own; whatever is no index is
 // left out.

@@ -47,7 +47,8 @@ const std::set<std::string>& supported_extensions() {
 
 class Reader {
   public:
-    explicit Reader(std::shared_ptr<GltfDocument> document) : d_(*document), document_(document) {}
+    explicit Reader(std::shared_ptr<GltfDocument> document)
+        : d_(*document), document_(document), decoded_bytes_left_(decoded_limit(d_.input_bytes)) {}
 
     Result<Scene> run() {
         if (auto done = extensions(); !done) return std::move(done).error();
@@ -66,7 +67,8 @@ class Reader {
         if (auto done = animations(); !done) return std::move(done).error();
         if (auto done = active_scene(); !done) return std::move(done).error();
         scene_.name = d_.name;
-        scene_.document = document_;
+        scene_.retained_file = document_;
+        scene_.source_bytes = d_.input_bytes;
         return std::move(scene_);
     }
 
@@ -247,10 +249,8 @@ class Reader {
         glm::dquat q(r[3], r[0], r[1], r[2]);
         const double length = glm::length(q);
         if (length > 0 && std::isfinite(length)) q = q / length;
-        glm::dmat4 rotation = glm::mat4_cast(q);
-        for (int c = 0; c < 3; ++c) rotation[c] *= s[c];
-        rotation[3] = glm::dvec4(t[0], t[1], t[2], 1);
-        out.transform = rotation;
+        out.trs = Trs{{t[0], t[1], t[2]}, q, {s[0], s[1], s[2]}};
+        out.transform = out.trs->matrix();
         return {};
     }
 
@@ -382,12 +382,14 @@ class Reader {
         return {};
     }
 
-    // Animations are carried, not played: references and types are looked at, values are not.
+    // Animations are carried, not played: data that cannot be read are left out here, and are an
+    // error only to who writes them back.
     Result<void> animations() {
         const Json* list = *top_array(d_, "animations");
         for (std::size_t a = 0; a < list->size(); ++a) {
             const Json& in = (*list)[a];
             const std::string pointer = "/animations/" + std::to_string(a);
+            scene_.animations.push_back({name_of(in), {}, {}});
             for (const char* key : {"samplers", "channels"}) {
                 if (!in.contains(key) || !in[key].is_array() || in[key].empty())
                     return bad(pointer + "/" + key, "expected a list with at least one entry");
@@ -403,7 +405,7 @@ class Reader {
         return {};
     }
 
-    Result<void> animation_sampler(const Json& sampler, const std::string& pointer) const {
+    Result<void> animation_sampler(const Json& sampler, const std::string& pointer) {
         for (const char* key : {"input", "output"}) {
             const auto accessor = index_member(d_, sampler, key, pointer, size_of("accessors"));
             if (!accessor) return accessor.error();
@@ -412,11 +414,35 @@ class Reader {
         const Json& input = d_.json["accessors"][sampler["input"].get<std::size_t>()];
         if (input["type"] != "SCALAR" || input["componentType"] != 5126)
             return bad(pointer + "/input", "the key times must be float scalars");
+        const std::string name =
+            sampler.contains("interpolation") && sampler["interpolation"].is_string()
+                ? sampler["interpolation"].get<std::string>()
+                : std::string();
+        scene_.animations.back().samplers.push_back({name == "STEP" ? Interpolation::step
+                                                     : name == "CUBICSPLINE"
+                                                         ? Interpolation::cubic_spline
+                                                         : Interpolation::linear,
+                                                     key_values(sampler["input"].get<Index>()),
+                                                     key_values(sampler["output"].get<Index>())});
         return {};
     }
 
+    // Each accessor is decoded once, however many samplers share it; but accessors share bytes.
+    std::shared_ptr<const std::vector<float>> key_values(Index accessor) {
+        const auto [it, added] = key_values_.emplace(accessor, nullptr);
+        if (!added) return it->second;
+        const Json& in = d_.json["accessors"][accessor];
+        const std::uint64_t bytes = in["count"].get<std::uint64_t>() * sizeof(float) *
+                                    std::uint64_t(components_of(in["type"].get<std::string>()));
+        if (bytes > decoded_bytes_left_) return nullptr;
+        decoded_bytes_left_ -= bytes;
+        if (const auto raw = d_.raw_accessor(accessor))
+            it->second = std::make_shared<const std::vector<float>>(to_floats(*raw));
+        return it->second;
+    }
+
     Result<void> animation_channel(const Json& animation, const Json& channel,
-                                   const std::string& pointer) const {
+                                   const std::string& pointer) {
         const Json& samplers = animation["samplers"];
         const auto sampler = index_member(d_, channel, "sampler", pointer, samplers.size());
         if (!sampler) return sampler.error();
@@ -424,9 +450,9 @@ class Reader {
         const auto target = channel.find("target");
         if (target == channel.end() || !target->is_object())
             return bad(pointer + "/target", "expected an object");
-        if (auto node = index_member(d_, *target, "node", pointer + "/target", scene_.nodes.size());
-            !node)
-            return node.error();
+        const auto node =
+            index_member(d_, *target, "node", pointer + "/target", scene_.nodes.size());
+        if (!node) return node.error();
         const auto path = target->find("path");
         if (path == target->end() || !path->is_string())
             return bad(pointer + "/target/path", "expected a string");
@@ -440,6 +466,13 @@ class Reader {
             return bad(pointer + "/sampler", "a " + name + " needs values of type " + type +
                                                  ", accessor " + std::to_string(output) + " has " +
                                                  d_.json["accessors"][output]["type"].dump());
+        scene_.animations.back().channels.push_back({*sampler, *node,
+                                                     name == "translation"
+                                                         ? AnimationPath::translation
+                                                     : name == "rotation" ? AnimationPath::rotation
+                                                     : name == "scale"    ? AnimationPath::scale
+                                                     : name == "weights"  ? AnimationPath::weights
+                                                                          : AnimationPath::other});
         return {};
     }
 
@@ -492,7 +525,9 @@ class Reader {
     const GltfDocument& d_;
     std::shared_ptr<GltfDocument> document_;
     Scene scene_;
-    std::vector<std::vector<GltfJoints>> joints_;  // per mesh
+    std::vector<std::vector<GltfJoints>> joints_;                            // per mesh
+    std::map<Index, std::shared_ptr<const std::vector<float>>> key_values_;  // by accessor
+    std::uint64_t decoded_bytes_left_;
 };
 
 }  // namespace
@@ -518,7 +553,7 @@ Result<Scene> load_gltf(const std::filesystem::path& path, const LoadOptions&) {
     auto scene = parse_gltf(*bytes, options);
     if (!scene) return scene;
     scene->source = path;
-    scene->libraries = detail::files_of_buffers(*scene->document);
+    scene->libraries = detail::files_of_buffers(*gltf_document(*scene));
     return scene;
 }
 

@@ -51,7 +51,7 @@ struct Encoded {
 
 Result<Encoded> encode(const PreparedScene& prepared, std::vector<std::string>& notes) {
     Encoded out;
-    if (prepared.scene.document) {
+    if (gltf_document(prepared.scene)) {
         auto rewritten = rewrite_gltf(prepared, notes);
         if (!rewritten) return std::move(rewritten).error();
         out.document = std::move(rewritten->json);

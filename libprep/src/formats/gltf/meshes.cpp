@@ -8,9 +8,6 @@ namespace {
 
 using Index = std::uint32_t;
 
-constexpr std::uint64_t free_attribute_bytes = std::uint64_t(256) << 20;
-constexpr std::uint64_t attribute_bytes_per_input_byte = 64;
-
 std::string number(std::uint64_t value) {
     return std::to_string(value);
 }
@@ -33,6 +30,12 @@ struct Growing {
         has.resize(values.size(), true);
     }
 
+    // By file vertex; zeros where a primitive has none.
+    std::vector<T> of_vertices(const Mesh& mesh) {
+        if (!values.empty()) values.resize(mesh.vertex_count(), T(0.0f));
+        return std::move(values);
+    }
+
     void finish(const Mesh& mesh, CornerLayer<T>& layer) {
         if (!values.empty() && mesh.corner_count() > 0) {
             values.resize(mesh.vertex_count(), T(0.0f));
@@ -53,7 +56,7 @@ class MeshReader {
   public:
     MeshReader(GltfDocument& document, Scene& scene, std::vector<std::vector<GltfJoints>>& joints)
         : d_(document), scene_(scene), joints_(joints) {
-        budget_ = free_attribute_bytes + attribute_bytes_per_input_byte * d_.input_bytes;
+        budget_ = decoded_limit(d_.input_bytes);
         accessors_ = (*top_array(d_, "accessors"))->size();
         materials_ = (*top_array(d_, "materials"))->size();
     }
@@ -67,6 +70,8 @@ class MeshReader {
     }
 
   private:
+    using Joints = decltype(SkinInfluences::joints);
+
     Error bad(const std::string& pointer, std::string text) const {
         return {ErrorCode::invalid, std::move(text), d_.place(pointer)};
     }
@@ -75,10 +80,7 @@ class MeshReader {
         if (bytes > budget_)
             return Error{ErrorCode::limit,
                          "the primitives use the file's data so often that they would fill " +
-                             number((free_attribute_bytes +
-                                     attribute_bytes_per_input_byte * d_.input_bytes) >>
-                                    20) +
-                             " MiB",
+                             number(decoded_limit(d_.input_bytes) >> 20) + " MiB",
                          d_.place(pointer)};
         budget_ -= bytes;
         return {};
@@ -128,6 +130,7 @@ class MeshReader {
         d_.primitives.emplace_back();
         joints_.emplace_back();
         Mesh& mesh = scene_.meshes.back();
+        mesh.indexed_by_vertex = mesh.tied_to_file = true;
         if (const auto name = in.find("name"); name != in.end() && name->is_string())
             mesh.name = name->get<std::string>();
         const Json& primitives = in["primitives"];
@@ -136,7 +139,8 @@ class MeshReader {
                 !done)
                 return done;
         // Every layer ends up as long as the mesh, also one that a single primitive has.
-        const std::uint64_t layers = 2 + uvs_.size() + colors_.size();
+        const std::uint64_t layers =
+            2 + uvs_.size() + colors_.size() + 6 * influences_.size() + attribute_width_;
         if (auto done = spend(layers * (mesh.vertex_count() + mesh.corner_count()) * 4, pointer);
             !done)
             return done;
@@ -187,6 +191,7 @@ class MeshReader {
                                                      number(i) +
                                                      ") is out of range: the primitive has " +
                                                      number(*count) + " vertices");
+        note_unread(attributes, out, mesh);
         if (!attributes.contains("POSITION")) {
             scene_.warnings.push_back(d_.place(pointer) + ": no positions: nothing to draw");
             indices->clear();
@@ -199,6 +204,7 @@ class MeshReader {
             out.vertex_count = Index(vertices);
             if (auto done = read_attributes(attributes, pointer + "/attributes", out, mesh); !done)
                 return done;
+            if (auto done = read_targets(in, pointer, out, mesh); !done) return done;
         }
         tell_left_over(mode, indices->size(), pointer);
         add_elements(mode, *indices, out.first_vertex, mesh);
@@ -350,6 +356,91 @@ class MeshReader {
             if (auto done = wants(4, 4); !done) return done;
             if (semantic[0] == 'J' && raw.component_type != 5121 && raw.component_type != 5123)
                 return bad(place, "joints must be unsigned whole numbers of 8 or 16 bits");
+            const std::size_t set =
+                *set_number(semantic, semantic[0] == 'J' ? "JOINTS_" : "WEIGHTS_");
+            if (influences_.size() <= set) influences_.resize(set + 1);
+            if (semantic[0] == 'J')
+                append_joints(raw, first, influences_[set].joints);
+            else
+                influences_[set].weights.append(first, raw);
+        } else if (semantic.starts_with("_")) {
+            return append_attribute(semantic, raw, place, first, mesh);
+        }
+        return {};
+    }
+
+    static void append_joints(const RawAccessor& raw, std::size_t first, Joints& to) {
+        to.resize(first + raw.count, Joints::value_type(0));
+        const std::vector<Index> numbers = to_indices(raw);
+        for (std::size_t i = 0; i < numbers.size(); ++i)
+            to[first + i / 4][int(i % 4)] = std::uint16_t(numbers[i]);
+    }
+
+    Result<void> append_attribute(const std::string& name, const RawAccessor& raw,
+                                  const std::string& place, std::size_t first, Mesh& mesh) {
+        VertexAttribute& to = mesh.vertex_attributes[attribute_index_.at(name)];
+        if (to.values.empty()) {
+            to.width = Index(raw.width);
+            attribute_width_ += to.width;
+        }
+        if (auto done = spend(
+                (first + raw.count) * to.width * sizeof(float) - to.values.size() * sizeof(float),
+                place);
+            !done)
+            return done;
+        to.values.resize((first + raw.count) * to.width, 0.0f);
+        const std::vector<float> floats = to_floats(raw);
+        const std::size_t width = std::min(std::size_t(raw.width), std::size_t(to.width));
+        for (std::size_t i = 0; i < raw.count; ++i)
+            std::copy_n(&floats[i * std::size_t(raw.width)], width,
+                        &to.values[(first + i) * to.width]);
+        return {};
+    }
+
+    // Attributes by name and targets by number are known even where there is nothing to read.
+    void note_unread(const Json& attributes, const GltfPrimitive& primitive, Mesh& mesh) {
+        bool layers = false;
+        for (const auto& item : attributes.items()) {
+            const std::string& name = item.key();
+            layers |= name == "NORMAL" || name.starts_with("TEXCOORD_");
+            if (name.starts_with("_") &&
+                attribute_index_.emplace(name, mesh.vertex_attributes.size()).second)
+                mesh.vertex_attributes.push_back({name, 1, {}});
+        }
+        if (layers && !primitive.triangles) ++mesh.loose_parts_with_attributes;
+    }
+
+    // Targets that share an accessor share its values.
+    Result<void> read_targets(const Json& in, const std::string& pointer, const GltfPrimitive& out,
+                              Mesh& mesh) {
+        const auto targets = in.find("targets");
+        if (targets == in.end()) return {};
+        if (mesh.morph_targets.size() < targets->size()) mesh.morph_targets.resize(targets->size());
+        if (out.vertex_count == 0) return {};
+        std::map<Index, std::shared_ptr<const std::vector<glm::vec3>>> selected;
+        for (std::size_t t = 0; t < targets->size(); ++t) {
+            MorphTarget& to = mesh.morph_targets[t];
+            for (const auto& [semantic, runs] :
+                 {std::pair("POSITION", &to.positions), std::pair("NORMAL", &to.normals),
+                  std::pair("TANGENT", &to.tangents)}) {
+                const auto member = (*targets)[t].find(semantic);
+                if (member == (*targets)[t].end()) continue;
+                const Index accessor = member->template get<Index>();
+                auto& values = (out.elements.empty() ? deltas_ : selected)[accessor];
+                if (!values) {
+                    if (auto done = spend(std::uint64_t(out.vertex_count) * sizeof(glm::vec3),
+                                          pointer + "/targets/" + number(t));
+                        !done)
+                        return done;
+                    const auto raw = out.elements.empty() ? d_.raw_accessor(accessor)
+                                                          : d_.raw_elements(accessor, out.elements);
+                    if (!raw) return raw.error();
+                    Growing<glm::vec3> read;
+                    read.append(0, *raw);
+                    values = std::make_shared<const std::vector<glm::vec3>>(std::move(read.values));
+                }
+                runs->push_back({out.first_vertex, values});
+            }
         }
         return {};
     }
@@ -467,6 +558,15 @@ class MeshReader {
             colors_[s].finish(mesh, mesh.colors[s]);
         uvs_.clear();
         colors_.clear();
+        for (auto& [joints, weights] : influences_) {
+            if (!joints.empty()) joints.resize(mesh.vertex_count(), Joints::value_type(0));
+            mesh.skin_influences.push_back({std::move(joints), weights.of_vertices(mesh)});
+        }
+        influences_.clear();
+        for (VertexAttribute& a : mesh.vertex_attributes)
+            if (!a.values.empty()) a.values.resize(mesh.vertex_count() * a.width, 0.0f);
+        attribute_width_ = 0;
+        attribute_index_.clear();
     }
 
     GltfDocument& d_;
@@ -481,6 +581,14 @@ class MeshReader {
     Growing<glm::vec4> tangents_;
     std::vector<Growing<glm::vec2>> uvs_;
     std::vector<Growing<glm::vec4>> colors_;
+    struct Influences {
+        Joints joints;
+        Growing<glm::vec4> weights;
+    };
+    std::vector<Influences> influences_;
+    std::map<std::string, std::size_t> attribute_index_;                     // of other names
+    std::uint64_t attribute_width_ = 0;                                      // of all of them
+    std::map<Index, std::shared_ptr<const std::vector<glm::vec3>>> deltas_;  // by accessor
 };
 
 }  // namespace

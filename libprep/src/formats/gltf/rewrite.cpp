@@ -30,7 +30,7 @@ bool references_known(const std::string& name) {
 class Rewriter {
   public:
     Rewriter(const PreparedScene& prepared, std::vector<std::string>& notes)
-        : prepared_(prepared), document_(*prepared.scene.document), notes_(notes) {}
+        : prepared_(prepared), document_(*gltf_document(prepared.scene)), notes_(notes) {}
 
     Result<RewrittenGltf> run() {
         json_ = document_.json;
@@ -127,10 +127,10 @@ class Rewriter {
         Elements elements;
         for (const Index i : used) {
             const Index v = mesh.source_vertices[i], c = mesh.source_corners[i];
-            const Index of_vertex = faces.file_vertices.empty() ? v : faces.file_vertices[v];
+            const Index of_vertex = faces.file_vertex(v);
             elements.of_vertices.push_back(source.element_of(of_vertex - source.first_vertex));
             if (faces.corner_file_vertices.empty()) continue;
-            const Index of_corner = c == no_index ? of_vertex : faces.corner_file_vertices[c];
+            const Index of_corner = c == no_index ? of_vertex : faces.corner_file_vertex(c);
             elements.of_corners.push_back(source.element_of(of_corner - source.first_vertex));
         }
 

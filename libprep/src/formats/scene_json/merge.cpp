@@ -38,9 +38,16 @@ MergedPart merge_scene(Scene& into, Scene&& part, const std::string& name) {
     for (Texture& texture : part.textures) shift(texture.image, into.images.size());
     for (Material& material : part.materials)
         for (const auto map : maps) shift((material.*map).texture, into.textures.size());
-    for (Mesh& mesh : part.meshes)
+    for (Mesh& mesh : part.meshes) {
+        // They belong to the file that is left behind.
+        mesh.morph_targets.clear();
+        mesh.skin_influences.clear();
+        mesh.vertex_attributes.clear();
+        mesh.loose_parts_with_attributes = 0;
+        mesh.tied_to_file = false;
         for (auto* list : {&mesh.face_materials, &mesh.variant_materials})
             for (std::uint32_t& material : *list) shift(material, into.materials.size());
+    }
 
     MergedPart merged;
     merged.first_mesh = static_cast<std::uint32_t>(into.meshes.size());

@@ -1,0 +1,165 @@
+// What happens to authored normals, and how those that are missing are made: weld and topology,
+// face normals, hard edges, corner normals.
+#include <algorithm>
+
+#include "normals/authored_normals.h"
+#include "pipeline/mesh_preparation.h"
+#include "surface/share_vertices.h"
+
+namespace prep::detail {
+namespace {
+
+// Formats that index by vertex repeat a point for every seam: adjacency then needs the weld. A file
+// that indexes attributes apart from positions says itself which points are one.
+bool indexed_by_vertex(const Mesh& mesh) {
+    if (mesh.indexed_by_vertex) return true;
+    const auto follows = [&](const std::vector<std::uint32_t>& indices) {
+        return !indices.empty() &&
+               std::equal(indices.begin(), indices.end(), mesh.corner_vertices.begin());
+    };
+    if (follows(mesh.normals.indices) || follows(mesh.tangents.indices)) return true;
+    for (const auto& uv : mesh.uvs)
+        if (follows(uv.indices)) return true;
+    return is_soup(mesh);
+}
+
+std::vector<std::uint32_t> first_corners(const NormalReview& review, unsigned faults) {
+    std::vector<std::uint32_t> places;
+    for (std::uint32_t c = 0; c < review.faults.size(); ++c) {
+        if (!(review.faults[c] & faults)) continue;
+        places.push_back(c);
+        if (places.size() == Finding::max_places) break;
+    }
+    return places;
+}
+
+}  // namespace
+
+Result<void> MeshPreparation::prepare_normals() {
+    if (!need_.normals.needed) {
+        skip_normals(need_.normals.reason);
+        return {};
+    }
+    NormalReview review;
+    unsigned replace = 0xff;
+    std::string reason = need_.normals.reason;
+    if (options_.normals != Authored::replace && !mesh_.normals.empty()) {
+        const MeshView view(mesh_);
+        if (options_.normals == Authored::repair) {
+            geometry_.faces = log_.run(
+                "face normals", "authored normals are held against them",
+                [&] { return face_normals(view, options_.normal.precision, options_.threads); });
+        }
+        review = review_normals(view, geometry_.faces ? &*geometry_.faces : nullptr);
+        report_review(review);
+        replace = normal_missing | normal_non_finite | normal_zero;
+        if (options_.normals == Authored::repair) replace |= normal_non_unit | normal_flipped;
+        bool any = false;
+        for (const std::uint8_t f : review.faults) any |= (f & replace) != 0;
+        if (!any) {
+            skip_normals("the file's own normals are kept");
+            if (!review.perfect())
+                mesh_.normals = merge_normals(mesh_.normals, review, replace, nullptr);
+            return {};
+        }
+        reason = "some authored normals are missing or bad";
+    }
+    auto computed = compute_normals(reason);
+    if (!computed) return std::move(computed).error();
+    report_fallbacks(*computed);
+    if (review.faults.empty()) {
+        mesh_.normals = std::move(computed->normals);
+        normals_made_ = true;
+    } else {
+        mesh_.normals = merge_normals(mesh_.normals, review, replace, &computed->normals);
+        for (const std::uint8_t faults : review.faults)
+            normal_replaced_.push_back((faults & replace) != 0);
+        geometry_.hard.reset();  // most normals are the file's: it says where they differ
+    }
+    return {};
+}
+
+Result<CornerNormals> MeshPreparation::compute_normals(const std::string& reason) {
+    const MeshView view(mesh_);
+    const bool weld =
+        !geometry_.shared && (options_.weld == WeldMode::exact ||
+                              (options_.weld == WeldMode::automatic && indexed_by_vertex(mesh_)));
+    std::vector<std::uint32_t> welded;
+    if (weld) {
+        welded = log_.run("weld", "vertices are repeated at seams: equal positions are one point",
+                          [&] { return weld_exact(view.positions, options_.threads); });
+    } else if (!geometry_.shared) {
+        const bool attributes =
+            !mesh_.normals.empty() || !mesh_.tangents.empty() || !mesh_.uvs.empty();
+        log_.skipped("weld", options_.weld == WeldMode::none ? "switched off"
+                             : attributes
+                                 ? "the file indexes positions apart from attributes"
+                                 : "the file's faces share vertices, and nothing repeats them");
+    }
+    geometry_.topology = log_.run("topology", reason,
+                                  [&] { return build_topology(view, welded, options_.threads); });
+    if (!geometry_.faces) {
+        geometry_.faces = log_.run("face normals", reason, [&] {
+            return face_normals(view, options_.normal.precision, options_.threads);
+        });
+    }
+    HardEdgeOptions hard_options = options_.hard_edges;
+    hard_options.threads = options_.threads;
+    auto hard = log_.run("hard edges", reason, [&] {
+        return hard_edges(view, *geometry_.topology, *geometry_.faces, hard_options);
+    });
+    if (!hard) return std::move(hard).error();
+    log_.count_exact("face normals", geometry_.faces->exact_faces);
+    log_.count_exact("hard edges", hard->exact_decisions);
+    geometry_.hard = *std::move(hard);
+    NormalOptions normal_options = options_.normal;
+    normal_options.threads = options_.threads;
+    auto normals = log_.run("normals", reason, [&] {
+        return corner_normals(view, *geometry_.topology, *geometry_.faces, *geometry_.hard,
+                              normal_options);
+    });
+    if (normals) log_.count_exact("normals", normals->exact_sums);
+    return normals;
+}
+
+void MeshPreparation::skip_normals(const std::string& reason) {
+    if (!geometry_.shared) log_.skipped("weld", reason);
+    for (const char* stage : {"topology", "face normals", "hard edges", "normals"})
+        log_.skipped(stage, reason);
+}
+
+void MeshPreparation::report_review(const NormalReview& review) {
+    const bool repair = options_.normals == Authored::repair;
+    add_finding("missing-normal", Severity::info, review.missing,
+                first_corners(review, normal_missing),
+                "corners without a normal got a computed one");
+    add_finding("non-finite-normal", Severity::warning, review.non_finite,
+                first_corners(review, normal_non_finite),
+                "authored normals that are not finite were replaced");
+    add_finding("zero-normal", Severity::warning, review.zero, first_corners(review, normal_zero),
+                "authored normals of length zero were replaced");
+    add_finding("non-unit-normal", Severity::warning, review.non_unit,
+                first_corners(review, normal_non_unit),
+                repair ? "authored normals that are not unit were replaced"
+                       : "authored normals that are not unit were rescaled");
+    add_finding("flipped-normal", Severity::warning, review.flipped,
+                first_corners(review, normal_flipped),
+                "authored normals against their face were replaced");
+}
+
+void MeshPreparation::report_fallbacks(const CornerNormals& computed) {
+    std::vector<std::uint32_t> vanished, undefined;
+    std::uint64_t vanished_count = 0, undefined_count = 0;
+    for (const auto& fallback : computed.fallbacks) {
+        const bool none = fallback.kind == NormalFallback::none_defined;
+        ++(none ? undefined_count : vanished_count);
+        auto& places = none ? undefined : vanished;
+        if (places.size() < Finding::max_places) places.push_back(fallback.corner);
+    }
+    add_finding("vanishing-normal", Severity::warning, vanished_count, vanished,
+                "the face normals around a corner cancel: it took the largest face's");
+    add_finding("undefined-normal", Severity::warning, undefined_count, undefined,
+                "no face around a corner has a normal: it got (0, 0, 1)");
+}
+
+}  // namespace prep::detail

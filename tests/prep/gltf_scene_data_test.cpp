@@ -1,0 +1,162 @@
+// What the scene model holds of a glTF file beside faces: transforms in their parts, animations,
+// joints and weights, attributes of other names.
+#include <gtest/gtest.h>
+
+#include "gltf_maker.h"
+#include "mesh_files.h"
+#include "prep/prepare.h"
+#include "prep/repair.h"
+
+namespace {
+
+using Floats = std::vector<float>;
+using Joints = glm::vec<4, std::uint16_t>;
+using Json = test::GltfMaker::Json;
+using test::GltfMaker;
+
+const Floats corner{0, 0, 0, 1, 0, 0, 0, 1, 0};
+
+// Two triangles, the second with joints, weights and an attribute that the first lacks.
+GltfMaker two_parts() {
+    GltfMaker maker;
+    const auto add = [&](const Floats& values, const char* type) {
+        return maker.accessor(values, type);
+    };
+    const std::size_t joints =
+        maker.accessor<std::uint8_t>({0, 1, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, "VEC4");
+    const std::size_t weights = add({0.25f, 0.75f, 0, 0, 1, 0, 0, 0, 0.5f, 0.5f, 0, 0}, "VEC4");
+    maker.mesh({{{"attributes", {{"POSITION", add(corner, "VEC3")}}}},
+                {{"attributes",
+                  {{"POSITION", add({5, 0, 0, 6, 0, 0, 5, 1, 0}, "VEC3")},
+                   {"JOINTS_0", joints},
+                   {"WEIGHTS_0", weights},
+                   {"_HEAT", add({1, 2, 3, 4, 5, 6}, "VEC2")}}}}});
+    return maker;
+}
+
+TEST(GltfSceneData, JointsAndWeightsAreByVertexOfTheFile) {
+    const auto scene = two_parts().read();
+    ASSERT_TRUE(scene) << test::error_of(scene);
+    const prep::Mesh& mesh = scene->meshes[0];
+    ASSERT_EQ(mesh.skin_influences.size(), 1u);
+    const prep::SkinInfluences& set = mesh.skin_influences[0];
+    EXPECT_EQ(set.joints, (std::vector<Joints>{Joints(0), Joints(0), Joints(0), Joints(0, 1, 0, 0),
+                                               Joints(1, 0, 0, 0), Joints(1, 0, 0, 0)}));
+    EXPECT_EQ(set.weights, (std::vector<glm::vec4>{{0, 0, 0, 0},
+                                                   {0, 0, 0, 0},
+                                                   {0, 0, 0, 0},
+                                                   {0.25f, 0.75f, 0, 0},
+                                                   {1, 0, 0, 0},
+                                                   {0.5f, 0.5f, 0, 0}}));
+}
+
+TEST(GltfSceneData, AttributesOfOtherNamesKeepTheirNumbers) {
+    const auto scene = two_parts().read();
+    ASSERT_TRUE(scene) << test::error_of(scene);
+    ASSERT_EQ(scene->meshes[0].vertex_attributes.size(), 1u);
+    const prep::VertexAttribute& heat = scene->meshes[0].vertex_attributes[0];
+    EXPECT_EQ(heat.name, "_HEAT");
+    EXPECT_EQ(heat.width, 2u);
+    EXPECT_EQ(heat.values, (Floats{0, 0, 0, 0, 0, 0, 1, 2, 3, 4, 5, 6}));
+}
+
+// Removing the first triangle's vertices renumbers the mesh; the file's data stay where they are
+// and are found through the way back.
+TEST(GltfSceneData, RepairsAndSplitsKeepTheWayBackToTheFilesVertices) {
+    auto scene = two_parts().read();
+    ASSERT_TRUE(scene) << test::error_of(scene);
+    prep::Mesh& mesh = scene->meshes[0];
+    mesh.face_offsets = {0, 3};
+    mesh.corner_vertices = {3, 4, 5};
+    mesh.face_parts = {1};
+    mesh.face_materials.resize(1);
+    prep::PrepareOptions options;
+    options.repair.isolated_vertices = true;
+    const auto prepared = prep::prepare(*std::move(scene), options);
+    ASSERT_TRUE(prepared) << prep::to_string(prepared.error());
+    const prep::Mesh& after = prepared->scene.meshes[0];
+    ASSERT_EQ(after.vertex_count(), 3u);
+    const prep::VertexMesh& split = prepared->meshes[0];
+    for (std::size_t v = 0; v < split.vertex_count(); ++v) {
+        const std::uint32_t in_file = after.file_vertex(split.source_vertices[v]);
+        EXPECT_EQ(after.corner_file_vertex(split.source_corners[v]), in_file);
+        EXPECT_EQ(after.vertex_attributes[0].values.at(2 * in_file), 1 + 2 * float(in_file - 3));
+        EXPECT_EQ(split.positions[v].x, in_file == 4 ? 6 : 5);
+    }
+}
+
+TEST(GltfSceneData, NodesSayTheirPartsWhereTheFileDoes) {
+    GltfMaker maker = two_parts();
+    maker.json["nodes"] = {
+        {{"mesh", 0}, {"translation", {1, 2, 3}}, {"rotation", {0, 0, 2, 0}}, {"scale", {1, 2, 4}}},
+        {{"mesh", 0}, {"matrix", {2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 2, 0, 7, 8, 9, 1}}}};
+    const auto scene = maker.read();
+    ASSERT_TRUE(scene) << test::error_of(scene);
+    const prep::Node &parts = scene->nodes[0], &matrix = scene->nodes[1];
+    ASSERT_TRUE(parts.trs.has_value());
+    EXPECT_EQ(parts.trs->translation, glm::dvec3(1, 2, 3));
+    EXPECT_EQ(parts.trs->rotation, glm::dquat(0, 0, 0, 1)) << "half a turn about z, made unit";
+    EXPECT_EQ(parts.trs->scale, glm::dvec3(1, 2, 4));
+    EXPECT_EQ(parts.transform, parts.trs->matrix());
+    EXPECT_EQ(parts.transform * glm::dvec4(1, 1, 1, 1), glm::dvec4(0, 0, 7, 1));
+    EXPECT_FALSE(matrix.trs.has_value());
+    EXPECT_EQ(matrix.transform[3], glm::dvec4(7, 8, 9, 1));
+}
+
+TEST(GltfSceneData, AnimationsHaveTheirKeys) {
+    GltfMaker maker = two_parts();
+    const std::size_t times = maker.accessor(Floats{0, 0.5f}, "SCALAR");
+    const std::size_t turns =
+        maker.accessor<std::int16_t>({0, 0, 0, 32767, 0, 0, 32767, 0}, "VEC4", true);
+    const std::size_t moves = maker.accessor(Floats{1, 2, 3, 4, 5, 6}, "VEC3");
+    maker.json["nodes"] = {{{"mesh", 0}}};
+    maker.json["animations"] = {
+        {{"name", "wave"},
+         {"samplers",
+          {{{"input", times}, {"output", turns}, {"interpolation", "STEP"}},
+           {{"input", times}, {"output", moves}}}},
+         {"channels",
+          {{{"sampler", 1}, {"target", {{"node", 0}, {"path", "translation"}}}},
+           {{"sampler", 0}, {"target", {{"node", 0}, {"path", "rotation"}}}},
+           {{"sampler", 1}, {"target", {{"path", "pointer"}}}}}}}};
+    const auto scene = maker.read();
+    ASSERT_TRUE(scene) << test::error_of(scene);
+    ASSERT_EQ(scene->animations.size(), 1u);
+    const prep::Animation& wave = scene->animations[0];
+    EXPECT_EQ(wave.name, "wave");
+    ASSERT_EQ(wave.samplers.size(), 2u);
+    EXPECT_EQ(wave.samplers[0].interpolation, prep::Interpolation::step);
+    EXPECT_EQ(wave.samplers[1].interpolation, prep::Interpolation::linear);
+    EXPECT_EQ(*wave.samplers[0].times, (Floats{0, 0.5f}));
+    EXPECT_EQ(wave.samplers[0].times, wave.samplers[1].times) << "one list for both";
+    EXPECT_EQ(*wave.samplers[0].values, (Floats{0, 0, 0, 1, 0, 0, 1, 0}));
+    EXPECT_EQ(*wave.samplers[1].values, (Floats{1, 2, 3, 4, 5, 6}));
+    ASSERT_EQ(wave.channels.size(), 3u);
+    EXPECT_EQ(wave.channels[0].sampler, 1u);
+    EXPECT_EQ(wave.channels[0].node, 0u);
+    EXPECT_EQ(wave.channels[0].path, prep::AnimationPath::translation);
+    EXPECT_EQ(wave.channels[1].path, prep::AnimationPath::rotation);
+    EXPECT_EQ(wave.channels[2].path, prep::AnimationPath::other);
+    EXPECT_EQ(wave.channels[2].node, prep::no_index);
+}
+
+// Another reader may fill a mesh's targets: the pipeline asks for no format.
+TEST(GltfSceneData, TargetsOfAnyMeshGetTheirOwnNormals) {
+    prep::Scene scene;
+    prep::Mesh& mesh = scene.meshes.emplace_back();
+    mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    mesh.face_offsets = {0, 3};
+    mesh.corner_vertices = {0, 1, 2};
+    // The third vertex moves from y to z: the normal from +z to -y.
+    mesh.morph_targets.push_back(
+        {{{2, std::make_shared<const std::vector<glm::vec3>>(1, glm::vec3(0, -1, 1))}}, {}, {}});
+    prep::instance_unused_meshes(scene);
+    prep::PrepareOptions options;
+    options.request.normals = prep::Request::Level::always;
+    const auto prepared = prep::prepare(std::move(scene), options);
+    ASSERT_TRUE(prepared) << prep::to_string(prepared.error());
+    ASSERT_EQ(prepared->morphs[0].size(), 1u);
+    EXPECT_EQ(prepared->morphs[0][0].normals, (std::vector<glm::vec3>(3, glm::vec3(0, -1, -1))));
+}
+
+}  // namespace
