@@ -1,7 +1,8 @@
 #include "formats/gltf/meshes.h"
 
 #include <algorithm>
-#include <cstring>
+
+#include "formats/gltf/vertex_data.h"
 
 namespace prep::detail {
 namespace {
@@ -12,51 +13,10 @@ std::string number(std::uint64_t value) {
     return std::to_string(value);
 }
 
-// An attribute of all vertices, which grows with the primitives that have it.
-template <class T>
-struct Growing {
-    std::vector<T> values;
-    std::vector<bool> has;
-
-    void append(std::size_t first, const RawAccessor& raw) {
-        values.resize(first, T(0.0f));
-        has.resize(first, false);
-        const std::vector<float> floats = to_floats(raw);
-        const int width = std::min(raw.width, int(T::length()));
-        values.resize(first + raw.count, T(0.0f));
-        for (std::size_t i = 0; i < raw.count; ++i)
-            std::memcpy(&values[first + i], &floats[i * std::size_t(raw.width)],
-                        std::size_t(width) * sizeof(float));
-        has.resize(values.size(), true);
-    }
-
-    // By file vertex; zeros where a primitive has none.
-    std::vector<T> of_vertices(const Mesh& mesh) {
-        if (!values.empty()) values.resize(mesh.vertex_count(), T(0.0f));
-        return std::move(values);
-    }
-
-    void finish(const Mesh& mesh, CornerLayer<T>& layer) {
-        if (!values.empty() && mesh.corner_count() > 0) {
-            values.resize(mesh.vertex_count(), T(0.0f));
-            has.resize(mesh.vertex_count(), false);
-            layer.indices.resize(mesh.corner_count());
-            for (std::size_t c = 0; c < mesh.corner_count(); ++c) {
-                const Index v = mesh.corner_vertices[c];
-                layer.indices[c] = has[v] ? v : no_index;
-            }
-            layer.values = std::move(values);
-        }
-        values.clear();
-        has.clear();
-    }
-};
-
 class MeshReader {
   public:
     MeshReader(GltfDocument& document, Scene& scene, std::vector<std::vector<GltfJoints>>& joints)
-        : d_(document), scene_(scene), joints_(joints) {
-        budget_ = decoded_limit(d_.input_bytes);
+        : d_(document), scene_(scene), joints_(joints), budget_(document) {
         accessors_ = (*top_array(d_, "accessors"))->size();
         materials_ = (*top_array(d_, "materials"))->size();
     }
@@ -70,20 +30,8 @@ class MeshReader {
     }
 
   private:
-    using Joints = decltype(SkinInfluences::joints);
-
     Error bad(const std::string& pointer, std::string text) const {
         return {ErrorCode::invalid, std::move(text), d_.place(pointer)};
-    }
-
-    Result<void> spend(std::uint64_t bytes, const std::string& pointer) {
-        if (bytes > budget_)
-            return Error{ErrorCode::limit,
-                         "the primitives use the file's data so often that they would fill " +
-                             number(decoded_limit(d_.input_bytes) >> 20) + " MiB",
-                         d_.place(pointer)};
-        budget_ -= bytes;
-        return {};
     }
 
     // --- what is there, by JSON alone ---------------------------------------------------------
@@ -138,14 +86,7 @@ class MeshReader {
             if (auto done = primitive(primitives[p], p, pointer + "/primitives/" + number(p), mesh);
                 !done)
                 return done;
-        // Every layer ends up as long as the mesh, also one that a single primitive has.
-        const std::uint64_t layers =
-            2 + uvs_.size() + colors_.size() + 6 * influences_.size() + attribute_width_;
-        if (auto done = spend(layers * (mesh.vertex_count() + mesh.corner_count()) * 4, pointer);
-            !done)
-            return done;
-        finish_layers(mesh);
-        return {};
+        return vertices_.finish(pointer, mesh);
     }
 
     void add_variants(const Json& in, Mesh& mesh) const {
@@ -184,14 +125,16 @@ class MeshReader {
             if (!read) return std::move(read).error();
             indices = *std::move(read);
         }
-        if (auto done = spend(indices->size() * 16, pointer); !done) return done;
+        if (auto done = budget_.spend(indices->size() * 16, pointer); !done) return done;
         for (std::size_t i = 0; i < indices->size(); ++i)
             if ((*indices)[i] >= *count)
                 return bad(pointer + "/indices", "index " + number((*indices)[i]) + " (number " +
                                                      number(i) +
                                                      ") is out of range: the primitive has " +
                                                      number(*count) + " vertices");
-        note_unread(attributes, out, mesh);
+        vertices_.note_names(attributes, out.triangles, mesh);
+        if (const auto targets = in.find("targets"); targets != in.end())
+            mesh.morph_targets.resize(std::max(mesh.morph_targets.size(), targets->size()));
         if (!attributes.contains("POSITION")) {
             scene_.warnings.push_back(d_.place(pointer) + ": no positions: nothing to draw");
             indices->clear();
@@ -308,8 +251,10 @@ class MeshReader {
             const std::string place = pointer + "/" + pointer_key(semantic);
             const auto raw = attribute(out, semantic, item.value().template get<Index>());
             if (!raw) return raw.error();
-            if (auto done = spend(std::uint64_t(out.vertex_count) * 16, place); !done) return done;
-            if (auto done = use_attribute(semantic, **raw, place, out, mesh); !done) return done;
+            if (auto done = budget_.spend(std::uint64_t(out.vertex_count) * 16, place); !done)
+                return done;
+            if (auto done = vertices_.append(semantic, **raw, place, out.first_vertex, mesh); !done)
+                return done;
             if (set_number(semantic, "JOINTS_"))
                 if (auto done = find_largest_joint(attributes, semantic, **raw, place, out); !done)
                     return done;
@@ -317,106 +262,11 @@ class MeshReader {
         return {};
     }
 
-    Result<void> use_attribute(const std::string& semantic, const RawAccessor& raw,
-                               const std::string& place, const GltfPrimitive& out, Mesh& mesh) {
-        const auto wants = [&](int low, int high) -> Result<void> {
-            if (raw.width < low || raw.width > high)
-                return bad(place, semantic + " needs " + number(std::uint64_t(low)) +
-                                      (high > low ? " or " + number(std::uint64_t(high)) : "") +
-                                      " components, found " + number(std::uint64_t(raw.width)));
-            if (raw.component_type == 5125)
-                return bad(place, semantic + " cannot be of unsigned 32-bit type");
-            return {};
-        };
-        const std::size_t first = out.first_vertex;
-        if (semantic == "POSITION") {
-            if (auto done = wants(3, 3); !done) return done;
-            Growing<glm::vec3> positions;
-            positions.append(0, raw);
-            mesh.positions.insert(mesh.positions.end(), positions.values.begin(),
-                                  positions.values.end());
-        } else if (semantic == "NORMAL") {
-            if (auto done = wants(3, 3); !done) return done;
-            normals_.append(first, raw);
-        } else if (semantic == "TANGENT") {
-            if (auto done = wants(4, 4); !done) return done;
-            tangents_.append(first, raw);
-        } else if (const auto uv = set_number(semantic, "TEXCOORD_")) {
-            if (auto done = wants(2, 2); !done) return done;
-            if (uvs_.size() <= *uv) uvs_.resize(*uv + 1);
-            uvs_[*uv].append(first, raw);
-        } else if (const auto color = set_number(semantic, "COLOR_")) {
-            if (auto done = wants(3, 4); !done) return done;
-            if (colors_.size() <= *color) colors_.resize(*color + 1);
-            colors_[*color].append(first, raw);
-            if (raw.width == 3)
-                for (std::size_t i = first; i < colors_[*color].values.size(); ++i)
-                    colors_[*color].values[i].a = 1;
-        } else if (set_number(semantic, "JOINTS_") || set_number(semantic, "WEIGHTS_")) {
-            if (auto done = wants(4, 4); !done) return done;
-            if (semantic[0] == 'J' && raw.component_type != 5121 && raw.component_type != 5123)
-                return bad(place, "joints must be unsigned whole numbers of 8 or 16 bits");
-            const std::size_t set =
-                *set_number(semantic, semantic[0] == 'J' ? "JOINTS_" : "WEIGHTS_");
-            if (influences_.size() <= set) influences_.resize(set + 1);
-            if (semantic[0] == 'J')
-                append_joints(raw, first, influences_[set].joints);
-            else
-                influences_[set].weights.append(first, raw);
-        } else if (semantic.starts_with("_")) {
-            return append_attribute(semantic, raw, place, first, mesh);
-        }
-        return {};
-    }
-
-    static void append_joints(const RawAccessor& raw, std::size_t first, Joints& to) {
-        to.resize(first + raw.count, Joints::value_type(0));
-        const std::vector<Index> numbers = to_indices(raw);
-        for (std::size_t i = 0; i < numbers.size(); ++i)
-            to[first + i / 4][int(i % 4)] = std::uint16_t(numbers[i]);
-    }
-
-    Result<void> append_attribute(const std::string& name, const RawAccessor& raw,
-                                  const std::string& place, std::size_t first, Mesh& mesh) {
-        VertexAttribute& to = mesh.vertex_attributes[attribute_index_.at(name)];
-        if (to.values.empty()) {
-            to.width = Index(raw.width);
-            attribute_width_ += to.width;
-        }
-        if (auto done = spend(
-                (first + raw.count) * to.width * sizeof(float) - to.values.size() * sizeof(float),
-                place);
-            !done)
-            return done;
-        to.values.resize((first + raw.count) * to.width, 0.0f);
-        const std::vector<float> floats = to_floats(raw);
-        const std::size_t width = std::min(std::size_t(raw.width), std::size_t(to.width));
-        for (std::size_t i = 0; i < raw.count; ++i)
-            std::copy_n(&floats[i * std::size_t(raw.width)], width,
-                        &to.values[(first + i) * to.width]);
-        return {};
-    }
-
-    // Attributes by name and targets by number are known even where there is nothing to read.
-    void note_unread(const Json& attributes, const GltfPrimitive& primitive, Mesh& mesh) {
-        bool layers = false;
-        for (const auto& item : attributes.items()) {
-            const std::string& name = item.key();
-            layers |= name == "NORMAL" || name.starts_with("TEXCOORD_");
-            if (name.starts_with("_") &&
-                attribute_index_.emplace(name, mesh.vertex_attributes.size()).second)
-                mesh.vertex_attributes.push_back({name, 1, {}});
-        }
-        if (layers && !primitive.triangles) ++mesh.loose_parts_with_attributes;
-    }
-
     // Targets that share an accessor share its values.
     Result<void> read_targets(const Json& in, const std::string& pointer, const GltfPrimitive& out,
                               Mesh& mesh) {
         const auto targets = in.find("targets");
         if (targets == in.end()) return {};
-        if (mesh.morph_targets.size() < targets->size()) mesh.morph_targets.resize(targets->size());
-        if (out.vertex_count == 0) return {};
         std::map<Index, std::shared_ptr<const std::vector<glm::vec3>>> selected;
         for (std::size_t t = 0; t < targets->size(); ++t) {
             MorphTarget& to = mesh.morph_targets[t];
@@ -428,7 +278,8 @@ class MeshReader {
                 const Index accessor = member->template get<Index>();
                 auto& values = (out.elements.empty() ? deltas_ : selected)[accessor];
                 if (!values) {
-                    if (auto done = spend(std::uint64_t(out.vertex_count) * sizeof(glm::vec3),
+                    if (auto done =
+                            budget_.spend(std::uint64_t(out.vertex_count) * sizeof(glm::vec3),
                                           pointer + "/targets/" + number(t));
                         !done)
                         return done;
@@ -544,50 +395,15 @@ class MeshReader {
         }
     }
 
-    void finish_layers(Mesh& mesh) {
-        normals_.finish(mesh, mesh.normals);
-        tangents_.finish(mesh, mesh.tangents);
-        mesh.uvs.resize(uvs_.size());
-        for (std::size_t s = 0; s < uvs_.size(); ++s) uvs_[s].finish(mesh, mesh.uvs[s]);
-        if (!colors_.empty() && mesh.corner_count() == 0 && !colors_[0].values.empty()) {
-            colors_[0].values.resize(mesh.vertex_count(), glm::vec4(1.0f));
-            mesh.vertex_colors = colors_[0].values;
-        }
-        mesh.colors.resize(mesh.corner_count() > 0 ? colors_.size() : 0);
-        for (std::size_t s = 0; s < mesh.colors.size(); ++s)
-            colors_[s].finish(mesh, mesh.colors[s]);
-        uvs_.clear();
-        colors_.clear();
-        for (auto& [joints, weights] : influences_) {
-            if (!joints.empty()) joints.resize(mesh.vertex_count(), Joints::value_type(0));
-            mesh.skin_influences.push_back({std::move(joints), weights.of_vertices(mesh)});
-        }
-        influences_.clear();
-        for (VertexAttribute& a : mesh.vertex_attributes)
-            if (!a.values.empty()) a.values.resize(mesh.vertex_count() * a.width, 0.0f);
-        attribute_width_ = 0;
-        attribute_index_.clear();
-    }
-
     GltfDocument& d_;
     Scene& scene_;
     std::vector<std::vector<GltfJoints>>& joints_;
-    std::uint64_t budget_ = 0;
+    DecodeBudget budget_;
+    VertexData vertices_{d_, budget_};
     std::size_t accessors_ = 0, materials_ = 0;
     std::vector<bool> shared_;              // per accessor: several primitives use it
     std::map<Index, RawAccessor> decoded_;  // the shared ones
     RawAccessor unshared_;                  // the last of the others
-    Growing<glm::vec3> normals_;
-    Growing<glm::vec4> tangents_;
-    std::vector<Growing<glm::vec2>> uvs_;
-    std::vector<Growing<glm::vec4>> colors_;
-    struct Influences {
-        Joints joints;
-        Growing<glm::vec4> weights;
-    };
-    std::vector<Influences> influences_;
-    std::map<std::string, std::size_t> attribute_index_;                     // of other names
-    std::uint64_t attribute_width_ = 0;                                      // of all of them
     std::map<Index, std::shared_ptr<const std::vector<glm::vec3>>> deltas_;  // by accessor
 };
 

@@ -3,29 +3,16 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <functional>
-#include <set>
 
+#include "formats/gltf/appended_data.h"
 #include "formats/gltf/build.h"
+#include "formats/gltf/references.h"
 #include "formats/gltf/value_repair.h"
-#include "text/name_list.h"
 
 namespace prep::detail {
 namespace {
 
 using Index = std::uint32_t;
-
-// Extensions whose references to accessors and bufferViews are known to refer_to() below, or that
-// have none. Anything else may hold indices that must not be renumbered.
-bool references_known(const std::string& name) {
-    static const std::set<std::string> names{
-        "KHR_mesh_quantization",   "KHR_texture_transform",
-        "KHR_lights_punctual",     "KHR_texture_basisu",
-        "KHR_xmp_json_ld",         "KHR_animation_pointer",
-        "EXT_meshopt_compression", "KHR_draco_mesh_compression",
-        "EXT_texture_webp",        "EXT_mesh_gpu_instancing"};
-    return names.contains(name) || name.starts_with("KHR_materials_");
-}
 
 class Rewriter {
   public:
@@ -43,12 +30,13 @@ class Rewriter {
         if (dropped_triangles_ > 0) notes_.push_back(non_finite_note(dropped_triangles_));
         remove_compression();
         images();
-        tell_non_finite();
-        if (auto done = pack(); !done) return std::move(done).error();
-        remove_empty_lists();
+        note_non_finite_data(document_, json_, notes_);
+        auto binary = pack_buffer(document_, json_, appended_, notes_);
+        if (!binary) return std::move(binary).error();
+        remove_empty_lists(json_);
         RewrittenGltf out;
         out.json = std::move(json_);
-        out.binary = std::move(binary_);
+        out.binary = *std::move(binary);
         return out;
     }
 
@@ -150,12 +138,12 @@ class Rewriter {
                 it != gathered->attributes.end())
                 attributes[item.key()] =
                     emit_reshaped(item.key(), std::move(it->second), elements, m, used);
-        if (!normals.empty()) attributes["NORMAL"] = floats(normals);
+        if (!normals.empty()) attributes["NORMAL"] = appended_.add_floats(normals);
         if (!tangents.empty() && !normals.empty() && (had_tangents || wants_tangents(m, out)))
-            attributes["TANGENT"] = floats(tangents);
+            attributes["TANGENT"] = appended_.add_floats(tangents);
         out["attributes"] = std::move(attributes);
         targets(m, used, std::move(gathered->targets), out);
-        out["indices"] = index_accessor(indices, used.size());
+        out["indices"] = appended_.add_indices(indices, used.size());
         // Strips and fans have become triangles, the default.
         out.erase("mode");
         remove_extension(out, "KHR_draco_mesh_compression");
@@ -193,9 +181,9 @@ class Rewriter {
                 result[item.key()] = emit(item.key(), std::move(gathered[t].at(item.key())));
             }
             if (new_normals && attributes.contains("NORMAL"))
-                result["NORMAL"] = floats(at_vertices(made[t].normals, used));
+                result["NORMAL"] = appended_.add_floats(at_vertices(made[t].normals, used));
             if (new_tangents && attributes.contains("TANGENT"))
-                result["TANGENT"] = floats(at_vertices(made[t].tangents, used));
+                result["TANGENT"] = appended_.add_floats(at_vertices(made[t].tangents, used));
             target = std::move(result);
         }
     }
@@ -411,9 +399,10 @@ class Rewriter {
                     std::memcpy(apart.data() + i * stride, bytes.data() + i * size, size);
                 bytes = std::move(apart);
             }
-            out["bufferView"] = new_view(std::move(bytes), 34962, stride == size ? 0 : stride);
+            out["bufferView"] =
+                appended_.add_view(std::move(bytes), 34962, stride == size ? 0 : stride);
         }
-        return new_accessor(std::move(out));
+        return appended_.add_accessor(std::move(out));
     }
 
     std::size_t emit_reshaped(const std::string& semantic, Gathered gathered,
@@ -423,10 +412,11 @@ class Rewriter {
         if (!elements.of_corners.empty()) now = reshaped(semantic, gathered.values, m, used);
         if (!now) return emit(semantic, std::move(gathered));
         const char* const types[] = {"SCALAR", "VEC2", "VEC3", "VEC4"};
-        return new_accessor(Json{{"bufferView", new_view(std::move(now->bytes), 34962, 0)},
-                                 {"componentType", 5126},
-                                 {"count", now->count},
-                                 {"type", types[now->width - 1]}});
+        return appended_.add_accessor(
+            Json{{"bufferView", appended_.add_view(std::move(now->bytes), 34962, 0)},
+                 {"componentType", 5126},
+                 {"count", now->count},
+                 {"type", types[now->width - 1]}});
     }
 
     static void set_bounds(const RawAccessor& raw, Json& out) {
@@ -452,48 +442,6 @@ class Rewriter {
         }
         out["min"] = std::move(low);
         out["max"] = std::move(high);
-    }
-
-    template <class T>
-    std::size_t floats(const std::vector<T>& values) {
-        std::vector<std::byte> bytes(values.size() * sizeof(T));
-        std::memcpy(bytes.data(), values.data(), bytes.size());
-        return new_accessor(Json{{"bufferView", new_view(std::move(bytes), 34962, 0)},
-                                 {"componentType", 5126},
-                                 {"count", values.size()},
-                                 {"type", sizeof(T) == 12 ? "VEC3" : "VEC4"}});
-    }
-
-    std::size_t index_accessor(const std::vector<Index>& indices, std::size_t vertices) {
-        const bool narrow = vertices <= 65535;  // the type's largest value is primitive restart
-        std::vector<std::byte> bytes(indices.size() * (narrow ? 2 : 4));
-        for (std::size_t i = 0; i < indices.size(); ++i) {
-            const std::uint16_t small = std::uint16_t(indices[i]);
-            if (narrow)
-                std::memcpy(bytes.data() + 2 * i, &small, 2);
-            else
-                std::memcpy(bytes.data() + 4 * i, &indices[i], 4);
-        }
-        return new_accessor(Json{{"bufferView", new_view(std::move(bytes), 34963, 0)},
-                                 {"componentType", narrow ? 5123 : 5125},
-                                 {"count", indices.size()},
-                                 {"type", "SCALAR"}});
-    }
-
-    // New views and accessors stand behind the file's own; their bytes are kept apart.
-    std::size_t new_view(std::vector<std::byte> bytes, int target, std::size_t stride) {
-        Json view{{"buffer", 0}, {"byteLength", bytes.size()}};
-        if (stride) view["byteStride"] = stride;
-        if (target) view["target"] = target;
-        Json& list = json_["bufferViews"];
-        new_bytes_.emplace(list.size(), std::move(bytes));
-        list.push_back(std::move(view));
-        return list.size() - 1;
-    }
-    std::size_t new_accessor(Json accessor) {
-        Json& list = json_["accessors"];
-        list.push_back(std::move(accessor));
-        return list.size() - 1;
     }
 
     // --- compression and images ----------------------------------------------------------
@@ -548,184 +496,8 @@ class Rewriter {
             if (!image.contains("name") && !uri.starts_with("data:")) image["name"] = uri;
             image.erase("uri");
             image["mimeType"] = mime;
-            image["bufferView"] = new_view(bytes, 0, 0);
+            image["bufferView"] = appended_.add_view(bytes, 0, 0);
         }
-    }
-
-    // --- packing -------------------------------------------------------------------------
-
-    using Visit = std::function<void(Json& index)>;
-
-    static void visit_member(Json& object, const char* key, const Visit& visit) {
-        if (!object.is_object()) return;
-        const auto it = object.find(key);
-        if (it != object.end() && it->is_number_integer()) visit(*it);
-    }
-    static void visit_members(Json& object, const Visit& visit) {
-        if (!object.is_object()) return;
-        for (auto& item : object.items())
-            if (item.value().is_number_integer()) visit(item.value());
-    }
-    Json* member(Json& object, const char* key) const {
-        if (!object.is_object()) return nullptr;
-        const auto it = object.find(key);
-        return it == object.end() ? nullptr : &*it;
-    }
-    template <class Each>
-    void each(Json& object, const char* key, const Each& body) const {
-        if (Json* list = member(object, key); list && list->is_array())
-            for (Json& item : *list) body(item);
-    }
-
-    void visit_accessors(const Visit& visit) {
-        each(json_, "meshes", [&](Json& mesh) {
-            each(mesh, "primitives", [&](Json& primitive) {
-                if (Json* attributes = member(primitive, "attributes"))
-                    visit_members(*attributes, visit);
-                visit_member(primitive, "indices", visit);
-                each(primitive, "targets", [&](Json& target) { visit_members(target, visit); });
-            });
-        });
-        each(json_, "animations", [&](Json& animation) {
-            each(animation, "samplers", [&](Json& sampler) {
-                visit_member(sampler, "input", visit);
-                visit_member(sampler, "output", visit);
-            });
-        });
-        each(json_, "skins", [&](Json& skin) { visit_member(skin, "inverseBindMatrices", visit); });
-        each(json_, "nodes", [&](Json& node) {
-            Json* extensions = member(node, "extensions");
-            Json* instancing =
-                extensions ? member(*extensions, "EXT_mesh_gpu_instancing") : nullptr;
-            if (!instancing) return;
-            if (Json* attributes = member(*instancing, "attributes"))
-                visit_members(*attributes, visit);
-        });
-    }
-
-    // What is carried over untouched: lines and points, animations, skins, instances.
-    void tell_non_finite() {
-        const std::size_t count = document_.json.contains("accessors")
-                                      ? document_.json["accessors"].size()
-                                      : std::size_t(0);
-        std::set<std::size_t> kept;
-        visit_accessors([&](Json& index) {
-            const auto i = index.get<std::uint64_t>();
-            if (i < count && json_["accessors"][i]["componentType"] == 5126) kept.insert(i);
-        });
-        // Those that were left as they are have a note of their own.
-        each(json_, "meshes", [&](Json& mesh) {
-            each(mesh, "primitives", [&](Json& primitive) {
-                const Visit leave = [&](Json& index) { kept.erase(index.get<std::size_t>()); };
-                if (primitive.value("mode", 4) < 4) return;
-                visit_members(primitive["attributes"], leave);
-                each(primitive, "targets", [&](Json& target) { visit_members(target, leave); });
-            });
-        });
-        NameList broken;
-        for (const std::size_t i : kept) {
-            const auto raw = document_.raw_accessor(i);
-            if (!raw) continue;
-            const std::vector<float> values = to_floats(*raw);
-            if (!std::all_of(values.begin(), values.end(),
-                             [](float v) { return std::isfinite(v); }))
-                broken.add(std::to_string(i));
-        }
-        if (!broken.empty())
-            notes_.push_back(
-                "lines, points, animations, skins or instances have values that are not finite, "
-                "which the format forbids; they were kept (accessors of the source: " +
-                broken.text() + ")");
-    }
-
-    void visit_views(const Visit& visit) {
-        each(json_, "accessors", [&](Json& accessor) {
-            visit_member(accessor, "bufferView", visit);
-            if (Json* sparse = member(accessor, "sparse")) {
-                if (Json* indices = member(*sparse, "indices"))
-                    visit_member(*indices, "bufferView", visit);
-                if (Json* values = member(*sparse, "values"))
-                    visit_member(*values, "bufferView", visit);
-            }
-        });
-        each(json_, "images", [&](Json& image) { visit_member(image, "bufferView", visit); });
-    }
-
-    // Keeps the entries of a list that `visit_all` reaches and renumbers the references.
-    template <class VisitAll>
-    std::vector<std::size_t> compact(const char* key, bool keep_all, const VisitAll& visit_all) {
-        std::vector<std::size_t> kept;
-        const auto list = json_.find(key);
-        if (list == json_.end() || !list->is_array()) return kept;
-        std::vector<bool> used(list->size(), keep_all);
-        visit_all([&](Json& index) {
-            const auto i = index.get<std::uint64_t>();
-            if (i < used.size()) used[i] = true;
-        });
-        std::vector<std::size_t> renumbered(list->size(), 0);
-        Json out = Json::array();
-        for (std::size_t i = 0; i < list->size(); ++i) {
-            if (!used[i]) continue;
-            renumbered[i] = kept.size();
-            kept.push_back(i);
-            out.push_back(std::move((*list)[i]));
-        }
-        if (out.empty())
-            json_.erase(key);
-        else
-            *list = std::move(out);
-        visit_all([&](Json& index) {
-            const auto i = index.get<std::uint64_t>();
-            if (i < renumbered.size()) index = renumbered[i];
-        });
-        return kept;
-    }
-
-    Result<void> pack() {
-        bool keep_all = false;
-        for (const char* list : {"extensionsUsed", "extensionsRequired"})
-            if (Json* names = member(json_, list); names && names->is_array())
-                for (const Json& name : *names)
-                    keep_all |= !name.is_string() || !references_known(name.get<std::string>());
-        if (keep_all)
-            note_once("an extension is in use that may refer to any data: none was dropped");
-        compact("accessors", keep_all, [&](const Visit& v) { visit_accessors(v); });
-        const std::vector<std::size_t> views =
-            compact("bufferViews", keep_all, [&](const Visit& v) { visit_views(v); });
-        for (std::size_t v = 0; v < views.size(); ++v) {
-            Json& view = json_["bufferViews"][v];
-            std::span<const std::byte> bytes;
-            if (const auto made = new_bytes_.find(views[v]); made != new_bytes_.end()) {
-                bytes = made->second;
-            } else {
-                const auto read = document_.view(views[v]);
-                if (!read) return read.error();
-                bytes = *read;
-            }
-            binary_.resize((binary_.size() + 3) & ~std::size_t(3));
-            view["buffer"] = 0;
-            view["byteOffset"] = binary_.size();
-            view["byteLength"] = bytes.size();
-            binary_.insert(binary_.end(), bytes.begin(), bytes.end());
-        }
-        json_.erase("buffers");
-        return {};
-    }
-
-    // glTF forbids empty lists; they say what an absent one says.
-    void remove_empty_lists() {
-        std::vector<std::string> empty;
-        for (const auto& item : json_.items())
-            if (item.value().is_array() && item.value().empty()) empty.push_back(item.key());
-        for (const std::string& key : empty) json_.erase(key);
-        if (Json* nodes = member(json_, "nodes"))
-            for (Json& node : *nodes)
-                if (const Json* children = member(node, "children"); children && children->empty())
-                    node.erase("children");
-        if (Json* scenes = member(json_, "scenes"))
-            for (Json& scene : *scenes)
-                if (const Json* nodes = member(scene, "nodes"); nodes && nodes->empty())
-                    scene.erase("nodes");
     }
 
     const PreparedScene& prepared_;
@@ -734,8 +506,7 @@ class Rewriter {
     std::uint64_t dropped_triangles_ = 0;
     Json json_;
     bool mended_ = false;  // the primitive at hand: values were made valid
-    std::map<std::size_t, std::vector<std::byte>> new_bytes_;  // by bufferView
-    std::vector<std::byte> binary_;
+    AppendedData appended_{json_};
 };
 
 }  // namespace

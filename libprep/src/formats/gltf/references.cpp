@@ -1,0 +1,200 @@
+#include "formats/gltf/references.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <set>
+
+#include "text/name_list.h"
+
+namespace prep::detail {
+namespace {
+
+// Extensions whose references to accessors and bufferViews are visited below, or that have
+// none. Anything else may hold indices that must not be renumbered.
+bool references_known(const std::string& name) {
+    static const std::set<std::string> names{
+        "KHR_mesh_quantization",   "KHR_texture_transform",
+        "KHR_lights_punctual",     "KHR_texture_basisu",
+        "KHR_xmp_json_ld",         "KHR_animation_pointer",
+        "EXT_meshopt_compression", "KHR_draco_mesh_compression",
+        "EXT_texture_webp",        "EXT_mesh_gpu_instancing"};
+    return names.contains(name) || name.starts_with("KHR_materials_");
+}
+
+using Visit = std::function<void(Json& index)>;
+
+void visit_member(Json& object, const char* key, const Visit& visit) {
+    if (!object.is_object()) return;
+    const auto it = object.find(key);
+    if (it != object.end() && it->is_number_integer()) visit(*it);
+}
+void visit_members(Json& object, const Visit& visit) {
+    if (!object.is_object()) return;
+    for (auto& item : object.items())
+        if (item.value().is_number_integer()) visit(item.value());
+}
+Json* member(Json& object, const char* key) {
+    if (!object.is_object()) return nullptr;
+    const auto it = object.find(key);
+    return it == object.end() ? nullptr : &*it;
+}
+template <class Each>
+void each(Json& object, const char* key, const Each& body) {
+    if (Json* list = member(object, key); list && list->is_array())
+        for (Json& item : *list) body(item);
+}
+
+void visit_accessors(Json& json, const Visit& visit) {
+    each(json, "meshes", [&](Json& mesh) {
+        each(mesh, "primitives", [&](Json& primitive) {
+            if (Json* attributes = member(primitive, "attributes"))
+                visit_members(*attributes, visit);
+            visit_member(primitive, "indices", visit);
+            each(primitive, "targets", [&](Json& target) { visit_members(target, visit); });
+        });
+    });
+    each(json, "animations", [&](Json& animation) {
+        each(animation, "samplers", [&](Json& sampler) {
+            visit_member(sampler, "input", visit);
+            visit_member(sampler, "output", visit);
+        });
+    });
+    each(json, "skins", [&](Json& skin) { visit_member(skin, "inverseBindMatrices", visit); });
+    each(json, "nodes", [&](Json& node) {
+        Json* extensions = member(node, "extensions");
+        Json* instancing = extensions ? member(*extensions, "EXT_mesh_gpu_instancing") : nullptr;
+        if (!instancing) return;
+        if (Json* attributes = member(*instancing, "attributes")) visit_members(*attributes, visit);
+    });
+}
+
+void visit_views(Json& json, const Visit& visit) {
+    each(json, "accessors", [&](Json& accessor) {
+        visit_member(accessor, "bufferView", visit);
+        if (Json* sparse = member(accessor, "sparse")) {
+            if (Json* indices = member(*sparse, "indices"))
+                visit_member(*indices, "bufferView", visit);
+            if (Json* values = member(*sparse, "values"))
+                visit_member(*values, "bufferView", visit);
+        }
+    });
+    each(json, "images", [&](Json& image) { visit_member(image, "bufferView", visit); });
+}
+
+// Keeps the entries of a list that `visit_all` reaches and renumbers the references.
+template <class VisitAll>
+std::vector<std::size_t> compact(Json& json, const char* key, bool keep_all,
+                                 const VisitAll& visit_all) {
+    std::vector<std::size_t> kept;
+    const auto list = json.find(key);
+    if (list == json.end() || !list->is_array()) return kept;
+    std::vector<bool> used(list->size(), keep_all);
+    visit_all([&](Json& index) {
+        const auto i = index.get<std::uint64_t>();
+        if (i < used.size()) used[i] = true;
+    });
+    std::vector<std::size_t> renumbered(list->size(), 0);
+    Json out = Json::array();
+    for (std::size_t i = 0; i < list->size(); ++i) {
+        if (!used[i]) continue;
+        renumbered[i] = kept.size();
+        kept.push_back(i);
+        out.push_back(std::move((*list)[i]));
+    }
+    if (out.empty())
+        json.erase(key);
+    else
+        *list = std::move(out);
+    visit_all([&](Json& index) {
+        const auto i = index.get<std::uint64_t>();
+        if (i < renumbered.size()) index = renumbered[i];
+    });
+    return kept;
+}
+
+}  // namespace
+
+void note_non_finite_data(const GltfDocument& document, Json& json,
+                          std::vector<std::string>& notes) {
+    const std::size_t count =
+        document.json.contains("accessors") ? document.json["accessors"].size() : std::size_t(0);
+    std::set<std::size_t> kept;
+    visit_accessors(json, [&](Json& index) {
+        const auto i = index.get<std::uint64_t>();
+        if (i < count && json["accessors"][i]["componentType"] == 5126) kept.insert(i);
+    });
+    // Those that were left as they are have a note of their own.
+    each(json, "meshes", [&](Json& mesh) {
+        each(mesh, "primitives", [&](Json& primitive) {
+            const Visit leave = [&](Json& index) { kept.erase(index.get<std::size_t>()); };
+            if (primitive.value("mode", 4) < 4) return;
+            visit_members(primitive["attributes"], leave);
+            each(primitive, "targets", [&](Json& target) { visit_members(target, leave); });
+        });
+    });
+    NameList broken;
+    for (const std::size_t i : kept) {
+        const auto raw = document.raw_accessor(i);
+        if (!raw) continue;
+        const std::vector<float> values = to_floats(*raw);
+        if (!std::all_of(values.begin(), values.end(), [](float v) { return std::isfinite(v); }))
+            broken.add(std::to_string(i));
+    }
+    if (!broken.empty())
+        notes.push_back(
+            "lines, points, animations, skins or instances have values that are not finite, "
+            "which the format forbids; they were kept (accessors of the source: " +
+            broken.text() + ")");
+}
+
+Result<std::vector<std::byte>> pack_buffer(const GltfDocument& document, Json& json,
+                                           const AppendedData& appended,
+                                           std::vector<std::string>& notes) {
+    std::vector<std::byte> binary;
+    bool keep_all = false;
+    for (const char* list : {"extensionsUsed", "extensionsRequired"})
+        if (Json* names = member(json, list); names && names->is_array())
+            for (const Json& name : *names)
+                keep_all |= !name.is_string() || !references_known(name.get<std::string>());
+    if (keep_all)
+        notes.push_back("an extension is in use that may refer to any data: none was dropped");
+    compact(json, "accessors", keep_all, [&](const Visit& v) { visit_accessors(json, v); });
+    const std::vector<std::size_t> views =
+        compact(json, "bufferViews", keep_all, [&](const Visit& v) { visit_views(json, v); });
+    for (std::size_t v = 0; v < views.size(); ++v) {
+        Json& view = json["bufferViews"][v];
+        std::span<const std::byte> bytes;
+        if (const auto* made = appended.bytes_of(views[v])) {
+            bytes = *made;
+        } else {
+            const auto read = document.view(views[v]);
+            if (!read) return read.error();
+            bytes = *read;
+        }
+        binary.resize((binary.size() + 3) & ~std::size_t(3));
+        view["buffer"] = 0;
+        view["byteOffset"] = binary.size();
+        view["byteLength"] = bytes.size();
+        binary.insert(binary.end(), bytes.begin(), bytes.end());
+    }
+    json.erase("buffers");
+    return binary;
+}
+
+void remove_empty_lists(Json& json) {
+    std::vector<std::string> empty;
+    for (const auto& item : json.items())
+        if (item.value().is_array() && item.value().empty()) empty.push_back(item.key());
+    for (const std::string& key : empty) json.erase(key);
+    if (Json* nodes = member(json, "nodes"))
+        for (Json& node : *nodes)
+            if (const Json* children = member(node, "children"); children && children->empty())
+                node.erase("children");
+    if (Json* scenes = member(json, "scenes"))
+        for (Json& scene : *scenes)
+            if (const Json* nodes = member(scene, "nodes"); nodes && nodes->empty())
+                scene.erase("nodes");
+}
+
+}  // namespace prep::detail

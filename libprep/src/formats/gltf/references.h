@@ -1,0 +1,29 @@
+// What in a glTF document refers to accessors and bufferViews, and what follows from it when the
+// document is rewritten.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "formats/gltf/appended_data.h"
+#include "formats/gltf/document.h"
+
+namespace prep::detail {
+
+// Drops the accessors and bufferViews that nothing refers to, unless an extension is in use whose
+// references are not known, and renumbers the rest. Returns their bytes, the only buffer. Errors:
+// those of GltfDocument::view.
+Result<std::vector<std::byte>> pack_buffer(const GltfDocument& document, Json& json,
+                                           const AppendedData& appended,
+                                           std::vector<std::string>& notes);
+
+// A note where data that are carried over untouched (lines and points, animations, skins,
+// instances) have values that are not finite.
+void note_non_finite_data(const GltfDocument& document, Json& json,
+                          std::vector<std::string>& notes);
+
+// glTF forbids empty lists; they say what an absent one says.
+void remove_empty_lists(Json& json);
+
+}  // namespace prep::detail

@@ -1,0 +1,147 @@
+#include "formats/gltf/vertex_data.h"
+
+namespace prep::detail {
+namespace {
+
+using Index = std::uint32_t;
+
+std::string number(std::uint64_t value) {
+    return std::to_string(value);
+}
+
+void append_joints(const RawAccessor& raw, std::size_t first,
+                   std::vector<glm::vec<4, std::uint16_t>>& to) {
+    to.resize(first + raw.count, glm::vec<4, std::uint16_t>(0));
+    const std::vector<Index> numbers = to_indices(raw);
+    for (std::size_t i = 0; i < numbers.size(); ++i)
+        to[first + i / 4][int(i % 4)] = std::uint16_t(numbers[i]);
+}
+
+}  // namespace
+
+Result<void> DecodeBudget::spend(std::uint64_t bytes, const std::string& pointer) {
+    if (bytes > left_)
+        return Error{ErrorCode::limit,
+                     "the primitives use the file's data so often that they would fill " +
+                         std::to_string(decoded_limit(document_.input_bytes) >> 20) + " MiB",
+                     document_.place(pointer)};
+    left_ -= bytes;
+    return {};
+}
+
+Result<void> VertexData::append(const std::string& semantic, const RawAccessor& raw,
+                                const std::string& pointer, std::size_t first, Mesh& mesh) {
+    const auto bad = [&](std::string text) {
+        return Error{ErrorCode::invalid, std::move(text), d_.place(pointer)};
+    };
+    const auto wants = [&](int low, int high) -> Result<void> {
+        if (raw.width < low || raw.width > high)
+            return bad(semantic + " needs " + number(std::uint64_t(low)) +
+                       (high > low ? " or " + number(std::uint64_t(high)) : "") +
+                       " components, found " + number(std::uint64_t(raw.width)));
+        if (raw.component_type == 5125) return bad(semantic + " cannot be of unsigned 32-bit type");
+        return {};
+    };
+    if (semantic == "POSITION") {
+        if (auto done = wants(3, 3); !done) return done;
+        Growing<glm::vec3> positions;
+        positions.append(0, raw);
+        mesh.positions.insert(mesh.positions.end(), positions.values.begin(),
+                              positions.values.end());
+    } else if (semantic == "NORMAL") {
+        if (auto done = wants(3, 3); !done) return done;
+        normals_.append(first, raw);
+    } else if (semantic == "TANGENT") {
+        if (auto done = wants(4, 4); !done) return done;
+        tangents_.append(first, raw);
+    } else if (const auto uv = set_number(semantic, "TEXCOORD_")) {
+        if (auto done = wants(2, 2); !done) return done;
+        if (uvs_.size() <= *uv) uvs_.resize(*uv + 1);
+        uvs_[*uv].append(first, raw);
+    } else if (const auto color = set_number(semantic, "COLOR_")) {
+        if (auto done = wants(3, 4); !done) return done;
+        if (colors_.size() <= *color) colors_.resize(*color + 1);
+        colors_[*color].append(first, raw);
+        if (raw.width == 3)
+            for (std::size_t i = first; i < colors_[*color].values.size(); ++i)
+                colors_[*color].values[i].a = 1;
+    } else if (set_number(semantic, "JOINTS_") || set_number(semantic, "WEIGHTS_")) {
+        if (auto done = wants(4, 4); !done) return done;
+        if (semantic[0] == 'J' && raw.component_type != 5121 && raw.component_type != 5123)
+            return bad("joints must be unsigned whole numbers of 8 or 16 bits");
+        const std::size_t set = *set_number(semantic, semantic[0] == 'J' ? "JOINTS_" : "WEIGHTS_");
+        if (influences_.size() <= set) influences_.resize(set + 1);
+        if (semantic[0] == 'J')
+            append_joints(raw, first, influences_[set].joints);
+        else
+            influences_[set].weights.append(first, raw);
+    } else if (semantic.starts_with("_")) {
+        return append_named(semantic, raw, pointer, first, mesh);
+    }
+    return {};
+}
+
+Result<void> VertexData::append_named(const std::string& name, const RawAccessor& raw,
+                                      const std::string& pointer, std::size_t first, Mesh& mesh) {
+    VertexAttribute& to = mesh.vertex_attributes[named_index_.at(name)];
+    if (to.values.empty()) {
+        to.width = Index(raw.width);
+        named_width_ += to.width;
+    }
+    if (auto done = budget_.spend(
+            (first + raw.count) * to.width * sizeof(float) - to.values.size() * sizeof(float),
+            pointer);
+        !done)
+        return done;
+    to.values.resize((first + raw.count) * to.width, 0.0f);
+    const std::vector<float> floats = to_floats(raw);
+    const std::size_t width = std::min(std::size_t(raw.width), std::size_t(to.width));
+    for (std::size_t i = 0; i < raw.count; ++i)
+        std::copy_n(&floats[i * std::size_t(raw.width)], width, &to.values[(first + i) * to.width]);
+    return {};
+}
+
+void VertexData::note_names(const Json& attributes, bool triangles, Mesh& mesh) {
+    bool layers = false;
+    for (const auto& item : attributes.items()) {
+        const std::string& name = item.key();
+        layers |= name == "NORMAL" || name.starts_with("TEXCOORD_");
+        if (name.starts_with("_") &&
+            named_index_.emplace(name, mesh.vertex_attributes.size()).second)
+            mesh.vertex_attributes.push_back({name, 1, {}});
+    }
+    if (layers && !triangles) ++mesh.loose_parts_with_attributes;
+}
+
+Result<void> VertexData::finish(const std::string& pointer, Mesh& mesh) {
+    const std::uint64_t layers =
+        2 + uvs_.size() + colors_.size() + 6 * influences_.size() + named_width_;
+    if (auto done =
+            budget_.spend(layers * (mesh.vertex_count() + mesh.corner_count()) * 4, pointer);
+        !done)
+        return done;
+    normals_.finish(mesh, mesh.normals);
+    tangents_.finish(mesh, mesh.tangents);
+    mesh.uvs.resize(uvs_.size());
+    for (std::size_t s = 0; s < uvs_.size(); ++s) uvs_[s].finish(mesh, mesh.uvs[s]);
+    if (!colors_.empty() && mesh.corner_count() == 0 && !colors_[0].values.empty()) {
+        colors_[0].values.resize(mesh.vertex_count(), glm::vec4(1.0f));
+        mesh.vertex_colors = colors_[0].values;
+    }
+    mesh.colors.resize(mesh.corner_count() > 0 ? colors_.size() : 0);
+    for (std::size_t s = 0; s < mesh.colors.size(); ++s) colors_[s].finish(mesh, mesh.colors[s]);
+    uvs_.clear();
+    colors_.clear();
+    for (auto& [joints, weights] : influences_) {
+        if (!joints.empty()) joints.resize(mesh.vertex_count(), Joints::value_type(0));
+        mesh.skin_influences.push_back({std::move(joints), weights.of_vertices(mesh)});
+    }
+    influences_.clear();
+    for (VertexAttribute& a : mesh.vertex_attributes)
+        if (!a.values.empty()) a.values.resize(mesh.vertex_count() * a.width, 0.0f);
+    named_width_ = 0;
+    named_index_.clear();
+    return {};
+}
+
+}  // namespace prep::detail

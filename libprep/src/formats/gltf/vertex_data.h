@@ -1,0 +1,106 @@
+// The attributes of a glTF mesh while its primitives are read one after the other: each becomes as
+// long as the mesh, also one that a single primitive has.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <cstring>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "formats/gltf/document.h"
+#include "prep/mesh.h"
+
+namespace prep::detail {
+
+// What is left of decoded_limit().
+class DecodeBudget {
+  public:
+    explicit DecodeBudget(const GltfDocument& document)
+        : document_(document), left_(decoded_limit(document.input_bytes)) {}
+    // Errors: limit.
+    Result<void> spend(std::uint64_t bytes, const std::string& pointer);
+
+  private:
+    const GltfDocument& document_;
+    std::uint64_t left_;
+};
+
+// An attribute of all vertices, which grows with the primitives that have it.
+template <class T>
+struct Growing {
+    std::vector<T> values;
+    std::vector<bool> has;
+
+    void append(std::size_t first, const RawAccessor& raw) {
+        values.resize(first, T(0.0f));
+        has.resize(first, false);
+        const std::vector<float> floats = to_floats(raw);
+        const int width = std::min(raw.width, int(T::length()));
+        values.resize(first + raw.count, T(0.0f));
+        for (std::size_t i = 0; i < raw.count; ++i)
+            std::memcpy(&values[first + i], &floats[i * std::size_t(raw.width)],
+                        std::size_t(width) * sizeof(float));
+        has.resize(values.size(), true);
+    }
+
+    // By file vertex; zeros where a primitive has none.
+    std::vector<T> of_vertices(const Mesh& mesh) {
+        if (!values.empty()) values.resize(mesh.vertex_count(), T(0.0f));
+        return std::move(values);
+    }
+
+    void finish(const Mesh& mesh, CornerLayer<T>& layer) {
+        if (!values.empty() && mesh.corner_count() > 0) {
+            values.resize(mesh.vertex_count(), T(0.0f));
+            has.resize(mesh.vertex_count(), false);
+            layer.indices.resize(mesh.corner_count());
+            for (std::size_t c = 0; c < mesh.corner_count(); ++c) {
+                const Index v = mesh.corner_vertices[c];
+                layer.indices[c] = has[v] ? v : no_index;
+            }
+            layer.values = std::move(values);
+        }
+        values.clear();
+        has.clear();
+    }
+};
+
+class VertexData {
+  public:
+    VertexData(const GltfDocument& document, DecodeBudget& budget)
+        : d_(document), budget_(budget) {}
+
+    // A primitive's attribute, at the mesh's vertices from `first` on. Errors: invalid, limit.
+    Result<void> append(const std::string& semantic, const RawAccessor& raw,
+                        const std::string& pointer, std::size_t first, Mesh& mesh);
+
+    // What is known of a primitive even where there is nothing to read.
+    void note_names(const Json& attributes, bool triangles, Mesh& mesh);
+
+    // Once all primitives are read: fills the mesh's layers. Errors: limit.
+    Result<void> finish(const std::string& pointer, Mesh& mesh);
+
+  private:
+    using Joints = decltype(SkinInfluences::joints);
+    struct Influences {
+        Joints joints;
+        Growing<glm::vec4> weights;
+    };
+
+    Result<void> append_named(const std::string& name, const RawAccessor& raw,
+                              const std::string& pointer, std::size_t first, Mesh& mesh);
+
+    const GltfDocument& d_;
+    DecodeBudget& budget_;
+    Growing<glm::vec3> normals_;
+    Growing<glm::vec4> tangents_;
+    std::vector<Growing<glm::vec2>> uvs_;
+    std::vector<Growing<glm::vec4>> colors_;
+    std::vector<Influences> influences_;
+    std::map<std::string, std::size_t> named_index_;  // into Mesh::vertex_attributes
+    std::uint64_t named_width_ = 0;                   // of all of them
+};
+
+}  // namespace prep::detail
