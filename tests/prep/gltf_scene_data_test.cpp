@@ -5,7 +5,7 @@
 #include "gltf_maker.h"
 #include "mesh_files.h"
 #include "prep/prepare.h"
-#include "prep/repair.h"
+#include "prep/save.h"
 
 namespace {
 
@@ -156,6 +156,12 @@ TEST(GltfSceneData, TargetsOfAnyMeshGetTheirOwnNormals) {
     const auto prepared = prep::prepare(std::move(scene), options);
     ASSERT_TRUE(prepared) << prep::to_string(prepared.error());
     ASSERT_EQ(prepared->morphs[0].size(), 1u);
+    const test::TempDir dir;
+    const auto notes = prep::save_scene(*prepared, dir / "a.glb");
+    ASSERT_TRUE(notes) << prep::to_string(notes.error());
+    EXPECT_EQ(*notes, std::vector<std::string>{"morph targets, skins, animations and attributes of "
+                                               "other names are written to files that come from "
+                                               "glTF only: left out"});
     EXPECT_EQ(prepared->morphs[0][0].normals, (std::vector<glm::vec3>(3, glm::vec3(0, -1, -1))));
 }
 

@@ -33,8 +33,8 @@ enum class WeldMode : std::uint8_t {
                 // positions apart from attributes (OBJ, OFF)
     none,
     exact,  // equal positions (−0 equals 0) are one vertex for adjacency
-    // But with `none`: where no corner shares a vertex (STL, soups; not glTF, whose skins and morph
-    // targets count on its vertices), those at equal positions are made one for good.
+    // But with `none`: where no corner shares a vertex (STL, soups; not where vertices are tied to
+    // the file or carry skins or morph targets), those at equal positions are made one for good.
 };
 
 struct PrepareOptions {

@@ -38,7 +38,7 @@ struct MorphDeltas {
 struct PreparedScene {
     Scene scene;
     std::vector<VertexMesh> meshes;
-    std::vector<std::vector<MorphDeltas>> morphs;  // by mesh, then by target of its glTF document
+    std::vector<std::vector<MorphDeltas>> morphs;  // by mesh, then by Mesh::morph_targets
     std::vector<MeshRequirements> requirements;
     std::vector<StageReport> stages;
     std::vector<Finding> findings;

@@ -50,7 +50,7 @@ void MeshPreparation::share_vertices() {
 Result<void> MeshPreparation::repair_mesh() {
     if (!options_.repair.any()) return {};
     auto log = log_.run("repair", "asked for",
-                        [&] { return repair(mesh_, options_.repair, index, options_.threads); });
+                        [&] { return repair(mesh_, options_.repair, index_, options_.threads); });
     if (!log) return std::move(log).error();
     out_.repairs.insert(out_.repairs.end(), log->begin(), log->end());
     return {};

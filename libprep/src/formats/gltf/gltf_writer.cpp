@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "base/atomic_files.h"
 #include "formats/gltf/build.h"
 #include "formats/gltf/rewrite.h"
@@ -44,6 +46,19 @@ std::string percent_encoded(const std::string& name) {
     return uri;
 }
 
+// A document of our own has faces, materials and nodes.
+void note_unwritten(const Scene& scene, std::vector<std::string>& notes) {
+    const bool by_vertex =
+        std::any_of(scene.meshes.begin(), scene.meshes.end(), [](const Mesh& mesh) {
+            return !mesh.morph_targets.empty() || !mesh.skin_influences.empty() ||
+                   !mesh.vertex_attributes.empty();
+        });
+    if (by_vertex || !scene.skins.empty() || !scene.animations.empty())
+        notes.push_back(
+            "morph targets, skins, animations and attributes of other names are written to files "
+            "that come from glTF only: left out");
+}
+
 struct Encoded {
     Json document;
     std::vector<std::byte> binary;  // the only buffer, its entry still to be added
@@ -62,6 +77,7 @@ Result<Encoded> encode(const PreparedScene& prepared, std::vector<std::string>& 
         buffer.bytes().reserve(expected_bytes(prepared));
         build_gltf(prepared, out.document, buffer, notes);
         note_groups(prepared, "glTF", notes);
+        note_unwritten(prepared.scene, notes);
         out.binary = std::move(buffer.bytes());
     }
     out.document["asset"]["generator"] = fmt::format("meshprep {}", version());

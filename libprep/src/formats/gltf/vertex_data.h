@@ -57,7 +57,7 @@ struct Growing {
             has.resize(mesh.vertex_count(), false);
             layer.indices.resize(mesh.corner_count());
             for (std::size_t c = 0; c < mesh.corner_count(); ++c) {
-                const Index v = mesh.corner_vertices[c];
+                const std::uint32_t v = mesh.corner_vertices[c];
                 layer.indices[c] = has[v] ? v : no_index;
             }
             layer.values = std::move(values);
