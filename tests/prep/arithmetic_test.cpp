@@ -330,17 +330,17 @@ constexpr prep::SimdLevel vector_levels[] = {prep::SimdLevel::sse4, prep::SimdLe
 // The vectors' arc cosine is a polynomial, and where that is near the middle between two floats the
 // library's: in hundreds of thousands of angles some are.
 TEST(TermKernels, GiveTheScalarBitsForAllAngles) {
-    using prep::detail::CornerTerm;
-    using prep::detail::TermBlock;
+    using prep::detail::Contribution;
+    using prep::detail::TriangleBlock;
     std::mt19937_64 random(9);
     std::uniform_real_distribution<float> unit(-1, 1);
-    const auto block = std::make_unique<TermBlock>();
+    const auto block = std::make_unique<TriangleBlock>();
     struct Planes {
-        alignas(64) CornerTerm of[3][TermBlock::size];
+        alignas(64) Contribution of[3][TriangleBlock::size];
     };
     const auto expected = std::make_unique<Planes>(), found = std::make_unique<Planes>();
     for (int round = 0; round < 1500; ++round) {
-        for (std::size_t i = 0; i < TermBlock::size; ++i) {
+        for (std::size_t i = 0; i < TriangleBlock::size; ++i) {
             for (int k = 0; k < 3; ++k) {
                 for (int d = 0; d < 3; ++d)
                     block->p[k][d][i] = d == 2 ? 0.1f * unit(random) : unit(random);
@@ -350,15 +350,17 @@ TEST(TermKernels, GiveTheScalarBitsForAllAngles) {
                 for (int d = 0; d < 2; ++d) block->uv[k][d][i] = unit(random);
             }
         }
-        CornerTerm* const to[3] = {expected->of[0], expected->of[1], expected->of[2]};
-        const auto wanted = prep::detail::terms_scalar(*block, TermBlock::size, true, to);
+        Contribution* const to[3] = {expected->of[0], expected->of[1], expected->of[2]};
+        const auto wanted = prep::detail::contribution_kernel(prep::SimdLevel::scalar)(
+            *block, TriangleBlock::size, true, to);
         for (const prep::SimdLevel level : vector_levels) {
             if (!prep::simd_available(level)) continue;
-            CornerTerm* const into[3] = {found->of[0], found->of[1], found->of[2]};
-            const auto got = prep::detail::term_kernel(level)(*block, TermBlock::size, true, into);
+            Contribution* const into[3] = {found->of[0], found->of[1], found->of[2]};
+            const auto got =
+                prep::detail::contribution_kernel(level)(*block, TriangleBlock::size, true, into);
             ASSERT_EQ(got.counts.mirrored, wanted.counts.mirrored);
             for (int k = 0; k < 3; ++k)
-                for (std::size_t i = 0; i < TermBlock::size; ++i)
+                for (std::size_t i = 0; i < TriangleBlock::size; ++i)
                     ASSERT_EQ(std::memcmp(&found->of[k][i], &expected->of[k][i], 12), 0)
                         << prep::to_string(level) << ", round " << round << ", " << i << ' ' << k;
         }

@@ -80,45 +80,9 @@ HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 namespace prep::detail {
-namespace {
-
-void scalar_bits(const glm::vec3* positions, std::size_t count, std::uint32_t last_word,
-                 std::uint32_t* words, std::uint32_t* bits) {
-    for (std::size_t i = 0; i < count; ++i) {
-        const FilterBits found = filter_bits(positions[i], last_word);
-        words[i] = found.word;
-        bits[i] = found.bits;
-    }
-}
-
-std::size_t scalar_find(const glm::vec3* positions, std::size_t count, std::uint32_t last_word,
-                        const std::uint32_t* filter, std::uint32_t first, std::uint32_t* found) {
-    std::size_t n = 0;
-    for (std::size_t i = 0; i < count; ++i) {
-        const FilterBits at = filter_bits(positions[i], last_word);
-        if ((filter[at.word] & at.bits) == at.bits) found[n++] = first + std::uint32_t(i);
-    }
-    return n;
-}
-
-}  // namespace
 
 FilterKernels filter_kernels(SimdLevel level) {
-    [[maybe_unused]] const std::int64_t usable = HWY_TARGETS & machine_targets();
-    [[maybe_unused]] const bool any = level == SimdLevel::automatic;
-#if HWY_TARGETS & HWY_AVX3
-    if ((any || level == SimdLevel::avx512) && (usable & HWY_AVX3))
-        return {N_AVX3::bits, N_AVX3::find};
-#endif
-#if HWY_TARGETS & HWY_AVX2
-    if ((any || level == SimdLevel::avx2) && (usable & HWY_AVX2))
-        return {N_AVX2::bits, N_AVX2::find};
-#endif
-#if HWY_TARGETS & HWY_SSE4
-    if ((any || level == SimdLevel::sse4) && (usable & HWY_SSE4))
-        return {N_SSE4::bits, N_SSE4::find};
-#endif
-    return {scalar_bits, scalar_find};
+    return {SIMD_KERNEL(level, bits), SIMD_KERNEL(level, find)};
 }
 
 }  // namespace prep::detail

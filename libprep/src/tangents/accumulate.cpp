@@ -5,11 +5,12 @@
 #include <bit>
 #include <cstring>
 #include <deque>
+#include <limits>
 #include <memory>
 
 #include "base/parallel.h"
-#include "tangents/adding.h"
-#include "tangents/worklist.h"
+#include "tangents/math.h"
+#include "tangents/one_rings.h"
 
 namespace prep::detail {
 namespace {
@@ -21,24 +22,20 @@ constexpr int part_bits = 4;
 constexpr std::size_t parts = std::size_t(1) << part_bits;
 // After so many triangles of a range it is looked whether lists are the better way.
 constexpr std::size_t trial = 4096;
-// Terms of all triangles are kept up to so many, where notes do not take the memory, and where more
-// than an eighth of the corners are at vertices that will be listed: to make them again would take
-// longer.
-constexpr std::size_t few_triangles = 65536;
-// Corners of a block of terms: so many vertices may be opened, and be done with, by one.
-constexpr std::size_t block_corners = 3 * TermBlock::size;
+// Corners of a block of contributions: so many vertices may be opened, and be done with, by one.
+constexpr std::size_t block_corners = 3 * TriangleBlock::size;
 
 struct Note {
     float x, y, z;
     Index code, member;  // four times the triangle plus 0, 1 or 2
 };
 
-// Room for vertices that are not done with.
+// Scratch for vertices that are not done with.
 class Pool {
   public:
     VertexSum* sums() { return sums_.data(); }
     VertexRing* rings() { return rings_.data(); }
-    Index* free() { return free_.data(); }  // as in AddState
+    Index* free() { return free_.data(); }  // as in AccumulateState
     std::size_t& free_count() { return free_count_; }
     RingBatch& batch() {
         if (!batch_) batch_ = std::make_unique<RingBatch>();
@@ -87,76 +84,71 @@ constexpr std::size_t most_lanes = 16;
 
 struct RangeWork {
     Pool pool;
-    AddLists lists;
+    AccumulateLists lists;
     std::deque<Note> notes[parts];
-    TermCounts counts;
+    TriangleCounts counts;
 };
 
-class Adder {
+class Accumulation {
   public:
-    Adder(const TangentInput& in, const TangentTriangles& triangles,
-          std::span<const Index> vertices, const TermMaker& maker, const FanMaker& fans,
-          VertexCounts& counts, Terms& terms, std::span<glm::vec4> values, SimdLevel simd)
-        : in_(in),
-          adding_{vertices.data(), triangles.implicit() ? nullptr : triangles.corners.data(),
-                  in.normals.indices.data(), in.uv.indices.data()},
-          add_(add_kernel(simd)),
+    Accumulation(const CornerReader& read, const TangentTriangles& triangles,
+                 std::span<const Index> vertices, const BlockContributions& contributions,
+                 const FanOptions& fans, SimdLevel simd, Valences& valences,
+                 ContributionStore& store, std::span<glm::vec4> values)
+        : read_(read),
+          input_{vertices.data(), triangles.implicit() ? nullptr : triangles.corners.data(),
+                 read.in.normals.indices.data(), read.in.uv.indices.data()},
+          add_(accumulate_kernel(simd)),
+          classify_(fan_kernel(simd)),
           vertices_(vertices.data()),
-          words_(counts.words.data()),
-          maker_(maker),
+          words_(valences.words.data()),
+          contributions_(contributions),
           fans_(fans),
-          counts_(counts),
-          terms_(terms),
+          valences_(valences),
+          store_(store),
           values_(values),
-          part_shift_(std::max(0, int(std::bit_width(counts.words.size())) - part_bits)),
-          first_uses_(counts.listed_corners > 0 ? counts.words.size() : 0),
-          work_(counts.ranges.size()),
-          split_neighbours_(counts.words.size() / 64 + 1) {}
+          part_shift_(std::max(0, int(std::bit_width(valences.words.size())) - part_bits)),
+          first_uses_(valences.listed_corners > 0 ? valences.words.size() : 0),
+          work_(valences.ranges.size()),
+          split_neighbours_(valences.words.size() / 64 + 1) {}
 
     bool run(std::size_t triangles, int threads) {
-        terms_.triangle_flags = ScratchBuffer<std::uint8_t>(triangles);
-        terms_.complete = (triangles <= few_triangles && few_notes()) ||
-                          8 * counts_.listed_corners > 3 * triangles;
-        if (terms_.complete)
-            for (auto& plane : terms_.planes) plane = ScratchBuffer<CornerTerm>(triangles);
+        store_.triangle_flags = ScratchBuffer<std::uint8_t>(triangles);
+        // To compute those of many triangles again would take longer than to keep all.
+        store_.complete = 8 * valences_.listed_corners > 3 * triangles;
+        if (store_.complete)
+            for (auto& plane : store_.planes) plane = ScratchBuffer<Contribution>(triangles);
         parallel_blocks(work_.size(), 1, threads, [&](std::size_t r, std::size_t) {
             go_through(r);
             work_[r].pool = {};
         });
-        terms_.counts = {};
-        for (const RangeWork& work : work_) terms_.counts.add(work.counts);
-        if (terms_.counts.nan) given_up_ = true;
+        store_.counts = {};
+        for (const RangeWork& work : work_) store_.counts.add(work.counts);
+        if (store_.counts.nan) given_up_ = true;
         if (work_.size() > 1 && !given_up_)
             parallel_blocks(parts, 1, threads,
                             [&](std::size_t part, std::size_t) { add_notes(part); });
         // A listed vertex that met nothing has degenerate triangles alone.
-        if (!first_uses_.empty() &&
-            std::memchr(counts_.states.data(), pending_vertex, counts_.states.size()) != nullptr)
+        if (!first_uses_.empty() && std::memchr(valences_.states.data(), pending_vertex,
+                                                valences_.states.size()) != nullptr)
             given_up_ = true;
-        terms_.complete &= !given_up_;
+        store_.complete &= !given_up_;
         if (given_up_) return false;
         if (large_split_)
-            list_split_neighbours({vertices_, 3 * triangles}, threads, counts_.states);
+            list_split_neighbours({vertices_, 3 * triangles}, threads, valences_.states);
         else
             list_neighbours();
         return true;
     }
 
   private:
-    // Of what several ranges share.
-    bool few_notes() const {
-        std::size_t shared = 0;
-        for (const std::uint64_t word : counts_.shared) shared += std::size_t(std::popcount(word));
-        return shared <= counts_.words.size() / 4;
-    }
-
     void go_through(std::size_t r) {
-        const VertexCounts::Range& range = counts_.ranges[r];
+        const Valences::Range& range = valences_.ranges[r];
         RangeWork& work = work_[r];
-        const auto room = std::make_unique<TermMaker::Room>();
+        const auto scratch = std::make_unique<BlockContributions::Scratch>();
         const std::size_t trial_end = std::min(range.end, range.begin + trial);
         bool tried = range.end - range.begin < trial;
-        std::uint8_t* const triangle_flags = terms_.triangle_flags.data();
+        std::uint8_t* const triangle_flags = store_.triangle_flags.data();
         std::vector<Index> done_vertices(ring_batch + most_lanes), done_words(done_vertices.size());
         std::size_t done = 0;
         const auto flush = [&] {
@@ -165,23 +157,20 @@ class Adder {
         };
         for (std::size_t t = range.begin; t < range.end && !given_up_;) {
             const std::uint64_t degenerate = work.counts.degenerate;
-            const std::size_t n = maker_.run(t, range.end, *room, work.counts);
+            const std::size_t n = contributions_.run(t, range.end, *scratch, work.counts);
             const bool any_degenerate = work.counts.degenerate != degenerate;
             for (std::size_t i = 0; i < n; ++i)
                 triangle_flags[t + i] =
-                    std::uint8_t(room->planes[0][i].code >> triangle_flags_shift);
-            if (terms_.complete)
+                    std::uint8_t(scratch->planes[0][i].code >> triangle_flags_shift);
+            if (store_.complete)
                 for (std::size_t k = 0; k < 3; ++k)
-                    std::copy_n(room->planes[k], n, terms_.planes[k].data() + t);
+                    std::copy_n(scratch->planes[k], n, store_.planes[k].data() + t);
             if (done > ring_batch - block_corners) flush();
-            if (!work.pool.ensure(block_corners, counts_.words.size())) {
+            if (!work.pool.ensure(block_corners, valences_.words.size())) {
                 given_up_ = true;
                 return;
             }
-            if (terms_.complete && work_.size() == 1 &&
-                work.pool.size() > counts_.words.size() / 2 + block_corners)
-                forget_terms();
-            done = add_block(t, n, any_degenerate, *room, work, done_vertices.data(),
+            done = add_block(t, n, any_degenerate, *scratch, work, done_vertices.data(),
                              done_words.data(), done);
             t += n;
             if (!tried && t >= trial_end) {
@@ -193,22 +182,19 @@ class Adder {
         flush();
     }
 
-    // In an order without neighbours most vertices are at work at once: both would be too much.
-    void forget_terms() {
-        terms_.complete = false;
-        for (auto& plane : terms_.planes) plane = {};
-    }
-
-    // Adds the terms of n triangles from t on; gives the number of vertices that are done with.
+    // Adds the contributions of n triangles from t on; gives the number of vertices that are done
+    // with.
     std::size_t add_block(std::size_t t, std::size_t n, bool any_degenerate,
-                          const TermMaker::Room& room, RangeWork& work, Index* done_vertices,
-                          Index* done_words, std::size_t done) {
-        const CornerTerm* const planes[3] = {room.planes[0], room.planes[1], room.planes[2]};
+                          const BlockContributions::Scratch& scratch, RangeWork& work,
+                          Index* done_vertices, Index* done_words, std::size_t done) {
+        const Contribution* const planes[3] = {scratch.planes[0], scratch.planes[1],
+                                               scratch.planes[2]};
         Pool& pool = work.pool;
-        AddState state{words_,        pool.sums(), pool.rings(), pool.free(), pool.free_count(),
-                       done_vertices, done_words,  done};
-        AddLists& lists = work.lists;
-        add_(adding_, t, n, any_degenerate, planes, state, lists);
+        AccumulateState state{
+            words_,        pool.sums(), pool.rings(), pool.free(), pool.free_count(),
+            done_vertices, done_words,  done};
+        AccumulateLists& lists = work.lists;
+        add_(input_, t, n, any_degenerate, planes, state, lists);
         pool.free_count() = state.free_count;
         for (std::size_t i = 0; i < lists.different_count; ++i) {
             const std::size_t member = 4 * t + lists.different[i];
@@ -229,33 +215,35 @@ class Adder {
     Index vertex(std::size_t member) const { return vertices_[3 * (member >> 2) + (member & 3)]; }
     std::size_t corner(std::size_t member) const {
         const std::size_t at = 3 * (member >> 2) + (member & 3);
-        return adding_.corners == nullptr ? at : adding_.corners[at];
+        return input_.corners == nullptr ? at : input_.corners[at];
     }
     // Other indices may have the same values.
     bool same_values(std::size_t corner, const VertexSum& first) const {
-        return same_values(adding_.normals[corner], adding_.uvs[corner], first.normal, first.uv);
+        return same_values(input_.normals[corner], input_.uvs[corner], first.normal, first.uv);
     }
     bool same_values(Index normal, Index uv, Index other_normal, Index other_uv) const {
         if (normal == other_normal && uv == other_uv) return true;
         if (normal == no_index || uv == no_index || other_normal == no_index ||
             other_uv == no_index)
             return false;
-        return in_.normals.values[normal] == in_.normals.values[other_normal] &&
-               in_.uv.values[uv] == in_.uv.values[other_uv];
+        return read_.in.normals.values[normal] == read_.in.normals.values[other_normal] &&
+               read_.in.uv.values[uv] == read_.in.uv.values[other_uv];
     }
 
-    void note(Index v, std::size_t member, const CornerTerm& term, RangeWork& work) const {
-        work.notes[v >> part_shift_].push_back({term.x, term.y, term.z, term.code, Index(member)});
+    void note(Index v, std::size_t member, const Contribution& contribution,
+              RangeWork& work) const {
+        work.notes[v >> part_shift_].push_back(
+            {contribution.x, contribution.y, contribution.z, contribution.code, Index(member)});
     }
 
     // Of a listed vertex: has it several normals or UVs?
     void look_at_use(Index v, std::size_t corner) {
-        const Index normal = adding_.normals[corner], uv = adding_.uvs[corner];
-        if (counts_.states[v] == pending_vertex) {
-            counts_.states[v] = listed_vertex;
+        const Index normal = input_.normals[corner], uv = input_.uvs[corner];
+        if (valences_.states[v] == pending_vertex) {
+            valences_.states[v] = worklist_vertex;
             first_uses_[v] = {normal, uv};
         } else if (!same_values(normal, uv, first_uses_[v].normal, first_uses_[v].uv)) {
-            counts_.states[v] = split_vertex;
+            valences_.states[v] = split_vertex;
             large_split_ = true;
         }
     }
@@ -267,7 +255,7 @@ class Adder {
             const Index v = vertices_[i];
             if (words_[v] & (VertexWord::apart | VertexWord::to_come)) continue;
             ++done;
-            split += counts_.states[v] == split_vertex;
+            split += valences_.states[v] == split_vertex;
         }
         return split > done / 2;
     }
@@ -300,7 +288,7 @@ class Adder {
         VertexSum* const sums = pool.sums();
         for (std::size_t i = 0; i < vertices.size(); ++i) {
             VertexSum& sum = sums[batch.slots[i]];
-            batch.stars[i] = {sum.x, sum.y, sum.z, 0};
+            batch.sums[i] = {sum.x, sum.y, sum.z, 0};
             batch.codes[i] = sum.code;
             batch.normals[i] = sum.normal;
             if (sum.split) split[split_count++] = Index(i);
@@ -308,11 +296,33 @@ class Adder {
         }
         for (std::size_t k = 0; k < split_count; ++k) batch.codes[split[k]] = 0;
         pool.free_count() += vertices.size();
-        fans_.make(pool.rings(), batch, counts_.places, values_, counts_.states);
+        write_fans(pool.rings(), batch);
         for (std::size_t k = 0; k < split_count; ++k) {
             const Index i = split[k];
-            counts_.states[batch.vertices[i]] = split_vertex;
+            valences_.states[batch.vertices[i]] = split_vertex;
             note_neighbours(pool.rings()[batch.slots[i]], batch.members[i]);
+        }
+    }
+
+    // Writes the tangents of fans, and all the batch's vertices' states.
+    void write_fans(const VertexRing* rings, RingBatch& batch) {
+        const auto& normals = read_.in.normals.values;
+        // Vectors hold indices of floats as signed numbers.
+        const bool look = fans_.review && 3 * normals.size() <= std::numeric_limits<int>::max();
+        classify_(rings, look ? normals : std::span<const glm::vec3>{}, batch);
+        const Index needed = sum_is_fan | (fans_.review ? sum_has_frame : 0);
+        const Index* const places = valences_.places.empty() ? nullptr : valences_.places.data();
+        for (std::size_t i = 0; i < batch.count; ++i) {
+            const FanSum& sum = batch.sums[i];
+            const Index v = batch.vertices[i];
+            const bool fan = (sum.code & needed) == needed ||
+                             (sum.code != 0 && is_frame(read_.usable(batch.normals[i]),
+                                                        glm::vec3(sum.x, sum.y, sum.z)));
+            valences_.states[v] = fan ? fan_vertex : worklist_vertex;
+            if (!fan) continue;
+            const float sign = (sum.code & orientation_preserving) ? 1.0f : -1.0f;
+            values_[places == nullptr ? v : places[v]] =
+                glm::vec4(sum.x, sum.y, sum.z, sign * fans_.positive);
         }
     }
 
@@ -337,8 +347,9 @@ class Adder {
     void list_neighbours() {
         for (std::size_t w = 0; w < split_neighbours_.size(); ++w) {
             for (std::uint64_t rest = split_neighbours_[w]; rest != 0; rest &= rest - 1) {
-                std::uint8_t& state = counts_.states[64 * w + std::size_t(std::countr_zero(rest))];
-                if (state == fan_vertex) state = listed_vertex;
+                std::uint8_t& state =
+                    valences_.states[64 * w + std::size_t(std::countr_zero(rest))];
+                if (state == fan_vertex) state = worklist_vertex;
             }
         }
     }
@@ -348,7 +359,7 @@ class Adder {
         Pool pool;
         for (RangeWork& work : work_) {
             for (const Note& note : work.notes[part]) {
-                if (!pool.ensure(1, counts_.words.size())) {
+                if (!pool.ensure(1, valences_.words.size())) {
                     given_up_ = true;
                     return;
                 }
@@ -356,7 +367,7 @@ class Adder {
             }
             work.notes[part] = {};
         }
-        const std::size_t count = counts_.words.size();
+        const std::size_t count = valences_.words.size();
         const std::size_t end = std::min(count, (part + 1) << part_shift_);
         std::vector<Index> done, words;
         const auto flush = [&] {
@@ -366,7 +377,7 @@ class Adder {
             done.clear();
         };
         for (std::size_t v = std::min(count, part << part_shift_); v < end; ++v) {
-            const std::uint64_t word = counts_.shared[v / 64] >> (v % 64);
+            const std::uint64_t word = valences_.shared[v / 64] >> (v % 64);
             if (word == 0) {
                 v |= 63;  // the last of the word
                 continue;
@@ -387,21 +398,22 @@ class Adder {
         if (met == 0) word |= pool.free()[--pool.free_count()];
         const Index slot = VertexWord::slot(word);
         VertexSum& sum = pool.sums()[slot];
-        if (add_term(adding_, triangle, k, {note.x, note.y, note.z, note.code}, met, sum,
-                     pool.rings()[slot]))
+        if (add_contribution(input_, triangle, k, {note.x, note.y, note.z, note.code}, met, sum,
+                             pool.rings()[slot]))
             sum.split |= !same_values(corner(note.member), sum);
         if (met <= most_ring_members) ++word;
     }
 
-    const TangentInput& in_;
-    const AddInput adding_;
-    const AddKernel add_;
+    const CornerReader& read_;
+    const AccumulateInput input_;
+    const AccumulateKernel add_;
+    const FanKernel classify_;
     const Index* vertices_;
     Index* words_;
-    const TermMaker& maker_;
-    const FanMaker& fans_;
-    VertexCounts& counts_;
-    Terms& terms_;
+    const BlockContributions& contributions_;
+    FanOptions fans_;
+    Valences& valences_;
+    ContributionStore& store_;
     std::span<glm::vec4> values_;
     int part_shift_;
     struct Use {
@@ -410,7 +422,7 @@ class Adder {
     ScratchBuffer<Use> first_uses_;  // of listed vertices
     std::vector<RangeWork> work_;
     // A bit for each vertex that shares a triangle with a split one, but for split ones of large
-    // stars: is there any such?
+    // rings: is there any such?
     std::vector<std::uint64_t> split_neighbours_;
     std::atomic<bool> large_split_ = false;
     std::atomic<bool> given_up_ = false;
@@ -418,11 +430,12 @@ class Adder {
 
 }  // namespace
 
-bool add_up_vertices(const TangentInput& input, const TangentTriangles& triangles,
-                     std::span<const Index> vertices, const TermMaker& maker, const FanMaker& fans,
-                     const TangentOptions& options, VertexCounts& counts, Terms& terms,
-                     std::span<glm::vec4> values) {
-    return Adder(input, triangles, vertices, maker, fans, counts, terms, values, options.simd)
+bool accumulate(const CornerReader& read, const TangentTriangles& triangles,
+                std::span<const Index> vertices, const BlockContributions& contributions,
+                const FanOptions& fans, const TangentOptions& options, Valences& valences,
+                ContributionStore& store, std::span<glm::vec4> values) {
+    return Accumulation(read, triangles, vertices, contributions, fans, options.simd, valences,
+                        store, values)
         .run(triangles.count, options.threads);
 }
 

@@ -1,9 +1,7 @@
-#include "tangents/c_reference_quirks.h"
-
 #include <algorithm>
 #include <bit>
 
-#include "tangents/key.h"
+#include "tangents/one_rings.h"
 
 namespace prep::detail {
 namespace {
@@ -38,8 +36,8 @@ struct Box {
 
 class CellMerger {
   public:
-    CellMerger(const TangentInput& input, std::vector<Index>& representatives)
-        : read_{input}, representatives_(representatives) {}
+    CellMerger(const TangentInput& input, std::vector<Index>& welds)
+        : read_{input}, welds_(welds) {}
 
     void merge(std::span<Place> all) {
         pending_.assign(1, all);
@@ -89,13 +87,12 @@ class CellMerger {
         });
         for (std::size_t i = 1; i < order_.size(); ++i) {
             if (keys_[order_[i]] == keys_[order_[i - 1]])
-                representatives_[range[order_[i]].corner] =
-                    representatives_[range[order_[i - 1]].corner];
+                welds_[range[order_[i]].corner] = welds_[range[order_[i - 1]].corner];
         }
     }
 
     CornerReader read_;
-    std::vector<Index>& representatives_;
+    std::vector<Index>& welds_;
     std::vector<std::span<Place>> pending_;
     std::vector<CornerKey> keys_;
     std::vector<Index> order_;
@@ -141,12 +138,11 @@ void sort_around_greatest(std::vector<Edge>& edges, Index greatest) {
 
 }  // namespace
 
-std::vector<Index> reference_representatives(const TangentInput& input,
-                                             const TangentTriangles& triangles) {
-    std::vector<Index> representatives(input.corner_vertices.size());
-    for (Index c = 0; c < representatives.size(); ++c) representatives[c] = c;
+std::vector<Index> c_reference_welds(const TangentInput& input, const TangentTriangles& triangles) {
+    std::vector<Index> welds(input.corner_vertices.size());
+    for (Index c = 0; c < welds.size(); ++c) welds[c] = c;
     const std::size_t corners = 3 * triangles.count;
-    if (corners == 0) return representatives;
+    if (corners == 0) return welds;
     const CornerReader read{input};
     std::vector<Place> places;
     places.reserve(corners);
@@ -167,17 +163,17 @@ std::vector<Index> reference_representatives(const TangentInput& input,
     std::vector<Place> sorted(corners);
     std::vector<std::size_t> cursors(starts.begin(), starts.end() - 1);
     for (const Place& place : places) sorted[cursors[std::size_t(cell_of(place))]++] = place;
-    CellMerger merger(input, representatives);
+    CellMerger merger(input, welds);
     for (std::size_t c = 0; c < cells; ++c)
         if (starts[c + 1] - starts[c] > 1)
             merger.merge(std::span(sorted).subspan(starts[c], starts[c + 1] - starts[c]));
-    return representatives;
+    return welds;
 }
 
-EdgeOverrides reference_pairs(const std::vector<Index>& representatives,
-                              const TangentTriangles& triangles, const Terms& terms) {
+EdgeOverrides c_reference_pairs(const std::vector<Index>& welds, const TangentTriangles& triangles,
+                                const ContributionStore& store) {
     const auto end_of = [&](Index half_edge) {
-        return representatives[triangles.corner(half_edge >> 2, half_edge & 3)];
+        return welds[triangles.corner(half_edge >> 2, half_edge & 3)];
     };
     const auto upper = [&](Index half_edge) {
         return std::max(end_of(half_edge), end_of(next_corner(half_edge)));
@@ -186,7 +182,7 @@ EdgeOverrides reference_pairs(const std::vector<Index>& representatives,
     edges.reserve(3 * triangles.count);
     Index greatest = 0;
     for (Index t = 0; t < triangles.count; ++t) {
-        if (terms.flags(t) & degenerate_triangle) continue;
+        if (store.flags(t) & degenerate_triangle) continue;
         for (Index k = 0; k < 3; ++k) {
             const Index half_edge = 4 * t + k;
             const Index lower = std::min(end_of(half_edge), end_of(next_corner(half_edge)));

@@ -12,8 +12,12 @@ namespace prep::detail {
 namespace {
 
 using Index = std::uint32_t;
-// A multiple of TermBlock::size, about 1 ms of work.
-constexpr std::size_t triangle_grain = 128 * TermBlock::size;
+// A multiple of TriangleBlock::size, about 1 ms of work.
+constexpr std::size_t triangle_grain = 128 * TriangleBlock::size;
+
+// Up to this many normals are copied, so that the last is like the others: a flat mesh may have a
+// single one.
+constexpr std::size_t few_normals = 1024;
 
 // Bits of the components above the bound, and below its negative.
 std::uint32_t directions(const glm::vec3& v, float bound) {
@@ -27,7 +31,7 @@ glm::vec3 off_normal(const glm::vec3& n, const glm::vec3& v) {
     return v - mikk::scaled(mikk::dot(n, v), n);
 }
 
-void make_normals_unit(std::size_t count, TermBlock& block) {
+void make_normals_unit(std::size_t count, TriangleBlock& block) {
     for (auto& corner : block.n) {
         for (std::size_t i = 0; i < count; ++i) {
             const glm::vec3 n = unit_normal({corner[0][i], corner[1][i], corner[2][i]});
@@ -84,87 +88,101 @@ std::uint32_t direction_code(const glm::vec3& n, const glm::vec3& s, const glm::
     return told(off_normal(n, s)) | told(off_normal(n, t)) << 6;
 }
 
-TermBlockResult terms_scalar(const TermBlock& block, std::size_t count, bool check_unit,
-                             CornerTerm* const planes[3]) {
-    TermBlockResult result;
-    for (std::size_t i = 0; i < count; ++i) {
-        glm::vec3 p[3], n[3];
-        glm::vec2 uv[3];
-        for (int k = 0; k < 3; ++k) {
-            p[k] = {block.p[k][0][i], block.p[k][1][i], block.p[k][2][i]};
-            n[k] = {block.n[k][0][i], block.n[k][1][i], block.n[k][2][i]};
-            uv[k] = {block.uv[k][0][i], block.uv[k][1][i]};
-            if (check_unit && far_from_unit(n[k])) result.far_from_unit = true;
-        }
-        const TriangleFrame frame = triangle_frame(p, uv);
-        std::uint32_t flags =
-            code_float | (frame.preserving ? orientation_preserving : orientation_mirrored);
-        flags |= frame.healthy ? own_frame : group_with_anything;
-        if (p[0] == p[1] || p[0] == p[2] || p[1] == p[2]) {
-            flags |= degenerate_triangle;
-            ++result.counts.degenerate;
-        } else if (!frame.healthy) {
-            ++result.counts.anything;
-        } else if (!frame.preserving) {
-            ++result.counts.mirrored;
-        }
-        bool nan = std::isnan(uv[0].x + uv[0].y + uv[1].x + uv[1].y + uv[2].x + uv[2].y);
-        for (int k = 0; k < 3; ++k) {
-            CornerTerm& term = planes[k][i];
-            const float angle = mikk::corner_angle(n[k], p[k], p[(k + 2) % 3], p[(k + 1) % 3]);
-            nan |= std::isnan(angle);
-            if (flags & (group_with_anything | degenerate_triangle)) {
-                term = {-0.0f, -0.0f, -0.0f, flags | s_directions | t_directions};
-                continue;
-            }
-            const glm::vec3 s = off_normal(n[k], frame.s);
-            const glm::vec3 weighted = mikk::scaled(angle, mikk::normalized_or_zero(s));
-            term = {weighted.x, weighted.y, weighted.z, flags};
-            if (!far_from_unit(n[k]))
-                term.code |= directions(s, direction_bound) |
-                             directions(off_normal(n[k], frame.t), direction_bound) << 6;
-        }
-        result.counts.nan |= nan;
-    }
-    return result;
-}
-
-TermMaker::TermMaker(const CornerReader& read, const TangentTriangles& triangles,
-                     const TangentOptions& options)
+BlockContributions::BlockContributions(const CornerReader& read, const TangentTriangles& triangles,
+                                       const TangentOptions& options)
     : read_(read),
       triangles_(triangles),
-      stager_(read, triangles, options.simd),
-      kernel_(term_kernel(options.simd)),
-      check_unit_(options.mode == TangentMode::mikktspace) {}
+      gather_(gather_kernel(options.simd)),
+      kernel_(contribution_kernel(options.simd)),
+      check_unit_(options.mode == TangentMode::mikktspace) {
+    const TangentInput& in = read.in;
+    input_ = {in.corner_vertices.data(), in.normals.indices.data(),
+              in.uv.indices.data(),      in.positions,
+              in.normals.values,         in.uv.values};
+    const std::size_t normals = input_.normals.size();
+    if (normals > 0 && normals <= few_normals) {
+        few_normals_.assign(input_.normals.begin(), input_.normals.end());
+        few_normals_.emplace_back(0.0f);
+        input_.normals = few_normals_;
+    }
+    const bool plain = triangles.implicit() && read.welds.empty() && !input_.positions.empty() &&
+                       !input_.normals.empty();
+    if (!plain) gather_ = nullptr;
+}
 
-std::size_t TermMaker::run(std::size_t first, std::size_t end, Room& room,
-                           TermCounts& counts) const {
-    const std::size_t count = triangles_.cut(std::min(first + TermBlock::size, end)) - first;
-    stager_.stage(first, count, room.inputs);
-    counts.add(finish(count, room));
-    if (!triangles_.halves.empty()) settle_quads(first, count, room);
+// The i-th triangle is number(i); input's indices have it at first + i.
+template <class Number>
+void BlockContributions::gather_all(const GatherInput& input, std::size_t first, std::size_t count,
+                                    const Number& number, TriangleBlock& block) const {
+    constexpr std::size_t most_lanes = 16;
+    std::size_t i = 0;
+    while (i < count) {
+        if (gather_ != nullptr) i += gather_(input, first + i, count - i, i, block);
+        for (const std::size_t end = std::min(count, i + most_lanes); i < end; ++i)
+            gather_one(number(i), i, block);
+    }
+}
+
+void BlockContributions::gather_list(std::span<const std::uint32_t> list,
+                                     TriangleBlock& block) const {
+    // Their indices, behind one another.
+    std::uint32_t indices[3][3 * TriangleBlock::size];
+    GatherInput input = input_;
+    if (gather_ != nullptr) {
+        const std::uint32_t** const from[3] = {&input.position_indices, &input.normal_indices,
+                                               &input.uv_indices};
+        for (std::size_t layer = 0; layer < 3; ++layer) {
+            for (std::size_t i = 0; i < list.size(); ++i)
+                std::copy_n(*from[layer] + 3 * std::size_t(list[i]), 3, indices[layer] + 3 * i);
+            *from[layer] = indices[layer];
+        }
+    }
+    gather_all(
+        input, 0, list.size(), [&](std::size_t i) { return std::size_t(list[i]); }, block);
+}
+
+void BlockContributions::gather_one(std::size_t triangle, std::size_t i,
+                                    TriangleBlock& block) const {
+    for (std::size_t k = 0; k < 3; ++k) {
+        const std::uint32_t corner = triangles_.corner(triangle, k);
+        const glm::vec3 p = read_.position(corner), n = read_.normal(corner);
+        const glm::vec2 uv = read_.uv(corner);
+        for (int d = 0; d < 3; ++d) block.p[k][d][i] = p[d];
+        for (int d = 0; d < 3; ++d) block.n[k][d][i] = n[d];
+        for (int d = 0; d < 2; ++d) block.uv[k][d][i] = uv[d];
+    }
+}
+
+std::size_t BlockContributions::run(std::size_t first, std::size_t end, Scratch& scratch,
+                                    TriangleCounts& counts) const {
+    const std::size_t count = triangles_.cut(std::min(first + TriangleBlock::size, end)) - first;
+    gather_all(
+        input_, first, count, [&](std::size_t i) { return first + i; }, scratch.inputs);
+    counts.add(finish(count, scratch));
+    if (!triangles_.halves.empty()) settle_quads(first, count, scratch);
     return count;
 }
 
-void TermMaker::run(std::span<const Index> list, Room& room) const {
-    stager_.stage(list, room.inputs);
-    finish(list.size(), room);
+void BlockContributions::run(std::span<const Index> list, Scratch& scratch) const {
+    gather_list(list, scratch.inputs);
+    finish(list.size(), scratch);
 }
 
-TermCounts TermMaker::finish(std::size_t count, Room& room) const {
-    CornerTerm* const planes[3] = {room.planes[0], room.planes[1], room.planes[2]};
-    TermBlockResult done = kernel_(room.inputs, count, check_unit_, planes);
+TriangleCounts BlockContributions::finish(std::size_t count, Scratch& scratch) const {
+    Contribution* const planes[3] = {scratch.planes[0], scratch.planes[1], scratch.planes[2]};
+    BlockResult done = kernel_(scratch.inputs, count, check_unit_, planes);
     if (done.far_from_unit) {
-        make_normals_unit(count, room.inputs);
-        done = kernel_(room.inputs, count, false, planes);
+        make_normals_unit(count, scratch.inputs);
+        done = kernel_(scratch.inputs, count, false, planes);
     }
     return done.counts;
 }
 
 // The halves of a quad must agree on their orientation: the one of the larger UV area decides.
-void TermMaker::settle_quads(std::size_t first, std::size_t count, Room& room) const {
+void BlockContributions::settle_quads(std::size_t first, std::size_t count,
+                                      Scratch& scratch) const {
     const auto set = [&](std::size_t i, std::uint32_t keep, std::uint32_t bits) {
-        for (auto& plane : room.planes) plane[i].code = (plane[i].code & keep) | bits;
+        for (auto& plane : scratch.planes) plane[i].code = (plane[i].code & keep) | bits;
     };
     constexpr std::uint32_t both = orientation_preserving | orientation_mirrored;
     for (std::size_t i = 0; i < count; ++i) {
@@ -172,7 +190,7 @@ void TermMaker::settle_quads(std::size_t first, std::size_t count, Room& room) c
         if (triangles_.halves[t] == 0) continue;
         set(i, ~0u, triangles_.halves[t] == 1 ? quad_first : quad_second);
         if (triangles_.halves[t] == 1) continue;
-        const std::uint32_t one = room.planes[0][i - 1].code, two = room.planes[0][i].code;
+        const std::uint32_t one = scratch.planes[0][i - 1].code, two = scratch.planes[0][i].code;
         if ((one ^ two) & degenerate_triangle) {
             set(i - 1, ~0u, half_degenerate_quad);
             set(i, ~0u, half_degenerate_quad);
@@ -188,69 +206,71 @@ void TermMaker::settle_quads(std::size_t first, std::size_t count, Room& room) c
     }
 }
 
-std::size_t Terms::place(std::size_t triangle) const {
+std::size_t ContributionStore::place(std::size_t triangle) const {
     if (chosen.empty()) return triangle;
     const std::uint64_t below = (std::uint64_t(1) << (triangle % 64)) - 1;
     return chosen_before[triangle / 64] + std::size_t(std::popcount(chosen[triangle / 64] & below));
 }
 
-void compute_all_terms(const TermMaker& maker, const TangentTriangles& triangles, int threads,
-                       Terms& terms) {
-    for (auto& plane : terms.planes) plane = ScratchBuffer<CornerTerm>(triangles.count);
-    terms.triangle_flags = ScratchBuffer<std::uint8_t>(triangles.count);
-    terms.counts = {};
-    terms.complete = true;
-    terms.chosen.clear();
+void compute_all_contributions(const BlockContributions& maker, const TangentTriangles& triangles,
+                               int threads, ContributionStore& contributions) {
+    for (auto& plane : contributions.planes) plane = ScratchBuffer<Contribution>(triangles.count);
+    contributions.triangle_flags = ScratchBuffer<std::uint8_t>(triangles.count);
+    contributions.counts = {};
+    contributions.complete = true;
+    contributions.chosen.clear();
     std::mutex merging;
-    parallel_blocks(triangles.count, triangle_grain, threads,
-                    [&](std::size_t begin, std::size_t end) {
-                        const auto room = std::make_unique<TermMaker::Room>();
-                        TermCounts counts;
-                        const std::size_t last = triangles.cut(end);
-                        for (std::size_t t = triangles.cut(begin); t < last;) {
-                            const std::size_t n = maker.run(t, last, *room, counts);
-                            for (std::size_t k = 0; k < 3; ++k)
-                                std::copy_n(room->planes[k], n, &terms.planes[k][t]);
-                            for (std::size_t i = 0; i < n; ++i)
-                                terms.triangle_flags[t + i] =
-                                    std::uint8_t(room->planes[0][i].code >> triangle_flags_shift);
-                            t += n;
-                        }
-                        const std::lock_guard lock(merging);
-                        terms.counts.add(counts);
-                    });
+    parallel_blocks(
+        triangles.count, triangle_grain, threads, [&](std::size_t begin, std::size_t end) {
+            const auto scratch = std::make_unique<BlockContributions::Scratch>();
+            TriangleCounts counts;
+            const std::size_t last = triangles.cut(end);
+            for (std::size_t t = triangles.cut(begin); t < last;) {
+                const std::size_t n = maker.run(t, last, *scratch, counts);
+                for (std::size_t k = 0; k < 3; ++k)
+                    std::copy_n(scratch->planes[k], n, &contributions.planes[k][t]);
+                for (std::size_t i = 0; i < n; ++i)
+                    contributions.triangle_flags[t + i] =
+                        std::uint8_t(scratch->planes[0][i].code >> triangle_flags_shift);
+                t += n;
+            }
+            const std::lock_guard lock(merging);
+            contributions.counts.add(counts);
+        });
 }
 
-void compute_terms(const TermMaker& maker, std::vector<std::uint64_t> chosen, int threads,
-                   Terms& terms) {
-    terms.chosen = std::move(chosen);
-    terms.chosen_before.clear();
+void compute_chosen(const BlockContributions& maker, std::vector<std::uint64_t> chosen, int threads,
+                    ContributionStore& contributions) {
+    contributions.chosen = std::move(chosen);
+    contributions.chosen_before.clear();
     std::size_t count = 0;
-    for (const std::uint64_t word : terms.chosen) {
-        terms.chosen_before.push_back(Index(count));
+    for (const std::uint64_t word : contributions.chosen) {
+        contributions.chosen_before.push_back(Index(count));
         count += std::size_t(std::popcount(word));
     }
-    for (auto& plane : terms.planes) plane = ScratchBuffer<CornerTerm>(count);
-    parallel_blocks(
-        terms.chosen.size(), triangle_grain / 64, threads, [&](std::size_t begin, std::size_t end) {
-            const auto room = std::make_unique<TermMaker::Room>();
-            std::vector<Index> list;
-            std::size_t to = terms.chosen_before[begin];
-            const auto flush = [&] {
-                maker.run(list, *room);
-                for (std::size_t k = 0; k < 3; ++k)
-                    std::copy_n(room->planes[k], list.size(), terms.planes[k].data() + to);
-                to += list.size();
-                list.clear();
-            };
-            for (std::size_t w = begin; w < end; ++w) {
-                for (std::uint64_t rest = terms.chosen[w]; rest != 0; rest &= rest - 1) {
-                    list.push_back(Index(64 * w + std::size_t(std::countr_zero(rest))));
-                    if (list.size() == TermBlock::size) flush();
-                }
-            }
-            if (!list.empty()) flush();
-        });
+    for (auto& plane : contributions.planes) plane = ScratchBuffer<Contribution>(count);
+    parallel_blocks(contributions.chosen.size(), triangle_grain / 64, threads,
+                    [&](std::size_t begin, std::size_t end) {
+                        const auto scratch = std::make_unique<BlockContributions::Scratch>();
+                        std::vector<Index> list;
+                        std::size_t to = contributions.chosen_before[begin];
+                        const auto flush = [&] {
+                            maker.run(list, *scratch);
+                            for (std::size_t k = 0; k < 3; ++k)
+                                std::copy_n(scratch->planes[k], list.size(),
+                                            contributions.planes[k].data() + to);
+                            to += list.size();
+                            list.clear();
+                        };
+                        for (std::size_t w = begin; w < end; ++w) {
+                            for (std::uint64_t rest = contributions.chosen[w]; rest != 0;
+                                 rest &= rest - 1) {
+                                list.push_back(Index(64 * w + std::size_t(std::countr_zero(rest))));
+                                if (list.size() == TriangleBlock::size) flush();
+                            }
+                        }
+                        if (!list.empty()) flush();
+                    });
 }
 
 }  // namespace prep::detail

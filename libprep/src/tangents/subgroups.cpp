@@ -1,5 +1,3 @@
-#include "tangents/subgroups.h"
-
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -7,6 +5,7 @@
 #include <unordered_map>
 
 #include "step_count.h"
+#include "tangents/groups.h"
 #include "tangents/math.h"
 
 namespace prep::detail {
@@ -24,11 +23,11 @@ glm::dvec3 unit_or_zero(const glm::dvec3& v) {
 }  // namespace
 
 SubgroupEvaluator::SubgroupEvaluator(const CornerReader& read, const TangentTriangles& triangles,
-                                     const Terms& terms, double angular_threshold,
+                                     const ContributionStore& store, double angular_threshold,
                                      bool bounded_effort)
     : read_(read),
       triangles_(triangles),
-      terms_(terms),
+      store_(store),
       threshold_(float(std::cos(angular_threshold))),
       bounded_effort_(bounded_effort) {}
 
@@ -58,7 +57,7 @@ void SubgroupEvaluator::evaluate(std::span<const Index> members, std::vector<Gro
         member.s_length = frame.s_length;
         member.t_length = frame.t_length;
         member.triangle = triangle;
-        member.flags = terms_.flags(triangle);
+        member.flags = store_.flags(triangle);
         members_.push_back(member);
     }
     if (all_together()) {
@@ -132,7 +131,7 @@ bool SubgroupEvaluator::lean_one_way(std::span<const Index> members) const {
     if (threshold_ > -0.9999f) return false;
     std::uint32_t told = ~0u, all = s_directions | t_directions;
     for (const Index m : members) {
-        told &= terms_.at(m >> 2, m & 3).code;
+        told &= store_.at(m >> 2, m & 3).code;
         if (!(told & s_directions) || !(told & t_directions)) break;
     }
     if ((told & s_directions) && (told & t_directions)) return true;
@@ -142,7 +141,7 @@ bool SubgroupEvaluator::lean_one_way(std::span<const Index> members) const {
     for (const std::size_t step : {stride, std::size_t(1)}) {
         for (std::size_t i = 0; i < members.size(); i += step) {
             const Index m = members[i], t = m >> 2;
-            if (terms_.flags(t) & group_with_anything) continue;
+            if (store_.flags(t) & group_with_anything) continue;
             const TriangleFrame frame = triangle_frame(read_, triangles_, t);
             all &= direction_code(read_.normal(triangles_.corner(t, m & 3)), frame.s, frame.t);
             if (!(all & s_directions) || !(all & t_directions)) return false;
@@ -156,8 +155,8 @@ bool SubgroupEvaluator::lean_one_way(std::span<const Index> members) const {
 void SubgroupEvaluator::split_by_arcs(std::span<const Index> members,
                                       std::vector<GroupFrame>& frames,
                                       std::vector<Index>& results) {
-    const auto term = [&](Index m) {
-        const CornerTerm& t = terms_.at(m >> 2, m & 3);
+    const auto contribution = [&](Index m) {
+        const Contribution& t = store_.at(m >> 2, m & 3);
         return glm::dvec3(t.x, t.y, t.z);
     };
     struct Ray {
@@ -173,7 +172,7 @@ void SubgroupEvaluator::split_by_arcs(std::span<const Index> members,
     double weights = 0;
     for (Index i = 0; i < members.size(); ++i) {
         // Most of a pole's are zero: the cosines of such narrow angles round to 1.
-        const CornerTerm& own = terms_.at(members[i] >> 2, members[i] & 3);
+        const Contribution& own = store_.at(members[i] >> 2, members[i] & 3);
         if (own.x == 0 && own.y == 0 && own.z == 0) continue;
         const glm::dvec3 t(own.x, own.y, own.z);
         const double length = glm::length(t);
@@ -193,14 +192,14 @@ void SubgroupEvaluator::split_by_arcs(std::span<const Index> members,
         std::sort(rays.begin(), rays.end(), before);
     const std::size_t m = rays.size();
     glm::dvec3 sum_of_all(0.0);
-    for (const Ray& ray : rays) sum_of_all += term(members[ray.member]);
+    for (const Ray& ray : rays) sum_of_all += contribution(members[ray.member]);
     const auto add_frame = [&](const glm::dvec3& total, const glm::dvec3& own) {
         // What rounding leaves of sums that cancel is no direction.
         const bool cancels = glm::length(total) <= 1e-9 * weights;
         frames.push_back({glm::vec3(unit_or_zero(cancels ? own : total)), glm::vec3(0.0f), 0, 0});
         return Index(frames.size() - 1);
     };
-    const Index whole = add_frame(sum_of_all, m > 0 ? term(members[rays[0].member]) : x);
+    const Index whole = add_frame(sum_of_all, m > 0 ? contribution(members[rays[0].member]) : x);
     results.assign(members.size(), whole);
     frames.reserve(with_slack(frames.size() + m));
     // A cosine of −1 in float is up to 3.5e-4 from half a turn.
@@ -213,7 +212,7 @@ void SubgroupEvaluator::split_by_arcs(std::span<const Index> members,
         glm::dvec3 sum{0.0};
     };
     const auto advance = [&](End& end) {
-        end.sum += term(members[rays[end.at % m].member]);
+        end.sum += contribution(members[rays[end.at % m].member]);
         if (++end.at % m == 0) end.sum = glm::dvec3(0.0);
     };
     const auto sum_below = [&](const End& end) {
@@ -231,7 +230,8 @@ void SubgroupEvaluator::split_by_arcs(std::span<const Index> members,
             result = results[rays[i - 1].member];
             continue;
         }
-        result = add_frame(sum_below(end) - sum_below(begin), term(members[rays[i].member]));
+        result =
+            add_frame(sum_below(end) - sum_below(begin), contribution(members[rays[i].member]));
         last_begin = begin.at;
         last_end = end.at;
     }

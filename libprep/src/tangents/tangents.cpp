@@ -1,18 +1,35 @@
+// Tangents by MikkTSpace (Mikkelsen 2008, "Simulation of Wrinkled Surfaces Revisited"; the
+// definition whose steps the comments name is docs/tangents.md's), in six steps:
+//
+//   cut_triangles   quads and larger polygons are cut                          triangles.h
+//   weld            equal positions become one vertex                          surface/weld.h
+//   stream          contributions are accumulated while triangles go by        accumulate.h
+//   make_worklist   the vertices that need more, and their one-rings           one_rings.h
+//   group           their triangles are paired over edges, grouped, summed     groups.h
+//   complete        degenerate triangles copy; no corner is left without       fallback.h
+//
+// There are two paths. The streaming path gives a vertex its tangent as soon as all its triangles
+// went by, where these are one fan of up to eight, all healthy and of one orientation, with one
+// normal and one UV, and with all S, and all T, in one half-space: then MikkTSpace's group is all
+// of them and its tangent their sum. Of a usual mesh these are nineteen vertices of twenty, and a
+// triangle takes 20 ns and no memory. The one-ring path makes lists of triangles for all other
+// vertices, and takes about five times as long for each.
+//
+// The streaming path is left out where the angular threshold parts more than opposite directions,
+// and given up where most vertices have several normals or UVs (after the first 4096 triangles),
+// where something is NaN, and where a vertex has degenerate triangles alone: then all vertices are
+// on the worklist. Both paths give the same bits wherever both could run.
 #include "prep/tangents.h"
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "base/parallel.h"
 #include "surface/weld.h"
 #include "tangents/accumulate.h"
-#include "tangents/c_reference_quirks.h"
-#include "tangents/degenerate.h"
 #include "tangents/fallback.h"
-#include "tangents/fans.h"
 #include "tangents/groups.h"
-#include "tangents/subgroups.h"
-#include "tangents/worklist.h"
 
 namespace prep {
 namespace {
@@ -54,25 +71,25 @@ Result<void> check_input(const TangentInput& in, const TangentOptions& options) 
     return {};
 }
 
-// What does not depend on the UVs: made when first asked for.
-class Shared {
+// Equal positions do not depend on the UVs: found when first asked for.
+class SharedWeld {
   public:
     const std::vector<Index>& lowest(const TangentInput& in, const TangentOptions& options) {
-        if (!made_) lowest_ = detail::equal_positions(in.positions, options.threads, options.simd);
-        made_ = true;
+        if (!found_) lowest_ = detail::equal_positions(in.positions, options.threads, options.simd);
+        found_ = true;
         return lowest_;
     }
 
   private:
     std::vector<Index> lowest_;
-    bool made_ = false;
+    bool found_ = false;
 };
 
-class Run {
+class TangentComputation {
   public:
-    Run(const TangentInput& input, Shared& shared, const TangentOptions& options)
+    TangentComputation(const TangentInput& input, SharedWeld& weld, const TangentOptions& options)
         : in_(input),
-          shared_(shared),
+          weld_(weld),
           options_(options),
           robust_(options.mode == TangentMode::mikktspace),
           positive_(options.uv_origin == UvOrigin::top_left ? -1.0f : 1.0f) {
@@ -80,19 +97,32 @@ class Run {
     }
 
     CornerTangents operator()() {
-        triangles_ = detail::tangent_triangles(in_, robust_, options_.threads);
-        if (triangles_.count == 0) return without_triangles();
-        const bool as_reference = options_.mode == TangentMode::mikktspace_exact;
-        std::vector<Index> representatives;
-        if (as_reference) {
-            representatives = detail::reference_representatives(in_, triangles_);
-            read_.representatives = representatives;
+        cut_triangles();
+        if (triangles_.count > 0) {
+            weld();
+            const detail::BlockContributions contributions(read_, triangles_, options_);
+            stream(contributions);
+            make_worklist(contributions);
+            if (any_listed_) group();
         }
-        const detail::TermMaker maker(read_, triangles_, options_);
-        detail::TangentStars stars = detail::named_vertices(
-            in_, triangles_, shared_.lowest(in_, options_), options_.threads);
-        detail::VertexCounts counts;
-        bool fans_told = detail::opposites_only(options_.angular_threshold);
+        complete();
+        return std::move(result_);
+    }
+
+  private:
+    void cut_triangles() { triangles_ = detail::tangent_triangles(in_, robust_, options_.threads); }
+
+    void weld() {
+        if (options_.mode == TangentMode::mikktspace_exact) {
+            welds_ = detail::c_reference_welds(in_, triangles_);
+            read_.welds = welds_;
+        }
+        rings_ =
+            detail::welded_vertices(in_, triangles_, weld_.lowest(in_, options_), options_.threads);
+    }
+
+    void stream(const detail::BlockContributions& contributions) {
+        streamed_ = detail::opposites_only(options_.angular_threshold);
         std::vector<Index>& indices = result_.tangents.indices;
         indices.reserve(in_.corner_vertices.size());
         detail::advise_large_pages(indices.data(), indices.capacity() * sizeof(Index));
@@ -100,51 +130,31 @@ class Run {
         detail::parallel_both(
             options_.threads,
             [&] {
-                if (fans_told)
-                    counts =
-                        detail::count_triangles(triangles_, stars.vertices, stars.positions,
-                                                options_.threads, at_once ? &indices : nullptr);
+                if (streamed_)
+                    valences_ =
+                        detail::count_valences(triangles_, rings_.vertices, rings_.positions,
+                                               options_.threads, at_once ? &indices : nullptr);
             },
-            [&] { make_room(stars); });
-        if (fans_told) {
-            const detail::FanMaker fans(read_, {positive_, robust_, options_.simd});
-            fans_told = detail::add_up_vertices(in_, triangles_, stars.vertices, maker, fans,
-                                                options_, counts, terms_, result_.tangents.values);
-        }
-        counts.words = {};
-        if (!fans_told) {
-            counts = {};
-            detail::compute_all_terms(maker, triangles_, options_.threads, terms_);
-        }
-        detail::EdgeOverrides overrides;
-        if (as_reference) overrides = detail::reference_pairs(representatives, triangles_, terms_);
-        make_tangents(maker, fans_told, counts, stars, overrides);
-        count_triangles();
-        return std::move(result_);
-    }
-
-  private:
-    // No face, or only such as the definition does not know (polygons of five corners and more).
-    CornerTangents without_triangles() {
-        result_.tangents.indices.assign(in_.corner_vertices.size(), no_index);
-        if (robust_) {
-            std::vector<Index> none;
-            add_fallbacks({}, none);
-        } else {
-            add_default();
-        }
-        return std::move(result_);
+            [&] { reserve_values(); });
+        if (streamed_)
+            streamed_ = detail::accumulate(read_, triangles_, rings_.vertices, contributions,
+                                           {positive_, robust_}, options_, valences_, store_,
+                                           result_.tangents.values);
+        valences_.words = {};
+        if (streamed_) return;
+        valences_ = {};
+        detail::compute_all_contributions(contributions, triangles_, options_.threads, store_);
     }
 
     // The result's memory, touched here rather than later because another thread has work then.
-    void make_room(const detail::TangentStars& stars) {
+    void reserve_values() {
         std::vector<Index>& indices = result_.tangents.indices;
         // Most vertices' values have the vertex' number.
         if (!triangles_.implicit())
             indices.assign(in_.corner_vertices.size(), no_index);
         else if (indices.empty())
-            indices.assign(stars.vertices.begin(), stars.vertices.end());
-        const std::size_t firsts = std::min(stars.positions, 3 * triangles_.count);
+            indices.assign(rings_.vertices.begin(), rings_.vertices.end());
+        const std::size_t firsts = std::min(rings_.positions, 3 * triangles_.count);
         std::vector<glm::vec4>& values = result_.tangents.values;
         // For as many seams as most meshes have, and a default.
         values.reserve(firsts + firsts / 16 + 1);
@@ -152,61 +162,69 @@ class Run {
         values.resize(firsts);
     }
 
-    void make_tangents(const detail::TermMaker& maker, bool fans_told, detail::VertexCounts& counts,
-                       detail::TangentStars& stars, detail::EdgeOverrides& overrides) {
-        std::vector<Index>& indices = result_.tangents.indices;
-        std::vector<Index> own_values;  // where triangles' corners are not the mesh's
-        if (!triangles_.implicit()) own_values.assign(stars.vertices.begin(), stars.vertices.end());
-        const std::span<Index> corner_values = triangles_.implicit() ? indices : own_values;
-
-        if (fans_told) {
-            for (const auto& entry : overrides.entries)
+    void make_worklist(const detail::BlockContributions& contributions) {
+        if (options_.mode == TangentMode::mikktspace_exact)
+            overrides_ = detail::c_reference_pairs(welds_, triangles_, store_);
+        if (!triangles_.implicit())
+            own_values_.assign(rings_.vertices.begin(), rings_.vertices.end());
+        if (streamed_) {
+            for (const auto& entry : overrides_.entries)
                 for (const Index m : {entry.half_edge, detail::next_corner(entry.half_edge)})
-                    counts.states[stars.vertex(m)] = detail::listed_vertex;
+                    valences_.states[rings_.vertex(m)] = detail::worklist_vertex;
         }
-        detail::ListedCorners listed =
-            detail::place_corners(triangles_, terms_, stars.vertices, counts.states, counts.places,
-                                  options_.threads, corner_values);
-        std::vector<Index> suspects;
-        if (listed.any || !fans_told) {
-            detail::parallel_both(
-                options_.threads,
-                [&] {
-                    if (!terms_.complete)
-                        detail::compute_terms(maker, std::move(listed.triangles), options_.threads,
-                                              terms_);
-                },
-                [&] { detail::list_members(in_, triangles_, listed.lists, stars); });
-            listed = {};
-            counts.states = {};
-            detail::split_stars(read_, triangles_, terms_, options_.threads, stars);
-            overrides.name_vertices(stars);
-            detail::GroupOptions options;
-            options.angular_threshold = options_.angular_threshold;
-            options.positive = positive_;
-            options.review = options.bounded_effort = robust_;
-            options.threads = options_.threads;
-            detail::FirstValues firsts{fans_told ? counts.used : stars.count, !fans_told,
-                                       counts.places};
-            detail::GroupTangents groups =
-                detail::group_tangents(read_, triangles_, terms_, stars, overrides, options, firsts,
-                                       std::move(result_.tangents.values), corner_values);
-            result_.tangents.values = std::move(groups.values);
-            suspects = std::move(groups.suspects);
-        } else {
-            result_.tangents.values.resize(counts.used);
+        detail::Worklist worklist =
+            detail::make_worklist(triangles_, store_, rings_.vertices, valences_.states,
+                                  valences_.places, options_.threads, corner_values());
+        any_listed_ = worklist.any || !streamed_;
+        if (!any_listed_) {
+            result_.tangents.values.resize(valences_.used);
+            return;
         }
-        for (std::size_t i = 0; i < own_values.size(); ++i) {
+        detail::parallel_both(
+            options_.threads,
+            [&] {
+                if (!store_.complete)
+                    detail::compute_chosen(contributions, std::move(worklist.triangles),
+                                           options_.threads, store_);
+            },
+            [&] { detail::fill_rings(in_, triangles_, worklist.lists, rings_); });
+        worklist = {};
+        valences_.states = {};
+        detail::split_rings(read_, triangles_, store_, options_.threads, rings_);
+        overrides_.name_vertices(rings_);
+    }
+
+    void group() {
+        detail::GroupOptions options;
+        options.angular_threshold = options_.angular_threshold;
+        options.positive = positive_;
+        options.review = options.bounded_effort = robust_;
+        options.threads = options_.threads;
+        const detail::FirstValues firsts{streamed_ ? valences_.used : rings_.count, !streamed_,
+                                         valences_.places};
+        detail::GroupTangents groups =
+            detail::group_tangents(read_, triangles_, store_, rings_, overrides_, options, firsts,
+                                   std::move(result_.tangents.values), corner_values());
+        result_.tangents.values = std::move(groups.values);
+        suspects_ = std::move(groups.suspects);
+    }
+
+    void complete() {
+        std::vector<Index>& indices = result_.tangents.indices;
+        if (triangles_.count == 0) indices.assign(in_.corner_vertices.size(), no_index);
+        for (std::size_t i = 0; i < own_values_.size(); ++i) {
             // The halves of a quad agree by now; larger polygons keep their first triangle's.
             Index& index = indices[triangles_.corners[i]];
-            if (index == no_index) index = own_values[i];
+            if (index == no_index) index = own_values_[i];
         }
-        std::vector<Index> moved = detail::copy_to_degenerate(read_, triangles_, terms_, indices);
+        detail::release(own_values_);
+        std::vector<Index> moved = detail::copy_to_degenerate(read_, triangles_, store_, indices);
         if (robust_) {
-            add_fallbacks(suspects, moved);
+            add_fallbacks(moved);
         } else {
             add_default();
         }
+        count_triangles();
     }
 
     void add_default() {
@@ -221,18 +239,18 @@ class Run {
         if (any) layer.values.push_back({1, 0, 0, -positive_});
     }
 
-    void add_fallbacks(const std::vector<Index>& members, std::vector<Index>& suspects) {
-        for (const Index m : members) suspects.push_back(triangles_.corner(m >> 2, m & 3));
+    void add_fallbacks(std::vector<Index>& suspects) {
+        for (const Index m : suspects_) suspects.push_back(triangles_.corner(m >> 2, m & 3));
         const std::vector<Index>& indices = result_.tangents.indices;
         const bool all_set =
-            triangles_.count > 0 && triangles_.implicit() && terms_.counts.degenerate == 0;
+            triangles_.count > 0 && triangles_.implicit() && store_.counts.degenerate == 0;
         if (!all_set) {
             for (Index c = 0; c < indices.size(); ++c)
                 if (indices[c] == no_index) suspects.push_back(c);
-            if (terms_.counts.degenerate > 0) {
+            if (store_.counts.degenerate > 0) {
                 // Their corners copy values of others, which may be no frames.
                 for (std::size_t t = 0; t < triangles_.count; ++t) {
-                    if (!(terms_.flags(t) & detail::degenerate_triangle)) continue;
+                    if (!(store_.flags(t) & detail::degenerate_triangle)) continue;
                     for (std::size_t k = 0; k < 3; ++k) suspects.push_back(triangles_.corner(t, k));
                 }
             }
@@ -240,30 +258,41 @@ class Run {
         if (suspects.empty()) return;
         std::sort(suspects.begin(), suspects.end());
         suspects.erase(std::unique(suspects.begin(), suspects.end()), suspects.end());
-        detail::apply_fallbacks({read_, shared_.lowest(in_, options_), suspects, positive_},
-                                result_);
+        detail::apply_fallbacks({read_, weld_.lowest(in_, options_), suspects, positive_}, result_);
     }
 
     void count_triangles() {
-        result_.degenerate_triangles = terms_.counts.degenerate;
-        result_.mirrored_triangles = terms_.counts.mirrored;
+        result_.degenerate_triangles = store_.counts.degenerate;
+        result_.mirrored_triangles = store_.counts.mirrored;
         if (!triangles_.any_quad) return;
         // The halves of quads have come to an agreement since.
         result_.mirrored_triangles = 0;
         for (std::size_t t = 0; t < triangles_.count; ++t)
             result_.mirrored_triangles +=
-                !(terms_.flags(t) & (detail::orientation_preserving | detail::group_with_anything |
+                !(store_.flags(t) & (detail::orientation_preserving | detail::group_with_anything |
                                      detail::degenerate_triangle));
     }
 
+    // By triangle corner: the value's place. The mesh's own where all faces are triangles.
+    std::span<Index> corner_values() {
+        return triangles_.implicit() ? std::span(result_.tangents.indices) : std::span(own_values_);
+    }
+
     TangentInput in_;
-    Shared& shared_;
+    SharedWeld& weld_;
     const TangentOptions& options_;
     bool robust_;
-    float positive_;  // w where the definition's sign is +1
+    float positive_;            // w where the definition's sign is +1
+    std::vector<Index> welds_;  // mode mikktspace_exact
     CornerReader read_{in_};
     TangentTriangles triangles_;
-    detail::Terms terms_;
+    detail::OneRings rings_;
+    detail::Valences valences_;
+    detail::ContributionStore store_;
+    detail::EdgeOverrides overrides_;
+    bool streamed_ = false;    // the streaming path ran to its end
+    bool any_listed_ = false;  // the worklist is not empty
+    std::vector<Index> own_values_, suspects_;
     CornerTangents result_;
 };
 
@@ -285,8 +314,8 @@ Result<CornerTangents> corner_tangents(const TangentInput& input, const TangentO
     detail::with_threads(useful_threads(input, options), [&](int threads) {
         TangentOptions here = options;
         here.threads = threads;
-        Shared shared;
-        result = Run(input, shared, here)();
+        SharedWeld weld;
+        result = TangentComputation(input, weld, here)();
     });
     return result;
 }
@@ -307,8 +336,9 @@ Result<std::vector<CornerTangents>> corner_tangents(
     detail::with_threads(useful_threads(input, options), [&](int threads) {
         TangentOptions here = options;
         here.threads = threads;
-        Shared shared;
-        for (const TangentInput& one : inputs) results.push_back(Run(one, shared, here)());
+        SharedWeld weld;
+        for (const TangentInput& one : inputs)
+            results.push_back(TangentComputation(one, weld, here)());
     });
     return results;
 }

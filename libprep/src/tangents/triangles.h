@@ -1,6 +1,8 @@
 // The triangles that MikkTSpace works on: step 1 of the definition (quads), and larger polygons.
 #pragma once
 
+#include <array>
+#include <bit>
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <limits>
@@ -39,11 +41,11 @@ struct CornerReader {
     const TangentInput& in;
     // Corners that stand for others of equal value (they differ in the sign of zeros at most);
     // empty: each for itself.
-    std::span<const std::uint32_t> representatives{};
+    std::span<const std::uint32_t> welds{};
     bool unit_normals = false;  // make normals unit that are far from it
 
     std::uint32_t source(std::uint32_t corner) const {
-        return representatives.empty() ? corner : representatives[corner];
+        return welds.empty() ? corner : welds[corner];
     }
     glm::vec3 position(std::uint32_t corner) const {
         return in.positions[in.corner_vertices[source(corner)]];
@@ -61,6 +63,39 @@ struct CornerReader {
         return i == no_index ? glm::vec2(std::numeric_limits<float>::quiet_NaN()) : in.uv.values[i];
     }
 };
+
+// Position, normal and UV of a corner as one value: what step 2 of the definition compares.
+struct CornerKey {
+    std::array<std::uint32_t, 8> words;  // the bits, with −0 as 0
+    bool number = true;                  // no component is NaN: NaN equals nothing
+    bool operator<(const CornerKey& other) const { return words < other.words; }
+    bool operator==(const CornerKey& other) const { return number && words == other.words; }
+};
+
+inline CornerKey corner_key(const CornerReader& read, std::uint32_t corner) {
+    CornerReader raw = read;
+    raw.unit_normals = false;
+    const glm::vec3 p = raw.position(corner), n = raw.normal(corner);
+    const glm::vec2 t = raw.uv(corner);
+    const float values[8] = {p.x, p.y, p.z, n.x, n.y, n.z, t.x, t.y};
+    CornerKey key;
+    for (std::size_t k = 0; k < 8; ++k) {
+        key.number &= values[k] == values[k];
+        // Adding 0 turns −0 into 0 and changes nothing else.
+        key.words[k] = std::bit_cast<std::uint32_t>(values[k] + 0.0f);
+    }
+    return key;
+}
+
+inline std::uint64_t hash_of(const CornerKey& key) {
+    std::uint64_t h = 0x9e3779b97f4a7c15u;
+    for (std::size_t k = 0; k < 8; k += 2) {
+        h ^= std::uint64_t(key.words[k]) << 32 | key.words[k + 1];
+        h *= 0xbf58476d1ce4e5b9u;
+        h ^= h >> 29;
+    }
+    return h ^ (h >> 32);
+}
 
 // Polygons of more than four corners are cut where `polygons` says so, else left out.
 TangentTriangles tangent_triangles(const TangentInput& input, bool polygons, int threads);

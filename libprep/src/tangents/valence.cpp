@@ -1,5 +1,3 @@
-#include "tangents/valence.h"
-
 #include <algorithm>
 #include <atomic>
 #include <bit>
@@ -7,6 +5,7 @@
 #include <optional>
 
 #include "base/parallel.h"
+#include "tangents/accumulate.h"
 
 namespace prep::detail {
 namespace {
@@ -21,7 +20,7 @@ constexpr std::size_t copied_at_once = 8192;  // corners: they stay in the first
 
 // A share for each thread, in pieces that become smaller: one that is done early takes what another
 // has not begun, and what comes last is short.
-std::vector<VertexCounts::Range> cut_ranges(const TangentTriangles& triangles, int threads) {
+std::vector<Valences::Range> cut_ranges(const TangentTriangles& triangles, int threads) {
     const std::size_t count = triangles.count;
     const std::size_t shares =
         threads == 1
@@ -33,7 +32,7 @@ std::vector<VertexCounts::Range> cut_ranges(const TangentTriangles& triangles, i
                     : std::clamp<std::size_t>(count / shares / least_piece, 1,
                                               std::min(pieces_of_share, most_ranges / shares));
     const std::size_t parts = pieces * (pieces + 1) / 2;
-    std::vector<VertexCounts::Range> ranges;
+    std::vector<Valences::Range> ranges;
     std::size_t begin = 0;
     for (std::size_t share = 0; share < shares; ++share) {
         for (std::size_t part = 0, piece = pieces; piece > 0; --piece) {
@@ -96,13 +95,12 @@ class ClaimedCounts {
 
 }  // namespace
 
-VertexCounts count_triangles(const TangentTriangles& triangles, std::span<const Index> vertices,
-                             std::size_t count, int threads, std::vector<Index>* copy) {
-    VertexCounts result;
+Valences count_valences(const TangentTriangles& triangles, std::span<const Index> vertices,
+                        std::size_t count, int threads, std::vector<Index>* copy) {
+    Valences result;
     result.ranges = cut_ranges(triangles, threads);
     const std::size_t n = result.ranges.size();
-    result.states = ScratchBuffer<std::uint8_t>(count + VertexCounts::behind);
-    std::memset(result.states.data() + count, unused_vertex, VertexCounts::behind);
+    result.states = ScratchBuffer<std::uint8_t>(count);
     result.words = ScratchBuffer<Index>(count);
     const bool any_shared = n > 1;
     std::optional<ClaimedCounts> claimed;

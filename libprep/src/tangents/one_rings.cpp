@@ -1,12 +1,13 @@
-#include "tangents/stars.h"
+#include "tangents/one_rings.h"
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <bit>
 #include <cstring>
 
 #include "base/parallel.h"
-#include "tangents/key.h"
+#include "tangents/accumulate.h"
 
 namespace prep::detail {
 namespace {
@@ -16,7 +17,7 @@ constexpr std::size_t position_grain = 2048;
 constexpr std::size_t triangle_grain = 65536;  // a multiple of 64
 // Up to this many corners at a position, classes are searched one by one; above, corners are
 // sorted.
-constexpr std::size_t small_star = 32;
+constexpr std::size_t small_ring = 32;
 
 // Cuts one position into welded vertices.
 class Splitter {
@@ -29,7 +30,7 @@ class Splitter {
     bool split(std::span<Index> members) {
         const std::size_t n = members.size();
         classes_.resize(n);
-        const Index count = n > small_star || nan_ ? sort(members) : search(members);
+        const Index count = n > small_ring || nan_ ? sort(members) : search(members);
         if (count == 1) return false;
         starts_.assign(count + 1, 0);
         for (const Index c : classes_) ++starts_[c + 1];
@@ -51,7 +52,7 @@ class Splitter {
     Index search(std::span<const Index> members) {
         const Index* const normals = read_.in.normals.indices.data();
         const Index* const uvs = read_.in.uv.indices.data();
-        std::array<Use, small_star> firsts;
+        std::array<Use, small_ring> firsts;
         Index count = 0;
         for (std::size_t i = 0; i < members.size(); ++i) {
             const Index corner = triangles_.corner(members[i] >> 2, members[i] & 3);
@@ -117,18 +118,19 @@ ScratchBuffer<Index> numbers_of(std::span<const Index> lowest, std::size_t& coun
     return numbers;
 }
 
-// Three for each triangle that has terms, all positions so far.
-ScratchBuffer<Index> names_of(std::span<const Index> vertices, const Terms& terms, int threads) {
+// Three for each triangle that has contributions, all positions so far.
+ScratchBuffer<Index> names_of(std::span<const Index> vertices, const ContributionStore& store,
+                              int threads) {
     const std::size_t triangles = vertices.size() / 3;
-    ScratchBuffer<Index> names(3 * (terms.chosen.empty() ? triangles : terms.planes[0].size()));
+    ScratchBuffer<Index> names(3 * (store.chosen.empty() ? triangles : store.planes[0].size()));
     parallel_blocks(triangles, triangle_grain, threads, [&](std::size_t begin, std::size_t end) {
-        if (terms.chosen.empty()) {
+        if (store.chosen.empty()) {
             std::copy_n(vertices.data() + 3 * begin, 3 * (end - begin), names.data() + 3 * begin);
             return;
         }
-        Index* to = names.data() + 3 * std::size_t(terms.chosen_before[begin / 64]);
+        Index* to = names.data() + 3 * std::size_t(store.chosen_before[begin / 64]);
         for (std::size_t w = begin / 64; w < (end + 63) / 64; ++w) {
-            for (std::uint64_t rest = terms.chosen[w]; rest != 0; rest &= rest - 1, to += 3) {
+            for (std::uint64_t rest = store.chosen[w]; rest != 0; rest &= rest - 1, to += 3) {
                 const std::size_t t = 64 * w + std::size_t(std::countr_zero(rest));
                 std::copy_n(vertices.data() + 3 * t, 3, to);
             }
@@ -139,35 +141,35 @@ ScratchBuffer<Index> names_of(std::span<const Index> vertices, const Terms& term
 
 }  // namespace
 
-TangentStars named_vertices(const TangentInput& in, const TangentTriangles& triangles,
-                            std::span<const Index> lowest, int threads) {
-    TangentStars stars;
-    stars.positions = in.positions.size();
+OneRings welded_vertices(const TangentInput& in, const TangentTriangles& triangles,
+                         std::span<const Index> lowest, int threads) {
+    OneRings rings;
+    rings.positions = in.positions.size();
     if (triangles.implicit() && lowest.empty()) {
-        stars.vertices = in.corner_vertices;
-        return stars;
+        rings.vertices = in.corner_vertices;
+        return rings;
     }
     ScratchBuffer<Index> numbers;
-    if (!lowest.empty()) numbers = numbers_of(lowest, stars.positions);
-    stars.own_vertices = ScratchBuffer<Index>(3 * triangles.count);
+    if (!lowest.empty()) numbers = numbers_of(lowest, rings.positions);
+    rings.own_vertices = ScratchBuffer<Index>(3 * triangles.count);
     parallel_blocks(triangles.count, triangle_grain, threads,
                     [&](std::size_t begin, std::size_t end) {
                         for (std::size_t i = 3 * begin; i < 3 * end; ++i) {
                             const Index p = in.corner_vertices[triangles.corner(i)];
-                            stars.own_vertices[i] = numbers.empty() ? p : numbers[p];
+                            rings.own_vertices[i] = numbers.empty() ? p : numbers[p];
                         }
                     });
-    stars.vertices = stars.own_vertices;
-    return stars;
+    rings.vertices = rings.own_vertices;
+    return rings;
 }
 
 // A counting sort.
-void list_members(const TangentInput& in, const TangentTriangles& triangles,
-                  const MemberLists& lists, TangentStars& stars) {
-    const Index* const vertices = stars.vertices.data();
+void fill_rings(const TangentInput& in, const TangentTriangles& triangles, const MemberLists& lists,
+                OneRings& rings) {
+    const Index* const vertices = rings.vertices.data();
     const auto position = [&](Index m) { return vertices[3 * std::size_t(m >> 2) + (m & 3)]; };
     // A bit for each listed position, and how many there are before each 64.
-    const std::size_t words = stars.positions / 64 + 1;
+    const std::size_t words = rings.positions / 64 + 1;
     std::vector<std::uint64_t> bits(words, 0);
     std::size_t count = 0;
     for (const auto& list : lists) {
@@ -181,10 +183,10 @@ void list_members(const TangentInput& in, const TangentTriangles& triangles,
         }
     }
     std::vector<Index> before(words);
-    stars.count = 0;
+    rings.count = 0;
     for (std::size_t w = 0; w < words; ++w) {
-        before[w] = Index(stars.count);
-        stars.count += std::size_t(std::popcount(bits[w]));
+        before[w] = Index(rings.count);
+        rings.count += std::size_t(std::popcount(bits[w]));
     }
     const auto number = [&](Index m) -> std::size_t {
         const Index v = position(m);
@@ -193,7 +195,7 @@ void list_members(const TangentInput& in, const TangentTriangles& triangles,
     };
     // Of members that follow one another many may be of one position: calls body(position's
     // number, first, last) for those of each list.
-    const bool large = count > std::size_t{16} * stars.count;
+    const bool large = count > std::size_t{16} * rings.count;
     const auto for_runs = [&](const std::vector<Index>& list, const auto& body) {
         for (auto first = list.begin(); first != list.end();) {
             const Index v = position(*first);
@@ -203,18 +205,18 @@ void list_members(const TangentInput& in, const TangentTriangles& triangles,
             first = last;
         }
     };
-    stars.listed = ScratchBuffer<Index>(stars.count);
-    Index* next_listed = stars.listed.data();
+    rings.listed = ScratchBuffer<Index>(rings.count);
+    Index* next_listed = rings.listed.data();
     for (std::size_t w = 0; w < words; ++w)
         for (std::uint64_t rest = bits[w]; rest != 0; rest &= rest - 1)
             *next_listed++ = Index(64 * w + std::size_t(std::countr_zero(rest)));
 
-    stars.offsets = ScratchBuffer<Index>(stars.count + 2);
-    stars.split = ScratchBuffer<std::uint8_t>(stars.count);
+    rings.offsets = ScratchBuffer<Index>(rings.count + 2);
+    rings.split = ScratchBuffer<std::uint8_t>(rings.count);
     // Local pointers: writing bytes may change whatever is reached through others.
     const Index *const normals = in.normals.indices.data(), *const uvs = in.uv.indices.data();
-    Index* const offsets = stars.offsets.data();
-    ScratchBuffer<std::uint64_t> last_uses(stars.count);  // the last corner's normal and UV
+    Index* const offsets = rings.offsets.data();
+    ScratchBuffer<std::uint64_t> last_uses(rings.count);  // the last corner's normal and UV
     std::uint64_t* const uses = last_uses.data();
     const auto use = [&](Index m) {
         const Index c = triangles.corner(m >> 2, m & 3);
@@ -222,19 +224,19 @@ void list_members(const TangentInput& in, const TangentTriangles& triangles,
     };
     // Counted two places further on, offsets are starts one place further on after the sums, and
     // ends after that.
-    std::memset(offsets, 0, stars.offsets.size() * sizeof(Index));
+    std::memset(offsets, 0, rings.offsets.size() * sizeof(Index));
     for (const auto& list : lists) {
         for_runs(list, [&](std::size_t i, auto first, auto last) {
             offsets[i + 2] += Index(last - first);
             uses[i] = use(*(last - 1));
         });
     }
-    for (std::size_t i = 0; i < stars.count; ++i) offsets[i + 2] += offsets[i + 1];
+    for (std::size_t i = 0; i < rings.count; ++i) offsets[i + 2] += offsets[i + 1];
 
-    stars.members = ScratchBuffer<Index>(count);
-    Index* const members = stars.members.data();
-    std::uint8_t* const split = stars.split.data();
-    std::memset(split, 0, stars.count);
+    rings.members = ScratchBuffer<Index>(count);
+    Index* const members = rings.members.data();
+    std::uint8_t* const split = rings.split.data();
+    std::memset(split, 0, rings.count);
     bool any = false;
     for (const auto& list : lists) {
         for_runs(list, [&](std::size_t i, auto first, auto last) {
@@ -250,43 +252,115 @@ void list_members(const TangentInput& in, const TangentTriangles& triangles,
             }
         });
     }
-    stars.any_split = any;
+    rings.any_split = any;
 }
 
-void split_stars(const CornerReader& read, const TangentTriangles& triangles, const Terms& terms,
-                 int threads, TangentStars& stars) {
-    if (terms.counts.nan) {
-        std::memset(stars.split.data(), 1, stars.count);
-        stars.any_split = true;
+void split_rings(const CornerReader& read, const TangentTriangles& triangles,
+                 const ContributionStore& store, int threads, OneRings& rings) {
+    if (store.counts.nan) {
+        std::memset(rings.split.data(), 1, rings.count);
+        rings.any_split = true;
     }
-    stars.terms = &terms;
-    if (!stars.any_split) return;
+    rings.store = &store;
+    if (!rings.any_split) return;
 
-    if (!stars.own_vertices.empty() && terms.chosen.empty()) {
-        stars.names = std::move(stars.own_vertices);
+    if (!rings.own_vertices.empty() && store.chosen.empty()) {
+        rings.names = std::move(rings.own_vertices);
     } else {
-        stars.names = names_of(stars.vertices, terms, threads);
+        rings.names = names_of(rings.vertices, store, threads);
     }
-    parallel_blocks(stars.count, position_grain, threads, [&](std::size_t begin, std::size_t end) {
-        Splitter splitter(read, triangles, terms.counts.nan);
+    parallel_blocks(rings.count, position_grain, threads, [&](std::size_t begin, std::size_t end) {
+        Splitter splitter(read, triangles, store.counts.nan);
         for (std::size_t i = begin; i < end; ++i) {
-            if (!stars.split[i]) continue;
-            const Index first = stars.offsets[i];
-            const std::span<Index> members(stars.members.data() + first,
-                                           stars.offsets[i + 1] - first);
+            if (!rings.split[i]) continue;
+            const Index first = rings.offsets[i];
+            const std::span<Index> members(rings.members.data() + first,
+                                           rings.offsets[i + 1] - first);
             if (!splitter.split(members)) {
-                stars.split[i] = 0;
+                rings.split[i] = 0;
                 continue;
             }
-            Index name = stars.listed[i];
+            Index name = rings.listed[i];
             for (std::size_t k = 0; k < members.size(); ++k) {
                 if (k > 0 && splitter.classes()[k] != splitter.classes()[k - 1])
-                    name = Index(stars.positions + first + k);
+                    name = Index(rings.positions + first + k);
                 const Index m = members[k];
-                stars.names[3 * terms.place(m >> 2) + (m & 3)] = name;
+                rings.names[3 * store.place(m >> 2) + (m & 3)] = name;
             }
         }
     });
+}
+
+void list_split_neighbours(std::span<const Index> vertices, int threads,
+                           std::span<std::uint8_t> states) {
+    // Numbers, so that three are looked at without branches.
+    const auto is_split = [&](std::size_t i) -> unsigned {
+        return states[vertices[i]] == split_vertex;
+    };
+    const std::size_t triangles = vertices.size() / 3;
+    std::vector<std::vector<Index>> found((triangles + triangle_grain - 1) / triangle_grain);
+    parallel_blocks(triangles, triangle_grain, threads, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = 3 * begin; i < 3 * end; i += 3) {
+            if (!(is_split(i) | is_split(i + 1) | is_split(i + 2))) continue;
+            for (std::size_t k = 0; k < 3; ++k)
+                if (!is_split(i + k)) found[begin / triangle_grain].push_back(vertices[i + k]);
+        }
+    });
+    for (const auto& list : found)
+        for (const Index v : list) states[v] = worklist_vertex;
+}
+
+Worklist make_worklist(const TangentTriangles& triangles, const ContributionStore& store,
+                       std::span<const Index> vertices, std::span<const std::uint8_t> states,
+                       std::span<const Index> places, int threads, std::span<Index> corner_values) {
+    Worklist result;
+    result.lists.resize((triangles.count + triangle_grain - 1) / triangle_grain);
+    result.triangles.assign((triangles.count + 63) / 64, 0);
+    const bool any_degenerate = store.counts.degenerate > 0;
+    std::atomic<bool> any = false;
+    const bool plain = !states.empty() && !any_degenerate && places.empty();
+    constexpr std::size_t most_found = 1024;
+    parallel_blocks(triangles.count, triangle_grain, threads,
+                    [&](std::size_t begin, std::size_t end) {
+                        std::vector<Index>& list = result.lists[begin / triangle_grain];
+                        const std::uint8_t* const state = states.data();
+                        std::uint64_t* const words = result.triangles.data();
+                        const bool all_listed = states.empty(), placed = !places.empty();
+                        Index members[most_found];
+                        std::size_t found = 0;
+                        const auto flush = [&] {
+                            list.insert(list.end(), members, members + found);
+                            found = 0;
+                        };
+                        for (std::size_t t = begin; t < end; ++t) {
+                            const Index* const v = vertices.data() + 3 * t;
+                            Index* const values = corner_values.data() + 3 * t;
+                            if (plain && (state[v[0]] | state[v[1]] | state[v[2]]) == fan_vertex)
+                                continue;
+                            if (any_degenerate && (store.flags(t) & degenerate_triangle)) {
+                                values[0] = values[1] = values[2] = no_index;
+                                continue;
+                            }
+                            if (placed)
+                                for (std::size_t k = 0; k < 3; ++k) values[k] = places[v[k]];
+                            bool listed[3] = {true, true, true};
+                            if (!all_listed)
+                                for (std::size_t k = 0; k < 3; ++k)
+                                    listed[k] = on_worklist(state[v[k]]);
+                            if (!(listed[0] | listed[1] | listed[2])) continue;
+                            words[t / 64] |= std::uint64_t(1) << (t % 64);
+                            if (found + 3 > most_found) flush();
+                            for (std::size_t k = 0; k < 3; ++k) {
+                                if (!listed[k]) continue;
+                                values[k] = no_index;
+                                members[found++] = Index(4 * t + k);
+                            }
+                        }
+                        flush();
+                        if (!list.empty()) any = true;
+                    });
+    result.any = any;
+    return result;
 }
 
 }  // namespace prep::detail

@@ -1,15 +1,15 @@
-// The vector form of rings_scalar (tangents/rings.cpp): the same sums.
+// Which vertices are one fan, many at once, and their tangents.
 #include "base/simd_targets.h"
-#include "tangents/rings.h"
+#include "tangents/accumulate.h"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "tangents/simd/ring_kernels.cpp"
+#define HWY_TARGET_INCLUDE "tangents/fan_kernels.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
 #include <algorithm>
 #include <limits>
-#include <type_traits>
+#include <utility>
 
 HWY_BEFORE_NAMESPACE();
 namespace prep::detail::HWY_NAMESPACE {
@@ -24,36 +24,42 @@ struct Members {
     hn::Vec<Indices> previous[K], next[K];
 };
 
+#if HWY_TARGET != HWY_SCALAR
 #include "base/simd_blocks-inl.h"
+#endif
 
 // list: places in the batch, readable to the end of a vector. Two members of four rings at a time
 // are a matrix of 4 × 4: loading and turning it is quicker than gathers.
 template <std::size_t K>
 HWY_INLINE Members<K> members_of(const VertexRing* rings, const Index* slots, const Index* list) {
+    Members<K> members;
+#if HWY_TARGET == HWY_SCALAR
+    const VertexRing& own = rings[slots[*list]];
+    for (std::size_t k = 0; k < K; ++k) {
+        members.next[k] = hn::Set(Indices(), own.members[k].next);
+        members.previous[k] = hn::Set(Indices(), own.members[k].previous);
+    }
+#else
     const Indices d;
-    const hn::RepartitionToWide<Indices> pairs;
     const hn::FixedTag<Index, 4> four;
     constexpr std::size_t lanes = hn::MaxLanes(d);
     const VertexRing* own[lanes];
     for (std::size_t k = 0; k < lanes; ++k) own[k] = rings + slots[list[k]];
-    Members<K> members;
     for (std::size_t k = 0; k < K; k += 2) {
         const auto row = [&](std::size_t r) HWY_ATTR {
-            return in_blocks(Indices(), [&](std::size_t j) HWY_ATTR {
+            return in_blocks(d, [&](std::size_t j) HWY_ATTR {
                 return hn::Load(four, &own[4 * j + r]->members[k].next);
             });
         };
-        const auto a = row(0), b = row(1), c = row(2), e = row(3);
-        const auto ab = hn::BitCast(pairs, hn::InterleaveLower(d, a, b));
-        const auto ce = hn::BitCast(pairs, hn::InterleaveLower(d, c, e));
-        members.next[k] = hn::BitCast(d, hn::InterleaveLower(pairs, ab, ce));
-        members.previous[k] = hn::BitCast(d, hn::InterleaveUpper(pairs, ab, ce));
+        hn::Vec<Indices> columns[4];
+        columns_of_blocks(d, row(0), row(1), row(2), row(3), columns);
+        members.next[k] = columns[0];
+        members.previous[k] = columns[1];
         if (k + 1 == K) break;
-        const auto upper_ab = hn::BitCast(pairs, hn::InterleaveUpper(d, a, b));
-        const auto upper_ce = hn::BitCast(pairs, hn::InterleaveUpper(d, c, e));
-        members.next[k + 1] = hn::BitCast(d, hn::InterleaveLower(pairs, upper_ab, upper_ce));
-        members.previous[k + 1] = hn::BitCast(d, hn::InterleaveUpper(pairs, upper_ab, upper_ce));
+        members.next[k + 1] = columns[2];
+        members.previous[k + 1] = columns[3];
     }
+#endif
     return members;
 }
 
@@ -173,7 +179,7 @@ HWY_INLINE void finish(std::span<const glm::vec3> normals, const Index* fans, Ri
     const Index last_normal = look ? Index(normals.size() - 1) : 0;
     for (std::size_t i = 0; i < batch.count; i += hn::Lanes(d)) {
         hn::Vec<decltype(d)> x, y, z, unused;
-        hn::LoadInterleaved4(d, &batch.stars[i].x, x, y, z, unused);
+        hn::LoadInterleaved4(d, &batch.sums[i].x, x, y, z, unused);
         const auto least = hn::Set(d, std::numeric_limits<float>::min());
         const auto not_zero = hn::Or(hn::Or(hn::Gt(hn::Abs(x), least), hn::Gt(hn::Abs(y), least)),
                                      hn::Gt(hn::Abs(z), least));
@@ -184,7 +190,7 @@ HWY_INLINE void finish(std::span<const glm::vec3> normals, const Index* fans, Ri
         z = hn::IfThenElse(not_zero, hn::Mul(inverse, z), z);
         auto code = hn::Or(hn::And(hn::Load(du, batch.codes + i),
                                    hn::Set(du, std::uint32_t(orientation_preserving))),
-                           hn::Set(du, star_is_fan));
+                           hn::Set(du, sum_is_fan));
         if (look) {
             // Behind the last vertex there may be anything.
             const auto index = hn::IfThenElseZero(hn::FirstN(du, batch.count - i),
@@ -206,48 +212,28 @@ HWY_INLINE void finish(std::span<const glm::vec3> normals, const Index* fans, Ri
                 hn::And(hn::Le(off_normal, hn::Set(d, 2e-3f)),
                         hn::Le(off_length, hn::Set(d, 1e-6f))),
                 hn::And(hn::Le(along, hn::Set(d, 5e-7f)), hn::RebindMask(d, hn::Eq(known, index))));
-            code = hn::Or(
-                code, hn::IfThenElseZero(hn::RebindMask(du, good), hn::Set(du, star_has_frame)));
+            code = hn::Or(code,
+                          hn::IfThenElseZero(hn::RebindMask(du, good), hn::Set(du, sum_has_frame)));
         }
         code = hn::And(code, hn::Load(du, fans + i));
-        hn::StoreInterleaved4(x, y, z, hn::BitCast(d, code), d, &batch.stars[i].x);
+        hn::StoreInterleaved4(x, y, z, hn::BitCast(d, code), d, &batch.sums[i].x);
     }
 }
 
-void rings(const VertexRing* all, std::span<const glm::vec3> normals, RingBatch& batch) {
+void classify_fans(const VertexRing* rings, std::span<const glm::vec3> normals, RingBatch& batch) {
     static_assert(hn::MaxLanes(Indices()) <= 64);
     HWY_ALIGN Index lists[most_ring_members + 1][ring_batch + 64];
     HWY_ALIGN Index fans[ring_batch];
     std::size_t sizes[most_ring_members + 1] = {};
     sort_candidates(batch, lists, sizes, fans);
-    for (std::size_t count = 2; count <= most_ring_members; ++count) {
-        if (sizes[count] == 0) continue;
-        const auto tell = [&](auto members) HWY_ATTR {
-            tell_fans<decltype(members)::value>(all, batch.slots, lists[count], sizes[count], fans);
+    const auto tell = [&]<std::size_t... K>(std::index_sequence<K...>) HWY_ATTR {
+        const auto tell_one = [&]<std::size_t count>() HWY_ATTR {
+            if (sizes[count] > 0)
+                tell_fans<count>(rings, batch.slots, lists[count], sizes[count], fans);
         };
-        switch (count) {
-            case 2:
-                tell(std::integral_constant<std::size_t, 2>());
-                break;
-            case 3:
-                tell(std::integral_constant<std::size_t, 3>());
-                break;
-            case 4:
-                tell(std::integral_constant<std::size_t, 4>());
-                break;
-            case 5:
-                tell(std::integral_constant<std::size_t, 5>());
-                break;
-            case 6:
-                tell(std::integral_constant<std::size_t, 6>());
-                break;
-            case 7:
-                tell(std::integral_constant<std::size_t, 7>());
-                break;
-            default:
-                tell(std::integral_constant<std::size_t, most_ring_members>());
-        }
-    }
+        (tell_one.template operator()<K + 2>(), ...);
+    };
+    tell(std::make_index_sequence<most_ring_members - 1>());
     finish(normals, fans, batch);
 }
 
@@ -257,21 +243,8 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace prep::detail {
 
-RingKernel ring_kernel(SimdLevel level, std::size_t normals) {
-    // Vectors hold indices of floats as signed numbers.
-    if (3 * normals > std::numeric_limits<std::int32_t>::max()) return rings_scalar;
-    [[maybe_unused]] const std::int64_t usable = HWY_TARGETS & machine_targets();
-    const bool any = level == SimdLevel::automatic;
-#if HWY_TARGETS & HWY_AVX3
-    if ((any || level == SimdLevel::avx512) && (usable & HWY_AVX3)) return N_AVX3::rings;
-#endif
-#if HWY_TARGETS & HWY_AVX2
-    if ((any || level == SimdLevel::avx2) && (usable & HWY_AVX2)) return N_AVX2::rings;
-#endif
-#if HWY_TARGETS & HWY_SSE4
-    if ((any || level == SimdLevel::sse4) && (usable & HWY_SSE4)) return N_SSE4::rings;
-#endif
-    return rings_scalar;
+FanKernel fan_kernel(SimdLevel level) {
+    return SIMD_KERNEL(level, classify_fans);
 }
 
 }  // namespace prep::detail

@@ -1,8 +1,8 @@
 #include "base/simd_targets.h"
-#include "tangents/adding.h"
+#include "tangents/accumulate.h"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "tangents/simd/add_kernels.cpp"
+#define HWY_TARGET_INCLUDE "tangents/accumulate_kernels.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
@@ -13,15 +13,6 @@ namespace prep::detail::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 using Index = std::uint32_t;
-using Four = hn::FixedTag<float, 4>;
-using FourBits = hn::RebindToUnsigned<Four>;
-
-HWY_INLINE hn::Mask<Four> numbers() {
-    const FourBits bits;
-    HWY_ALIGN constexpr Index xyz[4] = {~0u, ~0u, ~0u, 0};
-    return hn::MaskFromVec(hn::BitCast(Four(), hn::Load(bits, xyz)));
-}
-
 struct Corner {
     std::uint64_t next_previous;  // vertices, as VertexRing has them
     Index normal, uv;             // indices
@@ -37,12 +28,27 @@ HWY_INLINE std::uint64_t two(Index first, Index second) {
     return two(pair);
 }
 
-// True where normal or UV are not the first corner's.
-HWY_INLINE bool add_to(const Corner& corner, const CornerTerm& term, hn::Mask<Four> is_number,
-                       Index met, VertexSum& sum, VertexRing& ring) {
-    const Four d;
-    const auto old = hn::Load(d, &sum.x), more = hn::Load(d, &term.x);
+// Adds a contribution's numbers; of its bits those are kept that both have.
+HWY_INLINE void add_numbers(const Contribution& contribution, VertexSum& sum) {
+#if HWY_TARGET == HWY_SCALAR
+    sum.x += contribution.x;
+    sum.y += contribution.y;
+    sum.z += contribution.z;
+    sum.code &= contribution.code;
+#else
+    const hn::FixedTag<float, 4> d;
+    HWY_ALIGN constexpr Index xyz[4] = {~0u, ~0u, ~0u, 0};
+    const auto is_number =
+        hn::MaskFromVec(hn::BitCast(d, hn::Load(hn::RebindToUnsigned<decltype(d)>(), xyz)));
+    const auto old = hn::Load(d, &sum.x), more = hn::Load(d, &contribution.x);
     hn::Store(hn::IfThenElse(is_number, hn::Add(old, more), hn::And(old, more)), d, &sum.x);
+#endif
+}
+
+// True where normal or UV are not the first corner's.
+HWY_INLINE bool add_to(const Corner& corner, const Contribution& contribution, Index met,
+                       VertexSum& sum, VertexRing& ring) {
+    add_numbers(contribution, sum);
     static_assert(offsetof(VertexSum, uv) == offsetof(VertexSum, normal) + sizeof(Index));
     const std::uint64_t own = std::uint64_t(corner.uv) << 32 | corner.normal;
     std::uint64_t first;
@@ -57,7 +63,7 @@ HWY_INLINE bool add_to(const Corner& corner, const CornerTerm& term, hn::Mask<Fo
 // What a block's corners find, one after the other: the vertex' word afterwards; `none` where a
 // vertex is not counted, or the triangle degenerate.
 struct Met {
-    static constexpr std::size_t size = 3 * TermBlock::size;
+    static constexpr std::size_t size = 3 * TriangleBlock::size;
     static constexpr Index none = ~0u;
     HWY_ALIGN Index corners[size];
 };
@@ -65,8 +71,8 @@ struct Met {
 // Counts the corners off and gives new vertices their slots. Apart from what follows: a processor
 // that has seen loads depend on earlier stores makes them wait until it knows where all of these
 // go, and here nothing that is loaded says where a store goes.
-HWY_INLINE void count_off(const Index* HWY_RESTRICT vertices, std::size_t corners, AddState& state,
-                          Met& met, AddLists& lists) {
+HWY_INLINE void count_off(const Index* HWY_RESTRICT vertices, std::size_t corners,
+                          AccumulateState& state, Met& met, AccumulateLists& lists) {
     Index* HWY_RESTRICT const words = state.words;
     const Index* HWY_RESTRICT const free = state.free;
     Index* HWY_RESTRICT const to = met.corners;
@@ -89,10 +95,10 @@ HWY_INLINE void count_off(const Index* HWY_RESTRICT vertices, std::size_t corner
 
 // The same where some triangles are degenerate: those are counted off without being met.
 HWY_NOINLINE void count_off_some(const Index* vertices, std::size_t triangles,
-                                 const CornerTerm* terms, AddState& state, Met& met,
-                                 AddLists& lists) {
+                                 const Contribution* contributions, AccumulateState& state,
+                                 Met& met, AccumulateLists& lists) {
     for (std::size_t i = 0; i < triangles; ++i) {
-        const bool out = (terms[i].code & degenerate_triangle) != 0;
+        const bool out = (contributions[i].code & degenerate_triangle) != 0;
         for (std::size_t c = 3 * i; c < 3 * i + 3; ++c) {
             const Index v = vertices[c];
             Index& word = state.words[v];
@@ -117,7 +123,7 @@ HWY_NOINLINE void count_off_some(const Index* vertices, std::size_t triangles,
 
 // Vertices that have met all their triangles.
 HWY_INLINE void find_done(const Index* vertices, std::size_t corners, const Met& met,
-                          AddState& state) {
+                          AccumulateState& state) {
     const hn::ScalableTag<Index> d;
     for (std::size_t c = 0; c < corners; c += hn::Lanes(d)) {
         const auto after = hn::Load(d, met.corners + c);
@@ -138,28 +144,27 @@ HWY_INLINE void find_done(const Index* vertices, std::size_t corners, const Met&
 }
 
 template <bool own_corners>
-HWY_INLINE void add_all(const AddInput& in, std::size_t first, std::size_t count,
-                        const CornerTerm* const planes[3], const Met& met, AddState& state,
-                        AddLists& lists) {
+HWY_INLINE void add_all(const AccumulateInput& in, std::size_t first, std::size_t count,
+                        const Contribution* const planes[3], const Met& met, AccumulateState& state,
+                        AccumulateLists& lists) {
     // Local copies of all pointers: writing to vertices could change what is reached through
     // others.
     VertexSum* const sums = state.sums;
     VertexRing* const rings = state.rings;
-    const auto is_number = numbers();
     const Index *const vertices = in.vertices + 3 * first, *const normals = in.normals,
                        *const uvs = in.uvs;
     const Index* const corners = own_corners ? in.corners + 3 * first : nullptr;
-    const CornerTerm *const term0 = planes[0], *const term1 = planes[1], *const term2 = planes[2];
+    const Contribution *const term0 = planes[0], *const term1 = planes[1], *const term2 = planes[2];
     for (std::size_t i = 0; i < count; ++i) {
         const Index* const v = vertices + 3 * i;
         const auto add = [&](std::size_t k, std::uint64_t next_previous,
-                             const CornerTerm& term) HWY_ATTR {
+                             const Contribution& contribution) HWY_ATTR {
             const std::size_t at = 3 * i + k, c = own_corners ? corners[at] : 3 * first + at;
             const Index found = met.corners[at];
             if (HWY_UNLIKELY(found == Met::none)) return;
             const Index slot = found / VertexWord::slot_one;
             const Index before = (found / VertexWord::met_one & 0x0f) - 1;
-            if (HWY_UNLIKELY(add_to({next_previous, normals[c], uvs[c]}, term, is_number, before,
+            if (HWY_UNLIKELY(add_to({next_previous, normals[c], uvs[c]}, contribution, before,
                                     sums[slot], rings[slot])))
                 lists.different[lists.different_count++] = Index(4 * i + k);
         };
@@ -169,8 +174,8 @@ HWY_INLINE void add_all(const AddInput& in, std::size_t first, std::size_t count
     }
 }
 
-void add(const AddInput& in, std::size_t first, std::size_t count, bool any_degenerate,
-         const CornerTerm* const planes[3], AddState& state, AddLists& lists) {
+void add(const AccumulateInput& in, std::size_t first, std::size_t count, bool any_degenerate,
+         const Contribution* const planes[3], AccumulateState& state, AccumulateLists& lists) {
     Met met;
     lists.left_count = lists.different_count = 0;
     const Index* const vertices = in.vertices + 3 * first;
@@ -191,28 +196,18 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace prep::detail {
 
-AddKernel add_kernel(SimdLevel level) {
-    [[maybe_unused]] const std::int64_t usable = HWY_TARGETS & machine_targets();
-    [[maybe_unused]] const bool any = level == SimdLevel::automatic;
-#if HWY_TARGETS & HWY_AVX3
-    if ((any || level == SimdLevel::avx512) && (usable & HWY_AVX3)) return N_AVX3::add;
-#endif
-#if HWY_TARGETS & HWY_AVX2
-    if ((any || level == SimdLevel::avx2) && (usable & HWY_AVX2)) return N_AVX2::add;
-#endif
-#if HWY_TARGETS & HWY_SSE4
-    if ((any || level == SimdLevel::sse4) && (usable & HWY_SSE4)) return N_SSE4::add;
-#endif
-    return HWY_STATIC_DISPATCH(add);
+AccumulateKernel accumulate_kernel(SimdLevel level) {
+    return SIMD_KERNEL(level, add);
 }
 
-bool add_term(const AddInput& in, std::size_t triangle, std::size_t k, const CornerTerm& term,
-              std::uint32_t met, VertexSum& sum, VertexRing& ring) {
+bool add_contribution(const AccumulateInput& in, std::size_t triangle, std::size_t k,
+                      const Contribution& contribution, std::uint32_t met, VertexSum& sum,
+                      VertexRing& ring) {
     const std::uint32_t* const v = in.vertices + 3 * triangle;
     const std::size_t at = 3 * triangle + k, c = in.corners == nullptr ? at : in.corners[at];
     return HWY_STATIC_DISPATCH(add_to)(
-        {HWY_STATIC_DISPATCH(two)(v[(k + 1) % 3], v[(k + 2) % 3]), in.normals[c], in.uvs[c]}, term,
-        HWY_STATIC_DISPATCH(numbers)(), met, sum, ring);
+        {HWY_STATIC_DISPATCH(two)(v[(k + 1) % 3], v[(k + 2) % 3]), in.normals[c], in.uvs[c]},
+        contribution, met, sum, ring);
 }
 
 }  // namespace prep::detail

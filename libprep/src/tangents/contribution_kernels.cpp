@@ -1,14 +1,16 @@
-// The vector form of terms_scalar (tangents/contributions.cpp): the same operations in the same
-// order on many triangles at once, so the same bits. Multiplications and additions stay separate,
+// Gathers the inputs of triangles, component by component, and computes what the triangles
+// contribute to their corners: the definition's operations in its order, on many triangles at once,
+// so that all instruction sets give the same bits. Multiplications and additions stay separate,
 // square roots and quotients are true ones.
 #include "base/simd_targets.h"
 #include "tangents/contributions.h"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "tangents/simd/contribution_kernels.cpp"
+#define HWY_TARGET_INCLUDE "tangents/contribution_kernels.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -21,6 +23,84 @@ using Doubles = hn::ScalableTag<double>;
 using F = hn::Vec<Floats>;
 using D = hn::Vec<Doubles>;
 using Mask = hn::Mask<Floats>;
+
+using Index = std::uint32_t;
+
+#if HWY_TARGET != HWY_SCALAR
+#include "base/simd_blocks-inl.h"
+#endif
+
+// Positions or normals of one corner of as many triangles as a vector has lanes. Reads four bytes
+// behind each.
+HWY_INLINE void gather_vectors(const glm::vec3* values, const Index* indices,
+                               float (*to)[TriangleBlock::size], std::size_t i) {
+#if HWY_TARGET == HWY_SCALAR
+    for (int d = 0; d < 3; ++d) to[d][i] = values[*indices][d];
+#else
+    const Floats d;
+    const auto row = [&](std::size_t r) HWY_ATTR {
+        return in_blocks(d, [&](std::size_t j) HWY_ATTR {
+            return hn::LoadU(hn::FixedTag<float, 4>(), &values[indices[12 * j + 3 * r]].x);
+        });
+    };
+    F columns[4];
+    columns_of_blocks(d, row(0), row(1), row(2), row(3), columns);
+    for (int k = 0; k < 3; ++k) hn::StoreU(columns[k], d, to[k] + i);
+#endif
+}
+
+HWY_INLINE void gather_uvs(const glm::vec2* values, const Index* indices,
+                           float (*to)[TriangleBlock::size], std::size_t i) {
+#if HWY_TARGET == HWY_SCALAR
+    for (int d = 0; d < 2; ++d) to[d][i] = values[*indices][d];
+#else
+    const Floats d;
+    const hn::RepartitionToWide<Floats> pairs;
+    const auto row = [&](std::size_t r) HWY_ATTR {
+        return in_blocks(d, [&](std::size_t j) HWY_ATTR {
+            const auto at = [&](std::size_t k) HWY_ATTR {
+                return hn::LoadU(hn::FixedTag<float, 2>(), &values[indices[12 * j + 3 * k]].x);
+            };
+            return hn::Combine(hn::FixedTag<float, 4>(), at(r + 2), at(r));
+        });
+    };
+    const F a = row(0), b = row(1);
+    const auto lower = hn::BitCast(pairs, hn::InterleaveLower(d, a, b));
+    const auto upper = hn::BitCast(pairs, hn::InterleaveUpper(d, a, b));
+    hn::StoreU(hn::BitCast(d, hn::InterleaveLower(pairs, lower, upper)), d, to[0] + i);
+    hn::StoreU(hn::BitCast(d, hn::InterleaveUpper(pairs, lower, upper)), d, to[1] + i);
+#endif
+}
+
+// Are the indices of as many triangles as a vector has lanes all below the limit?
+HWY_INLINE bool all_below(const Index* indices, std::size_t limit) {
+    const hn::RebindToUnsigned<Floats> d;
+    const std::size_t n = hn::Lanes(d);
+    const auto largest = hn::Max(hn::Max(hn::LoadU(d, indices), hn::LoadU(d, indices + n)),
+                                 hn::LoadU(d, indices + 2 * n));
+    return hn::AllTrue(d,
+                       hn::Lt(largest, hn::Set(d, Index(std::min<std::size_t>(limit, no_index)))));
+}
+
+std::size_t gather(const GatherInput& in, std::size_t first, std::size_t count, std::size_t to,
+                   TriangleBlock& block) {
+    const std::size_t lanes = hn::Lanes(Floats());
+    std::size_t i = 0;
+    for (; i + lanes <= count; i += lanes) {
+        const Index* const p = in.position_indices + 3 * (first + i);
+        const Index* const n = in.normal_indices + 3 * (first + i);
+        const Index* const uv = in.uv_indices + 3 * (first + i);
+        if (HWY_UNLIKELY(!all_below(p, in.positions.size() - 1) ||
+                         !all_below(n, in.normals.size() - 1) || !all_below(uv, in.uvs.size())))
+            break;
+        for (std::size_t k = 0; k < 3; ++k) {
+            gather_vectors(in.positions.data(), p + k, block.p[k], to + i);
+            gather_vectors(in.normals.data(), n + k, block.n[k], to + i);
+            gather_uvs(in.uvs.data(), uv + k, block.uv[k], to + i);
+        }
+    }
+    return i;
+}
 
 struct Vec3 {
     F x, y, z;
@@ -65,6 +145,11 @@ HWY_INLINE Vec3 normalized_or_zero(const Vec3& v) {
             hn::IfThenElse(m, unit.z, v.z)};
 }
 
+#if HWY_TARGET == HWY_SCALAR
+HWY_INLINE F acos_rounded(F x) {
+    return F(float(std::acos(double(x.raw))));
+}
+#else
 // acos in double: asin(z)/z = 1 + z² P(z²) for z² ≤ 1/4, P of degree 9 (a Chebyshev fit, 1.5e-14 of
 // the quotient), z = |x| or, above 1/2, √y with y = (1 − |x|)/2. inverse_root: 1/√y to 4e-7 of it,
 // which one Newton step takes to 3e-13. (In all 1400 last places of the result.)
@@ -127,11 +212,17 @@ HWY_INLINE F acos_rounded(F x) {
     for (float& value : values) value = float(std::acos(double(value)));
     return hn::Load(df, values);
 }
+#endif
 
 // Of the angle between two unit vectors, between −1 and 1.
 HWY_INLINE F cosine_of(const Vec3& a, const Vec3& b) {
+    const F cosine = dot(a, b);
+#if HWY_TARGET == HWY_SCALAR
+    return F(cosine.raw > 1.0f ? 1.0f : cosine.raw < -1.0f ? -1.0f : cosine.raw);
+#else
     // The second operand where one is NaN.
-    return hn::Max(set(-1.0f), hn::Min(set(1.0f), dot(a, b)));
+    return hn::Max(set(-1.0f), hn::Min(set(1.0f), cosine));
+#endif
 }
 
 using Codes = hn::Vec<hn::RebindToUnsigned<Floats>>;
@@ -168,26 +259,26 @@ HWY_INLINE Mask equal(const Vec3& a, const Vec3& b) {
 // What the passes over a block leave to each other. A pass is short enough for the processor to
 // work on several vectors at once: all of a corner at a stretch is one long chain.
 struct Between {
-    HWY_ALIGN float s[3][TermBlock::size], t[3][TermBlock::size];
-    HWY_ALIGN std::uint32_t flags[TermBlock::size];
+    HWY_ALIGN float s[3][TriangleBlock::size], t[3][TriangleBlock::size];
+    HWY_ALIGN std::uint32_t flags[TriangleBlock::size];
     // And with bits of directions that S and T have on any plane off which they are by no more than
     // most_off_plane.
-    HWY_ALIGN std::uint32_t told[TermBlock::size];
+    HWY_ALIGN std::uint32_t told[TriangleBlock::size];
     // By corner: the angle's cosine, S on the plane of the normal, the code.
-    HWY_ALIGN float cosines[3][TermBlock::size];
-    HWY_ALIGN float on_s[3][3][TermBlock::size];
-    HWY_ALIGN std::uint32_t codes[3][TermBlock::size];
+    HWY_ALIGN float cosines[3][TriangleBlock::size];
+    HWY_ALIGN float on_s[3][3][TriangleBlock::size];
+    HWY_ALIGN std::uint32_t codes[3][TriangleBlock::size];
     // By vector: is it full, of triangles that all add something?
-    bool plain[TermBlock::size / 4];
+    bool plain[TriangleBlock::size];
 };
 constexpr float most_off_plane = 0.2f;
 constexpr float safe_bound = direction_bound + 1.01f * most_off_plane;
 
-HWY_INLINE Vec3 load3(const float (*from)[TermBlock::size], std::size_t i) {
+HWY_INLINE Vec3 load3(const float (*from)[TriangleBlock::size], std::size_t i) {
     const Floats d;
     return {hn::Load(d, from[0] + i), hn::Load(d, from[1] + i), hn::Load(d, from[2] + i)};
 }
-HWY_INLINE void store3(const Vec3& v, float (*to)[TermBlock::size], std::size_t i) {
+HWY_INLINE void store3(const Vec3& v, float (*to)[TriangleBlock::size], std::size_t i) {
     const Floats d;
     hn::Store(v.x, d, to[0] + i);
     hn::Store(v.y, d, to[1] + i);
@@ -195,14 +286,14 @@ HWY_INLINE void store3(const Vec3& v, float (*to)[TermBlock::size], std::size_t 
 }
 
 // S, T and flags.
-HWY_INLINE void make_frames(const TermBlock& block, std::size_t count, Between& between,
-                            TermBlockResult& result) {
+HWY_INLINE void make_frames(const TriangleBlock& block, std::size_t count, Between& between,
+                            BlockResult& result) {
     const Floats df;
     const hn::RebindToUnsigned<Floats> du;
     Mask nan = hn::MaskFromVec(zero());
     for (std::size_t i = 0; i < count; i += hn::Lanes(df)) {
         const Vec3 p[3] = {load3(block.p[0], i), load3(block.p[1], i), load3(block.p[2], i)};
-        const auto load2 = [&](const float(*from)[TermBlock::size]) HWY_ATTR {
+        const auto load2 = [&](const float(*from)[TriangleBlock::size]) HWY_ATTR {
             return Vec2{hn::Load(df, from[0] + i), hn::Load(df, from[1] + i)};
         };
         const Vec2 uv[3] = {load2(block.uv[0]), load2(block.uv[1]), load2(block.uv[2])};
@@ -229,9 +320,11 @@ HWY_INLINE void make_frames(const TermBlock& block, std::size_t count, Between& 
         const Mask degenerate =
             hn::Or(equal(p[0], p[1]), hn::Or(equal(p[0], p[2]), equal(p[1], p[2])));
 
-        // A UV that is NaN leaves no area.
-        const bool plain =
-            i + hn::Lanes(df) <= count && hn::AllTrue(df, hn::AndNot(degenerate, healthy));
+        // A UV that is NaN leaves no area. What is divided by an infinite length vanishes.
+        const Mask finite =
+            hn::Le(hn::Max(s_length, t_length), set(std::numeric_limits<float>::max()));
+        const bool plain = i + hn::Lanes(df) <= count &&
+                           hn::AllTrue(df, hn::And(finite, hn::AndNot(degenerate, healthy)));
         between.plain[i / hn::Lanes(df)] = plain;
         Codes flags;
         if (HWY_LIKELY(plain)) {
@@ -279,8 +372,8 @@ HWY_INLINE void make_frames(const TermBlock& block, std::size_t count, Between& 
 }
 
 // All that needs quotients and roots, so that other work can be done while they take their time.
-HWY_INLINE void make_corners(const TermBlock& block, std::size_t count, bool check_unit,
-                             Between& between, TermBlockResult& result) {
+HWY_INLINE void make_corners(const TriangleBlock& block, std::size_t count, bool check_unit,
+                             Between& between, BlockResult& result) {
     const Floats df;
     const hn::RebindToUnsigned<Floats> du;
     const F minus_zero = set(-0.0f);
@@ -346,27 +439,28 @@ HWY_INLINE void make_corners(const TermBlock& block, std::size_t count, bool che
     result.counts.nan |= !hn::AllFalse(df, hn::Or(nan, hn::IsNaN(cosines)));
 }
 
-HWY_INLINE void make_terms(const Between& between, std::size_t count, CornerTerm* const planes[3]) {
+HWY_INLINE void store_contributions(const Between& between, std::size_t count,
+                                    Contribution* const planes[3]) {
     const Floats df;
     const hn::RebindToUnsigned<Floats> du;
     for (std::size_t k = 0; k < 3; ++k) {
         for (std::size_t i = 0; i < count; i += hn::Lanes(df)) {
             const F angle = acos_rounded(hn::Load(df, between.cosines[k] + i));
-            const Vec3 term = scaled(angle, load3(between.on_s[k], i));
-            hn::StoreInterleaved4(term.x, term.y, term.z,
+            const Vec3 contribution = scaled(angle, load3(between.on_s[k], i));
+            hn::StoreInterleaved4(contribution.x, contribution.y, contribution.z,
                                   hn::BitCast(df, hn::Load(du, between.codes[k] + i)), df,
                                   &planes[k][i].x);
         }
     }
 }
 
-TermBlockResult terms(const TermBlock& block, std::size_t count, bool check_unit,
-                      CornerTerm* const planes[3]) {
-    TermBlockResult result;
+BlockResult contributions(const TriangleBlock& block, std::size_t count, bool check_unit,
+                          Contribution* const planes[3]) {
+    BlockResult result;
     Between between;
     make_frames(block, count, between, result);
     make_corners(block, count, check_unit, between, result);
-    make_terms(between, count, planes);
+    store_contributions(between, count, planes);
     return result;
 }
 
@@ -374,50 +468,15 @@ TermBlockResult terms(const TermBlock& block, std::size_t count, bool check_unit
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace prep {
-namespace detail {
-TermKernel term_kernel(SimdLevel level) {
-    [[maybe_unused]] const std::int64_t usable = HWY_TARGETS & machine_targets();
-    const bool any = level == SimdLevel::automatic;
-#if HWY_TARGETS & HWY_AVX3
-    if ((any || level == SimdLevel::avx512) && (usable & HWY_AVX3)) return N_AVX3::terms;
-#endif
-#if HWY_TARGETS & HWY_AVX2
-    if ((any || level == SimdLevel::avx2) && (usable & HWY_AVX2)) return N_AVX2::terms;
-#endif
-#if HWY_TARGETS & HWY_SSE4
-    if ((any || level == SimdLevel::sse4) && (usable & HWY_SSE4)) return N_SSE4::terms;
-#endif
-    return terms_scalar;
+namespace prep::detail {
+
+GatherKernel gather_kernel(SimdLevel level) {
+    return SIMD_KERNEL(level, gather);
 }
 
-}  // namespace detail
-
-bool simd_available(SimdLevel level) {
-    switch (level) {
-        case SimdLevel::automatic:
-        case SimdLevel::scalar:
-            return true;
-        default:
-            return detail::term_kernel(level) != detail::terms_scalar;
-    }
+ContributionKernel contribution_kernel(SimdLevel level) {
+    return SIMD_KERNEL(level, contributions);
 }
 
-std::string_view to_string(SimdLevel level) {
-    switch (level) {
-        case SimdLevel::automatic:
-            return "automatic";
-        case SimdLevel::scalar:
-            return "scalar";
-        case SimdLevel::sse4:
-            return "sse4";
-        case SimdLevel::avx2:
-            return "avx2";
-        case SimdLevel::avx512:
-            return "avx512";
-    }
-    return "?";
-}
-
-}  // namespace prep
+}  // namespace prep::detail
 #endif
