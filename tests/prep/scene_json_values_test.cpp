@@ -92,12 +92,12 @@ TEST(SceneValues, OrthographicHeightsAreWhole) {
 }
 
 TEST(SceneValues, OrbitsAreInDegrees) {
-    const prep::PictureSettings picture =
+    const prep::OrbitCamera orbit =
         scene_of(R"("camera": {"orbit": {"azimuth": 90, "elevation": -45, "distance": 2.5}})")
-            .picture;
-    EXPECT_NEAR(picture.orbit_azimuth.value(), pi / 2, 1e-12);
-    EXPECT_NEAR(picture.orbit_elevation.value(), -pi / 4, 1e-12);
-    EXPECT_EQ(picture.orbit_distance, 2.5);
+            .orbit.value();
+    EXPECT_NEAR(orbit.azimuth, pi / 2, 1e-12);
+    EXPECT_NEAR(orbit.elevation, -pi / 4, 1e-12);
+    EXPECT_EQ(orbit.distance, 2.5);
 }
 
 TEST(SceneValues, MaterialsAreAsTheFileSays) {

@@ -713,15 +713,15 @@ TEST(Srgb, PicturesAreEncodedAndToneMappedOnlyWhenAsked) {
     EXPECT_NEAR(plain.pixels[0], 0.735357, 1e-5);
     EXPECT_EQ(plain.pixels[3], 1);
     EXPECT_EQ(plain.pixels[6], 0);
-    rast::ToneOptions tone;
-    tone.tone_map = true;
+    prep::RenderChoices tone;
+    tone.tone_map = prep::ToneMap::reinhard;
     const prep::Image mapped = rast::to_srgb(frame, tone);
     EXPECT_NEAR(mapped.pixels[3], 1.055 * std::pow(0.8, 1 / 2.4) - 0.055, 1e-6);  // 4 / (1 + 4)
     EXPECT_NEAR(mapped.pixels[0], 1.055 * std::pow(1 / 3.0, 1 / 2.4) - 0.055, 1e-6);
     EXPECT_EQ(mapped.pixels[6], 0);
     tone.exposure = 0.25f;
     EXPECT_NEAR(rast::to_srgb(frame, tone).pixels[3], 0.735357, 1e-5);  // 1 / (1 + 1)
-    tone.tone_map = false;
+    tone.tone_map = prep::ToneMap::off;
     EXPECT_NEAR(rast::to_srgb(frame, tone).pixels[0], 1.055 * std::pow(0.125, 1 / 2.4) - 0.055,
                 1e-6);
 }

@@ -1,6 +1,6 @@
 #include "steps.h"
 
-#include "step_count.h"
+#include "base/step_count.h"
 
 namespace test {
 

@@ -15,7 +15,7 @@
 #include <numbers>
 #include <sstream>
 
-#include "meshprep/commands/commands.h"
+#include "meshprep/run.h"
 
 extern char** environ;
 

@@ -10,6 +10,8 @@
 #include <vector>
 
 #include "command_runner.h"
+#include "meshprep/commands/subcommand.h"
+#include "prep/render_choices.h"
 #include "shared_data.h"
 
 namespace {
@@ -156,6 +158,25 @@ TEST(Documentation, FormatsOfTheReadmeAreReadAndWritten) {
     }
     EXPECT_EQ(written, 6u);  // OBJ, glTF, GLB, PLY, STL, OFF
     EXPECT_EQ(refused, 4u);  // OM, FBX, DAE, 3DS
+}
+
+TEST(Documentation, ReadmeListsTheSubcommandsInTheirOrder) {
+    const std::string readme = test::read_text(test::source_dir() / "README.md");
+    const std::size_t begin = readme.find("| subcommand |");
+    ASSERT_NE(begin, std::string::npos);
+    const std::string table = readme.substr(begin, readme.find("\n\n", begin) - begin);
+    std::vector<std::string> names;
+    for (const meshprep::Subcommand& subcommand : meshprep::subcommands())
+        names.push_back(subcommand.name);
+    EXPECT_EQ(between(table, "\n| `", " `"), names);
+}
+
+TEST(Documentation, SceneFormatNamesEveryChoiceOfAPicture) {
+    const std::string page = test::read_text(test::source_dir() / "docs/scene-format.md");
+    const std::string table = page.substr(page.find("## Picture"));
+    prep::for_each_render_choice([&](std::string_view key, auto, const auto&, const char*) {
+        EXPECT_NE(table.find("| `" + std::string(key) + "` |"), std::string::npos) << key;
+    });
 }
 
 }  // namespace

@@ -4,8 +4,8 @@
 #include <csignal>
 #include <iostream>
 
-#include "meshprep/commands/commands.h"
 #include "meshprep/files/interrupt.h"
+#include "meshprep/run.h"
 
 // The next file that is opened would take the place of a standard stream that is closed, and what
 // is said would land in it. Reading from the first and writing to the others stay the errors they

@@ -23,6 +23,13 @@
 namespace prep {
 
 enum class NormalWeight : std::uint8_t { area, uniform, angle, area_angle, edge_length };
+constexpr auto names_of(NormalWeight) {
+    return std::to_array<EnumName<NormalWeight>>({{"area", NormalWeight::area},
+                                                  {"uniform", NormalWeight::uniform},
+                                                  {"angle", NormalWeight::angle},
+                                                  {"area-angle", NormalWeight::area_angle},
+                                                  {"edge-length", NormalWeight::edge_length}});
+}
 
 struct NormalOptions {
     NormalWeight weight = NormalWeight::area;

@@ -5,6 +5,7 @@
 #include <glm/glm.hpp>
 #include <vector>
 
+#include "prep/enum_names.h"
 #include "prep/mesh.h"
 
 namespace prep {
@@ -14,6 +15,11 @@ enum class Precision : std::uint8_t {
     accurate,  // double, compensated where plain doubles would lose too much
     exact,     // exact rationals and 256-bit floats, rounded once: slow, the oracle
 };
+constexpr auto names_of(Precision) {
+    return std::to_array<EnumName<Precision>>({{"fast", Precision::fast},
+                                               {"accurate", Precision::accurate},
+                                               {"exact", Precision::exact}});
+}
 
 enum class FaceState : std::uint8_t {
     regular,

@@ -6,9 +6,15 @@
 #include <string>
 #include <vector>
 
+#include "prep/enum_names.h"
+
 namespace prep {
 
 enum class Severity : std::uint8_t { info, warning, error };
+constexpr auto names_of(Severity) {
+    return std::to_array<EnumName<Severity>>(
+        {{"info", Severity::info}, {"warning", Severity::warning}, {"error", Severity::error}});
+}
 
 // What the numbers in Finding::places index.
 enum class PlaceKind : std::uint8_t {
@@ -17,6 +23,12 @@ enum class PlaceKind : std::uint8_t {
     edge,
     corner
 };  // edge: the corner that starts it
+constexpr auto names_of(PlaceKind) {
+    return std::to_array<EnumName<PlaceKind>>({{"face", PlaceKind::face},
+                                               {"vertex", PlaceKind::vertex},
+                                               {"edge", PlaceKind::edge},
+                                               {"corner", PlaceKind::corner}});
+}
 
 struct Finding {
     std::string kind;  // stable identifier in kebab-case: "degenerate-face", "mirrored-uv", …

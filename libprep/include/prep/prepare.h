@@ -8,6 +8,7 @@
 #include <cstdint>
 
 #include "prep/corner_normals.h"
+#include "prep/enum_names.h"
 #include "prep/hard_edges.h"
 #include "prep/prepared_scene.h"
 #include "prep/repair.h"
@@ -27,6 +28,10 @@ enum class Authored : std::uint8_t {
     // other sign).
     repair,
 };
+constexpr auto names_of(Authored) {
+    return std::to_array<EnumName<Authored>>(
+        {{"keep", Authored::keep}, {"replace", Authored::replace}, {"repair", Authored::repair}});
+}
 
 enum class WeldMode : std::uint8_t {
     automatic,  // exact for vertex-indexed formats (glTF, PLY, …), none where the file indexes
@@ -36,6 +41,10 @@ enum class WeldMode : std::uint8_t {
     // But with `none`: where no corner shares a vertex (STL, soups; not where vertices are tied to
     // the file or carry skins or morph targets), those at equal positions are made one for good.
 };
+constexpr auto names_of(WeldMode) {
+    return std::to_array<EnumName<WeldMode>>(
+        {{"auto", WeldMode::automatic}, {"none", WeldMode::none}, {"exact", WeldMode::exact}});
+}
 
 struct PrepareOptions {
     Request request;

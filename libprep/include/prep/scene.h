@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "prep/material.h"
 #include "prep/mesh.h"
 
 namespace prep {
@@ -20,10 +21,6 @@ struct RetainedFile {
     virtual ~RetainedFile() = default;
 };
 
-enum class Wrap : std::uint8_t { repeat, mirror, clamp, border };
-enum class Filter : std::uint8_t { nearest, linear };
-enum class MipFilter : std::uint8_t { none, nearest, linear };
-
 // An image as the file refers to it; decoded only when a texture of the plan asks for it.
 struct ImageRef {
     std::string name;              // for messages
@@ -32,52 +29,13 @@ struct ImageRef {
     std::string mime_type;
 };
 
-struct Texture {
-    std::uint32_t image = no_index;
-    Wrap wrap_u = Wrap::repeat, wrap_v = Wrap::repeat;
-    Filter mag = Filter::linear, min = Filter::linear;
-    MipFilter mip = MipFilter::linear;
-};
-
-struct TextureRef {
-    std::uint32_t texture = no_index;  // into Scene::textures
-    std::uint32_t uv_set = 0;
-    glm::vec2 offset{0}, scale{1};  // KHR_texture_transform; OBJ -o and -s
-    float rotation = 0;             // radians, counter-clockwise as in KHR_texture_transform
-    float strength = 1;             // normal scale, occlusion strength, OBJ -bm
-    explicit operator bool() const { return texture != no_index; }
-};
-
-enum class AlphaMode : std::uint8_t { opaque, mask, blend };
-enum class NormalMapSpace : std::uint8_t { tangent, object };
-
-// Blinn-Phong parameters, linear colour. In a metallic-roughness material `diffuse` is the base
-// colour and `diffuse_map` its map; the renderer derives diffuse, specular and shininess from
-// metallic and roughness at each pixel (docs/conventions.md), so `specular` and `shininess` are not
-// read.
-struct Material {
-    std::string name;
-    glm::vec3 ambient{1.0f};  // multiplies the ambient light (times diffuse colour)
-    glm::vec4 diffuse{0.8f, 0.8f, 0.8f, 1.0f};  // a = opacity
-    glm::vec3 specular{0.2f};
-    float shininess = 32;  // Blinn-Phong exponent
-    glm::vec3 emissive{0.0f};
-    TextureRef diffuse_map, specular_map, emissive_map, occlusion_map;
-    TextureRef normal_map, bump_map, displacement_map;
-    NormalMapSpace normal_map_space = NormalMapSpace::tangent;
-    bool normal_map_flip_green = false;  // true for maps whose green points down
-    bool unlit = false;
-
-    bool metallic_roughness = false;
-    float metallic = 1, roughness = 1;
-    TextureRef metallic_roughness_map;
-
-    AlphaMode alpha_mode = AlphaMode::opaque;
-    float alpha_cutoff = 0.5f;
-    bool double_sided = false;
-};
-
 enum class LightKind : std::uint8_t { ambient, directional, point, spot };
+constexpr auto names_of(LightKind) {
+    return std::to_array<EnumName<LightKind>>({{"ambient", LightKind::ambient},
+                                               {"directional", LightKind::directional},
+                                               {"point", LightKind::point},
+                                               {"spot", LightKind::spot}});
+}
 
 // Lights shine along their node's −Z (directional, spot) from its origin (point, spot), as in
 // KHR_lights_punctual. Point and spot fall off with 1/r².
@@ -167,19 +125,6 @@ struct Scene {
     std::vector<std::string>
         warnings;  // odd but usable: what the loader met and what it made of it
 };
-
-// Metallic-roughness as Blinn-Phong, without 1/π as in MTL files (docs/conventions.md).
-struct BlinnPhong {
-    glm::vec3 diffuse{0.0f}, specular{0.0f};
-    float shininess = 0;
-};
-
-// `base` linear, `metallic` and `roughness` 0…1. The exponent is that of the lobe as wide as the
-// microfacet distribution of this roughness, 2/α² − 2 with α = roughness² (Karis 2013), at most
-// 4998; the reflectance at normal incidence, 4 % for dielectrics and the base colour for metals, is
-// spread over it by (shininess + 2)/8 + 1/(2 shininess + 4), so that the lobe as a whole reflects
-// it: 0.931 to 1.013 times, whatever the roughness.
-BlinnPhong blinn_phong(const glm::vec3& base, float metallic, float roughness);
 
 // World transform of every node, parents applied first. O(nodes).
 std::vector<glm::dmat4> world_transforms(const Scene& scene);

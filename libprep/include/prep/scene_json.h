@@ -12,33 +12,22 @@
 #include <string_view>
 
 #include "prep/load.h"
+#include "prep/render_choices.h"
 #include "prep/result.h"
 #include "prep/scene.h"
 
 namespace prep {
 
-// What a scene file asks of the picture; what it leaves open is the renderer's to choose. The names
-// are those of `meshprep render`'s options.
-struct PictureSettings {
-    std::optional<glm::uvec2> size;         // pixels, each 1 … 32768
-    std::optional<std::string> shading;     // flat, gouraud, phong, normal-mapped
-    std::optional<glm::vec3> background;    // linear
-    std::optional<std::string> cull;        // by-material, back, front, none
-    std::optional<std::string> filter;      // the words of `meshprep render --filter`
-    std::optional<int> samples;             // a pixel: 1, 2, 4, 8, 16; not beside coverage by area
-    std::optional<int> supersample;         // 1 … 16
-    std::optional<std::string> coverage;    // samples, area
-    std::optional<int> max_anisotropy;      // 1 … 16
-    std::optional<std::string> tone_map;    // off, reinhard
-    std::optional<double> exposure;         // 1e-6 … 1e6
-    std::optional<double> orbit_azimuth;    // radians; a camera that circles the scene and is
-    std::optional<double> orbit_elevation;  // … set only where the file's camera says "orbit"
-    std::optional<double> orbit_distance;   // in multiples of the distance that fits the scene
+// A camera that circles the scene.
+struct OrbitCamera {
+    double azimuth = 0, elevation = 0;  // radians
+    double distance = 1;                // in multiples of the distance that fits the scene
 };
 
 struct JsonScene {
     Scene scene;
-    PictureSettings picture;
+    RenderWishes picture;              // what is left open is the renderer's to choose
+    std::optional<OrbitCamera> orbit;  // where the file's camera says so
 };
 
 // Referenced files are relative to the scene file. A mesh file brings its meshes, nodes and

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "prep/enum_names.h"
 #include "prep/image.h"
 #include "prep/mesh.h"
 
@@ -17,6 +18,12 @@ enum class TangentMethod : std::uint8_t {
     similar,     // 95 % within 5°: the same gradients, weighted or grouped in another way
     other,
 };
+constexpr auto names_of(TangentMethod) {
+    return std::to_array<EnumName<TangentMethod>>({{"undecided", TangentMethod::undecided},
+                                                   {"mikktspace", TangentMethod::mikktspace},
+                                                   {"similar", TangentMethod::similar},
+                                                   {"other", TangentMethod::other}});
+}
 
 enum class TangentSign : std::uint8_t {
     undecided,
@@ -24,6 +31,12 @@ enum class TangentSign : std::uint8_t {
     inverted,  // the other way round; either at 90 % of the corners
     mixed,
 };
+constexpr auto names_of(TangentSign) {
+    return std::to_array<EnumName<TangentSign>>({{"undecided", TangentSign::undecided},
+                                                 {"as-gltf", TangentSign::as_gltf},
+                                                 {"inverted", TangentSign::inverted},
+                                                 {"mixed", TangentSign::mixed}});
+}
 
 struct TangentConventions {
     TangentMethod method = TangentMethod::undecided;
@@ -43,6 +56,11 @@ struct TangentConventions {
 TangentConventions tangent_conventions(const Mesh& mesh, std::size_t uv_set = 0, int threads = 0);
 
 enum class GreenDirection : std::uint8_t { undecided, up, down };
+constexpr auto names_of(GreenDirection) {
+    return std::to_array<EnumName<GreenDirection>>({{"undecided", GreenDirection::undecided},
+                                                    {"up", GreenDirection::up},
+                                                    {"down", GreenDirection::down}});
+}
 
 struct GreenChannel {
     static constexpr std::size_t scales = 5;

@@ -157,11 +157,8 @@ void check_uvs(CheckContext& context) {
 // Which UV sets a material's maps sample.
 std::vector<std::uint32_t> sampled_sets(const Material& material) {
     std::vector<std::uint32_t> sets;
-    for (const TextureRef* map :
-         {&material.diffuse_map, &material.specular_map, &material.emissive_map,
-          &material.occlusion_map, &material.normal_map, &material.bump_map,
-          &material.displacement_map, &material.metallic_roughness_map})
-        if (*map) sets.push_back(map->uv_set);
+    for (const MaterialMap& map : material_maps)
+        if (const TextureRef& ref = material.*map.ref) sets.push_back(ref.uv_set);
     std::sort(sets.begin(), sets.end());
     sets.erase(std::unique(sets.begin(), sets.end()), sets.end());
     return sets;

@@ -38,22 +38,6 @@ bool has_uv_set(const Mesh& mesh, std::uint32_t set) {
     return set < mesh.uvs.size() && !mesh.uvs[set].empty();
 }
 
-struct MapUse {
-    const char* name;
-    TextureRef Material::*map;
-};
-
-constexpr MapUse map_uses[] = {
-    {"diffuse map", &Material::diffuse_map},
-    {"specular map", &Material::specular_map},
-    {"emissive map", &Material::emissive_map},
-    {"occlusion map", &Material::occlusion_map},
-    {"normal map", &Material::normal_map},
-    {"bump map", &Material::bump_map},
-    {"displacement map", &Material::displacement_map},
-    {"metallic-roughness map", &Material::metallic_roughness_map},
-};
-
 Need need_normals(const Scene& scene, const Mesh& mesh, const UsedMaterials& used,
                   Request::Level level) {
     if (mesh.face_count() == 0) return {false, "no faces: points and lines carry no normals"};
@@ -70,11 +54,11 @@ Need need_normals(const Scene& scene, const Mesh& mesh, const UsedMaterials& use
 Need need_uvs(const Scene& scene, const Mesh& mesh, const UsedMaterials& used) {
     if (mesh.face_count() == 0) return {false, "no faces to be textured"};
     for (const std::uint32_t m : used.indices) {
-        for (const MapUse& use : map_uses) {
-            const TextureRef& ref = scene.materials[m].*use.map;
+        for (const MaterialMap& map : material_maps) {
+            const TextureRef& ref = scene.materials[m].*map.ref;
             if (!ref) continue;
             const std::string text =
-                quoted(scene.materials[m].name, m, "material") + " has a " + use.name;
+                quoted(scene.materials[m].name, m, "material") + " has a " + map.name + " map";
             if (has_uv_set(mesh, ref.uv_set)) return {true, text};
         }
     }

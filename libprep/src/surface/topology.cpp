@@ -4,7 +4,7 @@
 #include <cassert>
 
 #include "base/parallel.h"
-#include "step_count.h"
+#include "base/step_count.h"
 #include "surface/corner_steps.h"
 #include "surface/vertex_corners.h"
 

@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "base/parallel.h"
+#include "base/step_count.h"
 #include "exact/orient2d.h"
-#include "step_count.h"
 #include "surface/corner_tree.h"
 
 namespace prep {

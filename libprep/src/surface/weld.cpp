@@ -8,9 +8,9 @@
 
 #include "base/parallel.h"
 #include "base/scratch_buffer.h"
+#include "base/step_count.h"
 #include "prep/mesh.h"
 #include "prep/topology.h"
-#include "step_count.h"
 #include "surface/position_filter.h"
 
 namespace prep::detail {

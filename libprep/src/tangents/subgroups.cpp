@@ -4,7 +4,7 @@
 #include <numbers>
 #include <unordered_map>
 
-#include "step_count.h"
+#include "base/step_count.h"
 #include "tangents/groups.h"
 #include "tangents/math.h"
 

@@ -154,28 +154,26 @@ Field<T> name(std::string key, Member T::*member) {
             }};
 }
 
-template <class T, class Value>
-Field<T> choice(std::string key, Value T::*member,
-                std::vector<std::pair<std::string, std::decay_t<Value>>> choices) {
-    return {std::move(key), [=](const Json& value, const std::string& pointer, T& out) -> Outcome {
-                std::vector<std::string> names;
-                for (const auto& entry : choices) names.push_back(entry.first);
-                std::size_t chosen = 0;
-                if (Outcome problem = read_choice(value, pointer, names, chosen)) return problem;
-                out.*member = choices[chosen].second;
-                return {};
-            }};
+// One of an enum's names.
+template <class E>
+Outcome read_named(const Json& value, const std::string& pointer, E& out) {
+    std::vector<std::string> names;
+    for (const auto& entry : names_of(E{})) names.emplace_back(entry.name);
+    std::size_t chosen = 0;
+    if (Outcome problem = read_choice(value, pointer, names, chosen)) return problem;
+    out = names_of(E{})[chosen].value;
+    return {};
+}
+template <class E>
+Outcome read_named(const Json& value, const std::string& pointer, std::optional<E>& out) {
+    return read_named(value, pointer, out.emplace());
 }
 
-// One of the strings, kept as it is.
-template <class T>
-Field<T> word(std::string key, std::optional<std::string> T::*member,
-              std::vector<std::string> words) {
+// `Value` is an enum with names or an optional of one.
+template <class T, class Value>
+Field<T> choice(std::string key, Value T::*member) {
     return {std::move(key), [=](const Json& value, const std::string& pointer, T& out) -> Outcome {
-                std::size_t chosen = 0;
-                if (Outcome problem = read_choice(value, pointer, words, chosen)) return problem;
-                out.*member = words[chosen];
-                return {};
+                return read_named(value, pointer, out.*member);
             }};
 }
 

@@ -5,8 +5,8 @@
 #include <unordered_map>
 
 #include "base/parallel.h"
+#include "base/step_count.h"
 #include "prep/triangulate.h"
-#include "step_count.h"
 #include "surface/corner_steps.h"
 #include "surface/vertex_corners.h"
 

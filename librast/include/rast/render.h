@@ -11,49 +11,25 @@
 
 #include "prep/image.h"
 #include "prep/prepared_scene.h"
+#include "prep/render_choices.h"
 #include "prep/result.h"
 #include "prep/simd.h"
 #include "rast/view.h"
 
 namespace rast {
 
-enum class Shading : std::uint8_t { flat, gouraud, phong, normal_mapped };
-enum class Cull : std::uint8_t {
-    by_material,
-    back,
-    front,
-    none
-};  // by_material: back, unless double-sided
-// How textures are read between their texels, and from which mip levels. `by_sampler`: each texture
-// as its own sampler asks (prep::Texture::mag, min and mip; trilinear unless it says otherwise).
-enum class TextureFilter : std::uint8_t {
-    by_sampler,
-    nearest,
-    bilinear,
-    nearest_mip,  // bilinear, on the mip level nearest to the footprint
-    trilinear,
-    bicubic,
-    anisotropic,
-    ripmap,
-    ewa
-};
-
-// How much of a pixel a surface fills: by samples, or by the exact area that is seen of it, for
-// reference pictures (librast/src/passes/area_resolve.h says what that is and what it costs).
-enum class Coverage : std::uint8_t { samples, area };
-
-// How depths are kept: reversed float (1 near, 0 far, so that float's fine steps lie where the
-// projection's are coarse), or fixed point of n bits, k / 2^n, for comparison. With a near plane n
-// and no far one, surfaces at distance d are told apart from a gap of d · 2^-23 (float) or
-// d² / n · 2^-bits on. Exact areas use double.
-enum class DepthFormat : std::uint8_t { float32, fixed24, fixed16 };
+using prep::Coverage;
+using prep::Cull;
+using prep::DepthFormat;
+using prep::max_picture_extent;
+using prep::max_supersample;
+using prep::Shading;
+using prep::TextureFilter;
+using prep::ToneMap;
 
 // What a picture's colours are kept as, linear in both: floats (Frame::color), or bytes of red,
 // green, blue and coverage (Frame::bytes), a fourth of the memory; colours above 1 are clipped.
 enum class PixelFormat : std::uint8_t { floats, bytes };
-
-inline constexpr int max_supersample = 16;
-inline constexpr std::uint32_t max_picture_extent = 32768;
 
 // A part of the picture, in pixels. Its pixels are those of the whole picture, bit for bit.
 struct Crop {
@@ -61,19 +37,13 @@ struct Crop {
 };
 
 // What is asked for. Unset choices are made by plan().
-struct RenderRequest {
-    std::uint32_t width = 1024, height = 768;
-    Shading shading = Shading::normal_mapped;
+struct RenderRequest : prep::RenderChoices {
     std::optional<View> view;  // unset: the scene's camera, else the whole scene
     std::optional<std::vector<LightInstance>> lights;  // unset: the scene's, else three lights
-    Cull cull = Cull::by_material;
-    TextureFilter filter = TextureFilter::by_sampler;
-    int max_anisotropy = 8;      // 1 … 16: anisotropic and EWA filters
-    glm::vec3 background{0.0f};  // linear
-    bool textures = true;        // false: material colours only
-    bool keep_color = true;      // false: nothing is shaded, for those who want other buffers alone
-    bool keep_depth = false;     // Frame::depth
-    bool keep_ids = false;       // Frame::triangle and Frame::instance
+    bool textures = true;                              // false: material colours only
+    bool keep_color = true;   // false: nothing is shaded, for those who want other buffers alone
+    bool keep_depth = false;  // Frame::depth
+    bool keep_ids = false;    // Frame::triangle and Frame::instance
     bool keep_normals = false, keep_uvs = false, keep_barycentrics = false, keep_positions = false;
     // Whether what nothing reads is left out. Off, every map that a material could have is sampled
     // (a neutral one where it has none), all buffers are kept, all levels of detail made: the same
@@ -81,12 +51,6 @@ struct RenderRequest {
     bool prune = true;
     std::optional<Crop> crop;  // unset: the whole picture
     PixelFormat pixels = PixelFormat::floats;
-    int samples = 1;  // per pixel: 1, 2, 4, 8 or 16
-    Coverage coverage = Coverage::samples;
-    DepthFormat depth_format = DepthFormat::float32;
-    // Each pixel is the mean of N × N finer ones, in linear light: 1 … max_supersample. Colours
-    // alone: other buffers are those of the picture without it.
-    int supersample = 1;
     // Of a band's pixels in render_bands(). Lists of triangles by tile take as much at most, beside
     // up to 28 bytes a triangle (small ones take 3), unless one row of tiles takes more: then they
     // are made for groups of rows, one after the other.
@@ -193,13 +157,8 @@ class SceneRenderer {
     std::unique_ptr<detail::Painter> painter_;
 };
 
-// sRGB-encoded picture, three channels. `tone_map`: Reinhard's x/(1+x) (2002, eq. 3) per channel;
-// off, colours above 1 are clipped.
-struct ToneOptions {
-    bool tone_map = false;
-    float exposure = 1;
-    int threads = 0;  // 0: all cores; the picture does not depend on it
-};
-prep::Image to_srgb(const Frame& frame, const ToneOptions& options = {});
+// sRGB-encoded picture, three channels, by the exposure and the tone map of `choices`; colours
+// above 1 are clipped. `threads` 0: all cores; the picture does not depend on it.
+prep::Image to_srgb(const Frame& frame, const prep::RenderChoices& choices = {}, int threads = 0);
 
 }  // namespace rast

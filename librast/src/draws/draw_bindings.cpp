@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "plan/sampled_maps.h"
+
 namespace rast::detail {
 namespace {
 
@@ -40,20 +42,21 @@ class Binder {
         return bind(kind, ref) || neutral(kind, white_map);
     }
     bool normals(const prep::TextureRef& ref) {
-        return bind(normal_map, ref) || neutral(normal_map, flat_map);
+        return bind(MapKind::normal, ref) || neutral(MapKind::normal, flat_map);
     }
 
     // Those that read the same texels next to each other.
     void order() {
-        bool taken[map_kinds] = {};
-        for (int first = 0; first < map_kinds; ++first)
-            for (int kind = first; kind < map_kinds; ++kind) {
-                BoundMap& map = draw_.maps[kind];
-                if (!map || taken[kind] || !draw_.maps[first]) continue;
-                if (kind != first && (!taken[first] || !alike(draw_.maps[first], map))) continue;
-                if (kind != first && draw_.maps[first].same_texels) continue;
+        BoundMap* const maps = draw_.maps.of;
+        bool taken[drawn_maps] = {};
+        for (std::size_t first = 0; first < drawn_maps; ++first)
+            for (std::size_t kind = first; kind < drawn_maps; ++kind) {
+                BoundMap& map = maps[kind];
+                if (!map || taken[kind] || !maps[first]) continue;
+                if (kind != first && (!taken[first] || !alike(maps[first], map))) continue;
+                if (kind != first && maps[first].same_texels) continue;
                 map.same_texels = kind != first;
-                draw_.used[draw_.used_count++] = std::uint8_t(kind);
+                draw_.used[draw_.used_count++] = MapKind(kind);
                 taken[kind] = true;
             }
     }
@@ -94,20 +97,19 @@ class Binder {
 // The material's maps and what depends on them.
 void bind_maps(const RenderPlan& plan, const prep::Material& material, Binder& binder,
                ShadeDraw& s) {
-    binder.factor(diffuse_map, material.diffuse_map);
-    binder.factor(emissive_map, material.emissive_map);
-    if (material.unlit) return;
-    if (material.metallic_roughness)
-        binder.factor(metallic_roughness_map, material.metallic_roughness_map);
-    else
-        binder.factor(specular_map, material.specular_map);
-    binder.factor(occlusion_map, material.occlusion_map);
-    if (plan.request.shading != Shading::normal_mapped || s.normals == nullptr) return;
-    // A neutral map is one in tangent space.
-    if (material.normal_map_space == prep::NormalMapSpace::object) {
-        if (binder.bind(normal_map, material.normal_map)) s.source = NormalSource::object_map;
-    } else if (s.tangents != nullptr) {
-        if (binder.normals(material.normal_map)) s.source = NormalSource::tangent_map;
+    for (const prep::MaterialMap& map : prep::material_maps) {
+        if (!is_sampled(map, material, plan.request.shading)) continue;
+        const prep::TextureRef& ref = material.*map.ref;
+        if (map.use != prep::MapUse::normals) {
+            binder.factor(map.kind, ref);
+        } else if (s.normals == nullptr) {
+            continue;
+        } else if (material.normal_map_space == prep::NormalMapSpace::object) {
+            // A neutral map is one in tangent space.
+            if (binder.bind(map.kind, ref)) s.source = NormalSource::object_map;
+        } else if (s.tangents != nullptr) {
+            if (binder.normals(ref)) s.source = NormalSource::tangent_map;
+        }
     }
 }
 

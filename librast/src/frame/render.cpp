@@ -69,7 +69,7 @@ prep::Result<Frame> SceneRenderer::render_bands(const RenderPlan& plan, const Ba
     return all;
 }
 
-prep::Image to_srgb(const Frame& frame, const ToneOptions& options) {
+prep::Image to_srgb(const Frame& frame, const prep::RenderChoices& choices, int threads) {
     prep::Image image;
     image.width = frame.width;
     image.height = frame.height;
@@ -78,11 +78,11 @@ prep::Image to_srgb(const Frame& frame, const ToneOptions& options) {
     image.pixels.resize(frame.color.size() * 3);
     constexpr std::size_t grain = 16384;
     prep::detail::parallel_blocks(
-        frame.color.size(), grain, options.threads, [&](std::size_t begin, std::size_t end) {
+        frame.color.size(), grain, threads, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i)
                 for (int k = 0; k < 3; ++k) {
-                    float x = frame.color[i][k] * options.exposure;
-                    if (options.tone_map && x > 0) x = x / (1 + x);
+                    float x = frame.color[i][k] * choices.exposure;
+                    if (choices.tone_map == ToneMap::reinhard && x > 0) x = x / (1 + x);
                     image.pixels[3 * i + std::size_t(k)] = linear_to_srgb(x);
                 }
         });

@@ -202,15 +202,14 @@ void Renderer::pair_textures() {
                a.rotation == b.rotation;
     };
     for (const prep::Material& m : prepared_.scene.materials) {
-        // In the order of MapKind, in which two at a time are read.
-        const prep::TextureRef* const maps[] = {&m.diffuse_map,  &m.specular_map,
-                                                &m.emissive_map, &m.occlusion_map,
-                                                &m.normal_map,   &m.metallic_roughness_map};
-        for (std::size_t i = 0; i < std::size(maps); ++i)
-            for (std::size_t j = i + 1; j < std::size(maps); ++j) {
-                MipTexture* const a = loaded(*maps[i]);
-                MipTexture* const b = loaded(*maps[j]);
-                if (a != nullptr && b != nullptr && same_place(*maps[i], *maps[j]) &&
+        // In the order in which two at a time are read.
+        for (std::size_t i = 0; i < drawn_maps; ++i)
+            for (std::size_t j = i + 1; j < drawn_maps; ++j) {
+                const prep::TextureRef& first = m.*prep::material_maps[i].ref;
+                const prep::TextureRef& second = m.*prep::material_maps[j].ref;
+                MipTexture* const a = loaded(first);
+                MipTexture* const b = loaded(second);
+                if (a != nullptr && b != nullptr && same_place(first, second) &&
                     MipTexture::put_together(*a, *b))
                     break;
             }

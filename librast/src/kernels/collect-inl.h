@@ -28,3 +28,12 @@ inline std::size_t collect(const std::uint32_t* numbers, const TilePlace& place,
     }
     return found;
 }
+
+inline void expand(const PixelRun* runs, std::size_t count, std::uint32_t* counts,
+                   std::uint16_t* pixels) {
+    for (std::size_t r = 0; r < count; ++r) {
+        const PixelRun& run = runs[r];
+        store_sequence(run.pixel, run.length, pixels + counts[run.number]);
+        counts[run.number] += run.length;
+    }
+}

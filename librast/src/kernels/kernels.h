@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "geometry/tile.h"
+#include "prep/material.h"
 #include "prep/scene.h"
 #include "prep/simd.h"
 #include "shading/texture.h"
@@ -56,15 +57,15 @@ struct SetupTask {
 
 enum class NormalSource : std::uint8_t { none, face, interpolated, tangent_map, object_map };
 
-enum MapKind : std::uint8_t {
-    diffuse_map,
-    specular_map,
-    emissive_map,
-    occlusion_map,
-    normal_map,
-    metallic_roughness_map,
-    map_kinds
-};
+using prep::MapKind;
+
+// Kinds of maps that are drawn, the first of prep::material_maps.
+inline constexpr std::size_t drawn_maps = [] {
+    std::size_t count = 0;
+    for (const prep::MaterialMap& map : prep::material_maps)
+        count += map.use != prep::MapUse::not_drawn;
+    return count;
+}();
 
 // Where maps are read: the UV layer, and uv' = offset + matrix · uv.
 struct MapPlace {
@@ -84,6 +85,13 @@ struct BoundMap {
     TextureFilter filter = TextureFilter::trilinear;
     int most = 8;  // anisotropy
     explicit operator bool() const { return texture != nullptr; }
+};
+
+// Those of a draw, by kind.
+struct BoundMaps {
+    BoundMap of[drawn_maps];
+    BoundMap& operator[](MapKind kind) { return of[std::size_t(kind)]; }
+    const BoundMap& operator[](MapKind kind) const { return of[std::size_t(kind)]; }
 };
 
 struct ShadeLight {
@@ -130,9 +138,9 @@ struct ShadeDraw {
     float ambient[3] = {}, diffuse[4] = {}, specular[3] = {}, emissive[3] = {};
     float shininess = 0, alpha_cutoff = 0;
     bool flip_green = false;
-    BoundMap maps[map_kinds];
-    MapPlace places[map_kinds];
-    std::uint8_t used[map_kinds] = {};  // the kinds of its maps, those on the same texels together
+    BoundMaps maps;
+    MapPlace places[drawn_maps];
+    MapKind used[drawn_maps] = {};  // the kinds of its maps, those on the same texels together
     std::uint8_t used_count = 0, place_count = 0;
 };
 

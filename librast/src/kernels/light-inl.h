@@ -87,7 +87,7 @@ RAST_INLINE V3 finished_normal(const ShadeDraw& draw, const ShadeFrame& frame, V
 RAST_INLINE V3 tangent_space_normal(const ShadeDraw& draw, V3 n, V3 t, F sign, V3 map) {
     const V3 b = cross(n, t) * sign;
     const F two = set(2.0f), one = set(1.0f);
-    const float strength = draw.maps[normal_map].strength;
+    const float strength = draw.maps[MapKind::normal].strength;
     const F mx = (map.x * two - one) * set(strength);
     const F my = (map.y * two - one) * set(draw.flip_green ? -strength : strength);
     const F mz = map.z * two - one;

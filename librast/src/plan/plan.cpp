@@ -4,6 +4,7 @@
 #include <set>
 
 #include "geometry/tile.h"
+#include "plan/sampled_maps.h"
 #include "rast/render.h"
 #include "shading/texture.h"
 
@@ -227,25 +228,15 @@ class Planner {
         if (plan_.request.textures) {
             for (const std::uint32_t m : survey_.materials) {
                 const Material& material = prepared_.scene.materials[m];
-                if (!plan_.request.keep_color) {  // what is cut out still counts
-                    if (material.alpha_mode == prep::AlphaMode::mask)
-                        use(material.diffuse_map, true);
-                    if (plan_.request.keep_normals && !material.unlit &&
-                        plan_.request.shading == Shading::normal_mapped)
-                        use(material.normal_map, false);
-                    continue;
+                for (const prep::MaterialMap& map : prep::material_maps) {
+                    if (!detail::is_sampled(map, material, plan_.request.shading)) continue;
+                    // Without colours, what is cut out still counts.
+                    const bool cuts = map.kind == prep::MapKind::diffuse &&
+                                      material.alpha_mode == prep::AlphaMode::mask;
+                    const bool kept =
+                        map.use == prep::MapUse::normals && plan_.request.keep_normals;
+                    if (plan_.request.keep_color || cuts || kept) use(material.*map.ref, map.color);
                 }
-                use(material.diffuse_map, true);
-                if (!material.unlit) {
-                    if (material.metallic_roughness)
-                        use(material.metallic_roughness_map, false);
-                    else
-                        use(material.specular_map, true);
-                    use(material.occlusion_map, false);
-                    if (plan_.request.shading == Shading::normal_mapped)
-                        use(material.normal_map, false);
-                }
-                use(material.emissive_map, true);
             }
         }
         const bool some = colour_used || data_used;
@@ -342,15 +333,16 @@ class Planner {
             part("vertex normals");
         }
         if (!mesh.colors.empty()) part("vertex colours");
-        if (bound(m.diffuse_map)) part("diffuse map");
-        if (bound(m.emissive_map)) part("emissive map");
-        if (!m.unlit) {
-            if (m.metallic_roughness) part("metallic-roughness");
-            if (m.metallic_roughness && bound(m.metallic_roughness_map))
-                part("metallic-roughness map");
-            if (!m.metallic_roughness && bound(m.specular_map)) part("specular map");
-            if (bound(m.occlusion_map)) part("occlusion map");
-        }
+        const auto maps = [&](prep::MapUse use) {
+            for (const prep::MaterialMap& map : prep::material_maps)
+                if (map.use == use && detail::is_sampled(map, m, r.shading) && bound(m.*map.ref))
+                    part(std::string(map.name) + " map");
+        };
+        maps(prep::MapUse::always);
+        if (!m.unlit && m.metallic_roughness) part("metallic-roughness");
+        for (const prep::MapUse use :
+             {prep::MapUse::metallic_roughness, prep::MapUse::blinn_phong, prep::MapUse::lit})
+            maps(use);
         if (m.alpha_mode == prep::AlphaMode::mask) part("alpha mask");
         return name;
     }

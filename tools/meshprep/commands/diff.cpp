@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "meshprep/commands/commands.h"
 #include "meshprep/commands/mesh_diff.h"
+#include "meshprep/commands/subcommand.h"
 #include "meshprep/files/file_list.h"
 #include "meshprep/output/report_json.h"
 #include "prep/image.h"
@@ -13,6 +13,14 @@
 
 namespace meshprep {
 namespace {
+
+struct DiffCommand {
+    CommonOptions common;
+    std::filesystem::path a, b;
+    bool tangents = false, normals = false;  // neither: what both files have
+    std::filesystem::path heat_map;          // written when set
+    std::optional<double> tolerance;         // degrees (meshes) or RMSE (pictures): above it exit 1
+};
 
 using prep::Error;
 using prep::ErrorCode;
@@ -174,9 +182,7 @@ Result<Verdict> diff_meshes(const DiffCommand& command, Console& console) {
     return all;
 }
 
-}  // namespace
-
-int run_diff(const DiffCommand& command, Console& console) {
+int run(const DiffCommand& command, Console& console) {
     Json document = json_head("diff");
     document["a"] = command.a.string();
     document["b"] = command.b.string();
@@ -204,6 +210,30 @@ int run_diff(const DiffCommand& command, Console& console) {
         console.error(
             fmt::format("they are further apart than the tolerance of {:g}", *command.tolerance));
     return verdict->within ? exit_done : exit_failed;
+}
+
+void define(OptionSet& options, DiffCommand& c) {
+    options.path("a", c.a, "A", "A mesh file or a picture").required();
+    options.path("b", c.b, "B", "Another of the same kind").required();
+    options.flag("--tangents", c.tangents, "Compare tangents: angles and signs");
+    options.flag("--normals", c.normals, "Compare normals: angles");
+    options.path("--heat-map", c.heat_map, "IMAGE", "Pictures: write where they differ");
+    options.not_negative(
+        "--tolerance", c.tolerance, "T",
+        "Exit 1 when the largest angle (degrees) or the pictures' RMSE is above this, or "
+        "a tangent's sign or an ID differs, or a value is infinite in one picture alone");
+    add_common_options(options, c.common);
+    options.examples(
+        "  meshprep diff --tangents baked.glb prepared.glb\n"
+        "  meshprep diff before.png after.png --heat-map difference.png --tolerance 0.004");
+}
+
+}  // namespace
+
+Subcommand diff_subcommand() {
+    return subcommand<DiffCommand>(
+        "diff", "How far two meshes' normals and tangents, or two pictures, are apart", define,
+        run);
 }
 
 }  // namespace meshprep

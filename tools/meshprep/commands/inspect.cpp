@@ -2,8 +2,8 @@
 
 #include <set>
 
-#include "meshprep/commands/commands.h"
 #include "meshprep/commands/selftest.h"
+#include "meshprep/commands/subcommand.h"
 #include "meshprep/files/file_list.h"
 #include "meshprep/output/conventions_text.h"
 #include "meshprep/output/counts.h"
@@ -15,19 +15,12 @@
 namespace meshprep {
 namespace {
 
-struct MapName {
-    const char* name;
-    prep::TextureRef prep::Material::*map;
-};
-constexpr MapName map_names[] = {
-    {"diffuse", &prep::Material::diffuse_map},
-    {"specular", &prep::Material::specular_map},
-    {"emissive", &prep::Material::emissive_map},
-    {"occlusion", &prep::Material::occlusion_map},
-    {"normal", &prep::Material::normal_map},
-    {"bump", &prep::Material::bump_map},
-    {"displacement", &prep::Material::displacement_map},
-    {"metallic-roughness", &prep::Material::metallic_roughness_map},
+struct InspectCommand {
+    CommonOptions common;
+    std::vector<std::filesystem::path> inputs;
+    bool strict = false;
+    bool selftest = false;     // instead of inputs
+    std::uint32_t places = 4;  // shown per finding
 };
 
 std::string image_name(const prep::Scene& scene, const prep::TextureRef& ref) {
@@ -137,8 +130,8 @@ Json scene_json(const prep::Scene& scene) {
     Json materials = Json::array();
     for (const prep::Material& m : scene.materials) {
         Json maps = Json::object();
-        for (const MapName& entry : map_names)
-            if (m.*entry.map) maps[entry.name] = image_name(scene, m.*entry.map);
+        for (const prep::MaterialMap& map : prep::material_maps)
+            if (m.*map.ref) maps[map.name] = image_name(scene, m.*map.ref);
         materials.push_back({{"name", m.name},
                              {"maps", maps},
                              {"double_sided", m.double_sided},
@@ -181,9 +174,9 @@ void print_file(const std::filesystem::path& path, const prep::Scene& scene,
         say(fmt::format("  … and {} more meshes", scene.meshes.size() - most));
     for (std::size_t m = 0; m < scene.materials.size() && m < most; ++m) {
         std::vector<std::string> maps;
-        for (const MapName& entry : map_names)
-            if (const prep::TextureRef& ref = scene.materials[m].*entry.map)
-                maps.push_back(fmt::format("{} map {}", entry.name, image_name(scene, ref)));
+        for (const prep::MaterialMap& map : prep::material_maps)
+            if (const prep::TextureRef& ref = scene.materials[m].*map.ref)
+                maps.push_back(fmt::format("{} map {}", map.name, image_name(scene, ref)));
         if (!maps.empty())
             say(fmt::format("  {}: {}", name_or(scene.materials[m].name, "material", m),
                             fmt::join(maps, ", ")));
@@ -260,9 +253,7 @@ int run_selftest(const InspectCommand& command, Console& console) {
     return test.ok() ? exit_done : exit_failed;
 }
 
-}  // namespace
-
-int run_inspect(const InspectCommand& command, Console& console) {
+int run(const InspectCommand& command, Console& console) {
     if (command.selftest) return run_selftest(command, console);
     Json document = json_head("inspect");
     document["files"] = Json::array();
@@ -306,6 +297,34 @@ int run_inspect(const InspectCommand& command, Console& console) {
     console.progress(command.common, "");
     if (command.common.json) console.json(json_text(document));
     return failed || (command.strict && strict_failed) ? exit_failed : exit_done;
+}
+
+void define(OptionSet& options, InspectCommand& c) {
+    options.paths("input", c.inputs, "FILE", "Mesh or scene files");
+    options.flag("--selftest", c.selftest,
+                 "Instead of files: hard cases in short form on this machine, with the errors "
+                 "found; exit 1 when one fails");
+    options.flag("--strict", c.strict, "Exit 1 when there is a warning or worse");
+    options.number("--places", c.places, 0, 8, "N", "Places shown per finding (default 4)");
+    add_common_options(options, c.common);
+    options.examples(
+        "  meshprep inspect teapot.obj\n"
+        "  meshprep inspect model.glb --strict --quiet && echo clean\n"
+        "  meshprep inspect model.glb --json | jq '.files[0].findings'\n"
+        "  meshprep inspect --selftest");
+}
+
+void check(const InspectCommand& c) {
+    if (c.inputs.empty() != c.selftest)
+        usage_error("input", c.selftest ? "--selftest takes no files"
+                                        : "is missing; give files (or --selftest)");
+}
+
+}  // namespace
+
+Subcommand inspect_subcommand() {
+    return subcommand<InspectCommand>("inspect", "Say what is in a file and what is wrong with it",
+                                      define, run, check);
 }
 
 }  // namespace meshprep

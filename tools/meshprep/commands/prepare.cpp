@@ -3,7 +3,7 @@
 #include <chrono>
 #include <optional>
 
-#include "meshprep/commands/commands.h"
+#include "meshprep/commands/subcommand.h"
 #include "meshprep/files/file_list.h"
 #include "meshprep/output/counts.h"
 #include "meshprep/output/findings_text.h"
@@ -13,6 +13,13 @@
 
 namespace meshprep {
 namespace {
+
+struct PrepareCommand {
+    CommonOptions common;
+    JobRequest files;
+    bool explain = false;
+    prep::PrepareOptions prepare;
+};
 
 using Clock = std::chrono::steady_clock;
 
@@ -79,9 +86,10 @@ Outcome prepare_file(const Job& job, const PrepareCommand& command, Console& con
 
     show("writing");
     start = Clock::now();
-    prep::SaveOptions save = command.save;
-    save.replace = command.overwrite;
-    save.replace_sources = command.in_place;
+    prep::SaveOptions save;
+    save.ascii = command.files.ascii;
+    save.replace = command.files.overwrite;
+    save.replace_sources = command.files.in_place;
     prep::Result<std::vector<std::string>> notes = prep::save_scene(*prepared, job.output, save);
     out.write_ms = since(start);
     if (!notes) {
@@ -209,12 +217,10 @@ void print_row(const Outcome& o, const PrepareCommand& command, Console& console
         console.result(command.common, line);
 }
 
-}  // namespace
-
-int run_prepare(const PrepareCommand& command, Console& console) {
+int run(const PrepareCommand& command, Console& console) {
     const CommonOptions& common = command.common;
     Json document = json_head("prepare");
-    const prep::Result<JobList> list = plan_jobs(command);
+    const prep::Result<JobList> list = plan_jobs(command.files);
     if (!list) {
         console.error(list.error());
         document["error"] = to_json(list.error());
@@ -269,6 +275,48 @@ int run_prepare(const PrepareCommand& command, Console& console) {
         console.json(json_text(document));
     }
     return failed > 0 ? exit_failed : exit_done;
+}
+
+void define(OptionSet& options, PrepareCommand& c) {
+    options
+        .paths("input", c.files.inputs, "FILE|DIR", "Mesh or scene files, or directories of them")
+        .required();
+    options.path("-o,--output", c.files.output, "FILE|DIR",
+                 "A file (its ending says the format) or a directory");
+    options.word(
+        "--format", output_endings(), [&c](const std::string& word) { c.files.format = word; },
+        "Format of files written to a directory (default glb)");
+    options.flag("--ascii", c.files.ascii, "PLY and STL as text");
+    options.flag("--in-place", c.files.in_place, "Write each result over its input");
+    options.flag(
+        "-r,--recursive", c.files.recursive,
+        "Also what lies in directories below, kept apart in directories of the same names");
+    options.flag("--no-overwrite", c.files.overwrite,
+                 "An output file that exists is an error instead of being replaced", false);
+    options.flag("--explain", c.explain,
+                 "Each stage: run or skipped, its reason, its milliseconds");
+    add_preparation_options(options, c.prepare);
+    add_common_options(options, c.common);
+    options.examples(
+        "  meshprep prepare spot.obj -o spot.glb\n"
+        "  meshprep prepare part.stl -o part.glb --hard-angle 30 --explain\n"
+        "  meshprep prepare *.obj more/*.fbx -o out/        many files; a bad one stops no other\n"
+        "  meshprep prepare assets -r -o out --format gltf  a tree of files\n"
+        "  meshprep prepare rock.glb --in-place --tangents mikktspace");
+}
+
+void check(const PrepareCommand& c) {
+    if (c.files.output.empty() && !c.files.in_place)
+        usage_error("--output", "is missing; give -o FILE or -o DIR (or --in-place)");
+    if (!c.files.output.empty() && c.files.in_place)
+        usage_error("--in-place", "writes over the inputs; it takes no --output");
+}
+
+}  // namespace
+
+Subcommand prepare_subcommand() {
+    return subcommand<PrepareCommand>(
+        "prepare", "Load, check, prepare what the materials call for, write", define, run, check);
 }
 
 }  // namespace meshprep

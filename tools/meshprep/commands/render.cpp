@@ -7,11 +7,10 @@
 #include <numbers>
 #include <set>
 
-#include "meshprep/commands/commands.h"
+#include "meshprep/commands/render_command.h"
 #include "meshprep/commands/render_views.h"
+#include "meshprep/commands/subcommand.h"
 #include "meshprep/files/file_list.h"
-#include "meshprep/files/render_outputs.h"
-#include "meshprep/options/render_names.h"
 #include "meshprep/output/report_json.h"
 #include "prep/image.h"
 #include "prep/load.h"
@@ -35,7 +34,7 @@ Result<prep::JsonScene> load(const std::filesystem::path& path, int threads) {
     if (lower_ending(path) == "json") return prep::load_scene_json(path, {threads});
     Result<prep::Scene> scene = prep::load_scene(path, {threads});
     if (!scene) return scene.error();
-    return prep::JsonScene{*std::move(scene), {}};
+    return prep::JsonScene{*std::move(scene), {}, {}};
 }
 
 rast::LightInstance ambient_light(float intensity) {
@@ -78,52 +77,20 @@ std::vector<std::filesystem::path> files_read(const RenderCommand& command,
     return files;
 }
 
-// Several samples exclude exact areas: what the command line says of one overrules the file's
-// other.
-void choose_coverage(const RenderCommand& command, const prep::PictureSettings& picture,
-                     rast::RenderRequest& request) {
-    request.supersample =
-        command.supersample.value_or(picture.supersample.value_or(request.supersample));
-    if (command.samples)
-        request.samples = *command.samples;
-    else if (command.coverage != rast::Coverage::area)
-        request.samples = picture.samples.value_or(request.samples);
-    if (command.coverage)
-        request.coverage = *command.coverage;
-    else if (picture.coverage && command.samples.value_or(1) == 1)
-        request.coverage = value_of(coverage_words(), *picture.coverage);
-}
-
 // The command line first, then the scene file's wishes, then the renderer's defaults.
-rast::RenderRequest request_of(const RenderCommand& command, const prep::PictureSettings& picture) {
+rast::RenderRequest request_of(const RenderCommand& command, prep::RenderWishes picture) {
+    // Several samples exclude exact areas: what the command line says of one overrules the file's
+    // other.
+    const prep::RenderChoices& own = command.wishes.choices;
+    if (own.coverage == prep::Coverage::area) picture.given.erase("samples");
+    if (own.samples > 1) picture.given.erase("coverage");
     rast::RenderRequest request;
+    prep::RenderChoices& choices = request;
+    choices = with_wishes(with_wishes(choices, picture), command.wishes);
     request.threads = command.common.threads;
-    const std::optional<glm::uvec2> size = command.size ? command.size : picture.size;
-    if (size) {
-        request.width = size->x;
-        request.height = size->y;
-    }
-    if (command.shading)
-        request.shading = *command.shading;
-    else if (picture.shading)
-        request.shading = value_of(shading_words(), *picture.shading);
-    if (command.cull)
-        request.cull = *command.cull;
-    else if (picture.cull)
-        request.cull = value_of(cull_words(), *picture.cull);
-    if (command.filter)
-        request.filter = *command.filter;
-    else if (picture.filter)
-        request.filter = value_of(filter_words(), *picture.filter);
-    request.background =
-        command.background.value_or(picture.background.value_or(request.background));
     request.textures = command.textures;
-    choose_coverage(command, picture, request);
-    request.depth_format = command.depth_format;
-    request.max_anisotropy =
-        command.max_anisotropy.value_or(picture.max_anisotropy.value_or(request.max_anisotropy));
     request.crop = command.crop;
-    if (command.band_bytes) request.band_bytes = *command.band_bytes;
+    request.band_bytes = std::uint64_t(command.band_mib) << 20;
     keep(request, command.buffers);
     return request;
 }
@@ -146,7 +113,7 @@ Json plan_json(const rast::RenderPlan& plan) {
     Json json;
     json["width"] = plan.request.width;
     json["height"] = plan.request.height;
-    json["shading"] = word_of(shading_words(), plan.request.shading);
+    json["shading"] = std::string(prep::name_of(plan.request.shading));
     json["triangles"] = plan.triangles;
     json["lights"] = plan.lights.size();
     json["memory_estimate"] = plan.memory_estimate;
@@ -236,9 +203,9 @@ std::vector<std::string> not_drawn(const prep::PreparedScene& prepared) {
             "material " + (material.name.empty() ? std::to_string(m) : "'" + material.name + "'");
         if (material.alpha_mode == prep::AlphaMode::blend)
             out.push_back(name + " is drawn opaque: nothing is blended");
-        if (material.bump_map) out.push_back(name + " has a bump map, which is not drawn");
-        if (material.displacement_map)
-            out.push_back(name + " has a displacement map, which is not drawn");
+        for (const prep::MaterialMap& map : prep::material_maps)
+            if (map.use == prep::MapUse::not_drawn && material.*map.ref)
+                out.push_back(name + " has a " + map.name + " map, which is not drawn");
     }
     if (skinned > 0)
         out.push_back(count_of(skinned, "skinned mesh") +
@@ -286,16 +253,13 @@ Result<Json> render_file(const RenderCommand& command, Console& console) {
 
     const rast::RenderRequest request = request_of(command, loaded->picture);
     const Result<std::vector<std::optional<rast::View>>> views = views_of(
-        command, loaded->picture, *prepared, static_cast<double>(request.width) / request.height);
+        command, loaded->orbit, *prepared, static_cast<double>(request.width) / request.height);
     if (!views) return views.error();
 
     OutputOptions outputs;
     outputs.buffers = command.buffers;
-    outputs.tone.threads = common.threads;
-    outputs.tone.exposure =
-        command.exposure.value_or(static_cast<float>(loaded->picture.exposure.value_or(1.0)));
-    outputs.tone.tone_map =
-        command.tone_map.value_or(loaded->picture.tone_map.value_or("off") == "reinhard");
+    outputs.choices = request;
+    outputs.threads = common.threads;
     prep::ImageFiles files({command.overwrite, files_read(command, *prepared)});
     Json json;
     json["input"] = command.input.string();
@@ -326,7 +290,7 @@ Result<Json> render_file(const RenderCommand& command, Console& console) {
         if (const std::uint64_t broken = drawn->frame.counters.non_finite; broken > 0)
             warnings.push_back(count_of(broken, "triangle") +
                                " with positions that are not finite or beyond all range left out");
-        if (outputs.tone.tone_map && keeps_float(outputs.picture))
+        if (request.tone_map == prep::ToneMap::reinhard && keeps_float(outputs.picture))
             warnings.push_back(
                 "the scene's tone_map is for pictures of 8 bits: linear light is "
                 "kept in '" +
@@ -362,9 +326,7 @@ Result<Json> render_file(const RenderCommand& command, Console& console) {
     return json;
 }
 
-}  // namespace
-
-int run_render(const RenderCommand& command, Console& console) {
+int run(const RenderCommand& command, Console& console) {
     Json document = json_head("render");
     const Result<void> sound = check_files(command);
     const Result<Json> done = sound ? render_file(command, console) : Result<Json>(sound.error());
@@ -377,6 +339,13 @@ int run_render(const RenderCommand& command, Console& console) {
     if (command.common.json) console.json(json_text(document));
     if (!sound && sound.error().code != ErrorCode::io) return exit_usage;
     return done ? exit_done : exit_failed;
+}
+
+}  // namespace
+
+Subcommand render_subcommand() {
+    return subcommand<RenderCommand>("render", "Draw a scene or a mesh", define_render, run,
+                                     check_render);
 }
 
 }  // namespace meshprep

@@ -158,13 +158,12 @@ class Viewer {
 
 }  // namespace
 
-Result<std::vector<std::optional<rast::View>>> views_of(const RenderCommand& command,
-                                                        const prep::PictureSettings& picture,
-                                                        const prep::PreparedScene& prepared,
-                                                        double aspect) {
+Result<std::vector<std::optional<rast::View>>> views_of(
+    const RenderCommand& command, const std::optional<prep::OrbitCamera>& orbit,
+    const prep::PreparedScene& prepared, double aspect) {
     const Viewer viewer(command, prepared, aspect);
-    if (const auto* orbit = std::get_if<OrbitChoice>(&command.camera))
-        return viewer.finished(viewer.orbits(*orbit));
+    if (const auto* choice = std::get_if<OrbitChoice>(&command.camera))
+        return viewer.finished(viewer.orbits(*choice));
     if (const auto* place = std::get_if<PlaceChoice>(&command.camera))
         return viewer.from_place(*place);
     if (const auto* name = std::get_if<std::string>(&command.camera)) {
@@ -172,10 +171,9 @@ Result<std::vector<std::optional<rast::View>>> views_of(const RenderCommand& com
         if (!node) return node.error();
         return viewer.through_camera(*node);
     }
-    if (picture.orbit_azimuth)
+    if (orbit)
         return viewer.finished(
-            viewer.orbits({*picture.orbit_azimuth / degrees, *picture.orbit_elevation / degrees,
-                           *picture.orbit_distance}));
+            viewer.orbits({orbit->azimuth / degrees, orbit->elevation / degrees, orbit->distance}));
     if (command.turntable == 0 && !command.yfov && !command.ortho_height)
         return std::vector<std::optional<rast::View>>(1);
     if (prepared.scene.active_camera != prep::no_index)

@@ -1,10 +1,12 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <cmath>
 #include <set>
 
-#include "meshprep/commands/commands.h"
+#include "meshprep/commands/subcommand.h"
 #include "meshprep/files/file_list.h"
+#include "meshprep/options/values.h"
 #include "meshprep/output/findings_text.h"
 #include "meshprep/output/report_json.h"
 #include "prep/check.h"
@@ -19,6 +21,17 @@
 
 namespace meshprep {
 namespace {
+
+struct ValidateCommand {
+    CommonOptions common;
+    std::vector<std::filesystem::path> inputs;
+    std::filesystem::path output;
+    std::vector<std::string> meshes;      // names or numbers; none: all
+    double azimuth = 30, elevation = 20;  // degrees; each mesh is framed
+    std::uint32_t panel = 480;            // pixels, each picture's width and height
+    std::uint32_t max_meshes = 64;
+    prep::PrepareOptions prepare;
+};
 
 using Clock = std::chrono::steady_clock;
 using prep::Error;
@@ -213,8 +226,8 @@ class Validator {
 
         report::PanelOptions options;
         options.size = command_.panel;
-        options.azimuth = command_.camera.azimuth;
-        options.elevation = command_.camera.elevation;
+        options.azimuth = command_.azimuth;
+        options.elevation = command_.elevation;
         options.prepare = prepare;
         options.threads = command_.common.threads;
         Result<report::PanelSet> panels = report::make_panels(std::move(subject), options);
@@ -257,7 +270,8 @@ class Validator {
             "Findings", {"severity", "count", "kind", "mesh", "what", "where"}, {}};
         for (const prep::Finding& f : out_.findings) {
             const bool named = f.mesh < out_.mesh_names.size() && !out_.mesh_names[f.mesh].empty();
-            findings.rows.push_back({severity_name(f.severity), with_commas(f.count), f.kind,
+            findings.rows.push_back({std::string(prep::name_of(f.severity)), with_commas(f.count),
+                                     f.kind,
                                      named ? out_.mesh_names[f.mesh] : std::to_string(f.mesh),
                                      f.text, places_text(f, 8)});
         }
@@ -309,9 +323,7 @@ Result<std::vector<std::string>> stems_of(const std::vector<std::filesystem::pat
     return stems;
 }
 
-}  // namespace
-
-int run_validate(const ValidateCommand& command, Console& console) {
+int run(const ValidateCommand& command, Console& console) {
     const CommonOptions& common = command.common;
     Json document = json_head("validate");
     const auto fail = [&](const Error& error, int code) {
@@ -364,6 +376,45 @@ int run_validate(const ValidateCommand& command, Console& console) {
     console.progress(common, "");
     if (common.json) console.json(json_text(document));
     return failed > 0 ? exit_failed : exit_done;
+}
+
+void define(OptionSet& options, ValidateCommand& c) {
+    options.paths("input", c.inputs, "FILE", "Mesh or scene files").required();
+    options
+        .path("-o,--output", c.output, "DIR", "Directory for the sheets; made if it is not there")
+        .required();
+    options.texts("--mesh", c.meshes, "NAME|N",
+                  "Only this mesh, by name or number; may be repeated");
+    options.value(
+        "--camera", "AZ,EL",
+        [&c](const std::string& text) {
+            const std::vector<double> n = parse_numbers(text, ',');
+            if (n.size() != 2 || std::abs(n[1]) > 90)
+                usage_error("--camera", "'" + text +
+                                            "' is not AZIMUTH,ELEVATION with an elevation from "
+                                            "-90 to 90");
+            c.azimuth = n[0];
+            c.elevation = n[1];
+        },
+        "Where the pictures are taken from, in degrees (default 30,20)");
+    options.number("--panel", c.panel, 64, 2048, "PIXELS",
+                   "Width and height of each picture (default 480)");
+    options.number("--max-meshes", c.max_meshes, 1, 100000, "N",
+                   "Sheets for at most so many meshes of a file, beside the whole scene's "
+                   "(default 64)");
+    add_preparation_options(options, c.prepare);
+    add_common_options(options, c.common);
+    options.examples(
+        "  meshprep validate spot.obj -o sheets\n"
+        "  meshprep validate helmet.gltf -o sheets --mesh visor --hard-angle 45");
+}
+
+}  // namespace
+
+Subcommand validate_subcommand() {
+    return subcommand<ValidateCommand>(
+        "validate", "Prove the result: sheets of pictures and numbers, as PNG and one HTML page",
+        define, run);
 }
 
 }  // namespace meshprep

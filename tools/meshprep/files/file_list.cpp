@@ -31,9 +31,9 @@ struct Input {
     fs::path below;  // directory below the one that was named, kept apart in the output
 };
 
-Result<std::vector<Input>> list_inputs(const PrepareCommand& command) {
+Result<std::vector<Input>> list_inputs(const JobRequest& request) {
     std::vector<Input> inputs;
-    for (const fs::path& path : command.inputs) {
+    for (const fs::path& path : request.inputs) {
         std::error_code ec;
         if (!fs::is_directory(path, ec)) {
             if (const Result<void> there = require_file(path); !there) return there.error();
@@ -49,7 +49,7 @@ Result<std::vector<Input>> list_inputs(const PrepareCommand& command) {
             if (!format || !format->meshes) return;
             found.push_back({entry.path(), entry.path().parent_path().lexically_relative(path)});
         };
-        if (command.recursive) {
+        if (request.recursive) {
             const auto options = fs::directory_options::skip_permission_denied;
             for (fs::recursive_directory_iterator it(path, options, ec), end; !ec && it != end;
                  it.increment(ec))
@@ -64,7 +64,7 @@ Result<std::vector<Input>> list_inputs(const PrepareCommand& command) {
         if (found.empty())
             return Error{ErrorCode::io,
                          "the directory holds no mesh file" +
-                             std::string(command.recursive ? "" : "; -r also looks below it"),
+                             std::string(request.recursive ? "" : "; -r also looks below it"),
                          path.string()};
         std::sort(found.begin(), found.end(),
                   [](const Input& a, const Input& b) { return a.path < b.path; });
@@ -83,12 +83,12 @@ fs::path identity(const fs::path& path) {
     return ec ? fs::absolute(path).lexically_normal() : canonical;
 }
 
-bool names_directory(const PrepareCommand& command, std::size_t input_count) {
+bool names_directory(const JobRequest& request, std::size_t input_count) {
     std::error_code ec;
-    if (fs::is_directory(command.output, ec)) return true;
-    if (!command.output.has_filename()) return true;  // ends with a slash
-    if (input_count != 1 || command.inputs.size() != 1) return true;
-    return fs::is_directory(command.inputs[0], ec);
+    if (fs::is_directory(request.output, ec)) return true;
+    if (!request.output.has_filename()) return true;  // ends with a slash
+    if (input_count != 1 || request.inputs.size() != 1) return true;
+    return fs::is_directory(request.inputs[0], ec);
 }
 
 Result<void> check_writable_ending(const fs::path& path) {
@@ -102,15 +102,15 @@ Result<void> check_writable_ending(const fs::path& path) {
 }
 
 // Options that nothing would follow.
-Result<void> check_idle_options(const JobList& list, const PrepareCommand& command) {
-    if (!command.format.empty() && list.directories.empty() &&
-        (command.in_place || lower_ending(command.output) != command.format))
+Result<void> check_idle_options(const JobList& list, const JobRequest& request) {
+    if (!request.format.empty() && list.directories.empty() &&
+        (request.in_place || lower_ending(request.output) != request.format))
         return Error{ErrorCode::invalid,
-                     command.in_place ? "--in-place keeps each file's format; leave --format out"
+                     request.in_place ? "--in-place keeps each file's format; leave --format out"
                                       : "its ending says the format, and --format " +
-                                            command.format + " another; leave one of them out",
-                     command.output.string()};
-    if (!command.save.ascii || list.jobs.empty()) return {};
+                                            request.format + " another; leave one of them out",
+                     request.output.string()};
+    if (!request.ascii || list.jobs.empty()) return {};
     for (const Job& job : list.jobs)
         if (const std::string ending = lower_ending(job.output); ending == "ply" || ending == "stl")
             return {};
@@ -119,7 +119,7 @@ Result<void> check_idle_options(const JobList& list, const PrepareCommand& comma
                  list.jobs[0].output.string()};
 }
 
-Result<void> check_conflicts(const JobList& list, const PrepareCommand& command) {
+Result<void> check_conflicts(const JobList& list, const JobRequest& request) {
     std::map<fs::path, fs::path> outputs;
     std::set<fs::path> inputs;
     for (const Job& job : list.jobs) inputs.insert(identity(job.input));
@@ -131,7 +131,7 @@ Result<void> check_conflicts(const JobList& list, const PrepareCommand& command)
                          "two inputs would be written to this file: " + other->second.string() +
                              " and " + job.input.string() + "; rename one or prepare them apart",
                          job.output.string()};
-        if (!command.in_place && inputs.count(id) != 0)
+        if (!request.in_place && inputs.count(id) != 0)
             return Error{ErrorCode::invalid,
                          "the output is also an input; give another name, or --in-place",
                          job.output.string()};
@@ -139,7 +139,7 @@ Result<void> check_conflicts(const JobList& list, const PrepareCommand& command)
         if (fs::is_directory(job.output, ec))
             return Error{ErrorCode::io, "a directory is in the way of this output file",
                          job.output.string()};
-        if (!command.overwrite && fs::exists(job.output, ec))
+        if (!request.overwrite && fs::exists(job.output, ec))
             return Error{ErrorCode::io, "the output exists, and --no-overwrite was given",
                          job.output.string()};
     }
@@ -219,16 +219,16 @@ Result<void> make_directory(const fs::path& directory) {
     return {};
 }
 
-Result<JobList> plan_jobs(const PrepareCommand& command) {
-    Result<std::vector<Input>> inputs = list_inputs(command);
+Result<JobList> plan_jobs(const JobRequest& request) {
+    Result<std::vector<Input>> inputs = list_inputs(request);
     if (!inputs) return inputs.error();
     JobList list;
-    if (command.in_place) {
+    if (request.in_place) {
         for (const Input& input : *inputs) list.jobs.push_back({input.path, input.path});
-    } else if (names_directory(command, inputs->size())) {
-        fs::path directory = command.output;
+    } else if (names_directory(request, inputs->size())) {
+        fs::path directory = request.output;
         if (!directory.has_filename()) directory = directory.parent_path();
-        const std::string format = command.format.empty() ? "glb" : command.format;
+        const std::string format = request.format.empty() ? "glb" : request.format;
         std::set<fs::path> below;
         list.directories.push_back(directory);
         for (const Input& input : *inputs) {
@@ -243,11 +243,11 @@ Result<JobList> plan_jobs(const PrepareCommand& command) {
         for (const fs::path& folder : below) list.directories.push_back(directory / folder);
         std::error_code ec;
         if (!fs::is_directory(directory, ec)) {
-            if (command.output.has_filename() && check_writable_ending(directory))
+            if (request.output.has_filename() && check_writable_ending(directory))
                 return Error{ErrorCode::invalid,
                              "several inputs need a directory, and this is the name of one mesh; "
                              "end it with a slash if it is to be one",
-                             command.output.string()};
+                             request.output.string()};
             if (fs::exists(directory, ec))
                 return Error{ErrorCode::io,
                              "a file of this name is in the way of the output directory",
@@ -256,16 +256,16 @@ Result<JobList> plan_jobs(const PrepareCommand& command) {
                 return parent.error();
         }
     } else {
-        list.jobs.push_back({(*inputs)[0].path, command.output});
-        if (const Result<void> good = check_writable_ending(command.output); !good)
+        list.jobs.push_back({(*inputs)[0].path, request.output});
+        if (const Result<void> good = check_writable_ending(request.output); !good)
             return good.error();
-        if (const Result<void> parent = require_parent(command.output); !parent)
+        if (const Result<void> parent = require_parent(request.output); !parent)
             return parent.error();
     }
     for (const Job& job : list.jobs)
         if (const Result<void> good = check_writable_ending(job.output); !good) return good.error();
-    if (const Result<void> good = check_idle_options(list, command); !good) return good.error();
-    if (const Result<void> good = check_conflicts(list, command); !good) return good.error();
+    if (const Result<void> good = check_idle_options(list, request); !good) return good.error();
+    if (const Result<void> good = check_conflicts(list, request); !good) return good.error();
     return list;
 }
 

@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "meshprep/options/arguments.h"
 #include "prep/result.h"
 
 namespace meshprep {
@@ -15,6 +14,17 @@ const std::vector<std::string>& output_endings();
 std::string output_endings_text();  // "glb, gltf, obj, …"
 std::string input_endings_text();
 std::string lower_ending(const std::filesystem::path& path);
+
+// What `meshprep prepare` is told of files.
+struct JobRequest {
+    std::vector<std::filesystem::path> inputs;
+    std::filesystem::path output;
+    bool in_place = false;
+    bool recursive = false;
+    bool overwrite = true;
+    std::string format;  // of files in an output directory; empty: glb
+    bool ascii = false;  // PLY and STL
+};
 
 struct Job {
     std::filesystem::path input, output;
@@ -29,7 +39,7 @@ struct JobList {
 // there, a directory without mesh files, an output without or with an unknown ending, its directory
 // missing, two inputs with one output, an output that is also an input without --in-place, an
 // existing output with --no-overwrite, a --format or --ascii that no output follows.
-prep::Result<JobList> plan_jobs(const PrepareCommand& command);
+prep::Result<JobList> plan_jobs(const JobRequest& request);
 
 // `path` must be there and be a file that can be read. For messages before the libraries' own.
 prep::Result<void> require_file(const std::filesystem::path& path);

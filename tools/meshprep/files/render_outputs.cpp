@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "meshprep/files/file_list.h"
-#include "meshprep/options/render_names.h"
 
 namespace meshprep {
 namespace {
@@ -165,7 +164,7 @@ Result<void> RenderOutputs::open(const rast::RenderPlan& plan) {
         return open_file(options_.buffer_file, plan, options_.buffers);
     for (const Buffer buffer : options_.buffers) {
         std::filesystem::path path = options_.picture;
-        path.replace_extension(word_of(buffer_words(), buffer) + ".exr");
+        path.replace_extension(std::string(prep::name_of(buffer)) + ".exr");
         if (Result<void> opened = open_file(path, plan, {buffer}); !opened) return opened;
     }
     return {};
@@ -199,13 +198,13 @@ Result<void> RenderOutputs::write(const rast::Frame& band) {
     std::vector<float> floats;
     if (linear_) {
         floats.reserve(band.color.size() * 4);
-        const float e = options_.tone.exposure;
+        const float e = options_.choices.exposure;
         for (const glm::vec4& c : band.color) {
             for (const float v : {c.r * e, c.g * e, c.b * e}) floats.push_back(v);
             if (alpha_) floats.push_back(c.a);
         }
     } else {
-        floats = rast::to_srgb(band, options_.tone).pixels;
+        floats = rast::to_srgb(band, options_.choices, options_.threads).pixels;
     }
     if (Result<void> written = files_.write_rows(picture_, floats); !written) return written;
     const Distance distance(view_);

@@ -6,11 +6,22 @@
 #include <string>
 #include <vector>
 
-#include "meshprep/options/arguments.h"
+#include "prep/enum_names.h"
 #include "prep/image.h"
 #include "rast/render.h"
 
 namespace meshprep {
+
+// What can be written beside the colours, at each pixel's first sample.
+enum class Buffer : std::uint8_t { depth, id, normal, uv, barycentric, position };
+constexpr auto names_of(Buffer) {
+    return std::to_array<prep::EnumName<Buffer>>({{"depth", Buffer::depth},
+                                                  {"id", Buffer::id},
+                                                  {"normal", Buffer::normal},
+                                                  {"uv", Buffer::uv},
+                                                  {"barycentric", Buffer::barycentric},
+                                                  {"position", Buffer::position}});
+}
 
 // Digits that a pattern such as "turn.%04d.png" asks for (0: as many as it takes); nothing where
 // the name is none.
@@ -31,7 +42,8 @@ struct OutputOptions {
     std::filesystem::path picture;
     std::vector<Buffer> buffers;
     std::filesystem::path buffer_file;  // empty: a file for each, PICTURE.BUFFER.exr
-    rast::ToneOptions tone;
+    prep::RenderChoices choices;        // exposure and tone map
+    int threads = 0;
 };
 
 // One picture's files, written band by band into a set that appears together.

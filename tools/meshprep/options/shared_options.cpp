@@ -3,73 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <sstream>
+#include <string_view>
+#include <utility>
+
+#include "meshprep/options/values.h"
 
 namespace meshprep {
-
-void usage_error(const std::string& option, const std::string& text) {
-    throw CLI::ValidationError(option, text);
-}
-
-std::vector<double> parse_numbers(const std::string& text, char separator) {
-    std::vector<double> numbers;
-    std::istringstream in(text);
-    std::string item;
-    while (std::getline(in, item, separator)) {
-        char* end = nullptr;
-        const double value = std::strtod(item.c_str(), &end);
-        if (item.empty() || *end != '\0' || !std::isfinite(value)) return {};
-        numbers.push_back(value);
-    }
-    if (!text.empty() && text.back() == separator) return {};
-    return numbers;
-}
-
-glm::vec3 parse_color(const std::string& option, const std::string& text) {
-    const auto linear = [](long level) {
-        const double c = static_cast<double>(level & 255) / 255.0;
-        return static_cast<float>(c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4));
-    };
-    if (text.size() == 7 && text[0] == '#' &&
-        text.find_first_not_of("0123456789abcdefABCDEF", 1) == std::string::npos) {
-        const long value = std::strtol(text.c_str() + 1, nullptr, 16);
-        return {linear(value >> 16), linear(value >> 8), linear(value)};
-    }
-    std::vector<double> numbers = parse_numbers(text, ',');
-    if (numbers.size() == 1) numbers.assign(3, numbers[0]);
-    if (numbers.size() != 3)
-        usage_error(option, "'" + text +
-                                "' is not a colour; give #rrggbb, or linear R,G,B such as 1,0.5,0");
-    for (const double n : numbers)
-        if (n < 0 || n > 1000)
-            usage_error(option, "'" + text + "' has a component outside 0 to 1000");
-    return {numbers[0], numbers[1], numbers[2]};
-}
-
-CLI::Validator number_from_to(double least, double most) {
-    return CLI::Validator(
-        [least, most](std::string& text) -> std::string {
-            const std::vector<double> numbers = parse_numbers(text, ',');
-            if (numbers.size() == 1 && numbers[0] >= least && numbers[0] <= most) return {};
-            std::ostringstream message;
-            message << "'" << text << "' is not a number from " << least << " to " << most;
-            return message.str();
-        },
-        "");
-}
-
-void add_common_options(CLI::App* app, CommonOptions& common) {
-    const std::string group = "Common";
-    app->add_flag("--json", common.json, "Results as JSON on standard output")->group(group);
-    app->add_flag("-q,--quiet", common.quiet, "No results in words, no progress; errors still show")
-        ->group(group);
-    app->add_option("--threads", common.threads,
-                    "Threads to use; 0: all cores. Results do not depend on it")
-        ->check(CLI::Range(0, 4096))
-        ->type_name("N")
-        ->group(group);
-}
-
 namespace {
 
 void parse_hard_angle(const std::string& text, prep::HardEdgeOptions& hard) {
@@ -89,9 +28,7 @@ void parse_hard_angle(const std::string& text, prep::HardEdgeOptions& hard) {
 }
 
 void parse_hard_borders(const std::string& text, prep::HardEdgeOptions& hard) {
-    std::istringstream in(text);
-    std::string word;
-    while (std::getline(in, word, ',')) {
+    for (const std::string& word : parse_list(text)) {
         if (word == "uv")
             hard.uv_borders = true;
         else if (word == "material")
@@ -105,9 +42,7 @@ void parse_hard_borders(const std::string& text, prep::HardEdgeOptions& hard) {
 void parse_repair(const std::string& text, prep::RepairOptions& repair) {
     constexpr std::uint32_t default_hole_edges = 100;
     if (text.empty()) usage_error("--repair", "names nothing to mend; 'all' is a choice");
-    std::istringstream in(text);
-    std::string word;
-    while (std::getline(in, word, ',')) {
+    for (const std::string& word : parse_list(text)) {
         const std::size_t equals = word.find('=');
         const std::string name = word.substr(0, equals);
         const bool valued = equals != std::string::npos;
@@ -152,91 +87,128 @@ void set_tangents(const std::string& word, prep::PrepareOptions& p) {
                                                 : prep::TangentMode::mikktspace;
 }
 
+// "max_anisotropy" → "--max-anisotropy".
+std::string option_name(std::string_view key) {
+    std::string name = "--" + std::string(key);
+    std::replace(name.begin(), name.end(), '_', '-');
+    return name;
+}
+
+// Adds the option of one choice, whose values are of the last parameter's kind.
+struct ChoiceOption {
+    OptionSet& options;
+    prep::RenderChoices& to;
+    const std::string name;
+    const char* const help;
+
+    template <class E>
+    Option add(E prep::RenderChoices::*member, const prep::Named&) const {
+        return options.named(name, to.*member, help);
+    }
+    Option add(int prep::RenderChoices::*member, const prep::Range& range) const {
+        return options.number(name, to.*member, int(range.least), int(range.greatest), "N", help);
+    }
+    Option add(float prep::RenderChoices::*member, const prep::Range& range) const {
+        return options.number(name, to.*member, range.least, range.greatest, "X", help);
+    }
+    Option add(int prep::RenderChoices::*member, const prep::OneOf& offered) const {
+        return options.one_of(name, to.*member, offered.values, "N", help);
+    }
+    Option add(glm::vec3 prep::RenderChoices::*member, const prep::Linear&) const {
+        return options.value(
+            name, "COLOUR",
+            [&out = to.*member, option = name](const std::string& text) {
+                out = parse_color(option, text);
+            },
+            help);
+    }
+    using Extent = std::uint32_t prep::RenderChoices::*;
+    Option add(std::pair<Extent, Extent> extent, const prep::Pixels& pixels) const {
+        return options.value(
+            name, "WxH",
+            [&width = to.*extent.first, &height = to.*extent.second, pixels,
+             option = name](const std::string& text) {
+                const std::vector<double> n = parse_numbers(text, 'x');
+                if (n.size() != 2 || n[0] != std::floor(n[0]) || n[1] != std::floor(n[1]) ||
+                    std::min(n[0], n[1]) < 1 || std::max(n[0], n[1]) > pixels.greatest)
+                    usage_error(option, "'" + text + "' is not a size such as 1280x720, up to " +
+                                            std::to_string(pixels.greatest) + "x" +
+                                            std::to_string(pixels.greatest));
+                width = static_cast<std::uint32_t>(n[0]);
+                height = static_cast<std::uint32_t>(n[1]);
+            },
+            help);
+    }
+};
+
 }  // namespace
 
-void add_preparation_options(CLI::App* app, prep::PrepareOptions& p) {
-    using prep::Authored;
-    const std::string group = "Preparation";
-    const Words<Authored> authored = {
-        {"keep", Authored::keep}, {"replace", Authored::replace}, {"repair", Authored::repair}};
-    add_words<Authored>(
-        app, "--normals", authored, [&p](Authored a) { p.normals = a; },
+void add_common_options(OptionSet& options, CommonOptions& common) {
+    options.group("Common");
+    options.flag("--json", common.json, "Results as JSON on standard output");
+    options.flag("-q,--quiet", common.quiet, "No results in words, no progress; errors still show");
+    options.number("--threads", common.threads, 0, 4096, "N",
+                   "Threads to use; 0: all cores. Results do not depend on it");
+}
+
+void add_preparation_options(OptionSet& options, prep::PrepareOptions& p) {
+    options.group("Preparation");
+    options.named(
+        "--normals", p.normals,
         "The file's own normals: keep (default; computed where there are none), replace, or repair "
-        "those that are zero, not finite, not unit or against their face")
-        ->group(group);
-    add_words<prep::NormalWeight>(
-        app, "--weight",
-        {{"area", prep::NormalWeight::area},
-         {"uniform", prep::NormalWeight::uniform},
-         {"angle", prep::NormalWeight::angle},
-         {"area-angle", prep::NormalWeight::area_angle},
-         {"edge-length", prep::NormalWeight::edge_length}},
-        [&p](prep::NormalWeight w) { p.normal.weight = w; },
-        "What a face counts for in a corner's normal (default area)")
-        ->group(group);
-    add_words<prep::Precision>(
-        app, "--precision",
-        {{"fast", prep::Precision::fast},
-         {"accurate", prep::Precision::accurate},
-         {"exact", prep::Precision::exact}},
-        [&p](prep::Precision v) { p.normal.precision = v; },
-        "Arithmetic of normals: float, compensated double (default) or exact rationals (slow)")
-        ->group(group);
-    app->add_option_function<std::string>(
-           "--repair", [&p](const std::string& text) { parse_repair(text, p.repair); },
-           "Mends before anything else, with a log: weld[=DISTANCE] (default 0: equal positions), "
-           "degenerate faces, duplicates, non-manifold edges and vertices, orientation, "
-           "holes[=EDGES] (of at most 100), outward, isolated vertices; all: these but weld")
-        ->type_name("LIST")
-        ->group(group);
-    app->add_option_function<std::string>(
-           "--hard-angle", [&p](const std::string& text) { parse_hard_angle(text, p.hard_edges); },
-           "Edges that turn by more than this many degrees are hard; auto: 60, off: none is")
-        ->type_name("DEG|off|auto")
-        ->group(group);
-    add_words<bool>(
-        app, "--smoothing-groups", {{"on", true}, {"off", false}},
-        [&p](bool on) { p.hard_edges.smoothing_groups = on; },
-        "Whether the file's smoothing groups decide instead of the angle (default on)")
-        ->group(group);
-    app->add_option_function<std::string>(
-           "--hard-borders",
-           [&p](const std::string& text) { parse_hard_borders(text, p.hard_edges); },
-           "Also hard: edges where UVs or materials meet")
-        ->type_name("uv,material")
-        ->group(group);
-    Words<std::string> modes;
-    for (const char* mode : {"auto", "mikktspace", "mikktspace-exact", "none"})
-        modes.emplace_back(mode, mode);
-    add_words<std::string>(
-        app, "--tangents", modes, [&p](const std::string& word) { set_tangents(word, p); },
+        "those that are zero, not finite, not unit or against their face");
+    options.named("--weight", p.normal.weight,
+                  "What a face counts for in a corner's normal (default area)");
+    options.named(
+        "--precision", p.normal.precision,
+        "Arithmetic of normals: float, compensated double (default) or exact rationals (slow)");
+    options.value(
+        "--repair", "LIST", [&p](const std::string& text) { parse_repair(text, p.repair); },
+        "Mends before anything else, with a log: weld[=DISTANCE] (default 0: equal positions), "
+        "degenerate faces, duplicates, non-manifold edges and vertices, orientation, "
+        "holes[=EDGES] (of at most 100), outward, isolated vertices; all: these but weld");
+    options.value(
+        "--hard-angle", "DEG|off|auto",
+        [&p](const std::string& text) { parse_hard_angle(text, p.hard_edges); },
+        "Edges that turn by more than this many degrees are hard; auto: 60, off: none is");
+    options.word(
+        "--smoothing-groups", {"on", "off"},
+        [&p](const std::string& word) { p.hard_edges.smoothing_groups = word == "on"; },
+        "Whether the file's smoothing groups decide instead of the angle (default on)");
+    options.value(
+        "--hard-borders", "uv,material",
+        [&p](const std::string& text) { parse_hard_borders(text, p.hard_edges); },
+        "Also hard: edges where UVs or materials meet");
+    options.word(
+        "--tangents", {"auto", "mikktspace", "mikktspace-exact", "none"},
+        [&p](const std::string& word) { set_tangents(word, p); },
         "auto (default): where a material has a normal map; mikktspace: wherever there are UVs; "
-        "mikktspace-exact: every bit of the C reference, its zeros included; none")
-        ->group(group);
-    app->add_option_function<double>(
-           "--tangent-angle",
-           [&p](double degrees) {
-               if (!(degrees >= 0 && degrees <= 180))
-                   usage_error("--tangent-angle", "not an angle from 0 to 180 degrees");
-               p.tangent.angular_threshold = degrees * std::numbers::pi / 180;
-           },
-           "Gradients that differ by more than this many degrees are not averaged (default 180, as "
-           "bakers have it)")
-        ->type_name("DEG")
-        ->group(group);
-    add_words<Authored>(
-        app, "--authored-tangents", authored, [&p](Authored a) { p.tangents = a; },
-        "The file's own tangents: keep (default), replace, or repair the bad ones")
-        ->group(group);
-    add_words<prep::WeldMode>(
-        app, "--weld",
-        {{"auto", prep::WeldMode::automatic},
-         {"none", prep::WeldMode::none},
-         {"exact", prep::WeldMode::exact}},
-        [&p](prep::WeldMode w) { p.weld = w; },
+        "mikktspace-exact: every bit of the C reference, its zeros included; none");
+    options.value(
+        "--tangent-angle", "DEG",
+        [&p](const std::string& text) {
+            const std::vector<double> degrees = parse_numbers(text, ',');
+            if (degrees.size() != 1 || !(degrees[0] >= 0 && degrees[0] <= 180))
+                usage_error("--tangent-angle", "not an angle from 0 to 180 degrees");
+            p.tangent.angular_threshold = degrees[0] * std::numbers::pi / 180;
+        },
+        "Gradients that differ by more than this many degrees are not averaged (default 180, as "
+        "bakers have it)");
+    options.named("--authored-tangents", p.tangents,
+                  "The file's own tangents: keep (default), replace, or repair the bad ones");
+    options.named(
+        "--weld", p.weld,
         "Whether equal positions are one point for adjacency; auto (default): where the file "
-        "repeats vertices at seams")
-        ->group(group);
+        "repeats vertices at seams");
+}
+
+void add_render_choices(OptionSet& options, prep::RenderWishes& wishes) {
+    prep::for_each_render_choice(
+        [&](std::string_view key, auto member, const auto& values, const char* help) {
+            ChoiceOption{options, wishes.choices, option_name(key), help}
+                .add(member, values)
+                .when_given([&given = wishes.given, key] { given.insert(key); });
+        });
 }
 
 }  // namespace meshprep

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "meshprep/options/arguments.h"
+#include "meshprep/options/common_options.h"
 #include "prep/result.h"
 
 namespace meshprep {

@@ -18,46 +18,6 @@ double percent(std::uint64_t part, std::uint64_t whole) {
     return whole == 0 ? 0.0 : 100.0 * static_cast<double>(part) / static_cast<double>(whole);
 }
 
-const char* word(TangentMethod method) {
-    switch (method) {
-        case TangentMethod::mikktspace:
-            return "mikktspace";
-        case TangentMethod::similar:
-            return "similar";
-        case TangentMethod::other:
-            return "other";
-        case TangentMethod::undecided:
-            break;
-    }
-    return "undecided";
-}
-
-const char* word(TangentSign sign) {
-    switch (sign) {
-        case TangentSign::as_gltf:
-            return "as-gltf";
-        case TangentSign::inverted:
-            return "inverted";
-        case TangentSign::mixed:
-            return "mixed";
-        case TangentSign::undecided:
-            break;
-    }
-    return "undecided";
-}
-
-const char* word(GreenDirection direction) {
-    switch (direction) {
-        case GreenDirection::up:
-            return "up";
-        case GreenDirection::down:
-            return "down";
-        case GreenDirection::undecided:
-            break;
-    }
-    return "undecided";
-}
-
 std::string method_text(const prep::TangentConventions& t) {
     const char* verdict = t.method == TangentMethod::mikktspace ? "MikkTSpace"
                           : t.method == TangentMethod::similar  ? "similar to MikkTSpace"
@@ -188,8 +148,8 @@ Json to_json(const SceneConventions& conventions, const prep::Scene& scene) {
         const prep::TangentConventions& t = mesh.tangents;
         json["tangents"].push_back({{"mesh", mesh_name(scene, mesh.mesh)},
                                     {"uv_set", mesh.uv_set},
-                                    {"method", word(t.method)},
-                                    {"sign", word(t.sign)},
+                                    {"method", prep::name_of(t.method)},
+                                    {"sign", prep::name_of(t.sign)},
                                     {"compared", t.compared},
                                     {"identical", t.identical},
                                     {"within_1_degree", t.within_1},
@@ -203,7 +163,7 @@ Json to_json(const SceneConventions& conventions, const prep::Scene& scene) {
     for (const MapConventions& map : conventions.maps) {
         Json entry = {{"image", map.image},
                       {"material", scene.materials[map.material].name},
-                      {"green", word(map.green.direction)},
+                      {"green", prep::name_of(map.green.direction)},
                       {"correlation", map.green.correlation},
                       {"correlations", map.green.correlations},
                       {"texels", map.green.texels}};

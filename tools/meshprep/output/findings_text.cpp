@@ -10,7 +10,7 @@ namespace meshprep {
 std::string places_text(const prep::Finding& finding, std::size_t places) {
     const std::size_t shown = std::min(places, finding.places.size());
     if (shown == 0) return {};
-    std::string text = place_name(finding.place_kind);
+    std::string text(prep::name_of(finding.place_kind));
     if (finding.count > 1)
         text = finding.place_kind == prep::PlaceKind::vertex ? "vertices" : text + "s";
     for (std::size_t i = 0; i < shown; ++i)
@@ -32,7 +32,8 @@ std::vector<std::string> findings_text(const std::vector<prep::Finding>& finding
         std::string text = f->text;
         const std::string where = places_text(*f, places);
         if (!where.empty()) text += " (" + where + ")";
-        std::vector<std::string> row = {severity_name(f->severity), with_commas(f->count), f->kind};
+        std::vector<std::string> row = {std::string(prep::name_of(f->severity)),
+                                        with_commas(f->count), f->kind};
         if (mesh_names.size() > 1) {
             const std::string name = f->mesh < mesh_names.size() ? mesh_names[f->mesh] : "";
             row.push_back(name.empty() ? "mesh " + std::to_string(f->mesh) : name);

@@ -15,12 +15,12 @@ Json to_json(const prep::Error& error) {
 Json to_json(const prep::Finding& finding, const prep::Scene& scene) {
     Json json;
     json["kind"] = finding.kind;
-    json["severity"] = severity_name(finding.severity);
+    json["severity"] = prep::name_of(finding.severity);
     json["mesh"] = finding.mesh;
     if (finding.mesh < scene.meshes.size() && !scene.meshes[finding.mesh].name.empty())
         json["mesh_name"] = scene.meshes[finding.mesh].name;
     json["count"] = finding.count;
-    json["place_kind"] = place_name(finding.place_kind);
+    json["place_kind"] = prep::name_of(finding.place_kind);
     json["places"] = finding.places;
     json["text"] = finding.text;
     return json;
@@ -32,7 +32,7 @@ Json to_json(const prep::RepairStep& repair) {
     json["mesh"] = repair.mesh;
     json["changed"] = repair.changed;
     json["left"] = repair.left;
-    json["place_kind"] = place_name(repair.place_kind);
+    json["place_kind"] = prep::name_of(repair.place_kind);
     json["places"] = repair.places;
     json["text"] = repair.text;
     return json;
@@ -84,32 +84,6 @@ Json json_head(const char* command) {
 
 std::string json_text(const Json& json) {
     return json.dump(2, ' ', false, Json::error_handler_t::replace);
-}
-
-const char* severity_name(prep::Severity severity) {
-    switch (severity) {
-        case prep::Severity::error:
-            return "error";
-        case prep::Severity::warning:
-            return "warning";
-        case prep::Severity::info:
-            break;
-    }
-    return "info";
-}
-
-const char* place_name(prep::PlaceKind kind) {
-    switch (kind) {
-        case prep::PlaceKind::vertex:
-            return "vertex";
-        case prep::PlaceKind::edge:
-            return "edge";
-        case prep::PlaceKind::corner:
-            return "corner";
-        case prep::PlaceKind::face:
-            break;
-    }
-    return "face";
 }
 
 }  // namespace meshprep

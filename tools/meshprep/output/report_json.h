@@ -23,9 +23,6 @@ Json json_head(const char* command);
 // Strings from files may hold bytes that are not UTF-8: they are replaced, never an error.
 std::string json_text(const Json& json);
 
-const char* severity_name(prep::Severity severity);
-const char* place_name(prep::PlaceKind kind);
-
 // The reasons that occur, in words, with their counts.
 std::vector<std::pair<const char*, std::uint64_t>> split_list(const prep::SplitCounts& splits);
 

@@ -373,10 +373,8 @@ class Assembler {
         }
         for (ImageRef& image : lib.images) scene_.images.push_back(std::move(image));
         for (Material& m : lib.materials) {
-            for (TextureRef* ref :
-                 {&m.diffuse_map, &m.specular_map, &m.emissive_map, &m.occlusion_map, &m.normal_map,
-                  &m.bump_map, &m.displacement_map, &m.metallic_roughness_map})
-                if (*ref) ref->texture += textures;
+            for (const MaterialMap& map : material_maps)
+                if (TextureRef& ref = m.*map.ref) ref.texture += textures;
             scene_.materials.push_back(std::move(m));
         }
         for (std::string& w : lib.warnings) scene_.warnings.push_back(std::move(w));

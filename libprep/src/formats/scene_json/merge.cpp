@@ -13,13 +13,6 @@ void shift(std::uint32_t& index, std::size_t by) {
     if (index != no_index) index += static_cast<std::uint32_t>(by);
 }
 
-constexpr TextureRef Material::*maps[] = {
-    &Material::diffuse_map,      &Material::specular_map,
-    &Material::emissive_map,     &Material::occlusion_map,
-    &Material::normal_map,       &Material::bump_map,
-    &Material::displacement_map, &Material::metallic_roughness_map,
-};
-
 }  // namespace
 
 MergedPart merge_scene(Scene& into, Scene&& part, const std::string& name) {
@@ -37,7 +30,8 @@ MergedPart merge_scene(Scene& into, Scene&& part, const std::string& name) {
 
     for (Texture& texture : part.textures) shift(texture.image, into.images.size());
     for (Material& material : part.materials)
-        for (const auto map : maps) shift((material.*map).texture, into.textures.size());
+        for (const MaterialMap& map : material_maps)
+            shift((material.*map.ref).texture, into.textures.size());
     for (Mesh& mesh : part.meshes) {
         // They belong to the file that is left behind.
         mesh.morph_targets.clear();

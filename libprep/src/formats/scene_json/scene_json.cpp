@@ -38,13 +38,12 @@ class Builder {
         for (const auto step : steps)
             if (std::optional<Error> error = (this->*step)(spec)) return std::move(*error);
         out_.picture = spec.picture;
-        if (spec.picture.coverage == "area" && spec.picture.samples.value_or(1) > 1)
+        const RenderChoices& choices = spec.picture.choices;
+        if (choices.coverage == Coverage::area && choices.samples > 1)
             return error("/picture/coverage", "exact areas take the place of several samples");
-        if (spec.camera && spec.camera->orbit) {
-            out_.picture.orbit_azimuth = spec.camera->orbit->azimuth * degrees;
-            out_.picture.orbit_elevation = spec.camera->orbit->elevation * degrees;
-            out_.picture.orbit_distance = spec.camera->orbit->distance;
-        }
+        if (spec.camera && spec.camera->orbit)
+            out_.orbit = {spec.camera->orbit->azimuth * degrees,
+                          spec.camera->orbit->elevation * degrees, spec.camera->orbit->distance};
         return std::move(out_);
     }
 
@@ -108,15 +107,15 @@ class Builder {
             Material material = entry.value.material;
             material.name = entry.name.text;
             material.diffuse.a = entry.value.opacity;
-            for (const MapSlot& slot : map_slots) {
-                const std::optional<MapSpec>& map = entry.value.*slot.spec;
+            for (const MaterialMap& row : material_maps) {
+                const std::optional<MapSpec>& map = entry.value.maps[std::size_t(row.kind)];
                 if (!map) continue;
                 const Result<std::uint32_t> texture = find(textures_, map->texture, "texture");
                 if (!texture) return texture.error();
                 TextureRef ref = map->ref;
                 ref.texture = *texture;
                 ref.rotation = static_cast<float>(map->rotate * degrees);
-                material.*slot.map = ref;
+                material.*row.ref = ref;
             }
             materials_[entry.name.text] = static_cast<std::uint32_t>(out_.scene.materials.size());
             out_.scene.materials.push_back(std::move(material));

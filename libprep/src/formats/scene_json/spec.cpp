@@ -21,7 +21,6 @@ using schema::required;
 using schema::Table;
 using schema::text;
 using schema::whole;
-using schema::word;
 
 constexpr double huge = 1e30;  // coordinates and intensities: within float, squares within double
 
@@ -38,19 +37,6 @@ Field<T> optional_number(std::string key, std::optional<Value> T::*member, doubl
 }
 
 template <class T>
-Field<T> optional_whole(std::string key, std::optional<int> T::*member, int least, int greatest) {
-    return {std::move(key), [=](const Json& value, const std::string& pointer, T& out) -> Outcome {
-                double read = 0;
-                if (Outcome problem = schema::read_number(value, pointer, least, greatest, read))
-                    return problem;
-                if (read != std::floor(read))
-                    return Problem{pointer, "expected a whole number, found " + value.dump()};
-                out.*member = static_cast<int>(read);
-                return {};
-            }};
-}
-
-template <class T>
 Field<T> optional_point(std::string key, std::optional<glm::dvec3> T::*member) {
     return {std::move(key), [=](const Json& value, const std::string& pointer, T& out) -> Outcome {
                 glm::dvec3 read{0};
@@ -61,29 +47,14 @@ Field<T> optional_point(std::string key, std::optional<glm::dvec3> T::*member) {
             }};
 }
 
-float linear(int level) {
-    const double c = level / 255.0;
-    return static_cast<float>(c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4));
-}
-
-int hex_digit(char c) {
-    if (c >= '0' && c <= '9') return c - '0';
-    if (c >= 'a' && c <= 'f') return c - 'a' + 10;
-    if (c >= 'A' && c <= 'F') return c - 'A' + 10;
-    return -1;
-}
-
 // "#rrggbb" (sRGB), [r, g, b] (linear) or one number for grey (linear).
 Outcome read_color(const Json& value, const std::string& pointer, double greatest, glm::vec3& out) {
     if (value.is_string()) {
         const std::string hex = value.get<std::string>();
-        bool good = hex.size() == 7 && hex[0] == '#';
-        for (std::size_t i = 1; good && i < 7; ++i) good = hex_digit(hex[i]) >= 0;
-        if (!good)
+        const std::optional<glm::vec3> color = color_from_hex(hex);
+        if (!color)
             return Problem{pointer, "expected a colour such as \"#ff8800\", found '" + hex + "'"};
-        for (int i = 0; i < 3; ++i)
-            out[i] = linear(hex_digit(hex[std::size_t(1 + 2 * i)]) * 16 +
-                            hex_digit(hex[std::size_t(2 + 2 * i)]));
+        out = *color;
         return {};
     }
     double read[3];
@@ -109,31 +80,12 @@ Field<T> color(std::string key, std::function<glm::vec3&(T&)> where, double grea
             }};
 }
 
-const std::vector<std::pair<std::string, Wrap>> wraps = {{"repeat", Wrap::repeat},
-                                                         {"mirror", Wrap::mirror},
-                                                         {"clamp", Wrap::clamp},
-                                                         {"border", Wrap::border}};
-
-template <class T>
-Field<T> optional_wrap(std::string key, std::optional<Wrap> T::*member) {
-    return choice<T>(
-        std::move(key), member,
-        std::vector<std::pair<std::string, std::optional<Wrap>>>(wraps.begin(), wraps.end()));
-}
-
 Table<TextureSpec> texture_table() {
     using T = TextureSpec;
     return {
-        required(name("file", &T::file)),
-        choice("wrap", &T::wrap, wraps),
-        optional_wrap("wrap_u", &T::wrap_u),
-        optional_wrap("wrap_v", &T::wrap_v),
-        choice("mag", &T::mag, {{"nearest", Filter::nearest}, {"linear", Filter::linear}}),
-        choice("min", &T::min, {{"nearest", Filter::nearest}, {"linear", Filter::linear}}),
-        choice("mip", &T::mip,
-               {{"none", MipFilter::none},
-                {"nearest", MipFilter::nearest},
-                {"linear", MipFilter::linear}}),
+        required(name("file", &T::file)), choice("wrap", &T::wrap), choice("wrap_u", &T::wrap_u),
+        choice("wrap_v", &T::wrap_v),     choice("mag", &T::mag),   choice("min", &T::min),
+        choice("mip", &T::mip),
     };
 }
 
@@ -155,11 +107,11 @@ Table<MapSpec> map_table() {
     };
 }
 
-Field<MaterialSpec> map_field(const MapSlot& slot) {
-    const auto member = slot.spec;
+Field<MaterialSpec> map_field(const MaterialMap& row) {
     return {
-        slot.key,
-        [member](const Json& value, const std::string& pointer, MaterialSpec& out) -> Outcome {
+        row.scene_key,
+        [kind = std::size_t(row.kind)](const Json& value, const std::string& pointer,
+                                       MaterialSpec& out) -> Outcome {
             MapSpec map;
             if (value.is_string()) {  // the texture's name alone
                 map.texture.pointer = pointer;
@@ -168,7 +120,7 @@ Field<MaterialSpec> map_field(const MapSlot& slot) {
             } else if (Outcome problem = schema::read_object(value, pointer, map_table(), map)) {
                 return problem;
             }
-            out.*member = std::move(map);
+            out.maps[kind] = std::move(map);
             return {};
         }};
 }
@@ -199,34 +151,22 @@ Table<MaterialSpec> material_table() {
         number("opacity", &T::opacity, 0, 1),
         of_material(flag("unlit", &Material::unlit)),
         of_material(flag("double_sided", &Material::double_sided)),
-        of_material(choice("alpha_mode", &Material::alpha_mode,
-                           {{"opaque", AlphaMode::opaque},
-                            {"mask", AlphaMode::mask},
-                            {"blend", AlphaMode::blend}})),
+        of_material(choice("alpha_mode", &Material::alpha_mode)),
         of_material(number("alpha_cutoff", &Material::alpha_cutoff, 0, 1)),
-        of_material(
-            choice("normal_map_space", &Material::normal_map_space,
-                   {{"tangent", NormalMapSpace::tangent}, {"object", NormalMapSpace::object}})),
+        of_material(choice("normal_map_space", &Material::normal_map_space)),
         of_material(flag("normal_map_flip_green", &Material::normal_map_flip_green)),
     };
-    for (const MapSlot& slot : map_slots) table.push_back(map_field(slot));
+    for (const MaterialMap& row : material_maps)
+        if (row.scene_key != nullptr) table.push_back(map_field(row));
     return table;
 }
 
 Table<ShapeSpec> shape_table() {
     using T = ShapeSpec;
     return {
-        required(choice("kind", &T::kind,
-                        {{"plane", ShapeKind::plane},
-                         {"box", ShapeKind::box},
-                         {"sphere", ShapeKind::sphere},
-                         {"cylinder", ShapeKind::cylinder},
-                         {"torus", ShapeKind::torus}})),
-        numbers("size", &T::size, 1 / huge, huge),
-        number("radius", &T::radius, 1 / huge, huge),
-        number("height", &T::height, 1 / huge, huge),
-        number("tube", &T::tube, 1 / huge, huge),
-        whole("segments", &T::segments, 1, 1u << 24),
+        required(choice("kind", &T::kind)),           numbers("size", &T::size, 1 / huge, huge),
+        number("radius", &T::radius, 1 / huge, huge), number("height", &T::height, 1 / huge, huge),
+        number("tube", &T::tube, 1 / huge, huge),     whole("segments", &T::segments, 1, 1u << 24),
         whole("rings", &T::rings, 1, 1u << 24),
     };
 }
@@ -323,11 +263,7 @@ Table<LightSpec> light_table() {
     using T = LightSpec;
     return {
         name("name", &T::name),
-        required(choice("kind", &T::kind,
-                        {{"ambient", LightKind::ambient},
-                         {"directional", LightKind::directional},
-                         {"point", LightKind::point},
-                         {"spot", LightKind::spot}})),
+        required(choice("kind", &T::kind)),
         color<T>(
             "color", [](T& l) -> glm::vec3& { return l.color; }, 1e6),
         number("intensity", &T::intensity, 0, 1e9),
@@ -362,48 +298,67 @@ Table<CameraSpec> camera_table() {
     };
 }
 
-Table<PictureSettings> picture_table() {
-    using T = PictureSettings;
-    return {
-        Field<T>{"size",
-                 [](const Json& value, const std::string& pointer, T& out) -> Outcome {
-                     double read[2];
-                     if (Outcome problem = schema::read_numbers(value, pointer, 2, 1, 32768, read))
-                         return problem;
-                     if (read[0] != std::floor(read[0]) || read[1] != std::floor(read[1]))
-                         return Problem{pointer, "expected whole numbers, found " + value.dump()};
-                     out.size = glm::uvec2(static_cast<std::uint32_t>(read[0]),
-                                           static_cast<std::uint32_t>(read[1]));
-                     return {};
-                 }},
-        word("shading", &T::shading, {"flat", "gouraud", "phong", "normal-mapped"}),
-        Field<T>{"background",
-                 [](const Json& value, const std::string& pointer, T& out) -> Outcome {
-                     glm::vec3 read{0};
-                     if (Outcome problem = read_color(value, pointer, 1e6, read)) return problem;
-                     out.background = read;
-                     return {};
-                 }},
-        word("cull", &T::cull, {"by-material", "back", "front", "none"}),
-        word("filter", &T::filter,
-             {"sampler", "nearest", "bilinear", "nearest-mip", "trilinear", "bicubic",
-              "anisotropic", "ripmap", "ewa"}),
-        Field<T>{
-            "samples",
-            [](const Json& value, const std::string& pointer, T& out) -> Outcome {
-                for (const int offered : {1, 2, 4, 8, 16})
-                    if (value.is_number() && value == offered) {
-                        out.samples = offered;
-                        return {};
-                    }
-                return Problem{pointer, "expected 1, 2, 4, 8 or 16 samples, found " + value.dump()};
-            }},
-        optional_whole("supersample", &T::supersample, 1, 16),
-        word("coverage", &T::coverage, {"samples", "area"}),
-        optional_whole("max_anisotropy", &T::max_anisotropy, 1, 16),
-        word("tone_map", &T::tone_map, {"off", "reinhard"}),
-        optional_number("exposure", &T::exposure, 1e-6, 1e6),
-    };
+// The value of one of the picture's choices.
+using Choices = RenderChoices;
+template <class E>
+Outcome read_value(const Json& value, const std::string& pointer, E Choices::*member, Named,
+                   Choices& out) {
+    return schema::read_named(value, pointer, out.*member);
+}
+template <class Number>
+Outcome read_value(const Json& value, const std::string& pointer, Number Choices::*member,
+                   const Range& range, Choices& out) {
+    double read = 0;
+    if (Outcome problem = schema::read_number(value, pointer, range.least, range.greatest, read))
+        return problem;
+    if (std::is_integral_v<Number> && read != std::floor(read))
+        return Problem{pointer, "expected a whole number, found " + value.dump()};
+    out.*member = static_cast<Number>(read);
+    return {};
+}
+Outcome read_value(const Json& value, const std::string& pointer, int Choices::*member,
+                   const OneOf& offered, Choices& out) {
+    std::string list;
+    for (const int n : offered.values) {
+        if (value.is_number() && value == n) {
+            out.*member = n;
+            return {};
+        }
+        list += (list.empty()                 ? ""
+                 : n == offered.values.back() ? " or "
+                                              : ", ") +
+                std::to_string(n);
+    }
+    return Problem{pointer, "expected " + list + ", found " + value.dump()};
+}
+Outcome read_value(const Json& value, const std::string& pointer, glm::vec3 Choices::*member,
+                   Linear, Choices& out) {
+    return read_color(value, pointer, 1e6, out.*member);
+}
+using Extent = std::uint32_t Choices::*;
+Outcome read_value(const Json& value, const std::string& pointer, std::pair<Extent, Extent> member,
+                   Pixels pixels, Choices& out) {
+    double read[2];
+    if (Outcome problem = schema::read_numbers(value, pointer, 2, 1, pixels.greatest, read))
+        return problem;
+    if (read[0] != std::floor(read[0]) || read[1] != std::floor(read[1]))
+        return Problem{pointer, "expected whole numbers, found " + value.dump()};
+    out.*member.first = static_cast<std::uint32_t>(read[0]);
+    out.*member.second = static_cast<std::uint32_t>(read[1]);
+    return {};
+}
+
+Table<RenderWishes> picture_table() {
+    Table<RenderWishes> table;
+    for_each_render_choice([&](std::string_view key, auto member, auto values, const char*) {
+        table.push_back(
+            {std::string(key),
+             [=](const Json& value, const std::string& pointer, RenderWishes& out) -> Outcome {
+                 out.given.insert(key);
+                 return read_value(value, pointer, member, values, out.choices);
+             }});
+    });
+    return table;
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // What the JSON scene's keys are read into, and the tables that say which keys there are.
 #pragma once
 
+#include <iterator>
 #include <optional>
 #include <string>
 #include <vector>
@@ -27,26 +28,17 @@ struct MapSpec {
 struct MaterialSpec {
     Material material;
     float opacity = 1;
-    std::optional<MapSpec> diffuse, specular, emissive, occlusion, normal, bump, displacement;
-};
-
-// Which map of the specification fills which of the material.
-struct MapSlot {
-    const char* key;
-    std::optional<MapSpec> MaterialSpec::*spec;
-    TextureRef Material::*map;
-};
-inline constexpr MapSlot map_slots[] = {
-    {"diffuse_map", &MaterialSpec::diffuse, &Material::diffuse_map},
-    {"specular_map", &MaterialSpec::specular, &Material::specular_map},
-    {"emissive_map", &MaterialSpec::emissive, &Material::emissive_map},
-    {"occlusion_map", &MaterialSpec::occlusion, &Material::occlusion_map},
-    {"normal_map", &MaterialSpec::normal, &Material::normal_map},
-    {"bump_map", &MaterialSpec::bump, &Material::bump_map},
-    {"displacement_map", &MaterialSpec::displacement, &Material::displacement_map},
+    std::optional<MapSpec> maps[std::size(material_maps)];
 };
 
 enum class ShapeKind { plane, box, sphere, cylinder, torus };
+constexpr auto names_of(ShapeKind) {
+    return std::to_array<EnumName<ShapeKind>>({{"plane", ShapeKind::plane},
+                                               {"box", ShapeKind::box},
+                                               {"sphere", ShapeKind::sphere},
+                                               {"cylinder", ShapeKind::cylinder},
+                                               {"torus", ShapeKind::torus}});
+}
 
 struct ShapeSpec {
     ShapeKind kind = ShapeKind::sphere;
@@ -103,7 +95,7 @@ struct SceneSpec {
     std::vector<schema::Named<NodeSpec>> nodes;
     std::vector<schema::Named<LightSpec>> lights;
     std::optional<CameraSpec> camera;
-    PictureSettings picture;
+    RenderWishes picture;
 };
 
 const schema::Table<SceneSpec>& scene_table();

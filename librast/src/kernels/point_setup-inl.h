@@ -1,0 +1,178 @@
+// From runs of triangles to points: what the vertices' values come to at each.
+// Included once per instruction set, inside the namespace that has its lanes.
+
+// The surface of as many triangles as there are lanes.
+struct SurfaceTable {
+    TriangleTable triangles;
+    alignas(64) std::int32_t id[vector_size];
+    alignas(64) float sign[vector_size], face[3][vector_size];
+    VectorTable normal, tangent, position;
+    RangeTable color[3], light[6], uv[2];
+    PlaceTable places[drawn_maps];
+
+    inline void set_up(const ShadeDraw& draw, const TilePlace& place, const Wanted& wanted, I ids) {
+        const Corners s = corners_of(draw, ids);
+        const TriangleTable::Slopes slopes = triangles.set_up(draw, s, place, wanted.maps);
+        store(ids, id);
+        if (wanted.normals) {
+            if (draw.source == NormalSource::face) {
+                const F zero = set(0.0f);
+                const V3 n = face_normal(draw, s, {zero, zero, zero});
+                store(n.x, face[0]);
+                store(n.y, face[1]);
+                store(n.z, face[2]);
+            } else if (draw.source != NormalSource::object_map) {
+                normal.set_up(s, draw.normals);
+            }
+            if (draw.source == NormalSource::tangent_map) {
+                tangent.set_up<4>(s, draw.tangents);
+                store(corner_value<4>(s, draw.tangents, 0, 3), sign);
+            }
+        }
+        if (wanted.positions) position.set_up(s, draw.positions);
+        for (int c = 0; wanted.colors && c < 3; ++c) color[c].set_up<4>(s, draw.colors, c);
+        if (wanted.vertex_light) {
+            // The sums on the side that is seen.
+            const I from = select(ids < set(0), set(6), set(0));
+            for (int c = 0; c < 6; ++c) {
+                F values[3];
+                for (int k = 0; k < 3; ++k)
+                    values[k] = gather(draw.vertex_light + c,
+                                       times<int(vertex_light_floats)>(s.vertex[k]) + from);
+                light[c].set_up(values[0], values[1], values[2]);
+            }
+        }
+        for (int c = 0; wanted.uvs != nullptr && c < 2; ++c) uv[c].set_up<2>(s, wanted.uvs, c);
+        for (int p = 0; wanted.maps && p < draw.place_count; ++p)
+            places[p].set_up(draw.places[p], s, slopes);
+    }
+
+    // One vector's points, from point `n` on. `at`: their triangles, as Pick or OnePick.
+    template <class At>
+    RAST_INLINE void put(const ShadeDraw& draw, const TilePlace& place, const Wanted& wanted,
+                         const TriangleTable::Shares& shares, I entry, At at, I i, I j,
+                         Points& points, std::size_t n) const {
+        const Weights w = triangles.weights(place, wanted.maps, shares, entry, at, i, j);
+        store(pick(id, at), points.id + n);
+        if (wanted.normals) {
+            if (draw.source == NormalSource::face)
+                points.put3({pick(face[0], at), pick(face[1], at), pick(face[2], at)},
+                            Points::normal, n);
+            else if (draw.source != NormalSource::object_map)
+                points.put3(normal(w, at), Points::normal, n);
+            if (draw.source == NormalSource::tangent_map) {
+                points.put3(tangent(w, at), Points::tangent, n);
+                points.put(pick(sign, at), Points::sign, n);
+            }
+        }
+        if (wanted.positions)
+            points.put3(point_from_eye(draw, position(w, at)), Points::position, n);
+        for (int c = 0; wanted.colors && c < 3; ++c)
+            points.put(color[c](w, at), Points::color + c, n);
+        for (int c = 0; wanted.vertex_light && c < 6; ++c)
+            points.put(light[c](w, at), Points::vertex_light + c, n);
+        for (int c = 0; wanted.uvs != nullptr && c < 2; ++c)
+            points.put(uv[c](w, at), Points::uv + c, n);
+        if (wanted.weights) {
+            points.put(w.b, Points::weights, n);
+            points.put(w.c, Points::weights + 1, n);
+        }
+        for (int p = 0; wanted.maps && p < draw.place_count; ++p) {
+            const Coordinates c = places[p](w, at);
+            const F values[6] = {c.u, c.v, c.u_x, c.v_x, c.u_y, c.v_y};
+            for (int k = 0; k < 6; ++k) points.put(values[k], Points::coordinates + 6 * p + k, n);
+        }
+    }
+};
+
+// Pixels of the tile.
+RAST_INLINE void load_pixels(const std::uint16_t* pixels, I& i, I& j) {
+    static_assert(tile_size == 64);
+    const I at = load(pixels);
+    i = at & set(63);
+    j = shift_right<6>(at);
+}
+RAST_INLINE void load_places(const TilePlace& place, const std::uint16_t* pixels, I& x, I& y) {
+    load_pixels(pixels, x, y);
+    x = shift_left<subpixel_bits>(x) + set(place.x);
+    y = shift_left<subpixel_bits>(y) + set(place.y);
+}
+
+// Takes the runs' points in portions. `ask(points)` is called as soon as a portion's surface is
+// known, `take(points)` only when the next one has been asked: what was asked for comes meanwhile.
+template <class Task, class Ask, class Take>
+RAST_INLINE void for_each_portion(const ShadeDraw& draw, const Task& task, const Wanted& wanted,
+                                  const Ask& ask, const Take& take) {
+    SurfaceTable table;
+    constexpr std::size_t most_vectors = points_at_once / vector_size;
+    TriangleTable::Shares shares[most_vectors];
+    I entries[most_vectors];
+    std::int32_t one[most_vectors];  // the one entry of all lanes, or −1
+    Points both[2];
+    Points *now = &both[0], *before = &both[1];
+    std::size_t point = task.begin;
+    now->held = before->held = 0;
+    const auto finish = [&] {
+        now->first = point - now->held;
+        if (!wanted.maps) {  // nothing has to come
+            take(*now);
+            now->held = 0;
+            return;
+        }
+        ask(*now);
+        if (before->held > 0) take(*before);
+        std::swap(now, before);
+        now->held = 0;
+    };
+    for (std::size_t r = 0; r < task.run_count;) {
+        const RunGroup group = next_group(task.runs + r, task.run_count - r);
+        table.set_up(draw, task.place, wanted, group.ids());
+        std::size_t run = 0;
+        while (point < group.end()) {
+            // As many vectors as the group and the portion have, in two loops: else all
+            // of a vector's chain of operations would wait for its quotient.
+            const std::size_t left = group.end() - point, room = points_at_once - now->held,
+                              vectors =
+                                  ((left < room ? left : room) + vector_size - 1) / vector_size;
+            for (std::size_t v = 0; v < vectors; ++v) {
+                const std::size_t at = point + v * vector_size;
+                I i, j;
+                load_pixels(task.pixels + at, i, j);
+                one[v] = group.is_one(at, run) ? std::int32_t(run) : -1;
+                entries[v] = group.entries(at, run);
+                if (one[v] >= 0)
+                    shares[v] =
+                        table.triangles.shares(task.place, entries[v], OnePick{one[v]}, i, j);
+                else
+                    shares[v] =
+                        table.triangles.shares(task.place, entries[v], pick_of(entries[v]), i, j);
+            }
+            for (std::size_t v = 0; v < vectors; ++v) {
+                const std::size_t n = now->held + v * vector_size;
+                I i, j;
+                load_pixels(task.pixels + point + v * vector_size, i, j);
+                if (one[v] >= 0)
+                    table.put(draw, task.place, wanted, shares[v], entries[v], OnePick{one[v]}, i,
+                              j, *now, n);
+                else
+                    table.put(draw, task.place, wanted, shares[v], entries[v], pick_of(entries[v]),
+                              i, j, *now, n);
+            }
+            const std::size_t n = vectors * vector_size < left ? vectors * vector_size : left;
+            point += n;
+            now->held += n;
+            if (now->held < points_at_once) continue;
+            // What the last vector has beyond the portion's end comes again.
+            const std::size_t more = now->held - points_at_once;
+            if (more > 0) {
+                now->held -= more;
+                point -= more;
+                run = group.run_of(point);
+            }
+            finish();
+        }
+        r += group.count;
+    }
+    if (now->held > 0) finish();
+    if (before->held > 0) take(*before);
+}

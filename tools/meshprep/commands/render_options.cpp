@@ -1,0 +1,231 @@
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "meshprep/commands/render_command.h"
+#include "meshprep/files/file_list.h"
+#include "meshprep/options/values.h"
+
+namespace meshprep {
+namespace {
+
+void parse_camera(const std::string& text, RenderCommand& c) {
+    const std::vector<double> n = parse_numbers(text, ',');
+    if (n.size() < 2) {
+        c.camera = text;
+        return;
+    }
+    const OrbitChoice orbit{n[0], n[1], n.size() > 2 ? n[2] : 1.0};
+    if (n.size() > 3 || std::abs(orbit.elevation) > 90 || orbit.distance <= 0)
+        usage_error("--camera", "'" + text +
+                                    "' is not AZIMUTH,ELEVATION[,DISTANCE] with an elevation from "
+                                    "-90 to 90 and a distance above 0");
+    c.camera = orbit;
+}
+
+void parse_light(const std::string& text, RenderCommand& c) {
+    const std::vector<double> n = parse_numbers(text, ',');
+    if (n.size() < 2 || n.size() > 3 || (n.size() > 2 && n[2] < 0))
+        usage_error("--light", "'" + text + "' is not AZIMUTH,ELEVATION[,INTENSITY]");
+    c.lights.push_back({n[0], n[1], static_cast<float>(n.size() > 2 ? n[2] : 1.0)});
+}
+
+glm::dvec3 parse_place(const std::string& option, const std::string& text) {
+    const std::vector<double> n = parse_numbers(text, ',');
+    if (n.size() != 3) usage_error(option, "'" + text + "' is not X,Y,Z");
+    return {n[0], n[1], n[2]};
+}
+
+void parse_crop(const std::string& text, RenderCommand& c) {
+    const auto extent = text.find(',', text.find(',') + 1);
+    const std::vector<double> at = parse_numbers(text.substr(0, extent), ',');
+    const std::vector<double> size = extent == std::string::npos
+                                         ? std::vector<double>{}
+                                         : parse_numbers(text.substr(extent + 1), 'x');
+    bool good = at.size() == 2 && size.size() == 2;
+    for (const auto* numbers : {&at, &size})
+        for (const double n : *numbers)
+            good = good && n == std::floor(n) && n >= 0 && n <= rast::max_picture_extent;
+    if (!good || size[0] < 1 || size[1] < 1)
+        usage_error("--crop", "'" + text +
+                                  "' is not X,Y,WxH: the first column and row, then the size in "
+                                  "pixels of the whole picture");
+    c.crop = rast::Crop{std::uint32_t(at[0]), std::uint32_t(at[1]), std::uint32_t(size[0]),
+                        std::uint32_t(size[1])};
+}
+
+void parse_buffers(const std::string& text, RenderCommand& c) {
+    if (text.empty()) usage_error("--buffers", "names no buffer; 'all' is a choice");
+    for (const std::string& word : parse_list(text)) {
+        bool known = false;
+        for (const auto& [name, buffer] : names_of(Buffer{})) {
+            if (word != name && word != "all") continue;
+            known = true;
+            if (std::find(c.buffers.begin(), c.buffers.end(), buffer) == c.buffers.end())
+                c.buffers.push_back(buffer);
+        }
+        if (!known)
+            usage_error("--buffers",
+                        "'" + word + "' is not one of " + prep::names_text<Buffer>(", ") + ", all");
+    }
+}
+
+void parse_ortho(const std::string& text, RenderCommand& c) {
+    const std::vector<double> n = parse_numbers(text, ',');
+    if (text != "fit" && (n.size() != 1 || !(n[0] > 0)))
+        usage_error("--ortho", "'" + text + "' is not a height above 0 in world units, or fit");
+    c.ortho_height = text == "fit" ? 0 : n[0];
+}
+
+void add_camera_options(OptionSet& options, RenderCommand& c) {
+    options.group("Camera");
+    const Option camera = options.value(
+        "--camera", "AZ,EL[,D]|NAME|N", [&c](const std::string& text) { parse_camera(text, c); },
+        "AZIMUTH,ELEVATION[,DISTANCE]: degrees around the scene, distance 1 fits it; or "
+        "the name or number of a camera in the file. Default: the file's camera, else "
+        "30,20");
+    const Option from = options
+                            .value(
+                                "--look-from", "X,Y,Z",
+                                [&c](const std::string& text) {
+                                    PlaceChoice place;
+                                    place.from = parse_place("--look-from", text);
+                                    c.camera = place;
+                                },
+                                "The camera's place in the world")
+                            .excludes(camera);
+    const auto place = [&c]() -> PlaceChoice& {
+        if (!std::holds_alternative<PlaceChoice>(c.camera)) c.camera = PlaceChoice{};
+        return std::get<PlaceChoice>(c.camera);
+    };
+    // Read after --look-from, whatever their order on the command line: options are taken in the
+    // order of their definition.
+    options
+        .value(
+            "--look-at", "X,Y,Z",
+            [place](const std::string& text) { place().at = parse_place("--look-at", text); },
+            "What it looks at (default: the scene's centre)")
+        .needs(from);
+    options
+        .value(
+            "--up", "X,Y,Z",
+            [place](const std::string& text) {
+                place().up = parse_place("--up", text);
+                place().up_given = true;
+            },
+            "Which way is up in the picture (default 0,1,0)")
+        .needs(from);
+    options.value(
+        "--fov", "DEG",
+        [&c](const std::string& text) {
+            const std::vector<double> degrees = parse_numbers(text, ',');
+            if (degrees.size() != 1 || !(degrees[0] >= 0.01 && degrees[0] <= 175))
+                usage_error("--fov", "not an angle from 0.01 to 175 degrees");
+            c.yfov = degrees[0] * std::numbers::pi / 180;
+        },
+        "Angle of view from the picture's bottom to its top");
+    options.value(
+        "--ortho", "HEIGHT|fit", [&c](const std::string& text) { parse_ortho(text, c); },
+        "No perspective: this height in world units fills the picture; fit: the scene does");
+    options.number("--turntable", c.turntable, 1, 10000, "N",
+                   "N pictures from all around the scene, NAME_000.png and so on; or -o with a "
+                   "pattern, as in name.%04d.png");
+}
+
+void add_output_options(OptionSet& options, RenderCommand& c) {
+    options.group("Outputs");
+    options.value(
+        "--crop", "X,Y,WxH", [&c](const std::string& text) { parse_crop(text, c); },
+        "Only this part of the picture: column and row of its top left pixel, then its size. "
+        "Parts join without a seam, bit for bit");
+    options.value(
+        "--buffers", "LIST", [&c](const std::string& text) { parse_buffers(text, c); },
+        "Beside the picture, as NAME.BUFFER.exr: depth (Z along the view, and the depth "
+        "buffer), id (triangle and node), normal, uv, barycentric, position; all");
+    options.path("--buffer-file", c.buffer_file, "FILE", "The buffers in one EXR file instead");
+    options.flag("--no-overwrite", c.overwrite,
+                 "An output file that exists is an error instead of being replaced", false);
+    options.number("--band-memory", c.band_mib, 1, 1 << 20, "MIB",
+                   "MiB of pixels held at a time (default 64); larger pictures are drawn and "
+                   "written in bands of rows");
+}
+
+}  // namespace
+
+void define_render(OptionSet& options, RenderCommand& c) {
+    options.path("input", c.input, "FILE", "A scene or mesh file").required();
+    options.path("-o,--output", c.output, "IMAGE", "The picture: .png, .jpg, .exr and others")
+        .required();
+    add_render_choices(options, c.wishes);
+    options
+        .value(
+            "--light", "AZ,EL[,I]", [&c](const std::string& text) { parse_light(text, c); },
+            "Instead of the file's lights: a directional one from this direction, in degrees seen "
+            "from the camera (0,0 a headlight; 90,0 from the right); may be repeated")
+        .repeatable();
+    options.number("--ambient", c.ambient, 0, 100, "I",
+                   "Ambient light beside --light (default 0.1)");
+    options.flag("--no-textures", c.textures, "Material colours only", false);
+    options.flag("--explain", c.explain, "Print the plan: each step, run or skipped, and why");
+    add_camera_options(options, c);
+    add_output_options(options, c);
+    add_preparation_options(options, c.prepare);
+    add_common_options(options, c.common);
+    options.examples(
+        "  meshprep render spot.obj -o spot.png --shading phong --camera 40,15\n"
+        "  meshprep render room.json -o room.png --explain\n"
+        "  meshprep render rock.glb -o rock.exr --size 1920x1080 --light 45,30 --light=-60,10,0.3\n"
+        "  meshprep render rock.glb -o rock.png --buffers depth,normal   rock.depth.exr, …\n"
+        "  meshprep render rock.glb -o rock.png --look-from 3,2,5 --look-at 0,1,0 --fov 35\n"
+        "  meshprep render part.stl -o part.png --camera 0,90 --ortho fit\n"
+        "  meshprep render rock.glb -o truth.exr --coverage area         exact edges, slowly\n"
+        "  meshprep render rock.glb -o fine.png --supersample 4 --filter anisotropic\n"
+        "  meshprep render rock.glb -o turn.png --turntable 36           turn_000.png, …\n"
+        "  meshprep render rock.glb -o wall.png --size 16384x16384       drawn in bands\n"
+        "  meshprep render rock.glb -o part.png --size 8192x8192 --crop 4096,0,512x512");
+}
+
+void check_render(const RenderCommand& c) {
+    const prep::RenderChoices& choices = c.wishes.choices;
+    if (!c.buffer_file.empty() && c.buffers.empty())
+        usage_error("--buffer-file", "says where; give --buffers to say which");
+    if (!c.buffer_file.empty() && lower_ending(c.buffer_file) != "exr")
+        usage_error("--buffer-file",
+                    "'" + c.buffer_file.filename().string() + "' holds no buffers; name it .exr");
+    const auto* const place = std::get_if<PlaceChoice>(&c.camera);
+    if (place && place->at && *place->at == place->from)
+        usage_error("--look-at", "is where the camera stands");
+    if (place && place->up_given) {
+        const glm::dvec3& up = place->up;
+        if (!(glm::length(up) > 0)) usage_error("--up", "has no length; choose a direction");
+        const glm::dvec3 view = place->at ? *place->at - place->from : glm::dvec3(0);
+        if (place->at &&
+            !(glm::length(glm::cross(view, up)) > 1e-9 * glm::length(view) * glm::length(up)))
+            usage_error("--up", "points along the view; choose another");
+    }
+    if (c.yfov && c.ortho_height)
+        usage_error("--fov", "is an angle of perspective; --ortho has none, give one of them");
+    const std::string name = c.output.filename().string();
+    if (choices.tone_map == prep::ToneMap::reinhard && keeps_float(c.output))
+        usage_error("--tone-map", "'" + name + "' keeps linear light as it is; leave one of them");
+    if (c.turntable == 0 && pattern_digits(name))
+        usage_error("--output", "'" + name + "' numbers pictures; give --turntable N");
+    if (c.turntable > 0 && !c.buffer_file.empty() &&
+        !pattern_digits(c.buffer_file.filename().string()))
+        usage_error("--buffer-file",
+                    "needs a number in its name for --turntable, as in b.%04d.exr");
+    if (choices.coverage == prep::Coverage::area && choices.samples != 1)
+        usage_error("--coverage", "area takes the place of --samples");
+    if (!c.wishes.has("size")) return;
+    const std::uint32_t most =
+        prep::max_picture_extent / static_cast<std::uint32_t>(choices.supersample);
+    if (std::max(choices.width, choices.height) > most)
+        usage_error("--supersample", std::to_string(choices.supersample) +
+                                         " needs a --size of at most " + std::to_string(most) +
+                                         " pixels a side");
+    if (c.crop &&
+        (c.crop->x + c.crop->width > choices.width || c.crop->y + c.crop->height > choices.height))
+        usage_error("--crop", "leaves the picture of --size");
+}
+
+}  // namespace meshprep

@@ -1,0 +1,16 @@
+#include "meshprep/commands/subcommand.h"
+
+namespace meshprep {
+
+Subcommand prepare_subcommand();
+Subcommand inspect_subcommand();
+Subcommand render_subcommand();
+Subcommand validate_subcommand();
+Subcommand diff_subcommand();
+
+std::vector<Subcommand> subcommands() {
+    return {prepare_subcommand(), inspect_subcommand(), render_subcommand(), validate_subcommand(),
+            diff_subcommand()};
+}
+
+}  // namespace meshprep

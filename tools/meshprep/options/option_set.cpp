@@ -1,0 +1,141 @@
+#include "meshprep/options/option_set.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <sstream>
+
+#include "meshprep/options/values.h"
+
+namespace meshprep {
+namespace {
+
+// Unlike CLI::Range it lets no NaN through.
+CLI::Validator number_from_to(double least, double most) {
+    return CLI::Validator(
+        [least, most](std::string& text) -> std::string {
+            const std::vector<double> numbers = parse_numbers(text, ',');
+            if (numbers.size() == 1 && numbers[0] >= least && numbers[0] <= most) return {};
+            std::ostringstream message;
+            message << "'" << text << "' is not a number from " << least << " to " << most;
+            return message.str();
+        },
+        "");
+}
+
+}  // namespace
+
+void usage_error(const std::string& option, const std::string& text) {
+    throw CLI::ValidationError(option, text);
+}
+
+Option Option::required() const {
+    option_->required();
+    return *this;
+}
+
+Option Option::repeatable() const {
+    option_->expected(1)->take_all();
+    return *this;
+}
+
+Option Option::needs(const Option& other) const {
+    option_->needs(other.option_);
+    return *this;
+}
+
+Option Option::excludes(const Option& other) const {
+    option_->excludes(other.option_);
+    return *this;
+}
+
+Option Option::when_given(std::function<void()> act) const {
+    option_->each([act = std::move(act)](const std::string&) { act(); });
+    return *this;
+}
+
+CLI::Option* OptionSet::grouped(CLI::Option* option) const {
+    if (!group_.empty()) option->group(group_);
+    return option;
+}
+
+void OptionSet::examples(const std::string& text) {
+    app_.footer("Examples:\n" + text);
+}
+
+Option OptionSet::flag(const std::string& name, bool& to, const std::string& help, bool value) {
+    return Option(grouped(value ? app_.add_flag(name, to, help)
+                                : app_.add_flag_callback(
+                                      name, [&to] { to = false; }, help)));
+}
+
+Option OptionSet::path(const std::string& name, std::filesystem::path& to, const std::string& type,
+                       const std::string& help) {
+    return Option(grouped(app_.add_option(name, to, help)->type_name(type)));
+}
+
+Option OptionSet::paths(const std::string& name, std::vector<std::filesystem::path>& to,
+                        const std::string& type, const std::string& help) {
+    return Option(grouped(app_.add_option(name, to, help)->type_name(type)));
+}
+
+Option OptionSet::texts(const std::string& name, std::vector<std::string>& to,
+                        const std::string& type, const std::string& help) {
+    return Option(grouped(app_.add_option(name, to, help)->type_name(type))).repeatable();
+}
+
+template <class Number>
+CLI::Option* OptionSet::add_number(const std::string& name, Number& to, const std::string& type,
+                                   const std::string& help) {
+    return grouped(app_.add_option(name, to, help)->type_name(type));
+}
+
+Option OptionSet::number(const std::string& name, int& to, int least, int most,
+                         const std::string& type, const std::string& help) {
+    return Option(add_number(name, to, type, help)->check(CLI::Range(least, most)));
+}
+
+Option OptionSet::number(const std::string& name, std::uint32_t& to, int least, int most,
+                         const std::string& type, const std::string& help) {
+    return Option(add_number(name, to, type, help)->check(CLI::Range(least, most)));
+}
+
+Option OptionSet::number(const std::string& name, float& to, double least, double most,
+                         const std::string& type, const std::string& help) {
+    return Option(add_number(name, to, type, help)->check(number_from_to(least, most)));
+}
+
+Option OptionSet::number(const std::string& name, std::optional<float>& to, double least,
+                         double most, const std::string& type, const std::string& help) {
+    return Option(add_number(name, to, type, help)->check(number_from_to(least, most)));
+}
+
+Option OptionSet::not_negative(const std::string& name, std::optional<double>& to,
+                               const std::string& type, const std::string& help) {
+    return Option(add_number(name, to, type, help)->check(CLI::NonNegativeNumber));
+}
+
+Option OptionSet::one_of(const std::string& name, int& to, const std::vector<int>& offered,
+                         const std::string& type, const std::string& help) {
+    return Option(add_number(name, to, type, help)->check(CLI::IsMember(offered)));
+}
+
+Option OptionSet::value(const std::string& name, const std::string& type,
+                        std::function<void(const std::string&)> parse, const std::string& help) {
+    return Option(grouped(
+        app_.add_option_function<std::string>(name, std::move(parse), help)->type_name(type)));
+}
+
+Option OptionSet::word(const std::string& name, const std::vector<std::string>& words,
+                       std::function<void(const std::string&)> store, const std::string& help) {
+    std::string list;
+    for (const std::string& word : words) list += (list.empty() ? "" : "|") + word;
+    const auto check = [words, list](std::string& text) -> std::string {
+        if (std::find(words.begin(), words.end(), text) != words.end()) return {};
+        return "'" + text + "' is not one of " + list;
+    };
+    return Option(grouped(app_.add_option_function<std::string>(name, std::move(store), help)
+                              ->check(CLI::Validator(check, ""))
+                              ->type_name(list)));
+}
+
+}  // namespace meshprep

@@ -1,0 +1,47 @@
+#include "meshprep/options/values.h"
+
+#include <cmath>
+#include <cstdlib>
+#include <sstream>
+
+#include "meshprep/options/option_set.h"
+#include "prep/render_choices.h"
+
+namespace meshprep {
+
+std::vector<double> parse_numbers(const std::string& text, char separator) {
+    std::vector<double> numbers;
+    std::istringstream in(text);
+    std::string item;
+    while (std::getline(in, item, separator)) {
+        char* end = nullptr;
+        const double value = std::strtod(item.c_str(), &end);
+        if (item.empty() || *end != '\0' || !std::isfinite(value)) return {};
+        numbers.push_back(value);
+    }
+    if (!text.empty() && text.back() == separator) return {};
+    return numbers;
+}
+
+std::vector<std::string> parse_list(const std::string& text) {
+    std::vector<std::string> words;
+    std::istringstream in(text);
+    std::string word;
+    while (std::getline(in, word, ',')) words.push_back(word);
+    return words;
+}
+
+glm::vec3 parse_color(const std::string& option, const std::string& text) {
+    if (const std::optional<glm::vec3> color = prep::color_from_hex(text)) return *color;
+    std::vector<double> numbers = parse_numbers(text, ',');
+    if (numbers.size() == 1) numbers.assign(3, numbers[0]);
+    if (numbers.size() != 3)
+        usage_error(option, "'" + text +
+                                "' is not a colour; give #rrggbb, or linear R,G,B such as 1,0.5,0");
+    for (const double n : numbers)
+        if (n < 0 || n > 1000)
+            usage_error(option, "'" + text + "' has a component outside 0 to 1000");
+    return {numbers[0], numbers[1], numbers[2]};
+}
+
+}  // namespace meshprep

@@ -1,0 +1,19 @@
+// Values of options from their texts.
+#pragma once
+
+#include <glm/glm.hpp>
+#include <string>
+#include <vector>
+
+namespace meshprep {
+
+// "1,2.5" → numbers; empty when any piece is none, or not finite.
+std::vector<double> parse_numbers(const std::string& text, char separator);
+
+// "uv,material" → its words, without an empty last one.
+std::vector<std::string> parse_list(const std::string& text);
+
+// #rrggbb (sRGB), R,G,B or one grey (linear) → linear.
+glm::vec3 parse_color(const std::string& option, const std::string& text);
+
+}  // namespace meshprep
