@@ -178,7 +178,7 @@ class Comparison {
     static bool same_direction(const double* u, const double* v, std::size_t width) {
         if (std::equal(u, u + width, v)) return true;
         const double length = std::sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
-        if (!(length > 0.01)) return true;
+        if (length == 0 || !std::isfinite(length)) return true;
         for (std::size_t k = 0; k < 3; ++k)
             if (!(std::abs(u[k] / length - v[k]) < 1e-6)) return false;  // ten roundings of floats
         return width < 4 || u[3] == v[3];

@@ -367,6 +367,28 @@ TEST(GltfWrittenMaterials, NormalMapsWhoseGreenPointsDownAreTurnedOver) {
         EXPECT_NEAR(decoded->pixels[i] * 255, expected[i], 1e-3) << i;
 }
 
+TEST(GltfWrittenMaterials, NormalMapsOfSixteenBitsKeepThemWhenTurnedOver) {
+    prep::Material m;
+    m.normal_map = map_of(0);
+    m.normal_map_flip_green = true;
+    prep::Scene scene = scene_with({m});
+    add_textures(scene, 1);
+    prep::Image image;
+    image.width = image.height = 1;
+    image.channels = 3;
+    image.pixels = {12345 / 65535.0f, 20001 / 65535.0f, 40000 / 65535.0f};
+    scene.images[0].bytes = *prep::encode_png(image, prep::PixelType::u16);
+    const Saved out = saved(scene);
+    const std::string turned = out.picture(out.material(0)["normalTexture"]);
+    const auto decoded =
+        prep::decode_image(std::as_bytes(std::span(turned.data(), turned.size())), "a.png");
+    ASSERT_TRUE(decoded.has_value());
+    const float expected[3] = {12345, 65535 - 20001, 40000};
+    ASSERT_EQ(decoded->pixels.size(), 3u);
+    for (std::size_t i = 0; i < 3; ++i)
+        EXPECT_NEAR(decoded->pixels[i] * 65535, expected[i], 0.1) << i;
+}
+
 TEST(GltfWrittenMaterials, MapsThatGltfHasNoPlaceForAreTold) {
     prep::Material m;
     m.normal_map = map_of(0);

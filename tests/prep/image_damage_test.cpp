@@ -1,5 +1,6 @@
 // Pictures that are cut short, and formats whose colours come multiplied by alpha.
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <cstring>
@@ -20,7 +21,8 @@ void add(Bytes& to, std::initializer_list<int> values) {
 // Both ways of reading: from memory, and from a file.
 prep::Error error_of(const Bytes& bytes, const std::string& name) {
     const auto from_memory = prep::decode_image(bytes, name);
-    const fs::path path = fs::temp_directory_path() / ("meshprep-image-damage-" + name);
+    const fs::path path =
+        fs::temp_directory_path() / (std::to_string(::getpid()) + "-image-damage-" + name);
     EXPECT_TRUE(prep::write_file(path, bytes));
     const auto from_file = prep::load_image(path);
     fs::remove(path);
@@ -91,7 +93,8 @@ TEST(Webp, ColoursAreNotMultipliedByAlpha) {
 }
 
 Bytes file_of(const prep::Image& image, const std::string& ending) {
-    const fs::path path = fs::temp_directory_path() / ("meshprep-image-damage-whole." + ending);
+    const fs::path path =
+        fs::temp_directory_path() / (std::to_string(::getpid()) + "-image-damage-whole." + ending);
     EXPECT_TRUE(prep::save_image(path, image));
     const auto bytes = prep::read_file(path);
     fs::remove(path);

@@ -1,7 +1,10 @@
 // The command with streams, rights and limits that others set: standard output that is full or
 // closed, directories that are locked, a limit on the size of files or on memory.
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <spawn.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <fstream>
@@ -55,6 +58,32 @@ TEST(Streams, StandardOutputThatCannotBeWrittenIsAFailure) {
                 EXPECT_EQ(read_text(ply).rfind("ply\n", 0), 0u);
             }
         }
+}
+
+// `meshprep … | head -1`: the end of the pipe that is read is closed already.
+TEST(Streams, AReaderThatHasGoneIsAFailure) {
+    const TemporaryDirectory dir;
+    write_text(dir / "cube.obj", test::cube_obj());
+    std::string command = test::command_path().string(), verb = "inspect";
+    std::string cube = (dir / "cube.obj").string();
+    const std::string said = (dir / "said").string();
+    char* const argv[] = {command.data(), verb.data(), cube.data(), nullptr};
+    int ends[2];
+    ASSERT_EQ(::pipe(ends), 0);
+    ::close(ends[0]);
+    posix_spawn_file_actions_t actions;
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_adddup2(&actions, ends[1], 1);
+    posix_spawn_file_actions_addopen(&actions, 2, said.c_str(), O_WRONLY | O_CREAT, 0600);
+    pid_t process = 0;
+    ASSERT_EQ(::posix_spawn(&process, command.c_str(), &actions, nullptr, argv, environ), 0);
+    posix_spawn_file_actions_destroy(&actions);
+    ::close(ends[1]);
+    int status = 0;
+    ASSERT_EQ(::waitpid(process, &status, 0), process);
+    ASSERT_TRUE(WIFEXITED(status)) << WTERMSIG(status);
+    EXPECT_EQ(WEXITSTATUS(status), 1);
+    EXPECT_NE(read_text(said).find("standard output cannot be written"), std::string::npos);
 }
 
 // What says nothing on standard output does not miss it.

@@ -20,6 +20,7 @@ int main(int argc, char** argv) {
     keep_standard_streams();
     meshprep::watch_interrupts();
     std::signal(SIGXFSZ, SIG_IGN);  // a file over the user's limit is an error, not the end
+    std::signal(SIGPIPE, SIG_IGN);  // and so is a reader that has gone
     std::ios::sync_with_stdio(false);
     const int code = meshprep::run(argc, argv, std::cout, std::cerr, ::isatty(STDERR_FILENO) != 0);
     std::cout.flush();

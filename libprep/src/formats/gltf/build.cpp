@@ -283,12 +283,16 @@ class Builder {
             mime.clear();
             auto decoded = load_image(ref);
             if (decoded) {
-                if (green == Green::turned) turn_green(*decoded);
-                auto png = encode_png(*decoded);
+                const bool turned = green == Green::turned;
+                if (turned) turn_green(*decoded);
+                // A normal map of more bits keeps them.
+                auto png = encode_png(
+                    *decoded, turned && !is_eight_bit(*decoded) ? PixelType::u16 : PixelType::u8);
                 if (png) {
                     bytes = *std::move(png);
                     mime = "image/png";
-                    note_once("texture '" + ref.name + "' was converted to PNG");
+                    note_once("texture '" + ref.name + "' was converted to PNG" +
+                              (turned ? ", its green turned over" : ""));
                 }
             }
         }
@@ -305,8 +309,15 @@ class Builder {
         return result;
     }
 
+    static bool is_eight_bit(const Image& image) {
+        return std::all_of(image.pixels.begin(), image.pixels.end(), [](float value) {
+            return std::abs(value * 255 - std::round(value * 255)) <
+                   1e-3f;  // of a 16-bit step's 1/257
+        });
+    }
+
     static void turn_green(Image& image) {
-        for (std::size_t i = 1; image.channels >= 2 && i < image.pixels.size(); i += image.channels)
+        for (std::size_t i = 1; image.channels >= 3 && i < image.pixels.size(); i += image.channels)
             image.pixels[i] = 1 - image.pixels[i];
     }
 
