@@ -91,10 +91,10 @@ TEST(SceneDefaults, AreThoseOfThePage) {
     const glm::dmat4& stand = scene.nodes.at(scene.active_camera).transform;
     EXPECT_LT(glm::length(stand[1] - glm::dvec4(0, 1, 0, 0)), 1e-15);
 
-    const prep::PictureSettings orbit = scene_of(R"("camera": {"orbit": {}})").picture;
-    EXPECT_NEAR(orbit.orbit_azimuth.value(), 30 * degree, 1e-15);
-    EXPECT_NEAR(orbit.orbit_elevation.value(), 20 * degree, 1e-15);
-    EXPECT_EQ(orbit.orbit_distance, 1.0);
+    const prep::OrbitCamera orbit = scene_of(R"("camera": {"orbit": {}})").orbit.value();
+    EXPECT_NEAR(orbit.azimuth, 30 * degree, 1e-15);
+    EXPECT_NEAR(orbit.elevation, 20 * degree, 1e-15);
+    EXPECT_EQ(orbit.distance, 1.0);
 
     // Nothing at all: each mesh once where it is, no camera, no light, and a picture that the
     // renderer chooses.
@@ -102,10 +102,8 @@ TEST(SceneDefaults, AreThoseOfThePage) {
     ASSERT_EQ(bare.scene.nodes.size(), 1u);
     EXPECT_EQ(bare.scene.nodes[0].transform, glm::dmat4(1));
     EXPECT_TRUE(bare.scene.lights.empty() && bare.scene.cameras.empty());
-    const prep::PictureSettings& p = bare.picture;
-    EXPECT_FALSE(p.size || p.shading || p.background || p.cull || p.filter || p.samples ||
-                 p.supersample || p.coverage || p.max_anisotropy || p.tone_map || p.exposure ||
-                 p.orbit_azimuth);
+    EXPECT_TRUE(bare.picture.given.empty());
+    EXPECT_FALSE(bare.orbit.has_value());
 }
 
 // The least and the greatest coordinates, and how many faces.
