@@ -8,6 +8,7 @@
 
 #include "command_runner.h"
 #include "prep/load.h"
+#include "prep/prepare.h"
 #include "prep/save.h"
 #include "shared_data.h"
 
