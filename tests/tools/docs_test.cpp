@@ -37,10 +37,22 @@ std::vector<std::string> between(const std::string& text, const std::string& ope
     return found;
 }
 
+// The page without its blocks of code.
+std::string prose(const std::string& page) {
+    std::istringstream lines(page);
+    std::string out;
+    bool fenced = false;
+    for (std::string line; std::getline(lines, line);) {
+        if (line.rfind("```", 0) == 0) fenced = !fenced;
+        if (!fenced) out += line + "\n";
+    }
+    return out;
+}
+
 TEST(Documentation, LinksLeadToFiles) {
     std::size_t links = 0;
     for (const fs::path& page : pages())
-        for (const std::string& target : between(test::read_text(page), "](", ")# \n")) {
+        for (const std::string& target : between(prose(test::read_text(page)), "](", ")# \n")) {
             if (target.empty() || target.find("://") != std::string::npos) continue;
             ++links;
             EXPECT_TRUE(fs::exists(page.parent_path() / target)) << page << " → " << target;

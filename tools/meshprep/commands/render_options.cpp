@@ -157,12 +157,10 @@ void define_render(OptionSet& options, RenderCommand& c) {
     options.path("-o,--output", c.output, "IMAGE", "The picture: .png, .jpg, .exr and others")
         .required();
     add_render_choices(options, c.wishes);
-    options
-        .value(
-            "--light", "AZ,EL[,I]", [&c](const std::string& text) { parse_light(text, c); },
-            "Instead of the file's lights: a directional one from this direction, in degrees seen "
-            "from the camera (0,0 a headlight; 90,0 from the right); may be repeated")
-        .repeatable();
+    options.values(
+        "--light", "AZ,EL[,I]", [&c](const std::string& text) { parse_light(text, c); },
+        "Instead of the file's lights: a directional one from this direction, in degrees seen "
+        "from the camera (0,0 a headlight; 90,0 from the right); may be repeated");
     options.number("--ambient", c.ambient, 0, 100, "I",
                    "Ambient light beside --light (default 0.1)");
     options.flag("--no-textures", c.textures, "Material colours only", false);

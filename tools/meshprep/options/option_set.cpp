@@ -33,11 +33,6 @@ Option Option::required() const {
     return *this;
 }
 
-Option Option::repeatable() const {
-    option_->expected(1)->take_all();
-    return *this;
-}
-
 Option Option::needs(const Option& other) const {
     option_->needs(other.option_);
     return *this;
@@ -80,7 +75,8 @@ Option OptionSet::paths(const std::string& name, std::vector<std::filesystem::pa
 
 Option OptionSet::texts(const std::string& name, std::vector<std::string>& to,
                         const std::string& type, const std::string& help) {
-    return Option(grouped(app_.add_option(name, to, help)->type_name(type))).repeatable();
+    return Option(
+        grouped(app_.add_option(name, to, help)->type_name(type)->expected(1)->take_all()));
 }
 
 template <class Number>
@@ -123,6 +119,17 @@ Option OptionSet::value(const std::string& name, const std::string& type,
                         std::function<void(const std::string&)> parse, const std::string& help) {
     return Option(grouped(
         app_.add_option_function<std::string>(name, std::move(parse), help)->type_name(type)));
+}
+
+Option OptionSet::values(const std::string& name, const std::string& type,
+                         std::function<void(const std::string&)> parse, const std::string& help) {
+    const auto each = [parse = std::move(parse)](const std::vector<std::string>& texts) {
+        for (const std::string& text : texts) parse(text);
+    };
+    return Option(grouped(app_.add_option_function<std::vector<std::string>>(name, each, help)
+                              ->type_name(type)
+                              ->expected(1)
+                              ->take_all()));
 }
 
 Option OptionSet::word(const std::string& name, const std::vector<std::string>& words,

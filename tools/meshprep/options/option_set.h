@@ -25,7 +25,6 @@ class Option {
   public:
     explicit Option(CLI::Option* option) : option_(option) {}
     Option required() const;
-    Option repeatable() const;  // one value at a time, each is taken
     Option needs(const Option& other) const;
     Option excludes(const Option& other) const;
     Option when_given(std::function<void()> act) const;
@@ -67,6 +66,10 @@ class OptionSet {
     // A value that `parse` reads; it ends in usage_error() where it cannot.
     Option value(const std::string& name, const std::string& type,
                  std::function<void(const std::string&)> parse, const std::string& help);
+
+    // The same for an option that may be repeated: each value in its turn.
+    Option values(const std::string& name, const std::string& type,
+                  std::function<void(const std::string&)> parse, const std::string& help);
 
     // One of some words; anything else is a usage error that lists them.
     Option word(const std::string& name, const std::vector<std::string>& words,
