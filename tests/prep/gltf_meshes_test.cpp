@@ -21,7 +21,7 @@ using test::GltfMaker;
 std::size_t add_positions(GltfMaker& maker, int count, int first = 0) {
     Floats values;
     for (int i = first; i < first + count; ++i)
-        values.insert(values.end(), {float(i), float(i * i), 0});
+        values.insert(values.end(), {float(i), float(double(i) * i), 0});
     return maker.accessor(values, "VEC3");
 }
 

@@ -127,7 +127,9 @@ TEST(Command, TakesThePictureLibraryOfItsOwnBuildAlone) {
     if (other.exit_code == 0)
         GTEST_SKIP() << "this build's library is installed where the system looks for libraries";
     EXPECT_EQ(other.exit_code, 1) << other.err;
-    EXPECT_NE(other.err.find("libprep_images.so is of another build"), std::string::npos)
+    // A sanitized library refers to that name itself: the loader is the first to miss it.
+    EXPECT_TRUE(other.err.find("libprep_images.so is of another build") != std::string::npos ||
+                other.err.find("undefined symbol: M" + name.substr(1)) != std::string::npos)
         << other.err;
 }
 
