@@ -198,6 +198,12 @@ std::size_t GltfMaker::root(Json node) {
 }
 
 std::size_t GltfMaker::mesh(Json primitives) {
+    // One primitive in braces is a list for one compiler and the primitive for another.
+    if (primitives.is_object()) {
+        Json list = Json::array();
+        list.push_back(std::move(primitives));
+        primitives = std::move(list);
+    }
     const std::size_t index = push("meshes", {{"primitives", std::move(primitives)}});
     root({{"mesh", index}});
     return index;
