@@ -245,7 +245,7 @@ GltfMaker everything_else() {
     attributes["WEIGHTS_0"] = maker.accessor(values.of<std::uint8_t>(4 * vertices), "VEC4", true);
     Json variant{{"material", 2}, {"variants", {0}}};
     Json primitive{{"attributes", attributes}, {"material", 1}};
-    primitive["extensions"]["KHR_materials_variants"]["mappings"] = {variant};
+    primitive["extensions"]["KHR_materials_variants"]["mappings"] = Json::array({variant});
     maker.mesh({primitive, {{"attributes", with_positions(maker, values)}}});
     maker.json["samplers"] = Json::parse(R"([
         {"wrapS": 33071, "wrapT": 33648, "magFilter": 9728, "minFilter": 9984},
