@@ -26,8 +26,8 @@ const prep::PreparedScene& torus(std::int64_t triangles) {
     return scene;
 }
 
-benchmark::Counter millions(double per_iteration) {
-    return {per_iteration * 1e-6, benchmark::Counter::kIsIterationInvariantRate};
+benchmark::Counter rate(double per_iteration) {
+    return {per_iteration, benchmark::Counter::kIsIterationInvariantRate};
 }
 
 void draw_pictures(benchmark::State& state, const prep::PreparedScene& scene,
@@ -42,8 +42,8 @@ void draw_pictures(benchmark::State& state, const prep::PreparedScene& scene,
         geometry += frame.geometry_ms;
     }
     state.counters["geometry_ms"] = geometry / double(state.iterations());
-    state.counters["Mpx"] = millions(double(frame.counters.pixels_shaded));
-    state.counters["Mtri"] = millions(double(frame.counters.triangles));
+    state.counters["pixels"] = rate(double(frame.counters.pixels_shaded));
+    state.counters["triangles"] = rate(double(frame.counters.triangles));
 }
 
 void picture(benchmark::State& state, bool mapped) {
@@ -119,7 +119,7 @@ void cull_micro_triangles(benchmark::State& state) {
             kept += kernels.cull(task, survivors, counts);
         }
     }
-    state.counters["Mtri"] = millions(triangles);
+    state.counters["triangles"] = rate(triangles);
     state.counters["kept_%"] = 100.0 * double(kept) / triangles;
 }
 BENCHMARK(cull_micro_triangles)->Unit(benchmark::kMillisecond);
@@ -188,8 +188,8 @@ void visibility(benchmark::State& state) {
             }
         }
     }
-    state.counters["Mtri"] = millions(count);
-    state.counters["Mpx"] = millions(count * area);
+    state.counters["triangles"] = rate(count);
+    state.counters["pixels"] = rate(count * area);
 }
 BENCHMARK(visibility)
     ->ArgName("pixels")

@@ -2,20 +2,19 @@
 // and two; growth and memory with the size; poles of high valence. bench/compare_tangents sets them
 // beside Blender's and mikktspace's.
 //
-// Counters: ns_per_triangle; bytes_per_triangle, the peak of memory beside input and output.
+// Counters: per_triangle, time; bytes_per_triangle, the heap at its height beside input and output.
 #include <benchmark/benchmark.h>
 #include <malloc.h>
 
 #include <cmath>
 #include <cstdlib>
-#include <fstream>
 #include <map>
 #include <numbers>
 #include <random>
-#include <string>
 #include <utility>
 #include <vector>
 
+#include "heap_peak.h"
 #include "prep/corner_normals.h"
 #include "prep/tangents.h"
 #include "torus.h"
@@ -102,27 +101,13 @@ prep::Mesh pole(Index valence, bool around) {
     return mesh;
 }
 
-// A line of /proc/self/status, in bytes.
-double memory(const char* name) {
-    std::ifstream status("/proc/self/status");
-    for (std::string line; std::getline(status, line);)
-        if (line.rfind(name, 0) == 0) return 1024 * std::stod(line.substr(line.find(':') + 1));
-    return 0;
-}
-
+// Heap at its height beside the input and the result.
 double extra_memory(const prep::TangentInput& input, const prep::TangentOptions& options) {
-    // Freed memory goes back at once: the peak is this run's own.
-    mallopt(M_MMAP_THRESHOLD, 1 << 16);
-    mallopt(M_TRIM_THRESHOLD, 1 << 16);
-    malloc_trim(0);
-    std::ofstream("/proc/self/clear_refs") << 5;  // the peak starts anew
-    const double before = memory("VmRSS");
+    const std::size_t before = bench::heap_bytes();
+    bench::restart_heap_peak();
     const auto tangents = prep::corner_tangents(input, options);
-    const double peak = memory("VmHWM");
-    // For the timing as in a process that has been at work for a while.
-    mallopt(M_MMAP_THRESHOLD, 32 << 20);
-    mallopt(M_TRIM_THRESHOLD, 1 << 30);
-    return peak - before - double(tangents->tangents.values.size() * sizeof(glm::vec4)) -
+    return double(bench::heap_peak() - before) -
+           double(tangents->tangents.values.size() * sizeof(glm::vec4)) -
            double(tangents->tangents.indices.size() * sizeof(Index));
 }
 
@@ -137,9 +122,8 @@ void run(benchmark::State& state, const prep::Mesh& mesh, int threads) {
     }
     const double triangles = double(mesh.face_count());
     state.counters["bytes_per_triangle"] = extra / triangles;
-    state.counters["ns_per_triangle"] =
-        benchmark::Counter(triangles * 1e-9, benchmark::Counter::kIsIterationInvariantRate |
-                                                 benchmark::Counter::kInvert);
+    state.counters["per_triangle"] = benchmark::Counter(
+        triangles, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 
 void indexed(benchmark::State& state) {
@@ -199,6 +183,9 @@ BENCHMARK(indexed)->Name("indexed_large")->Apply([](auto* b) { sizes(b, {16'000'
 }  // namespace
 
 int main(int argc, char** argv) {
+    // As in a process that has been at work for a while: freed memory is used again.
+    mallopt(M_MMAP_THRESHOLD, 32 << 20);
+    mallopt(M_TRIM_THRESHOLD, 1 << 30);
     benchmark::Initialize(&argc, argv);
     // Another size of the torus, for compare_tangents.
     if (const char* triangles = std::getenv("TORUS_TRIANGLES"))

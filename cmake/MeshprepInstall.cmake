@@ -15,6 +15,6 @@ write_basic_package_version_file(${CMAKE_CURRENT_BINARY_DIR}/meshprepConfigVersi
   COMPATIBILITY SameMinorVersion)
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/meshprepConfig.cmake
   ${CMAKE_CURRENT_BINARY_DIR}/meshprepConfigVersion.cmake cmake/MeshprepDependencies.cmake
-  cmake/FindOpenImageIOLibrary.cmake cmake/FindCGALHeaders.cmake
+  cmake/FindOpenImageIOLibrary.cmake cmake/FindCGALHeaders.cmake cmake/FindOpenSubdiv.cmake
   DESTINATION ${meshprep_config_dir})
 install(FILES LICENSE NOTICE DESTINATION ${CMAKE_INSTALL_DOCDIR})

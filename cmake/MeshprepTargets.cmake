@@ -28,3 +28,20 @@ function(meshprep_target target)
     target_link_options(${target} PRIVATE --coverage)
   endif()
 endfunction()
+
+# Headers that most sources of a target read, compiled once: `header`, or that of another target of
+# the same settings; a source compiles in two thirds of the time. Sources include what they use all
+# the same: with MESHPREP_PRECOMPILE=OFF, as in the preset tsan, they stand alone.
+function(meshprep_precompile target header)
+  if(NOT MESHPREP_PRECOMPILE)
+    return()
+  endif()
+  if(TARGET ${header})
+    target_precompile_headers(${target} REUSE_FROM ${header})
+  else()
+    target_precompile_headers(${target} PRIVATE ${header})
+  endif()
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    target_compile_options(${target} PRIVATE -fpch-preprocess)  # ccache asks for it
+  endif()
+endfunction()

@@ -1,5 +1,5 @@
-// glTF in, prepared, GLB out: what is written must be readable, and have the same triangles unless
-// some lie at NaN or infinity (those are not written).
+// glTF in, prepared, GLB out, by each compression: what is written must be readable, and have the
+// same triangles unless some lie at NaN or infinity (those are not written).
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -45,16 +45,20 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     for (const prep::Mesh& mesh : scene->meshes) prep::tangent_conventions(mesh, 0, 1);
     const auto first = prepared(std::move(*scene));
     if (!first) return 0;
-    std::vector<std::string> notes;
-    const auto glb = prep::detail::encode_glb(*first, notes);
-    if (!glb) return 0;
-    std::vector<std::byte> file;
-    for (const std::span<const std::byte> part : glb->parts())
-        file.insert(file.end(), part.begin(), part.end());
-    auto again = prep::parse_gltf(file, options);
-    if (!again) std::abort();
-    const auto second = prepared(std::move(*again));
-    if (!second) std::abort();
-    if (finite(*first) && triangles(*second) != triangles(*first)) std::abort();
+    using prep::Compression;
+    for (const Compression compression :
+         {Compression::keep, Compression::none, Compression::draco, Compression::meshopt}) {
+        std::vector<std::string> notes;
+        const auto glb = prep::detail::encode_glb(*first, notes, compression);
+        if (!glb) return 0;
+        std::vector<std::byte> file;
+        for (const std::span<const std::byte> part : glb->parts())
+            file.insert(file.end(), part.begin(), part.end());
+        auto again = prep::parse_gltf(file, options);
+        if (!again) std::abort();
+        const auto second = prepared(std::move(*again));
+        if (!second) std::abort();
+        if (finite(*first) && triangles(*second) != triangles(*first)) std::abort();
+    }
     return 0;
 }

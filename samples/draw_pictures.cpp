@@ -11,6 +11,7 @@
 #include "prep/load.h"
 #include "prep/prepare.h"
 #include "rast/render.h"
+#include "sheets/curvature.h"
 
 namespace {
 
@@ -96,6 +97,38 @@ rast::OrbitOptions close_up(const prep::PreparedScene& scene, double azimuth, do
     return orbit;
 }
 
+// A small tower of quads with edges of a sharpness around its top and foot. No level: the cage.
+prep::PreparedScene tower(float sharpness, std::optional<int> level) {
+    prep::Mesh mesh;
+    mesh.name = "tower";
+    const float half[] = {1, 1, 0.6F, 0.6F}, height[] = {0, 0.7F, 0.7F, 1.6F};
+    for (std::uint32_t ring = 0; ring < 4; ++ring)
+        for (const glm::vec2 side : {glm::vec2(-1, 1), {1, 1}, {1, -1}, {-1, -1}})
+            mesh.positions.emplace_back(half[ring] * side.x, height[ring], half[ring] * side.y);
+    const auto add = [&mesh](std::initializer_list<std::uint32_t> face) {
+        mesh.corner_vertices.insert(mesh.corner_vertices.end(), face);
+        mesh.face_offsets.push_back(std::uint32_t(mesh.corner_vertices.size()));
+    };
+    for (std::uint32_t ring = 0; ring < 3; ++ring)
+        for (std::uint32_t i = 0; i < 4; ++i) {
+            const std::uint32_t a = 4 * ring + i, b = 4 * ring + (i + 1) % 4;
+            add({a, b, b + 4, a + 4});
+        }
+    add({12, 13, 14, 15});
+    add({3, 2, 1, 0});
+    for (std::uint32_t i = 0; i < 4 && sharpness > 0; ++i)
+        for (const std::uint32_t ring : {0U, 12U})
+            mesh.subdivision.creases.push_back({ring + i, ring + (i + 1) % 4, sharpness});
+    prep::Scene scene;
+    scene.meshes.push_back(std::move(mesh));
+    prep::instance_unused_meshes(scene);
+    prep::PrepareOptions options;
+    options.subdivide = level.has_value();
+    options.subdivision.level = level.value_or(0);
+    options.hard_edges.angle_degrees = 10;
+    return take(prep::prepare(std::move(scene), options));
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -129,6 +162,21 @@ int main(int argc, char** argv) {
     shot.orbit->aspect = 1.5;
     save(out / "hard_edges.png",
          strip({draw(smooth, Shading::phong, shot), draw(obeyed, Shading::phong, shot)}));
+
+    // A cage, its points on the surface at level 1, the surface, creased, its curvature.
+    const prep::PreparedScene cage = tower(0, {});
+    shot.width = shot.height = 200;
+    shot.orbit = close_up(cage, 30, 28, 0.98);
+    prep::PreparedScene creased = tower(2, 5);
+    std::vector<prep::Image> surfaces{
+        draw(cage, Shading::flat, shot), draw(tower(0, 1), Shading::flat, shot),
+        draw(tower(0, 5), Shading::phong, shot), draw(creased, Shading::phong, shot),
+        draw(tower(10, 5), Shading::phong, shot)};
+    report::color_by_curvature(creased);
+    surfaces.push_back(draw(creased, Shading::phong, shot));
+    save(out / "subdivision.png", strip(surfaces));
+    shot.width = 450;
+    shot.height = 300;
 
     const prep::PreparedScene octopus = prepared(samples / "octopus/octopus.ply");
     shot.orbit = close_up(octopus, 20, 24, 0.66);

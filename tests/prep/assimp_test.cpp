@@ -1,6 +1,7 @@
 // Formats that Assimp reads for us, on small files written here.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -158,11 +159,15 @@ TEST(Assimp, ColladaMaterialsCamerasAndLightsByValue) {
 
     constexpr double degree = 3.14159265358979323846 / 180;
     ASSERT_EQ(scene->cameras.size(), 1u);
+    ASSERT_FALSE(scene->warnings.empty());
+    EXPECT_TRUE(scene->warnings[0].starts_with("a picture was not found: wood.png; sought in"));
     // Assimp 5.2 reads nothing of it; others: a right angle across, half as high.
-    if (!scene->warnings.empty()) {
-        EXPECT_EQ(scene->warnings,
-                  std::vector<std::string>{"Assimp does not read the angle of the camera 'c': it "
-                                           "gets the usual one"});
+    ASSERT_GT(scene->warnings.size(), 1u);
+    EXPECT_EQ(scene->warnings[1], "1 material property not kept: $clr.ambient");
+    if (scene->warnings.size() > 2) {
+        EXPECT_EQ(scene->warnings[2],
+                  "Assimp does not read the angle of the camera 'c': it gets the usual one");
+        EXPECT_EQ(scene->warnings.size(), 3u);
         EXPECT_EQ(scene->cameras[0].yfov, prep::Camera().yfov);
     } else {
         EXPECT_NEAR(scene->cameras[0].yfov, 2 * std::atan(0.5), 1e-6);
@@ -183,6 +188,31 @@ TEST(Assimp, ColladaMaterialsCamerasAndLightsByValue) {
             EXPECT_EQ(place(n), glm::dvec3(0, 7, 0));
         }
     }
+}
+
+// Falloff that the file states and that has no place here is told; the inverse square is none.
+TEST(Assimp, FalloffOfLightsThatIsNotKeptIsCounted) {
+    const test::TempDir dir;
+    const auto warnings = [&](const std::string& falloff) {
+        std::string text = furnished;
+        const std::string after = "<color>1 0.5 0.25</color>";
+        text.insert(text.find(after) + after.size(), falloff);
+        test::write_text(dir / "lamp.dae", text);
+        const auto scene = prep::load_scene(dir / "lamp.dae");
+        EXPECT_TRUE(scene.has_value());
+        return std::count_if(scene->warnings.begin(), scene->warnings.end(), [](const auto& w) {
+            return w.starts_with("1 light with a falloff of its own");
+        });
+    };
+    const auto stated = [](const char* constant, const char* linear, const char* quadratic) {
+        return std::string("<constant_attenuation>") + constant + "</constant_attenuation>" +
+               "<linear_attenuation>" + linear + "</linear_attenuation>" +
+               "<quadratic_attenuation>" + quadratic + "</quadratic_attenuation>";
+    };
+    EXPECT_EQ(warnings(""), 0);
+    EXPECT_EQ(warnings(stated("0", "0", "1")), 0);
+    EXPECT_EQ(warnings(stated("1", "0", "0.001")), 1);
+    EXPECT_EQ(warnings(stated("0", "0.5", "0")), 1);
 }
 
 const char* const ascii_export = R"(*3DSMAX_ASCIIEXPORT 200

@@ -316,7 +316,7 @@ TEST(GltfBuild, LightsKeepTheirKindColourRangeAndCones) {
     scene.lights[3].range = 0;
     const Saved out = saved(scene);
     const Json& json = out.file.json;
-    EXPECT_EQ(out.notes, std::vector<std::string>{"glTF has no ambient lights: left out"});
+    EXPECT_EQ(out.notes, std::vector<std::string>{"1 ambient light left out: glTF has none"});
     EXPECT_EQ(json["extensionsUsed"], Json::array({"KHR_lights_punctual"}));
     EXPECT_EQ(json["extensions"]["KHR_lights_punctual"]["lights"],
               (Json{{{"type", "directional"},

@@ -4,6 +4,7 @@
 
 #include <cstring>
 #include <filesystem>
+#include <span>
 
 #include "formats/gltf/document.h"
 #include "gltf_maker.h"
@@ -59,7 +60,28 @@ TEST(Glb, ChunksStandInTheOrderOfTheSpecification) {
     EXPECT_SAYS(error_of(glb({json, json})), "a second JSON chunk");
     EXPECT_SAYS(error_of(glb({json, bin, bin})), "the BIN chunk must be the second one");
     EXPECT_SAYS(error_of(glb({json, other, bin})), "the BIN chunk must be the second one");
-    EXPECT_SAYS(error_of(glb({{"JSON", minimal + " "}})), "not a multiple of 4");
+}
+
+// Writers of such files leave the padding out, or leave it out of the length alone; other programs
+// read both.
+TEST(Glb, ChunksOfUnevenLengthAreReadWithAWarning) {
+    const std::string uneven = minimal + " ";
+    const std::string bin("BIN\0", 4), pixels("abcd");
+    const auto header = [](const std::string& rest) {
+        return "glTF" + word(2) + word(std::uint32_t(12 + rest.size())) + rest;
+    };
+    const std::string chunk = word(std::uint32_t(uneven.size())) + "JSON" + uneven;
+    const std::string second = word(4) + bin + pixels;
+    prep::GltfOptions options;
+    options.name = "uneven.glb";
+    for (const std::string& file :
+         {header(chunk), header(chunk + second), header(chunk + std::string(3, ' ') + second),
+          header(chunk + std::string(3, ' '))}) {
+        const auto scene = prep::parse_gltf(std::as_bytes(std::span(file)), options);
+        ASSERT_TRUE(scene) << test::error_of(scene);
+        ASSERT_EQ(scene->warnings.size(), 1u);
+        EXPECT_SAYS(scene->warnings[0], "uneven.glb: a chunk's length is not a multiple of 4");
+    }
 }
 
 TEST(Glb, LengthsAreThoseOfTheBytes) {

@@ -5,7 +5,7 @@
 #include <limits>
 #include <random>
 
-#include "formats/gltf/value_repair.h"
+#include "formats/gltf/values/value_repair.h"
 #include "mesh_files.h"
 #include "prep/load.h"
 #include "prep/save.h"

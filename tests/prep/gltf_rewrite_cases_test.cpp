@@ -26,7 +26,9 @@ test::GltfFile written(const prep::Result<prep::Scene>& scene, const prep::Prepa
     auto prepared = prep::prepare(*scene, options);
     if (!prepared) throw std::runtime_error(prep::to_string(prepared.error()));
     const test::TempDir dir;
-    const auto told = prep::save_scene(*prepared, dir / "out.glb");
+    prep::SaveOptions saving;
+    saving.compression = prep::Compression::none;
+    const auto told = prep::save_scene(*prepared, dir / "out.glb", saving);
     if (!told) throw std::runtime_error(prep::to_string(told.error()));
     if (notes) *notes = *told;
     test::GltfFile file(dir / "out.glb");

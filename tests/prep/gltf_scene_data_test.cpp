@@ -159,9 +159,7 @@ TEST(GltfSceneData, TargetsOfAnyMeshGetTheirOwnNormals) {
     const test::TempDir dir;
     const auto notes = prep::save_scene(*prepared, dir / "a.glb");
     ASSERT_TRUE(notes) << prep::to_string(notes.error());
-    EXPECT_EQ(*notes, std::vector<std::string>{"morph targets, skins, animations and attributes of "
-                                               "other names are written to files that come from "
-                                               "glTF only: left out"});
+    EXPECT_TRUE(notes->empty());
     EXPECT_EQ(prepared->morphs[0][0].normals, (std::vector<glm::vec3>(3, glm::vec3(0, -1, -1))));
 }
 

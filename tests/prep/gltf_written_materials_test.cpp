@@ -128,11 +128,14 @@ TEST(GltfWrittenMaterials, BlinnPhongBecomesTheRoughnessOfTheSameHighlight) {
         EXPECT_EQ(pbr["baseColorFactor"], Json({0.5, 0.25, 0.75, 0.625}));
         EXPECT_EQ(pbr["metallicFactor"], 0);
         EXPECT_NEAR(pbr["roughnessFactor"].get<double>(), cases[i].second, 1e-7);
-        // Light that falls in straight is reflected by the factor times 4 %.
+        // Light that falls in straight is reflected by the factor times 4 %: the specular colour
+        // over its spread, at most the quarter that the diffuse colour leaves.
+        const double n = double(cases[i].first), spread = (n + 2) / 8 + 1 / (2 * n + 4);
+        const double limited = std::min(1.0, 0.25 / (0.5 / spread));
         const Json& factor = m["extensions"]["KHR_materials_specular"]["specularColorFactor"];
         for (int k = 0; k < 3; ++k)
             EXPECT_NEAR(factor[std::size_t(k)].get<double>() * 0.04,
-                        double(materials[i].specular[k]), 1e-7);
+                        double(materials[i].specular[k]) / spread * limited, 1e-7);
         EXPECT_EQ(m["extras"]["blinnPhong"], (Json{{"ambient", {0.125, 0.25, 0.375}},
                                                    {"diffuse", {0.5, 0.25, 0.75, 0.625}},
                                                    {"specular", {0.01f, 0.02f, 0.5f}},
@@ -162,11 +165,15 @@ TEST(GltfWrittenMaterials, MetallicRoughnessStaysAsItIs) {
     EXPECT_EQ(pbr["metallicFactor"], 0.75);
     EXPECT_EQ(pbr["roughnessFactor"], 0.375);
     EXPECT_EQ(out.picture(pbr["metallicRoughnessTexture"]), text_of(scene.images[1].bytes));
-    EXPECT_FALSE(out.material(0).contains("extensions") || out.material(0).contains("extras"));
-    EXPECT_EQ(out.file.json["images"].size(), 1u);
+    EXPECT_FALSE(out.material(0).contains("extras"));
+    const Json& specular = out.material(0)["extensions"]["KHR_materials_specular"];
+    EXPECT_EQ(out.picture(specular["specularColorTexture"]), text_of(scene.images[0].bytes));
+    EXPECT_FALSE(specular.contains("specularColorFactor"));  // 4 % is glTF's own
+    EXPECT_EQ(out.material(0)["extensions"].size(), 1u);
+    EXPECT_EQ(out.file.json["images"].size(), 2u);
     EXPECT_EQ(out.material(1)["pbrMetallicRoughness"]["metallicFactor"], 1);
     EXPECT_EQ(out.material(1)["pbrMetallicRoughness"]["roughnessFactor"], 0);
-    EXPECT_FALSE(out.file.json.contains("extensionsUsed"));
+    EXPECT_EQ(out.file.json["extensionsUsed"], Json::array({"KHR_materials_specular"}));
 }
 
 TEST(GltfWrittenMaterials, EmissionAboveOneIsAStrength) {
@@ -341,7 +348,7 @@ TEST(GltfWrittenMaterials, PicturesOfOtherFormatsBecomePng) {
         EXPECT_NEAR(decoded->pixels[i], image.pixels[i], 1e-6);
     EXPECT_EQ(out.notes, (std::vector<std::string>{
                              "texture 'bmp' was converted to PNG",
-                             "texture 'gone' cannot be read: its material goes without"}));
+                             "textures that cannot be read: gone: their materials go without"}));
 }
 
 // glTF's green points up: a map whose green points down is written turned over, and only as a
@@ -394,15 +401,64 @@ TEST(GltfWrittenMaterials, MapsThatGltfHasNoPlaceForAreTold) {
     m.normal_map = map_of(0);
     m.normal_map_space = prep::NormalMapSpace::object;
     m.bump_map = map_of(1);
-    m.displacement_map = map_of(2);
     prep::Scene scene = scene_with({m});
-    add_textures(scene, 3);
+    add_textures(scene, 2);
     const Saved out = saved(scene);
     EXPECT_FALSE(out.material(0).contains("normalTexture"));
     EXPECT_FALSE(out.file.json.contains("images"));
     EXPECT_EQ(out.notes, (std::vector<std::string>{"glTF has no object-space normal maps: left out",
-                                                   "glTF has no bump maps: left out",
-                                                   "glTF has no displacement maps: left out"}));
+                                                   "glTF has no bump maps: left out"}));
+}
+
+TEST(GltfWrittenMaterials, DisplacementIsKeptInExtras) {
+    prep::Material m;
+    m.displacement_map = map_of(1, 1);
+    m.displacement_map.strength = 0.5f;
+    m.displacement_scale = 3;
+    m.displacement_midlevel = 0.25f;
+    m.displacement_kind = prep::DisplacementKind::vector_object;
+    prep::Scene scene = scene_with({m, prep::Material{}});
+    add_textures(scene, 2);
+    const Saved out = saved(scene);
+    const Json& kept = out.material(0)["extras"]["displacement"];
+    EXPECT_EQ(out.picture(kept["texture"]), text_of(scene.images[1].bytes));
+    EXPECT_EQ(kept["texture"]["texCoord"], 1);
+    EXPECT_EQ(kept["scale"], 1.5);
+    EXPECT_EQ(kept["midlevel"], 0.25);
+    EXPECT_EQ(kept["kind"], "vector-object");
+    EXPECT_FALSE(out.material(1)["extras"].contains("displacement"));
+    EXPECT_EQ(out.notes, std::vector<std::string>{
+                             "glTF has no displacement maps: kept in the materials' extras"});
+}
+
+// Heights of floats keep 16 bits of what PNG holds; what lies beyond is told.
+TEST(GltfWrittenMaterials, HeightsBecomePicturesOfSixteenBits) {
+    const test::TempDir dir;
+    prep::Image image;
+    image.width = 2;
+    image.height = 1;
+    image.channels = 1;
+    image.pixels = {0.3f, 1.5f};
+    ASSERT_TRUE(prep::save_image(dir / "height.exr", image, prep::PixelType::f32));
+    prep::Material m;
+    m.displacement_map = map_of(0);
+    prep::Scene scene = scene_with({m});
+    add_textures(scene, 1);
+    scene.images[0].bytes.clear();
+    scene.images[0].path = dir / "height.exr";
+    const Saved out = saved(scene);
+    const std::string png = out.picture(out.material(0)["extras"]["displacement"]["texture"]);
+    const auto decoded =
+        prep::decode_image(std::as_bytes(std::span(png.data(), png.size())), "a.png");
+    ASSERT_TRUE(decoded.has_value());
+    EXPECT_EQ(decoded->integer_bits, 16);
+    EXPECT_NEAR(decoded->pixels[0], 0.3f, 0.6 / 65535);
+    EXPECT_EQ(decoded->pixels[decoded->channels], 1.0f);
+    EXPECT_EQ(std::count_if(out.notes.begin(), out.notes.end(),
+                            [](const std::string& note) {
+                                return note.find("heights beyond 0 to 1") != std::string::npos;
+                            }),
+              1);
 }
 
 // Two meshes of one material: the second has the first UV set only, so its copy of the material

@@ -28,7 +28,7 @@ TEST(MtlFile, WordsAreReadInAnyCaseAndMaterialsStartAfresh) {
     EXPECT_EQ(lib.materials[0].diffuse, glm::vec4(1, 0, 0, 1));
     EXPECT_EQ(lib.materials[1].diffuse, glm::vec4(0, 1, 0, 1));
     EXPECT_EQ(lib.materials[1].shininess, prep::Material{}.shininess);
-    EXPECT_EQ(lib.materials[0].specular, glm::vec3(0));  // what is not said does not shine
+    EXPECT_EQ(lib.materials[0].specular, prep::usual_specular(10));
 }
 
 TEST(MtlFile, OpacityAndTransparency) {
@@ -72,6 +72,33 @@ TEST(MtlFile, MapOptionsEndWhereTheFileNameBegins) {
     EXPECT_EQ(image(m.normal_map).name, "n.png");
 }
 
+TEST(MtlFile, DisplacementIsBaseAndGain) {
+    const auto read = [](const std::string& options) {
+        return parse("newmtl a\ndisp" + options + " height.png\n");
+    };
+    const auto as = [&](const std::string& options, float scale, float midlevel) {
+        const auto lib = read(options);
+        const prep::Material& m = lib.materials[0];
+        EXPECT_TRUE(m.displacement_map) << options;
+        EXPECT_EQ(m.displacement_scale, scale) << options;
+        EXPECT_EQ(m.displacement_midlevel, midlevel) << options;
+        EXPECT_EQ(m.displacement_kind, prep::DisplacementKind::height);
+        for (const std::string& warning : lib.warnings)
+            EXPECT_EQ(warning.find("-mm"), std::string::npos) << warning;
+    };
+    as("", 1, 0);
+    as(" -mm 0 1", 1, 0);
+    as(" -mm -0.5 1", 1, 0.5f);
+    as(" -mm 0.25 -0.5 -bm 2", -0.5f, 0.5f);
+    as(" -mm 0.125", 1, -0.125f);
+    // The same height everywhere is none of a map's.
+    as(" -mm 3 0", 0, 0);
+    EXPECT_NE(read(" -mm 3 0").warnings.at(0).find("gain of 0"), std::string::npos);
+    as(" -mm 1e30 1e-30", 1e-30f, 0);
+    // Another map's is not taken, as before.
+    EXPECT_NE(parse("newmtl a\nbump -mm -0.5 1 height.png\n").warnings.size(), 0u);
+}
+
 TEST(MtlFile, OneImageIsKeptOnceAndMissingOnesAreNamedOnce) {
     const test::TempDir dir;
     test::write_text(dir / "there.png", "x");
@@ -81,7 +108,11 @@ TEST(MtlFile, OneImageIsKeptOnceAndMissingOnesAreNamedOnce) {
         "m.mtl", dir.path());
     EXPECT_EQ(lib.images.size(), 2u);
     EXPECT_EQ(lib.textures.size(), 3u);  // gone.png repeated and clamped
-    EXPECT_EQ(lib.warnings, (std::vector<std::string>{"m.mtl:3: texture 'gone.png' is missing"}));
+    EXPECT_EQ(lib.warnings,
+              std::vector<std::string>{
+                  "a picture was not found: gone.png; sought in '" + dir.path().string() +
+                  "', its folders textures, texture, tex, maps, images, image, img, pictures and "
+                  "those beside it; --texture-dir names more places"});
 }
 
 TEST(MtlFile, WarningsNameTheLineAndAreNotEndless) {
@@ -108,7 +139,7 @@ TEST(MtlFile, ValuesBeyondFloatsAreWarningsAndTheDefaultStays) {
                   "m.mtl:6: option -s has a value beyond 1e30; it was skipped",
                   "m.mtl:6: option -bm has a value beyond 1e30; it was skipped"}));
     const prep::Material& m = lib.materials[0];
-    EXPECT_EQ(m.specular, glm::vec3(0));
+    EXPECT_EQ(m.specular, prep::usual_specular(m.shininess));
     EXPECT_EQ(m.diffuse, prep::Material{}.diffuse);
     EXPECT_EQ(m.shininess, prep::Material{}.shininess);
     EXPECT_EQ(m.emissive, glm::vec3(3.4e38f));
@@ -138,7 +169,7 @@ TEST(MtlFile, MapOptionsThatAreNotTakenAreNamedOnce) {
     const std::string file = " t.png\n";
     const auto warnings = [&](const std::string& options) {
         auto all = parse("newmtl a\nmap_Kd" + options + file + "map_Ks" + options + file).warnings;
-        return std::vector<std::string>(all.begin() + 1, all.end());  // the missing picture
+        return std::vector<std::string>(all.begin(), all.end() - 1);  // the missing picture
     };
     const std::vector<std::string> none;
     EXPECT_EQ(warnings(" -mm 0 1 -blendu on -t 0 0 0 -cc off -boost 0 -texres 64 -clamp on"), none);
@@ -149,10 +180,10 @@ TEST(MtlFile, MapOptionsThatAreNotTakenAreNamedOnce) {
 
 TEST(MtlFile, StatementsThatAreNotTakenAreNamedOnce) {
     const auto lib =
-        parse("newmtl a\nNi 1.5\nTf 1 1 1\nPr 0.3\nmap_Ka x.png\nnewmtl b\nPr 0.4\nhaste 3\n");
+        parse("newmtl a\nNi 1.5\nTf 1 1 1\nRx 0.3\nmap_Ka x.png\nnewmtl b\nRx 0.4\nhaste 3\n");
     EXPECT_EQ(
         lib.warnings,
-        (std::vector<std::string>{"m.mtl: statements that were not taken: pr, map_ka, haste"}));
+        (std::vector<std::string>{"m.mtl: statements that were not taken: rx, map_ka, haste"}));
     std::string flood = "newmtl a\n";
     for (int i = 0; i < 1000; ++i) flood += "word" + std::to_string(i) + " 1\n";
     ASSERT_EQ(parse(flood).warnings.size(), 1u);

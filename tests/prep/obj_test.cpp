@@ -165,8 +165,8 @@ TEST(Obj, ErrorsNameTheLineTheFindingAndTheExpectation) {
     EXPECT_EQ(
         error_of("v 0 0 0\nv 0 0 0\nf -1 -2 -3\n"),
         "test.obj:3: relative vertex index reaches 1 before the first vertex; 2 are in the file");
-    EXPECT_EQ(error_of("v 0 0 0\nf 1/4 1/4 1/4\n"),
-              "test.obj:2: texture coordinate index 4 is out of range: the file has 0");
+    EXPECT_EQ(error_of("v 0 0 0\nvt 0 0\nf 1/4 1/4 1/4\n"),
+              "test.obj:3: texture coordinate index 4 is out of range: the file has 1");
     EXPECT_NE(error_of("v 0 0 0\nf 1 0 1\n").find("test.obj:2: expected v, v/vt"),
               std::string::npos);
     EXPECT_NE(error_of("v 0 0 0\nf 99999999999999999999 1 1\n").find("test.obj:2:"),

@@ -409,6 +409,30 @@ prep::Scene awkward_scene() {
     return scene;
 }
 
+// A line is an element: what it holds beyond the header's properties is nobody's.
+TEST(Ply, LinesMayHoldMoreThanTheHeaderNames) {
+    const std::string header =
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+        "property float z\nelement face 2\nproperty list uchar int vertex_indices\nend_header\n";
+    const auto scene = test::parsed(
+        prep::parse_ply, header + "0 0 0 7 8\n1 0 0\n\n0 1 0\n3 0 1 2 9 1 1 1\n3 2 1 0\n", "t.ply");
+    ASSERT_TRUE(scene) << test::error_of(scene);
+    EXPECT_EQ(scene->meshes[0].corner_vertices, (std::vector<std::uint32_t>{0, 1, 2, 2, 1, 0}));
+    EXPECT_EQ(scene->warnings, std::vector<std::string>{
+                                   "t.ply: 2 lines have more values than the header names: what "
+                                   "is beyond was left out"});
+    // With other numbers of lines than elements the values alone count, as ever.
+    const auto spread = test::parsed(prep::parse_ply,
+                                     header + "0 0 0\n1 0 0\n0 1 0\n3\n0 1 2\n3\n2 1 0\n", "t.ply");
+    ASSERT_TRUE(spread) << test::error_of(spread);
+    EXPECT_EQ(spread->meshes[0].corner_vertices, scene->meshes[0].corner_vertices);
+    const auto dense =
+        test::parsed(prep::parse_ply, header + "0 0 0 1 0 0 0 1 0\n3 0 1 2 3 2 1 0\n", "t.ply");
+    ASSERT_TRUE(dense) << test::error_of(dense);
+    EXPECT_EQ(dense->meshes[0].corner_vertices, scene->meshes[0].corner_vertices);
+    EXPECT_TRUE(dense->warnings.empty());
+}
+
 TEST(Ply, RoundTripKeepsEveryBitInTextAndBytes) {
     const test::TempDir dir;
     prep::Scene original = awkward_scene();

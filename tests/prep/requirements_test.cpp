@@ -67,7 +67,8 @@ TEST(Requirements, NormalMapWithoutItsUvSetSaysSo) {
     scene.materials[0].normal_map.uv_set = 3;
     const auto r = prep::requirements(scene);
     EXPECT_FALSE(r[0].tangents.needed);
-    EXPECT_EQ(r[0].tangents.reason, "material 'brick' has a normal map, but UV set 3 is missing");
+    EXPECT_EQ(r[0].tangents.reason,
+              "material 'brick' has a tangent-space normal map, but UV set 3 is missing");
 }
 
 TEST(Requirements, UnusedMaterialCallsForNothing) {
@@ -173,11 +174,39 @@ TEST(Requirements, TangentsFollowTheSetOfTheFirstNormalMapThatHasOne) {
     scene.materials[1].normal_map.uv_set = 2;
     r = prep::requirements(scene)[0];
     EXPECT_FALSE(r.tangents.needed);
-    EXPECT_EQ(r.tangents.reason, "material 'tile' has a normal map, but UV set 3 is missing");
+    EXPECT_EQ(r.tangents.reason,
+              "material 'tile' has a tangent-space normal map, but UV set 3 is missing");
     // A material without a name is told by its number.
     scene.materials[2].name.clear();
     EXPECT_EQ(prep::requirements(scene)[0].tangents.reason,
-              "material 2 has a normal map, but UV set 3 is missing");
+              "material 2 has a tangent-space normal map, but UV set 3 is missing");
+}
+
+// What other renderers draw in the tangent frame: a clearcoat's normal map, anisotropy.
+TEST(Requirements, LayersInTheTangentFrameCallForTangents) {
+    prep::Scene scene = with_second_set_only();
+    prep::Material& m = scene.materials[0];
+    m = {};
+    m.name = "paint";
+    EXPECT_FALSE(prep::requirements(scene)[0].tangents.needed);
+    m.layer_normal_map = {.texture = 0, .uv_set = 1};
+    auto r = prep::requirements(scene)[0];
+    EXPECT_TRUE(r.tangents.needed);
+    EXPECT_EQ(r.tangent_uv_set, 1u);
+    EXPECT_EQ(r.tangents.reason, "material 'paint' has a map in the tangent frame: layer normal");
+    m.layer_normal_map = {};
+    m.anisotropy_map = {.texture = 0, .uv_set = 1};
+    EXPECT_EQ(prep::requirements(scene)[0].tangents.reason,
+              "material 'paint' has a map in the tangent frame: anisotropy");
+    // Anisotropy without a map follows the first set, which this mesh lacks.
+    m.anisotropy_map = {};
+    m.anisotropy = 0.5f;
+    r = prep::requirements(scene)[0];
+    EXPECT_FALSE(r.tangents.needed);
+    EXPECT_EQ(r.tangents.reason, "material 'paint' has anisotropy, but UV set 0 is missing");
+    m.unlit = true;
+    EXPECT_EQ(prep::requirements(scene)[0].tangents.reason,
+              "no material in use has a tangent-space normal map");
 }
 
 TEST(Requirements, AnUnlitMaterialsNormalMapCallsForNothing) {

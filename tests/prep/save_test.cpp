@@ -221,6 +221,39 @@ TEST(Save, UnlitMaterialsKeepTheirColourInMtl) {
     EXPECT_NE(mtl_of(dir, material).find("Ks 0.5 0.5 0.5\n"), std::string::npos);
 }
 
+TEST(Save, DisplacementComesBackFromMtl) {
+    const test::TempDir dir;
+    prep::Scene scene = triangle();
+    scene.materials.resize(1);
+    prep::Material& m = scene.materials[0];
+    m.name = "a";
+    scene.meshes[0].face_materials = {0};
+    scene.images.emplace_back();
+    scene.images[0].path = dir / "height.png";
+    test::write_text(dir / "height.png", "no picture yet");
+    scene.textures.emplace_back();
+    scene.textures[0].image = 0;
+    m.displacement_map.texture = 0;
+    for (const glm::vec2& values : {glm::vec2(1, 0), glm::vec2(0.1f, 0.5f), glm::vec2(-3, 0.25f),
+                                    glm::vec2(1, 0.7f), glm::vec2(2, 0)}) {
+        m.displacement_scale = values.x;
+        m.displacement_midlevel = values.y;
+        ASSERT_TRUE(prep::save_scene(test::untouched(scene), dir / "a.obj"));
+        const auto again = prep::load_scene(dir / "a.obj");
+        ASSERT_TRUE(again);
+        ASSERT_EQ(again->materials.size(), 1u);
+        EXPECT_TRUE(again->materials[0].displacement_map);
+        EXPECT_EQ(again->materials[0].displacement_scale, values.x);
+        EXPECT_EQ(again->materials[0].displacement_midlevel, values.y);
+    }
+    m.displacement_kind = prep::DisplacementKind::vector_object;
+    const auto notes = prep::save_scene(test::untouched(scene), dir / "a.obj");
+    ASSERT_TRUE(notes);
+    EXPECT_EQ(std::count(notes->begin(), notes->end(), "MTL has no vector displacement: left out"),
+              1);
+    EXPECT_EQ(test::file_text(dir / "a.mtl").find("disp"), std::string::npos);
+}
+
 TEST(Save, OpaqueMaterialsStayOpaqueInMtl) {
     const test::TempDir dir;
     prep::Material material;

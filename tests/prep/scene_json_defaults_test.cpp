@@ -64,6 +64,9 @@ TEST(SceneDefaults, AreThoseOfThePage) {
         EXPECT_EQ(m.alpha_cutoff, 0.5f);
         EXPECT_FALSE(m.unlit || m.double_sided || m.normal_map_flip_green);
         EXPECT_EQ(m.normal_map_space, prep::NormalMapSpace::tangent);
+        EXPECT_EQ(m.displacement_scale, 1.0f);
+        EXPECT_EQ(m.displacement_midlevel, 0.5f);
+        EXPECT_EQ(m.displacement_kind, prep::DisplacementKind::height);
         EXPECT_FALSE(bool(m.specular_map) || bool(m.emissive_map) || bool(m.occlusion_map) ||
                      bool(m.bump_map) || bool(m.displacement_map));
         // By its name alone, or as an object of nothing more: the whole of the first UV set.

@@ -140,7 +140,8 @@ TEST(SceneValues, TexturesAndMapsAreAsTheFileSays) {
         "materials": {"m": {"diffuse_map": {"texture": "b", "uv_set": 1, "offset": [0.25, 0.5],
             "scale": [2, 3], "rotate": 90, "strength": 0.5}, "specular_map": "a",
             "emissive_map": "b", "occlusion_map": "a", "normal_map": "b", "bump_map": "a",
-            "displacement_map": "b"}},
+            "displacement_map": "b", "displacement_scale": -0.25, "displacement_midlevel": 0.75,
+            "displacement_kind": "vector-object"}},
         "meshes": {"box": {"shape": {"kind": "box"}, "material": "m"}}})");
     ASSERT_EQ(scene.textures.size(), 2u);
     const std::uint32_t a = scene.images[scene.textures[0].image].name == "a" ? 0 : 1, b = 1 - a;
@@ -168,6 +169,9 @@ TEST(SceneValues, TexturesAndMapsAreAsTheFileSays) {
     EXPECT_EQ(m.normal_map.texture, b);
     EXPECT_EQ(m.bump_map.texture, a);
     EXPECT_EQ(m.displacement_map.texture, b);
+    EXPECT_EQ(m.displacement_scale, -0.25f);
+    EXPECT_EQ(m.displacement_midlevel, 0.75f);
+    EXPECT_EQ(m.displacement_kind, prep::DisplacementKind::vector_object);
     EXPECT_EQ(scene.meshes[0].face_materials, std::vector<std::uint32_t>(6, 0));
 }
 

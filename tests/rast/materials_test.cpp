@@ -218,11 +218,30 @@ TEST(Materials, OfMetallicRoughnessDoNotReadTheSpecularFieldsNorTheOthersTheirs)
     prep::Material& material = scene.scene.materials[0];
     material.specular = {5, 5, 5};
     material.shininess = 3;
-    material.specular_map = add_map(scene, {0.5, 0.5, 0.5});
     expect_floor(scene, metal_with(0.8f, 0.9f));
     scene.scene.materials[0] = glossy();
     scene.scene.materials[0].metallic_roughness_map = add_map(scene, {0.1, 0.1, 0.1});
     expect_floor(scene, from_factors(glossy()));
+}
+
+// KHR_materials_specular: of what is no metal, the reflectance is the material's, times its map;
+// as by docs/conventions.md, F0 + (c − F0) · metallic, spread over the lobe.
+TEST(Materials, ReflectanceOfDielectricsIsTheMaterialsTimesItsMap) {
+    const glm::dvec3 base(0.9f, 0.6f, 0.3f), reflectance(0.3f, 0.2f, 0.1f), map(0.8, 0.5, 0.25);
+    for (const bool mapped : {false, true})
+        for (const float metallic : {0.0f, 0.5f, 1.0f}) {
+            prep::PreparedScene scene = test::scene_of(floor_of(4), metal());
+            prep::Material& material = scene.scene.materials[0];
+            material.metallic = metallic;
+            material.reflectance = glm::vec3(reflectance);
+            if (mapped) material.specular_map = add_map(scene, map);
+            Surface s = metal_with(double(metallic), double(material.roughness));
+            const glm::dvec3 f0 = reflectance * (mapped ? decoded_srgb(map) : glm::dvec3(1.0));
+            const glm::dvec3 usual(0.04);
+            s.specular *=
+                (f0 + (base - f0) * double(metallic)) / (usual + (base - usual) * double(metallic));
+            expect_floor(scene, s, {0, 0, 1}, 1e-5 * std::max(1.0, s.specular.r));
+        }
 }
 
 // The published mapping for every roughness, down to the exponent's limit of 4998 at 0.1414. The

@@ -61,6 +61,7 @@ prep::PreparedScene untouched(prep::Scene scene) {
     prep::PrepareOptions options;
     options.request.normals = prep::Request::Level::never;
     options.request.tangents = prep::Request::Level::never;
+    options.tangent.mode = prep::TangentMode::mikktspace_exact;  // which leaves lengths alone
     auto prepared = prep::prepare(std::move(scene), options);
     if (!prepared) throw std::runtime_error(prep::to_string(prepared.error()));
     return std::move(*prepared);

@@ -66,7 +66,7 @@ std::vector<char*> pointers_to(std::vector<std::string>& texts) {
         const int file = ::open(path.c_str(), flags, 0600);
         expect(file >= 0 && (file == as || (::dup2(file, as) == as && ::close(file) == 0)));
     };
-    open_as(0, "/dev/null", O_RDONLY);
+    open_as(0, c.in, O_RDONLY);
     open_as(1, out, O_WRONLY | O_CREAT);
     open_as(2, err, O_WRONLY | O_CREAT);
     if (c.out && c.out->empty()) expect(::close(1) == 0);

@@ -31,6 +31,7 @@ struct Circumstances {
     std::vector<std::pair<std::string, std::string>> environment = {};  // beside what there is
     std::optional<unsigned> user = {};  // runs as this one, which takes the superuser to ask for
     std::optional<std::filesystem::path> out = {};  // standard output; empty: it is closed
+    std::filesystem::path in = "/dev/null";         // standard input
     std::vector<int> ignored_signals = {};
     std::uint64_t largest_file = 0, memory = 0;  // limits in bytes; 0: none
 };

@@ -157,7 +157,7 @@ TEST_F(Explain, TangentsSayWhatCallsForThemOrWhatIsInTheWay) {
     expect_run(of("a.gltf", triangle(mapped, n, zero, uv)), "tangents",
                "some authored tangents are missing, unusable or of normals that were replaced");
     expect_skipped(of("a.gltf", triangle(second, n, {}, uv)), "tangents",
-                   "material 'rough' has a normal map, but UV set 1 is missing");
+                   "material 'rough' has a tangent-space normal map, but UV set 1 is missing");
     expect_skipped(of("a.gltf", triangle(bare, n, {}, uv)), "tangents",
                    "no material in use has a tangent-space normal map");
     expect_run(of("a.gltf", triangle(bare, n, {}, uv), {"--tangents", "mikktspace"}), "tangents",

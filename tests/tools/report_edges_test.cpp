@@ -1,9 +1,12 @@
 // Which class the validation sheet gives each edge.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <random>
+#include <tuple>
 
 #include "sheets/edges.h"
 
@@ -21,6 +24,36 @@ prep::Mesh wedge(double degrees) {
     return mesh;
 }
 
+// Triangles between few places, so that many meet along an edge; where `repeated`, each corner is a
+// vertex of its own, as in STL files.
+prep::Mesh soup(std::mt19937& random, bool repeated) {
+    const auto pick = [&](int n) { return int(random() % unsigned(n)); };
+    prep::Mesh mesh;
+    std::vector<glm::vec3> places;
+    for (int i = 0; i < 9; ++i) places.push_back({pick(3), pick(3), pick(3)});
+    std::sort(places.begin(), places.end(), [](const glm::vec3& a, const glm::vec3& b) {
+        return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
+    });
+    places.erase(std::unique(places.begin(), places.end()), places.end());
+    if (!repeated) mesh.positions = places;
+    for (int f = 0; f < 8; ++f) {
+        std::uint32_t corners[3];
+        for (std::uint32_t& c : corners) c = std::uint32_t(pick(int(places.size())));
+        if (corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0])
+            continue;
+        for (std::uint32_t c : corners) {
+            if (repeated) {
+                mesh.positions.push_back(places[c]);
+                c = std::uint32_t(mesh.positions.size() - 1);
+            }
+            mesh.corner_vertices.push_back(c);
+        }
+        mesh.face_offsets.push_back(std::uint32_t(mesh.corner_vertices.size()));
+    }
+    mesh.indexed_by_vertex = repeated;
+    return mesh;
+}
+
 // The class of the edge between two vertices, after preparing.
 struct Classes {
     std::map<std::pair<std::uint32_t, std::uint32_t>, EdgeClass> of;
@@ -31,15 +64,14 @@ struct Classes {
         scene.nodes[0].mesh = 0;
         const auto prepared = prep::prepare(std::move(scene), options);
         EXPECT_TRUE(prepared);
-        for (const report::ClassedEdge& e :
-             report::classify_edges(prepared->scene.meshes[0], options)) {
+        for (const report::ClassedEdge& e : report::classify_edges(*prepared, 0, options)) {
             EXPECT_LT(e.v0, e.v1);
             EXPECT_TRUE(of.emplace(std::pair(e.v0, e.v1), e.kind).second) << "twice";
         }
     }
     std::string at(std::uint32_t a, std::uint32_t b) const {
         const auto found = of.find({a, b});
-        return found == of.end() ? "none" : report::edge_class_name(found->second);
+        return found == of.end() ? "none" : report::style_of(found->second).name;
     }
 };
 
@@ -111,7 +143,54 @@ TEST(EdgeClasses, BadEdgesAreNamedWhateverElseTheyAre) {
     EXPECT_EQ(Classes(mesh).at(0, 1), "non-manifold");
     mesh = wedge(10);
     mesh.corner_vertices = {0, 1, 2, 0, 1, 3};  // both run the same way
-    EXPECT_EQ(Classes(mesh).at(0, 1), "non-manifold");
+    EXPECT_EQ(Classes(mesh).at(0, 1), "inconsistent orientation");
+}
+
+// Of a file without normals no edge is called authored, whatever its corners came to.
+TEST(EdgeClasses, WithoutNormalsInTheFileNoneAreAuthored) {
+    std::mt19937 random(5);
+    for (int round = 0; round < 40; ++round) {
+        const prep::Mesh mesh = soup(random, round % 2 == 0);
+        for (const auto& [ends, kind] : Classes(mesh).of) EXPECT_NE(kind, EdgeClass::authored);
+    }
+}
+
+// Against the plainest count there is: how many triangles have both ends, and which way round.
+TEST(EdgeClasses, BadAndOpenEdgesAreThoseThatTheirFacesSay) {
+    std::mt19937 random(6);
+    std::size_t bad = 0, against = 0, open = 0;
+    for (int round = 0; round < 400; ++round) {
+        const bool repeated = round % 2 == 0;
+        const prep::Mesh mesh = soup(random, repeated);
+        using Place = std::tuple<float, float, float>;
+        const auto place = [&](std::uint32_t c) {
+            const glm::vec3 p = mesh.positions[mesh.corner_vertices[c]];
+            return Place(p.x, p.y, p.z);
+        };
+        std::map<std::pair<Place, Place>, std::vector<bool>> uses;
+        for (std::uint32_t f = 0; f < mesh.face_count(); ++f)
+            for (std::uint32_t k = 0; k < 3; ++k) {
+                const Place a = place(3 * f + k), b = place(3 * f + (k + 1) % 3);
+                if (a != b) uses[std::minmax(a, b)].push_back(a < b);
+            }
+        std::map<EdgeClass, std::size_t> expected, found;
+        for (const auto& [ends, ways] : uses) {
+            if (ways.size() == 1) ++expected[EdgeClass::border];
+            if (ways.size() == 2 && ways[0] == ways[1]) ++expected[EdgeClass::inconsistent];
+            if (ways.size() > 2) ++expected[EdgeClass::non_manifold];
+        }
+        const Classes classes(mesh);
+        EXPECT_EQ(classes.of.size(), uses.size()) << "round " << round;
+        for (const auto& [ends, kind] : classes.of) ++found[kind];
+        for (const EdgeClass kind :
+             {EdgeClass::border, EdgeClass::inconsistent, EdgeClass::non_manifold})
+            EXPECT_EQ(found[kind], expected[kind])
+                << report::style_of(kind).name << ", round " << round;
+        bad += expected[EdgeClass::non_manifold];
+        against += expected[EdgeClass::inconsistent];
+        open += expected[EdgeClass::border];
+    }
+    EXPECT_GT(std::min({bad, against, open}), 100u);
 }
 
 // Vertices at one point are one, unless they are to stay apart; edges without length are none.

@@ -112,8 +112,7 @@ struct Example {
     std::vector<prep::MeshSummary> summaries{2};
     Example() {
         prepared.scene.meshes.resize(2);
-        prepared.scene.meshes[0].positions.resize(1000);
-        prepared.scene.meshes[1].positions.resize(234);
+        prepared.scene.meshes[0].positions.resize(17);  // shared since: not the file's
         prepared.meshes = {triangle(), triangle()};
         prepared.meshes[0].positions.resize(2000);
         prepared.meshes[1].positions.resize(345);
@@ -121,6 +120,7 @@ struct Example {
         prepared.meshes[0].ranges = {{0, 1, 4, 0}, {0, 0, prep::no_index, 0}};
         prepared.meshes[1].ranges = {{0, 1, 7, 0}, {1, 1, 4, 0}, {2, 1, 9, 0}};
         prep::MeshSummary &a = summaries[0], &b = summaries[1];
+        a.vertices = 1000, b.vertices = 234;
         a.faces = 1'234'567, b.faces = 3;
         a.triangles = 1000, b.triangles = 11;
         a.quads = 2000, b.quads = 22;
@@ -182,6 +182,11 @@ TEST(ReportFigures, SayWhatIsOpenBadOrMixedInAnyOfTheMeshes) {
         EXPECT_FALSE(seen["closed"]);  // open surfaces are no fault
         EXPECT_TRUE(seen["manifold"]);
         EXPECT_TRUE(seen["consistent orientation"]);
+        s.non_manifold_vertices = 1001;
+        example.summaries[1 - which].non_manifold_vertices = 1;
+        EXPECT_EQ(by_name(example.groups()[0])["manifold"], "no, 34 bad edges, 1,002 bad vertices");
+        s.non_manifold_edges = 0;  // bow ties alone
+        EXPECT_EQ(by_name(example.groups()[0])["manifold"], "no, 1,002 bad vertices");
     }
 }
 

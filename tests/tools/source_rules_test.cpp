@@ -112,7 +112,8 @@ TEST(SourceRules, NoFileAsksForFastMath) {
 
 // fuzz_prepare and fuzz_render make meshes of any bytes; readers want a file to begin with.
 TEST(SourceRules, EveryReaderIsFuzzedFromSeeds) {
-    for (const char* format : {"obj", "mtl", "stl", "off", "ply", "om", "gltf", "scene"}) {
+    for (const char* format :
+         {"obj", "mtl", "stl", "off", "ply", "om", "gltf", "scene", "contained"}) {
         const fs::path fuzz = test::source_dir() / "fuzz", seeds = fuzz / "corpus" / format;
         EXPECT_TRUE(fs::exists(fuzz / ("fuzz_" + std::string(format) + ".cpp"))) << format;
         EXPECT_TRUE(fs::is_directory(seeds) && !fs::is_empty(seeds)) << seeds;

@@ -4,57 +4,96 @@
 #include <algorithm>
 #include <new>
 
+#include "meshprep/commands/generate.h"
 #include "meshprep/commands/subcommand.h"
 #include "meshprep/files/file_list.h"
+#include "meshprep/options/usage_errors.h"
+#include "meshprep/output/report_json.h"
 #include "meshprep/output/version_text.h"
 
 namespace meshprep {
 namespace {
 
+using Words = std::vector<std::string>;
+
+void define(CLI::App& app, const std::vector<Subcommand>& known) {
+    app.require_subcommand(1);
+    app.get_formatter()->column_width(36);
+    app.set_version_flag(
+        "-V,--version", [] { return version_text(); },
+        "This version, and those of what it is built on");
+    app.footer("'meshprep help SUBCOMMAND' tells more.\nFiles in: " + input_endings_text() +
+               ".\nFiles out: " + output_endings_text() + ".");
+    for (const Subcommand& subcommand : known) {
+        OptionSet options(*app.add_subcommand(subcommand.name, subcommand.summary));
+        subcommand.define(options);
+    }
+}
+
+bool asks_for_json(const Words& words) {
+    return std::any_of(words.begin(), words.end(), [](const std::string& word) {
+        return word == "--json" || word == "--json-lines";
+    });
+}
+
+// Said on the error stream; with --json also as the document that was asked for.
+int refuse(const UsageError& error, const CommandTables& tables, const Words& words,
+           std::ostream& out, std::ostream& err) {
+    err << "meshprep: error: " << to_string(error) << '\n';
+    if (!asks_for_json(words)) return exit_usage;
+    Json document = json_head(tables.find(words[0]) ? words[0].c_str() : "meshprep");
+    document["error"] = {{"code", "usage"}, {"text", error.text}, {"place", error.option}};
+    const bool lines = std::find(words.begin(), words.end(), "--json-lines") != words.end();
+    if (lines) document["record"] = "summary";
+    out << (lines ? json_line(document) : json_text(document)) << '\n';
+    return exit_usage;
+}
+
+// "help" and "help SUBCOMMAND" are "--help" and "SUBCOMMAND --help".
+Words without_help_word(Words words) {
+    if (words.empty() || words[0] != "help") return words;
+    if (words.size() == 1) return {"--help"};
+    return {words[1], "--help"};
+}
+
 // The subcommand that was parsed; null where all was said in parsing: help, the version, a usage
 // error.
-const Subcommand* parse(int argc, const char* const* argv, const std::vector<Subcommand>& known,
-                        std::ostream& out, std::ostream& err, int& exit_code) {
+const Subcommand* parse(Words words, const std::vector<Subcommand>& known, std::ostream& out,
+                        std::ostream& err, int& exit_code) {
     CLI::App app(
         "meshprep gets meshes ready for shading and proves, by pictures and by numbers, that they "
         "are.",
         "meshprep");
-    app.require_subcommand(1);
-    app.get_formatter()->column_width(36);
-    app.set_version_flag(
-        "--version", [] { return version_text(); },
-        "This version, and those of what it is built on");
-    app.footer("'meshprep SUBCOMMAND --help' tells more.\nFiles in: " + input_endings_text() +
-               ".\nFiles out: " + output_endings_text() + ".");
-    std::string names;
-    for (const Subcommand& subcommand : known) {
-        OptionSet options(*app.add_subcommand(subcommand.name, subcommand.summary));
-        subcommand.define(options);
-        names += (names.empty() ? "" : ", ") + subcommand.name;
-    }
-
+    define(app, known);
     exit_code = exit_usage;
-    if (argc <= 1) {
+    if (words.empty()) {
         err << app.help();
         return nullptr;
     }
-    const std::string first = argv[1];
-    const auto is_first = [&](const Subcommand& subcommand) { return subcommand.name == first; };
-    const auto found = std::find_if(known.begin(), known.end(), is_first);
-    if (!first.empty() && first[0] != '-' && found == known.end()) {
-        err << "'" << first << "' is no subcommand; there are " << names
-            << ".\nRun with --help for more information.\n";
+    words = without_help_word(std::move(words));
+    const CommandTables tables = tables_of(app);
+    if (words[0] == "--generate") {
+        exit_code = generate(Words(words.begin() + 1, words.end()), tables, err);
+        return nullptr;
+    }
+    if (!words[0].starts_with("-") && !tables.find(words[0])) {
+        exit_code = refuse(unknown_subcommand(words[0], tables), tables, words, out, err);
         return nullptr;
     }
     try {
-        app.parse(argc, argv);
+        app.parse(Words(words.rbegin(), words.rend()));
         for (const Subcommand& subcommand : known)
             if (app.get_subcommand(subcommand.name)->parsed()) {
                 subcommand.check();
                 return &subcommand;
             }
     } catch (const CLI::ParseError& error) {
-        if (app.exit(error, out, err) == 0) exit_code = exit_done;
+        if (error.get_exit_code() == 0) {
+            (void)app.exit(error, out, err);
+            exit_code = exit_done;
+        } else {
+            exit_code = refuse(explain(error, tables, words), tables, words, out, err);
+        }
     }
     return nullptr;
 }
@@ -65,7 +104,8 @@ int run(int argc, const char* const* argv, std::ostream& out, std::ostream& err,
         bool err_is_terminal) {
     const std::vector<Subcommand> known = subcommands();
     int code = exit_usage;
-    if (const Subcommand* const subcommand = parse(argc, argv, known, out, err, code)) {
+    const Words words(argv + std::min(argc, 1), argv + argc);
+    if (const Subcommand* const subcommand = parse(words, known, out, err, code)) {
         Console console(out, err, err_is_terminal);
         code = exit_failed;
         try {

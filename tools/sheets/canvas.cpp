@@ -10,14 +10,6 @@
 namespace report {
 namespace {
 
-double distance_to_segment(double px, double py, double x0, double y0, double x1, double y1) {
-    const double dx = x1 - x0, dy = y1 - y0;
-    const double length2 = dx * dx + dy * dy;
-    double t = length2 > 0 ? ((px - x0) * dx + (py - y0) * dy) / length2 : 0;
-    t = std::clamp(t, 0.0, 1.0);
-    return std::hypot(px - (x0 + t * dx), py - (y0 + t * dy));
-}
-
 // Signed distance to a rectangle with round corners, negative inside.
 double rounded_distance(double px, double py, const Rect& r, double radius) {
     const double cx = r.x + r.width / 2, cy = r.y + r.height / 2;
@@ -29,19 +21,6 @@ double rounded_distance(double px, double py, const Rect& r, double radius) {
 
 double coverage(double signed_distance) {
     return std::clamp(0.5 - signed_distance, 0.0, 1.0);
-}
-
-struct PixelBox {
-    std::int64_t x0, y0, x1, y1;  // exclusive ends
-};
-
-PixelBox clipped(double x0, double y0, double x1, double y1, std::uint32_t width,
-                 std::uint32_t height) {
-    const auto clamp_to = [](double v, std::uint32_t limit) {
-        return static_cast<std::int64_t>(std::clamp(v, 0.0, static_cast<double>(limit)));
-    };
-    return {clamp_to(std::floor(x0), width), clamp_to(std::floor(y0), height),
-            clamp_to(std::ceil(x1), width), clamp_to(std::ceil(y1), height)};
 }
 
 // How a font size becomes pixels: capital letters are size / 1.4 high. Heights of the grid's lines
@@ -73,6 +52,23 @@ class FontScale {
 };
 
 }  // namespace
+
+double distance_to_segment(double px, double py, double x0, double y0, double x1, double y1) {
+    const double dx = x1 - x0, dy = y1 - y0;
+    const double length2 = dx * dx + dy * dy;
+    double t = length2 > 0 ? ((px - x0) * dx + (py - y0) * dy) / length2 : 0;
+    t = std::clamp(t, 0.0, 1.0);
+    return std::hypot(px - (x0 + t * dx), py - (y0 + t * dy));
+}
+
+PixelBox clipped(double x0, double y0, double x1, double y1, std::uint32_t width,
+                 std::uint32_t height) {
+    const auto clamp_to = [](double v, std::uint32_t limit) {
+        return static_cast<std::int64_t>(std::clamp(v, 0.0, static_cast<double>(limit)));
+    };
+    return {clamp_to(std::floor(x0), width), clamp_to(std::floor(y0), height),
+            clamp_to(std::ceil(x1), width), clamp_to(std::ceil(y1), height)};
+}
 
 Canvas::Canvas(std::uint32_t width, std::uint32_t height, Color background) {
     image_.width = width;

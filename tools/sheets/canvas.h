@@ -61,6 +61,15 @@ class Canvas {
     prep::Image image_;
 };
 
+double distance_to_segment(double px, double py, double x0, double y0, double x1, double y1);
+
+struct PixelBox {
+    std::int64_t x0, y0, x1, y1;  // exclusive ends
+};
+// The pixels that the rectangle from (x0, y0) to (x1, y1) touches, of a surface of that size.
+PixelBox clipped(double x0, double y0, double x1, double y1, std::uint32_t width,
+                 std::uint32_t height);
+
 // The text's advance width in pixels.
 double text_width(std::string_view utf8, const TextStyle& style);
 

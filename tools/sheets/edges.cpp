@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "prep/face_normals.h"
 #include "prep/hard_edges.h"
@@ -32,54 +33,56 @@ bool uvs_differ(const prep::Mesh& mesh, std::uint32_t a, std::uint32_t b) {
     return layer.values[i] != layer.values[j];
 }
 
-EdgeClass class_of_break(std::uint8_t reasons) {
+EdgeClass class_of_break(std::uint8_t reasons, bool normals_made) {
     if (reasons & prep::hard_mark) return EdgeClass::mark;
     if (reasons & prep::hard_smoothing_group) return EdgeClass::smoothing_group;
     if (reasons & prep::hard_angle) return EdgeClass::angle;
     if (reasons & prep::hard_material) return EdgeClass::material;
     if (reasons & prep::hard_uv_border) return EdgeClass::uv_request;
-    return EdgeClass::authored;
+    return normals_made ? EdgeClass::cancelled : EdgeClass::authored;
 }
 
 }  // namespace
 
-const char* edge_class_name(EdgeClass kind) {
-    switch (kind) {
-        case EdgeClass::smooth:
-            return "smooth";
-        case EdgeClass::angle:
-            return "angle";
-        case EdgeClass::smoothing_group:
-            return "smoothing group";
-        case EdgeClass::mark:
-            return "marked";
-        case EdgeClass::material:
-            return "material border";
-        case EdgeClass::uv_request:
-            return "UV border";
-        case EdgeClass::authored:
-            return "authored normals";
-        case EdgeClass::non_manifold:
-            return "non-manifold";
-        case EdgeClass::border:
-            return "open border";
-        case EdgeClass::uv_seam:
-            break;
-    }
-    return "UV seam (smooth)";
+const EdgeClassStyle& style_of(EdgeClass kind) {
+    static constexpr EdgeClassStyle styles[] = {{"smooth", rgb(0x9ca3af)},
+                                                {"angle", rgb(0xdc2626)},
+                                                {"smoothing group", rgb(0xc026d3)},
+                                                {"marked", rgb(0xea580c)},
+                                                {"material border", rgb(0x7c3aed)},
+                                                {"UV border", rgb(0x0891b2)},
+                                                {"authored normals", rgb(0xd97706)},
+                                                {"normals that cancel", rgb(0xa16207)},
+                                                {"vertices apart in the file", rgb(0xbe185d)},
+                                                {"non-manifold", rgb(0x111827)},
+                                                {"inconsistent orientation", rgb(0x6b21a8)},
+                                                {"open border", rgb(0x2563eb)},
+                                                {"UV seam (smooth)", rgb(0x0d9488)}};
+    static_assert(std::size(styles) == edge_class_count);
+    return styles[std::size_t(kind)];
 }
 
-std::vector<ClassedEdge> classify_edges(const prep::Mesh& mesh,
+std::vector<ClassedEdge> classify_edges(const prep::PreparedScene& prepared, std::uint32_t index,
                                         const prep::PrepareOptions& options) {
+    const prep::Mesh& mesh = prepared.scene.meshes[index];
     const prep::MeshView view(mesh);
-    std::vector<std::uint32_t> welded;
-    if (options.weld != prep::WeldMode::none)
-        welded = prep::weld_exact(view.positions, options.threads);
-    const prep::Topology topology = prep::build_topology(view, welded, options.threads);
+    const auto holds = [index](const std::vector<bool>& facts) {
+        return index < facts.size() && facts[index];
+    };
+    // What is open or crowded is so by position, as check() has it; normals were made over the
+    // file's own vertices where those are no points repeated at seams.
+    const bool welded = holds(prepared.welded);
+    std::vector<std::uint32_t> points;
+    if (welded || options.weld == prep::WeldMode::automatic)
+        points = prep::weld_exact(view.positions, options.threads);
+    const prep::Topology topology = prep::build_topology(view, points, options.threads);
+    std::optional<prep::Topology> own;
+    if (!welded && !points.empty()) own = prep::build_topology(view, {}, options.threads);
+    const prep::Topology& shaded = own ? *own : topology;
     const prep::FaceNormals faces =
         prep::face_normals(view, options.normal.precision, options.threads);
     const prep::Result<prep::HardEdges> hard =
-        prep::hard_edges(view, topology, faces, options.hard_edges);
+        prep::hard_edges(view, shaded, faces, options.hard_edges);
 
     std::vector<ClassedEdge> edges;
     edges.reserve(mesh.corner_count() / 2);
@@ -88,8 +91,11 @@ std::vector<ClassedEdge> classify_edges(const prep::Mesh& mesh,
             const std::uint32_t next = prep::next_corner(mesh.face_offsets, f, c);
             const std::uint32_t opposite = topology.opposite[c];
             if (opposite != no_index && opposite < c) continue;  // the other side tells
-            ClassedEdge edge{mesh.corner_vertices[c], mesh.corner_vertices[next],
-                             EdgeClass::smooth};
+            const auto point = [&](std::uint32_t corner) {
+                const std::uint32_t v = mesh.corner_vertices[corner];
+                return points.empty() ? v : points[v];
+            };
+            ClassedEdge edge{point(c), point(next), EdgeClass::smooth};
             switch (topology.kinds[c]) {
                 case prep::EdgeKind::degenerate:
                     continue;
@@ -97,6 +103,8 @@ std::vector<ClassedEdge> classify_edges(const prep::Mesh& mesh,
                     edge.kind = EdgeClass::border;
                     break;
                 case prep::EdgeKind::inconsistent:
+                    edge.kind = EdgeClass::inconsistent;
+                    break;
                 case prep::EdgeKind::non_manifold:
                     edge.kind = EdgeClass::non_manifold;
                     break;
@@ -107,9 +115,15 @@ std::vector<ClassedEdge> classify_edges(const prep::Mesh& mesh,
                 const std::uint32_t opposite_next =
                     prep::next_corner(mesh.face_offsets, topology.corner_faces[opposite], opposite);
                 if (normals_differ(mesh.normals, c, opposite_next) ||
-                    normals_differ(mesh.normals, next, opposite))
-                    edge.kind = class_of_break(hard ? hard->reasons[c] : std::uint8_t(0));
-                else if (uvs_differ(mesh, c, opposite_next) || uvs_differ(mesh, next, opposite))
+                    normals_differ(mesh.normals, next, opposite)) {
+                    const bool made = holds(prepared.normals_made);
+                    edge.kind =
+                        made && shaded.opposite[c] == no_index
+                            ? EdgeClass::apart
+                            : class_of_break(hard ? hard->reasons[c] : std::uint8_t(0), made);
+                }
+                if (edge.kind == EdgeClass::smooth &&
+                    (uvs_differ(mesh, c, opposite_next) || uvs_differ(mesh, next, opposite)))
                     edge.kind = EdgeClass::uv_seam;
             }
             if (edge.v0 > edge.v1) std::swap(edge.v0, edge.v1);
@@ -120,8 +134,11 @@ std::vector<ClassedEdge> classify_edges(const prep::Mesh& mesh,
         return a.v0 != b.v0 ? a.v0 < b.v0 : a.v1 != b.v1 ? a.v1 < b.v1 : a.kind < b.kind;
     };
     std::sort(edges.begin(), edges.end(), by_vertices);
+    // Edges of many faces come with each of their half-edges; others that lie on each other, as the
+    // two sides of a leaf do, are edges of their own.
     const auto same = [](const ClassedEdge& a, const ClassedEdge& b) {
-        return a.v0 == b.v0 && a.v1 == b.v1;
+        const bool crowded = a.kind == EdgeClass::non_manifold || a.kind == EdgeClass::inconsistent;
+        return crowded && a.kind == b.kind && a.v0 == b.v0 && a.v1 == b.v1;
     };
     edges.erase(std::unique(edges.begin(), edges.end(), same), edges.end());
     return edges;

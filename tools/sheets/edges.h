@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "prep/prepare.h"
+#include "sheets/canvas.h"
 
 namespace report {
 
@@ -16,23 +17,31 @@ enum class EdgeClass : std::uint8_t {
     material,         // … materials part there, by request
     uv_request,       // … UVs part there, by request
     authored,         // … the file's own normals say so
-    non_manifold,     // three or more faces, or orientations that disagree
+    cancelled,        // … the face normals around a corner cancel: it took a face's
+    apart,            // … the file gives each side vertices of its own, which stay apart
+    non_manifold,     // three or more faces
+    inconsistent,     // two faces of opposite orientation
     border,           // one face
     uv_seam,          // normals agree, UVs do not
 };
-inline constexpr int edge_class_count = 10;
-const char* edge_class_name(EdgeClass kind);
+inline constexpr int edge_class_count = 13;
+
+struct EdgeClassStyle {  // in legends and tables
+    const char* name;
+    Color color;
+};
+const EdgeClassStyle& style_of(EdgeClass kind);
 
 struct ClassedEdge {
     std::uint32_t v0 = 0, v1 = 0;
     EdgeClass kind = EdgeClass::smooth;
 };
 
-// Every edge of the mesh once, between points welded by exact position unless `weld` is none,
-// sorted by vertices. `mesh` carries its prepared normals; an edge breaks the shading when the
-// normals of its two sides differ at either end by more than 0.5°. O(edges log edges). A mesh whose
-// topology cannot be had gives plain borders.
-std::vector<ClassedEdge> classify_edges(const prep::Mesh& mesh,
+// Every edge of a mesh once, sorted by its ends, by the first vertex at each point. Equal positions
+// are one point, as for check(), unless the options say that they stay apart. An edge breaks the
+// shading when the normals of its two sides differ at either end by more than 0.5°. O(edges log
+// edges).
+std::vector<ClassedEdge> classify_edges(const prep::PreparedScene& prepared, std::uint32_t mesh,
                                         const prep::PrepareOptions& options);
 
 }  // namespace report

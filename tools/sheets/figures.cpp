@@ -9,12 +9,6 @@
 namespace report {
 namespace {
 
-std::string commas(std::uint64_t value) {
-    std::string digits = std::to_string(value);
-    for (std::size_t i = digits.size(); i > 3; i -= 3) digits.insert(i - 3, ",");
-    return digits;
-}
-
 struct Kind {
     std::string name;
     prep::Severity severity = prep::Severity::info;
@@ -28,6 +22,13 @@ std::string yes(bool value) {
 // 2⁻²⁴ and less is float rounding: shown as it is, with one digit.
 std::string small(double value) {
     return value == 0 ? "0" : fmt::format("{:.1e}", value);
+}
+
+std::string not_manifold(std::uint64_t edges, std::uint64_t vertices) {
+    std::string text = "no";
+    if (edges > 0) text += fmt::format(", {} bad edges", with_commas(edges));
+    if (vertices > 0) text += fmt::format(", {} bad vertices", with_commas(vertices));
+    return text;
 }
 
 }  // namespace
@@ -91,9 +92,8 @@ std::vector<FigureGroup> make_figures(const prep::PreparedScene& prepared,
     std::vector<FigureGroup> groups;
     prep::MeshSummary sum;
     bool closed = true, manifold = true, oriented = true;
-    std::uint64_t source_vertices = 0;
-    for (const prep::Mesh& mesh : prepared.scene.meshes) source_vertices += mesh.vertex_count();
     for (const prep::MeshSummary& s : summaries) {
+        sum.vertices += s.vertices;  // the prepared scene's may be shared, or subdivided
         sum.faces += s.faces;
         sum.triangles += s.triangles;
         sum.quads += s.quads;
@@ -101,29 +101,30 @@ std::vector<FigureGroup> make_figures(const prep::PreparedScene& prepared,
         sum.components += s.components;
         sum.open_edges += s.open_edges;
         sum.non_manifold_edges += s.non_manifold_edges;
+        sum.non_manifold_vertices += s.non_manifold_vertices;
         closed &= s.closed;
         manifold &= s.manifold;
         oriented &= s.oriented;
     }
     FigureGroup mesh{"Mesh", {}};
-    if (summaries.size() > 1) mesh.figures.push_back({"meshes", commas(summaries.size())});
-    mesh.figures.push_back({"faces", commas(sum.faces)});
+    if (summaries.size() > 1) mesh.figures.push_back({"meshes", with_commas(summaries.size())});
+    mesh.figures.push_back({"faces", with_commas(sum.faces)});
+    mesh.figures.push_back({"triangles, quads, polygons",
+                            fmt::format("{}, {}, {}", with_commas(sum.triangles),
+                                        with_commas(sum.quads), with_commas(sum.polygons))});
+    mesh.figures.push_back({"components", with_commas(sum.components)});
     mesh.figures.push_back(
-        {"triangles, quads, polygons", fmt::format("{}, {}, {}", commas(sum.triangles),
-                                                   commas(sum.quads), commas(sum.polygons))});
-    mesh.figures.push_back({"components", commas(sum.components)});
-    mesh.figures.push_back(
-        {"closed", closed ? "yes" : fmt::format("no, {} open edges", commas(sum.open_edges))});
+        {"closed", closed ? "yes" : fmt::format("no, {} open edges", with_commas(sum.open_edges))});
     mesh.figures.push_back(
         {"manifold",
-         manifold ? "yes" : fmt::format("no, {} bad edges", commas(sum.non_manifold_edges)),
+         manifold ? "yes" : not_manifold(sum.non_manifold_edges, sum.non_manifold_vertices),
          !manifold});
     mesh.figures.push_back({"consistent orientation", yes(oriented), !oriented});
     std::set<std::uint32_t> materials;  // of these meshes; the file may have more
     for (const prep::VertexMesh& m : prepared.meshes)
         for (const prep::VertexMesh::Range& range : m.ranges)
             if (range.material != prep::no_index) materials.insert(range.material);
-    mesh.figures.push_back({"materials", commas(materials.size())});
+    mesh.figures.push_back({"materials", with_commas(materials.size())});
     groups.push_back(std::move(mesh));
 
     std::uint64_t vertices = 0, triangles = 0;
@@ -131,24 +132,12 @@ std::vector<FigureGroup> make_figures(const prep::PreparedScene& prepared,
     for (const prep::VertexMesh& m : prepared.meshes) {
         vertices += m.vertex_count();
         triangles += m.triangle_count();
-        for (const prep::SplitReasons bits : m.split_reasons) {
-            const auto has = [bits](prep::SplitReason r) {
-                return (bits & static_cast<unsigned>(r)) != 0 ? 1u : 0u;
-            };
-            splits.hard_edge += has(prep::SplitReason::hard_edge);
-            splits.smoothing_group += has(prep::SplitReason::smoothing_group);
-            splits.authored_normal += has(prep::SplitReason::authored_normal);
-            splits.uv_seam += has(prep::SplitReason::uv_seam);
-            splits.mirrored_uv += has(prep::SplitReason::mirrored_uv);
-            splits.tangent += has(prep::SplitReason::tangent);
-            splits.color += has(prep::SplitReason::color);
-            splits.material += has(prep::SplitReason::material);
-        }
+        prep::count_splits(m, splits);
     }
     FigureGroup split{"Vertices", {}};
-    split.figures.push_back({"in the file", commas(source_vertices)});
-    split.figures.push_back({"prepared", commas(vertices)});
-    split.figures.push_back({"triangles", commas(triangles)});
+    split.figures.push_back({"in the file", with_commas(sum.vertices)});
+    split.figures.push_back({"prepared", with_commas(vertices)});
+    split.figures.push_back({"triangles", with_commas(triangles)});
     const std::pair<const char*, std::uint64_t> reasons[] = {
         {"split at hard edges", splits.hard_edge},
         {"split at smoothing groups", splits.smoothing_group},
@@ -159,7 +148,7 @@ std::vector<FigureGroup> make_figures(const prep::PreparedScene& prepared,
         {"split by colours", splits.color},
         {"split at materials", splits.material}};
     for (const auto& [name, count] : reasons)
-        if (count > 0) split.figures.push_back({name, commas(count)});
+        if (count > 0) split.figures.push_back({name, with_commas(count)});
     groups.push_back(std::move(split));
 
     const AttributeQuality q = measure_attributes(prepared.meshes);
@@ -171,7 +160,7 @@ std::vector<FigureGroup> make_figures(const prep::PreparedScene& prepared,
             {"turn against the face",
              fmt::format("mean {:.1f}°, max {:.1f}°", q.mean_turn, q.largest_turn)});
         quality.figures.push_back(
-            {"corners lit from behind", commas(q.against_face), q.against_face > 0});
+            {"corners lit from behind", with_commas(q.against_face), q.against_face > 0});
     } else {
         quality.figures.push_back({"normals", "none"});
     }
@@ -182,7 +171,7 @@ std::vector<FigureGroup> make_figures(const prep::PreparedScene& prepared,
                                    q.orthogonality_error > 1e-5});
         quality.figures.push_back(
             {"mirrored triangles",
-             fmt::format("{} of {}", commas(q.mirrored_triangles), commas(q.triangles))});
+             fmt::format("{} of {}", with_commas(q.mirrored_triangles), with_commas(q.triangles))});
     }
     quality.figures.push_back({"tangents called for", called_for});
     groups.push_back(std::move(quality));
@@ -206,11 +195,11 @@ FigureGroup findings_group(const std::vector<prep::Finding>& findings, std::size
                      [](const Kind& a, const Kind& b) { return a.severity > b.severity; });
     for (const Kind& kind : kinds) {
         if (group.figures.size() == most) {
-            group.figures.push_back({"and more", commas(kinds.size() - most)});
+            group.figures.push_back({"and more", with_commas(kinds.size() - most)});
             break;
         }
         group.figures.push_back(
-            {kind.name, commas(kind.count), kind.severity != prep::Severity::info});
+            {kind.name, with_commas(kind.count), kind.severity != prep::Severity::info});
     }
     if (group.figures.empty()) group.figures.push_back({"nothing odd", ""});
     return group;

@@ -75,20 +75,13 @@ void Overlay::segment(const glm::dvec3& a, const glm::dvec3& b, Color color, dou
 void Overlay::draw_run(Layer& layer, double x0, double y0, double x1, double y1,
                        double line_width) {
     const double reach = line_width / 2 + 1;
-    const auto clamp_to = [this](double v) {
-        return static_cast<std::int64_t>(std::clamp(v, 0.0, static_cast<double>(shot_.size)));
-    };
-    const std::int64_t left = clamp_to(std::floor(std::min(x0, x1) - reach));
-    const std::int64_t right = clamp_to(std::ceil(std::max(x0, x1) + reach));
-    const std::int64_t top = clamp_to(std::floor(std::min(y0, y1) - reach));
-    const std::int64_t bottom = clamp_to(std::ceil(std::max(y0, y1) + reach));
-    const double dx = x1 - x0, dy = y1 - y0, length2 = dx * dx + dy * dy;
-    for (std::int64_t y = top; y < bottom; ++y) {
-        for (std::int64_t x = left; x < right; ++x) {
-            const double px = static_cast<double>(x) + 0.5, py = static_cast<double>(y) + 0.5;
-            double t = length2 > 0 ? ((px - x0) * dx + (py - y0) * dy) / length2 : 0;
-            t = std::clamp(t, 0.0, 1.0);
-            const double distance = std::hypot(px - (x0 + t * dx), py - (y0 + t * dy));
+    const PixelBox box =
+        clipped(std::min(x0, x1) - reach, std::min(y0, y1) - reach, std::max(x0, x1) + reach,
+                std::max(y0, y1) + reach, shot_.size, shot_.size);
+    for (std::int64_t y = box.y0; y < box.y1; ++y) {
+        for (std::int64_t x = box.x0; x < box.x1; ++x) {
+            const double distance = distance_to_segment(
+                static_cast<double>(x) + 0.5, static_cast<double>(y) + 0.5, x0, y0, x1, y1);
             const auto cover = static_cast<float>(
                 std::clamp(line_width / 2 + 0.5 - distance, 0.0, std::min(1.0, line_width)));
             float& cell = layer.coverage[static_cast<std::size_t>(y * shot_.size + x)];

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <map>
 
+#include "sheets/cage_panels.h"
+#include "sheets/curvature.h"
 #include "sheets/edges.h"
 #include "sheets/figures.h"
 #include "sheets/overlay.h"
@@ -23,38 +25,6 @@ using prep::Result;
 constexpr Color ink = rgb(0x1f2937);
 constexpr Color tangent_color = rgb(0xdc2626);
 constexpr Color bitangent_color = rgb(0x15803d);
-
-Color class_color(EdgeClass kind) {
-    switch (kind) {
-        case EdgeClass::angle:
-            return rgb(0xdc2626);
-        case EdgeClass::smoothing_group:
-            return rgb(0xc026d3);
-        case EdgeClass::mark:
-            return rgb(0xea580c);
-        case EdgeClass::material:
-            return rgb(0x7c3aed);
-        case EdgeClass::uv_request:
-            return rgb(0x0891b2);
-        case EdgeClass::authored:
-            return rgb(0xd97706);
-        case EdgeClass::non_manifold:
-            return rgb(0x111827);
-        case EdgeClass::border:
-            return rgb(0x2563eb);
-        case EdgeClass::uv_seam:
-            return rgb(0x0d9488);
-        case EdgeClass::smooth:
-            break;
-    }
-    return rgb(0x9ca3af);
-}
-
-std::string commas(std::uint64_t value) {
-    std::string digits = std::to_string(value);
-    for (std::size_t i = digits.size(); i > 3; i -= 3) digits.insert(i - 3, ",");
-    return digits;
-}
 
 // Root mean square over pixels that both pictures cover, in 8-bit levels; the largest too.
 struct Difference {
@@ -75,9 +45,9 @@ Difference difference(const prep::Image& a, const prep::Image& b) {
     return {count > 0 ? std::sqrt(sum / static_cast<double>(count)) : 0, largest};
 }
 
-class Maker {
+class PanelDrawing {
   public:
-    Maker(Subject subject, const PanelOptions& options)
+    PanelDrawing(Subject subject, const PanelOptions& options)
         : subject_(std::move(subject)),
           scene_(subject_.scene),
           options_(options),
@@ -99,7 +69,8 @@ class Maker {
             mesh.colors.clear();
         }
         // Open and one-sided surfaces are drawn from both sides: nothing is to be missing.
-        view_ = fitted_view(scene_, options.azimuth, options.elevation);
+        view_ = fitted_view(subdivided() ? with_cages(scene_) : scene_, options.azimuth,
+                            options.elevation);
         world_ = prep::world_transforms(scene_.scene);
     }
 
@@ -112,11 +83,16 @@ class Maker {
             for (const auto& [id, title] : all) add_note(id, title, "No faces: nothing to shade.");
             return std::move(out_);
         }
-        const auto steps = {&Maker::shadings,   &Maker::normals,   &Maker::tangents,
-                            &Maker::uv_checker, &Maker::wireframe, &Maker::hard_edges,
-                            &Maker::materials};
+        const auto steps = {&PanelDrawing::shadings,  &PanelDrawing::normals,
+                            &PanelDrawing::tangents,  &PanelDrawing::uv_checker,
+                            &PanelDrawing::wireframe, &PanelDrawing::hard_edges,
+                            &PanelDrawing::materials};
         for (const auto step : steps)
             if (std::optional<prep::Error> error = (this->*step)()) return *std::move(error);
+        if (subdivided()) {
+            for (const auto step : {&PanelDrawing::cages, &PanelDrawing::curvature})
+                if (std::optional<prep::Error> error = (this->*step)()) return *std::move(error);
+        }
         return std::move(out_);
     }
 
@@ -190,13 +166,15 @@ class Maker {
         dress(grey, false);
         Result<Shot> flat = shoot(rast::Shading::flat);
         if (!flat) return flat.error();
-        add("flat", "Flat", fmt::format("One normal a triangle: {} facets", commas(triangles_)),
+        add("flat", "Flat",
+            fmt::format("One normal a triangle: {} facets", with_commas(triangles_)),
             "flat shading: each triangle has one shade")
             .picture = flat->image;
         Result<Shot> gouraud = shoot(rast::Shading::gouraud);
         if (!gouraud) return gouraud.error();
         add("gouraud", "Gouraud",
-            fmt::format("Light at {} vertices, interpolated: highlights smear", commas(vertices_)),
+            fmt::format("Light at {} vertices, interpolated: highlights smear",
+                        with_commas(vertices_)),
             "Gouraud shading: light is interpolated between vertices")
             .picture = gouraud->image;
         Result<Shot> phong = shoot(rast::Shading::phong);
@@ -287,19 +265,19 @@ class Maker {
     glm::dvec3 to_world(std::uint32_t node, const glm::dvec3& p) const {
         return glm::dvec3(world_[node] * glm::dvec4(p, 1.0));
     }
+    static glm::dvec3 unit_or_zero(const glm::dvec3& v) {
+        const double length = glm::length(v);
+        return length > 0 ? v / length : v;
+    }
     glm::dvec3 direction_to_world(std::uint32_t node, const glm::dvec3& d) const {
-        const glm::dvec3 w = glm::dmat3(world_[node]) * d;
-        const double length = glm::length(w);
-        return length > 0 ? w / length : w;
+        return unit_or_zero(glm::dmat3(world_[node]) * d);
     }
     glm::dvec3 normal_to_world(std::uint32_t node, const glm::dvec3& n) const {
         const glm::dmat3 l(world_[node]);
         const glm::dmat3 cofactor(glm::cross(l[1], l[2]), glm::cross(l[2], l[0]),
                                   glm::cross(l[0], l[1]));
         const double sign = glm::dot(l[0], cofactor[0]) < 0 ? -1 : 1;
-        const glm::dvec3 w = cofactor * n * sign;
-        const double length = glm::length(w);
-        return length > 0 ? w / length : w;
+        return unit_or_zero(cofactor * n * sign);
     }
     double scale() const { return options_.size / 480.0; }
 
@@ -365,11 +343,12 @@ class Maker {
             overlay.segment(foot, foot + direction_to_world(mark.node, glm::dvec3(t)) * length,
                             tangent_color, 1.3 * scale());
         }
-        Panel& panel = add("tangents", "Tangents",
-                           mirrored > 0 ? fmt::format("{} of {} triangles have mirrored UVs",
-                                                      commas(mirrored), commas(triangles_))
-                                        : std::string("No mirrored UVs"),
-                           "its tangents and bitangents as ticks");
+        Panel& panel =
+            add("tangents", "Tangents",
+                mirrored > 0 ? fmt::format("{} of {} triangles have mirrored UVs",
+                                           with_commas(mirrored), with_commas(triangles_))
+                             : std::string("No mirrored UVs"),
+                "its tangents and bitangents as ticks");
         panel.picture = overlay.image();
         panel.legend = {{tangent_color, "tangent"}, {bitangent_color, "bitangent"}};
         if (mirrored > 0) panel.legend.push_back({rgb(0x9dbdf5), "mirrored"});
@@ -400,8 +379,8 @@ class Maker {
         if (edges_.empty()) {
             prep::PrepareOptions prepare = options_.prepare;
             prepare.threads = options_.threads;
-            for (const prep::Mesh& mesh : scene_.scene.meshes)
-                edges_.push_back(classify_edges(mesh, prepare));
+            for (std::uint32_t m = 0; m < scene_.scene.meshes.size(); ++m)
+                edges_.push_back(classify_edges(scene_, m, prepare));
         }
         for (std::uint32_t n = 0; n < scene_.scene.nodes.size(); ++n) {
             const std::uint32_t m = scene_.scene.nodes[n].mesh;
@@ -435,7 +414,8 @@ class Maker {
             overlay.segment(a, b, color, width);
         });
         add("wireframe", "Wireframe",
-            fmt::format("{} edges as in the file, {:.1f} px long on average", commas(count), mean),
+            fmt::format("{} edges {}, {:.1f} px long on average", with_commas(count),
+                        subdivided() ? "of the refined faces" : "as in the file", mean),
             "its edges, those behind the surface left out")
             .picture = overlay.image();
         return {};
@@ -446,33 +426,71 @@ class Maker {
         std::array<std::uint64_t, edge_class_count> counts{};
         // Rarer and graver classes are drawn over the others.
         const EdgeClass order[] = {
-            EdgeClass::uv_seam,    EdgeClass::border,          EdgeClass::authored,
-            EdgeClass::uv_request, EdgeClass::material,        EdgeClass::mark,
-            EdgeClass::angle,      EdgeClass::smoothing_group, EdgeClass::non_manifold};
+            EdgeClass::uv_seam,         EdgeClass::border,       EdgeClass::authored,
+            EdgeClass::cancelled,       EdgeClass::apart,        EdgeClass::uv_request,
+            EdgeClass::material,        EdgeClass::mark,         EdgeClass::angle,
+            EdgeClass::smoothing_group, EdgeClass::inconsistent, EdgeClass::non_manifold};
         for (const EdgeClass kind : order) {
             each_edge([&](const glm::dvec3& a, const glm::dvec3& b, EdgeClass edge) {
                 if (edge != kind) return;
-                ++counts[static_cast<std::size_t>(kind)];
                 const bool thin = kind == EdgeClass::uv_seam;
-                overlay.segment(a, b, class_color(kind), (thin ? 1.2 : 2.0) * scale());
+                overlay.segment(a, b, style_of(kind).color, (thin ? 1.2 : 2.0) * scale());
             });
         }
+        // Of the meshes, as the other figures are, however often each is placed.
+        for (const std::vector<ClassedEdge>& mesh : edges_)
+            for (const ClassedEdge& edge : mesh) ++counts[static_cast<std::size_t>(edge.kind)];
         std::uint64_t hard = 0;
         out_.edges.title = "Edges";
         Panel& panel = add("hard-edges", "Hard edges", "", "the edges where its shading breaks");
         for (std::size_t i = std::size(order); i-- > 0;) {
             const std::uint64_t n = counts[static_cast<std::size_t>(order[i])];
             if (n == 0) continue;
-            panel.legend.push_back({class_color(order[i]), edge_class_name(order[i])});
-            out_.edges.figures.push_back(
-                {edge_class_name(order[i]), commas(n), order[i] == EdgeClass::non_manifold});
+            const EdgeClassStyle& style = style_of(order[i]);
+            panel.legend.push_back({style.color, style.name});
+            const bool bad =
+                order[i] == EdgeClass::non_manifold || order[i] == EdgeClass::inconsistent;
+            out_.edges.figures.push_back({style.name, with_commas(n), bad});
             if (order[i] != EdgeClass::uv_seam && order[i] != EdgeClass::border) hard += n;
         }
-        panel.caption = hard > 0 ? fmt::format("Shading breaks at {} edges", commas(hard))
+        panel.caption = hard > 0 ? fmt::format("Shading breaks at {} edges", with_commas(hard))
                                  : std::string("Shading breaks nowhere: all edges are smooth");
         if (out_.edges.figures.empty())
             out_.edges.figures.push_back({"hard, open or seam", "none"});
         panel.picture = overlay.image();
+        return {};
+    }
+
+    bool subdivided() const {
+        return std::any_of(scene_.cages.begin(), scene_.cages.end(),
+                           [](const prep::Mesh& cage) { return cage.face_count() > 0; });
+    }
+    Step cages() {
+        const CagePanelInput input{scene_,           world_,  *clay_,
+                                   options_.prepare, scale(), options_.threads};
+        for (const auto& panel : {cage_panel, limit_panel}) {
+            Result<Panel> made = panel(input);
+            if (!made) return made.error();
+            made->alt = subject_.name + ", " + made->alt;
+            out_.panels.push_back(*std::move(made));
+        }
+        return {};
+    }
+
+    Step curvature() {
+        const double full = color_by_curvature(scene_);
+        dress(neutral(0.9f, 0.0f), false);
+        Result<Shot> shot = shoot(rast::Shading::phong);
+        for (prep::VertexMesh& mesh : scene_.meshes) mesh.colors.clear();
+        if (!shot) return shot.error();
+        Panel& panel = add("curvature", "Curvature",
+                           full > 0 ? fmt::format("Mean curvature; full colour from 1 / {:.3g} on, "
+                                                  "which 95 % of the vertices do not reach",
+                                                  1 / full)
+                                    : std::string("Mean curvature: none, all faces are flat"),
+                           "its mean curvature as colours: red bulges, blue hollows");
+        panel.picture = shot->image;
+        panel.legend = {{rgb(0xc0392b), "bulges"}, {rgb(0x2e6fc9), "hollows"}};
         return {};
     }
 
@@ -521,6 +539,13 @@ Subject mesh_subject(const prep::PreparedScene& prepared, std::uint32_t mesh) {
     out.scene.images = scene.images;
     out.meshes = {prepared.meshes[mesh]};
     out.requirements = {prepared.requirements[mesh]};
+    const auto of_mesh = [mesh](const std::vector<bool>& facts) {
+        return std::vector<bool>{mesh < facts.size() && facts[mesh]};
+    };
+    out.welded = of_mesh(prepared.welded);
+    out.subdivided = of_mesh(prepared.subdivided);
+    out.normals_made = of_mesh(prepared.normals_made);
+    if (mesh < prepared.cages.size()) out.cages = {prepared.cages[mesh]};
     prep::Node node;
     node.mesh = 0;
     const std::vector<glm::dmat4> world = prep::world_transforms(scene);
@@ -534,7 +559,7 @@ Subject mesh_subject(const prep::PreparedScene& prepared, std::uint32_t mesh) {
 }
 
 Result<PanelSet> make_panels(Subject subject, const PanelOptions& options) {
-    return Maker(std::move(subject), options).run();
+    return PanelDrawing(std::move(subject), options).run();
 }
 
 }  // namespace report

@@ -1,5 +1,6 @@
 // The pictures of a validation sheet: four shadings, the file's materials, normals, tangents, UVs,
-// wireframe and hard edges.
+// wireframe and hard edges; of subdivided meshes the cage, its edges on the limit surface, and the
+// surface's curvature.
 #pragma once
 
 #include <string>

@@ -191,6 +191,12 @@ class Layout {
 
 }  // namespace
 
+std::string with_commas(std::uint64_t value) {
+    std::string digits = std::to_string(value);
+    for (std::size_t i = digits.size(); i > 3; i -= 3) digits.insert(i - 3, ",");
+    return digits;
+}
+
 prep::Image draw_sheet(const Sheet& sheet, std::uint32_t panel) {
     return Layout(sheet, panel).draw();
 }

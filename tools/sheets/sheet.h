@@ -42,6 +42,9 @@ struct Sheet {
     std::string footer;
 };
 
+// "12,345".
+std::string with_commas(std::uint64_t value);
+
 // The whole sheet as one picture: four panels a row, the figures beside the last row's. `panel` is
 // the pictures' size in pixels.
 prep::Image draw_sheet(const Sheet& sheet, std::uint32_t panel);

@@ -23,6 +23,9 @@ const std::vector<FileFormat>& file_formats();
 // By a path's ending, in capitals or not; null: no format has it.
 const FileFormat* file_format(const std::filesystem::path& path);
 
+// By a file's first bytes (512 are looked at); null: they are no format's.
+const FileFormat* file_format_of_bytes(std::string_view bytes);
+
 // A path's ending in lower case, with its dot.
 std::string lower_ending(const std::filesystem::path& path);
 

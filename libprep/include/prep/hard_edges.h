@@ -52,7 +52,7 @@ struct HardEdges {
 };
 
 // Errors: invalid (threshold outside 0 … 180 or not a number). A face of zero area is a slit: it
-// goes by the normal of the face across its longest edge, so that the faces on its sides are
+// uses the normal of the face across its longest edge, so that the faces on its sides are
 // compared with each other; where there is none, its edges are smooth as far as the angle goes. A
 // face with a position that is not finite counts as missing: its edges are borders. O(edges); the
 // same for any order of faces, vertices or threads.

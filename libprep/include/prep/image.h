@@ -4,9 +4,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "prep/result.h"
@@ -14,6 +16,7 @@
 namespace prep {
 
 struct ImageRef;
+class ReaderProcess;
 
 // Row-major, top row first, `channels` interleaved (1 to 4), values as stored in the file: 8- and
 // 16-bit integers mapped to 0…1, floats as they are. No colour conversion.
@@ -29,6 +32,9 @@ struct Image {
     std::vector<std::uint32_t> integers = {};
     bool floating = false;  // stored as floats: linear light, whatever it is used for
     std::vector<std::string> channel_names = {};  // where all channels were asked for
+    // 8 or 16 where the file has integers of as many bits (8 also for fewer), else 0: `pixels` are
+    // then codes over 255 or 65535.
+    std::uint8_t integer_bits = 0;
     const float* at(std::uint32_t x, std::uint32_t y) const {
         return pixels.data() + (std::size_t(y) * width + x) * channels;
     }
@@ -40,12 +46,25 @@ inline constexpr std::uint32_t max_image_extent = 32768;
 // The first four channels, or all of those that EXR and TIFF files may have, 32 at most.
 enum class ImageChannels : std::uint8_t { color, all };
 
-// Any format OpenImageIO reads. Errors: io (missing, unreadable), syntax (broken), limit.
+struct ImageOptions {
+    ImageChannels channels = ImageChannels::color;
+    // Where pictures are decoded whose decoders may end the process (load.h): all but PNG, JPEG,
+    // EXR, HDR, GIF, WebP, BMP, TIFF, TGA and PNM. Null: here. The result is the same.
+    std::shared_ptr<ReaderProcess> reader_process = nullptr;
+    // What such a decoder printed, as LoadOptions::reader_log has it.
+    std::function<void(const std::filesystem::path& file, std::string_view text)> reader_log = {};
+};
+
+// Any format OpenImageIO reads. Errors: io (missing, unreadable), syntax (broken), limit; with a
+// process of its own also unsupported (the decoder crashed) and limit (its time, its memory).
 Result<Image> load_image(const std::filesystem::path& path,
                          ImageChannels channels = ImageChannels::color);
-// From memory; `name` is for messages and, by its ending, a hint at the format.
-Result<Image> decode_image(std::span<const std::byte> bytes, const std::string& name);
-// From the path or the embedded bytes.
+Result<Image> load_image(const std::filesystem::path& path, const ImageOptions& options);
+// From memory; `name` is for messages and, by its ending, a hint at the format. Errors: also
+// unsupported (KTX2).
+Result<Image> decode_image(std::span<const std::byte> bytes, const std::string& name,
+                           const ImageOptions& options = {});
+// From the path or the embedded bytes, as the reference's own options say.
 Result<Image> load_image(const ImageRef& ref);
 
 enum class PixelType : std::uint8_t { u8, u16, f16, f32 };

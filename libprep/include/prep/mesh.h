@@ -81,6 +81,8 @@ struct VertexDeltas {
 // stay as they are. Normals and tangents without a run are those of the mesh.
 struct MorphTarget {
     std::vector<VertexDeltas> positions, normals, tangents;
+    std::string name = {};
+    float weight = 0;  // at rest
 };
 
 // Four joints that move a vertex, by file vertex; several sets add up. Weights need not be

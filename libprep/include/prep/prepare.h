@@ -1,13 +1,15 @@
 // prepare(): the whole pipeline, from a loaded scene to meshes that a renderer can shade.
 //
-// requirements → repair (where asked for) → weld/topology → hard edges → normals → tangents →
-// split. Each stage says whether it ran and why; what no material and no request calls for is not
-// computed.
+// requirements → repair → subdivide or tessellate (these where asked for) → weld/topology → hard
+// edges → normals → tangents → split. Each stage says whether it ran and why; what no material and
+// no request calls for is not computed.
 #pragma once
 
 #include <cstdint>
 
 #include "prep/corner_normals.h"
+#include "prep/displacement/sources.h"
+#include "prep/displacement/tessellate.h"
 #include "prep/enum_names.h"
 #include "prep/hard_edges.h"
 #include "prep/prepared_scene.h"
@@ -15,6 +17,7 @@
 #include "prep/requirements.h"
 #include "prep/result.h"
 #include "prep/scene.h"
+#include "prep/subdivide.h"
 #include "prep/tangents.h"
 
 namespace prep {
@@ -46,10 +49,37 @@ constexpr auto names_of(WeldMode) {
         {{"auto", WeldMode::automatic}, {"none", WeldMode::none}, {"exact", WeldMode::exact}});
 }
 
+// Which heights move a surface that is tessellated.
+struct DisplaceOptions {
+    bool from_materials = false;  // each material's displacement map
+    std::optional<ImageRef> map;  // this one for all faces instead
+    std::uint32_t uv_set = 0;     // that `map` is read at
+    // Channel, filter, scale (a material's own is multiplied by it) and, for `map`, wrap and
+    // placement; its midlevel is not read.
+    HeightMapOptions heights;
+    std::optional<double> midlevel;  // none: the material's; 0.5 for `map`
+};
+
 struct PrepareOptions {
     Request request;
     RepairOptions repair;  // off unless asked for
     WeldMode weld = WeldMode::automatic;
+    // Cages become their surfaces (threads are those below). Points are welded before as `weld`
+    // says; the normals are the limit surface's, whatever `normals` says, and hard edges those of
+    // the cage.
+    bool subdivide = false;
+    SubdivideOptions subdivision;
+    bool recover_quads = false;      // first: quads from pairs of triangles, where only one fits
+    bool crease_hard_edges = false;  // edges that `hard_edges` calls hard are infinitely sharp
+    bool keep_cages = false;         // PreparedScene::cages: the meshes that were refined
+    // Triangles as fine as `tessellation` asks take the place of meshes: of the cage's limit
+    // surface where `subdivide` says so (its level is not read), else of the polygons. The scheme,
+    // the displacements, the hard edges and the threads that it reads are those given here; where
+    // it asks for nothing, an error of a thousandth of the mesh's diagonal and at most a million
+    // triangles are meant.
+    bool tessellate = false;
+    TessellateOptions tessellation;
+    DisplaceOptions displacement;
     Authored normals = Authored::keep;
     NormalOptions normal;        // weight, precision
     HardEdgeOptions hard_edges;  // angle, borders
@@ -60,7 +90,7 @@ struct PrepareOptions {
 
 // Takes the scene by value: move it in to avoid a copy. Errors: limit (more than 2^32 − 2
 // vertices and corners together, or 2^30 triangles where tangents are computed), invalid (options
-// out of range).
+// out of range), those of subdivide(), tessellate() and of pictures that heights are read from.
 Result<PreparedScene> prepare(Scene scene, const PrepareOptions& options = {});
 
 }  // namespace prep

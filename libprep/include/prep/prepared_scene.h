@@ -2,9 +2,11 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "prep/displacement/tessellate.h"
 #include "prep/findings.h"
 #include "prep/repair.h"
 #include "prep/requirements.h"
@@ -25,6 +27,24 @@ struct SplitCounts {  // vertices added, by reason (a vertex can count under sev
     std::uint64_t hard_edge = 0, smoothing_group = 0, authored_normal = 0, uv_seam = 0,
                   mirrored_uv = 0, tangent = 0, color = 0, material = 0;
 };
+struct SplitCountName {
+    SplitReason reason;
+    std::uint64_t SplitCounts::*count;
+    const char *key, *text;  // in JSON, in words
+};
+inline constexpr SplitCountName split_count_names[] = {
+    {SplitReason::hard_edge, &SplitCounts::hard_edge, "hard_edge", "hard edge"},
+    {SplitReason::smoothing_group, &SplitCounts::smoothing_group, "smoothing_group",
+     "smoothing group"},
+    {SplitReason::authored_normal, &SplitCounts::authored_normal, "authored_normal",
+     "authored normal"},
+    {SplitReason::uv_seam, &SplitCounts::uv_seam, "uv_seam", "UV seam"},
+    {SplitReason::mirrored_uv, &SplitCounts::mirrored_uv, "mirrored_uv", "mirrored UV"},
+    {SplitReason::tangent, &SplitCounts::tangent, "tangent", "tangent"},
+    {SplitReason::color, &SplitCounts::color, "color", "colour"},
+    {SplitReason::material, &SplitCounts::material, "material", "material"}};
+// Adds a mesh's.
+void count_splits(const VertexMesh& mesh, SplitCounts& counts);
 
 // What a morph target adds to the normals and tangents of a mesh's vertices at weight 1 where those
 // were computed: the shape's own, found in the same way on the same hard edges, minus the mesh's.
@@ -40,6 +60,11 @@ struct PreparedScene {
     std::vector<VertexMesh> meshes;
     std::vector<std::vector<MorphDeltas>> morphs;  // by mesh, then by Mesh::morph_targets
     std::vector<MeshRequirements> requirements;
+    std::vector<bool> welded;      // by mesh: equal positions are one point for adjacency
+    std::vector<bool> subdivided;  // by mesh: refined, so that no vertex is the file's own
+    std::vector<std::optional<TessellationCertificate>> tessellated;  // by mesh
+    std::vector<Mesh> cages;         // by mesh: what was refined, where keep_cages asks for it
+    std::vector<bool> normals_made;  // by mesh: none of its normals is the file's
     std::vector<StageReport> stages;
     std::vector<Finding> findings;
     std::vector<RepairStep> repairs;  // by mesh, in the order in which they ran

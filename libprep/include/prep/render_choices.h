@@ -105,8 +105,10 @@ struct RenderChoices {
     int max_anisotropy = 8;  // 1 … 16: anisotropic and EWA filters
     // Of the picture in 8 bits (rast::to_srgb); a frame's colours are linear and before these.
     ToneMap tone_map = ToneMap::off;
+    // automatic_exposure: found from the picture (rast/exposure.h), by whoever draws.
     float exposure = 1;
 };
+inline constexpr float automatic_exposure = 0;
 
 // Which values a choice has.
 struct Named {};  // an enum with names
@@ -118,6 +120,10 @@ struct OneOf {
     std::vector<int> values;
 };
 struct Range {
+    double least, greatest;
+};
+
+struct RangeOrAuto {  // a number, or the word "auto", which is 0
     double least, greatest;
 };
 
@@ -146,7 +152,9 @@ void for_each_render_choice(Row&& row) {
     row("max_anisotropy", &C::max_anisotropy, Range{1, 16},
         "1 to 16: probes of the anisotropic filter, longest ellipse of ewa (default 8)");
     row("tone_map", &C::tone_map, Named{}, "How light above 1 is shown (default off: clipped)");
-    row("exposure", &C::exposure, Range{1e-6, 1e6}, "Light is multiplied by this (default 1)");
+    row("exposure", &C::exposure, RangeOrAuto{1e-6, 1e6},
+        "Light is multiplied by this; auto: found from the picture (default for files, scene files "
+        "aside, that bring lights of their own; else 1)");
 }
 
 // Some of the choices: those of a scene file, those of a command line.

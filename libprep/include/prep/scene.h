@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "prep/enum_names.h"
 #include "prep/material.h"
 #include "prep/mesh.h"
 
@@ -21,13 +22,33 @@ struct RetainedFile {
     virtual ~RetainedFile() = default;
 };
 
+struct ImageOptions;
+struct ImageRef;
+
+// A channel of a picture that is put together from others: maps that a file names one by one and
+// glTF holds in one picture.
+struct PackedChannel {
+    std::shared_ptr<const ImageRef> source;  // null: `value` everywhere
+    std::uint32_t channel = 0;               // of the source; `opacity`: its alpha, else its first
+    bool inverted = false;                   // 1 − what is there
+    float value = 1;
+    static constexpr std::uint32_t opacity = 4;
+};
+
 // An image as the file refers to it; decoded only when a texture of the plan asks for it.
 struct ImageRef {
     std::string name;              // for messages
     std::filesystem::path path;    // set when it is a file of its own
     std::vector<std::byte> bytes;  // set when it is embedded (encoded: PNG, JPEG, …)
     std::string mime_type;
+    std::vector<PackedChannel> channels = {};  // put together from these: no path and no bytes
+    // How it is decoded (image.h); null: in the caller's process. load_scene() sets it where it has
+    // a process for the readers of other libraries.
+    std::shared_ptr<const ImageOptions> options = nullptr;
 };
+
+// The files that a picture is read from; none where it is embedded.
+std::vector<std::filesystem::path> files_of(const ImageRef& image);
 
 enum class LightKind : std::uint8_t { ambient, directional, point, spot };
 constexpr auto names_of(LightKind) {
@@ -106,6 +127,22 @@ struct Animation {
     std::vector<AnimationChannel> channels;
 };
 
+enum class Axis : std::uint8_t { x, y, z };
+constexpr auto names_of(Axis) {
+    return std::to_array<EnumName<Axis>>({{"x", Axis::x}, {"y", Axis::y}, {"z", Axis::z}});
+}
+
+// How the numbers of a file became metres with y up. The nodes' transforms have it already.
+struct Placement {
+    // What the file says of itself: metres to one of its units, and in which words ("FBX
+    // UnitScaleFactor 1"; empty: the file says nothing, and its unit is taken for a metre).
+    double file_unit = 1;
+    std::string file_unit_source;
+    double scale = 1;   // asked for, on top of it
+    Axis up = Axis::y;  // asked for: the axis that was turned to y
+    double factor() const { return file_unit * scale; }
+};
+
 struct Scene {
     std::string name;
     std::filesystem::path source;                  // the file it came from
@@ -119,11 +156,15 @@ struct Scene {
     std::vector<Camera> cameras;
     std::vector<Skin> skins;
     std::vector<Animation> animations;
-    std::uint32_t active_camera = no_index;             // a node
+    std::uint32_t active_camera = no_index;  // a node
+    Placement placement;
     std::shared_ptr<const RetainedFile> retained_file;  // none: no writer needs it
     std::uint64_t source_bytes = 0;  // of the file and its buffers, where a limit depends on it
     std::vector<std::string>
         warnings;  // odd but usable: what the loader met and what it made of it
+    // What a file says beside the model, and nothing here has a place for: authors, programs,
+    // their settings, names.
+    std::vector<std::string> remarks;
 };
 
 // World transform of every node, parents applied first. O(nodes).
@@ -134,5 +175,10 @@ std::size_t morph_target_count(const Scene& scene);
 
 // Adds one node per mesh that no node uses (mesh files without a scene graph).
 void instance_unused_meshes(Scene& scene);
+
+// Scales the scene and turns its `up` axis to y (x to y about z, z to y about x), by a node above
+// all others; the cameras' clip planes and the lights' ranges follow. `scale` is finite and over 0.
+// Nothing is added where nothing changes.
+void place_scene(Scene& scene, double scale, Axis up);
 
 }  // namespace prep

@@ -68,7 +68,7 @@ struct TangentInput {
 // Why a corner has another tangent than the definition's.
 enum class TangentFault : std::uint8_t {
     not_finite,      // the definition's result is NaN or infinite
-    no_normal,       // the normal is zero, absent or not finite: (0, 0, 1) stands in for it
+    no_normal,       // the normal is zero, absent or not finite: (0, 0, 1) is used
     no_gradient,     // no triangle with a UV gradient reaches the corner: no result at all
     vanished,        // the result is zero (weights of collinear triangles, opposite gradients)
     not_unit,        // or not zero and not unit either

@@ -109,6 +109,11 @@ std::optional<Error> FileSet::refusal(const std::filesystem::path& path, bool ex
     if (!exists) return std::nullopt;
     if (!rules_.replace)
         return Error{ErrorCode::io, "the file exists and is not to be replaced", path.string()};
+    if (rules_.spared && rules_.spared(path))
+        return Error{ErrorCode::io,
+                     "this file is read for another result and would be written over; give the "
+                     "output another name or directory",
+                     path.string()};
     if (path == rules_.target) return std::nullopt;
     for (const std::filesystem::path& source : rules_.spare)
         if (same_file(path, source))
@@ -294,6 +299,8 @@ Result<void> FileSet::commit() {
         ::close(fd);
         if (!good) return io_error("cannot write the file", why, file.path);
     }
+    if (rules_.written)
+        for (const File& file : files_) rules_.written->push_back(file.path);
     return {};
 }
 

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -16,6 +17,9 @@ struct FileSetRules {
     bool replace = true;                       // files that exist may be replaced
     std::vector<std::filesystem::path> spare;  // but not these, other than as `target`
     std::filesystem::path target;
+    // Asked of files that exist; those it is true for are no one's to replace, `target` as well.
+    std::function<bool(const std::filesystem::path&)> spared = {};
+    std::vector<std::filesystem::path>* written = nullptr;  // commit() fills it, in their order
 };
 
 // Files are staged under temporary names beside their targets, then renamed by commit(). What was

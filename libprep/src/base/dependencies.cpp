@@ -1,5 +1,3 @@
-#include "prep/dependencies.h"
-
 #include <CGAL/version.h>
 #include <Imath/ImathConfig.h>
 #include <OpenImageIO/oiioversion.h>
@@ -11,10 +9,13 @@
 #include <meshoptimizer.h>
 #include <mpfr.h>
 #include <oneapi/tbb/version.h>
+#include <opensubdiv/version.h>
 
 #include <boost/version.hpp>
 #include <glm/detail/setup.hpp>
 #include <nlohmann/detail/abi_macros.hpp>
+
+#include "prep/version.h"
 
 #define MESHPREP_TEXT_OF(x) #x
 #define MESHPREP_TEXT(x) MESHPREP_TEXT_OF(x)
@@ -54,6 +55,9 @@ std::vector<Dependency> dependencies() {
         {"oneTBB", dotted(TBB_VERSION_MAJOR, TBB_VERSION_MINOR, TBB_VERSION_PATCH), "Apache-2.0"},
         {"OpenImageIO", dotted(OIIO_VERSION_MAJOR, OIIO_VERSION_MINOR, OIIO_VERSION_PATCH),
          "BSD-3-Clause"},
+        {"OpenSubdiv",
+         dotted(OPENSUBDIV_VERSION_MAJOR, OPENSUBDIV_VERSION_MINOR, OPENSUBDIV_VERSION_PATCH),
+         "Apache-2.0, modified"},
         {"OpenMesh", dotted(OM_GET_VER, OM_GET_MAJ, OM_GET_MIN), "BSD-3-Clause"},
     };
 }

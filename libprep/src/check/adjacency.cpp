@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <compare>
 #include <utility>
 
 #include "base/disjoint_sets.h"
@@ -16,9 +17,7 @@ using Index = std::uint32_t;
 struct CrowdedEdge {
     std::uint64_t edge;  // both points, the lower one first
     Index corner;
-    bool operator<(const CrowdedEdge& o) const {
-        return edge != o.edge ? edge < o.edge : corner < o.corner;
-    }
+    auto operator<=>(const CrowdedEdge&) const = default;
 };
 
 class AdjacencyCheck {

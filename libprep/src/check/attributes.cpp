@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/finite.h"
 #include "check/check_parts.h"
 #include "exact/difference_of_products.h"
 #include "normals/authored_normals.h"
@@ -47,8 +48,7 @@ void check_tangents(CheckContext& context) {
             continue;
         }
         const glm::dvec4 t(layer.values[layer.indices[c]]);
-        if (!std::isfinite(t.x) || !std::isfinite(t.y) || !std::isfinite(t.z) ||
-            !std::isfinite(t.w)) {
+        if (!is_finite(t)) {
             bad.add(c);
             continue;
         }
@@ -110,7 +110,7 @@ void check_uv_set(const CheckContext& context, const CornerLayer<glm::vec2>& lay
                 continue;
             }
             const glm::vec2& uv = layer.values[layer.indices[c]];
-            if (!std::isfinite(uv.x) || !std::isfinite(uv.y)) {
+            if (!is_finite(uv)) {
                 faults.bad[c] = true;
                 usable = false;
             } else if (std::abs(uv.x) > largest_uv || std::abs(uv.y) > largest_uv) {

@@ -1,14 +1,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/finite.h"
 #include "check/check_parts.h"
 
 namespace prep::detail {
 namespace {
-
-bool finite(const glm::vec3& p) {
-    return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
-}
 
 bool denormal(const glm::vec3& p) {
     const auto is = [](float x) { return std::fpclassify(x) == FP_SUBNORMAL; };
@@ -42,13 +39,13 @@ void check_vertices(CheckContext& context) {
     bool any = false;
     for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v) {
         const glm::vec3& p = mesh.positions[v];
-        if (!finite(p)) bad.add(v);
+        if (!is_finite(p)) bad.add(v);
         if (denormal(p)) small.add(v);
         if (!used[v]) unused.add(v);
         if (context.topology.welded[v] != v) repeated.add(v);
         const auto& offsets = context.topology.point_offsets;
-        if (finite(p) && offsets[v + 1] > offsets[v]) ++summary.points;
-        if (!used[v] || !finite(p)) continue;
+        if (is_finite(p) && offsets[v + 1] > offsets[v]) ++summary.points;
+        if (!used[v] || !is_finite(p)) continue;
         low = any ? glm::min(low, p) : p;
         high = any ? glm::max(high, p) : p;
         any = true;

@@ -5,6 +5,7 @@
 #include <span>
 #include <string>
 
+#include "prep/load.h"
 #include "prep/result.h"
 #include "prep/scene.h"
 
@@ -16,7 +17,7 @@ Result<Scene> load_om(std::span<const std::byte> bytes, const std::filesystem::p
 
 // Whatever Assimp knows (FBX, DAE, 3DS, BLEND, …): meshes, materials, textures, nodes, cameras and
 // lights. Normals stay as authored; nothing is joined, split or triangulated.
-Result<Scene> load_with_assimp(const std::filesystem::path& path);
+Result<Scene> load_with_assimp(const std::filesystem::path& path, const LoadOptions& options = {});
 // Whether Assimp claims this ending (with its dot, lower case).
 bool assimp_reads(const std::string& extension);
 

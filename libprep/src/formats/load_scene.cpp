@@ -1,7 +1,10 @@
 #include <cmath>
 #include <string_view>
 
+#include "contained/pictures.h"
+#include "contained/reader_process.h"
 #include "formats/registry.h"
+#include "formats/transparency.h"
 #include "prep/files.h"
 #include "prep/load.h"
 
@@ -18,6 +21,21 @@ void warn_of_infinities(Scene& scene) {
         scene.warnings.push_back(std::to_string(count) +
                                  (count == 1 ? " vertex is" : " vertices are") +
                                  " infinite, or beyond the range of float (3.4e38)");
+}
+
+// Light that its picture would have shaped is none without it: the surface would be a white patch.
+void put_out_missing_emission(Scene& scene) {
+    for (Material& material : scene.materials) {
+        const std::uint32_t texture = material.emissive_map.texture;
+        if (texture >= scene.textures.size() ||
+            scene.textures[texture].image >= scene.images.size())
+            continue;
+        const ImageRef& image = scene.images[scene.textures[texture].image];
+        std::error_code ec;
+        if (image.bytes.empty() && image.channels.empty() &&
+            !std::filesystem::is_regular_file(image.path, ec))
+            material.emissive = glm::vec3(0.0f);
+    }
 }
 
 }  // namespace
@@ -44,11 +62,47 @@ Result<Scene> load_scene(const std::filesystem::path& path, const LoadOptions& o
             ErrorCode::unsupported,
             "unknown file type '" + ending + "': " + detail::format_titles(false) + " are read",
             path.string()};
-    auto scene = format->load(path, options);
+    auto scene =
+        format->foreign_reader && options.reader_process
+            ? detail::load_contained(format->file.name, format->foreign_reader, path, options)
+            : format->load(path, options);
     if (!scene) return scene;
     scene->source = path;
+    if (format->file.meshes) detail::settle_transparency(*scene, options.transparency);
     warn_of_infinities(*scene);
+    put_out_missing_emission(*scene);
+    detail::contain_pictures(*scene, options);
     return scene;
+}
+
+Result<void> require_geometry(const Scene& scene) {
+    std::size_t vertices = 0, nodes = 0;
+    for (const Mesh& mesh : scene.meshes) {
+        if (mesh.face_count() > 0 || mesh.line_offsets.size() > 1 || !mesh.points.empty())
+            return {};
+        vertices += mesh.positions.size();
+    }
+    for (const Node& node : scene.nodes) nodes += node.mesh == no_index;
+    struct Kind {
+        std::size_t count;
+        const char *one, *many;
+    };
+    const Kind kinds[] = {{vertices, "vertex", "vertices"},
+                          {nodes, "node", "nodes"},
+                          {scene.materials.size(), "material", "materials"},
+                          {scene.images.size(), "picture", "pictures"},
+                          {scene.cameras.size(), "camera", "cameras"},
+                          {scene.lights.size(), "light", "lights"},
+                          {scene.animations.size(), "animation", "animations"}};
+    std::string found;
+    for (const Kind& kind : kinds)
+        if (kind.count > 0)
+            found += (found.empty() ? "" : ", ") + std::to_string(kind.count) + " " +
+                     (kind.count == 1 ? kind.one : kind.many);
+    std::string text = "no faces, lines or points are in the file; found " +
+                       (found.empty() ? std::string("nothing") : found);
+    if (!scene.warnings.empty()) text += "; the reader says: " + scene.warnings.front();
+    return Error{ErrorCode::invalid, std::move(text), scene.source.string()};
 }
 
 }  // namespace prep

@@ -249,6 +249,14 @@ glm::dvec3 facet_normal(const glm::dvec3& a, const glm::dvec3& b, const glm::dve
     return scaled / glm::length(scaled) + 0.0;  // no negative zeros: their sign is chance
 }
 
+// A face's length and its indices, of up to 10 digits, and what stands between them.
+auto room_of_faces(const Flat& flat) {
+    return [&flat](std::size_t begin, std::size_t end) {
+        return std::size_t(12) *
+               (flat.face_offsets[end] - flat.face_offsets[begin] + (end - begin));
+    };
+}
+
 WriteResult finish(FileSetRules rules, const std::filesystem::path& path, TextBlocks& out,
                    std::vector<std::string> notes) {
     FileSet files(std::move(rules));
@@ -330,23 +338,17 @@ WriteResult write_ply(const PreparedScene& prepared, const std::filesystem::path
         }
         return to.end();
     });
-    out.lines(
-        flat.faces(),
-        [&](std::size_t begin, std::size_t end) {
-            return std::size_t(12) *
-                   (flat.face_offsets[end] - flat.face_offsets[begin] + (end - begin));
-        },
-        [&](char* at, std::size_t f) {
-            PlyOut to(at, options.ascii);
-            const Index length = flat.face_offsets[f + 1] - flat.face_offsets[f];
-            if (byte_lengths)
-                to.put(static_cast<unsigned char>(length));
-            else
-                to.put(length);
-            for (Index c = flat.face_offsets[f]; c < flat.face_offsets[f + 1]; ++c)
-                to.put(std::int32_t(flat.corner_vertices[c]));
-            return to.end();
-        });
+    out.lines(flat.faces(), room_of_faces(flat), [&](char* at, std::size_t f) {
+        PlyOut to(at, options.ascii);
+        const Index length = flat.face_offsets[f + 1] - flat.face_offsets[f];
+        if (byte_lengths)
+            to.put(static_cast<unsigned char>(length));
+        else
+            to.put(length);
+        for (Index c = flat.face_offsets[f]; c < flat.face_offsets[f + 1]; ++c)
+            to.put(std::int32_t(flat.corner_vertices[c]));
+        return to.end();
+    });
     out.short_lines(flat.lines.size() / 2, 24, [&](char* at, std::size_t i) {
         PlyOut to(at, options.ascii);
         to.put(std::int32_t(flat.lines[2 * i]));
@@ -448,21 +450,15 @@ WriteResult write_off(const PreparedScene& prepared, const std::filesystem::path
         *to++ = '\n';
         return to;
     });
-    out.lines(
-        flat.faces(),
-        [&](std::size_t begin, std::size_t end) {
-            return std::size_t(12) *
-                   (flat.face_offsets[end] - flat.face_offsets[begin] + (end - begin));
-        },
-        [&](char* to, std::size_t f) {
-            to = write_integer(to, flat.face_offsets[f + 1] - flat.face_offsets[f]);
-            for (Index c = flat.face_offsets[f]; c < flat.face_offsets[f + 1]; ++c) {
-                *to++ = ' ';
-                to = write_integer(to, flat.corner_vertices[c]);
-            }
-            *to++ = '\n';
-            return to;
-        });
+    out.lines(flat.faces(), room_of_faces(flat), [&](char* to, std::size_t f) {
+        to = write_integer(to, flat.face_offsets[f + 1] - flat.face_offsets[f]);
+        for (Index c = flat.face_offsets[f]; c < flat.face_offsets[f + 1]; ++c) {
+            *to++ = ' ';
+            to = write_integer(to, flat.corner_vertices[c]);
+        }
+        *to++ = '\n';
+        return to;
+    });
     for (std::size_t i = 0; i < flat.lines.size(); i += 2)
         out.text() += fmt::format("2 {} {}\n", flat.lines[i], flat.lines[i + 1]);
     return finish(rules_for(prepared, path, options), path, out, std::move(notes));

@@ -7,6 +7,7 @@
 #include "formats/gltf/gltf.h"
 #include "formats/obj/obj.h"
 #include "formats/off/off.h"
+#include "formats/picture_search.h"
 #include "formats/ply/ply.h"
 #include "formats/stl/stl.h"
 #include "prep/files.h"
@@ -24,6 +25,13 @@ Result<Scene> load_bytes(const std::filesystem::path& path, const LoadOptions&) 
     return parse(*bytes, path.filename().string());
 }
 
+Result<Scene> load_polygons(const std::filesystem::path& path, const LoadOptions& options) {
+    const auto bytes = read_file(path);
+    if (!bytes) return bytes.error();
+    PictureSearch pictures(path.parent_path(), options.texture_directories);
+    return parse_ply(*bytes, path.filename().string(), &pictures);
+}
+
 Result<Scene> load_openmesh(const std::filesystem::path& path, const LoadOptions&) {
     const auto bytes = read_file(path);
     if (!bytes) return bytes.error();
@@ -31,7 +39,7 @@ Result<Scene> load_openmesh(const std::filesystem::path& path, const LoadOptions
 }
 
 Result<Scene> load_wavefront(const std::filesystem::path& path, const LoadOptions& options) {
-    return load_obj(path, options.threads);
+    return load_obj(path, options);
 }
 
 Result<Scene> load_json(const std::filesystem::path& path, const LoadOptions& options) {
@@ -40,8 +48,8 @@ Result<Scene> load_json(const std::filesystem::path& path, const LoadOptions& op
     return std::move(loaded->scene);
 }
 
-Result<Scene> load_other(const std::filesystem::path& path, const LoadOptions&) {
-    return load_with_assimp(path);
+Result<Scene> load_other(const std::filesystem::path& path, const LoadOptions& options) {
+    return load_with_assimp(path, options);
 }
 
 bool is_gltf(std::string_view head) {
@@ -76,7 +84,7 @@ const std::vector<Format>& formats() {
          is_gltf,
          load_gltf,
          write_gltf,
-         {.everything = true}},
+         {.compression = true, .everything = true}},
         {{"OBJ", "OBJ", {".obj"}, {".obj"}},
          is_obj,
          load_wavefront,
@@ -84,7 +92,7 @@ const std::vector<Format>& formats() {
          {.notes_skins = true}},
         {{"PLY", "PLY", {".ply"}, {".ply"}},
          is_ply,
-         load_bytes<parse_ply>,
+         load_polygons,
          write_ply,
          {.corner_values = false, .float_colors = false}},
         {{"STL", "STL", {".stl"}, {".stl"}},
@@ -97,20 +105,22 @@ const std::vector<Format>& formats() {
          load_bytes<parse_off>,
          write_off,
          {.corner_values = false}},
-        {{"OM", "OM", {".om"}, {}}, nullptr, load_openmesh, nullptr, {}},
+        {{"OM", "OM", {".om"}, {}}, nullptr, load_openmesh, nullptr, {}, "OpenMesh"},
         {{"JSON scene", "JSON scenes", {".json"}, {}, false}, nullptr, load_json, nullptr, {}},
         // What people keep beside meshes is not listed: a file that is named is read whatever
-        // Assimp claims, a directory is read for these alone.
+        // Assimp claims, a directory is read for these alone. `.mesh` is Ogre's, Medit's and
+        // others'.
         {{"Assimp",
           "the formats of Assimp (FBX, DAE, 3DS, …)",
-          {".fbx", ".dae", ".3ds", ".blend",   ".lwo", ".ac",   ".x",   ".ase",
-           ".dxf", ".3mf", ".b3d", ".md5mesh", ".lws", ".ms3d", ".cob", ".smd",
-           ".wrl", ".x3d", ".amf", ".bvh",     ".ifc", ".md2"},
+          {".fbx", ".dae", ".3ds", ".blend",   ".lwo", ".ac",   ".x",       ".ase",
+           ".dxf", ".3mf", ".b3d", ".md5mesh", ".lws", ".ms3d", ".cob",     ".smd",
+           ".wrl", ".x3d", ".amf", ".bvh",     ".ifc", ".md2",  ".mesh.xml"},
           {}},
          nullptr,
          load_other,
          nullptr,
-         {}},
+         {},
+         "Assimp"},
     };
     return rows;
 }
@@ -148,6 +158,12 @@ std::string format_titles(bool written) {
 
 }  // namespace detail
 
+static std::string lower(const std::filesystem::path& path) {
+    std::string lowered = path.string();
+    for (char& c : lowered) c = char(std::tolower(static_cast<unsigned char>(c)));
+    return lowered;
+}
+
 const std::vector<FileFormat>& file_formats() {
     static const std::vector<FileFormat> files = [] {
         std::vector<FileFormat> list;
@@ -158,16 +174,21 @@ const std::vector<FileFormat>& file_formats() {
 }
 
 const FileFormat* file_format(const std::filesystem::path& path) {
-    const std::string ending = lower_ending(path);
+    // Ogre's text has an ending of two parts.
+    const std::string name = lower(path.filename());
     for (const FileFormat& format : file_formats())
-        if (detail::contains(format.endings, ending)) return &format;
+        for (const std::string_view ending : format.endings)
+            if (name.size() > ending.size() && name.ends_with(ending)) return &format;
     return nullptr;
 }
 
+const FileFormat* file_format_of_bytes(std::string_view bytes) {
+    const detail::Format* const format = detail::format_of_bytes(bytes);
+    return format ? &file_formats()[std::size_t(format - detail::formats().data())] : nullptr;
+}
+
 std::string lower_ending(const std::filesystem::path& path) {
-    std::string lower = path.extension().string();
-    for (char& c : lower) c = char(std::tolower(static_cast<unsigned char>(c)));
-    return lower;
+    return lower(path.extension());
 }
 
 }  // namespace prep

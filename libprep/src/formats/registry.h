@@ -13,6 +13,7 @@ namespace prep::detail {
 
 // What a writer cannot keep is said in the notes of save_scene().
 struct FormatHolds {
+    bool compression = false;   // of vertices and triangles
     bool everything = false;    // the writer says itself what it leaves out
     bool corner_values = true;  // values by corner; false: by split vertex
     bool uvs = true;
@@ -26,6 +27,9 @@ struct Format {
     Result<Scene> (*load)(const std::filesystem::path&, const LoadOptions&);
     WriteResult (*write)(const PreparedScene&, const std::filesystem::path&, const SaveOptions&);
     FormatHolds holds;
+    // The library that reads it, which may crash or hang on a damaged file: in a process of its own
+    // where that is asked for. Null: we do.
+    const char* foreign_reader = nullptr;
 };
 
 // The order is that of file_formats(), and that in which first bytes are looked at.

@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "base/finite.h"
 #include "formats/registry.h"
 #include "prep/save.h"
 #include "text/name_list.h"
@@ -12,11 +13,13 @@ FileSetRules rules_for(const PreparedScene& prepared, const std::filesystem::pat
     FileSetRules rules;
     rules.replace = options.replace;
     rules.target = path;
+    rules.written = options.written;
+    rules.spared = options.spared;
     if (options.replace_sources) return rules;
     rules.spare = prepared.scene.libraries;
     if (!prepared.scene.source.empty()) rules.spare.push_back(prepared.scene.source);
     for (const ImageRef& image : prepared.scene.images)
-        if (image.bytes.empty()) rules.spare.push_back(image.path);
+        for (std::filesystem::path& file : files_of(image)) rules.spare.push_back(std::move(file));
     return rules;
 }
 
@@ -58,16 +61,6 @@ void note_lost(const PreparedScene& prepared, const std::string& format, const F
         notes.push_back(format + " holds no animations: " + std::to_string(count) + " left out");
 }
 
-bool finite(const glm::vec2& v) {
-    return std::isfinite(v.x) && std::isfinite(v.y);
-}
-bool finite(const glm::vec3& v) {
-    return finite(glm::vec2(v)) && std::isfinite(v.z);
-}
-bool finite(const glm::vec4& v) {
-    return finite(glm::vec3(v)) && std::isfinite(v.w);
-}
-
 void note_non_finite(const PreparedScene& prepared, const FormatHolds& holds,
                      std::vector<std::string>& notes) {
     const auto note = [&](const char* one, const char* several, std::size_t count) {
@@ -77,7 +70,7 @@ void note_non_finite(const PreparedScene& prepared, const FormatHolds& holds,
     };
     const auto count_in = [](const auto& values) {
         std::size_t count = 0;
-        for (const auto& v : values) count += !finite(v);
+        for (const auto& v : values) count += !is_finite(v);
         return count;
     };
     std::size_t vertices = 0, uvs = 0, colors = 0;
@@ -112,6 +105,12 @@ Result<std::vector<std::string>> save_scene(const PreparedScene& prepared,
             ErrorCode::unsupported,
             "cannot write '" + ending + "': " + detail::format_titles(true) + " are written",
             path.string()};
+    if (!format->holds.compression &&
+        (options.compression == Compression::draco || options.compression == Compression::meshopt))
+        return Error{ErrorCode::unsupported,
+                     "the compression " + std::string(name_of(options.compression)) +
+                         " is one of glTF files: write .glb or .gltf, or leave it out",
+                     path.string()};
     auto notes = format->write(prepared, path, options);
     if (notes && !format->holds.everything) {
         const std::string name(format->file.name);

@@ -2,7 +2,10 @@
 
 #include <dlfcn.h>
 
+#include <cstring>
+
 #include "image/image_library.h"
+#include "image/packed_channels.h"
 #include "prep/files.h"
 #include "prep/scene.h"
 
@@ -61,26 +64,20 @@ const Result<const ImageBackend*>& detail::image_backend() {
     return opened;
 }
 
-Result<Image> load_image(const std::filesystem::path& path, ImageChannels channels) {
+Result<Image> detail::load_picture(const std::filesystem::path& path, ImageChannels channels,
+                                   std::string_view format) {
     const auto& images = detail::image_backend();
-    return images ? (*images)->load(path, channels) : Result<Image>(images.error());
+    return images ? (*images)->load(path, channels, format) : Result<Image>(images.error());
 }
 
-Result<Image> decode_image(std::span<const std::byte> bytes, const std::string& name) {
+Result<Image> detail::decode_picture(std::span<const std::byte> bytes, const std::string& name,
+                                     std::string_view format) {
+    constexpr unsigned char ktx2[] = {0xab, 'K', 'T', 'X', ' ', '2', '0', 0xbb};
+    if (bytes.size() >= sizeof ktx2 && std::memcmp(bytes.data(), ktx2, sizeof ktx2) == 0)
+        return Error{ErrorCode::unsupported, "KTX2 pictures (Basis Universal) are not decoded",
+                     name};
     const auto& images = detail::image_backend();
-    return images ? (*images)->decode(bytes, name) : Result<Image>(images.error());
-}
-
-Result<Image> load_image(const ImageRef& ref) {
-    if (!ref.bytes.empty()) {
-        std::string name = ref.name;
-        if (std::filesystem::path(name).extension().empty() && ref.mime_type.size() > 6 &&
-            ref.mime_type.starts_with("image/"))
-            name.append(".").append(ref.mime_type, 6);
-        return decode_image(ref.bytes, name);
-    }
-    if (!ref.path.empty()) return load_image(ref.path);
-    return Error{ErrorCode::io, "the image has neither a file nor embedded bytes", ref.name};
+    return images ? (*images)->decode(bytes, name, format) : Result<Image>(images.error());
 }
 
 Result<void> save_image(const std::filesystem::path& path, const Image& image, PixelType type) {

@@ -18,8 +18,12 @@ class RowWriter {
 };
 
 struct ImageBackend {
-    Result<Image> (*load)(const std::filesystem::path&, ImageChannels);
-    Result<Image> (*decode)(std::span<const std::byte>, const std::string&);
+    // With the decoder of `format` alone, an ending without its dot; empty: with any that can.
+    Result<Image> (*load)(const std::filesystem::path&, ImageChannels, std::string_view format);
+    // Embedded pictures: the same; without a format by their first bytes, else by the ending of
+    // their name.
+    Result<Image> (*decode)(std::span<const std::byte>, const std::string&,
+                            std::string_view format);
     Result<std::vector<std::byte>> (*encode)(const std::filesystem::path&, const Image&, PixelType);
     Result<std::vector<std::byte>> (*encode_png)(const Image&, PixelType);
     Result<void> (*check_writable)(const std::filesystem::path&);

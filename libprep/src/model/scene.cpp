@@ -1,16 +1,42 @@
 #include "prep/scene.h"
 
 #include <algorithm>
+#include <cmath>
 #include <glm/gtc/quaternion.hpp>
 
 namespace prep {
 
-BlinnPhong blinn_phong(const glm::vec3& base, float metallic, float roughness) {
+BlinnPhong blinn_phong(const glm::vec3& base, float metallic, float roughness,
+                       const glm::vec3& reflectance) {
     const float alpha = std::max(roughness * roughness, 0.02f);
     const float shininess = std::max(2 / (alpha * alpha) - 2, 0.0f);
-    const glm::vec3 reflectance = glm::vec3(0.04f) + (base - glm::vec3(0.04f)) * metallic;
-    const float width = shininess + 2;
-    return {base * (1 - metallic), reflectance * (width / 8 + 0.5f / width), shininess};
+    const glm::vec3 reflected = reflectance + (base - reflectance) * metallic;
+    return {base * (1 - metallic), reflected * highlight_spread(shininess), shininess};
+}
+
+float highlight_spread(float shininess) {
+    const float width = std::max(shininess, 0.0f) + 2;
+    return width / 8 + 0.5f / width;
+}
+
+Dielectric dielectric(const glm::vec3& specular, float shininess) {
+    const double width = std::max(double(shininess), 0.0) + 2;
+    return {glm::clamp(specular / highlight_spread(shininess), 0.0f, 1.0f),
+            float(std::sqrt(std::sqrt(2 / width)))};
+}
+
+glm::vec3 usual_specular(float shininess) {
+    return glm::vec3(std::min(0.04f * highlight_spread(shininess), 1.0f));
+}
+
+std::vector<std::filesystem::path> files_of(const ImageRef& image) {
+    std::vector<std::filesystem::path> files;
+    if (image.bytes.empty() && !image.path.empty()) files.push_back(image.path);
+    for (const PackedChannel& channel : image.channels)
+        if (channel.source)
+            for (std::filesystem::path& file : files_of(*channel.source))
+                files.push_back(std::move(file));
+    return files;
 }
 
 glm::dmat4 Trs::matrix() const {
@@ -60,6 +86,44 @@ void instance_unused_meshes(Scene& scene) {
         node.mesh = m;
         scene.nodes.push_back(std::move(node));
     }
+}
+
+void place_scene(Scene& scene, double scale, Axis up) {
+    if (scale == 1 && up == Axis::y) return;
+    // A document that is written back keeps its own nodes, and the meshes that none of them has.
+    if (!scene.retained_file) instance_unused_meshes(scene);
+    Node above;
+    above.name = "placement";
+    Trs trs;
+    const double half = std::sqrt(0.5);
+    if (up == Axis::x) trs.rotation = glm::dquat(half, 0, 0, half);
+    if (up == Axis::z) trs.rotation = glm::dquat(half, -half, 0, 0);
+    trs.scale = glm::dvec3(scale);
+    // A quarter turn has no rounding.
+    const glm::dvec3 zero(0.0);
+    glm::dmat4 turn(1.0);
+    if (up == Axis::x)
+        turn = glm::dmat4(glm::dvec4(0, 1, 0, 0), glm::dvec4(-1, 0, 0, 0), glm::dvec4(0, 0, 1, 0),
+                          glm::dvec4(zero, 1));
+    if (up == Axis::z)
+        turn = glm::dmat4(glm::dvec4(1, 0, 0, 0), glm::dvec4(0, 0, -1, 0), glm::dvec4(0, 1, 0, 0),
+                          glm::dvec4(zero, 1));
+    for (int c = 0; c < 3; ++c) turn[c] *= scale;
+    above.trs = trs;
+    above.transform = turn;
+    const auto self = static_cast<std::uint32_t>(scene.nodes.size());
+    for (Node& node : scene.nodes)
+        if (node.parent == no_index) node.parent = self;
+    scene.nodes.push_back(std::move(above));
+    for (Camera& camera : scene.cameras) {
+        camera.znear *= scale;
+        camera.zfar *= scale;
+        camera.xmag *= scale;
+        camera.ymag *= scale;
+    }
+    for (Light& light : scene.lights) light.range = float(light.range * scale);
+    scene.placement.scale *= scale;
+    scene.placement.up = up;
 }
 
 }  // namespace prep

@@ -2,13 +2,14 @@
 
 #include <cmath>
 
+#include "base/finite.h"
 #include "normals/authored_layers.h"
 
 namespace prep::detail {
 namespace {
 
 std::uint8_t fault_of(const glm::vec3& n) {
-    if (!std::isfinite(n.x) || !std::isfinite(n.y) || !std::isfinite(n.z)) return normal_non_finite;
+    if (!is_finite(n)) return normal_non_finite;
     const double length = glm::length(glm::dvec3(n));
     if (length == 0) return normal_zero;
     return std::abs(length - 1.0) > unit_tolerance ? normal_non_unit : 0;
@@ -46,19 +47,19 @@ NormalReview review_normals(const MeshView& mesh, const FaceNormals* faces) {
 
 CornerLayer<glm::vec3> merge_normals(const CornerLayer<glm::vec3>& authored,
                                      const NormalReview& review, unsigned replace,
-                                     const CornerLayer<glm::vec3>* computed) {
+                                     const CornerLayer<glm::vec3>& computed) {
     CornerLayer<glm::vec3> merged = authored;
     const std::size_t corners = review.faults.size();
     if (merged.indices.empty()) merged.indices.assign(corners, no_index);
-    if (review.non_unit > 0 && !(replace & normal_non_unit)) {
-        for (glm::vec3& n : merged.values) {
-            if (fault_of(n) != normal_non_unit) continue;
-            const glm::dvec3 d(n);
-            n = glm::vec3(d / glm::length(d));
-        }
-    }
-    if (computed) replace_faulty(merged, review.faults, replace, *computed);
+    replace_faulty(merged, review.faults, replace, computed);
     return merged;
+}
+
+glm::vec3 unit_normal(const glm::vec3& n) {
+    const glm::dvec3 d(n);
+    const double length = glm::length(d);
+    if (!(length > 0) || !std::isfinite(length)) return n;
+    return std::abs(length - 1.0) <= rounded_unit ? n : glm::vec3(d / length);
 }
 
 }  // namespace prep::detail

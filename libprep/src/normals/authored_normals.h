@@ -23,17 +23,22 @@ inline constexpr double unit_tolerance = 5e-4;
 struct NormalReview {
     std::vector<std::uint8_t> faults;  // per corner: bits of NormalFault
     std::uint64_t missing = 0, non_finite = 0, zero = 0, non_unit = 0, flipped = 0;
-    bool perfect() const { return missing + non_finite + zero + non_unit + flipped == 0; }
 };
 
-// Flipped is only judged where `faces` is given; it then means more than 90° from the face normal.
+// Flipped is only checked where `faces` is given; it then means more than 90° from the face normal.
 NormalReview review_normals(const MeshView& mesh, const FaceNormals* faces);
 
-// Authored normals with computed ones at the corners whose faults intersect `replace`; where a kept
-// one is not unit but has a direction, it is rescaled. `computed` may be null when none is
-// replaced.
+// Authored normals with computed ones at the corners whose faults intersect `replace`.
 CornerLayer<glm::vec3> merge_normals(const CornerLayer<glm::vec3>& authored,
                                      const NormalReview& review, unsigned replace,
-                                     const CornerLayer<glm::vec3>* computed);
+                                     const CornerLayer<glm::vec3>& computed);
+
+// What a unit vector's length is off by when its components are rounded to float (1e-7), or made by
+// a few operations on floats. Such vectors keep their bits.
+inline constexpr double rounded_unit = 2.5e-7;
+
+// The direction of n, scaled in double where its length is off by more than rounded_unit. What is
+// no direction (zero, not finite) comes back as it is.
+glm::vec3 unit_normal(const glm::vec3& n);
 
 }  // namespace prep::detail

@@ -1,4 +1,4 @@
-// What stands in for the normal of a face that has none.
+// The normals that are used for faces without one.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace prep::detail {
 
-// Per face: the face whose normal it goes by: itself where it is regular, a neighbour where its
+// Per face: the face whose normal it uses: itself where it is regular, a neighbour where its
 // area is zero, no_index where there is none. Empty where every face is regular (the common case).
 //
 // A face of no area is a slit between its neighbours: the one across its longest edge, then across

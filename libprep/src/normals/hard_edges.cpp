@@ -90,12 +90,12 @@ class Decider {
             if (f == g || f == no_index || g == no_index) return false;
         }
         const Verdict verdict =
-            judge(faces_.area_vectors[f], faces_.area_vectors[g], faces_.relative_error);
+            classify(faces_.area_vectors[f], faces_.area_vectors[g], faces_.relative_error);
         if (verdict != Verdict::open) return verdict == Verdict::exceeds;
         if (faces_.relative_error > accurate_face_error) {
             const Verdict closer =
-                judge(detail::accurate_area_vector(mesh_, f),
-                      detail::accurate_area_vector(mesh_, g), accurate_face_error);
+                classify(detail::accurate_area_vector(mesh_, f),
+                         detail::accurate_area_vector(mesh_, g), accurate_face_error);
             if (closer != Verdict::open) return closer == Verdict::exceeds;
         }
         ++exact;
@@ -103,7 +103,7 @@ class Decider {
     }
 
     enum class Verdict { exceeds, stays, open };
-    Verdict judge(const glm::dvec3& a, const glm::dvec3& b, double relative_error) const {
+    Verdict classify(const glm::dvec3& a, const glm::dvec3& b, double relative_error) const {
         const double product = glm::length(a) * glm::length(b);
         const double gap = glm::dot(a, b) - threshold_.cosine.cosine * product;
         // Rounding of the dot product, the lengths and the cosine: under 8 ulps of |a||b|; the

@@ -1,13 +1,16 @@
-// One mesh on its way through the stages: run() in prepare.cpp is their order, normals_stage.cpp,
-// tangents_stage.cpp and morph_targets.cpp are what they decide.
+// One mesh on its way through the stages: run() in prepare.cpp is their order,
+// subdivision_stage.cpp, tessellation_stage.cpp, normals_stage.cpp, tangents_stage.cpp and
+// morph_targets.cpp are what they decide.
 #pragma once
 
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "pipeline/displacement_maps.h"
 #include "pipeline/stage_log.h"
 #include "prep/prepare.h"
+#include "prep/subdivide.h"
 #include "prep/topology.h"
 
 namespace prep::detail {
@@ -18,10 +21,11 @@ struct TangentReview;
 class MeshPreparation {
   public:
     MeshPreparation(const PrepareOptions& options, PreparedScene& out, StageLog& log,
-                    std::uint32_t index)
+                    DisplacementMaps& maps, std::uint32_t index)
         : options_(options),
           out_(out),
           log_(log),
+          maps_(maps),
           index_(index),
           mesh_(out.scene.meshes[index]),
           need_(out.requirements[index]) {}
@@ -31,6 +35,20 @@ class MeshPreparation {
   private:
     void share_vertices();
     Result<void> repair_mesh();
+    bool is_welded() const;
+    // Cage, then surface: from here on the mesh is the refined one, its normals the limit's.
+    Result<void> subdivide_mesh();
+    // The same, as fine as an error asks, and displaced.
+    Result<void> tessellate_mesh();
+    Result<void> weld_cage(const std::string& reason);
+    Result<void> make_cage();
+    void take_surface(Mesh&& surface);
+    void report_left_out(std::uint64_t holes, std::uint64_t uv_sets, std::uint64_t color_sets);
+    void report_heights(const DisplacementMaps::OfMesh& maps);
+    void report_certificate(const TessellationCertificate& certificate,
+                            const TessellateOptions& options);
+    Result<void> crease_hard_edges();
+    Result<void> morph_limit_normals(const SubdivideOptions& options, const SubdividedMesh& rest);
     Result<void> prepare_normals();
     Result<void> prepare_tangents();
     Result<void> split_mesh();
@@ -40,6 +58,8 @@ class MeshPreparation {
 
     Result<CornerNormals> compute_normals(const std::string& reason);
     void skip_normals(const std::string& reason);
+    bool keeps_lengths() const;
+    void make_normals_unit();
     void report_review(const NormalReview& review);
     void report_fallbacks(const CornerNormals& computed);
 
@@ -53,11 +73,13 @@ class MeshPreparation {
     Result<MorphDeltas> morph_deltas(const MorphTarget& target);
 
     void add_finding(std::string kind, Severity severity, std::uint64_t count,
-                     std::vector<std::uint32_t> places, std::string text);
+                     std::vector<std::uint32_t> places, std::string text,
+                     PlaceKind place_kind = PlaceKind::corner);
 
     const PrepareOptions& options_;
     PreparedScene& out_;
     StageLog& log_;
+    DisplacementMaps& maps_;
     std::uint32_t index_;
     Mesh& mesh_;
     const MeshRequirements& need_;
@@ -69,6 +91,8 @@ class MeshPreparation {
         bool shared = false;  // equal positions share a vertex already
     } geometry_;
     bool normals_made_ = false, tangents_made_ = false;  // all of the mesh
+    bool limit_normals_ = false;  // of a subdivision surface: nothing computes others
+    std::vector<CornerLayer<glm::vec3>> limit_morph_normals_;  // by target
     std::vector<bool> normal_replaced_;  // per corner; empty: none of the file's own
 };
 

@@ -4,23 +4,14 @@
 #include <cmath>
 #include <cstring>
 
+#include "base/finite.h"
+#include "model/vertex_deltas.h"
 #include "pipeline/mesh_preparation.h"
 
 namespace prep::detail {
 namespace {
 
 using Index = std::uint32_t;
-
-// Null: none of the runs has the vertex.
-const glm::vec3* delta_of(const std::vector<VertexDeltas>& runs, Index file_vertex) {
-    const auto behind =
-        std::upper_bound(runs.begin(), runs.end(), file_vertex,
-                         [](Index v, const VertexDeltas& run) { return v < run.first_vertex; });
-    if (behind == runs.begin()) return nullptr;
-    const VertexDeltas& run = *(behind - 1);
-    const std::size_t at = file_vertex - run.first_vertex;
-    return at < run.values->size() ? &(*run.values)[at] : nullptr;
-}
 
 glm::vec3 unit_or_same(const glm::vec3& n) {
     const double length = glm::length(glm::dvec3(n));
@@ -39,9 +30,7 @@ std::vector<glm::vec3> differences(const VertexMesh& mesh, const CornerLayer<T>&
             continue;
         const glm::vec3 difference =
             glm::vec3(of.values[of.indices[corner]]) - glm::vec3(from.values[from.indices[corner]]);
-        if (std::isfinite(difference.x) && std::isfinite(difference.y) &&
-            std::isfinite(difference.z))
-            result[v] = difference;
+        if (is_finite(difference)) result[v] = difference;
     }
     return result;
 }
@@ -132,7 +121,11 @@ Result<MorphDeltas> MeshPreparation::morph_deltas(const MorphTarget& target) {
     MeshView view(mesh_, need_.tangent_uv_set);
     view.positions = shape.positions;
     CornerLayer<glm::vec3> normals;
-    if (normals_made_) {
+    if (limit_normals_) {
+        const std::size_t number = out_.morphs[index_].size();
+        normals = limit_morph_normals_[number];
+        deltas.normals = differences(out_.meshes[index_], normals, mesh_.normals);
+    } else if (normals_made_) {
         NormalOptions options = options_.normal;
         options.threads = options_.threads;
         auto computed = corner_normals(view, *geometry_.topology,

@@ -35,7 +35,16 @@ std::vector<std::uint32_t> first_corners(const NormalReview& review, unsigned fa
 
 }  // namespace
 
+bool MeshPreparation::is_welded() const {
+    return options_.weld == WeldMode::exact ||
+           (options_.weld == WeldMode::automatic && indexed_by_vertex(mesh_));
+}
+
 Result<void> MeshPreparation::prepare_normals() {
+    if (limit_normals_) {
+        skip_normals("the normals of the limit surface stand");
+        return {};
+    }
     if (!need_.normals.needed) {
         skip_normals(need_.normals.reason);
         return {};
@@ -58,8 +67,6 @@ Result<void> MeshPreparation::prepare_normals() {
         for (const std::uint8_t f : review.faults) any |= (f & replace) != 0;
         if (!any) {
             skip_normals("the file's own normals are kept");
-            if (!review.perfect())
-                mesh_.normals = merge_normals(mesh_.normals, review, replace, nullptr);
             return {};
         }
         reason = "some authored normals are missing or bad";
@@ -71,7 +78,7 @@ Result<void> MeshPreparation::prepare_normals() {
         mesh_.normals = std::move(computed->normals);
         normals_made_ = true;
     } else {
-        mesh_.normals = merge_normals(mesh_.normals, review, replace, &computed->normals);
+        mesh_.normals = merge_normals(mesh_.normals, review, replace, computed->normals);
         for (const std::uint8_t faults : review.faults)
             normal_replaced_.push_back((faults & replace) != 0);
         geometry_.hard.reset();  // most normals are the file's: it says where they differ
@@ -79,11 +86,20 @@ Result<void> MeshPreparation::prepare_normals() {
     return {};
 }
 
+bool MeshPreparation::keeps_lengths() const {
+    return options_.tangent.mode == TangentMode::mikktspace_exact;
+}
+
+// Shaders and MikkTSpace take normals for unit vectors: a length that is off by what a validator
+// lets pass turns tangents by degrees.
+void MeshPreparation::make_normals_unit() {
+    if (keeps_lengths()) return;
+    for (glm::vec3& n : mesh_.normals.values) n = unit_normal(n);
+}
+
 Result<CornerNormals> MeshPreparation::compute_normals(const std::string& reason) {
     const MeshView view(mesh_);
-    const bool weld =
-        !geometry_.shared && (options_.weld == WeldMode::exact ||
-                              (options_.weld == WeldMode::automatic && indexed_by_vertex(mesh_)));
+    const bool weld = !geometry_.shared && out_.welded[index_];
     std::vector<std::uint32_t> welded;
     if (weld) {
         welded = log_.run("weld", "vertices are repeated at seams: equal positions are one point",
@@ -105,6 +121,10 @@ Result<CornerNormals> MeshPreparation::compute_normals(const std::string& reason
     }
     HardEdgeOptions hard_options = options_.hard_edges;
     hard_options.threads = options_.threads;
+    if (out_.subdivided[index_]) {  // hard edges are the cage's, and are marked
+        hard_options.angle_degrees.reset();
+        hard_options.smoothing_groups = false;
+    }
     auto hard = log_.run("hard edges", reason, [&] {
         return hard_edges(view, *geometry_.topology, *geometry_.faces, hard_options);
     });
@@ -141,7 +161,9 @@ void MeshPreparation::report_review(const NormalReview& review) {
     add_finding("non-unit-normal", Severity::warning, review.non_unit,
                 first_corners(review, normal_non_unit),
                 repair ? "authored normals that are not unit were replaced"
-                       : "authored normals that are not unit were rescaled");
+                : keeps_lengths()
+                    ? "authored normals that are not unit were kept: the C reference takes them so"
+                    : "authored normals that are not unit were rescaled");
     add_finding("flipped-normal", Severity::warning, review.flipped,
                 first_corners(review, normal_flipped),
                 "authored normals against their face were replaced");

@@ -6,30 +6,25 @@
 #include "surface/share_vertices.h"
 
 namespace prep {
-namespace detail {
-namespace {
 
-void count_splits(const VertexMesh& mesh, SplitCounts& n) {
+void count_splits(const VertexMesh& mesh, SplitCounts& counts) {
     for (const SplitReasons bits : mesh.split_reasons) {
         if (!bits) continue;
-        const auto has = [&](SplitReason r) { return (bits & unsigned(r)) != 0 ? 1u : 0u; };
-        n.hard_edge += has(SplitReason::hard_edge);
-        n.smoothing_group += has(SplitReason::smoothing_group);
-        n.authored_normal += has(SplitReason::authored_normal);
-        n.uv_seam += has(SplitReason::uv_seam);
-        n.mirrored_uv += has(SplitReason::mirrored_uv);
-        n.tangent += has(SplitReason::tangent);
-        n.color += has(SplitReason::color);
-        n.material += has(SplitReason::material);
+        for (const SplitCountName& row : split_count_names)
+            counts.*row.count += (bits & unsigned(row.reason)) != 0;
     }
 }
 
-}  // namespace
+namespace detail {
 
 Result<void> MeshPreparation::run() {
     share_vertices();
     if (auto done = repair_mesh(); !done) return done;
+    out_.welded[index_] = is_welded();
+    if (auto done = options_.tessellate ? tessellate_mesh() : subdivide_mesh(); !done) return done;
     if (auto done = prepare_normals(); !done) return done;
+    make_normals_unit();
+    out_.normals_made[index_] = normals_made_;
     if (auto done = prepare_tangents(); !done) return done;
     if (auto done = split_mesh(); !done) return done;
     return prepare_morph_targets();
@@ -69,14 +64,15 @@ Result<void> MeshPreparation::split_mesh() {
 }
 
 void MeshPreparation::add_finding(std::string kind, Severity severity, std::uint64_t count,
-                                  std::vector<std::uint32_t> places, std::string text) {
+                                  std::vector<std::uint32_t> places, std::string text,
+                                  PlaceKind place_kind) {
     if (count == 0) return;
     Finding finding;
     finding.kind = std::move(kind);
     finding.severity = severity;
     finding.mesh = index_;
     finding.count = count;
-    finding.place_kind = PlaceKind::corner;
+    finding.place_kind = place_kind;
     finding.places = std::move(places);
     finding.text = std::move(text);
     out_.findings.push_back(std::move(finding));
@@ -94,15 +90,24 @@ Result<PreparedScene> prepare(Scene scene, const PrepareOptions& options) {
         std::chrono::duration<double, std::milli>(Clock::now() - start).count();
     out.meshes.resize(out.scene.meshes.size());
     out.morphs.resize(out.scene.meshes.size());
+    out.welded.resize(out.scene.meshes.size());
+    out.subdivided.resize(out.scene.meshes.size());
+    out.tessellated.resize(out.scene.meshes.size());
+    if ((options.subdivide || options.tessellate) && options.keep_cages)
+        out.cages.resize(out.scene.meshes.size());
+    out.normals_made.resize(out.scene.meshes.size());
 
     detail::StageLog log;
+    detail::DisplacementMaps maps(options.displacement, options.threads);
     for (std::uint32_t m = 0; m < out.scene.meshes.size(); ++m) {
-        if (auto done = detail::MeshPreparation(options, out, log, m).run(); !done) {
+        if (auto done = detail::MeshPreparation(options, out, log, maps, m).run(); !done) {
             Error error = std::move(done).error();
             if (error.place.empty()) error.place = "mesh '" + out.scene.meshes[m].name + "'";
             return error;
         }
     }
+    // What displaced a mesh is in its positions now: nobody shall displace it again.
+    if (options.tessellate && options.displacement.from_materials) maps.forget(out.scene);
     out.stages = log.reports();
     out.stages.insert(
         out.stages.begin(),

@@ -65,6 +65,40 @@ Need need_uvs(const Scene& scene, const Mesh& mesh, const UsedMaterials& used) {
     return {false, "no material in use samples a texture on this mesh"};
 }
 
+struct TangentCall {
+    std::string reason;      // empty: nothing calls for tangents
+    std::string missing_uv;  // what would, had the mesh its UVs
+    std::uint32_t uv_set = 0;
+};
+
+// The first map in the tangent frame whose UV set exists decides which set the tangents follow.
+TangentCall tangent_call(const Scene& scene, const Mesh& mesh, const UsedMaterials& used) {
+    TangentCall call;
+    const auto ask = [&](std::uint32_t m, const std::string& what, std::uint32_t uv_set) {
+        const std::string material = quoted(scene.materials[m].name, m, "material");
+        if (has_uv_set(mesh, uv_set)) {
+            call.reason = material + " has " + what;
+            call.uv_set = uv_set;
+        } else if (call.missing_uv.empty()) {
+            call.missing_uv = material + " has " + what + ", but UV set " + std::to_string(uv_set) +
+                              " is missing";
+        }
+        return !call.reason.empty();
+    };
+    for (const std::uint32_t m : used.indices) {
+        const Material& material = scene.materials[m];
+        for (const MaterialMap& map : material_maps) {
+            if (!calls_for_tangents(material, map)) continue;
+            const std::string what = map.kind == MapKind::normal
+                                         ? "a tangent-space normal map"
+                                         : "a map in the tangent frame: " + std::string(map.name);
+            if (ask(m, what, (material.*map.ref).uv_set)) return call;
+        }
+        if (material.anisotropy != 0 && !material.unlit && ask(m, "anisotropy", 0)) return call;
+    }
+    return call;
+}
+
 }  // namespace
 
 std::vector<MeshRequirements> requirements(const Scene& scene, const Request& request) {
@@ -76,38 +110,21 @@ std::vector<MeshRequirements> requirements(const Scene& scene, const Request& re
         r.normals = need_normals(scene, mesh, used, request.normals);
         r.uvs = need_uvs(scene, mesh, used);
 
-        // The first normal map whose UV set exists decides which set the tangents follow.
-        std::uint32_t mapped = no_index;
-        std::string missing_uv;
-        for (const std::uint32_t m : used.indices) {
-            const Material& material = scene.materials[m];
-            if (!material.normal_map || material.unlit ||
-                material.normal_map_space != NormalMapSpace::tangent)
-                continue;
-            if (has_uv_set(mesh, material.normal_map.uv_set)) {
-                mapped = m;
-                r.tangent_uv_set = material.normal_map.uv_set;
-                break;
-            }
-            if (missing_uv.empty())
-                missing_uv = quoted(material.name, m, "material") +
-                             " has a normal map, but UV set " +
-                             std::to_string(material.normal_map.uv_set) + " is missing";
-        }
+        const TangentCall call = tangent_call(scene, mesh, used);
+        r.tangent_uv_set = call.uv_set;
         if (mesh.face_count() == 0) {
             r.tangents = {false, "no faces: points and lines carry no tangents"};
         } else if (request.tangents == Request::Level::never) {
             r.tangents = {false, "switched off by the request"};
-        } else if (mapped != no_index) {
-            r.tangents = {true, quoted(scene.materials[mapped].name, mapped, "material") +
-                                    " has a tangent-space normal map"};
+        } else if (!call.reason.empty()) {
+            r.tangents = {true, call.reason};
         } else if (request.tangents == Request::Level::always) {
             if (has_uv_set(mesh, 0))
                 r.tangents = {true, "asked for by the request"};
             else
                 r.tangents = {false, "asked for by the request, but the mesh has no UVs"};
-        } else if (!missing_uv.empty()) {
-            r.tangents = {false, missing_uv};
+        } else if (!call.missing_uv.empty()) {
+            r.tangents = {false, call.missing_uv};
         } else {
             r.tangents = {false, "no material in use has a tangent-space normal map"};
         }

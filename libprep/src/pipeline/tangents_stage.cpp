@@ -49,8 +49,7 @@ Result<void> MeshPreparation::keep_tangents(const MeshView& view, const std::str
         return {};
     }
     report_review(review, bad);
-    if (review.any(tangent_non_unit))
-        mesh_.tangents = merge_tangents(mesh_.tangents, review, bad, nullptr);
+    make_unit(mesh_.tangents.values);
     return {};
 }
 
@@ -73,7 +72,7 @@ Result<void> MeshPreparation::replace_tangents(const MeshView& view, const std::
                                                unsigned replace) {
     TangentOptions tangent_options = options_.tangent;
     tangent_options.threads = options_.threads;
-    // Authored tangents may come without UVs or normals: any frame then stands in for bad ones.
+    // Authored tangents may come without UVs or normals: any frame then replaces bad ones.
     TangentInput input(view);
     std::vector<std::uint32_t> none;
     if (input.uv.indices.empty() || input.normals.indices.empty())
@@ -99,7 +98,7 @@ Result<void> MeshPreparation::replace_tangents(const MeshView& view, const std::
     }
     add_finding("tangent-fallback", Severity::info, fallbacks, std::move(places),
                 "MikkTSpace defines no tangent at these corners: they got an orthonormal one");
-    mesh_.tangents = surgical ? merge_tangents(mesh_.tangents, review, replace, &tangents->tangents)
+    mesh_.tangents = surgical ? merge_tangents(mesh_.tangents, review, replace, tangents->tangents)
                               : std::move(tangents->tangents);
     tangents_made_ = !surgical;
     return {};

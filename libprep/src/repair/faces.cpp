@@ -3,6 +3,7 @@
 #include <cmath>
 #include <unordered_map>
 
+#include "base/finite.h"
 #include "prep/face_normals.h"
 #include "repair/repair_steps.h"
 #include "surface/duplicate_faces.h"
@@ -23,10 +24,6 @@ struct CellHash {
         return std::size_t(h ^ (h >> 31));
     }
 };
-
-bool finite(const glm::vec3& p) {
-    return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
-}
 
 // The part of the file that a vertex belongs to: parts of glTF are primitives, which share none.
 std::vector<Index> parts_of_vertices(const Mesh& mesh) {
@@ -147,7 +144,7 @@ RepairStep weld_vertices(Mesh& mesh, double tolerance, int threads) {
     for (Index v = 0; v < mesh.vertex_count(); ++v) {
         target[v] = v;
         const glm::dvec3 p(mesh.positions[v]);
-        if (!finite(mesh.positions[v])) continue;
+        if (!is_finite(mesh.positions[v])) continue;
         if (tolerance == 0) {
             if (parts[equal[v]] == parts[v]) target[v] = equal[v];
         } else {

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <compare>
 
 #include "base/disjoint_sets.h"
 #include "prep/face_normals.h"
@@ -21,9 +22,7 @@ std::vector<Link> links_over_edges(const Mesh& mesh, const Topology& topology) {
     struct Same {
         std::uint64_t edge;
         Index face;
-        bool operator<(const Same& o) const {
-            return edge != o.edge ? edge < o.edge : face < o.face;
-        }
+        auto operator<=>(const Same&) const = default;
     };
     std::vector<Same> same;
     for (Index c = 0; c < mesh.corner_count(); ++c) {

@@ -1,6 +1,7 @@
 #include "surface/duplicate_faces.h"
 
 #include <algorithm>
+#include <compare>
 
 namespace prep::detail {
 namespace {
@@ -40,9 +41,7 @@ DuplicateFaces find_duplicate_faces(const Mesh& mesh, std::span<const Index> wel
     struct Key {
         std::uint64_t hash;
         Index face;
-        bool operator<(const Key& o) const {
-            return hash != o.hash ? hash < o.hash : face < o.face;
-        }
+        auto operator<=>(const Key&) const = default;
     };
     std::vector<Key> keys;
     keys.reserve(candidates.size());

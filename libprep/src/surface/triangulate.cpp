@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "base/finite.h"
 #include "base/parallel.h"
 #include "base/step_count.h"
 #include "exact/orient2d.h"
@@ -195,7 +196,7 @@ void cut_quad(const MeshView& mesh, Index begin, Index* out) {
 bool all_finite(const MeshView& mesh, Index begin, Index end) {
     for (Index c = begin; c < end; ++c) {
         const glm::vec3& p = mesh.positions[mesh.corner_vertices[c]];
-        if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) return false;
+        if (!detail::is_finite(p)) return false;
     }
     return true;
 }

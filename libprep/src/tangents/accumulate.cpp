@@ -22,6 +22,9 @@ constexpr int part_bits = 4;
 constexpr std::size_t parts = std::size_t(1) << part_bits;
 // After so many triangles of a range it is looked whether lists are the better way.
 constexpr std::size_t trial = 4096;
+// Contributions of all triangles are kept up to so many: to compute again what later groups need
+// takes longer (bench_tangents, 10,000 triangles: 1.2 times the whole).
+constexpr std::size_t few_triangles = 65536;
 // Corners of a block of contributions: so many vertices may be opened, and be done with, by one.
 constexpr std::size_t block_corners = 3 * TriangleBlock::size;
 
@@ -31,52 +34,37 @@ struct Note {
 };
 
 // Scratch for vertices that are not done with.
-class Pool {
-  public:
-    VertexSum* sums() { return sums_.data(); }
-    VertexRing* rings() { return rings_.data(); }
-    Index* free() { return free_.data(); }  // as in AccumulateState
-    std::size_t& free_count() { return free_count_; }
-    RingBatch& batch() {
-        if (!batch_) batch_ = std::make_unique<RingBatch>();
-        return *batch_;
-    }
-
-    std::size_t size() const { return sums_.size(); }
+struct Pool {
+    ScratchBuffer<VertexSum> sums;
+    ScratchBuffer<VertexRing> rings;
+    ScratchBuffer<Index> free;  // as in AccumulateState
+    std::size_t free_count = 0;
+    std::unique_ptr<RingBatch> batch = std::make_unique<RingBatch>();
 
     // Makes that many slots free, where no more than `most` are ever in use; false where there are
     // too many.
     bool ensure(std::size_t wanted, std::size_t most) {
-        return free_count_ >= wanted || grow(wanted, most + wanted);
+        if (free_count >= wanted) return true;
+        const std::size_t old = sums.size();
+        const std::size_t size = std::max(std::min(2 * old, most + wanted), old + wanted);
+        if (size > VertexWord::most_slots) return false;
+        enlarge(sums, size);
+        enlarge(rings, size);
+        enlarge(free, size);
+        // The lowest on top: those are used again and again.
+        for (std::size_t slot = size; slot-- > old;) {
+            sums[slot] = VertexSum();
+            free[free_count++] = Index(slot) * VertexWord::slot_one;
+        }
+        return true;
     }
 
-  private:
     template <class T>
     static void enlarge(ScratchBuffer<T>& buffer, std::size_t size) {
         ScratchBuffer<T> larger(size);
         std::copy_n(buffer.data(), buffer.size(), larger.data());
         buffer = std::move(larger);
     }
-    bool grow(std::size_t wanted, std::size_t most) {
-        const std::size_t old = sums_.size(),
-                          size = std::max(std::min(2 * old, most), old + wanted);
-        if (size > VertexWord::most_slots) return false;
-        enlarge(sums_, size);
-        enlarge(rings_, size);
-        enlarge(free_, size);
-        // The lowest on top: those are used again and again.
-        for (std::size_t slot = size; slot-- > old;) {
-            sums_[slot] = VertexSum();
-            free_[free_count_++] = Index(slot) * VertexWord::slot_one;
-        }
-        return true;
-    }
-
-    ScratchBuffer<VertexSum> sums_;
-    ScratchBuffer<VertexRing> rings_;
-    ScratchBuffer<Index> free_;
-    std::size_t free_count_ = 0;
-    std::unique_ptr<RingBatch> batch_;
 };
 
 // Lists may be written to up to a vector behind their end.
@@ -114,8 +102,9 @@ class Accumulation {
 
     bool run(std::size_t triangles, int threads) {
         store_.triangle_flags = ScratchBuffer<std::uint8_t>(triangles);
-        // To compute those of many triangles again would take longer than to keep all.
-        store_.complete = 8 * valences_.listed_corners > 3 * triangles;
+        // Likewise where many corners will be listed.
+        store_.complete = (triangles <= few_triangles && few_notes()) ||
+                          8 * valences_.listed_corners > 3 * triangles;
         if (store_.complete)
             for (auto& plane : store_.planes) plane = ScratchBuffer<Contribution>(triangles);
         parallel_blocks(work_.size(), 1, threads, [&](std::size_t r, std::size_t) {
@@ -142,6 +131,14 @@ class Accumulation {
     }
 
   private:
+    // Of what several ranges share: in an order without neighbours they take the memory.
+    bool few_notes() const {
+        std::size_t shared = 0;
+        for (const std::uint64_t word : valences_.shared)
+            shared += std::size_t(std::popcount(word));
+        return shared <= valences_.words.size() / 4;
+    }
+
     void go_through(std::size_t r) {
         const Valences::Range& range = valences_.ranges[r];
         RangeWork& work = work_[r];
@@ -170,6 +167,12 @@ class Accumulation {
                 given_up_ = true;
                 return;
             }
+            // Likewise where most vertices are at work at once.
+            if (store_.complete && work_.size() == 1 &&
+                work.pool.sums.size() > valences_.words.size() / 2 + block_corners) {
+                store_.complete = false;
+                for (auto& plane : store_.planes) plane = {};
+            }
             done = add_block(t, n, any_degenerate, *scratch, work, done_vertices.data(),
                              done_words.data(), done);
             t += n;
@@ -191,14 +194,14 @@ class Accumulation {
                                                scratch.planes[2]};
         Pool& pool = work.pool;
         AccumulateState state{
-            words_,        pool.sums(), pool.rings(), pool.free(), pool.free_count(),
-            done_vertices, done_words,  done};
+            words_,          pool.sums.data(), pool.rings.data(), pool.free.data(),
+            pool.free_count, done_vertices,    done_words,        done};
         AccumulateLists& lists = work.lists;
         add_(input_, t, n, any_degenerate, planes, state, lists);
-        pool.free_count() = state.free_count;
+        pool.free_count = state.free_count;
         for (std::size_t i = 0; i < lists.different_count; ++i) {
             const std::size_t member = 4 * t + lists.different[i];
-            VertexSum& sum = pool.sums()[VertexWord::slot(words_[vertex(member)])];
+            VertexSum& sum = pool.sums[VertexWord::slot(words_[vertex(member)])];
             sum.split |= !same_values(corner(member), sum);
         }
         for (std::size_t i = 0; i < lists.left_count; ++i) {
@@ -264,7 +267,7 @@ class Accumulation {
     // become free.
     void finish(Pool& pool, std::span<const Index> vertices, const Index* words) {
         if (vertices.empty()) return;
-        RingBatch& batch = pool.batch();
+        RingBatch& batch = *pool.batch;
         batch.count = vertices.size();
         std::copy(vertices.begin(), vertices.end(), batch.vertices);
         // Apart from what follows: compilers make vectors of it.
@@ -280,12 +283,12 @@ class Accumulation {
             return;
         }
         // Those that met none have no slot to give back.
-        Index* const free = pool.free() + pool.free_count();
+        Index* const free = pool.free.data() + pool.free_count;
         for (std::size_t i = 0; i < vertices.size(); ++i)
             free[i] = batch.slots[i] * VertexWord::slot_one;
         Index split[ring_batch];
         std::size_t split_count = 0;
-        VertexSum* const sums = pool.sums();
+        VertexSum* const sums = pool.sums.data();
         for (std::size_t i = 0; i < vertices.size(); ++i) {
             VertexSum& sum = sums[batch.slots[i]];
             batch.sums[i] = {sum.x, sum.y, sum.z, 0};
@@ -295,12 +298,12 @@ class Accumulation {
             sum = VertexSum();
         }
         for (std::size_t k = 0; k < split_count; ++k) batch.codes[split[k]] = 0;
-        pool.free_count() += vertices.size();
-        write_fans(pool.rings(), batch);
+        pool.free_count += vertices.size();
+        write_fans(pool.rings.data(), batch);
         for (std::size_t k = 0; k < split_count; ++k) {
             const Index i = split[k];
             valences_.states[batch.vertices[i]] = split_vertex;
-            note_neighbours(pool.rings()[batch.slots[i]], batch.members[i]);
+            note_neighbours(pool.rings[batch.slots[i]], batch.members[i]);
         }
     }
 
@@ -395,11 +398,11 @@ class Accumulation {
         const Index v = vertex(note.member);
         Index& word = words_[v];
         const Index met = VertexWord::met(word);
-        if (met == 0) word |= pool.free()[--pool.free_count()];
+        if (met == 0) word |= pool.free[--pool.free_count];
         const Index slot = VertexWord::slot(word);
-        VertexSum& sum = pool.sums()[slot];
+        VertexSum& sum = pool.sums[slot];
         if (add_contribution(input_, triangle, k, {note.x, note.y, note.z, note.code}, met, sum,
-                             pool.rings()[slot]))
+                             pool.rings[slot]))
             sum.split |= !same_values(corner(note.member), sum);
         if (met <= most_ring_members) ++word;
     }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/finite.h"
 #include "normals/authored_layers.h"
 #include "normals/authored_normals.h"
 
@@ -12,8 +13,7 @@ namespace {
 constexpr double least_agreement = 0.5;  // cosine of 60°
 
 std::uint8_t value_fault(const glm::vec4& t) {
-    if (!std::isfinite(t.x) || !std::isfinite(t.y) || !std::isfinite(t.z) || !std::isfinite(t.w))
-        return tangent_non_finite;
+    if (!is_finite(t)) return tangent_non_finite;
     const double length = glm::length(glm::dvec3(t));
     if (length == 0) return tangent_zero;
     if (std::abs(t.w) < 0.5f) return tangent_no_sign;
@@ -89,19 +89,20 @@ TangentReview review_tangents(const MeshView& mesh, const CornerLayer<glm::vec4>
     return review;
 }
 
+void make_unit(std::vector<glm::vec4>& tangents) {
+    for (glm::vec4& t : tangents)
+        if ((value_fault(t) & ~tangent_non_unit) == 0)
+            t = glm::vec4(unit_normal(glm::vec3(t)), t.w < 0 ? -1.0f : 1.0f);
+}
+
 CornerLayer<glm::vec4> merge_tangents(const CornerLayer<glm::vec4>& authored,
                                       const TangentReview& review, unsigned replace,
-                                      const CornerLayer<glm::vec4>* computed) {
+                                      const CornerLayer<glm::vec4>& computed) {
     CornerLayer<glm::vec4> merged = authored;
     const std::size_t corners = review.faults.size();
     if (merged.indices.empty()) merged.indices.assign(corners, no_index);
-    if (!(replace & tangent_non_unit)) {
-        for (glm::vec4& t : merged.values) {
-            if (value_fault(t) != tangent_non_unit) continue;
-            t = glm::vec4(glm::vec3(glm::normalize(glm::dvec3(t))), t.w < 0 ? -1.0f : 1.0f);
-        }
-    }
-    if (computed) replace_faulty(merged, review.faults, replace, *computed);
+    make_unit(merged.values);
+    replace_faulty(merged, review.faults, replace, computed);
     return merged;
 }
 

@@ -36,16 +36,18 @@ struct TangentReview {
     void mark_stale(const std::vector<bool>& replaced);
 };
 
-// `mesh` with the normals that the tangents are to go with. Against UVs is only judged where
+// `mesh` with the normals that the tangents are to go with. Against UVs is only checked where
 // `computed` is given, and there only at corners whose UVs have a gradient.
 TangentReview review_tangents(const MeshView& mesh, const CornerLayer<glm::vec4>& authored,
                               const CornerTangents* computed);
 
-// Authored tangents with computed ones at the corners whose faults intersect `replace`; all other
-// corners keep their bits, but where only the length or the size of w is off: that is put right.
-// `computed` may be null when none is replaced.
+// Scales to unit length, and w to 1 or -1, where a direction and a sign are there; unit tangents
+// keep their bits (as unit_normal does).
+void make_unit(std::vector<glm::vec4>& tangents);
+
+// Authored tangents, made unit, with computed ones at the corners whose faults intersect `replace`.
 CornerLayer<glm::vec4> merge_tangents(const CornerLayer<glm::vec4>& authored,
                                       const TangentReview& review, unsigned replace,
-                                      const CornerLayer<glm::vec4>* computed);
+                                      const CornerLayer<glm::vec4>& computed);
 
 }  // namespace prep::detail

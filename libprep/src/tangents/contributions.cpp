@@ -49,7 +49,14 @@ float uv_area2(const CornerReader& read, const TangentTriangles& triangles, std:
 
 }  // namespace
 
-TriangleFrame triangle_frame(const glm::vec3 p[3], const glm::vec2 uv[3]) {
+TriangleFrame triangle_frame(const CornerReader& read, const TangentTriangles& triangles,
+                             std::size_t triangle) {
+    glm::vec3 p[3];
+    glm::vec2 uv[3];
+    for (std::size_t k = 0; k < 3; ++k) {
+        p[k] = read.position(triangles.corner(triangle, k));
+        uv[k] = read.uv(triangles.corner(triangle, k));
+    }
     TriangleFrame frame;
     const glm::vec3 d1 = p[1] - p[0], d2 = p[2] - p[0];
     const glm::vec2 a = uv[1] - uv[0], b = uv[2] - uv[0];
@@ -68,24 +75,13 @@ TriangleFrame triangle_frame(const glm::vec3 p[3], const glm::vec2 uv[3]) {
     return frame;
 }
 
-TriangleFrame triangle_frame(const CornerReader& read, const TangentTriangles& triangles,
-                             std::size_t triangle) {
-    glm::vec3 p[3];
-    glm::vec2 uv[3];
-    for (std::size_t k = 0; k < 3; ++k) {
-        p[k] = read.position(triangles.corner(triangle, k));
-        uv[k] = read.uv(triangles.corner(triangle, k));
-    }
-    return triangle_frame(p, uv);
-}
-
 std::uint32_t direction_code(const glm::vec3& n, const glm::vec3& s, const glm::vec3& t) {
-    const auto told = [](const glm::vec3& v) {
+    const auto bits = [](const glm::vec3& v) {
         // Below the first bound squares lose their precision; above the second they overflow.
         const float length2 = mikk::length_squared(v);
         return length2 > 1e-20f && length2 < 1e20f ? directions(v, 0.05f * std::sqrt(length2)) : 0u;
     };
-    return told(off_normal(n, s)) | told(off_normal(n, t)) << 6;
+    return bits(off_normal(n, s)) | bits(off_normal(n, t)) << 6;
 }
 
 BlockContributions::BlockContributions(const CornerReader& read, const TangentTriangles& triangles,
@@ -206,12 +202,6 @@ void BlockContributions::settle_quads(std::size_t first, std::size_t count,
     }
 }
 
-std::size_t ContributionStore::place(std::size_t triangle) const {
-    if (chosen.empty()) return triangle;
-    const std::uint64_t below = (std::uint64_t(1) << (triangle % 64)) - 1;
-    return chosen_before[triangle / 64] + std::size_t(std::popcount(chosen[triangle / 64] & below));
-}
-
 void compute_all_contributions(const BlockContributions& maker, const TangentTriangles& triangles,
                                int threads, ContributionStore& contributions) {
     for (auto& plane : contributions.planes) plane = ScratchBuffer<Contribution>(triangles.count);
@@ -249,28 +239,27 @@ void compute_chosen(const BlockContributions& maker, std::vector<std::uint64_t> 
         count += std::size_t(std::popcount(word));
     }
     for (auto& plane : contributions.planes) plane = ScratchBuffer<Contribution>(count);
-    parallel_blocks(contributions.chosen.size(), triangle_grain / 64, threads,
-                    [&](std::size_t begin, std::size_t end) {
-                        const auto scratch = std::make_unique<BlockContributions::Scratch>();
-                        std::vector<Index> list;
-                        std::size_t to = contributions.chosen_before[begin];
-                        const auto flush = [&] {
-                            maker.run(list, *scratch);
-                            for (std::size_t k = 0; k < 3; ++k)
-                                std::copy_n(scratch->planes[k], list.size(),
-                                            contributions.planes[k].data() + to);
-                            to += list.size();
-                            list.clear();
-                        };
-                        for (std::size_t w = begin; w < end; ++w) {
-                            for (std::uint64_t rest = contributions.chosen[w]; rest != 0;
-                                 rest &= rest - 1) {
-                                list.push_back(Index(64 * w + std::size_t(std::countr_zero(rest))));
-                                if (list.size() == TriangleBlock::size) flush();
-                            }
-                        }
-                        if (!list.empty()) flush();
-                    });
+    parallel_blocks(
+        contributions.chosen.size(), triangle_grain / 64, threads,
+        [&](std::size_t begin, std::size_t end) {
+            const auto scratch = std::make_unique<BlockContributions::Scratch>();
+            std::vector<Index> list;
+            std::size_t to = contributions.chosen_before[begin];
+            const auto flush = [&] {
+                maker.run(list, *scratch);
+                for (std::size_t k = 0; k < 3; ++k)
+                    std::copy_n(scratch->planes[k], list.size(), &contributions.planes[k][to]);
+                to += list.size();
+                list.clear();
+            };
+            for (std::size_t w = begin; w < end; ++w) {
+                for (std::uint64_t rest = contributions.chosen[w]; rest != 0; rest &= rest - 1) {
+                    list.push_back(Index(64 * w + std::size_t(std::countr_zero(rest))));
+                    if (list.size() == TriangleBlock::size) flush();
+                }
+            }
+            if (!list.empty()) flush();
+        });
 }
 
 }  // namespace prep::detail

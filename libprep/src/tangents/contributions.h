@@ -1,6 +1,7 @@
 // What each triangle gives to the tangents of its three corners: steps 3, 4 and the summands of 7.
 #pragma once
 
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <glm/glm.hpp>
@@ -137,7 +138,12 @@ struct ContributionStore {
     const Contribution& at(std::size_t triangle, std::size_t k) const {
         return planes[k][place(triangle)];
     }
-    std::size_t place(std::size_t triangle) const;
+    std::size_t place(std::size_t triangle) const {
+        if (chosen.empty()) return triangle;
+        const std::uint64_t below = (std::uint64_t(1) << (triangle % 64)) - 1;
+        return chosen_before[triangle / 64] +
+               std::size_t(std::popcount(chosen[triangle / 64] & below));
+    }
 
     ScratchBuffer<std::uint8_t> triangle_flags;
     TriangleCounts counts;
@@ -164,7 +170,6 @@ struct TriangleFrame {
     float s_length = 0, t_length = 0;  // |dP/du|, |dP/dv|
     bool preserving = false, healthy = false;
 };
-TriangleFrame triangle_frame(const glm::vec3 p[3], const glm::vec2 uv[3]);
 TriangleFrame triangle_frame(const CornerReader& read, const TangentTriangles& triangles,
                              std::size_t triangle);
 

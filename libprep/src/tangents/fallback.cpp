@@ -4,6 +4,8 @@
 #include <cmath>
 #include <optional>
 
+#include "base/finite.h"
+
 namespace prep::detail {
 namespace {
 
@@ -14,14 +16,10 @@ constexpr double orthogonal_tolerance = 1e-6;  // on the plane of its normal to 
 // rounding is 6e-8 of it.
 constexpr double least_on_plane = 1e-5;
 
-bool finite(const glm::dvec3& v) {
-    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
-
 // Zero for what has no direction.
 glm::dvec3 unit_or_zero(const glm::dvec3& v) {
     const double largest = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
-    if (!finite(v) || !(largest > 0)) return glm::dvec3(0.0);
+    if (!is_finite(v) || !(largest > 0)) return glm::dvec3(0.0);
     return glm::normalize(v / largest);
 }
 
@@ -123,7 +121,7 @@ class Fallbacks {
         const Index value = out_.tangents.indices[corner];
         if (value == no_index) return TangentFault::no_gradient;
         const glm::dvec3 t{glm::vec3(out_.tangents.values[value])};
-        if (!finite(t)) return TangentFault::not_finite;
+        if (!is_finite(t)) return TangentFault::not_finite;
         if (t == glm::dvec3(0.0)) return TangentFault::vanished;
         if (std::abs(glm::length(t) - 1.0) > unit_tolerance) return TangentFault::not_unit;
         const double along = std::abs(glm::dot(*n, t));

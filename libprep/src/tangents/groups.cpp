@@ -1,6 +1,7 @@
 #include "tangents/groups.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -19,6 +20,12 @@ using OneRing = std::span<const Index>;
 constexpr std::size_t position_grain = 512;
 // Lists of larger rings are given back before others are made.
 constexpr std::size_t most_kept = 4096;
+constexpr std::size_t most_usual = 16;  // members of a usual ring
+
+template <class Body>
+void for_each_bit(std::uint32_t bits, const Body& body) {
+    for (; bits != 0; bits &= bits - 1) body(std::size_t(std::countr_zero(bits)));
+}
 
 // Step 6: gives group `number` to `first` and to all that is reached from it over pairs. joins(i):
 // may member i?
@@ -37,7 +44,7 @@ void flood(std::span<const Index> leaving, std::span<const Index> entering, Inde
     }
 }
 
-// Stars that triangles which group with anything touch, grouped in the mesh's triangle order.
+// One-rings that triangles which group with anything touch, grouped in the mesh's triangle order.
 class EntangledRings {
   public:
     EntangledRings(const TangentTriangles& triangles, const ContributionStore& store,
@@ -67,15 +74,14 @@ class EntangledRings {
     void collect(int threads) {
         const std::size_t blocks = (rings_.count + position_grain - 1) / position_grain;
         std::vector<std::vector<OneRing>> found(blocks);
+        const auto anything = [&](Index m) {
+            return (store_.flags(m >> 2) & group_with_anything) != 0;
+        };
         parallel_blocks(rings_.count, position_grain, threads,
                         [&](std::size_t begin, std::size_t end) {
-                            auto& list = found[begin / position_grain];
                             rings_.for_each(begin, end, [&](OneRing ring) {
-                                const auto anything = [&](Index m) {
-                                    return (store_.flags(m >> 2) & group_with_anything) != 0;
-                                };
                                 if (std::any_of(ring.begin(), ring.end(), anything))
-                                    list.push_back(ring);
+                                    found[begin / position_grain].push_back(ring);
                             });
                         });
         starts_.push_back(0);
@@ -157,22 +163,13 @@ class EntangledRings {
 // Groups and evaluates ring after ring of one block.
 class RingTangents {
   public:
-    RingTangents(const CornerReader& read, const TangentTriangles& triangles,
-                 const ContributionStore& store, const OneRings& rings,
-                 const EdgeOverrides& overrides, const EntangledRings& entangled,
-                 const GroupOptions& options, const FirstValues& firsts,
-                 std::span<Index> corner_values)
-        : read_(read),
-          triangles_(triangles),
-          store_(store),
-          rings_(rings),
-          overrides_(overrides),
+    RingTangents(const GroupInput& input, const EntangledRings& entangled)
+        : in_(input),
           entangled_(entangled),
-          options_(options),
-          firsts_(firsts),
-          corner_values_(corner_values),
-          subgroups_(read, triangles, store, options.angular_threshold, options.bounded_effort),
-          sums_tell_(opposites_only(options.angular_threshold) && !triangles.any_quad) {}
+          subgroups_(input.read, input.triangles, input.store, input.options.angular_threshold,
+                     input.options.bounded_effort),
+          sums_tell_(opposites_only(input.options.angular_threshold) && !input.triangles.any_quad) {
+    }
 
     struct Block {
         std::vector<glm::vec4> further;      // values behind the first of a position
@@ -185,16 +182,20 @@ class RingTangents {
     void run(std::size_t begin, std::size_t end, std::span<glm::vec4> values, Block& block) {
         block_ = &block;
         values_ = values;
-        std::size_t next_entangled = entangled_.empty() ? 0 : entangled_.at(rings_.offsets[begin]);
+        std::size_t next_entangled =
+            entangled_.empty() ? 0 : entangled_.at(in_.rings.offsets[begin]);
         for (std::size_t i = begin; i < end; ++i) {
-            const Index v = rings_.listed[i];
+            const Index v = in_.rings.listed[i];
             first_free_ = true;
-            first_value_ = firsts_.all_listed ? i : firsts_.places.empty() ? v : firsts_.places[v];
-            rings_.for_each(i, i + 1, [&](OneRing ring) {
+            first_value_ = in_.firsts.all_listed       ? i
+                           : in_.firsts.places.empty() ? v
+                                                       : in_.firsts.places[v];
+            in_.rings.for_each(i, i + 1, [&](OneRing ring) {
                 if (!entangled_.empty() && entangled_.is(next_entangled, ring)) {
                     const std::span<const Index> groups = entangled_.groups(next_entangled++);
                     groups_.assign(groups.begin(), groups.end());
                 } else {
+                    if (take_usual(ring)) return;
                     find_groups(ring);
                 }
                 evaluate_groups(ring);
@@ -207,16 +208,80 @@ class RingTangents {
     }
 
   private:
+    // Steps 5 to 8 of a ring of few members whose groups are their sums, without a list: a bit is a
+    // member. False: the ring is another. Without it bench_tangents' hard_edges takes 1.8 times as
+    // long.
+    bool take_usual(OneRing ring) {
+        const std::size_t n = ring.size();
+        if (!sums_tell_ || n > most_usual || in_.overrides.touch(in_.rings, ring)) return false;
+        std::array<Index, most_usual> next, previous;
+        std::array<const Contribution*, most_usual> contributions;
+        std::uint32_t preserving = 0;
+        for (std::size_t i = 0; i < n; ++i) {
+            const Index triangle = ring[i] >> 2, k = ring[i] & 3;
+            const Index* const names = in_.rings.names_of(triangle);
+            next[i] = names[k == 2 ? 0 : k + 1];
+            previous[i] = names[k == 0 ? 2 : k - 1];
+            contributions[i] = &in_.store.at(triangle, k);
+            const bool preserves = (contributions[i]->code & orientation_preserving) != 0;
+            preserving |= std::uint32_t(preserves) << i;
+        }
+        const std::uint32_t all = (std::uint32_t(1) << n) - 1;
+        std::array<std::uint32_t, most_usual> linked{};  // to those that it may share a group with
+        for (std::uint32_t i = 0, unmet = all; i < n; ++i) {
+            std::uint32_t mates = 0;
+            for (std::uint32_t j = 0; j < n; ++j)
+                mates |= std::uint32_t(previous[j] == next[i]) << j;
+            mates &= unmet;
+            if (mates == 0) continue;
+            const int mate = std::countr_zero(mates);
+            unmet &= ~(std::uint32_t(1) << mate);
+            linked[i] |= std::uint32_t(1) << mate;
+            linked[std::size_t(mate)] |= std::uint32_t(1) << i;
+        }
+        struct Group {
+            std::uint32_t members;
+            glm::vec4 value;
+        };
+        std::array<Group, most_usual> groups;
+        std::size_t count = 0;
+        for (std::uint32_t rest = all; rest != 0;) {
+            std::uint32_t group = rest & (~rest + 1);
+            const std::uint32_t alike = rest & (group & preserving ? preserving : ~preserving);
+            for (std::uint32_t edge = group; edge != 0;) {
+                const std::uint32_t reached =
+                    linked[std::size_t(std::countr_zero(edge))] & alike & ~group;
+                edge = (edge & (edge - 1)) | reached;
+                group |= reached;
+            }
+            rest &= ~group;
+            glm::vec3 sum(0.0f);
+            std::uint32_t code = ~0u;
+            for_each_bit(group, [&](std::size_t i) {
+                sum += glm::vec3(contributions[i]->x, contributions[i]->y, contributions[i]->z);
+                code &= contributions[i]->code;
+            });
+            if (!std::has_single_bit(group) && !share_half_space(code)) return false;
+            groups[count++] = {group, {mikk::normalized_or_zero(sum), w_of(group & preserving)}};
+        }
+        for (std::size_t g = 0; g < count; ++g) {
+            const Kept kept =
+                keep(groups[g].value, ring[std::size_t(std::countr_zero(groups[g].members))]);
+            for_each_bit(groups[g].members, [&](std::size_t i) { give(ring[i], kept); });
+        }
+        return true;
+    }
+
     // Step 6 where no triangle groups with anything.
     void find_groups(OneRing ring) {
-        pairs_.find(rings_, ring, overrides_);
+        pairs_.find(in_.rings, ring, in_.overrides);
         groups_.assign(ring.size(), no_index);
         Index count = 0;
         for (Index i = 0; i < ring.size(); ++i) {
             if (groups_[i] != no_index) continue;
-            const std::uint32_t wanted = store_.flags(ring[i] >> 2) & orientation_preserving;
+            const std::uint32_t wanted = in_.store.flags(ring[i] >> 2) & orientation_preserving;
             flood(pairs_.leaving(), pairs_.entering(), i, count++, groups_, stack_, [&](Index m) {
-                return (store_.flags(ring[m] >> 2) & orientation_preserving) == wanted;
+                return (in_.store.flags(ring[m] >> 2) & orientation_preserving) == wanted;
             });
         }
         // A pole's lists would be beside those of its frames.
@@ -239,7 +304,7 @@ class RingTangents {
             // compared in more than their S: those are evaluated in full.
             if (sums_tell_ && (group.size == 1 || share_half_space(group.code))) {
                 group.value = Index(ring_values_.size());
-                ring_values_.push_back({mikk::normalized_or_zero(group.sum), w_of(group)});
+                ring_values_.push_back({mikk::normalized_or_zero(group.sum), w_of(group.sign > 0)});
             } else {
                 evaluate_in_full(ring, group);
             }
@@ -251,7 +316,7 @@ class RingTangents {
             else if (sums_[g].value != no_index)
                 members_values_[i] = sums_[g].value;
         }
-        if (triangles_.any_quad && frames_.size() > 1) average_quads(ring);
+        if (in_.triangles.any_quad && frames_.size() > 1) average_quads(ring);
         const bool large = ring.size() > most_kept;
         if (large) {
             for (std::vector<Index>* list : {&groups_, &order_, &members_, &results_})
@@ -278,25 +343,23 @@ class RingTangents {
     static bool share_half_space(std::uint32_t code) {
         return (code & s_directions) && (code & t_directions);
     }
-    float w_of(const GroupSum& group) const {
-        return (group.sign > 0 ? 1.0f : -1.0f) * options_.positive;
-    }
+    float w_of(bool preserving) const { return (preserving ? 1.0f : -1.0f) * in_.options.positive; }
 
     void sum_groups(OneRing ring) {
         sums_.clear();
         for (std::size_t i = 0; i < ring.size(); ++i) {
-            if (groups_[i] == no_index && options_.review) block_->suspects.push_back(ring[i]);
+            if (groups_[i] == no_index && in_.options.review) block_->suspects.push_back(ring[i]);
             if (groups_[i] == no_index) continue;
             if (groups_[i] >= sums_.size()) sums_.resize(groups_[i] + 1);
             GroupSum& group = sums_[groups_[i]];
             ++group.size;
             const Index t = ring[i] >> 2;
-            const std::uint32_t flags = store_.flags(t);
+            const std::uint32_t flags = in_.store.flags(t);
             // Triangles that group with anything have the orientation of those that do not.
             if (group.sign == 0 && !(flags & group_with_anything))
                 group.sign = (flags & orientation_preserving) ? 1 : -1;
             if (!sums_tell_) continue;
-            const Contribution& contribution = store_.at(t, ring[i] & 3);
+            const Contribution& contribution = in_.store.at(t, ring[i] & 3);
             group.sum += glm::vec3(contribution.x, contribution.y, contribution.z);
             group.code &= contribution.code;
         }
@@ -319,7 +382,7 @@ class RingTangents {
         }
         if (group.size > most_kept) ring_values_.reserve(with_slack(base + frames_.size()));
         for (std::size_t f = known; f < frames_.size(); ++f)
-            ring_values_.push_back({frames_[f].s, w_of(group)});
+            ring_values_.push_back({frames_[f].s, w_of(group.sign > 0)});
     }
 
     // A counting sort of the members that have a group.
@@ -341,30 +404,45 @@ class RingTangents {
         for (std::size_t i = 0; i < ring.size(); ++i) {
             const Index value = members_values_[i];
             if (value == no_index) continue;
-            const Index m = ring[i], corner = m - (m >> 2);
             Kept& kept = kept_[value];
-            if (kept.place == no_index) {
-                // All members have one normal.
-                kept.suspect = options_.review && !has_frame(m, ring_values_[value]);
-                kept.further = !std::exchange(first_free_, false);
-                kept.place = kept.further ? Index(block_->further.size()) : Index(first_value_);
-                if (kept.further)
-                    block_->further.push_back(ring_values_[value]);
-                else
-                    values_[first_value_] = ring_values_[value];
-            }
-            corner_values_[corner] = kept.place;
-            if (kept.further) block_->further_corners.push_back(corner);
-            if (kept.suspect) block_->suspects.push_back(m);
+            if (kept.place == no_index) kept = keep(ring_values_[value], ring[i]);
+            give(ring[i], kept);
         }
+    }
+
+    struct Kept {  // of a value
+        Index place = no_index;
+        bool further = false;  // the place is in Block::further, not the position's own
+        bool suspect = false;
+    };
+
+    Kept keep(const glm::vec4& value, Index member) {
+        Kept kept;
+        // All members have one normal.
+        kept.suspect = in_.options.review && !has_frame(member, value);
+        kept.further = !std::exchange(first_free_, false);
+        kept.place = kept.further ? Index(block_->further.size()) : Index(first_value_);
+        if (kept.further)
+            block_->further.push_back(value);
+        else
+            values_[first_value_] = value;
+        return kept;
+    }
+
+    void give(Index member, const Kept& kept) {
+        const Index corner = member - (member >> 2);
+        in_.corner_values[corner] = kept.place;
+        if (kept.further) block_->further_corners.push_back(corner);
+        if (kept.suspect) block_->suspects.push_back(member);
     }
 
     // Step 8: a quad's corner that both halves meet.
     void average_quads(OneRing ring) {
         for (std::size_t i = 0; i + 1 < ring.size(); ++i) {
             const Index a = ring[i], b = ring[i + 1];
-            if (!(store_.flags(a >> 2) & quad_first) || (b >> 2) != (a >> 2) + 1) continue;
-            if (triangles_.corner(a >> 2, a & 3) != triangles_.corner(b >> 2, b & 3)) continue;
+            if (!(in_.store.flags(a >> 2) & quad_first) || (b >> 2) != (a >> 2) + 1) continue;
+            if (in_.triangles.corner(a >> 2, a & 3) != in_.triangles.corner(b >> 2, b & 3))
+                continue;
             const Index x = members_values_[i], y = members_values_[i + 1];
             if (x == no_index || y == no_index || x == y) continue;
             Index value = std::max(x, y);
@@ -381,18 +459,12 @@ class RingTangents {
     }
 
     bool has_frame(Index member, const glm::vec4& value) const {
-        return is_frame(read_.normal(triangles_.corner(member >> 2, member & 3)), glm::vec3(value));
+        return is_frame(in_.read.normal(in_.triangles.corner(member >> 2, member & 3)),
+                        glm::vec3(value));
     }
 
-    const CornerReader& read_;
-    const TangentTriangles& triangles_;
-    const ContributionStore& store_;
-    const OneRings& rings_;
-    const EdgeOverrides& overrides_;
+    const GroupInput in_;
     const EntangledRings& entangled_;
-    const GroupOptions& options_;
-    const FirstValues& firsts_;
-    std::span<Index> corner_values_;
     SubgroupEvaluator subgroups_;
     bool sums_tell_;  // are frames of sums alone those of groups whose S and T share a half-space?
     Block* block_ = nullptr;
@@ -404,11 +476,6 @@ class RingTangents {
     std::vector<GroupSum> sums_;
     std::vector<GroupFrame> frames_;
     std::vector<glm::vec4> ring_values_;
-    struct Kept {  // of a value
-        Index place = no_index;
-        bool further = false;  // the place is in Block::further, not the position's own
-        bool suspect = false;
-    };
     std::vector<Kept> kept_;
 };
 
@@ -436,29 +503,25 @@ void remove_unused(const std::vector<RingTangents::Block>& blocks, std::vector<g
 
 }  // namespace
 
-GroupTangents group_tangents(const CornerReader& read, const TangentTriangles& triangles,
-                             ContributionStore& store, OneRings& rings,
-                             const EdgeOverrides& overrides, const GroupOptions& options,
-                             const FirstValues& firsts, std::vector<glm::vec4> values,
-                             std::span<Index> corner_values) {
+GroupTangents group_tangents(const GroupInput& input, std::vector<glm::vec4> values) {
     std::optional<EntangledRings> entangled;
-    entangled.emplace(triangles, store, rings, overrides, options.threads);
-    const std::size_t blocks = (rings.count + position_grain - 1) / position_grain;
+    const int threads = input.options.threads;
+    entangled.emplace(input.triangles, input.store, input.rings, input.overrides, threads);
+    const std::size_t blocks = (input.rings.count + position_grain - 1) / position_grain;
     std::vector<RingTangents::Block> results(blocks);
     GroupTangents result;
     result.values = std::move(values);
-    result.values.resize(firsts.count);
-    parallel_blocks(rings.count, position_grain, options.threads,
-                    [&](std::size_t begin, std::size_t end) {
-                        RingTangents worker(read, triangles, store, rings, overrides, *entangled,
-                                            options, firsts, corner_values);
-                        worker.run(begin, end, result.values, results[begin / position_grain]);
-                    });
+    result.values.resize(input.firsts.count);
+    const auto group_block = [&](std::size_t begin, std::size_t end) {
+        RingTangents worker(input, *entangled);
+        worker.run(begin, end, result.values, results[begin / position_grain]);
+    };
+    parallel_blocks(input.rings.count, position_grain, threads, group_block);
     entangled.reset();
-    rings = {};
-    for (auto& plane : store.planes) plane = {};
+    input.rings = {};
+    for (auto& plane : input.store.planes) plane = {};
 
-    std::vector<std::size_t> bases(blocks + 1, firsts.count);
+    std::vector<std::size_t> bases(blocks + 1, input.firsts.count);
     for (std::size_t b = 0; b < blocks; ++b) bases[b + 1] = bases[b] + results[b].further.size();
     result.values.reserve(bases[blocks] + 1);
     std::size_t unused = 0;
@@ -468,11 +531,11 @@ GroupTangents group_tangents(const CornerReader& read, const TangentTriangles& t
         result.suspects.insert(result.suspects.end(), block.suspects.begin(), block.suspects.end());
         unused += block.unused.size();
     }
-    parallel_blocks(blocks, 1, options.threads, [&](std::size_t b, std::size_t) {
+    parallel_blocks(blocks, 1, threads, [&](std::size_t b, std::size_t) {
         for (const Index corner : results[b].further_corners)
-            corner_values[corner] += Index(bases[b]);
+            input.corner_values[corner] += Index(bases[b]);
     });
-    if (unused > 0) remove_unused(results, result.values, corner_values);
+    if (unused > 0) remove_unused(results, result.values, input.corner_values);
     return result;
 }
 

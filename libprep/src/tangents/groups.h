@@ -18,7 +18,7 @@ namespace prep::detail {
 struct GroupTangents {
     // Tangent and w: the first of each position that has corners, by position, then all others.
     std::vector<glm::vec4> values;
-    // Triangle corners (as in OneRings::members) whose value may be no frame, and those that no
+    // Triangle corners (as in OneRings::members) whose value may not be a frame, and those that no
     // group reached; ascending by vertex. Only where `review` is set.
     std::vector<std::uint32_t> suspects;
 };
@@ -26,7 +26,7 @@ struct GroupTangents {
 struct GroupOptions {
     double angular_threshold = 0;
     float positive = 1;           // w where the definition's sign is +1
-    bool review = false;          // look for values that are no frames
+    bool review = false;          // look for values that are not frames
     bool bounded_effort = false;  // large rings in O(k log k), not with the definition's bits
     int threads = 0;
 };
@@ -38,16 +38,23 @@ struct FirstValues {
     std::span<const std::uint32_t> places;  // places[v], or v where there are none
 };
 
+struct GroupInput {
+    const CornerReader& read;
+    const TangentTriangles& triangles;
+    ContributionStore& store;
+    OneRings& rings;
+    const EdgeOverrides& overrides;
+    GroupOptions options;
+    FirstValues firsts;
+    // Three per triangle, into the values; those of listed positions, and of degenerate triangles,
+    // are no_index, and stay that where no group reached the corner.
+    std::span<std::uint32_t> corner_values;
+};
+
 // Groups of the positions that `rings` lists. Its lists and the contributions, but not the
 // triangles' flags, are given back before the values are put together. values: becomes
 // GroupTangents::values; the first values of positions that are not listed are there.
-// corner_values: three per triangle, into values; those of listed positions, and of degenerate
-// triangles, are no_index, and stay that where no group reached the corner.
-GroupTangents group_tangents(const CornerReader& read, const TangentTriangles& triangles,
-                             ContributionStore& store, OneRings& rings,
-                             const EdgeOverrides& overrides, const GroupOptions& options,
-                             const FirstValues& firsts, std::vector<glm::vec4> values,
-                             std::span<std::uint32_t> corner_values);
+GroupTangents group_tangents(const GroupInput& input, std::vector<glm::vec4> values);
 
 // The tangents of one group: step 7 of the definition, with the subgroups that the angular
 // threshold parts (subgroups.cpp).

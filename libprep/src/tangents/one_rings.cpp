@@ -320,45 +320,43 @@ Worklist make_worklist(const TangentTriangles& triangles, const ContributionStor
     std::atomic<bool> any = false;
     const bool plain = !states.empty() && !any_degenerate && places.empty();
     constexpr std::size_t most_found = 1024;
-    parallel_blocks(triangles.count, triangle_grain, threads,
-                    [&](std::size_t begin, std::size_t end) {
-                        std::vector<Index>& list = result.lists[begin / triangle_grain];
-                        const std::uint8_t* const state = states.data();
-                        std::uint64_t* const words = result.triangles.data();
-                        const bool all_listed = states.empty(), placed = !places.empty();
-                        Index members[most_found];
-                        std::size_t found = 0;
-                        const auto flush = [&] {
-                            list.insert(list.end(), members, members + found);
-                            found = 0;
-                        };
-                        for (std::size_t t = begin; t < end; ++t) {
-                            const Index* const v = vertices.data() + 3 * t;
-                            Index* const values = corner_values.data() + 3 * t;
-                            if (plain && (state[v[0]] | state[v[1]] | state[v[2]]) == fan_vertex)
-                                continue;
-                            if (any_degenerate && (store.flags(t) & degenerate_triangle)) {
-                                values[0] = values[1] = values[2] = no_index;
-                                continue;
-                            }
-                            if (placed)
-                                for (std::size_t k = 0; k < 3; ++k) values[k] = places[v[k]];
-                            bool listed[3] = {true, true, true};
-                            if (!all_listed)
-                                for (std::size_t k = 0; k < 3; ++k)
-                                    listed[k] = on_worklist(state[v[k]]);
-                            if (!(listed[0] | listed[1] | listed[2])) continue;
-                            words[t / 64] |= std::uint64_t(1) << (t % 64);
-                            if (found + 3 > most_found) flush();
-                            for (std::size_t k = 0; k < 3; ++k) {
-                                if (!listed[k]) continue;
-                                values[k] = no_index;
-                                members[found++] = Index(4 * t + k);
-                            }
-                        }
-                        flush();
-                        if (!list.empty()) any = true;
-                    });
+    const auto list_block = [&](std::size_t begin, std::size_t end) {
+        std::vector<Index>& list = result.lists[begin / triangle_grain];
+        const std::uint8_t* const state = states.data();
+        std::uint64_t* const words = result.triangles.data();
+        const bool all_listed = states.empty(), placed = !places.empty();
+        Index members[most_found];
+        std::size_t found = 0;
+        const auto flush = [&] {
+            list.insert(list.end(), members, members + found);
+            found = 0;
+        };
+        for (std::size_t t = begin; t < end; ++t) {
+            const Index* const v = vertices.data() + 3 * t;
+            Index* const values = corner_values.data() + 3 * t;
+            if (plain && (state[v[0]] | state[v[1]] | state[v[2]]) == fan_vertex) continue;
+            if (any_degenerate && (store.flags(t) & degenerate_triangle)) {
+                values[0] = values[1] = values[2] = no_index;
+                continue;
+            }
+            if (placed)
+                for (std::size_t k = 0; k < 3; ++k) values[k] = places[v[k]];
+            bool listed[3] = {true, true, true};
+            if (!all_listed)
+                for (std::size_t k = 0; k < 3; ++k) listed[k] = on_worklist(state[v[k]]);
+            if (!(listed[0] | listed[1] | listed[2])) continue;
+            words[t / 64] |= std::uint64_t(1) << (t % 64);
+            if (found + 3 > most_found) flush();
+            for (std::size_t k = 0; k < 3; ++k) {
+                if (!listed[k]) continue;
+                values[k] = no_index;
+                members[found++] = Index(4 * t + k);
+            }
+        }
+        flush();
+        if (!list.empty()) any = true;
+    };
+    parallel_blocks(triangles.count, triangle_grain, threads, list_block);
     result.any = any;
     return result;
 }

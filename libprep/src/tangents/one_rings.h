@@ -61,14 +61,12 @@ struct OneRings {
     ScratchBuffer<std::uint8_t> split;
     bool any_split = false;
 
-    // The names of the welded vertices of the three corners of a triangle that has contributions
-    // (place: ContributionStore::place): equal for corners of one, different for others. For all
-    // but later parts of split positions it is the position.
-    const std::uint32_t* names_at(std::size_t triangle, std::size_t place) const {
-        return names.empty() ? vertices.data() + 3 * triangle : names.data() + 3 * place;
-    }
+    // The names of the welded vertices of the three corners of a triangle that has contributions:
+    // equal for corners of one, different for others. For all but later parts of split positions it
+    // is the position.
     const std::uint32_t* names_of(std::size_t triangle) const {
-        return names_at(triangle, names.empty() ? 0 : store->place(triangle));
+        return names.empty() ? vertices.data() + 3 * triangle
+                             : names.data() + 3 * store->place(triangle);
     }
     std::uint32_t vertex(std::uint32_t member) const { return names_of(member >> 2)[member & 3]; }
 

@@ -41,19 +41,16 @@ void SubgroupEvaluator::evaluate(std::span<const Index> members, std::vector<Gro
     members_.reserve(members.size());
     for (const Index m : members) {
         const Index triangle = m >> 2;
-        glm::vec3 p[3];
-        glm::vec2 uv[3];
-        for (std::size_t k = 0; k < 3; ++k) {
-            p[k] = read_.position(triangles_.corner(triangle, k));
-            uv[k] = read_.uv(triangles_.corner(triangle, k));
-        }
-        const TriangleFrame frame = triangle_frame(p, uv);
+        const auto position = [&](Index member) {
+            return read_.position(triangles_.corner(triangle, member & 3));
+        };
+        const TriangleFrame frame = triangle_frame(read_, triangles_, triangle);
         const glm::vec3 n = read_.normal(triangles_.corner(triangle, m & 3));
         Member member;
         member.s = mikk::projected(n, frame.s);
         member.t = mikk::projected(n, frame.t);
-        member.angle =
-            mikk::corner_angle(n, p[m & 3], p[previous_corner(m) & 3], p[next_corner(m) & 3]);
+        member.angle = mikk::corner_angle(n, position(m), position(previous_corner(m)),
+                                          position(next_corner(m)));
         member.s_length = frame.s_length;
         member.t_length = frame.t_length;
         member.triangle = triangle;
@@ -129,12 +126,12 @@ void SubgroupEvaluator::split_by_angle(std::vector<GroupFrame>& frames,
 
 bool SubgroupEvaluator::lean_one_way(std::span<const Index> members) const {
     if (threshold_ > -0.9999f) return false;
-    std::uint32_t told = ~0u, all = s_directions | t_directions;
+    std::uint32_t shared = ~0u, all = s_directions | t_directions;
     for (const Index m : members) {
-        told &= store_.at(m >> 2, m & 3).code;
-        if (!(told & s_directions) || !(told & t_directions)) break;
+        shared &= store_.at(m >> 2, m & 3).code;
+        if (!(shared & s_directions) || !(shared & t_directions)) break;
     }
-    if ((told & s_directions) && (told & t_directions)) return true;
+    if ((shared & s_directions) && (shared & t_directions)) return true;
     // Looked at more closely: at a cone's point the normals are far from the triangles'. Some from
     // all around first: they mostly tell.
     const std::size_t stride = members.size() / 64 + 1;
@@ -172,9 +169,8 @@ void SubgroupEvaluator::split_by_arcs(std::span<const Index> members,
     double weights = 0;
     for (Index i = 0; i < members.size(); ++i) {
         // Most of a pole's are zero: the cosines of such narrow angles round to 1.
-        const Contribution& own = store_.at(members[i] >> 2, members[i] & 3);
-        if (own.x == 0 && own.y == 0 && own.z == 0) continue;
-        const glm::dvec3 t(own.x, own.y, own.z);
+        const glm::dvec3 t = contribution(members[i]);
+        if (t == glm::dvec3(0.0)) continue;
         const double length = glm::length(t);
         if (!(length > 0) || !std::isfinite(length)) continue;
         if (rays.empty()) {

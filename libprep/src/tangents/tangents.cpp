@@ -24,6 +24,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include "base/parallel.h"
 #include "surface/weld.h"
@@ -71,19 +72,8 @@ Result<void> check_input(const TangentInput& in, const TangentOptions& options) 
     return {};
 }
 
-// Equal positions do not depend on the UVs: found when first asked for.
-class SharedWeld {
-  public:
-    const std::vector<Index>& lowest(const TangentInput& in, const TangentOptions& options) {
-        if (!found_) lowest_ = detail::equal_positions(in.positions, options.threads, options.simd);
-        found_ = true;
-        return lowest_;
-    }
-
-  private:
-    std::vector<Index> lowest_;
-    bool found_ = false;
-};
+// Equal positions (equal_positions()), found when first asked for: UV sets share them.
+using SharedWeld = std::optional<std::vector<Index>>;
 
 class TangentComputation {
   public:
@@ -117,8 +107,7 @@ class TangentComputation {
             welds_ = detail::c_reference_welds(in_, triangles_);
             read_.welds = welds_;
         }
-        rings_ =
-            detail::welded_vertices(in_, triangles_, weld_.lowest(in_, options_), options_.threads);
+        rings_ = detail::welded_vertices(in_, triangles_, lowest(), options_.threads);
     }
 
     void stream(const detail::BlockContributions& contributions) {
@@ -195,16 +184,17 @@ class TangentComputation {
     }
 
     void group() {
-        detail::GroupOptions options;
-        options.angular_threshold = options_.angular_threshold;
-        options.positive = positive_;
-        options.review = options.bounded_effort = robust_;
-        options.threads = options_.threads;
-        const detail::FirstValues firsts{streamed_ ? valences_.used : rings_.count, !streamed_,
-                                         valences_.places};
+        const detail::GroupInput input{
+            read_,
+            triangles_,
+            store_,
+            rings_,
+            overrides_,
+            {options_.angular_threshold, positive_, robust_, robust_, options_.threads},
+            {streamed_ ? valences_.used : rings_.count, !streamed_, valences_.places},
+            corner_values()};
         detail::GroupTangents groups =
-            detail::group_tangents(read_, triangles_, store_, rings_, overrides_, options, firsts,
-                                   std::move(result_.tangents.values), corner_values());
+            detail::group_tangents(input, std::move(result_.tangents.values));
         result_.tangents.values = std::move(groups.values);
         suspects_ = std::move(groups.suspects);
     }
@@ -258,7 +248,7 @@ class TangentComputation {
         if (suspects.empty()) return;
         std::sort(suspects.begin(), suspects.end());
         suspects.erase(std::unique(suspects.begin(), suspects.end()), suspects.end());
-        detail::apply_fallbacks({read_, weld_.lowest(in_, options_), suspects, positive_}, result_);
+        detail::apply_fallbacks({read_, lowest(), suspects, positive_}, result_);
     }
 
     void count_triangles() {
@@ -271,6 +261,11 @@ class TangentComputation {
             result_.mirrored_triangles +=
                 !(store_.flags(t) & (detail::orientation_preserving | detail::group_with_anything |
                                      detail::degenerate_triangle));
+    }
+
+    const std::vector<Index>& lowest() {
+        if (!weld_) weld_ = detail::equal_positions(in_.positions, options_.threads, options_.simd);
+        return *weld_;
     }
 
     // By triangle corner: the value's place. The mesh's own where all faces are triangles.
@@ -306,18 +301,26 @@ int useful_threads(const TangentInput& input, const TangentOptions& options) {
     return std::size_t(asked) <= most ? options.threads : int(most);
 }
 
+// Inputs that differ in their UVs alone.
+std::vector<CornerTangents> tangents_of_all(std::span<const TangentInput> inputs,
+                                            const TangentOptions& options) {
+    std::vector<CornerTangents> results;
+    if (inputs.empty()) return results;
+    detail::with_threads(useful_threads(inputs[0], options), [&](int threads) {
+        TangentOptions here = options;
+        here.threads = threads;
+        SharedWeld weld;
+        for (const TangentInput& one : inputs)
+            results.push_back(TangentComputation(one, weld, here)());
+    });
+    return results;
+}
+
 }  // namespace
 
 Result<CornerTangents> corner_tangents(const TangentInput& input, const TangentOptions& options) {
     if (auto valid = check_input(input, options); !valid) return std::move(valid).error();
-    CornerTangents result;
-    detail::with_threads(useful_threads(input, options), [&](int threads) {
-        TangentOptions here = options;
-        here.threads = threads;
-        SharedWeld weld;
-        result = TangentComputation(input, weld, here)();
-    });
-    return result;
+    return std::move(tangents_of_all({&input, 1}, options)[0]);
 }
 
 Result<std::vector<CornerTangents>> corner_tangents(
@@ -332,15 +335,7 @@ Result<std::vector<CornerTangents>> corner_tangents(
             return error;
         }
     }
-    std::vector<CornerTangents> results;
-    detail::with_threads(useful_threads(input, options), [&](int threads) {
-        TangentOptions here = options;
-        here.threads = threads;
-        SharedWeld weld;
-        for (const TangentInput& one : inputs)
-            results.push_back(TangentComputation(one, weld, here)());
-    });
-    return results;
+    return tangents_of_all(inputs, options);
 }
 
 }  // namespace prep

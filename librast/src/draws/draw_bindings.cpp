@@ -215,6 +215,7 @@ ShadeDraw shade_draw(const RenderPlan& plan, const prep::PreparedScene& scene, c
     s.metallic_roughness = !material.unlit && material.metallic_roughness;
     s.metallic = material.metallic;
     s.roughness = material.roughness;
+    copy3(glm::dvec3(material.reflectance), s.reflectance);
     Binder binder(plan, mesh, textures, s);
     bind_maps(plan, material, binder, s);
     binder.order();

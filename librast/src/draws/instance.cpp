@@ -31,7 +31,7 @@ bool usable(const glm::vec4& c) {
     return good;
 }
 
-glm::vec4 mended(const glm::vec4& c) {
+glm::vec4 repaired(const glm::vec4& c) {
     for (int k = 0; k < 4; ++k)
         if (!std::isfinite(c[k])) return glm::vec4(1.0f);
     return glm::clamp(c, -largest_color, largest_color);
@@ -65,13 +65,13 @@ RenderInstance::RenderInstance(const prep::VertexMesh& mesh, std::uint32_t node,
     if (mesh.colors.empty()) return;
     const std::vector<glm::vec4>& colors = mesh.colors[0];
     if (std::all_of(colors.begin(), colors.end(), usable)) return;
-    mended_colors_.resize(colors.size());
-    std::transform(colors.begin(), colors.end(), mended_colors_.begin(), mended);
+    repaired_colors_.resize(colors.size());
+    std::transform(colors.begin(), colors.end(), repaired_colors_.begin(), repaired);
 }
 
 const float* RenderInstance::colors() const {
     if (mesh_->colors.empty()) return nullptr;
-    return mended_colors_.empty() ? &mesh_->colors[0][0].x : &mended_colors_[0].x;
+    return repaired_colors_.empty() ? &mesh_->colors[0][0].x : &repaired_colors_[0].x;
 }
 
 ScreenVertex RenderInstance::homogeneous(std::uint32_t vertex) const {

@@ -48,7 +48,7 @@ class RenderInstance final : public VertexSource {
     glm::dmat3 normal_matrix_{1.0};
     glm::dmat4 from_eye_{1.0};
     TransformTask task_;
-    std::vector<glm::vec4> mended_colors_;  // where the mesh's own are out of range
+    std::vector<glm::vec4> repaired_colors_;  // where the mesh's own are out of range
 };
 
 }  // namespace rast::detail

@@ -156,6 +156,26 @@ void Renderer::draw_rows(std::uint32_t first, std::uint32_t rows, Frame& frame) 
     frame.raster_ms = milliseconds_since(start);
 }
 
+namespace {
+
+// What is drawn in place of a colour map that cannot be decoded: nobody takes it for the picture.
+prep::Image checker() {
+    constexpr std::uint32_t extent = 64, square = 8;
+    prep::Image image;
+    image.width = image.height = extent;
+    image.channels = 3;
+    image.srgb = true;
+    for (std::uint32_t y = 0; y < extent; ++y)
+        for (std::uint32_t x = 0; x < extent; ++x) {
+            const bool odd = (x / square + y / square) % 2 != 0;
+            for (const float value : {odd ? 0.9f : 0.35f, odd ? 0.1f : 0.35f, odd ? 0.9f : 0.35f})
+                image.pixels.push_back(value);
+        }
+    return image;
+}
+
+}  // namespace
+
 void Renderer::load_textures() {
     const prep::Scene& scene = prepared_.scene;
     const TextureFilter filter = plan_->request.filter;
@@ -171,14 +191,20 @@ void Renderer::load_textures() {
         const TextureLevels levels = levels_for(filter_for(filter, texture), texture.mip);
         if (!kept.tried || kept.colour != colour || kept.levels != levels) {
             kept = {true, colour, levels, nullptr, {}};
-            if (const auto image = prep::load_image(scene.images[texture.image]))
+            auto image = prep::load_image(scene.images[texture.image]);
+            if (!image) {
+                // A picture of a kind that is known and not read is no reason for a bare surface.
+                const bool known = image.error().code == prep::ErrorCode::unsupported;
+                kept.warning = (known ? "texture drawn as a checker: " : "texture left out: ") +
+                               prep::to_string(image.error());
+                if (known && colour) image = checker();
+            }
+            if (image)
                 kept.texture = std::make_shared<MipTexture>(*image, texture,
                                                             colour && !image->floating, levels);
-            else
-                kept.warning = "texture left out: " + prep::to_string(image.error());
         }
         textures_[t] = kept.texture;
-        if (kept.texture)
+        if (kept.warning.empty())
             ++textures_read_;
         else
             warnings_.push_back(kept.warning);

@@ -3,12 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/finite.h"
+
 namespace rast {
 namespace {
-
-bool finite(const glm::dvec3& p) {
-    return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
-}
 
 glm::dvec3 safe_unit(const glm::dvec3& v, const glm::dvec3& otherwise) {
     const double length = glm::length(v);
@@ -79,7 +77,7 @@ std::optional<Bounds> world_bounds(const prep::PreparedScene& prepared) {
         const prep::VertexMesh& mesh = prepared.meshes[m];
         for (const glm::vec3& p : mesh.positions) {
             const glm::dvec3 w(world[n] * glm::dvec4(glm::dvec3(p) + mesh.origin, 1.0));
-            if (!finite(w)) continue;
+            if (!prep::detail::is_finite(w)) continue;
             bounds.low = any ? glm::min(bounds.low, w) : w;
             bounds.high = any ? glm::max(bounds.high, w) : w;
             any = true;

@@ -131,7 +131,7 @@ struct ShadeDraw {
     std::uint32_t first_id = 0, first_triangle = 0, triangle_count = 0;
     NormalSource source = NormalSource::interpolated;
     bool masked = false, unlit = false, metallic_roughness = false;
-    float metallic = 0, roughness = 1;
+    float metallic = 0, roughness = 1, reflectance[3] = {};
     float normal_matrix[9] = {};  // row by row
     bool world_normals = false;   // that is the identity
     float from_eye[3][4] = {};    // rows: mesh position → position from the eye, world axes

@@ -180,14 +180,14 @@ struct Lobe {
     V3 diffuse, specular;
     F shininess;
 };
-RAST_INLINE Lobe metallic_lobe(V3 albedo, F metallic, F roughness) {
-    const F dielectric = set(0.04f), one = set(1.0f), two = set(2.0f);
+RAST_INLINE Lobe metallic_lobe(V3 albedo, F metallic, F roughness, V3 reflectance) {
+    const F one = set(1.0f), two = set(2.0f);
     const F alpha = max(roughness * roughness, set(0.02f));
     Lobe lobe;
     lobe.shininess = max(two / (alpha * alpha) - two, set(0.0f));
-    const V3 base{dielectric, dielectric, dielectric};
     const F width = lobe.shininess + two;
-    lobe.specular = (base + (albedo - base) * metallic) * (width / set(8.0f) + set(0.5f) / width);
+    lobe.specular =
+        (reflectance + (albedo - reflectance) * metallic) * (width / set(8.0f) + set(0.5f) / width);
     lobe.diffuse = albedo * (one - metallic);
     return lobe;
 }

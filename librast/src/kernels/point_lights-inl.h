@@ -40,7 +40,7 @@ RAST_INLINE F shininess_at(const ShadeDraw& draw, const Points& points, std::siz
     const F none = set(0.0f);
     F metallic, roughness;
     roughness_at(draw, points, n, metallic, roughness);
-    return metallic_lobe({none, none, none}, metallic, roughness).shininess;
+    return metallic_lobe({none, none, none}, metallic, roughness, {none, none, none}).shininess;
 }
 // the logarithm of its highlight,
 inline void find_exponents(const ShadeDraw& draw, Points& points) {

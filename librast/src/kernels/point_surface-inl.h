@@ -65,7 +65,10 @@ RAST_INLINE Reflection reflection_at(const ShadeDraw& draw, const ShadeFrame& fr
     if (draw.metallic_roughness) {
         F metallic, roughness;
         roughness_at(draw, points, n, metallic, roughness);
-        r.lobe = metallic_lobe(albedo, metallic, roughness);
+        V3 reflectance = set3(draw.reflectance);
+        if (draw.maps[MapKind::specular])
+            reflectance = reflectance * texel_of(points, MapKind::specular, n);
+        r.lobe = metallic_lobe(albedo, metallic, roughness, reflectance);
     } else if (draw.maps[MapKind::specular]) {
         r.lobe.specular = r.lobe.specular * texel_of(points, MapKind::specular, n);
     }

@@ -15,15 +15,15 @@ using prep::Material;
 using prep::TextureRef;
 
 // What the materials in use bring, over all instances.
-struct Survey {
+struct SceneContents {
     std::set<std::uint32_t> materials;
     bool default_material = false;
     std::uint64_t triangles = 0, vertices = 0;
     bool normals_missing = false, tangents_missing = false;
 };
 
-Survey survey(const prep::PreparedScene& prepared) {
-    Survey s;
+SceneContents contents_of(const prep::PreparedScene& prepared) {
+    SceneContents s;
     for (const prep::Node& node : prepared.scene.nodes) {
         if (node.mesh == prep::no_index) continue;
         const prep::VertexMesh& mesh = prepared.meshes[node.mesh];
@@ -47,9 +47,9 @@ Survey survey(const prep::PreparedScene& prepared) {
 class Planner {
   public:
     Planner(const prep::PreparedScene& prepared, const RenderRequest& request)
-        : prepared_(prepared), survey_(survey(prepared)) {
+        : prepared_(prepared), contents_(contents_of(prepared)) {
         plan_.request = request;
-        plan_.triangles = survey_.triangles;
+        plan_.triangles = contents_.triangles;
         const std::size_t textures = prepared.scene.textures.size();
         plan_.textures_used.assign(textures, false);
         plan_.colour_textures.assign(textures, false);
@@ -132,8 +132,8 @@ class Planner {
             std::max<std::uint64_t>(r.band_bytes / std::max<std::uint64_t>(row, 1), 1);
         if (rows > tile) rows = rows / tile * tile;
         plan_.band_rows = std::uint32_t(std::min(rows, height));
-        const std::uint64_t geometry = survey_.vertices * sizeof(detail::VertexRecord) +
-                                       survey_.triangles * sizeof(std::uint16_t);
+        const std::uint64_t geometry = contents_.vertices * sizeof(detail::VertexRecord) +
+                                       contents_.triangles * sizeof(std::uint16_t);
         // Supersampled, a row of tiles of the finer picture at a time.
         const std::uint64_t factor = std::uint64_t(r.supersample);
         const std::uint64_t fine =
@@ -151,7 +151,7 @@ class Planner {
 
     template <class Test>
     bool any(const Test& test) const {
-        return std::any_of(survey_.materials.begin(), survey_.materials.end(),
+        return std::any_of(contents_.materials.begin(), contents_.materials.end(),
                            [&](std::uint32_t m) { return test(prepared_.scene.materials[m]); });
     }
 
@@ -203,11 +203,11 @@ class Planner {
                  shading == Shading::normal_mapped ? "a material in use has one"
                                                    : "the shading asked for does not read them");
         }
-        if (shading != Shading::flat && survey_.normals_missing) {
+        if (shading != Shading::flat && contents_.normals_missing) {
             plan_.warnings.push_back(
                 "some meshes carry no normals: they are shaded by their face normals");
         }
-        if (shading == Shading::normal_mapped && survey_.tangents_missing)
+        if (shading == Shading::normal_mapped && contents_.tangents_missing)
             plan_.warnings.push_back(
                 "some normal-mapped meshes carry no tangents: their maps are left out");
         step("vertex lighting", shading == Shading::gouraud,
@@ -226,7 +226,7 @@ class Planner {
             (colour ? colour_used : data_used) = true;
         };
         if (plan_.request.textures) {
-            for (const std::uint32_t m : survey_.materials) {
+            for (const std::uint32_t m : contents_.materials) {
                 const Material& material = prepared_.scene.materials[m];
                 for (const prep::MaterialMap& map : prep::material_maps) {
                     if (!detail::is_sampled(map, material, plan_.request.shading)) continue;
@@ -340,8 +340,7 @@ class Planner {
         };
         maps(prep::MapUse::always);
         if (!m.unlit && m.metallic_roughness) part("metallic-roughness");
-        for (const prep::MapUse use :
-             {prep::MapUse::metallic_roughness, prep::MapUse::blinn_phong, prep::MapUse::lit})
+        for (const prep::MapUse use : {prep::MapUse::metallic_roughness, prep::MapUse::lit})
             maps(use);
         if (m.alpha_mode == prep::AlphaMode::mask) part("alpha mask");
         return name;
@@ -397,7 +396,7 @@ class Planner {
     }
 
     const prep::PreparedScene& prepared_;
-    Survey survey_;
+    SceneContents contents_;
     RenderPlan plan_;
 };
 

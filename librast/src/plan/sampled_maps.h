@@ -14,8 +14,6 @@ inline bool is_sampled(const prep::MaterialMap& map, const prep::Material& mater
             return true;
         case prep::MapUse::lit:
             return !material.unlit;
-        case prep::MapUse::blinn_phong:
-            return !material.unlit && !material.metallic_roughness;
         case prep::MapUse::metallic_roughness:
             return !material.unlit && material.metallic_roughness;
         case prep::MapUse::normals:

@@ -6,6 +6,9 @@
 #include "meshprep/commands/mesh_diff.h"
 #include "meshprep/commands/subcommand.h"
 #include "meshprep/files/file_list.h"
+#include "meshprep/files/input_file.h"
+#include "meshprep/files/output_directories.h"
+#include "meshprep/output/load_options.h"
 #include "meshprep/output/report_json.h"
 #include "prep/image.h"
 #include "prep/load.h"
@@ -134,28 +137,44 @@ Result<Verdict> diff_pictures(const DiffCommand& command, Console& console) {
     if (command.tangents || command.normals)
         return Error{ErrorCode::invalid, "pictures have no normals or tangents to compare",
                      command.a.string()};
-    const Result<prep::Image> a = prep::load_image(command.a, prep::ImageChannels::all);
+    const prep::LoadOptions load = load_options(command.common, console);
+    prep::ImageOptions options;
+    options.channels = prep::ImageChannels::all;
+    options.reader_process = load.reader_process;
+    options.reader_log = load.reader_log;
+    const Result<prep::Image> a = prep::load_image(command.a, options);
     if (!a) return a.error();
-    const Result<prep::Image> b = prep::load_image(command.b, prep::ImageChannels::all);
+    const Result<prep::Image> b = prep::load_image(command.b, options);
     if (!b) return b.error();
     const Result<report::ImageDiff> diff = report::diff_images(*a, *b);
     if (!diff) return Error{diff.error().code, diff.error().text, command.b.string()};
     if (!command.heat_map.empty()) {
-        if (const Result<void> parent = require_parent(command.heat_map); !parent)
-            return parent.error();
+        OutputDirectories directories;
+        if (const Result<void> made = directories.make_for(command.heat_map); !made)
+            return made.error();
         if (const Result<void> saved = prep::save_image(command.heat_map, diff->heat); !saved)
             return saved.error();
     }
     return report_pictures(command, *diff, console);
 }
 
+Result<prep::Scene> load_mesh(const std::filesystem::path& path, const CommonOptions& common,
+                              Console& console) {
+    const Result<InputFile> input = InputFile::open(path, common.input_format);
+    if (!input) return input.error();
+    Result<prep::Scene> scene = prep::load_scene(input->path(), load_options(common, console));
+    if (!scene) return input->relabelled(scene.error());
+    input->settle(*scene);
+    return scene;
+}
+
 Result<Verdict> diff_meshes(const DiffCommand& command, Console& console) {
     if (!command.heat_map.empty())
         return Error{ErrorCode::invalid, "a heat map shows how pictures differ; these are meshes",
                      command.heat_map.string()};
-    const Result<prep::Scene> a = prep::load_scene(command.a, {command.common.threads});
+    const Result<prep::Scene> a = load_mesh(command.a, command.common, console);
     if (!a) return a.error();
-    const Result<prep::Scene> b = prep::load_scene(command.b, {command.common.threads});
+    const Result<prep::Scene> b = load_mesh(command.b, command.common, console);
     if (!b) return b.error();
     std::vector<Attribute> attributes;
     if (command.normals) attributes.push_back(Attribute::normals);
@@ -188,9 +207,11 @@ int run(const DiffCommand& command, Console& console) {
     document["b"] = command.b.string();
     const auto compare = [&]() -> Result<Verdict> {
         for (const std::filesystem::path& path : {command.a, command.b})
-            if (const Result<void> there = require_file(path); !there) return there.error();
+            if (!is_standard_stream(path))
+                if (const Result<void> there = require_file(path); !there) return there.error();
         if (is_picture(command.a) != is_picture(command.b))
-            return Error{ErrorCode::invalid, "one is a picture, the other a mesh",
+            return Error{ErrorCode::invalid,
+                         "one is a picture, the other a mesh; give two of a kind",
                          command.b.string()};
         return is_picture(command.a) ? diff_pictures(command, console)
                                      : diff_meshes(command, console);
@@ -213,7 +234,8 @@ int run(const DiffCommand& command, Console& console) {
 }
 
 void define(OptionSet& options, DiffCommand& c) {
-    options.path("a", c.a, "A", "A mesh file or a picture").required();
+    options.path("a", c.a, "A", "A mesh file or a picture; - for a mesh on standard input")
+        .required();
     options.path("b", c.b, "B", "Another of the same kind").required();
     options.flag("--tangents", c.tangents, "Compare tangents: angles and signs");
     options.flag("--normals", c.normals, "Compare normals: angles");
@@ -222,6 +244,8 @@ void define(OptionSet& options, DiffCommand& c) {
         "--tolerance", c.tolerance, "T",
         "Exit 1 when the largest angle (degrees) or the pictures' RMSE is above this, or "
         "a tangent's sign or an ID differs, or a value is infinite in one picture alone");
+    add_input_options(options, c.common);
+    add_loading_options(options, c.common.load);
     add_common_options(options, c.common);
     options.examples(
         "  meshprep diff --tangents baked.glb prepared.glb\n"

@@ -4,10 +4,14 @@
 
 #include "meshprep/commands/selftest.h"
 #include "meshprep/commands/subcommand.h"
-#include "meshprep/files/file_list.h"
+#include "meshprep/files/input_file.h"
+#include "meshprep/output/cage_summary.h"
 #include "meshprep/output/conventions_text.h"
 #include "meshprep/output/counts.h"
+#include "meshprep/output/file_records.h"
 #include "meshprep/output/findings_text.h"
+#include "meshprep/output/load_options.h"
+#include "meshprep/output/placement_text.h"
 #include "meshprep/output/report_json.h"
 #include "prep/check.h"
 #include "prep/load.h"
@@ -28,6 +32,7 @@ std::string image_name(const prep::Scene& scene, const prep::TextureRef& ref) {
     const std::uint32_t image = scene.textures[ref.texture].image;
     if (image >= scene.images.size()) return "no image";
     const prep::ImageRef& r = scene.images[image];
+    if (!r.channels.empty()) return r.name;  // put together from several
     if (!r.path.empty()) return r.path.filename().string();
     return (r.name.empty() ? "image " + std::to_string(image) : r.name) + " (" +
            byte_size(r.bytes.size()) + ")";
@@ -87,7 +92,7 @@ Json vector_json(const glm::dvec3& v) {
     return Json::array({v.x, v.y, v.z});
 }
 
-Json mesh_json(const prep::Mesh& mesh, const prep::MeshSummary& s) {
+Json mesh_json(const prep::Mesh& mesh, const prep::MeshSummary& s, int threads) {
     Json json;
     json["name"] = mesh.name;
     json["vertices"] = s.vertices;
@@ -123,6 +128,7 @@ Json mesh_json(const prep::Mesh& mesh, const prep::MeshSummary& s) {
     json["color_sets"] = mesh.colors.size();
     json["smoothing_groups"] = !mesh.face_smoothing.empty();
     json["parts"] = mesh.parts;
+    if (s.faces > 0) json["cage"] = to_json(summarise_cage(mesh, threads));
     return json;
 }
 
@@ -154,10 +160,14 @@ void print_file(const std::filesystem::path& path, const prep::Scene& scene,
         count_of(scene.materials.size(), "material"), count_of(scene.textures.size(), "texture")};
     if (!scene.lights.empty()) parts.push_back(count_of(scene.lights.size(), "light"));
     if (!scene.cameras.empty()) parts.push_back(count_of(scene.cameras.size(), "camera"));
+    const Counts own = gltf.figures.empty() ? count_parts(scene) : gltf;
     for (const char* name : {"skins", "animations", "morph targets"})
-        if (const std::uint64_t* n = gltf.find(name); n && *n > 0)
+        if (const std::uint64_t* n = own.find(name); n && *n > 0)
             parts.push_back(with_commas(*n) + " " + name);
     say(fmt::format("  {}", fmt::join(parts, ", ")));
+    for (const std::string& remark : scene.remarks) console.result(command.common, "  " + remark);
+    if (const std::string placed = placement_text(scene.placement); !placed.empty())
+        say("  " + placed);
     if (!gltf.extensions.empty())
         say(fmt::format("  extensions: {}", fmt::join(gltf.extensions, ", ")));
 
@@ -169,6 +179,10 @@ void print_file(const std::filesystem::path& path, const prep::Scene& scene,
                         attributes_of(scene.meshes[m])));
         if (const std::string shape = shape_of(s); !shape.empty()) say("    " + shape);
         if (s.vertices > 0) say("    " + size_of(s));
+        // Quads and tags are what cages have.
+        if (s.faces == 0) continue;
+        const CageSummary cage = summarise_cage(scene.meshes[m], common.threads);
+        if (cage.tagged() || 2 * s.quads > s.faces) say("    " + cage_text(cage));
     }
     if (scene.meshes.size() > most)
         say(fmt::format("  … and {} more meshes", scene.meshes.size() - most));
@@ -253,60 +267,84 @@ int run_selftest(const InspectCommand& command, Console& console) {
     return test.ok() ? exit_done : exit_failed;
 }
 
+// What there is to say of one file.
+Json inspect_file(const std::filesystem::path& path, const InspectCommand& command,
+                  SiblingLinks& links, Console& console, bool& warned) {
+    Json file;
+    file["input"] = path.string();
+    const auto failed = [&](const prep::Error& error) {
+        console.error(error);
+        file["status"] = "failed";
+        file["error"] = to_json(error);
+        return file;
+    };
+    const prep::Result<InputFile> input =
+        InputFile::open(path, command.common.input_format, &links);
+    if (!input) return failed(input.error());
+    prep::LoadOptions options = load_options(command.common, console);
+    options.allowed_extensions = {"all"};  // to describe a file takes no leave
+    prep::Result<prep::Scene> scene = prep::load_scene(input->path(), options);
+    if (!scene) return failed(input->relabelled(scene.error()));
+    const Counts gltf = count_gltf_file(input->path());
+    input->settle(*scene);
+    const prep::SceneCheck check = prep::check(*scene, {command.common.threads});
+    for (const std::string& text : scene->warnings)
+        console.warning(command.common, path.string() + ": " + text);
+    const SceneConventions conventions = scene_conventions(*scene, command.common.threads);
+    print_file(path, *scene, check, conventions, gltf, command, console);
+    for (const prep::Finding& f : check.findings) warned |= f.severity != prep::Severity::info;
+    file["status"] = "ok";
+    file["counts"] = to_json(count_scene(*scene));
+    if (!gltf.figures.empty()) file["gltf"] = to_json(gltf);
+    if (gltf.figures.empty()) file["parts"] = to_json(count_parts(*scene));
+    file["placement"] = to_json(scene->placement);
+    file["meshes"] = Json::array();
+    for (std::size_t m = 0; m < scene->meshes.size(); ++m)
+        file["meshes"].push_back(
+            mesh_json(scene->meshes[m], check.meshes[m], command.common.threads));
+    file["materials"] = scene_json(*scene);
+    file["conventions"] = to_json(conventions, *scene);
+    file["findings"] = Json::array();
+    for (const prep::Finding& f : check.findings) file["findings"].push_back(to_json(f, *scene));
+    file["warnings"] = scene->warnings;
+    if (!scene->remarks.empty()) file["remarks"] = scene->remarks;
+    return file;
+}
+
 int run(const InspectCommand& command, Console& console) {
     if (command.selftest) return run_selftest(command, console);
-    Json document = json_head("inspect");
-    document["files"] = Json::array();
-    bool failed = false, strict_failed = false;
+    FileRecords records("inspect", command.common, console);
+    SiblingLinks links;
+    std::size_t failed = 0, with_warnings = 0;
     for (const std::filesystem::path& path : command.inputs) {
         console.progress(command.common, path.string() + " …");
-        Json file;
-        file["input"] = path.string();
-        prep::Result<prep::Scene> scene = prep::load_scene(path, {command.common.threads});
-        if (!scene) {
-            failed = true;
-            console.error(scene.error());
-            file["status"] = "failed";
-            file["error"] = to_json(scene.error());
-            document["files"].push_back(std::move(file));
-            continue;
-        }
-        const prep::SceneCheck check = prep::check(*scene, {command.common.threads});
-        const Counts gltf = count_gltf_file(path);
-        for (const std::string& text : scene->warnings)
-            console.warning(command.common, path.string() + ": " + text);
-        const SceneConventions conventions = scene_conventions(*scene, command.common.threads);
-        print_file(path, *scene, check, conventions, gltf, command, console);
-        for (const prep::Finding& f : check.findings)
-            strict_failed |= f.severity != prep::Severity::info;
-        if (!command.common.json) continue;
-        file["status"] = "ok";
-        file["counts"] = to_json(count_scene(*scene));
-        if (!gltf.figures.empty()) file["gltf"] = to_json(gltf);
-        file["meshes"] = Json::array();
-        for (std::size_t m = 0; m < scene->meshes.size(); ++m)
-            file["meshes"].push_back(mesh_json(scene->meshes[m], check.meshes[m]));
-        file["materials"] = scene_json(*scene);
-        file["conventions"] = to_json(conventions, *scene);
-        file["findings"] = Json::array();
-        for (const prep::Finding& f : check.findings)
-            file["findings"].push_back(to_json(f, *scene));
-        file["warnings"] = scene->warnings;
-        document["files"].push_back(std::move(file));
+        bool warned = false;
+        Json file = inspect_file(path, command, links, console, warned);
+        failed += file["status"] == "failed";
+        with_warnings += warned;
+        records.add(std::move(file));
     }
     console.progress(command.common, "");
-    if (command.common.json) console.json(json_text(document));
-    return failed || (command.strict && strict_failed) ? exit_failed : exit_done;
+    const std::size_t total = command.inputs.size();
+    records.finish({{"files", total},
+                    {"ok", total - failed},
+                    {"failed", failed},
+                    {"with_warnings", with_warnings}});
+    return failed > 0 || (command.strict && with_warnings > 0) ? exit_failed : exit_done;
 }
 
 void define(OptionSet& options, InspectCommand& c) {
-    options.paths("input", c.inputs, "FILE", "Mesh or scene files");
+    options.paths("input", c.inputs, "FILE",
+                  "Mesh or scene files, .gz and .zip too, or - for standard input");
     options.flag("--selftest", c.selftest,
                  "Instead of files: hard cases in short form on this machine, with the errors "
                  "found; exit 1 when one fails");
     options.flag("--strict", c.strict, "Exit 1 when there is a warning or worse");
     options.number("--places", c.places, 0, 8, "N", "Places shown per finding (default 4)");
+    add_input_options(options, c.common);
+    add_loading_options(options, c.common.load);
     add_common_options(options, c.common);
+    add_json_lines_option(options, c.common);
     options.examples(
         "  meshprep inspect teapot.obj\n"
         "  meshprep inspect model.glb --strict --quiet && echo clean\n"
@@ -315,6 +353,11 @@ void define(OptionSet& options, InspectCommand& c) {
 }
 
 void check(const InspectCommand& c) {
+    if (c.common.json && c.common.json_lines)
+        usage_error("--json",
+                    "is one document, --json-lines a line for each file; give one of them");
+    if (c.selftest && c.common.json_lines)
+        usage_error("--json-lines", "is for files; --selftest takes --json");
     if (c.inputs.empty() != c.selftest)
         usage_error("input", c.selftest ? "--selftest takes no files"
                                         : "is missing; give files (or --selftest)");

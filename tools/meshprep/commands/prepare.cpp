@@ -1,307 +1,255 @@
 #include <fmt/format.h>
 
-#include <chrono>
-#include <optional>
+#include <algorithm>
+#include <cmath>
+#include <exception>
+#include <new>
+#include <thread>
 
+#include "meshprep/commands/in_order.h"
+#include "meshprep/commands/prepare_file.h"
+#include "meshprep/commands/prepare_report.h"
 #include "meshprep/commands/subcommand.h"
-#include "meshprep/files/file_list.h"
-#include "meshprep/output/counts.h"
-#include "meshprep/output/findings_text.h"
-#include "meshprep/output/report_json.h"
-#include "prep/load.h"
-#include "prep/save.h"
+#include "meshprep/files/manifest.h"
+#include "meshprep/files/output_directories.h"
+#include "meshprep/options/values.h"
+#include "meshprep/output/file_records.h"
 
 namespace meshprep {
 namespace {
 
-struct PrepareCommand {
-    CommonOptions common;
-    JobRequest files;
-    bool explain = false;
-    prep::PrepareOptions prepare;
+// The files of one command line, and what is said of them.
+class Batch {
+  public:
+    Batch(const PrepareCommand& command, const JobList& list, Console& console)
+        : command_(command),
+          common_(command.common),
+          list_(list),
+          console_(console),
+          records_("prepare", common_, console),
+          sources_(list.jobs, common_, console),
+          earlier_(command.settings),
+          manifest_(command.settings) {}
+
+    int run() {
+        for (const Job& job : list_.jobs)
+            for (const std::filesystem::path& file : {job.input, job.output})
+                if (!command_.manifest.empty() &&
+                    file.lexically_normal() == command_.manifest.lexically_normal())
+                    return records_.fail({prep::ErrorCode::invalid,
+                                          "the manifest would be written over this file; give it "
+                                          "another name",
+                                          file.string()},
+                                         exit_usage);
+        if (command_.skip_unchanged) {
+            if (const prep::Result<void> read = earlier_.read(command_.manifest); !read)
+                return records_.fail(read.error(), exit_failed);
+            manifest_ = earlier_;
+        }
+        const Clock::time_point start = Clock::now();
+        last_written_ = start;
+        const std::size_t total = list_.jobs.size();
+        const unsigned cores = std::max(1u, std::thread::hardware_concurrency());
+        const std::size_t at_once =
+            std::min(total, std::size_t(command_.jobs > 0 ? command_.jobs : int(cores)));
+        // The threads there are, shared out; results do not depend on it.
+        int threads = common_.threads;
+        if (at_once > 1) threads = std::max(1, (threads > 0 ? threads : int(cores)) / int(at_once));
+        in_order(
+            total, at_once,
+            [&](std::size_t i) {
+                return one(list_.jobs[i], threads, at_once > 1 ? "" : prefix(i));
+            },
+            [&](const Outcome& outcome) { report(outcome); });
+        console_.progress(common_, "");
+        const double milliseconds = milliseconds_since(start);
+        if (total > 1)
+            console_.result(common_,
+                            fmt::format("{}: {} ok, {}{} failed, {} with warnings, {}",
+                                        count_of(total, "file"), total - failed_ - skipped_,
+                                        skipped_ > 0 ? fmt::format("{} skipped, ", skipped_) : "",
+                                        failed_, warned_, duration(milliseconds)));
+        bool written = true;
+        if (!command_.manifest.empty()) written = write_manifest();
+        records_.finish({{"files", total},
+                         {"ok", total - failed_ - skipped_},
+                         {"skipped", skipped_},
+                         {"failed", failed_},
+                         {"with_warnings", warned_},
+                         {"milliseconds", milliseconds}});
+        return failed_ > 0 || !written ? exit_failed : exit_done;
+    }
+
+  private:
+    std::string prefix(std::size_t i) const {
+        const std::size_t total = list_.jobs.size();
+        return total > 1 ? fmt::format("[{}/{}] ", i + 1, total) : "";
+    }
+
+    Outcome one(const Job& job, int threads, const std::string& prefix) {
+        Outcome outcome;
+        outcome.job = job;
+        try {
+            const auto done =
+                !job.error && command_.skip_unchanged ? earlier_.finished(job) : std::nullopt;
+            if (done) {
+                outcome.skipped = true;
+                std::vector<std::filesystem::path> files;
+                for (const HashedFile& source : done->sources) files.emplace_back(source.path);
+                sources_.add(job, files);
+                return outcome;
+            }
+            return prepare_file(job, command_, threads, directories_, links_, sources_, console_,
+                                prefix);
+        } catch (const std::bad_alloc&) {
+            outcome.error = prep::Error{
+                prep::ErrorCode::limit,
+                "out of memory; nothing was half written" +
+                    std::string(command_.jobs == 1 ? "" : "; fewer --jobs need less of it"),
+                job.input.string()};
+        } catch (const std::exception& e) {
+            // No thread to be had, for one: this file's error, not the end of the others.
+            outcome.error =
+                prep::Error{prep::ErrorCode::limit, std::string("the system refused: ") + e.what(),
+                            job.input.string()};
+        }
+        return outcome;
+    }
+
+    void report(const Outcome& outcome) {
+        const bool only = list_.jobs.size() == 1;
+        for (const std::string& text : outcome.warnings)
+            console_.warning(common_, outcome.job.input.string() + ": " + text);
+        for (const std::string& text : outcome.notes)
+            console_.warning(common_, outcome.job.output.string() + ": " + text);
+        if (outcome.error) {
+            ++failed_;
+            console_.error(*outcome.error);
+            if (!only) console_.result(common_, "failed  " + outcome.job.input.string());
+        } else if (outcome.skipped) {
+            ++skipped_;
+            console_.result(common_,
+                            fmt::format("skipped {} → {}  unchanged", outcome.job.input.string(),
+                                        outcome.job.output.string()));
+        } else if (!only) {
+            print_row(outcome, command_, console_);
+        } else {
+            print_details(outcome, command_, console_);
+        }
+        if (!outcome.bytes.empty()) console_.bytes(outcome.bytes);
+        warned_ += outcome.warning_count() > 0;
+        if (records_.wanted()) records_.add(outcome_json(outcome));
+        if (command_.manifest.empty() || outcome.skipped) return;
+        manifest_.set(manifest_entry(outcome));
+        // A run that is ended later has lost a few seconds' work, not all of it.
+        constexpr double milliseconds_between = 5000;
+        if (milliseconds_since(last_written_) > milliseconds_between && write_manifest())
+            last_written_ = Clock::now();
+    }
+
+    bool write_manifest() {
+        prep::Result<void> done = directories_.make_for(command_.manifest);
+        if (done) done = manifest_.write(command_.manifest);
+        if (!done) console_.error(done.error());
+        return bool(done);
+    }
+
+    const PrepareCommand& command_;
+    const CommonOptions& common_;
+    const JobList& list_;
+    Console& console_;
+    FileRecords records_;
+    OutputDirectories directories_;
+    SiblingLinks links_;
+    BatchSources sources_;
+    Manifest earlier_, manifest_;
+    Clock::time_point last_written_;
+    std::size_t failed_ = 0, skipped_ = 0, warned_ = 0;
 };
-
-using Clock = std::chrono::steady_clock;
-
-double since(Clock::time_point start) {
-    return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
-
-// What became of one file.
-struct Outcome {
-    Job job;
-    std::optional<prep::Error> error;
-    Counts before, after, gltf_before, gltf_after;
-    prep::SplitCounts splits;
-    std::vector<prep::StageReport> stages;
-    std::vector<prep::Finding> findings;
-    std::vector<prep::RepairStep> repairs;
-    std::vector<std::string> mesh_names;
-    std::vector<std::string> warnings, notes;
-    double read_ms = 0, prepare_ms = 0, write_ms = 0;
-
-    std::size_t warning_count() const {
-        std::size_t count = warnings.size() + notes.size();
-        for (const prep::Finding& f : findings) count += f.severity != prep::Severity::info;
-        return count;
-    }
-};
-
-Outcome prepare_file(const Job& job, const PrepareCommand& command, Console& console,
-                     const std::string& prefix) {
-    Outcome out;
-    out.job = job;
-    const auto show = [&](const char* what) {
-        console.progress(command.common, prefix + job.input.string() + " … " + what);
-    };
-
-    show("reading");
-    Clock::time_point start = Clock::now();
-    out.gltf_before = count_gltf_file(job.input);
-    prep::Result<prep::Scene> scene = prep::load_scene(job.input, {command.common.threads});
-    out.read_ms = since(start);
-    if (!scene) {
-        out.error = scene.error();
-        return out;
-    }
-    out.before = count_scene(*scene);
-    out.warnings = scene->warnings;
-
-    show("preparing");
-    start = Clock::now();
-    prep::PrepareOptions options = command.prepare;
-    options.threads = command.common.threads;
-    prep::Result<prep::PreparedScene> prepared = prep::prepare(*std::move(scene), options);
-    out.prepare_ms = since(start);
-    if (!prepared) {
-        out.error = prepared.error();
-        return out;
-    }
-    out.after = count_prepared(*prepared);
-    out.splits = prepared->splits;
-    out.stages = prepared->stages;
-    out.findings = prepared->findings;
-    out.repairs = prepared->repairs;
-    for (const prep::Mesh& mesh : prepared->scene.meshes) out.mesh_names.push_back(mesh.name);
-
-    show("writing");
-    start = Clock::now();
-    prep::SaveOptions save;
-    save.ascii = command.files.ascii;
-    save.replace = command.files.overwrite;
-    save.replace_sources = command.files.in_place;
-    prep::Result<std::vector<std::string>> notes = prep::save_scene(*prepared, job.output, save);
-    out.write_ms = since(start);
-    if (!notes) {
-        out.error = notes.error();
-        return out;
-    }
-    out.notes = *std::move(notes);
-    out.gltf_after = count_gltf_file(job.output);
-    return out;
-}
-
-Json outcome_json(const Outcome& o) {
-    Json json;
-    json["input"] = o.job.input.string();
-    json["output"] = o.job.output.string();
-    json["status"] = o.error ? "failed" : "ok";
-    if (o.error) json["error"] = to_json(*o.error);
-    json["before"] = to_json(o.before);
-    json["after"] = to_json(o.after);
-    if (!o.gltf_before.figures.empty()) json["gltf_before"] = to_json(o.gltf_before);
-    if (!o.gltf_after.figures.empty()) json["gltf_after"] = to_json(o.gltf_after);
-    json["splits"] = to_json(o.splits);
-    json["stages"] = Json::array();
-    for (const prep::StageReport& stage : o.stages) json["stages"].push_back(to_json(stage));
-    if (!o.repairs.empty()) {
-        json["repairs"] = Json::array();
-        for (const prep::RepairStep& r : o.repairs) json["repairs"].push_back(to_json(r));
-    }
-    json["findings"] = Json::array();
-    for (const prep::Finding& f : o.findings) {
-        Json finding = to_json(f, {});
-        if (f.mesh < o.mesh_names.size()) finding["mesh_name"] = o.mesh_names[f.mesh];
-        json["findings"].push_back(std::move(finding));
-    }
-    json["warnings"] = o.warnings;
-    json["notes"] = o.notes;
-    json["milliseconds"] = {{"read", o.read_ms}, {"prepare", o.prepare_ms}, {"write", o.write_ms}};
-    return json;
-}
-
-void add_count_rows(std::vector<std::vector<std::string>>& rows, const Counts& before,
-                    const Counts& after, const std::vector<std::string>& skip) {
-    const auto wanted = [&skip](const std::string& name) {
-        for (const std::string& s : skip)
-            if (s == name) return false;
-        return true;
-    };
-    const auto cell = [](const std::uint64_t* value) {
-        return value ? with_commas(*value) : std::string("–");
-    };
-    for (const auto& [name, value] : before.figures) {
-        const std::uint64_t* to = after.find(name);
-        if (!wanted(name) || (value == 0 && (!to || *to == 0))) continue;
-        rows.push_back({name, with_commas(value), cell(to)});
-    }
-    for (const auto& [name, value] : after.figures)
-        if (wanted(name) && value > 0 && !before.find(name))
-            rows.push_back({name, before.figures.empty() ? "" : "–", with_commas(value)});
-}
-
-std::string split_text(const Outcome& o) {
-    std::string text;
-    for (const auto& [name, count] : split_list(o.splits))
-        text += fmt::format("{}{} {}", text.empty() ? "" : ", ", name, with_commas(count));
-    return text;
-}
-
-// Everything about the only file.
-void print_details(const Outcome& o, const PrepareCommand& command, Console& console) {
-    const CommonOptions& common = command.common;
-    console.result(common, fmt::format("{} → {}", o.job.input.string(), o.job.output.string()));
-    std::vector<std::vector<std::string>> rows = {{"", "before", "after"}};
-    add_count_rows(rows, o.before, o.after, {});
-    const bool both_gltf = !o.gltf_before.figures.empty() && !o.gltf_after.figures.empty();
-    if (both_gltf)
-        add_count_rows(rows, o.gltf_before, o.gltf_after, {"meshes", "materials", "textures"});
-    for (const std::string& line : align_table(rows, {false, true, true}))
-        console.result(common, line);
-    if (both_gltf && !(o.gltf_before.extensions.empty() && o.gltf_after.extensions.empty()))
-        console.result(
-            common, fmt::format("  extensions  {} → {}", fmt::join(o.gltf_before.extensions, " "),
-                                fmt::join(o.gltf_after.extensions, " ")));
-    if (const std::string splits = split_text(o); !splits.empty())
-        console.result(common, "  vertices split at: " + splits);
-    if (command.explain) {
-        console.result(common, "  stages");
-        std::vector<std::vector<std::string>> stages;
-        for (const prep::StageReport& s : o.stages)
-            stages.push_back({"  " + s.stage, s.run ? "run" : "skipped",
-                              s.run ? duration(s.milliseconds) : "",
-                              s.exact > 0 ? fmt::format("{}; {} decided by exact arithmetic",
-                                                        s.reason, with_commas(s.exact))
-                                          : s.reason});
-        for (const std::string& line : align_table(stages, {false, false, true}))
-            console.result(common, line);
-    }
-    for (const std::string& line : repairs_text(o.repairs, o.mesh_names, 4))
-        console.result(common, line);
-    for (const std::string& line : findings_text(o.findings, o.mesh_names, 4))
-        console.result(common, line);
-    console.result(common, fmt::format("  read {}, prepare {}, write {}", duration(o.read_ms),
-                                       duration(o.prepare_ms), duration(o.write_ms)));
-}
-
-// One line of many.
-void print_row(const Outcome& o, const PrepareCommand& command, Console& console) {
-    const auto figure = [](const Counts& counts, const char* name) {
-        const std::uint64_t* value = counts.find(name);
-        return value ? *value : 0;
-    };
-    const std::size_t warnings = o.warning_count();
-    console.result(command.common,
-                   fmt::format("ok      {} → {}  {} → {} vertices, {}, {}{}", o.job.input.string(),
-                               o.job.output.string(), with_commas(figure(o.before, "vertices")),
-                               with_commas(figure(o.after, "vertices")),
-                               count_of(figure(o.after, "triangles"), "triangle"),
-                               duration(o.read_ms + o.prepare_ms + o.write_ms),
-                               warnings > 0 ? ", " + count_of(warnings, "warning") : ""));
-    if (!command.explain) return;
-    std::vector<std::vector<std::string>> stages;
-    for (const prep::StageReport& s : o.stages)
-        stages.push_back({"      " + s.stage, s.run ? "run" : "skipped",
-                          s.run ? duration(s.milliseconds) : "", s.reason});
-    for (const std::string& line : align_table(stages, {false, false, true}))
-        console.result(command.common, line);
-}
 
 int run(const PrepareCommand& command, Console& console) {
-    const CommonOptions& common = command.common;
-    Json document = json_head("prepare");
+    if (is_standard_stream(command.files.output)) console.keep_output_for_bytes();
     const prep::Result<JobList> list = plan_jobs(command.files);
-    if (!list) {
-        console.error(list.error());
-        document["error"] = to_json(list.error());
-        if (common.json) console.json(json_text(document));
-        return list.error().code == prep::ErrorCode::io ? exit_failed : exit_usage;
-    }
-    for (const std::filesystem::path& directory : list->directories) {
-        if (const prep::Result<void> made = make_directory(directory); !made) {
-            console.error(made.error());
-            document["error"] = to_json(made.error());
-            if (common.json) console.json(json_text(document));
-            return exit_failed;
-        }
-    }
-
-    const Clock::time_point start = Clock::now();
-    const std::size_t total = list->jobs.size();
-    std::size_t failed = 0, warned = 0;
-    Json files = Json::array();
-    for (std::size_t i = 0; i < total; ++i) {
-        const std::string prefix = total > 1 ? fmt::format("[{}/{}] ", i + 1, total) : "";
-        const Outcome outcome = prepare_file(list->jobs[i], command, console, prefix);
-        for (const std::string& text : outcome.warnings)
-            console.warning(common, outcome.job.input.string() + ": " + text);
-        for (const std::string& text : outcome.notes)
-            console.warning(common, outcome.job.output.string() + ": " + text);
-        if (outcome.error) {
-            ++failed;
-            console.error(*outcome.error);
-            if (total > 1) console.result(common, "failed  " + outcome.job.input.string());
-        } else if (total > 1) {
-            print_row(outcome, command, console);
-        } else {
-            print_details(outcome, command, console);
-        }
-        warned += outcome.warning_count() > 0;
-        if (common.json) files.push_back(outcome_json(outcome));
-    }
-    console.progress(common, "");
-    const double milliseconds = since(start);
-    if (total > 1)
-        console.result(common, fmt::format("{}: {} ok, {} failed, {} with warnings, {}",
-                                           count_of(total, "file"), total - failed, failed, warned,
-                                           duration(milliseconds)));
-    if (common.json) {
-        document["files"] = std::move(files);
-        document["summary"] = {{"files", total},
-                               {"ok", total - failed},
-                               {"failed", failed},
-                               {"with_warnings", warned},
-                               {"milliseconds", milliseconds}};
-        console.json(json_text(document));
-    }
-    return failed > 0 ? exit_failed : exit_done;
+    if (!list)
+        return FileRecords("prepare", command.common, console)
+            .fail(list.error(),
+                  list.error().code == prep::ErrorCode::io ? exit_failed : exit_usage);
+    const int code = Batch(command, *list, console).run();
+    // Where nothing could be begun and no file is to blame, the command line is.
+    const bool mistaken = std::all_of(list->jobs.begin(), list->jobs.end(), [](const Job& job) {
+        return job.error && job.error->code != prep::ErrorCode::io;
+    });
+    return mistaken ? exit_usage : code;
 }
 
 void define(OptionSet& options, PrepareCommand& c) {
     options
-        .paths("input", c.files.inputs, "FILE|DIR", "Mesh or scene files, or directories of them")
+        .paths(
+            "input", c.files.inputs, "FILE|DIR",
+            "Mesh or scene files, .gz and .zip too, directories of them, or - for standard input")
         .required();
     options.path("-o,--output", c.files.output, "FILE|DIR",
-                 "A file (its ending says the format) or a directory");
+                 "A file (its ending says the format), a directory, or - for standard output");
     options.word(
         "--format", output_endings(), [&c](const std::string& word) { c.files.format = word; },
-        "Format of files written to a directory (default glb)");
+        "Format of files written to a directory (default glb) or to standard output");
     options.flag("--ascii", c.files.ascii, "PLY and STL as text");
+    options.named("--compress", c.compression,
+                  "Vertices and triangles of glTF files: as the glTF input has them (keep, the "
+                  "default), as they are, by Draco, or by meshopt. No value is changed, but where "
+                  "Draco rounded the input's: there its steps are kept");
     options.flag("--in-place", c.files.in_place, "Write each result over its input");
     options.flag(
         "-r,--recursive", c.files.recursive,
         "Also what lies in directories below, kept apart in directories of the same names");
     options.flag("--no-overwrite", c.files.overwrite,
                  "An output file that exists is an error instead of being replaced", false);
+    options.flag(
+        "--strict", c.strict,
+        "A warning is an error: such an input is not written, or, where the output's format "
+        "cannot hold something, told as failed");
+    options.number("--jobs", c.jobs, 0, 256, "N",
+                   "Files at once (default 1); 0: as many as there are cores. Results and their "
+                   "order do not depend on it");
+    const Option manifest =
+        options.path("--manifest", c.manifest, "FILE",
+                     "Write what was made of what, as JSON: inputs and outputs with their hashes, "
+                     "settings, findings");
+    options
+        .flag("--skip-unchanged", c.skip_unchanged,
+              "Leave out what the manifest says is done: the same input, settings and version, and "
+              "outputs that are byte for byte as they were written")
+        .needs(manifest);
     options.flag("--explain", c.explain,
                  "Each stage: run or skipped, its reason, its milliseconds");
+    options.value(
+        "--scale", "FACTOR",
+        [&c](const std::string& text) {
+            const std::vector<double> numbers = parse_numbers(text, ',');
+            if (numbers.size() != 1 || !(numbers[0] > 0) || !std::isfinite(numbers[0]))
+                usage_error("--scale", "not a number over 0");
+            c.scale = numbers[0];
+        },
+        "Multiplies all lengths, on top of the unit that the file states (FBX, DAE: metres "
+        "result)");
+    options.named("--up", c.up,
+                  "The axis that points up, after what the file states of it: it is turned to y "
+                  "(default y)");
+    add_input_options(options, c.common);
     add_preparation_options(options, c.prepare);
+    add_loading_options(options, c.common.load);
     add_common_options(options, c.common);
+    add_json_lines_option(options, c.common);
+    options.keep_settings(c.settings, {"--output", "--jobs", "--manifest", "--skip-unchanged",
+                                       "--explain", "--recursive", "--no-overwrite"});
     options.examples(
         "  meshprep prepare spot.obj -o spot.glb\n"
         "  meshprep prepare part.stl -o part.glb --hard-angle 30 --explain\n"
         "  meshprep prepare *.obj more/*.fbx -o out/        many files; a bad one stops no other\n"
         "  meshprep prepare assets -r -o out --format gltf  a tree of files\n"
+        "  meshprep prepare part.stl -o part.glb --scale 0.001 --up z   millimetres, z up\n"
+        "  meshprep prepare assets -r -o out --jobs 0 --manifest out/made.json --skip-unchanged\n"
+        "  curl -s $URL | meshprep prepare - -o - --format glb > chair.glb\n"
         "  meshprep prepare rock.glb --in-place --tangents mikktspace");
 }
 
@@ -310,6 +258,11 @@ void check(const PrepareCommand& c) {
         usage_error("--output", "is missing; give -o FILE or -o DIR (or --in-place)");
     if (!c.files.output.empty() && c.files.in_place)
         usage_error("--in-place", "writes over the inputs; it takes no --output");
+    if (is_standard_stream(c.files.output) && (c.common.json || c.common.json_lines))
+        usage_error("--output", "- takes standard output, and so does JSON; leave one of them out");
+    if (c.common.json && c.common.json_lines)
+        usage_error("--json",
+                    "is one document, --json-lines a line for each file; give one of them");
 }
 
 }  // namespace

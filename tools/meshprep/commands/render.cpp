@@ -2,38 +2,40 @@
 
 #include <fmt/format.h>
 
-#include <chrono>
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <set>
 
 #include "meshprep/commands/render_command.h"
 #include "meshprep/commands/render_views.h"
 #include "meshprep/commands/subcommand.h"
 #include "meshprep/files/file_list.h"
+#include "meshprep/files/input_file.h"
+#include "meshprep/files/output_directories.h"
+#include "meshprep/output/load_options.h"
 #include "meshprep/output/report_json.h"
+#include "prep/files.h"
 #include "prep/image.h"
 #include "prep/load.h"
 #include "prep/scene_json.h"
+#include "rast/exposure.h"
 
 namespace meshprep {
 namespace {
 
-using Clock = std::chrono::steady_clock;
 using prep::Error;
 using prep::ErrorCode;
 using prep::Result;
 
 constexpr double degrees = std::numbers::pi / 180;
 
-double since(Clock::time_point start) {
-    return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
-
-Result<prep::JsonScene> load(const std::filesystem::path& path, int threads) {
-    if (lower_ending(path) == "json") return prep::load_scene_json(path, {threads});
-    Result<prep::Scene> scene = prep::load_scene(path, {threads});
+Result<prep::JsonScene> load(const std::filesystem::path& path, const prep::LoadOptions& options) {
+    if (lower_ending(path) == "json") return prep::load_scene_json(path, options);
+    Result<prep::Scene> scene = prep::load_scene(path, options);
     if (!scene) return scene.error();
+    if (const Result<void> some = prep::require_geometry(*scene); !some) return some.error();
     return prep::JsonScene{*std::move(scene), {}, {}};
 }
 
@@ -73,7 +75,7 @@ std::vector<std::filesystem::path> files_read(const RenderCommand& command,
     std::vector<std::filesystem::path> files = prepared.scene.libraries;
     files.push_back(command.input);
     for (const prep::ImageRef& image : prepared.scene.images)
-        if (image.bytes.empty()) files.push_back(image.path);
+        for (std::filesystem::path& file : files_of(image)) files.push_back(std::move(file));
     return files;
 }
 
@@ -93,6 +95,14 @@ rast::RenderRequest request_of(const RenderCommand& command, prep::RenderWishes 
     request.band_bytes = std::uint64_t(command.band_mib) << 20;
     keep(request, command.buffers);
     return request;
+}
+
+// Between dark and light models, and of a tint that neither has.
+constexpr glm::vec3 file_background{0.10f, 0.13f, 0.16f};
+
+bool has_lights(const prep::Scene& scene) {
+    return std::any_of(scene.nodes.begin(), scene.nodes.end(),
+                       [](const prep::Node& node) { return node.light != prep::no_index; });
 }
 
 // The request for one of the pictures.
@@ -149,15 +159,48 @@ void explain(const rast::RenderPlan& plan, const CommonOptions& common, Console&
     std::vector<std::vector<std::string>> rows;
     for (const rast::PlanStep& s : plan.steps)
         rows.push_back({s.name, s.run ? "run" : "skipped", s.reason});
-    for (const std::string& line : align_table(rows, {})) console.result(common, line);
+    console.table(common, rows, {});
     console.result(
         common, fmt::format("  {}, about {} beside textures", count_of(plan.triangles, "triangle"),
                             byte_size(plan.band_memory_estimate)));
 }
 
+// How much of what is seen came out black, by some of the pixels.
+struct BlackPixels {
+    std::uint64_t black = 0, seen = 0;
+
+    void count(const rast::Frame& band, float exposure) {
+        constexpr float least = 0.0003f;  // the first step of 8 bits above black
+        const std::size_t step = std::max<std::size_t>(1, band.color.size() >> 18);
+        for (std::size_t i = 0; i < band.color.size(); i += step) {
+            const glm::vec4& c = band.color[i];
+            if (!(c.a > 0)) continue;
+            ++seen;
+            black += std::max({c.r, c.g, c.b}) * exposure < least;
+        }
+    }
+    std::optional<std::string> warning(const prep::PreparedScene& prepared) const {
+        constexpr std::uint64_t few = 64;
+        if (seen < few || black * 10 < seen * 9) return {};
+        const bool black_materials =
+            !prepared.scene.materials.empty() &&
+            std::all_of(prepared.scene.materials.begin(), prepared.scene.materials.end(),
+                        [](const prep::Material& m) {
+                            return m.diffuse.r + m.diffuse.g + m.diffuse.b < 0.01f;
+                        });
+        return fmt::format(
+            "{} % of the pixels that show a surface are black: {}", black * 100 / seen,
+            black_materials
+                ? "the materials' colours are black"
+                : "the lights do not reach it or are far too weak; --exposure auto finds "
+                  "an exposure, --light takes other lights");
+    }
+};
+
 // What drawing one picture came to.
 struct Drawn {
     rast::Frame frame;  // without pixels
+    BlackPixels black;
     std::vector<std::filesystem::path> paths;
     double draw_ms = 0, write_ms = 0;
 };
@@ -168,18 +211,19 @@ Result<Drawn> draw(rast::SceneRenderer& renderer, const rast::RenderPlan& plan,
     Drawn drawn;
     RenderOutputs outputs(files, options);
     if (const Result<void> opened = outputs.open(plan); !opened) return opened.error();
-    drawn.write_ms = since(start);
+    drawn.write_ms = milliseconds_since(start);
     Result<rast::Frame> frame =
         renderer.render_bands(plan, [&](const rast::Frame& band, std::uint32_t) -> Result<void> {
+            drawn.black.count(band, options.choices.exposure);
             const Clock::time_point before = Clock::now();
             Result<void> written = outputs.write(band);
-            drawn.write_ms += since(before);
+            drawn.write_ms += milliseconds_since(before);
             return written;
         });
     if (!frame) return frame.error();
     drawn.frame = *std::move(frame);
     drawn.paths = outputs.paths();
-    drawn.draw_ms = since(start) - drawn.write_ms;
+    drawn.draw_ms = milliseconds_since(start) - drawn.write_ms;
     return drawn;
 }
 
@@ -221,45 +265,68 @@ std::vector<std::string> not_drawn(const prep::PreparedScene& prepared) {
 
 // Errors, io apart, are mistakes in the command line.
 Result<void> check_files(const RenderCommand& command) {
-    if (const Result<void> there = require_file(command.input); !there) return there.error();
-    if (const Result<void> parent = require_parent(command.output); !parent) return parent.error();
+    if (!is_standard_stream(command.input))
+        if (const Result<void> there = require_file(command.input); !there) return there.error();
     std::error_code ec;
     if (std::filesystem::equivalent(command.input, command.output, ec))
         return Error{ErrorCode::invalid, "the picture would be written over the input",
                      command.output.string()};
-    if (!command.buffer_file.empty())
-        if (const Result<void> parent = require_parent(command.buffer_file); !parent)
-            return parent.error();
-    return prep::check_writable_image(command.output);
+    return prep::check_writable_image(is_standard_stream(command.output)
+                                          ? std::filesystem::path("stdout." + command.format)
+                                          : command.output);
 }
 
 Result<Json> render_file(const RenderCommand& command, Console& console) {
     const CommonOptions& common = command.common;
     console.progress(common, command.input.string() + " … reading");
     Clock::time_point start = Clock::now();
-    Result<prep::JsonScene> loaded = load(command.input, common.threads);
-    if (!loaded) return loaded.error();
-    const double read_ms = since(start);
+    const Result<InputFile> input = InputFile::open(command.input, common.input_format);
+    if (!input) return input.error();
+    Result<prep::JsonScene> loaded = load(input->path(), load_options(common, console));
+    if (!loaded) return input->relabelled(loaded.error());
+    input->settle(loaded->scene);
+    const double read_ms = milliseconds_since(start);
     for (const std::string& text : loaded->scene.warnings)
         console.warning(common, command.input.string() + ": " + text);
 
     console.progress(common, command.input.string() + " … preparing");
     start = Clock::now();
-    prep::PrepareOptions options = command.prepare;
-    options.threads = common.threads;
+    const prep::PrepareOptions options =
+        prepare_options(command.prepare, load_options(common, console), common.threads);
     const Result<prep::PreparedScene> prepared = prep::prepare(std::move(loaded->scene), options);
-    if (!prepared) return prepared.error();
-    const double prepare_ms = since(start);
+    if (!prepared) return input->relabelled(prepared.error());
+    const double prepare_ms = milliseconds_since(start);
 
-    const rast::RenderRequest request = request_of(command, loaded->picture);
+    const bool scene_file = lower_ending(input->path()) == "json";
+    rast::RenderRequest request = request_of(command, loaded->picture);
+    if (!scene_file && !command.wishes.has("background")) request.background = file_background;
     const Result<std::vector<std::optional<rast::View>>> views = views_of(
         command, loaded->orbit, *prepared, static_cast<double>(request.width) / request.height);
     if (!views) return views.error();
+
+    rast::SceneRenderer renderer(*prepared);  // keeps textures between pictures
+    const bool own_lights = !scene_file && command.lights.empty() && has_lights(prepared->scene);
+    const bool find = request.exposure == prep::automatic_exposure ||
+                      (own_lights && !command.wishes.has("exposure"));
+    std::optional<rast::FoundExposure> found;
+    if (find) {
+        const Result<rast::RenderPlan> plan = plan_of(command, *prepared, request, views->front());
+        if (!plan) return plan.error();
+        const Result<rast::FoundExposure> exposure =
+            rast::find_exposure(renderer, *prepared, plan->request);
+        if (!exposure) return exposure.error();
+        found = *exposure;
+        request.exposure = found->exposure;
+        request.background /= found->exposure;  // what is behind the scene is not lit by it
+    }
 
     OutputOptions outputs;
     outputs.buffers = command.buffers;
     outputs.choices = request;
     outputs.threads = common.threads;
+    OutputDirectories directories;
+    for (const std::filesystem::path& file : {command.output, command.buffer_file})
+        if (const Result<void> made = directories.make_for(file); !made) return made.error();
     prep::ImageFiles files({command.overwrite, files_read(command, *prepared)});
     Json json;
     json["input"] = command.input.string();
@@ -267,7 +334,6 @@ Result<Json> render_file(const RenderCommand& command, Console& console) {
     json["outputs"] = Json::array();
     json["warnings"] = Json::array();
     double render_ms = 0, write_ms = 0;
-    rast::SceneRenderer renderer(*prepared);  // keeps textures between pictures
     const auto count = std::uint32_t(views->size());
     for (std::uint32_t n = 0; n < count; ++n) {
         const Result<rast::RenderPlan> plan = plan_of(command, *prepared, request, (*views)[n]);
@@ -296,6 +362,7 @@ Result<Json> render_file(const RenderCommand& command, Console& console) {
                 "kept in '" +
                 outputs.picture.filename().string() + "'");
         warnings.insert(warnings.end(), drawn->frame.warnings.begin(), drawn->frame.warnings.end());
+        if (const auto black = drawn->black.warning(*prepared)) warnings.push_back(*black);
         for (const std::string& text : warnings) {
             console.warning(common, text);
             json["warnings"].push_back(text);
@@ -306,30 +373,58 @@ Result<Json> render_file(const RenderCommand& command, Console& console) {
     }
     const Clock::time_point committing = Clock::now();
     if (const Result<void> saved = files.commit(); !saved) return saved.error();
-    write_ms += since(committing);
+    write_ms += milliseconds_since(committing);
     const Json& plan = json["plan"];
     const std::size_t written = json["outputs"].size();
     console.result(
         common,
-        fmt::format("{} → {}  {}×{}, {}, {}; read {}, prepare {}, draw {}, write {}",
-                    command.input.string(),
-                    written == 1 ? json["outputs"][0].get<std::string>()
-                                 : fmt::format("{} and {} more",
-                                               json["outputs"][0].get<std::string>(), written - 1),
-                    request.crop ? request.crop->width : request.width,
-                    request.crop ? request.crop->height : request.height,
-                    plan["shading"].get<std::string>(),
-                    count_of(plan["triangles"].get<std::uint64_t>(), "triangle"), duration(read_ms),
-                    duration(prepare_ms), duration(render_ms), duration(write_ms)));
+        fmt::format(
+            "{} → {}  {}×{}, {}, {}; read {}, prepare {}, draw {}, write {}",
+            command.input.string(),
+            !command.format.empty() ? "-"
+            : written == 1
+                ? json["outputs"][0].get<std::string>()
+                : fmt::format("{} and {} more", json["outputs"][0].get<std::string>(), written - 1),
+            request.crop ? request.crop->width : request.width,
+            request.crop ? request.crop->height : request.height,
+            plan["shading"].get<std::string>(),
+            count_of(plan["triangles"].get<std::uint64_t>(), "triangle"), duration(read_ms),
+            duration(prepare_ms), duration(render_ms), duration(write_ms)));
+    if (found) {
+        if (found->exposure != 1)
+            console.result(common,
+                           fmt::format("  exposure {} was found: the brightest surfaces had {:.3g} "
+                                       "times white (--exposure sets another)",
+                                       found->exposure, found->bright));
+        json["exposure"] = {{"value", found->exposure}, {"bright", found->bright}};
+    }
     json["milliseconds"] = {
         {"read", read_ms}, {"prepare", prepare_ms}, {"render", render_ms}, {"write", write_ms}};
     return json;
 }
 
+// By way of a file: what writes pictures wants a name.
+Result<Json> render_to_output(const RenderCommand& command, Console& console) {
+    console.keep_output_for_bytes();
+    const Result<PrivateDirectory> directory = PrivateDirectory::make();
+    if (!directory) return directory.error();
+    RenderCommand to_file = command;
+    to_file.output = directory->path() / ("stdout." + command.format);
+    Result<Json> done = render_file(to_file, console);
+    if (!done) return done;
+    const Result<std::vector<std::byte>> bytes = prep::read_file(to_file.output);
+    if (!bytes) return bytes.error();
+    console.bytes({reinterpret_cast<const char*>(bytes->data()), bytes->size()});
+    return done;
+}
+
 int run(const RenderCommand& command, Console& console) {
     Json document = json_head("render");
     const Result<void> sound = check_files(command);
-    const Result<Json> done = sound ? render_file(command, console) : Result<Json>(sound.error());
+    const Result<Json> done = !sound ? Result<Json>(sound.error())
+                              : is_standard_stream(command.output)
+                                  ? render_to_output(command, console)
+                                  : render_file(command, console);
     if (done)
         document.update(*done);
     else

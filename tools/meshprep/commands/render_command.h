@@ -1,4 +1,4 @@
-// What `meshprep render` is told.
+// The options of `meshprep render`.
 #pragma once
 
 #include <filesystem>
@@ -37,6 +37,7 @@ struct LightChoice {
 struct RenderCommand {
     CommonOptions common;
     std::filesystem::path input, output;
+    std::string format;  // of a picture on standard output
     bool explain = false;
     prep::RenderWishes wishes;
     CameraChoice camera;

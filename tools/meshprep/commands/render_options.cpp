@@ -135,6 +135,9 @@ void add_camera_options(OptionSet& options, RenderCommand& c) {
 void add_output_options(OptionSet& options, RenderCommand& c) {
     options.group("Outputs");
     options.value(
+        "--format", "ENDING", [&c](const std::string& text) { c.format = text; },
+        "Of a picture on standard output, as in png or exr");
+    options.value(
         "--crop", "X,Y,WxH", [&c](const std::string& text) { parse_crop(text, c); },
         "Only this part of the picture: column and row of its top left pixel, then its size. "
         "Parts join without a seam, bit for bit");
@@ -153,8 +156,13 @@ void add_output_options(OptionSet& options, RenderCommand& c) {
 }  // namespace
 
 void define_render(OptionSet& options, RenderCommand& c) {
-    options.path("input", c.input, "FILE", "A scene or mesh file").required();
-    options.path("-o,--output", c.output, "IMAGE", "The picture: .png, .jpg, .exr and others")
+    options
+        .path("input", c.input, "FILE",
+              "A scene or mesh file, .gz or .zip too, or - for standard input")
+        .required();
+    options
+        .path("-o,--output", c.output, "IMAGE",
+              "The picture: .png, .jpg, .exr and others, or - for standard output")
         .required();
     add_render_choices(options, c.wishes);
     options.values(
@@ -167,7 +175,9 @@ void define_render(OptionSet& options, RenderCommand& c) {
     options.flag("--explain", c.explain, "Print the plan: each step, run or skipped, and why");
     add_camera_options(options, c);
     add_output_options(options, c);
+    add_input_options(options, c.common);
     add_preparation_options(options, c.prepare);
+    add_loading_options(options, c.common.load);
     add_common_options(options, c.common);
     options.examples(
         "  meshprep render spot.obj -o spot.png --shading phong --camera 40,15\n"
@@ -204,6 +214,16 @@ void check_render(const RenderCommand& c) {
     if (c.yfov && c.ortho_height)
         usage_error("--fov", "is an angle of perspective; --ortho has none, give one of them");
     const std::string name = c.output.filename().string();
+    if (const bool stream = is_standard_stream(c.output); stream || !c.format.empty()) {
+        if (!stream) usage_error("--format", "is for -o -; the picture's ending says it otherwise");
+        if (c.format.empty())
+            usage_error("--format",
+                        "is missing; standard output has no ending, as in --format png");
+        if (c.common.json)
+            usage_error("--output", "- takes standard output, and so does JSON; leave one out");
+        if (c.turntable > 0 || !c.buffers.empty())
+            usage_error("--output", "- takes one picture; --turntable and --buffers make several");
+    }
     if (choices.tone_map == prep::ToneMap::reinhard && keeps_float(c.output))
         usage_error("--tone-map", "'" + name + "' keeps linear light as it is; leave one of them");
     if (c.turntable == 0 && pattern_digits(name))

@@ -1,7 +1,6 @@
 #include "meshprep/commands/selftest.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstring>
 #include <numbers>
@@ -9,6 +8,7 @@
 
 #include "exact_dihedrals.h"
 #include "hard_cases.h"
+#include "meshprep/output/console.h"
 #include "prep/prepare.h"
 #include "rast/render.h"
 #include "shapes.h"
@@ -57,7 +57,7 @@ bool all_finite(const Mesh& mesh) {
     });
 }
 
-SelftestCase judge(const Case& c, int threads) {
+SelftestCase check_case(const Case& c, int threads) {
     SelftestCase result;
     result.name = c.axis;
     result.value = c.value;
@@ -258,7 +258,7 @@ double selftest_rounded_bound() {
 }
 
 Selftest selftest(int threads) {
-    const auto start = std::chrono::steady_clock::now();
+    const Clock::time_point start = Clock::now();
     Selftest result;
     SelftestCheck frames{"tangents unit and orthogonal to unit normals", "vertices"},
         pixels{"pictures without NaN and infinity", "pixels"},
@@ -269,7 +269,8 @@ Selftest selftest(int threads) {
         // Cases of attributes and transforms say nothing about normals; exact arithmetic takes
         // seconds beyond.
         const bool of_shape = c.axis.find(':') == std::string::npos && c.mesh.face_count() > 0;
-        if (of_shape && c.mesh.corner_count() <= 4000) result.cases.push_back(judge(c, threads));
+        if (of_shape && c.mesh.corner_count() <= 4000)
+            result.cases.push_back(check_case(c, threads));
         shade(c, threads, frames, pixels, triangles);
     }
     SelftestCheck thread_check{"the same bytes on 1, 2 and 8 threads", "vertices and pixels"},
@@ -277,8 +278,7 @@ Selftest selftest(int threads) {
     sameness(thread_check, simd_check);
     result.checks = {dihedrals(threads), orders(threads), thread_check, frames, pixels, triangles};
     if (simd_check.tried > 0) result.checks.push_back(simd_check);  // where there are vectors
-    result.milliseconds =
-        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    result.milliseconds = milliseconds_since(start);
     return result;
 }
 

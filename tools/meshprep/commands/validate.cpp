@@ -1,13 +1,16 @@
 #include <fmt/format.h>
 
-#include <chrono>
 #include <cmath>
 #include <set>
 
 #include "meshprep/commands/subcommand.h"
 #include "meshprep/files/file_list.h"
+#include "meshprep/files/input_file.h"
+#include "meshprep/files/output_directories.h"
 #include "meshprep/options/values.h"
+#include "meshprep/output/file_records.h"
 #include "meshprep/output/findings_text.h"
+#include "meshprep/output/load_options.h"
 #include "meshprep/output/report_json.h"
 #include "prep/check.h"
 #include "prep/files.h"
@@ -33,14 +36,9 @@ struct ValidateCommand {
     prep::PrepareOptions prepare;
 };
 
-using Clock = std::chrono::steady_clock;
 using prep::Error;
 using prep::ErrorCode;
 using prep::Result;
-
-double since(Clock::time_point start) {
-    return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
 
 // Letters, digits, dot, dash and underscore survive in file names; the rest becomes a dash.
 std::string file_word(const std::string& text) {
@@ -110,37 +108,59 @@ struct Outcome {
     double milliseconds = 0;
 };
 
+// A figure as the sheet shows it: "1,956" and "1.2e-07" are numbers, "yes" and "no" are true and
+// false; what has a unit or several parts stays text.
+Json figure_json(const std::string& text) {
+    if (text == "yes" || text == "no") return text == "yes";
+    std::string plain;
+    for (const char c : text)
+        if (c != ',') plain += c;
+    const std::vector<double> number = parse_numbers(plain, ' ');
+    if (number.size() != 1) return text;
+    const bool whole = plain.find_first_not_of("0123456789") == std::string::npos;
+    if (whole && plain.size() < 19) return std::stoull(plain);
+    return number[0];
+}
+
 class Validator {
   public:
-    Validator(const ValidateCommand& command, Console& console)
-        : command_(command), console_(console) {}
+    Validator(const ValidateCommand& command, OutputDirectories& directories, SiblingLinks& links,
+              Console& console)
+        : command_(command), directories_(directories), links_(links), console_(console) {}
 
     Outcome run(const std::filesystem::path& input, const std::string& stem) {
         const Clock::time_point start = Clock::now();
         out_ = {};
         out_.input = input;
         out_.page = command_.output / (stem + ".html");
-        out_.error = validate(stem);
-        out_.milliseconds = since(start);
+        const Result<InputFile> opened =
+            InputFile::open(input, command_.common.input_format, &links_);
+        out_.error = opened ? validate(*opened, stem) : opened.error();
+        if (opened && out_.error) out_.error = opened->relabelled(*std::move(out_.error));
+        out_.milliseconds = milliseconds_since(start);
         return std::move(out_);
     }
 
   private:
-    std::optional<Error> validate(const std::string& stem) {
+    std::optional<Error> validate(const InputFile& input, const std::string& stem) {
         const int threads = command_.common.threads;
         progress("reading");
-        Result<prep::Scene> scene = prep::load_scene(out_.input, {threads});
+        Result<prep::Scene> scene =
+            prep::load_scene(input.path(), load_options(command_.common, console_));
         if (!scene) return scene.error();
+        if (const Result<void> some = prep::require_geometry(*scene); !some) return some.error();
+        input.settle(*scene);
         out_.warnings = scene->warnings;
         for (const prep::Mesh& mesh : scene->meshes) out_.mesh_names.push_back(mesh.name);
         progress("checking");
         prep::SceneCheck check = prep::check(*scene, {threads});
-        // What the materials call for, told before the sheet asks for tangents everywhere.
+        // What the materials call for, before the sheet asks for tangents everywhere.
         const std::vector<prep::MeshRequirements> called_for =
             prep::requirements(*scene, command_.prepare.request);
         progress("preparing");
-        prep::PrepareOptions options = command_.prepare;
-        options.threads = threads;
+        prep::PrepareOptions options =
+            prepare_options(command_.prepare, load_options(command_.common, console_), threads);
+        options.keep_cages = true;
         // The sheet shows tangents wherever there can be some, unless they are switched off.
         if (options.request.tangents == prep::Request::Level::as_called_for)
             options.request.tangents = prep::Request::Level::always;
@@ -159,9 +179,11 @@ class Validator {
             if (!known) out_.findings.push_back(f);
         }
 
+        if (const Result<void> made = directories_.make(command_.output); !made)
+            return made.error();
         report::Page page;
         page.title = out_.input.filename().string();
-        page.subtitle = subtitle(*prepared);
+        page.subtitle = subtitle(*prepared, check.meshes);
         if (choice->whole) {
             if (std::optional<Error> error =
                     add_sheet(page, report::whole_subject(*prepared, "whole scene"), check.meshes,
@@ -190,20 +212,22 @@ class Validator {
         return {};
     }
 
-    static std::string subtitle(const prep::PreparedScene& prepared) {
+    // What the file has, and what was made of it: the scene's meshes may have been changed since.
+    static std::string subtitle(const prep::PreparedScene& prepared,
+                                const std::vector<prep::MeshSummary>& summaries) {
         std::uint64_t faces = 0, triangles = 0, before = 0, after = 0;
-        for (const prep::Mesh& mesh : prepared.scene.meshes) {
-            faces += mesh.face_count();
-            before += mesh.vertex_count();
+        for (const prep::MeshSummary& mesh : summaries) {
+            faces += mesh.faces;
+            before += mesh.vertices;
         }
         for (const prep::VertexMesh& mesh : prepared.meshes) {
             triangles += mesh.triangle_count();
             after += mesh.vertex_count();
         }
         return fmt::format("{}, {}, {}; {} → {} vertices",
-                           count_of(prepared.scene.meshes.size(), "mesh", "meshes"),
-                           count_of(faces, "face"), count_of(triangles, "triangle"),
-                           with_commas(before), with_commas(after));
+                           count_of(summaries.size(), "mesh", "meshes"), count_of(faces, "face"),
+                           count_of(triangles, "triangle"), with_commas(before),
+                           with_commas(after));
     }
 
     std::optional<Error> add_sheet(report::Page& page, report::Subject subject,
@@ -216,7 +240,7 @@ class Validator {
         const bool only = subject.scene.scene.meshes.size() == 1 && page.sheets.empty() &&
                           out_.mesh_names.size() == 1;
         sheet.title = out_.input.filename().string() + (only ? "" : " · " + subject.name);
-        sheet.subtitle = (only ? subject.name + ": " : "") + subtitle(subject.scene);
+        sheet.subtitle = (only ? subject.name + ": " : "") + subtitle(subject.scene, summaries);
         sheet.footer = fmt::format("meshprep {} · hard angle {} · weight {}", prep::version(),
                                    angle_text(), weight_text());
         std::string reason = "no";
@@ -242,7 +266,7 @@ class Validator {
         numbers["sheet"] = sheet.title;
         for (const report::FigureGroup& group : sheet.groups)
             for (const report::Figure& f : group.figures)
-                numbers["figures"][group.title][f.name] = f.value;
+                numbers["figures"][group.title][f.name] = figure_json(f.value);
         numbers["panels"] = Json::array();
         for (const report::Panel& p : sheet.panels)
             numbers["panels"].push_back({{"id", p.id},
@@ -302,84 +326,108 @@ class Validator {
     }
 
     const ValidateCommand& command_;
+    OutputDirectories& directories_;
+    SiblingLinks& links_;
     Console& console_;
     Outcome out_;
 };
 
-// A stem per input; inputs of one stem keep their endings apart. Names both where that fails.
-Result<std::vector<std::string>> stems_of(const std::vector<std::filesystem::path>& inputs) {
+// A stem per input; inputs of one stem keep their endings apart. Empty for those whose sheets an
+// earlier one has already.
+std::vector<std::string> stems_of(const std::vector<std::filesystem::path>& inputs) {
     std::vector<std::string> stems;
     std::set<std::string> taken;
     for (const std::filesystem::path& input : inputs) {
-        std::string stem = input.stem().string();
-        if (!taken.insert(stem).second) stem = input.filename().string();
-        if (stem != input.stem().string() && !taken.insert(stem).second)
-            return Error{ErrorCode::invalid,
-                         "two inputs would have the same sheets; validate them into directories of "
-                         "their own",
-                         input.string()};
+        const std::filesystem::path named = is_standard_stream(input) ? "stdin" : input;
+        std::string stem = named.stem().string();
+        if (!taken.insert(stem).second) stem = named.filename().string();
+        if (stem != named.stem().string() && !taken.insert(stem).second) stem.clear();
         stems.push_back(stem);
     }
     return stems;
 }
 
+Json outcome_json(const Outcome& outcome) {
+    Json file;
+    file["input"] = outcome.input.string();
+    file["status"] = outcome.error ? "failed" : "ok";
+    if (outcome.error) {
+        file["error"] = to_json(*outcome.error);
+    } else {
+        file["page"] = outcome.page.string();
+        file["sheets"] = Json::array();
+        for (const std::filesystem::path& sheet : outcome.sheets)
+            file["sheets"].push_back(sheet.string());
+    }
+    file["numbers"] = outcome.numbers;
+    file["findings"] = Json::array();
+    for (const prep::Finding& f : outcome.findings) {
+        Json finding = to_json(f, {});
+        if (f.mesh < outcome.mesh_names.size() && !outcome.mesh_names[f.mesh].empty())
+            finding["mesh_name"] = outcome.mesh_names[f.mesh];
+        file["findings"].push_back(std::move(finding));
+    }
+    file["warnings"] = outcome.warnings;
+    file["milliseconds"] = outcome.milliseconds;
+    return file;
+}
+
+void print_outcome(const Outcome& outcome, const CommonOptions& common, Console& console) {
+    for (const std::string& text : outcome.warnings)
+        console.warning(common, outcome.input.string() + ": " + text);
+    if (outcome.error) {
+        console.error(*outcome.error);
+        return;
+    }
+    console.result(common, fmt::format("{} → {}  {}", outcome.input.string(), outcome.page.string(),
+                                       duration(outcome.milliseconds)));
+    for (const std::filesystem::path& sheet : outcome.sheets)
+        console.result(common, "  " + sheet.string());
+    for (const std::string& line : findings_text(outcome.findings, outcome.mesh_names, 4))
+        console.result(common, line);
+}
+
 int run(const ValidateCommand& command, Console& console) {
     const CommonOptions& common = command.common;
-    Json document = json_head("validate");
-    const auto fail = [&](const Error& error, int code) {
-        console.error(error);
-        document["error"] = to_json(error);
-        if (common.json) console.json(json_text(document));
-        return code;
-    };
-    for (const std::filesystem::path& input : command.inputs)
-        if (const Result<void> there = require_file(input); !there && command.inputs.size() == 1)
-            return fail(there.error(), exit_failed);
-    const Result<std::vector<std::string>> stems = stems_of(command.inputs);
-    if (!stems) return fail(stems.error(), exit_usage);
-    if (const Result<void> made = make_directory(command.output); !made)
-        return fail(made.error(), exit_failed);
-
-    document["files"] = Json::array();
+    FileRecords records("validate", common, console);
+    std::error_code ec;
+    if (std::filesystem::exists(command.output, ec) &&
+        !std::filesystem::is_directory(command.output, ec))
+        return records.fail(
+            {ErrorCode::io, "a file of this name is in the way of the output directory",
+             command.output.string()},
+            exit_failed);
+    const std::vector<std::string> stems = stems_of(command.inputs);
+    OutputDirectories directories;
+    SiblingLinks links;
     std::size_t failed = 0;
     for (std::size_t i = 0; i < command.inputs.size(); ++i) {
-        const Outcome outcome = Validator(command, console).run(command.inputs[i], (*stems)[i]);
-        for (const std::string& text : outcome.warnings)
-            console.warning(common, outcome.input.string() + ": " + text);
-        Json file;
-        file["input"] = outcome.input.string();
-        file["status"] = outcome.error ? "failed" : "ok";
-        if (outcome.error) {
-            ++failed;
-            console.error(*outcome.error);
-            file["error"] = to_json(*outcome.error);
-        } else {
-            console.result(common,
-                           fmt::format("{} → {}  {}", outcome.input.string(), outcome.page.string(),
-                                       duration(outcome.milliseconds)));
-            for (const std::filesystem::path& sheet : outcome.sheets)
-                console.result(common, "  " + sheet.string());
-            for (const std::string& line : findings_text(outcome.findings, outcome.mesh_names, 4))
-                console.result(common, line);
-            file["page"] = outcome.page.string();
-            file["sheets"] = Json::array();
-            for (const std::filesystem::path& sheet : outcome.sheets)
-                file["sheets"].push_back(sheet.string());
-        }
-        file["numbers"] = outcome.numbers;
-        file["findings"] = Json::array();
-        for (const prep::Finding& f : outcome.findings) file["findings"].push_back(to_json(f, {}));
-        file["warnings"] = outcome.warnings;
-        file["milliseconds"] = outcome.milliseconds;
-        document["files"].push_back(std::move(file));
+        Outcome outcome;
+        outcome.input = command.inputs[i];
+        if (stems[i].empty())
+            outcome.error =
+                Error{ErrorCode::invalid,
+                      "an earlier input has the sheets of this name; validate them into "
+                      "directories of their own",
+                      command.inputs[i].string()};
+        else
+            outcome =
+                Validator(command, directories, links, console).run(command.inputs[i], stems[i]);
+        failed += outcome.error.has_value();
+        print_outcome(outcome, common, console);
+        if (records.wanted()) records.add(outcome_json(outcome));
     }
     console.progress(common, "");
-    if (common.json) console.json(json_text(document));
+    const std::size_t total = command.inputs.size();
+    records.finish({{"files", total}, {"ok", total - failed}, {"failed", failed}});
     return failed > 0 ? exit_failed : exit_done;
 }
 
 void define(OptionSet& options, ValidateCommand& c) {
-    options.paths("input", c.inputs, "FILE", "Mesh or scene files").required();
+    options
+        .paths("input", c.inputs, "FILE",
+               "Mesh or scene files, .gz and .zip too, or - for standard input")
+        .required();
     options
         .path("-o,--output", c.output, "DIR", "Directory for the sheets; made if it is not there")
         .required();
@@ -402,11 +450,20 @@ void define(OptionSet& options, ValidateCommand& c) {
     options.number("--max-meshes", c.max_meshes, 1, 100000, "N",
                    "Sheets for at most so many meshes of a file, beside the whole scene's "
                    "(default 64)");
+    add_input_options(options, c.common);
     add_preparation_options(options, c.prepare);
+    add_loading_options(options, c.common.load);
     add_common_options(options, c.common);
+    add_json_lines_option(options, c.common);
     options.examples(
         "  meshprep validate spot.obj -o sheets\n"
         "  meshprep validate helmet.gltf -o sheets --mesh visor --hard-angle 45");
+}
+
+void check(const ValidateCommand& c) {
+    if (c.common.json && c.common.json_lines)
+        usage_error("--json",
+                    "is one document, --json-lines a line for each file; give one of them");
 }
 
 }  // namespace
@@ -414,7 +471,7 @@ void define(OptionSet& options, ValidateCommand& c) {
 Subcommand validate_subcommand() {
     return subcommand<ValidateCommand>(
         "validate", "Prove the result: sheets of pictures and numbers, as PNG and one HTML page",
-        define, run);
+        define, run, check);
 }
 
 }  // namespace meshprep

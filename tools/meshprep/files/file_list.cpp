@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <map>
+#include <optional>
 #include <set>
 
 #include "prep/formats.h"
+#include "text/suggestions.h"
 
 namespace meshprep {
 namespace {
@@ -28,49 +30,59 @@ bool known(const std::vector<std::string>& endings, const std::string& ending) {
 
 struct Input {
     fs::path path;
-    fs::path below;  // directory below the one that was named, kept apart in the output
+    fs::path below;              // directory below the one that was named, kept apart in the output
+    std::optional<Error> error;  // why it cannot be read
 };
 
-Result<std::vector<Input>> list_inputs(const JobRequest& request) {
+// What is in a directory; where that is nothing, the directory itself with the reason.
+std::vector<Input> list_directory(const fs::path& path, bool recursive) {
+    std::error_code ec;
+    std::vector<Input> found;
+    const auto take = [&](const fs::directory_entry& entry) {
+        std::error_code entry_ec;
+        if (!entry.is_regular_file(entry_ec) || !holds_mesh(entry.path())) return;
+        found.push_back({entry.path(), entry.path().parent_path().lexically_relative(path), {}});
+    };
+    if (recursive) {
+        const auto options = fs::directory_options::skip_permission_denied;
+        for (fs::recursive_directory_iterator it(path, options, ec), end; !ec && it != end;
+             it.increment(ec))
+            take(*it);
+    } else {
+        for (fs::directory_iterator it(path, ec), end; !ec && it != end; it.increment(ec))
+            take(*it);
+    }
+    if (ec)
+        return {
+            {path,
+             {},
+             Error{ErrorCode::io, "cannot list the directory: " + ec.message(), path.string()}}};
+    if (found.empty())
+        return {{path,
+                 {},
+                 Error{ErrorCode::io,
+                       "the directory holds no mesh file" +
+                           std::string(recursive ? "" : "; -r also looks below it"),
+                       path.string()}}};
+    std::sort(found.begin(), found.end(),
+              [](const Input& a, const Input& b) { return a.path < b.path; });
+    for (Input& input : found)
+        if (input.below == ".") input.below.clear();
+    return found;
+}
+
+std::vector<Input> list_inputs(const JobRequest& request) {
     std::vector<Input> inputs;
     for (const fs::path& path : request.inputs) {
         std::error_code ec;
-        if (!fs::is_directory(path, ec)) {
-            if (const Result<void> there = require_file(path); !there) return there.error();
-            inputs.push_back({path, {}});
-            continue;
-        }
-        std::vector<Input> found;
-        const auto take = [&](const fs::directory_entry& entry) {
-            std::error_code entry_ec;
-            if (!entry.is_regular_file(entry_ec)) return;
-            // A scene is JSON, but not all JSON is a scene: in a directory only meshes are meant.
-            const prep::FileFormat* const format = prep::file_format(entry.path());
-            if (!format || !format->meshes) return;
-            found.push_back({entry.path(), entry.path().parent_path().lexically_relative(path)});
-        };
-        if (request.recursive) {
-            const auto options = fs::directory_options::skip_permission_denied;
-            for (fs::recursive_directory_iterator it(path, options, ec), end; !ec && it != end;
-                 it.increment(ec))
-                take(*it);
+        if (is_standard_stream(path)) {
+            inputs.push_back({path, {}, {}});
+        } else if (!fs::is_directory(path, ec)) {
+            const Result<void> there = require_file(path);
+            inputs.push_back({path, {}, there ? std::nullopt : std::optional(there.error())});
         } else {
-            for (fs::directory_iterator it(path, ec), end; !ec && it != end; it.increment(ec))
-                take(*it);
-        }
-        if (ec)
-            return Error{ErrorCode::io, "cannot list the directory: " + ec.message(),
-                         path.string()};
-        if (found.empty())
-            return Error{ErrorCode::io,
-                         "the directory holds no mesh file" +
-                             std::string(request.recursive ? "" : "; -r also looks below it"),
-                         path.string()};
-        std::sort(found.begin(), found.end(),
-                  [](const Input& a, const Input& b) { return a.path < b.path; });
-        for (Input& input : found) {
-            if (input.below == ".") input.below.clear();
-            inputs.push_back(std::move(input));
+            for (Input& input : list_directory(path, request.recursive))
+                inputs.push_back(std::move(input));
         }
     }
     return inputs;
@@ -102,8 +114,8 @@ Result<void> check_writable_ending(const fs::path& path) {
 }
 
 // Options that nothing would follow.
-Result<void> check_idle_options(const JobList& list, const JobRequest& request) {
-    if (!request.format.empty() && list.directories.empty() &&
+Result<void> check_idle_options(const JobList& list, const JobRequest& request, bool directory) {
+    if (!request.format.empty() && !directory && !is_standard_stream(request.output) &&
         (request.in_place || lower_ending(request.output) != request.format))
         return Error{ErrorCode::invalid,
                      request.in_place ? "--in-place keeps each file's format; leave --format out"
@@ -112,26 +124,39 @@ Result<void> check_idle_options(const JobList& list, const JobRequest& request) 
                      request.output.string()};
     if (!request.ascii || list.jobs.empty()) return {};
     for (const Job& job : list.jobs)
-        if (const std::string ending = lower_ending(job.output); ending == "ply" || ending == "stl")
-            return {};
+        if (job.format == "ply" || job.format == "stl") return {};
     return Error{ErrorCode::invalid,
                  "--ascii is for PLY and STL, which also have a binary form; leave it out",
                  list.jobs[0].output.string()};
 }
 
-Result<void> check_conflicts(const JobList& list, const JobRequest& request) {
+// What is wrong with one of the jobs alone: the others are done.
+void find_conflicts(JobList& list, const JobRequest& request) {
     std::map<fs::path, fs::path> outputs;
     std::set<fs::path> inputs;
     for (const Job& job : list.jobs) inputs.insert(identity(job.input));
-    for (const Job& job : list.jobs) {
-        const fs::path id = identity(job.output);
-        const auto [other, fresh] = outputs.emplace(id, job.input);
+    const auto conflict = [&](const Job& job) -> std::optional<Error> {
+        if (request.in_place) {
+            if (is_packed(job.input) || is_standard_stream(job.input))
+                return Error{
+                    ErrorCode::invalid,
+                    "nothing can be written in place of what it was unpacked or read from; "
+                    "give -o FILE instead of --in-place",
+                    job.input.string()};
+            if (const Result<void> good = check_writable_ending(job.output); !good)
+                return good.error();
+        }
+        if (is_standard_stream(job.output)) return std::nullopt;
+        const auto [other, fresh] = outputs.emplace(identity(job.output), job.input);
         if (!fresh)
             return Error{ErrorCode::invalid,
-                         "two inputs would be written to this file: " + other->second.string() +
-                             " and " + job.input.string() + "; rename one or prepare them apart",
-                         job.output.string()};
-        if (!request.in_place && inputs.count(id) != 0)
+                         other->second == job.input
+                             ? "this input is given twice; leave one of them out"
+                             : "two inputs would be written to " + job.output.string() + ", and " +
+                                   other->second.string() +
+                                   " comes first; rename one or prepare them apart",
+                         job.input.string()};
+        if (!request.in_place && inputs.count(identity(job.output)) != 0)
             return Error{ErrorCode::invalid,
                          "the output is also an input; give another name, or --in-place",
                          job.output.string()};
@@ -140,9 +165,34 @@ Result<void> check_conflicts(const JobList& list, const JobRequest& request) {
             return Error{ErrorCode::io, "a directory is in the way of this output file",
                          job.output.string()};
         if (!request.overwrite && fs::exists(job.output, ec))
-            return Error{ErrorCode::io, "the output exists, and --no-overwrite was given",
+            return Error{ErrorCode::io,
+                         "the output exists, and --no-overwrite was given; leave that out, or give "
+                         "another name",
                          job.output.string()};
-    }
+        return std::nullopt;
+    };
+    for (Job& job : list.jobs)
+        if (!job.error) job.error = conflict(job);
+}
+
+// The file's name without what says how it is packed and its format.
+fs::path stem_of(const fs::path& input) {
+    if (is_standard_stream(input)) return "stdin";
+    return lower_ending(input) == "gz" ? input.stem().stem() : input.stem();
+}
+
+// Where several files go.
+Result<void> check_directory(const fs::path& directory, const JobRequest& request) {
+    std::error_code ec;
+    if (fs::is_directory(directory, ec)) return {};
+    if (request.output.has_filename() && check_writable_ending(directory))
+        return Error{ErrorCode::invalid,
+                     "several inputs need a directory, and this is the name of one mesh; end it "
+                     "with a slash if it is to be one",
+                     request.output.string()};
+    if (fs::exists(directory, ec))
+        return Error{ErrorCode::io, "a file of this name is in the way of the output directory",
+                     directory.string()};
     return {};
 }
 
@@ -181,91 +231,86 @@ std::string lower_ending(const fs::path& path) {
     return ending.empty() ? ending : ending.substr(1);
 }
 
+// What to do where there is no such file.
+static std::string meant(const fs::path& path) {
+    const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
+    std::error_code ec;
+    if (!fs::is_directory(folder, ec))
+        return "nor is there a directory '" + folder.string() + "'; check its name";
+    std::vector<std::string> names;
+    for (fs::directory_iterator it(folder, ec), end; !ec && it != end; it.increment(ec))
+        names.push_back(it->path().filename().string());
+    std::sort(names.begin(), names.end());
+    const std::string near = prep::detail::nearest_name(path.filename().string(), names);
+    return near.empty() ? "check the name and the directory" : "did you mean '" + near + "'?";
+}
+
 Result<void> require_file(const fs::path& path) {
     std::error_code ec;
     const fs::file_status status = fs::status(path, ec);
     if (!fs::exists(status))
-        return Error{ErrorCode::io, "there is no such file; check the name and the directory",
-                     path.string()};
+        return Error{ErrorCode::io, "there is no such file; " + meant(path), path.string()};
     if (fs::is_directory(status))
-        return Error{ErrorCode::io, "this is a directory, expected a file", path.string()};
+        return Error{ErrorCode::io, "this is a directory, expected a file; name the files in it",
+                     path.string()};
     if (::access(path.c_str(), R_OK) != 0)
         return Error{ErrorCode::io, "no permission to read this file", path.string()};
     return {};
 }
 
-Result<void> require_parent(const fs::path& file) {
-    const fs::path parent = file.has_parent_path() ? file.parent_path() : fs::path(".");
-    std::error_code ec;
-    if (fs::is_directory(parent, ec)) return {};
-    return Error{ErrorCode::io,
-                 "the directory '" + parent.string() + "' is not there; make it first",
-                 file.string()};
+bool is_standard_stream(const fs::path& path) {
+    return path == "-";
 }
 
-Result<void> make_directory(const fs::path& directory) {
-    std::error_code ec;
-    if (fs::is_directory(directory, ec)) return {};
-    if (fs::exists(directory, ec))
-        return Error{ErrorCode::io, "a file of this name is in the way of the output directory",
-                     directory.string()};
-    fs::path plain = directory;
-    if (!plain.has_filename()) plain = plain.parent_path();
-    if (const Result<void> parent = require_parent(plain); !parent) return parent.error();
-    fs::create_directory(plain, ec);
-    if (ec)
-        return Error{ErrorCode::io, "cannot make the directory: " + ec.message(),
-                     directory.string()};
-    return {};
+bool is_packed(const fs::path& path) {
+    const std::string ending = lower_ending(path);
+    return ending == "gz" || ending == "zip";
+}
+
+bool holds_mesh(const fs::path& path) {
+    // A scene is JSON, but not all JSON is a scene, and a zip file may hold anything: in a
+    // directory only meshes are meant.
+    const prep::FileFormat* const format =
+        prep::file_format(lower_ending(path) == "gz" ? path.stem() : path);
+    return format && format->meshes;
 }
 
 Result<JobList> plan_jobs(const JobRequest& request) {
-    Result<std::vector<Input>> inputs = list_inputs(request);
-    if (!inputs) return inputs.error();
+    const std::vector<Input> inputs = list_inputs(request);
     JobList list;
+    bool directory = false;
     if (request.in_place) {
-        for (const Input& input : *inputs) list.jobs.push_back({input.path, input.path});
-    } else if (names_directory(request, inputs->size())) {
-        fs::path directory = request.output;
-        if (!directory.has_filename()) directory = directory.parent_path();
+        for (const Input& input : inputs)
+            list.jobs.push_back({input.path, input.path, lower_ending(input.path), input.error});
+    } else if (is_standard_stream(request.output)) {
+        if (inputs.size() != 1)
+            return Error{ErrorCode::invalid, "standard output takes one result; give one input",
+                         "-"};
+        if (request.format.empty())
+            return Error{
+                ErrorCode::invalid,
+                "has no ending to say the format; give --format, one of " + output_endings_text(),
+                "-"};
+        list.jobs.push_back({inputs[0].path, request.output, request.format, inputs[0].error});
+    } else if (names_directory(request, inputs.size())) {
+        directory = true;
+        fs::path folder = request.output;
+        if (!folder.has_filename()) folder = folder.parent_path();
+        if (const Result<void> good = check_directory(folder, request); !good) return good.error();
         const std::string format = request.format.empty() ? "glb" : request.format;
-        std::set<fs::path> below;
-        list.directories.push_back(directory);
-        for (const Input& input : *inputs) {
-            fs::path folder;
-            for (const fs::path& part : input.below) {
-                folder /= part;
-                below.insert(folder);
-            }
-            list.jobs.push_back({input.path, directory / input.below /
-                                                 (input.path.stem().string() + "." + format)});
-        }
-        for (const fs::path& folder : below) list.directories.push_back(directory / folder);
-        std::error_code ec;
-        if (!fs::is_directory(directory, ec)) {
-            if (request.output.has_filename() && check_writable_ending(directory))
-                return Error{ErrorCode::invalid,
-                             "several inputs need a directory, and this is the name of one mesh; "
-                             "end it with a slash if it is to be one",
-                             request.output.string()};
-            if (fs::exists(directory, ec))
-                return Error{ErrorCode::io,
-                             "a file of this name is in the way of the output directory",
-                             directory.string()};
-            if (const Result<void> parent = require_parent(directory); !parent)
-                return parent.error();
-        }
+        for (const Input& input : inputs)
+            list.jobs.push_back(
+                {input.path, folder / input.below / (stem_of(input.path).string() + "." + format),
+                 format, input.error});
     } else {
-        list.jobs.push_back({(*inputs)[0].path, request.output});
         if (const Result<void> good = check_writable_ending(request.output); !good)
             return good.error();
-        if (const Result<void> parent = require_parent(request.output); !parent)
-            return parent.error();
+        list.jobs.push_back(
+            {inputs[0].path, request.output, lower_ending(request.output), inputs[0].error});
     }
-    for (const Job& job : list.jobs)
-        if (const Result<void> good = check_writable_ending(job.output); !good) return good.error();
-    if (const Result<void> good = check_idle_options(list, request); !good) return good.error();
-    if (const Result<void> good = check_conflicts(list, request); !good) return good.error();
+    if (const Result<void> good = check_idle_options(list, request, directory); !good)
+        return good.error();
+    find_conflicts(list, request);
     return list;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,7 +16,7 @@ std::string output_endings_text();  // "glb, gltf, obj, …"
 std::string input_endings_text();
 std::string lower_ending(const std::filesystem::path& path);
 
-// What `meshprep prepare` is told of files.
+// The file options of `meshprep prepare`.
 struct JobRequest {
     std::vector<std::filesystem::path> inputs;
     std::filesystem::path output;
@@ -28,24 +29,27 @@ struct JobRequest {
 
 struct Job {
     std::filesystem::path input, output;
+    std::string format;                     // the output's ending
+    std::optional<prep::Error> error = {};  // found before anything was read: it is not done
 };
 
 struct JobList {
     std::vector<Job> jobs;
-    std::vector<std::filesystem::path> directories;  // to be made before writing, parents first
 };
 
-// Errors (all of them are mistakes in the command line, none leaves a trace): an input is not
-// there, a directory without mesh files, an output without or with an unknown ending, its directory
-// missing, two inputs with one output, an output that is also an input without --in-place, an
-// existing output with --no-overwrite, a --format or --ascii that no output follows.
+// Nothing is written or made. Errors (mistakes in the command line as a whole): an output without
+// or with an unknown ending, several inputs for one file, a file in the way of the output
+// directory, a --format or --ascii that no output follows. Errors of single jobs: an input is not
+// there, a directory without mesh files, an output that an earlier input has already or that is an
+// input itself without --in-place, an existing output with --no-overwrite.
 prep::Result<JobList> plan_jobs(const JobRequest& request);
 
 // `path` must be there and be a file that can be read. For messages before the libraries' own.
 prep::Result<void> require_file(const std::filesystem::path& path);
-// The directory in which `file` will be written must be there.
-prep::Result<void> require_parent(const std::filesystem::path& file);
-// Makes `directory` unless it is there; its parent must be there.
-prep::Result<void> make_directory(const std::filesystem::path& directory);
+
+bool is_standard_stream(const std::filesystem::path& path);  // "-"
+bool is_packed(const std::filesystem::path& path);           // .gz, .zip
+// Whether a directory is meant to be read for this file.
+bool holds_mesh(const std::filesystem::path& path);
 
 }  // namespace meshprep

@@ -6,6 +6,7 @@
 
 #include <thread>
 
+#include "meshprep/files/private_directory.h"
 #include "prep/files.h"
 
 namespace meshprep {
@@ -25,6 +26,7 @@ void watch_interrupts() {
         int number = 0;
         if (sigwait(&signals, &number) != 0) return;
         prep::discard_unfinished_files();
+        remove_private_directories();
         ::_exit(128 + number);
     }).detach();
 }

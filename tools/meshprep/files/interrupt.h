@@ -1,5 +1,6 @@
-// What happens on Ctrl-C: temporary files of outputs being written are removed, then the process
-// ends. Finished outputs and old ones are not touched, because writing is to a temporary name.
+// What happens on Ctrl-C: temporary files of outputs being written and what was unpacked are
+// removed, then the process ends. Finished outputs and old ones are not touched, because writing is
+// to a temporary name.
 #pragma once
 
 namespace meshprep {

@@ -2,9 +2,11 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cmath>
 #include <sstream>
 
 #include "meshprep/options/values.h"
+#include "text/suggestions.h"
 
 namespace meshprep {
 namespace {
@@ -18,6 +20,45 @@ CLI::Validator number_from_to(double least, double most) {
             std::ostringstream message;
             message << "'" << text << "' is not a number from " << least << " to " << most;
             return message.str();
+        },
+        "");
+}
+
+// The same for whole numbers.
+CLI::Validator whole_number_from_to(int least, int most) {
+    return CLI::Validator(
+        [least, most](std::string& text) -> std::string {
+            const std::vector<double> numbers = parse_numbers(text, ',');
+            if (numbers.size() == 1 && numbers[0] == std::floor(numbers[0]) &&
+                numbers[0] >= least && numbers[0] <= most) {
+                text = std::to_string(static_cast<long long>(numbers[0]));  // "1e2" is one, too
+                return {};
+            }
+            return "'" + text + "' is not a whole number from " + std::to_string(least) + " to " +
+                   std::to_string(most);
+        },
+        "");
+}
+
+CLI::Validator not_negative_number() {
+    return CLI::Validator(
+        [](std::string& text) -> std::string {
+            const std::vector<double> numbers = parse_numbers(text, ',');
+            if (numbers.size() == 1 && numbers[0] >= 0) return {};
+            return "'" + text + "' is not a number of 0 or more";
+        },
+        "");
+}
+
+CLI::Validator one_of_numbers(const std::vector<int>& offered) {
+    return CLI::Validator(
+        [offered](std::string& text) -> std::string {
+            std::string list;
+            for (const int number : offered) {
+                if (text == std::to_string(number)) return {};
+                list += (list.empty() ? "" : ", ") + std::to_string(number);
+            }
+            return "'" + text + "' is not one of " + list;
         },
         "");
 }
@@ -57,6 +98,18 @@ void OptionSet::examples(const std::string& text) {
     app_.footer("Examples:\n" + text);
 }
 
+void OptionSet::keep_settings(Settings& to, std::vector<std::string> without) {
+    app_.final_callback([&app = app_, &to, without = std::move(without)] {
+        for (const CLI::Option* const option : app.get_options()) {
+            if (option->count() == 0 || option->get_positional() || option->get_group() == "Common")
+                continue;
+            const std::string name = option->get_name();
+            if (std::find(without.begin(), without.end(), name) == without.end())
+                to[name] = option->results();
+        }
+    });
+}
+
 Option OptionSet::flag(const std::string& name, bool& to, const std::string& help, bool value) {
     return Option(grouped(value ? app_.add_flag(name, to, help)
                                 : app_.add_flag_callback(
@@ -87,12 +140,12 @@ CLI::Option* OptionSet::add_number(const std::string& name, Number& to, const st
 
 Option OptionSet::number(const std::string& name, int& to, int least, int most,
                          const std::string& type, const std::string& help) {
-    return Option(add_number(name, to, type, help)->check(CLI::Range(least, most)));
+    return Option(add_number(name, to, type, help)->check(whole_number_from_to(least, most)));
 }
 
 Option OptionSet::number(const std::string& name, std::uint32_t& to, int least, int most,
                          const std::string& type, const std::string& help) {
-    return Option(add_number(name, to, type, help)->check(CLI::Range(least, most)));
+    return Option(add_number(name, to, type, help)->check(whole_number_from_to(least, most)));
 }
 
 Option OptionSet::number(const std::string& name, float& to, double least, double most,
@@ -107,12 +160,12 @@ Option OptionSet::number(const std::string& name, std::optional<float>& to, doub
 
 Option OptionSet::not_negative(const std::string& name, std::optional<double>& to,
                                const std::string& type, const std::string& help) {
-    return Option(add_number(name, to, type, help)->check(CLI::NonNegativeNumber));
+    return Option(add_number(name, to, type, help)->check(not_negative_number()));
 }
 
 Option OptionSet::one_of(const std::string& name, int& to, const std::vector<int>& offered,
                          const std::string& type, const std::string& help) {
-    return Option(add_number(name, to, type, help)->check(CLI::IsMember(offered)));
+    return Option(add_number(name, to, type, help)->check(one_of_numbers(offered)));
 }
 
 Option OptionSet::value(const std::string& name, const std::string& type,
@@ -138,7 +191,9 @@ Option OptionSet::word(const std::string& name, const std::vector<std::string>& 
     for (const std::string& word : words) list += (list.empty() ? "" : "|") + word;
     const auto check = [words, list](std::string& text) -> std::string {
         if (std::find(words.begin(), words.end(), text) != words.end()) return {};
-        return "'" + text + "' is not one of " + list;
+        const std::string near = prep::detail::nearest_name(text, words);
+        return "'" + text + "' is not one of " + list +
+               (near.empty() ? "" : "; did you mean '" + near + "'?");
     };
     return Option(grouped(app_.add_option_function<std::string>(name, std::move(store), help)
                               ->check(CLI::Validator(check, ""))

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -33,6 +34,9 @@ class Option {
     CLI::Option* option_;
 };
 
+// The options that were given, by their longest names, with their values in words.
+using Settings = std::map<std::string, std::vector<std::string>>;
+
 // Names without dashes are arguments by their order. `type` is the help's word for the value.
 class OptionSet {
   public:
@@ -40,6 +44,9 @@ class OptionSet {
 
     void group(const std::string& name) { group_ = name; }  // in help, of what follows
     void examples(const std::string& text);
+    // Fills `to` once the command line was read, but for the options named in `without`, those of
+    // the group "Common" and arguments by their order.
+    void keep_settings(Settings& to, std::vector<std::string> without);
 
     Option flag(const std::string& name, bool& to, const std::string& help, bool value = true);
     Option path(const std::string& name, std::filesystem::path& to, const std::string& type,

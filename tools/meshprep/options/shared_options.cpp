@@ -1,5 +1,7 @@
 #include "meshprep/options/shared_options.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -7,6 +9,8 @@
 #include <utility>
 
 #include "meshprep/options/values.h"
+#include "prep/formats.h"
+#include "text/suggestions.h"
 
 namespace meshprep {
 namespace {
@@ -111,6 +115,23 @@ struct ChoiceOption {
     Option add(float prep::RenderChoices::*member, const prep::Range& range) const {
         return options.number(name, to.*member, range.least, range.greatest, "X", help);
     }
+    Option add(float prep::RenderChoices::*member, const prep::RangeOrAuto& range) const {
+        return options.value(
+            name, "X|auto",
+            [&out = to.*member, range, option = name](const std::string& text) {
+                if (text == "auto") {
+                    out = 0;
+                    return;
+                }
+                const std::vector<double> n = parse_numbers(text, ',');
+                if (n.size() != 1 || !(n[0] >= range.least && n[0] <= range.greatest))
+                    usage_error(option,
+                                fmt::format("'{}' is neither auto nor a number from {} to {}", text,
+                                            range.least, range.greatest));
+                out = static_cast<float>(n[0]);
+            },
+            help);
+    }
     Option add(int prep::RenderChoices::*member, const prep::OneOf& offered) const {
         return options.one_of(name, to.*member, offered.values, "N", help);
     }
@@ -149,9 +170,88 @@ void add_common_options(OptionSet& options, CommonOptions& common) {
     options.flag("-q,--quiet", common.quiet, "No results in words, no progress; errors still show");
     options.number("--threads", common.threads, 0, 4096, "N",
                    "Threads to use; 0: all cores. Results do not depend on it");
+    options.flag("-v,--verbose", common.verbose,
+                 "Also what the readers of other libraries (Assimp) print, on standard error");
+    // Both make the process anew, which starts nothing before a file needs it.
+    const auto limits = std::make_shared<prep::ReaderProcessOptions>();
+    const auto limit = [&options, &common, limits](const std::string& name, const char* type,
+                                                   double least, double most, auto set,
+                                                   const char* help) {
+        options.value(
+            name, type,
+            [=, &common](const std::string& text) {
+                const std::vector<double> n = parse_numbers(text, ',');
+                if (n.size() != 1 || !(n[0] == 0 || (n[0] >= least && n[0] <= most)))
+                    usage_error(name, fmt::format("'{}' is neither 0 nor a number from {} to {}",
+                                                  text, least, most));
+                set(*limits, n[0]);
+                common.reader_process = std::make_shared<prep::ReaderProcess>(*limits);
+            },
+            help);
+    };
+    limit(
+        "--reader-seconds", "S", 0.1, 1e6,
+        [](prep::ReaderProcessOptions& to, double seconds) { to.seconds = seconds; },
+        "Processor time that the reader of another library may take for a file, and four times as "
+        "much by the clock (default 120; 0: any)");
+    limit(
+        "--reader-memory", "MIB", 256, 1e6,
+        [](prep::ReaderProcessOptions& to, double mebibytes) {
+            to.memory = std::uint64_t(mebibytes * double(1 << 20));
+        },
+        "MiB of memory that it may take (default 8192; 0: any)");
+}
+
+void add_json_lines_option(OptionSet& options, CommonOptions& common) {
+    options.group("Common");
+    options.flag("--json-lines", common.json_lines,
+                 "Results as JSON, a line for each file as soon as it is done, a summary last");
+}
+
+void add_input_options(OptionSet& options, CommonOptions& common) {
+    options.value(
+        "--input-format", "ENDING",
+        [&common](const std::string& text) {
+            const std::string ending = text.starts_with(".") ? text.substr(1) : text;
+            std::vector<std::string> known;
+            for (const prep::FileFormat& format : prep::file_formats())
+                for (const std::string_view other : format.endings)
+                    known.emplace_back(other.substr(1));
+            if (std::find(known.begin(), known.end(), ending) == known.end()) {
+                const std::string near = prep::detail::nearest_name(ending, known);
+                usage_error("--input-format",
+                            "'" + text + "' is no ending of a file that is read" +
+                                (near.empty() ? ", such as glb, obj or fbx"
+                                              : "; did you mean '" + near + "'?"));
+            }
+            common.input_format = ending;
+        },
+        "Inputs are of this format whatever their ending, as in fbx; needed for - (standard input) "
+        "where the first bytes do not tell");
+}
+
+void add_loading_options(OptionSet& options, prep::LoadOptions& load) {
+    options.group("Reading");
+    options.values(
+        "--texture-dir", "DIR",
+        [&load](const std::string& text) {
+            std::error_code ec;
+            if (!std::filesystem::is_directory(text, ec))
+                usage_error("--texture-dir", "'" + text + "' is no directory");
+            load.texture_directories.emplace_back(text);
+        },
+        "Where pictures are sought that are neither where the file says nor beside it; repeatable");
+    options.named("--transparency", load.transparency,
+                  "Files whose materials are all wholly transparent: auto (default) makes them "
+                  "opaque, with a warning; file: as it says");
+    options.texts(
+        "--allow-extension", load.allowed_extensions, "NAME|all",
+        "Carry this glTF extension though a file requires it and it is not known or may no "
+        "longer fit");
 }
 
 void add_preparation_options(OptionSet& options, prep::PrepareOptions& p) {
+    add_surface_options(options, p);
     options.group("Preparation");
     options.named(
         "--normals", p.normals,

@@ -6,25 +6,48 @@
 
 namespace meshprep {
 
+void Console::clear_progress() {
+    if (progress_shown_) err_ << "\r\033[K";
+    progress_shown_ = false;
+}
+
 void Console::result(const CommonOptions& common, const std::string& line) {
-    if (common.json || common.quiet) return;
-    progress(common, "");
-    out_ << line << '\n';
+    if (common.json || common.json_lines || common.quiet) return;
+    const std::lock_guard lock(mutex_);
+    clear_progress();
+    *words_ << line << '\n';
+}
+
+void Console::table(const CommonOptions& common, const std::vector<std::vector<std::string>>& rows,
+                    const std::vector<bool>& right) {
+    for (const std::string& line : align_table(rows, right)) result(common, line);
 }
 
 void Console::json(const std::string& text) {
+    const std::lock_guard lock(mutex_);
     out_ << text << '\n';
+}
+
+void Console::json_line(const std::string& text) {
+    const std::lock_guard lock(mutex_);
+    out_ << text << '\n' << std::flush;
+}
+
+void Console::bytes(std::string_view bytes) {
+    const std::lock_guard lock(mutex_);
+    out_.write(bytes.data(), std::streamsize(bytes.size()));
 }
 
 void Console::warning(const CommonOptions& common, const std::string& text) {
     if (common.quiet) return;
-    progress(common, "");
+    const std::lock_guard lock(mutex_);
+    clear_progress();
     err_ << "meshprep: warning: " << text << '\n';
 }
 
 void Console::error(const std::string& text) {
-    if (progress_shown_) err_ << "\r\033[K";
-    progress_shown_ = false;
+    const std::lock_guard lock(mutex_);
+    clear_progress();
     err_ << "meshprep: error: " << text << '\n';
 }
 
@@ -32,16 +55,23 @@ void Console::error(const prep::Error& e) {
     error(prep::to_string(e));
 }
 
+void Console::note(const std::string& subject, std::string_view lines) {
+    const std::lock_guard lock(mutex_);
+    if (progress_shown_) err_ << "\r\033[K";
+    progress_shown_ = false;
+    while (!lines.empty()) {
+        std::string line(lines.substr(0, lines.find('\n')));
+        lines.remove_prefix(std::min(lines.size(), line.size() + 1));
+        std::erase_if(line, [](char c) { return static_cast<unsigned char>(c) < ' ' || c == 127; });
+        if (!line.empty()) err_ << "meshprep: note: " << subject << ": " << line << '\n';
+    }
+}
+
 void Console::progress(const CommonOptions& common, const std::string& text) {
+    const std::lock_guard lock(mutex_);
     if (!terminal_ || common.quiet || (text.empty() && !progress_shown_)) return;
     err_ << "\r\033[K" << text << std::flush;
     progress_shown_ = !text.empty();
-}
-
-std::string with_commas(std::uint64_t value) {
-    std::string digits = std::to_string(value);
-    for (std::size_t i = digits.size(); i > 3; i -= 3) digits.insert(i - 3, ",");
-    return digits;
 }
 
 std::string count_of(std::uint64_t value, const std::string& singular, const std::string& plural) {
@@ -49,6 +79,10 @@ std::string count_of(std::uint64_t value, const std::string& singular, const std
            (value == 1       ? singular
             : plural.empty() ? singular + "s"
                              : plural);
+}
+
+double milliseconds_since(Clock::time_point start) {
+    return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
 std::string duration(double ms) {

@@ -77,6 +77,22 @@ Counts count_scene(const prep::Scene& scene) {
     return counts;
 }
 
+Counts count_parts(const prep::Scene& scene) {
+    std::uint64_t channels = 0;
+    for (const prep::Animation& animation : scene.animations) channels += animation.channels.size();
+    Counts counts;
+    const auto add_some = [&](const char* name, std::uint64_t value) {
+        if (value > 0) add(counts, name, value);
+    };
+    add_some("morph targets", prep::morph_target_count(scene));
+    add_some("skins", scene.skins.size());
+    add_some("animations", scene.animations.size());
+    add_some("animation channels", channels);
+    add_some("cameras", scene.cameras.size());
+    add_some("lights", scene.lights.size());
+    return counts;
+}
+
 Counts count_prepared(const prep::PreparedScene& prepared) {
     std::uint64_t vertices = 0, triangles = 0, lines = 0, points = 0;
     for (const prep::VertexMesh& mesh : prepared.meshes) {

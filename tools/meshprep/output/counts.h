@@ -21,6 +21,9 @@ struct Counts {
 
 // The scene as loaded: meshes, vertices, faces, triangles, corners with normals, …
 Counts count_scene(const prep::Scene& scene);
+// What stands beside meshes, as far as there is any: morph targets, skins, animations and their
+// channels, cameras, lights.
+Counts count_parts(const prep::Scene& scene);
 // The prepared meshes: vertices after splitting, triangles.
 Counts count_prepared(const prep::PreparedScene& prepared);
 

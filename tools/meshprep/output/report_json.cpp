@@ -1,5 +1,7 @@
 #include "meshprep/output/report_json.h"
 
+#include <cmath>
+
 #include "prep/version.h"
 
 namespace meshprep {
@@ -8,7 +10,7 @@ Json to_json(const prep::Error& error) {
     Json json;
     json["code"] = std::string(prep::to_string(error.code));
     json["text"] = error.text;
-    if (!error.place.empty()) json["place"] = error.place;
+    json["place"] = error.place;
     return json;
 }
 
@@ -48,31 +50,28 @@ Json to_json(const prep::StageReport& stage) {
     return json;
 }
 
-std::vector<std::pair<const char*, std::uint64_t>> split_list(const prep::SplitCounts& s) {
-    std::vector<std::pair<const char*, std::uint64_t>> list;
-    const auto add = [&list](const char* name, std::uint64_t count) {
-        if (count > 0) list.emplace_back(name, count);
-    };
-    add("hard edge", s.hard_edge);
-    add("smoothing group", s.smoothing_group);
-    add("authored normal", s.authored_normal);
-    add("UV seam", s.uv_seam);
-    add("mirrored UV", s.mirrored_uv);
-    add("tangent", s.tangent);
-    add("colour", s.color);
-    add("material", s.material);
-    return list;
+Json to_json(const prep::SplitCounts& splits) {
+    Json json;
+    for (const prep::SplitCountName& row : prep::split_count_names)
+        json[row.key] = splits.*row.count;
+    return json;
 }
 
-Json to_json(const prep::SplitCounts& s) {
-    return {{"hard_edge", s.hard_edge},
-            {"smoothing_group", s.smoothing_group},
-            {"authored_normal", s.authored_normal},
-            {"uv_seam", s.uv_seam},
-            {"mirrored_uv", s.mirrored_uv},
-            {"tangent", s.tangent},
-            {"color", s.color},
-            {"material", s.material}};
+Json to_json(const prep::TessellationCertificate& certificate) {
+    const auto number = [](double value) { return std::isfinite(value) ? Json(value) : Json(); };
+    Json json;
+    json["triangles"] = certificate.triangles;
+    json["deepest"] = certificate.deepest;
+    if (certificate.asked) json["asked"] = *certificate.asked;
+    json["proved"] = number(certificate.proved);
+    json["proved_refinable"] = number(certificate.proved_refinable);
+    json["largest_shared_gap"] = number(certificate.largest_shared_gap);
+    json["measured"] = certificate.measured;
+    json["samples"] = certificate.samples;
+    json["unresolved"] = certificate.unresolved;
+    json["over_budget"] = certificate.over_budget;
+    if (certificate.worst_face != prep::no_index) json["worst_face"] = certificate.worst_face;
+    return json;
 }
 
 Json json_head(const char* command) {
@@ -84,6 +83,10 @@ Json json_head(const char* command) {
 
 std::string json_text(const Json& json) {
     return json.dump(2, ' ', false, Json::error_handler_t::replace);
+}
+
+std::string json_line(const Json& json) {
+    return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
 }  // namespace meshprep

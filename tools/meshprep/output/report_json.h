@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "meshprep/output/console.h"
 #include "prep/findings.h"
 #include "prep/prepared_scene.h"
 #include "prep/result.h"
@@ -11,19 +12,20 @@ namespace meshprep {
 
 using Json = nlohmann::ordered_json;
 
-// {"code": "syntax", "text": …, "place": …}
+// {"code": "syntax", "text": …, "place": …}, always these three: the place may be empty.
 Json to_json(const prep::Error& error);
 Json to_json(const prep::Finding& finding, const prep::Scene& scene);
 Json to_json(const prep::StageReport& stage);
 Json to_json(const prep::RepairStep& repair);
 Json to_json(const prep::SplitCounts& splits);
+// Numbers that are not finite are null.
+Json to_json(const prep::TessellationCertificate& certificate);
 
 // The document's head: command and version.
 Json json_head(const char* command);
 // Strings from files may hold bytes that are not UTF-8: they are replaced, never an error.
 std::string json_text(const Json& json);
-
-// The reasons that occur, in words, with their counts.
-std::vector<std::pair<const char*, std::uint64_t>> split_list(const prep::SplitCounts& splits);
+// The same in one line.
+std::string json_line(const Json& json);
 
 }  // namespace meshprep

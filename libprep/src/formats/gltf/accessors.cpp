@@ -58,15 +58,16 @@ std::size_t RawAccessor::element_size() const {
 
 namespace {
 
-Error bad(const GltfDocument& d, const std::string& pointer, std::string text) {
-    return {ErrorCode::invalid, std::move(text), d.place(pointer)};
-}
+struct CompressedView {
+    std::span<const std::byte> bytes;
+    std::uint64_t stride = 0, count = 0;
+};
 
-Result<std::vector<std::byte>> decompress(const GltfDocument& d, const Json& extension,
-                                          const std::string& pointer) {
+Result<CompressedView> compressed_view(const GltfDocument& d, const Json& extension,
+                                       const std::string& pointer) {
     const auto buffer = index_member(d, extension, "buffer", pointer, d.buffers.size());
     if (!buffer) return buffer.error();
-    if (*buffer == no_index) return bad(d, pointer + "/buffer", "the member is missing");
+    if (*buffer == no_index) return d.bad(pointer + "/buffer", "the member is missing");
     if (!d.buffers[*buffer]) return d.buffers[*buffer].error();
     const std::vector<std::byte>& bytes = *d.buffers[*buffer];
     const auto offset = whole_member(d, extension, "byteOffset", pointer, 0, bytes.size(), 0);
@@ -76,37 +77,47 @@ Result<std::vector<std::byte>> decompress(const GltfDocument& d, const Json& ext
     for (const auto* r : {&offset, &length, &stride, &count})
         if (!*r) return r->error();
     if (*offset + *length > bytes.size())
-        return bad(d, pointer + "/byteLength", "the view goes beyond its buffer");
+        return d.bad(pointer + "/byteLength", "the view goes beyond its buffer");
+    return CompressedView{std::span(bytes).subspan(*offset, *length), *stride, *count};
+}
+
+Result<std::vector<std::byte>> decompress(const GltfDocument& d, const Json& extension,
+                                          const std::string& pointer, bool undo_filter = true) {
+    const auto view = compressed_view(d, extension, pointer);
+    if (!view) return view.error();
+    const std::uint64_t *const stride = &view->stride, *const count = &view->count;
     std::vector<std::byte> out(*count * *stride);
-    const auto* in = reinterpret_cast<const unsigned char*>(bytes.data() + *offset);
+    const auto* in = reinterpret_cast<const unsigned char*>(view->bytes.data());
     const std::string mode = extension.value("mode", std::string());
     int failed = -1;
     if (mode == "ATTRIBUTES") {
-        if (*stride % 4 != 0) return bad(d, pointer + "/byteStride", "expected a multiple of 4");
-        failed = meshopt_decodeVertexBuffer(out.data(), *count, *stride, in, *length);
+        if (*stride % 4 != 0) return d.bad(pointer + "/byteStride", "expected a multiple of 4");
+        failed = meshopt_decodeVertexBuffer(out.data(), *count, *stride, in, view->bytes.size());
     } else if (mode == "TRIANGLES" || mode == "INDICES") {
-        if (*stride != 2 && *stride != 4) return bad(d, pointer + "/byteStride", "expected 2 or 4");
+        if (*stride != 2 && *stride != 4) return d.bad(pointer + "/byteStride", "expected 2 or 4");
         if (mode == "TRIANGLES" && *count % 3 != 0)
-            return bad(d, pointer + "/count", "expected a multiple of 3");
-        failed = mode == "TRIANGLES"
-                     ? meshopt_decodeIndexBuffer(out.data(), *count, *stride, in, *length)
-                     : meshopt_decodeIndexSequence(out.data(), *count, *stride, in, *length);
+            return d.bad(pointer + "/count", "expected a multiple of 3");
+        failed =
+            mode == "TRIANGLES"
+                ? meshopt_decodeIndexBuffer(out.data(), *count, *stride, in, view->bytes.size())
+                : meshopt_decodeIndexSequence(out.data(), *count, *stride, in, view->bytes.size());
     } else {
-        return bad(d, pointer + "/mode", "expected ATTRIBUTES, TRIANGLES or INDICES");
+        return d.bad(pointer + "/mode", "expected ATTRIBUTES, TRIANGLES or INDICES");
     }
-    if (failed) return bad(d, pointer, "the compressed data cannot be decoded");
+    if (failed) return d.bad(pointer, "the compressed data cannot be decoded");
+    if (!undo_filter) return out;
     const std::string filter = extension.value("filter", std::string("NONE"));
     if (filter == "OCTAHEDRAL") {
         if (*stride != 4 && *stride != 8)
-            return bad(d, pointer + "/byteStride", "expected 4 or 8 with this filter");
+            return d.bad(pointer + "/byteStride", "expected 4 or 8 with this filter");
         meshopt_decodeFilterOct(out.data(), *count, *stride);
     } else if (filter == "QUATERNION") {
-        if (*stride != 8) return bad(d, pointer + "/byteStride", "expected 8 with this filter");
+        if (*stride != 8) return d.bad(pointer + "/byteStride", "expected 8 with this filter");
         meshopt_decodeFilterQuat(out.data(), *count, *stride);
     } else if (filter == "EXPONENTIAL") {
         meshopt_decodeFilterExp(out.data(), *count, *stride);
     } else if (filter != "NONE") {
-        return bad(d, pointer + "/filter", "unknown filter");
+        return d.bad(pointer + "/filter", "unknown filter");
     }
     return out;
 }
@@ -122,15 +133,12 @@ Result<std::span<const std::byte>> GltfDocument::view(std::size_t index) const {
     const std::string pointer = "/bufferViews/" + std::to_string(index);
     if (const auto known = decompressed_.find(index); known != decompressed_.end())
         return std::span<const std::byte>(known->second);
-    if (view.contains("extensions") && view["extensions"].is_object() &&
-        view["extensions"].contains("EXT_meshopt_compression") &&
-        view["extensions"]["EXT_meshopt_compression"].is_object()) {
+    if (const Json* compressed = extension_of(view, "EXT_meshopt_compression")) {
         Result<std::vector<std::byte>> bytes = Error{};
         try {
-            bytes = decompress(*this, view["extensions"]["EXT_meshopt_compression"],
-                               pointer + "/extensions/EXT_meshopt_compression");
+            bytes = decompress(*this, *compressed, pointer + "/extensions/EXT_meshopt_compression");
         } catch (const Json::exception& e) {
-            bytes = bad(*this, pointer, e.what());
+            bytes = bad(pointer, e.what());
         }
         if (!bytes) return std::move(bytes).error();
         return std::span<const std::byte>(
@@ -138,7 +146,7 @@ Result<std::span<const std::byte>> GltfDocument::view(std::size_t index) const {
     }
     const auto buffer = index_member(*this, view, "buffer", pointer, buffers.size());
     if (!buffer) return buffer.error();
-    if (*buffer == no_index) return bad(*this, pointer + "/buffer", "the member is missing");
+    if (*buffer == no_index) return bad(pointer + "/buffer", "the member is missing");
     if (!buffers[*buffer]) return buffers[*buffer].error();
     const std::vector<std::byte>& bytes = *buffers[*buffer];
     const auto offset = whole_member(*this, view, "byteOffset", pointer, 0, bytes.size(), 0);
@@ -147,10 +155,31 @@ Result<std::span<const std::byte>> GltfDocument::view(std::size_t index) const {
                                      std::max<std::size_t>(bytes.size(), 1), {});
     if (!length) return length.error();
     if (*offset + *length > bytes.size())
-        return bad(*this, pointer + "/byteLength",
-                   "the view ends at byte " + std::to_string(*offset + *length) +
-                       ", its buffer has " + std::to_string(bytes.size()));
+        return bad(pointer + "/byteLength", "the view ends at byte " +
+                                                std::to_string(*offset + *length) +
+                                                ", its buffer has " + std::to_string(bytes.size()));
     return std::span<const std::byte>(bytes).subspan(*offset, *length);
+}
+
+namespace {
+
+// Where a view's compressed bytes are described.
+std::string compressed_pointer(std::size_t index) {
+    return "/bufferViews/" + std::to_string(index) + "/extensions/EXT_meshopt_compression";
+}
+
+}  // namespace
+
+Result<std::span<const std::byte>> GltfDocument::stored_view(std::size_t index) const {
+    const Json& extension = json["bufferViews"][index]["extensions"]["EXT_meshopt_compression"];
+    const auto view = compressed_view(*this, extension, compressed_pointer(index));
+    if (!view) return view.error();
+    return view->bytes;
+}
+
+Result<std::vector<std::byte>> GltfDocument::filtered_view(std::size_t index) const {
+    const Json& extension = json["bufferViews"][index]["extensions"]["EXT_meshopt_compression"];
+    return decompress(*this, extension, compressed_pointer(index), false);
 }
 
 namespace {
@@ -173,10 +202,10 @@ Result<void> gather(const GltfDocument& d, std::size_t view_index, const Layout&
         (layout.count > 0 &&
          (bytes->size() - layout.offset < source ||
           (layout.count - 1) > (bytes->size() - layout.offset - source) / stride)))
-        return bad(d, pointer,
-                   std::to_string(layout.count) + " elements from byte " +
-                       std::to_string(layout.offset) + " with stride " + std::to_string(stride) +
-                       " do not fit the bufferView of " + std::to_string(bytes->size()) + " bytes");
+        return d.bad(pointer, std::to_string(layout.count) + " elements from byte " +
+                                  std::to_string(layout.offset) + " with stride " +
+                                  std::to_string(stride) + " do not fit the bufferView of " +
+                                  std::to_string(bytes->size()) + " bytes");
     const std::size_t count = only ? only->size() : layout.count;
     out.resize(count * layout.element);
     const std::byte* from = bytes->data() + layout.offset;
@@ -223,14 +252,13 @@ Result<void> apply_sparse(const GltfDocument& d, const Json& sparse, const std::
     const std::size_t size = raw.element_size();
     for (std::size_t i = 0; i < targets.size(); ++i) {
         if (targets[i] >= raw.count)
-            return bad(d, pointer + "/indices",
-                       "index " + std::to_string(targets[i]) +
-                           " is out of range: the accessor has " + std::to_string(raw.count) +
-                           " elements");
+            return d.bad(pointer + "/indices", "index " + std::to_string(targets[i]) +
+                                                   " is out of range: the accessor has " +
+                                                   std::to_string(raw.count) + " elements");
         if (i > 0 && targets[i] <= targets[i - 1])
-            return bad(d, pointer + "/indices",
-                       "the indices must ascend, found " + std::to_string(targets[i]) + " after " +
-                           std::to_string(targets[i - 1]));
+            return d.bad(pointer + "/indices", "the indices must ascend, found " +
+                                                   std::to_string(targets[i]) + " after " +
+                                                   std::to_string(targets[i - 1]));
         std::memcpy(raw.bytes.data() + targets[i] * size, values.data() + i * size, size);
     }
     return {};

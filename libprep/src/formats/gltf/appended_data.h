@@ -17,7 +17,7 @@ class AppendedData {
     explicit AppendedData(Json& json) : json_(json) {}
 
     std::size_t add_view(std::vector<std::byte> bytes, int target, std::size_t stride) {
-        Json view{{"buffer", 0}, {"byteLength", bytes.size()}};
+        Json view{{"buffer", 0u}, {"byteLength", bytes.size()}};
         if (stride) view["byteStride"] = stride;
         if (target) view["target"] = target;
         Json& list = json_["bufferViews"];
@@ -56,6 +56,11 @@ class AppendedData {
                                  {"componentType", narrow ? 5123 : 5125},
                                  {"count", indices.size()},
                                  {"type", "SCALAR"}});
+    }
+
+    // The bytes that are stored for a view that is there already.
+    void replace_view(std::size_t view, std::vector<std::byte> bytes) {
+        bytes_.insert_or_assign(view, std::move(bytes));
     }
 
     // Null: the view is the file's own.

@@ -22,7 +22,7 @@ class GltfBuffer {
     // Returns the bufferView's index. `target` 0: none.
     std::size_t add_view(std::span<const std::byte> bytes, int target, std::size_t stride = 0) {
         bytes_.resize((bytes_.size() + 3) & ~std::size_t(3));
-        Json view{{"buffer", 0}, {"byteOffset", bytes_.size()}, {"byteLength", bytes.size()}};
+        Json view{{"buffer", 0u}, {"byteOffset", bytes_.size()}, {"byteLength", bytes.size()}};
         if (stride) view["byteStride"] = stride;
         if (target) view["target"] = target;
         bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());

@@ -6,22 +6,20 @@
 #include <map>
 #include <set>
 
+#include "base/finite.h"
+#include "formats/gltf/material_extensions.h"
+#include "formats/gltf/nodes/build_morphs_skins.h"
+#include "formats/gltf/nodes/build_nodes.h"
 #include "prep/files.h"
 #include "prep/image.h"
+#include "text/name_list.h"
 
 namespace prep::detail {
 namespace {
 
 using Index = std::uint32_t;
 
-bool finite(const glm::vec3& p) {
-    return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
-}
-
 Json array3(const glm::vec3& v) {
-    return {v.x, v.y, v.z};
-}
-Json array3(const glm::dvec3& v) {
     return {v.x, v.y, v.z};
 }
 
@@ -41,7 +39,10 @@ class Builder {
         materials();
         lights();
         cameras();
-        nodes();
+        build_nodes(prepared_, {mesh_index_, light_index_}, document_, buffer_, notes_);
+        if (!unread_.empty())
+            notes_.push_back("textures that cannot be read: " + unread_.text() +
+                             ": their materials go without");
         if (dropped_triangles_ > 0) notes_.push_back(non_finite_note(dropped_triangles_));
         for (const std::string& name : extensions_) document_["extensionsUsed"].push_back(name);
     }
@@ -57,10 +58,12 @@ class Builder {
         const auto read = [&](const TextureRef& ref) {
             if (ref) sets = std::max(sets, std::uint64_t(ref.uv_set) + 1);
         };
-        for (const TextureRef* ref : {&m.diffuse_map, &m.occlusion_map, &m.emissive_map})
+        for (const TextureRef* ref :
+             {&m.diffuse_map, &m.occlusion_map, &m.emissive_map, &m.displacement_map})
             read(*ref);
         if (m.normal_map_space == NormalMapSpace::tangent) read(m.normal_map);
-        read(m.metallic_roughness ? m.metallic_roughness_map : m.specular_map);
+        if (!m.unlit) read(m.specular_map);
+        if (m.metallic_roughness) read(m.metallic_roughness_map);
         return sets;
     }
 
@@ -112,22 +115,23 @@ class Builder {
                 indices.reserve(range.triangle_count * std::size_t(3));
                 for (Index t = 0; t < range.triangle_count; ++t) {
                     const Index* i = &mesh.indices[3 * std::size_t(range.first_triangle + t)];
-                    if (finite(mesh.positions[i[0]]) && finite(mesh.positions[i[1]]) &&
-                        finite(mesh.positions[i[2]]))
+                    if (is_finite(mesh.positions[i[0]]) && is_finite(mesh.positions[i[1]]) &&
+                        is_finite(mesh.positions[i[2]]))
                         indices.insert(indices.end(), i, i + 3);
                     else
                         ++dropped_triangles_;
                 }
-                add_primitive(mesh, std::move(indices), 4, range.material, primitives);
+                add_primitive(m, std::move(indices), 4, range.material, primitives);
             }
-            add_primitive(mesh, only_finite(mesh, mesh.lines, 2), 1, no_index, primitives);
-            add_primitive(mesh, only_finite(mesh, mesh.points, 1), 0, no_index, primitives);
+            add_primitive(m, only_finite(mesh, mesh.lines, 2), 1, no_index, primitives);
+            add_primitive(m, only_finite(mesh, mesh.points, 1), 0, no_index, primitives);
             if (primitives.empty()) {
                 note_once("mesh '" + scene_.meshes[m].name + "' has nothing to draw: left out");
                 continue;
             }
             Json out{{"primitives", std::move(primitives)}};
             if (!scene_.meshes[m].name.empty()) out["name"] = scene_.meshes[m].name;
+            add_target_members(scene_.meshes[m], out);
             mesh_index_[m] = Index(buffer_.push("meshes", std::move(out)));
         }
     }
@@ -137,15 +141,17 @@ class Builder {
         std::vector<Index> kept;
         for (std::size_t i = 0; i < indices.size(); i += group) {
             bool good = true;
-            for (std::size_t k = 0; k < group; ++k) good &= finite(mesh.positions[indices[i + k]]);
+            for (std::size_t k = 0; k < group; ++k)
+                good &= is_finite(mesh.positions[indices[i + k]]);
             if (good) kept.insert(kept.end(), &indices[i], &indices[i] + group);
         }
         return kept;
     }
 
-    void add_primitive(const VertexMesh& mesh, std::vector<Index> indices, int mode, Index material,
+    void add_primitive(Index m, std::vector<Index> indices, int mode, Index material,
                        Json& primitives) {
         if (indices.empty()) return;
+        const VertexMesh& mesh = prepared_.meshes[m];
         // The vertices that this primitive uses, in their order.
         std::vector<Index> used, to_local;
         const bool all = mesh.ranges.size() == 1 && mesh.lines.empty() && mesh.points.empty() &&
@@ -181,7 +187,11 @@ class Builder {
                 attributes["TEXCOORD_" + std::to_string(s)] = add(finite_uvs(mesh.uvs[s]), 2);
         for (std::size_t s = 0; s < mesh.colors.size(); ++s)
             attributes["COLOR_" + std::to_string(s)] = add(clamped_colors(mesh.colors[s]), 4);
+        const PrimitiveVertices vertices{prepared_, m, all ? std::span<const Index>() : used,
+                                         count};
+        add_influences(vertices, buffer_, attributes);
         Json primitive{{"attributes", std::move(attributes)}};
+        add_targets(vertices, primitive["attributes"], document_, buffer_, primitive);
         primitive["indices"] = buffer_.add_indices(indices, count);
         if (material < scene_.materials.size())
             primitive["material"] = material_for(mesh, material);
@@ -205,7 +215,7 @@ class Builder {
     std::vector<glm::vec2> finite_uvs(const std::vector<glm::vec2>& uvs) {
         std::vector<glm::vec2> out = uvs;
         for (glm::vec2& uv : out)
-            if (!std::isfinite(uv.x) || !std::isfinite(uv.y)) {
+            if (!is_finite(uv)) {
                 uv = glm::vec2(0.0f);
                 note_once("UVs that are not finite were written as 0");
             }
@@ -224,7 +234,8 @@ class Builder {
     }
 
     // A picture as it is, or with its green turned over: normal maps whose green points down.
-    enum class Green : std::uint8_t { kept, turned };
+    // Heights are kept, with 16 bits where they need them.
+    enum class Green : std::uint8_t { kept, turned, heights };
 
     Json texture_info(const TextureRef& ref, Green green) {
         Json info;
@@ -274,7 +285,7 @@ class Builder {
         if (known != image_map_.end()) return known->second;
         const ImageRef& ref = scene_.images[image];
         std::vector<std::byte> bytes = ref.bytes;
-        if (bytes.empty()) {
+        if (bytes.empty() && ref.channels.empty()) {
             auto file = read_file(ref.path);
             if (file) bytes = *std::move(file);
         }
@@ -285,20 +296,29 @@ class Builder {
             if (decoded) {
                 const bool turned = green == Green::turned;
                 if (turned) turn_green(*decoded);
-                // A normal map of more bits keeps them.
+                // A normal map of more bits keeps them, and heights keep what PNG can hold.
+                const bool exact = turned || green == Green::heights;
+                if (green == Green::heights) {
+                    note_cut_heights(*decoded, ref.name);
+                    if (decoded->floating)
+                        note_once("texture '" + ref.name + "': heights were rounded to 16 bits");
+                }
                 auto png = encode_png(
-                    *decoded, turned && !is_eight_bit(*decoded) ? PixelType::u16 : PixelType::u8);
+                    *decoded, exact && !is_eight_bit(*decoded) ? PixelType::u16 : PixelType::u8);
                 if (png) {
                     bytes = *std::move(png);
                     mime = "image/png";
-                    note_once("texture '" + ref.name + "' was converted to PNG" +
+                    note_once("texture '" + ref.name + "' was " +
+                              (ref.channels.empty() ? "converted to PNG" : "put together as PNG") +
                               (turned ? ", its green turned over" : ""));
                 }
+            } else if (decoded.error().code != ErrorCode::io) {
+                note_once("texture '" + ref.name + "': " + decoded.error().text);
             }
         }
         Index result = no_index;
         if (mime.empty()) {
-            note_once("texture '" + ref.name + "' cannot be read: its material goes without");
+            unread_.add(ref.name.empty() ? std::to_string(image) : ref.name);
         } else {
             const std::size_t view = buffer_.add_view(bytes, 0);
             Json out{{"bufferView", view}, {"mimeType", mime}};
@@ -307,6 +327,13 @@ class Builder {
         }
         image_map_.emplace(std::pair(image, green), result);
         return result;
+    }
+
+    void note_cut_heights(const Image& image, const std::string& name) {
+        const bool beyond = std::any_of(image.pixels.begin(), image.pixels.end(),
+                                        [](float value) { return !(value >= 0 && value <= 1); });
+        if (beyond)
+            note_once("texture '" + name + "' has heights beyond 0 to 1, where PNG ends: cut off");
     }
 
     static bool is_eight_bit(const Image& image) {
@@ -335,8 +362,9 @@ class Builder {
     void materials() {
         for (const Variant& variant : variants_) {
             Material m = scene_.materials[variant.material];
-            for (TextureRef* ref : {&m.diffuse_map, &m.specular_map, &m.emissive_map,
-                                    &m.occlusion_map, &m.normal_map, &m.metallic_roughness_map})
+            for (TextureRef* ref :
+                 {&m.diffuse_map, &m.specular_map, &m.emissive_map, &m.occlusion_map, &m.normal_map,
+                  &m.metallic_roughness_map, &m.displacement_map})
                 if (ref->uv_set >= variant.uv_sets) *ref = {};
             const auto unit = [](float x) { return std::clamp(x, 0.0f, 1.0f); };
             Json out, pbr;
@@ -344,9 +372,9 @@ class Builder {
             pbr["baseColorFactor"] = {unit(m.diffuse.r), unit(m.diffuse.g), unit(m.diffuse.b),
                                       unit(m.diffuse.a)};
             pbr["metallicFactor"] = m.metallic_roughness ? unit(m.metallic) : 0.0f;
-            pbr["roughnessFactor"] = m.metallic_roughness
-                                         ? unit(m.roughness)
-                                         : float(std::sqrt(std::sqrt(2.0 / (m.shininess + 2.0))));
+            const GltfHighlight highlight = gltf_highlight(m);
+            limited_ += highlight.limited && !m.unlit;
+            pbr["roughnessFactor"] = highlight.roughness;
             set_texture(pbr, "baseColorTexture", m.diffuse_map);
             if (m.metallic_roughness)
                 set_texture(pbr, "metallicRoughnessTexture", m.metallic_roughness_map);
@@ -360,7 +388,7 @@ class Builder {
                 note_once("glTF has no object-space normal maps: left out");
             }
             if (m.bump_map) note_once("glTF has no bump maps: left out");
-            if (m.displacement_map) note_once("glTF has no displacement maps: left out");
+            if (m.displacement_map) displacement(m, out);
             set_texture(out, "occlusionTexture", m.occlusion_map);
             if (out.contains("occlusionTexture") && m.occlusion_map.strength != 1)
                 out["occlusionTexture"]["strength"] =
@@ -376,9 +404,17 @@ class Builder {
                 extensions_.insert("KHR_materials_unlit");
                 out["extensions"]["KHR_materials_unlit"] = Json::object();
             }
+            if (!m.unlit) reflectance(m, highlight.reflectance, out);
+            if (!m.unlit) write_layers(m, out, extensions_);
             if (!m.metallic_roughness) blinn_phong(m, out);
             buffer_.push("materials", std::move(out));
         }
+        if (limited_ > 0)
+            notes_.push_back(
+                std::to_string(limited_) +
+                (limited_ == 1 ? " highlight reflects" : " highlights reflect") +
+                " more than the diffuse colour leaves over: limited for other programs, exact in "
+                "extras");
     }
 
     void set_texture(Json& owner, const char* slot, const TextureRef& ref,
@@ -398,16 +434,33 @@ class Builder {
         }
     }
 
+    // A dielectric reflects 4 % of light that falls in straight: the factor scales that.
+    void reflectance(const Material& m, const glm::vec3& reflected, Json& out) {
+        const bool usual = reflected == glm::vec3(0.04f) && m.metallic_roughness;
+        if (usual && !m.specular_map) return;
+        Json specular = Json::object();
+        if (!usual) specular["specularColorFactor"] = array3(reflected / 0.04f);
+        set_texture(specular, "specularColorTexture", m.specular_map);
+        if (specular.empty()) return;
+        extensions_.insert("KHR_materials_specular");
+        out["extensions"]["KHR_materials_specular"] = std::move(specular);
+    }
+
+    // glTF has no place for displacement (KhronosGroup/glTF#948): our own reader finds it in
+    // extras.
+    void displacement(const Material& m, Json& out) {
+        Json kept = Json::object();
+        set_texture(kept, "texture", m.displacement_map, Green::heights);
+        if (kept.empty()) return;
+        kept["scale"] = m.displacement_scale * m.displacement_map.strength;
+        kept["midlevel"] = m.displacement_midlevel;
+        kept["kind"] = name_of(m.displacement_kind);
+        out["extras"]["displacement"] = std::move(kept);
+        note_once("glTF has no displacement maps: kept in the materials' extras");
+    }
+
+    // What our own reader takes back exactly.
     void blinn_phong(const Material& m, Json& out) {
-        if (!m.unlit) {
-            // A dielectric reflects 4 % of light that falls in straight: the factor scales that.
-            extensions_.insert("KHR_materials_specular");
-            Json& specular = out["extensions"]["KHR_materials_specular"];
-            const float most = std::numeric_limits<float>::max();
-            specular["specularColorFactor"] =
-                array3(glm::clamp(m.specular / 0.04f, glm::vec3(0.0f), glm::vec3(most)));
-            set_texture(specular, "specularColorTexture", m.specular_map);
-        }
         Json& exact = out["extras"]["blinnPhong"];
         exact["ambient"] = array3(m.ambient);
         exact["diffuse"] = {m.diffuse.r, m.diffuse.g, m.diffuse.b, m.diffuse.a};
@@ -418,10 +471,11 @@ class Builder {
     void lights() {
         light_index_.assign(scene_.lights.size(), no_index);
         Json list = Json::array();
+        std::uint64_t ambient = 0;
         for (Index l = 0; l < scene_.lights.size(); ++l) {
             const Light& light = scene_.lights[l];
             if (light.kind == LightKind::ambient) {
-                note_once("glTF has no ambient lights: left out");
+                ++ambient;
                 continue;
             }
             // Colours end at 1, intensities nowhere.
@@ -439,6 +493,10 @@ class Builder {
             light_index_[l] = Index(list.size());
             list.push_back(std::move(out));
         }
+        if (ambient > 0)
+            notes_.push_back(std::to_string(ambient) +
+                             (ambient == 1 ? " ambient light" : " ambient lights") +
+                             " left out: glTF has none");
         if (list.empty()) return;
         extensions_.insert("KHR_lights_punctual");
         document_["extensions"]["KHR_lights_punctual"]["lights"] = std::move(list);
@@ -465,61 +523,14 @@ class Builder {
         }
     }
 
-    void nodes() {
-        const std::size_t count = scene_.nodes.size();
-        Json roots = Json::array();
-        std::vector<Json> children(count, Json::array());
-        for (Index n = 0; n < count; ++n) {
-            if (scene_.nodes[n].parent == no_index)
-                roots.push_back(n);
-            else
-                children[scene_.nodes[n].parent].push_back(n);
-        }
-        std::vector<Json> offset_nodes;
-        for (Index n = 0; n < count; ++n) {
-            const Node& node = scene_.nodes[n];
-            Json out = Json::object();
-            if (!node.name.empty()) out["name"] = node.name;
-            if (node.transform != glm::dmat4(1.0)) {
-                Json matrix = Json::array();
-                for (int c = 0; c < 4; ++c)
-                    for (int r = 0; r < 4; ++r) matrix.push_back(node.transform[c][r]);
-                out["matrix"] = std::move(matrix);
-            }
-            if (node.camera != no_index) out["camera"] = node.camera;
-            if (node.light != no_index && light_index_[node.light] != no_index)
-                out["extensions"]["KHR_lights_punctual"]["light"] = light_index_[node.light];
-            if (node.mesh != no_index && mesh_index_[node.mesh] != no_index) {
-                const glm::dvec3 origin = prepared_.meshes[node.mesh].origin;
-                if (origin == glm::dvec3(0.0)) {
-                    out["mesh"] = mesh_index_[node.mesh];
-                } else if (node.transform == glm::dmat4(1.0) && children[n].empty()) {
-                    // Doubles in JSON keep what float positions could not.
-                    out["translation"] = array3(origin);
-                    out["mesh"] = mesh_index_[node.mesh];
-                } else {
-                    children[n].push_back(count + offset_nodes.size());
-                    offset_nodes.push_back(
-                        Json{{"translation", array3(origin)}, {"mesh", mesh_index_[node.mesh]}});
-                }
-            }
-            if (!children[n].empty()) out["children"] = children[n];
-            buffer_.push("nodes", std::move(out));
-        }
-        for (Json& node : offset_nodes) buffer_.push("nodes", std::move(node));
-        document_["scene"] = 0;
-        Json out_scene = Json::object();
-        if (!roots.empty()) out_scene["nodes"] = std::move(roots);
-        if (!scene_.name.empty()) out_scene["name"] = scene_.name;
-        buffer_.push("scenes", std::move(out_scene));
-    }
-
     const PreparedScene& prepared_;
     const Scene& scene_;
     Json& document_;
     GltfBuffer& buffer_;
     std::vector<std::string>& notes_;
     std::uint64_t dropped_triangles_ = 0;
+    std::size_t limited_ = 0;  // highlights
+    NameList unread_;          // textures
     std::vector<Index> mesh_index_, light_index_;
     struct Variant {
         Index material;

@@ -4,6 +4,7 @@
 
 #include "formats/gltf/document.h"
 #include "prep/files.h"
+#include "text/percent_encoding.h"
 
 namespace prep::detail {
 namespace {
@@ -63,6 +64,7 @@ struct Container {
     bool binary_file = false;
     std::string_view json;
     std::optional<std::span<const std::byte>> binary;
+    bool uneven = false;  // a chunk whose length is not a multiple of 4
 };
 
 Result<Container> open_glb(std::span<const std::byte> bytes, const std::string& name) {
@@ -82,6 +84,7 @@ Result<Container> open_glb(std::span<const std::byte> bytes, const std::string& 
         return fail("the header announces " + std::to_string(length) + " bytes, the file has " +
                         std::to_string(bytes.size()),
                     8);
+    constexpr std::uint32_t json_type = 0x4e4f534a, binary_type = 0x004e4942;
     Container container;
     container.binary_file = true;
     bool json = false;
@@ -92,9 +95,7 @@ Result<Container> open_glb(std::span<const std::byte> bytes, const std::string& 
             return fail("a chunk of " + std::to_string(size) + " bytes, but only " +
                             std::to_string(length - at - 8) + " are left",
                         at);
-        if (size % 4 != 0) return fail("a chunk's length is not a multiple of 4", at);
         const std::span<const std::byte> content = bytes.subspan(at + 8, size);
-        constexpr std::uint32_t json_type = 0x4e4f534a, binary_type = 0x004e4942;
         if (chunk == 0) {
             if (type != json_type) return fail("the first chunk must be JSON", at);
             container.json = {reinterpret_cast<const char*>(content.data()), content.size()};
@@ -107,31 +108,20 @@ Result<Container> open_glb(std::span<const std::byte> bytes, const std::string& 
             container.binary = content;
         }
         at += 8 + size;
+        if (size % 4 != 0) {
+            container.uneven = true;
+            // What writers of such files do is not settled: padding is there where it makes the
+            // next chunk one of a known type.
+            const std::size_t padded = (at + 3) / 4 * 4;
+            const auto known = [&](std::size_t header) {
+                return header + 8 <= length && u32(bytes, header + 4) == binary_type;
+            };
+            if ((!known(at) && known(padded)) || padded == length) at = padded;
+        }
     }
     if (at != length) return fail("the file ends inside a chunk header", at);
     if (!json) return fail("there is no JSON chunk", 12);
     return container;
-}
-
-// "%20" and friends; URIs of glTF are relative and percent-encoded.
-std::string percent_decoded(const std::string& uri) {
-    const auto digit = [](char c) {
-        return c >= '0' && c <= '9'   ? c - '0'
-               : c >= 'a' && c <= 'f' ? c - 'a' + 10
-               : c >= 'A' && c <= 'F' ? c - 'A' + 10
-                                      : -1;
-    };
-    std::string out;
-    for (std::size_t i = 0; i < uri.size(); ++i) {
-        if (uri[i] == '%' && i + 2 < uri.size() && digit(uri[i + 1]) >= 0 &&
-            digit(uri[i + 2]) >= 0) {
-            out += char(digit(uri[i + 1]) * 16 + digit(uri[i + 2]));
-            i += 2;
-        } else {
-            out += uri[i];
-        }
-    }
-    return out;
 }
 
 bool base64_decode(std::string_view text, std::vector<std::byte>& out) {
@@ -293,12 +283,15 @@ Result<GltfDocument> open_gltf(std::span<const std::byte> bytes, const GltfOptio
     GltfDocument document;
     document.name = options.name;
     document.directory = options.directory;
+    document.texture_directories = options.texture_directories;
     document.input_bytes = bytes.size();
     Container container;
     if (bytes.size() >= 4 && std::memcmp(bytes.data(), "glTF", 4) == 0) {
         auto opened = open_glb(bytes, options.name);
         if (!opened) return std::move(opened).error();
         container = *opened;
+        if (container.uneven)
+            document.warnings.push_back(options.name + ": a chunk's length is not a multiple of 4");
     } else {
         container.json = {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
         if (container.json.starts_with("\xef\xbb\xbf")) container.json.remove_prefix(3);
@@ -357,7 +350,50 @@ Result<std::uint64_t> whole_value(const GltfDocument& document, const Json& valu
         document.place(pointer)};
 }
 
+template <class T>
+Result<void> read_list(const GltfDocument& document, const Json& object, const char* key,
+                       const std::string& pointer, std::span<T> out) {
+    const auto it = object.find(key);
+    if (it == object.end()) return {};
+    const std::string place = pointer + "/" + key;
+    if (out.size() == 1) {
+        if (!it->is_number()) return document.bad(place, "expected a number");
+        out[0] = it->get<T>();
+        return {};
+    }
+    if (!it->is_array() || it->size() != out.size())
+        return document.bad(place, "expected " + std::to_string(out.size()) + " numbers");
+    for (std::size_t i = 0; i < out.size(); ++i) {
+        if (!(*it)[i].is_number())
+            return document.bad(place + "/" + std::to_string(i), "expected a number");
+        out[i] = (*it)[i].get<T>();
+    }
+    return {};
+}
+
 }  // namespace
+
+std::string name_of(const Json& object) {
+    const auto it = object.find("name");
+    return it != object.end() && it->is_string() ? it->get<std::string>() : std::string();
+}
+
+const Json* extension_of(const Json& object, const char* name) {
+    const auto all = object.find("extensions");
+    if (all == object.end() || !all->is_object()) return nullptr;
+    const auto it = all->find(name);
+    return it != all->end() && it->is_object() ? &*it : nullptr;
+}
+
+Result<void> read_numbers(const GltfDocument& document, const Json& object, const char* key,
+                          const std::string& pointer, std::span<double> out) {
+    return read_list(document, object, key, pointer, out);
+}
+
+Result<void> read_numbers(const GltfDocument& document, const Json& object, const char* key,
+                          const std::string& pointer, std::span<float> out) {
+    return read_list(document, object, key, pointer, out);
+}
 
 Result<std::uint64_t> whole_member(const GltfDocument& document, const Json& object,
                                    const char* key, const std::string& pointer, std::uint64_t low,

@@ -55,6 +55,7 @@ struct GltfPrimitive {
     }
     // Attributes (by semantic) that KHR_draco_mesh_compression held; accessors say nothing of them.
     std::map<std::string, RawAccessor> draco;
+    std::vector<std::uint32_t> draco_indices;
 };
 
 }  // namespace detail
@@ -65,16 +66,25 @@ class GltfDocument final : public RetainedFile {
     // The bytes of each buffer, cut to its byteLength; or why they are not there, which matters
     // only once something refers to them.
     std::vector<Result<std::vector<std::byte>>> buffers;
-    std::uint64_t input_bytes = 0;  // of the file and its buffers
+    std::uint64_t input_bytes = 0;      // of the file and its buffers
+    std::vector<std::string> warnings;  // odd but read
     std::filesystem::path directory;
+    std::vector<std::filesystem::path> texture_directories;
     std::string name;
     std::vector<std::vector<detail::GltfPrimitive>> primitives;  // per mesh
 
     // "name#/pointer" for messages.
     std::string place(const std::string& pointer) const { return name + "#" + pointer; }
+    Error bad(const std::string& pointer, std::string text,
+              ErrorCode code = ErrorCode::invalid) const {
+        return {code, std::move(text), place(pointer)};
+    }
 
     // The bytes of a bufferView, decompressed if need be; kept for the next call.
     Result<std::span<const std::byte>> view(std::size_t index) const;
+    // A view as it is stored, by EXT_meshopt_compression; or decompressed, its filter not undone.
+    Result<std::span<const std::byte>> stored_view(std::size_t index) const;
+    Result<std::vector<std::byte>> filtered_view(std::size_t index) const;
     // Only after check_structure(). Errors: the data are not there, or cannot be decompressed.
     Result<detail::RawAccessor> raw_accessor(std::size_t index) const;
     // Only these of its elements, all of which it must have, in this order: the cost is theirs, but
@@ -121,6 +131,15 @@ Result<std::vector<std::uint32_t>> decode_draco(const GltfDocument& document, co
                                                 const std::string& pointer,
                                                 std::map<std::string, RawAccessor>& out);
 
+// An object's "name"; empty where it has none.
+std::string name_of(const Json& object);
+// An extension of an object; null where there is none, or it is no object.
+const Json* extension_of(const Json& object, const char* name);
+// A member of `count` numbers (1: the number itself); `out` is left as it is where it is absent.
+Result<void> read_numbers(const GltfDocument& document, const Json& object, const char* key,
+                          const std::string& pointer, std::span<double> out);
+Result<void> read_numbers(const GltfDocument& document, const Json& object, const char* key,
+                          const std::string& pointer, std::span<float> out);
 // A member that must be an index into an array of `size`; no_index where it is absent.
 Result<std::uint32_t> index_member(const GltfDocument& document, const Json& object,
                                    const char* key, const std::string& pointer, std::size_t size);

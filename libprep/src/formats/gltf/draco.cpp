@@ -8,10 +8,6 @@
 namespace prep::detail {
 namespace {
 
-Error bad(const GltfDocument& d, const std::string& pointer, std::string text) {
-    return {ErrorCode::invalid, std::move(text), d.place(pointer)};
-}
-
 template <class T>
 bool fill(const draco::Mesh& mesh, const draco::PointAttribute& attribute, int width,
           std::vector<std::byte>& out) {
@@ -48,11 +44,11 @@ Result<std::vector<std::uint32_t>> decode(const GltfDocument& d, const Json& pri
                                           std::map<std::string, RawAccessor>& out) {
     const Json& extension = primitive["extensions"]["KHR_draco_mesh_compression"];
     const std::string pointer = primitive_pointer + "/extensions/KHR_draco_mesh_compression";
-    if (!extension.is_object()) return bad(d, pointer, "expected an object");
+    if (!extension.is_object()) return d.bad(pointer, "expected an object");
     const std::size_t views = d.json.contains("bufferViews") ? d.json["bufferViews"].size() : 0;
     const auto view = index_member(d, extension, "bufferView", pointer, views);
     if (!view) return view.error();
-    if (*view == no_index) return bad(d, pointer + "/bufferView", "the member is missing");
+    if (*view == no_index) return d.bad(pointer + "/bufferView", "the member is missing");
     const auto bytes = d.view(*view);
     if (!bytes) return bytes.error();
 
@@ -60,19 +56,18 @@ Result<std::vector<std::uint32_t>> decode(const GltfDocument& d, const Json& pri
     buffer.Init(reinterpret_cast<const char*>(bytes->data()), bytes->size());
     draco::Decoder decoder;
     auto decoded = decoder.DecodeMeshFromBuffer(&buffer);
-    if (!decoded.ok())
-        return bad(d, pointer, std::string("Draco: ") + decoded.status().error_msg());
+    if (!decoded.ok()) return d.bad(pointer, std::string("Draco: ") + decoded.status().error_msg());
     const std::unique_ptr<draco::Mesh> mesh = std::move(decoded).value();
 
     if (!extension.contains("attributes") || !extension["attributes"].is_object())
-        return bad(d, pointer + "/attributes", "expected an object");
+        return d.bad(pointer + "/attributes", "expected an object");
     const std::size_t accessors = d.json.contains("accessors") ? d.json["accessors"].size() : 0;
     for (const auto& item : extension["attributes"].items()) {
         const std::string place = pointer + "/attributes/" + item.key();
-        if (!item.value().is_number_unsigned()) return bad(d, place, "expected an attribute's id");
+        if (!item.value().is_number_unsigned()) return d.bad(place, "expected an attribute's id");
         const draco::PointAttribute* attribute =
             mesh->GetAttributeByUniqueId(item.value().get<std::uint32_t>());
-        if (!attribute) return bad(d, place, "the compressed mesh has no such attribute");
+        if (!attribute) return d.bad(place, "the compressed mesh has no such attribute");
         if (!primitive["attributes"].contains(item.key())) continue;
         const auto index = index_member(d, primitive["attributes"], item.key().c_str(),
                                         primitive_pointer + "/attributes", accessors);
@@ -84,8 +79,8 @@ Result<std::vector<std::uint32_t>> decode(const GltfDocument& d, const Json& pri
         raw.normalized = accessor.value("normalized", false);
         raw.count = mesh->num_points();
         if (component_size(raw.component_type) == 0 || raw.width == 0 || raw.width > 4)
-            return bad(d, "/accessors/" + std::to_string(*index), "no type that Draco can fill");
-        if (!fill(*mesh, *attribute, raw)) return bad(d, place, "its values cannot be converted");
+            return d.bad("/accessors/" + std::to_string(*index), "no type that Draco can fill");
+        if (!fill(*mesh, *attribute, raw)) return d.bad(place, "its values cannot be converted");
         out.emplace(item.key(), std::move(raw));
     }
     std::vector<std::uint32_t> indices;
@@ -93,7 +88,7 @@ Result<std::vector<std::uint32_t>> decode(const GltfDocument& d, const Json& pri
     for (draco::FaceIndex f(0); f < mesh->num_faces(); ++f)
         for (int k = 0; k < 3; ++k) {
             const std::uint32_t v = mesh->face(f)[std::size_t(k)].value();
-            if (v >= mesh->num_points()) return bad(d, pointer, "a decoded index is out of range");
+            if (v >= mesh->num_points()) return d.bad(pointer, "a decoded index is out of range");
             indices.push_back(v);
         }
     return indices;
@@ -107,7 +102,7 @@ Result<std::vector<std::uint32_t>> decode_draco(const GltfDocument& document, co
     try {
         return decode(document, primitive, pointer, out);
     } catch (const std::exception& e) {
-        return bad(document, pointer, std::string("Draco: ") + e.what());
+        return document.bad(pointer, std::string("Draco: ") + e.what());
     }
 }
 

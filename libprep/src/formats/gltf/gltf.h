@@ -6,14 +6,15 @@
 //
 // Read: all primitive modes, sparse accessors, KHR_mesh_quantization, KHR_texture_transform,
 // KHR_lights_punctual, KHR_materials_unlit, KHR_materials_specular,
-// KHR_materials_emissive_strength, EXT_meshopt_compression, KHR_draco_mesh_compression,
-// EXT_texture_webp.
+// KHR_materials_ior, KHR_materials_emissive_strength, EXT_meshopt_compression,
+// KHR_draco_mesh_compression, EXT_texture_webp.
 #pragma once
 
 #include <cstddef>
 #include <filesystem>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "prep/load.h"
 #include "prep/result.h"
@@ -24,6 +25,8 @@ namespace prep {
 struct GltfOptions {
     std::string name = "memory.gltf";  // for messages
     std::filesystem::path directory;   // where external buffers and images are looked up
+    std::vector<std::string> allowed_extensions = {};             // as LoadOptions'
+    std::vector<std::filesystem::path> texture_directories = {};  // and images that are not there
 };
 
 // GLB or JSON, told apart by the first bytes. One Mesh per glTF mesh: its primitives are parts, so

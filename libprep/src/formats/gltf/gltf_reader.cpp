@@ -6,6 +6,7 @@
 #include <set>
 
 #include "formats/gltf/document.h"
+#include "formats/gltf/extensions.h"
 #include "formats/gltf/materials.h"
 #include "formats/gltf/meshes.h"
 #include "formats/gltf/structure.h"
@@ -20,37 +21,16 @@ using Index = std::uint32_t;
 
 constexpr double widest_yfov = 3.1;  // at π a picture would have no edge
 
-// What a file may require and still be read in full.
-const std::set<std::string>& supported_extensions() {
-    static const std::set<std::string> names{"KHR_mesh_quantization",
-                                             "KHR_texture_transform",
-                                             "KHR_lights_punctual",
-                                             "KHR_materials_unlit",
-                                             "KHR_materials_specular",
-                                             "KHR_materials_emissive_strength",
-                                             "KHR_materials_ior",
-                                             "KHR_materials_clearcoat",
-                                             "KHR_materials_sheen",
-                                             "KHR_materials_transmission",
-                                             "KHR_materials_volume",
-                                             "KHR_materials_iridescence",
-                                             "KHR_materials_anisotropy",
-                                             "KHR_materials_variants",
-                                             "KHR_materials_pbrSpecularGlossiness",
-                                             "EXT_meshopt_compression",
-                                             "KHR_draco_mesh_compression",
-                                             "EXT_texture_webp",
-                                             "KHR_xmp_json_ld",
-                                             "KHR_animation_pointer"};
-    return names;
-}
-
-class Reader {
+class SceneReader {
   public:
-    explicit Reader(std::shared_ptr<GltfDocument> document)
-        : d_(*document), document_(document), decoded_bytes_left_(decoded_limit(d_.input_bytes)) {}
+    SceneReader(std::shared_ptr<GltfDocument> document, const std::vector<std::string>& allowed)
+        : d_(*document),
+          document_(document),
+          allowed_(allowed),
+          decoded_bytes_left_(decoded_limit(d_.input_bytes)) {}
 
     Result<Scene> run() {
+        scene_.warnings = d_.warnings;
         if (auto done = extensions(); !done) return std::move(done).error();
         for (const char* key :
              {"accessors", "bufferViews", "meshes", "nodes", "scenes", "materials", "textures",
@@ -73,30 +53,21 @@ class Reader {
     }
 
   private:
-    Error bad(const std::string& pointer, std::string text,
-              ErrorCode code = ErrorCode::invalid) const {
-        return {code, std::move(text), d_.place(pointer)};
-    }
     std::size_t size_of(const char* key) const {
         return d_.json.contains(key) ? d_.json[key].size() : 0;
-    }
-    static std::string name_of(const Json& object) {
-        const auto it = object.find("name");
-        return it != object.end() && it->is_string() ? it->get<std::string>() : std::string();
     }
 
     Result<void> extensions() {
         const auto it = d_.json.find("extensionsRequired");
         if (it == d_.json.end()) return {};
-        if (!it->is_array()) return bad("/extensionsRequired", "expected an array");
+        if (!it->is_array()) return d_.bad("/extensionsRequired", "expected an array");
         for (std::size_t i = 0; i < it->size(); ++i) {
             const std::string pointer = "/extensionsRequired/" + std::to_string(i);
-            if (!(*it)[i].is_string()) return bad(pointer, "expected a string");
+            if (!(*it)[i].is_string()) return d_.bad(pointer, "expected a string");
             const std::string name = (*it)[i].get<std::string>();
-            if (!supported_extensions().contains(name))
-                return bad(pointer,
-                           "the file requires the extension " + name + ", which is not supported",
-                           ErrorCode::unsupported);
+            auto said = required_extension(name, allowed_);
+            if (!said) return d_.bad(pointer, said.error().text, said.error().code);
+            if (!said->empty()) scene_.warnings.push_back(d_.place(pointer) + ": " + *said);
         }
         return {};
     }
@@ -107,25 +78,10 @@ class Reader {
         const auto it = object.find(key);
         if (it == object.end()) {
             if (otherwise) return *otherwise;
-            return bad(pointer + "/" + key, "the member is missing");
+            return d_.bad(pointer + "/" + key, "the member is missing");
         }
-        if (!it->is_number()) return bad(pointer + "/" + key, "expected a number");
+        if (!it->is_number()) return d_.bad(pointer + "/" + key, "expected a number");
         return it->get<double>();
-    }
-
-    Result<void> numbers(const Json& object, const char* key, const std::string& pointer,
-                         std::size_t count, double* out) const {
-        const auto it = object.find(key);
-        if (it == object.end()) return {};
-        const std::string place = pointer + "/" + key;
-        if (!it->is_array() || it->size() != count)
-            return bad(place, "expected " + std::to_string(count) + " numbers");
-        for (std::size_t i = 0; i < count; ++i) {
-            if (!(*it)[i].is_number())
-                return bad(place + "/" + std::to_string(i), "expected a number");
-            out[i] = (*it)[i].get<double>();
-        }
-        return {};
     }
 
     Result<void> cameras() {
@@ -137,13 +93,13 @@ class Reader {
             out.name = name_of(in);
             const auto type = in.find("type");
             if (type == in.end() || !type->is_string())
-                return bad(pointer + "/type", "expected a string");
+                return d_.bad(pointer + "/type", "expected a string");
             const std::string kind = type->get<std::string>();
             if (kind != "perspective" && kind != "orthographic")
-                return bad(pointer + "/type", "expected perspective or orthographic");
+                return d_.bad(pointer + "/type", "expected perspective or orthographic");
             const auto lens = in.find(kind);
             if (lens == in.end() || !lens->is_object())
-                return bad(pointer + "/" + kind, "expected an object");
+                return d_.bad(pointer + "/" + kind, "expected an object");
             const std::string place = pointer + "/" + kind;
             out.perspective = kind == "perspective";
             const auto take = [&](const char* key, std::optional<double> otherwise, double& to,
@@ -151,7 +107,7 @@ class Reader {
                 const auto value = number(*lens, key, place, otherwise);
                 if (!value) return value.error();
                 if (lens->contains(key) && !(*value >= low && std::isfinite(*value)))
-                    return bad(place + "/" + key, "out of range");
+                    return d_.bad(place + "/" + key, "out of range");
                 to = *value;
                 return {};
             };
@@ -166,16 +122,16 @@ class Reader {
                     out.yfov = widest_yfov;
                 }
                 if (lens->contains("zfar") && out.zfar <= out.znear)
-                    return bad(place + "/zfar", "must be greater than znear");
+                    return d_.bad(place + "/zfar", "must be greater than znear");
             } else {
                 if (auto r = take("xmag", {}, out.xmag, -1e300); !r) return r;
                 if (auto r = take("ymag", {}, out.ymag, -1e300); !r) return r;
                 if (auto r = take("znear", {}, out.znear, 0); !r) return r;
                 if (auto r = take("zfar", {}, out.zfar, 0); !r) return r;
-                if (out.xmag == 0) return bad(place + "/xmag", "must not be zero");
-                if (out.ymag == 0) return bad(place + "/ymag", "must not be zero");
+                if (out.xmag == 0) return d_.bad(place + "/xmag", "must not be zero");
+                if (out.ymag == 0) return d_.bad(place + "/ymag", "must not be zero");
                 if (out.zfar <= out.znear)
-                    return bad(place + "/zfar", "must be greater than znear");
+                    return d_.bad(place + "/zfar", "must be greater than znear");
             }
             scene_.cameras.push_back(out);
         }
@@ -190,11 +146,11 @@ class Reader {
         const std::string base = "/extensions/KHR_lights_punctual/lights";
         if (!extension.is_object() || !extension.contains("lights") ||
             !extension["lights"].is_array())
-            return bad(base, "expected an array");
+            return d_.bad(base, "expected an array");
         for (std::size_t l = 0; l < extension["lights"].size(); ++l) {
             const Json& in = extension["lights"][l];
             const std::string pointer = base + "/" + std::to_string(l);
-            if (!in.is_object()) return bad(pointer, "expected an object");
+            if (!in.is_object()) return d_.bad(pointer, "expected an object");
             Light out;
             out.name = name_of(in);
             const std::string type =
@@ -206,9 +162,9 @@ class Reader {
             else if (type == "spot")
                 out.kind = LightKind::spot;
             else
-                return bad(pointer + "/type", "expected directional, point or spot");
+                return d_.bad(pointer + "/type", "expected directional, point or spot");
             double rgb[3] = {1, 1, 1};
-            if (auto r = numbers(in, "color", pointer, 3, rgb); !r) return r;
+            if (auto r = read_numbers(d_, in, "color", pointer, rgb); !r) return r;
             out.color = glm::vec3(glm::dvec3(rgb[0], rgb[1], rgb[2]));
             const auto intensity = number(in, "intensity", pointer, 1.0);
             const auto range = number(in, "range", pointer, 0.0);
@@ -235,17 +191,17 @@ class Reader {
         if (in.contains("matrix")) {
             for (const char* key : {"translation", "rotation", "scale"})
                 if (in.contains(key))
-                    return bad(pointer + "/matrix",
-                               std::string("the node has a matrix and a ") + key +
-                                   ": which of them holds cannot be known; remove one");
-            if (auto done = numbers(in, "matrix", pointer, 16, m); !done) return done;
+                    return d_.bad(pointer + "/matrix",
+                                  std::string("the node has a matrix and a ") + key +
+                                      ": which of them holds cannot be known; remove one");
+            if (auto done = read_numbers(d_, in, "matrix", pointer, m); !done) return done;
             for (int c = 0; c < 4; ++c)
                 for (int k = 0; k < 4; ++k) out.transform[c][k] = m[4 * c + k];
             return {};
         }
-        if (auto done = numbers(in, "translation", pointer, 3, t); !done) return done;
-        if (auto done = numbers(in, "rotation", pointer, 4, r); !done) return done;
-        if (auto done = numbers(in, "scale", pointer, 3, s); !done) return done;
+        if (auto done = read_numbers(d_, in, "translation", pointer, t); !done) return done;
+        if (auto done = read_numbers(d_, in, "rotation", pointer, r); !done) return done;
+        if (auto done = read_numbers(d_, in, "scale", pointer, s); !done) return done;
         glm::dquat q(r[3], r[0], r[1], r[2]);
         const double length = glm::length(q);
         if (length > 0 && std::isfinite(length)) q = q / length;
@@ -273,11 +229,9 @@ class Reader {
             if (auto done = take("mesh", scene_.meshes.size(), out.mesh); !done) return done;
             if (auto done = take("camera", scene_.cameras.size(), out.camera); !done) return done;
             if (auto done = take("skin", size_of("skins"), out.skin); !done) return done;
-            if (in.contains("extensions") && in["extensions"].is_object() &&
-                in["extensions"].contains("KHR_lights_punctual") &&
-                in["extensions"]["KHR_lights_punctual"].is_object()) {
+            if (const Json* punctual = extension_of(in, "KHR_lights_punctual")) {
                 const auto light =
-                    index_member(d_, in["extensions"]["KHR_lights_punctual"], "light",
+                    index_member(d_, *punctual, "light",
                                  pointer + "/extensions/KHR_lights_punctual", scene_.lights.size());
                 if (!light) return light.error();
                 out.light = *light;
@@ -287,15 +241,15 @@ class Reader {
                 instanced.add(std::to_string(n));
             const auto children = in.find("children");
             if (children == in.end()) continue;
-            if (!children->is_array()) return bad(pointer + "/children", "expected an array");
+            if (!children->is_array()) return d_.bad(pointer + "/children", "expected an array");
             for (std::size_t c = 0; c < children->size(); ++c) {
                 const std::string place = pointer + "/children/" + std::to_string(c);
                 const auto index = index_value(d_, (*children)[c], place, list->size());
                 if (!index) return index.error();
                 Node& child = scene_.nodes[*index];
                 if (child.parent != no_index)
-                    return bad(place,
-                               "the node has another parent: " + std::to_string(child.parent));
+                    return d_.bad(place,
+                                  "the node has another parent: " + std::to_string(child.parent));
                 child.parent = Index(n);
             }
         }
@@ -319,7 +273,7 @@ class Reader {
                 ++steps;
             }
             if (steps > scene_.nodes.size())
-                return bad("/nodes/" + std::to_string(n), "the node is its own ancestor");
+                return d_.bad("/nodes/" + std::to_string(n), "the node is its own ancestor");
             for (k = n; k != no_index && !good[k]; k = scene_.nodes[k].parent) good[k] = 1;
         }
         return {};
@@ -334,7 +288,7 @@ class Reader {
             out.name = name_of(in);
             const auto joints = in.find("joints");
             if (joints == in.end() || !joints->is_array() || joints->empty())
-                return bad(pointer + "/joints", "expected a list with at least one node");
+                return d_.bad(pointer + "/joints", "expected a list with at least one node");
             for (std::size_t j = 0; j < joints->size(); ++j) {
                 const auto node =
                     index_value(d_, (*joints)[j], pointer + "/joints/" + std::to_string(j),
@@ -353,9 +307,9 @@ class Reader {
                 if (!raw) return raw.error();
                 if (raw->width != 16 || raw->component_type != 5126 ||
                     raw->count < out.joints.size())
-                    return bad(pointer + "/inverseBindMatrices",
-                               "expected a float MAT4 for each of " +
-                                   std::to_string(out.joints.size()) + " joints");
+                    return d_.bad(pointer + "/inverseBindMatrices",
+                                  "expected a float MAT4 for each of " +
+                                      std::to_string(out.joints.size()) + " joints");
                 const std::vector<float> floats = to_floats(*raw);
                 for (std::size_t j = 0; j < out.joints.size(); ++j)
                     for (int k = 0; k < 16; ++k)
@@ -374,10 +328,10 @@ class Reader {
             if (mesh == no_index || skin == no_index) continue;
             for (const GltfJoints& used : joints_[mesh])
                 if (used.largest >= scene_.skins[skin].joints.size())
-                    return bad(used.pointer, "joint " + std::to_string(used.largest) +
-                                                 " is used, but skin " + std::to_string(skin) +
-                                                 " of node " + std::to_string(n) + " has " +
-                                                 std::to_string(scene_.skins[skin].joints.size()));
+                    return d_.bad(used.pointer,
+                                  "joint " + std::to_string(used.largest) + " is used, but skin " +
+                                      std::to_string(skin) + " of node " + std::to_string(n) +
+                                      " has " + std::to_string(scene_.skins[skin].joints.size()));
         }
         return {};
     }
@@ -392,10 +346,10 @@ class Reader {
             scene_.animations.push_back({name_of(in), {}, {}});
             for (const char* key : {"samplers", "channels"}) {
                 if (!in.contains(key) || !in[key].is_array() || in[key].empty())
-                    return bad(pointer + "/" + key, "expected a list with at least one entry");
+                    return d_.bad(pointer + "/" + key, "expected a list with at least one entry");
                 for (std::size_t i = 0; i < in[key].size(); ++i) {
                     const std::string place = pointer + "/" + key + "/" + std::to_string(i);
-                    if (!in[key][i].is_object()) return bad(place, "expected an object");
+                    if (!in[key][i].is_object()) return d_.bad(place, "expected an object");
                     auto done = key[0] == 's' ? animation_sampler(in[key][i], place)
                                               : animation_channel(in, in[key][i], place);
                     if (!done) return done;
@@ -409,11 +363,11 @@ class Reader {
         for (const char* key : {"input", "output"}) {
             const auto accessor = index_member(d_, sampler, key, pointer, size_of("accessors"));
             if (!accessor) return accessor.error();
-            if (*accessor == no_index) return bad(pointer + "/" + key, "the member is missing");
+            if (*accessor == no_index) return d_.bad(pointer + "/" + key, "the member is missing");
         }
         const Json& input = d_.json["accessors"][sampler["input"].get<std::size_t>()];
         if (input["type"] != "SCALAR" || input["componentType"] != 5126)
-            return bad(pointer + "/input", "the key times must be float scalars");
+            return d_.bad(pointer + "/input", "the key times must be float scalars");
         const std::string name =
             sampler.contains("interpolation") && sampler["interpolation"].is_string()
                 ? sampler["interpolation"].get<std::string>()
@@ -446,16 +400,16 @@ class Reader {
         const Json& samplers = animation["samplers"];
         const auto sampler = index_member(d_, channel, "sampler", pointer, samplers.size());
         if (!sampler) return sampler.error();
-        if (*sampler == no_index) return bad(pointer + "/sampler", "the member is missing");
+        if (*sampler == no_index) return d_.bad(pointer + "/sampler", "the member is missing");
         const auto target = channel.find("target");
         if (target == channel.end() || !target->is_object())
-            return bad(pointer + "/target", "expected an object");
+            return d_.bad(pointer + "/target", "expected an object");
         const auto node =
             index_member(d_, *target, "node", pointer + "/target", scene_.nodes.size());
         if (!node) return node.error();
         const auto path = target->find("path");
         if (path == target->end() || !path->is_string())
-            return bad(pointer + "/target/path", "expected a string");
+            return d_.bad(pointer + "/target/path", "expected a string");
         const std::string name = path->get<std::string>();
         const char* type = name == "translation" || name == "scale" ? "VEC3"
                            : name == "rotation"                     ? "VEC4"
@@ -463,9 +417,10 @@ class Reader {
                                                                     : nullptr;
         const std::size_t output = samplers[*sampler]["output"].get<std::size_t>();
         if (type && d_.json["accessors"][output]["type"] != type)
-            return bad(pointer + "/sampler", "a " + name + " needs values of type " + type +
-                                                 ", accessor " + std::to_string(output) + " has " +
-                                                 d_.json["accessors"][output]["type"].dump());
+            return d_.bad(pointer + "/sampler", "a " + name + " needs values of type " + type +
+                                                    ", accessor " + std::to_string(output) +
+                                                    " has " +
+                                                    d_.json["accessors"][output]["type"].dump());
         scene_.animations.back().channels.push_back({*sampler, *node,
                                                      name == "translation"
                                                          ? AnimationPath::translation
@@ -512,12 +467,13 @@ class Reader {
     Result<void> scene_nodes(const Json& scene, const std::string& pointer) const {
         const auto nodes = scene.find("nodes");
         if (nodes == scene.end()) return {};
-        if (!nodes->is_array()) return bad(pointer + "/nodes", "expected an array");
+        if (!nodes->is_array()) return d_.bad(pointer + "/nodes", "expected an array");
         for (std::size_t i = 0; i < nodes->size(); ++i) {
             const std::string place = pointer + "/nodes/" + std::to_string(i);
             const auto node = index_value(d_, (*nodes)[i], place, scene_.nodes.size());
             if (!node) return node.error();
-            if (scene_.nodes[*node].parent != no_index) return bad(place, "the node is not a root");
+            if (scene_.nodes[*node].parent != no_index)
+                return d_.bad(place, "the node is not a root");
         }
         return {};
     }
@@ -527,6 +483,7 @@ class Reader {
     Scene scene_;
     std::vector<std::vector<GltfJoints>> joints_;                            // per mesh
     std::map<Index, std::shared_ptr<const std::vector<float>>> key_values_;  // by accessor
+    const std::vector<std::string>& allowed_;
     std::uint64_t decoded_bytes_left_;
 };
 
@@ -536,20 +493,24 @@ Result<Scene> parse_gltf(std::span<const std::byte> bytes, const GltfOptions& op
     try {
         auto opened = detail::open_gltf(bytes, options);
         if (!opened) return std::move(opened).error();
-        return Reader(std::make_shared<GltfDocument>(*std::move(opened))).run();
+        return SceneReader(std::make_shared<GltfDocument>(*std::move(opened)),
+                           options.allowed_extensions)
+            .run();
     } catch (const detail::Json::exception& e) {
         // Types are checked where they are read; this is the net below that.
         return Error{ErrorCode::invalid, std::string("unexpected JSON: ") + e.what(), options.name};
     }
 }
 
-Result<Scene> load_gltf(const std::filesystem::path& path, const LoadOptions&) {
+Result<Scene> load_gltf(const std::filesystem::path& path, const LoadOptions& load) {
     const auto bytes = read_file(path);
     if (!bytes) return bytes.error();
     GltfOptions options;
+    options.allowed_extensions = load.allowed_extensions;
     options.name = path.filename().string();
     // Empty would say that the document did not come from a file.
     options.directory = path.has_parent_path() ? path.parent_path() : ".";
+    options.texture_directories = load.texture_directories;
     auto scene = parse_gltf(*bytes, options);
     if (!scene) return scene;
     scene->source = path;

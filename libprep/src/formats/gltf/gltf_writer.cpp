@@ -6,6 +6,7 @@
 
 #include "base/atomic_files.h"
 #include "formats/gltf/build.h"
+#include "formats/gltf/compression/compress.h"
 #include "formats/gltf/rewrite.h"
 #include "formats/writers.h"
 #include "prep/version.h"
@@ -46,31 +47,30 @@ std::string percent_encoded(const std::string& name) {
     return uri;
 }
 
-// A document of our own has faces, materials and nodes.
 void note_unwritten(const Scene& scene, std::vector<std::string>& notes) {
-    const bool by_vertex =
-        std::any_of(scene.meshes.begin(), scene.meshes.end(), [](const Mesh& mesh) {
-            return !mesh.morph_targets.empty() || !mesh.skin_influences.empty() ||
-                   !mesh.vertex_attributes.empty();
-        });
-    if (by_vertex || !scene.skins.empty() || !scene.animations.empty())
-        notes.push_back(
-            "morph targets, skins, animations and attributes of other names are written to files "
-            "that come from glTF only: left out");
+    std::size_t attributes = 0;
+    for (const Mesh& mesh : scene.meshes) attributes += mesh.vertex_attributes.size();
+    if (attributes > 0)
+        notes.push_back(std::to_string(attributes) +
+                        (attributes == 1 ? " attribute" : " attributes") +
+                        " of other names, written to files that come from glTF only: left out");
 }
 
 struct Encoded {
     Json document;
-    std::vector<std::byte> binary;  // the only buffer, its entry still to be added
+    PackedBuffer packed;  // its entries are still to be added
 };
 
-Result<Encoded> encode(const PreparedScene& prepared, std::vector<std::string>& notes) {
+Result<Encoded> encode(const PreparedScene& prepared, Compression compression,
+                       std::vector<std::string>& notes) {
     Encoded out;
+    CompressionPlan plan;
     if (gltf_document(prepared.scene)) {
-        auto rewritten = rewrite_gltf(prepared, notes);
+        auto rewritten = rewrite_gltf(prepared, compression, notes);
         if (!rewritten) return std::move(rewritten).error();
         out.document = std::move(rewritten->json);
-        out.binary = std::move(rewritten->binary);
+        out.packed = std::move(rewritten->packed);
+        plan = std::move(rewritten->plan);
     } else {
         out.document["asset"] = {{"version", "2.0"}};
         GltfBuffer buffer(out.document);
@@ -78,10 +78,18 @@ Result<Encoded> encode(const PreparedScene& prepared, std::vector<std::string>& 
         build_gltf(prepared, out.document, buffer, notes);
         note_groups(prepared, "glTF", notes);
         note_unwritten(prepared.scene, notes);
-        out.binary = std::move(buffer.bytes());
+        out.packed.bytes = std::move(buffer.bytes());
+        plan.draco = compression == Compression::draco;
+        plan.meshopt = compression == Compression::meshopt;
     }
     out.document["asset"]["generator"] = fmt::format("meshprep {}", version());
-    out.binary.resize((out.binary.size() + 3) & ~std::size_t(3));
+    if (!plan.nothing()) {
+        auto compressed = compress_gltf(out.document, std::move(out.packed), plan, notes);
+        if (!compressed) return std::move(compressed).error();
+        out.packed = *std::move(compressed);
+    }
+    std::vector<std::byte>& bytes = out.packed.bytes;
+    bytes.resize((bytes.size() + 3) & ~std::size_t(3));
     return out;
 }
 
@@ -92,16 +100,16 @@ std::string text_of(const Json& document, int indent) {
 WriteResult write_separate(const PreparedScene& prepared, const std::filesystem::path& path,
                            const SaveOptions& options) {
     std::vector<std::string> notes;
-    auto encoded = encode(prepared, notes);
+    auto encoded = encode(prepared, options.compression, notes);
     if (!encoded) return std::move(encoded).error();
     FileSet files(rules_for(prepared, path, options));
-    if (!encoded->binary.empty()) {
+    if (!encoded->packed.bytes.empty()) {
         std::filesystem::path bin = path;
         bin.replace_extension(".bin");
-        encoded->document["buffers"] =
-            Json::array({{{"byteLength", encoded->binary.size()},
-                          {"uri", percent_encoded(bin.filename().string())}}});
-        if (auto done = files.add(bin, encoded->binary); !done) return std::move(done).error();
+        encoded->document["buffers"] = buffers_of(encoded->packed);
+        encoded->document["buffers"][0]["uri"] = percent_encoded(bin.filename().string());
+        if (auto done = files.add(bin, encoded->packed.bytes); !done)
+            return std::move(done).error();
     }
     const std::string json = text_of(encoded->document, 2) + '\n';
     if (auto done = files.add(path, std::as_bytes(std::span(json))); !done)
@@ -116,13 +124,13 @@ std::array<std::span<const std::byte>, 4> GlbFile::parts() const {
     return {head, std::as_bytes(std::span(json)), binary_head, binary};
 }
 
-Result<GlbFile> encode_glb(const PreparedScene& prepared, std::vector<std::string>& notes) {
-    auto encoded = encode(prepared, notes);
+Result<GlbFile> encode_glb(const PreparedScene& prepared, std::vector<std::string>& notes,
+                           Compression compression) {
+    auto encoded = encode(prepared, compression, notes);
     if (!encoded) return std::move(encoded).error();
     GlbFile out;
-    out.binary = std::move(encoded->binary);
-    if (!out.binary.empty())
-        encoded->document["buffers"] = Json::array({{{"byteLength", out.binary.size()}}});
+    if (!encoded->packed.bytes.empty()) encoded->document["buffers"] = buffers_of(encoded->packed);
+    out.binary = std::move(encoded->packed.bytes);
     out.json = text_of(encoded->document, -1);
     while (out.json.size() % 4 != 0) out.json += ' ';
     const std::uint64_t total =
@@ -145,7 +153,7 @@ WriteResult write_gltf(const PreparedScene& prepared, const std::filesystem::pat
                        const SaveOptions& options) {
     if (path.extension() == ".gltf") return write_separate(prepared, path, options);
     std::vector<std::string> notes;
-    const auto glb = encode_glb(prepared, notes);
+    const auto glb = encode_glb(prepared, notes, options.compression);
     if (!glb) {
         Error error = glb.error();
         if (error.place.empty()) error.place = path.string();

@@ -9,6 +9,7 @@
 
 #include "prep/prepared_scene.h"
 #include "prep/result.h"
+#include "prep/save.h"
 
 namespace prep::detail {
 
@@ -21,6 +22,7 @@ struct GlbFile {
 };
 
 // Errors: limit (over 4 GiB), and those of rewrite_gltf().
-Result<GlbFile> encode_glb(const PreparedScene& prepared, std::vector<std::string>& notes);
+Result<GlbFile> encode_glb(const PreparedScene& prepared, std::vector<std::string>& notes,
+                           Compression compression = Compression::keep);
 
 }  // namespace prep::detail

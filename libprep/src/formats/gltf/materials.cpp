@@ -1,6 +1,10 @@
 #include "formats/gltf/materials.h"
 
+#include <algorithm>
 #include <cmath>
+
+#include "formats/picture_search.h"
+#include "prep/files.h"
 
 namespace prep::detail {
 namespace {
@@ -22,22 +26,9 @@ class MaterialReader {
     }
 
   private:
-    Error bad(const std::string& pointer, std::string text) const {
-        return {ErrorCode::invalid, std::move(text), d_.place(pointer)};
-    }
-    static std::string name_of(const Json& object) {
-        const auto it = object.find("name");
-        return it != object.end() && it->is_string() ? it->get<std::string>() : std::string();
-    }
-    static const Json* extension(const Json& object, const char* name) {
-        const auto all = object.find("extensions");
-        if (all == object.end() || !all->is_object()) return nullptr;
-        const auto it = all->find(name);
-        return it != all->end() && it->is_object() ? &*it : nullptr;
-    }
-
     Result<void> images() {
         const Json* list = *top_array(d_, "images");
+        PictureSearch pictures(d_.directory, d_.texture_directories);
         const std::size_t views = (*top_array(d_, "bufferViews"))->size();
         for (std::size_t i = 0; i < list->size(); ++i) {
             const Json& in = (*list)[i];
@@ -46,29 +37,40 @@ class MaterialReader {
             out.name = name_of(in);
             if (in.contains("mimeType")) {
                 if (!in["mimeType"].is_string())
-                    return bad(pointer + "/mimeType", "expected a string");
+                    return d_.bad(pointer + "/mimeType", "expected a string");
                 out.mime_type = in["mimeType"].get<std::string>();
             }
+            const auto view = index_member(d_, in, "bufferView", pointer, views);
+            if (!view) return view.error();
             if (in.contains("uri")) {
-                if (!in["uri"].is_string()) return bad(pointer + "/uri", "expected a string");
+                if (!in["uri"].is_string()) return d_.bad(pointer + "/uri", "expected a string");
                 const std::string uri = in["uri"].get<std::string>();
                 auto bytes = resolve_uri(d_, uri, pointer + "/uri");
-                if (bytes) {
-                    out.bytes = *std::move(bytes);
-                } else {
-                    // A picture that is missing costs its texture, not the mesh.
-                    scene_.warnings.push_back(to_string(bytes.error()));
+                // Elsewhere than it says, or by a path of another machine.
+                bool listed = false;
+                if (!bytes && !d_.directory.empty() && bytes.error().code != ErrorCode::syntax) {
+                    if (const auto path = pictures.locate(uri)) {
+                        bytes = read_file(*path);
+                    } else if (bytes.error().code == ErrorCode::io) {
+                        pictures.find(uri);
+                        listed = true;
+                    }
                 }
+                // A picture that is missing costs its texture, not the mesh.
+                if (bytes)
+                    out.bytes = *std::move(bytes);
+                else if (!listed)
+                    scene_.warnings.push_back(to_string(bytes.error()));
                 if (out.name.empty() && !uri.starts_with("data:")) out.name = uri;
             } else if (in.contains("bufferView")) {
-                const auto view = index_member(d_, in, "bufferView", pointer, views);
-                if (!view) return view.error();
                 const auto bytes = d_.view(*view);
                 if (!bytes) return bytes.error();
                 out.bytes.assign(bytes->begin(), bytes->end());
             }
             scene_.images.push_back(std::move(out));
         }
+        for (std::string& warning : pictures.warnings())
+            scene_.warnings.push_back(std::move(warning));
         return {};
     }
 
@@ -83,9 +85,13 @@ class MaterialReader {
             const auto source = index_member(d_, in, "source", pointer, images);
             if (!source) return source.error();
             out.image = *source;
-            if (const Json* webp = extension(in, "EXT_texture_webp")) {
-                const auto image = index_member(d_, *webp, "source",
-                                                pointer + "/extensions/EXT_texture_webp", images);
+            // Where the file has a picture of a common kind as well, that is the one drawn.
+            for (const char* name : {"EXT_texture_webp", "EXT_texture_avif", "MSFT_texture_dds",
+                                     "KHR_texture_basisu"}) {
+                const Json* const other = extension_of(in, name);
+                if (!other) continue;
+                const auto image = index_member(
+                    d_, *other, "source", pointer + "/extensions/" + std::string(name), images);
                 if (!image) return image.error();
                 if (out.image == no_index) out.image = *image;
             }
@@ -112,7 +118,7 @@ class MaterialReader {
             else if (*code == 33648)
                 to = Wrap::mirror;
             else
-                return bad(pointer + "/" + key, "expected 10497, 33071 or 33648");
+                return d_.bad(pointer + "/" + key, "expected 10497, 33071 or 33648");
             return {};
         };
         if (auto done = wrap("wrapS", out.wrap_u); !done) return done;
@@ -122,49 +128,26 @@ class MaterialReader {
         out.mag = *mag == 9728 ? Filter::nearest : Filter::linear;
         const auto min = whole_member(d_, in, "minFilter", pointer, 9728, 9987, 9987);
         if (!min) return min.error();
-        switch (*min) {
-            case 9728:
-                out.min = Filter::nearest, out.mip = MipFilter::none;
-                break;
-            case 9729:
-                out.min = Filter::linear, out.mip = MipFilter::none;
-                break;
-            case 9984:
-                out.min = Filter::nearest, out.mip = MipFilter::nearest;
-                break;
-            case 9985:
-                out.min = Filter::linear, out.mip = MipFilter::nearest;
-                break;
-            case 9986:
-                out.min = Filter::nearest, out.mip = MipFilter::linear;
-                break;
-            case 9987:
-                out.min = Filter::linear, out.mip = MipFilter::linear;
-                break;
-            default:
-                return bad(pointer + "/minFilter", "no filter has this number");
-        }
+        static constexpr struct {
+            std::uint64_t code;
+            Filter min;
+            MipFilter mip;
+        } filters[] = {
+            {9728, Filter::nearest, MipFilter::none},    {9729, Filter::linear, MipFilter::none},
+            {9984, Filter::nearest, MipFilter::nearest}, {9985, Filter::linear, MipFilter::nearest},
+            {9986, Filter::nearest, MipFilter::linear},  {9987, Filter::linear, MipFilter::linear}};
+        const auto filter = std::find_if(std::begin(filters), std::end(filters),
+                                         [&](const auto& f) { return f.code == *min; });
+        if (filter == std::end(filters))
+            return d_.bad(pointer + "/minFilter", "no filter has this number");
+        out.min = filter->min;
+        out.mip = filter->mip;
         return {};
     }
 
     Result<void> numbers(const Json& object, const char* key, const std::string& pointer,
                          std::size_t count, float* out) const {
-        const auto it = object.find(key);
-        if (it == object.end()) return {};
-        const std::string place = pointer + "/" + key;
-        if (count == 1) {
-            if (!it->is_number()) return bad(place, "expected a number");
-            *out = it->get<float>();
-            return {};
-        }
-        if (!it->is_array() || it->size() != count)
-            return bad(place, "expected " + std::to_string(count) + " numbers");
-        for (std::size_t i = 0; i < count; ++i) {
-            if (!(*it)[i].is_number())
-                return bad(place + "/" + std::to_string(i), "expected a number");
-            out[i] = (*it)[i].get<float>();
-        }
-        return {};
+        return read_numbers(d_, object, key, pointer, std::span(out, count));
     }
 
     Result<void> texture(const Json& owner, const char* key, const std::string& pointer,
@@ -172,17 +155,17 @@ class MaterialReader {
         const auto it = owner.find(key);
         if (it == owner.end()) return {};
         const std::string place = pointer + "/" + key;
-        if (!it->is_object()) return bad(place, "expected an object");
+        if (!it->is_object()) return d_.bad(place, "expected an object");
         const auto index = index_member(d_, *it, "index", place, scene_.textures.size());
         if (!index) return index.error();
-        if (*index == no_index) return bad(place + "/index", "the member is missing");
+        if (*index == no_index) return d_.bad(place + "/index", "the member is missing");
         const auto uv = whole_member(d_, *it, "texCoord", place, 0, 99, 0);
         if (!uv) return uv.error();
         out.texture = *index;
         out.uv_set = Index(*uv);
         if (strength)
             if (auto done = numbers(*it, strength, place, 1, &out.strength); !done) return done;
-        if (const Json* transform = extension(*it, "KHR_texture_transform")) {
+        if (const Json* transform = extension_of(*it, "KHR_texture_transform")) {
             const std::string at = place + "/extensions/KHR_texture_transform";
             if (auto done = numbers(*transform, "offset", at, 2, &out.offset.x); !done) return done;
             if (auto done = numbers(*transform, "scale", at, 2, &out.scale.x); !done) return done;
@@ -203,7 +186,7 @@ class MaterialReader {
         const auto pbr = in.find("pbrMetallicRoughness");
         if (pbr != in.end()) {
             const std::string at = pointer + "/pbrMetallicRoughness";
-            if (!pbr->is_object()) return bad(at, "expected an object");
+            if (!pbr->is_object()) return d_.bad(at, "expected an object");
             if (auto r = numbers(*pbr, "baseColorFactor", at, 4, &out.diffuse.x); !r) return r;
             if (auto r = numbers(*pbr, "metallicFactor", at, 1, &out.metallic); !r) return r;
             if (auto r = numbers(*pbr, "roughnessFactor", at, 1, &out.roughness); !r) return r;
@@ -223,11 +206,12 @@ class MaterialReader {
             else if (*it == "BLEND")
                 out.alpha_mode = AlphaMode::blend;
             else if (*it != "OPAQUE")
-                return bad(pointer + "/alphaMode", "expected OPAQUE, MASK or BLEND");
+                return d_.bad(pointer + "/alphaMode", "expected OPAQUE, MASK or BLEND");
         }
         if (auto r = numbers(in, "alphaCutoff", pointer, 1, &out.alpha_cutoff); !r) return r;
         if (const auto it = in.find("doubleSided"); it != in.end()) {
-            if (!it->is_boolean()) return bad(pointer + "/doubleSided", "expected true or false");
+            if (!it->is_boolean())
+                return d_.bad(pointer + "/doubleSided", "expected true or false");
             out.double_sided = it->get<bool>();
         }
         if (auto done = material_extensions(in, pointer, out); !done) return done;
@@ -237,8 +221,8 @@ class MaterialReader {
 
     Result<void> material_extensions(const Json& in, const std::string& pointer, Material& out) {
         const std::string base = pointer + "/extensions/";
-        out.unlit = extension(in, "KHR_materials_unlit") != nullptr;
-        if (const Json* e = extension(in, "KHR_materials_emissive_strength")) {
+        out.unlit = extension_of(in, "KHR_materials_unlit") != nullptr;
+        if (const Json* e = extension_of(in, "KHR_materials_emissive_strength")) {
             float strength = 1;
             if (auto r = numbers(*e, "emissiveStrength", base + "KHR_materials_emissive_strength",
                                  1, &strength);
@@ -246,7 +230,7 @@ class MaterialReader {
                 return r;
             out.emissive *= strength;
         }
-        if (const Json* e = extension(in, "KHR_materials_pbrSpecularGlossiness")) {
+        if (const Json* e = extension_of(in, "KHR_materials_pbrSpecularGlossiness")) {
             const std::string at = base + "KHR_materials_pbrSpecularGlossiness";
             float glossiness = 1;
             out.metallic_roughness = false;
@@ -262,6 +246,10 @@ class MaterialReader {
             const float roughness = 1 - glossiness, alpha = std::max(roughness * roughness, 0.02f);
             out.shininess = 2 / (alpha * alpha) - 2;
         }
+        if (auto done = tangent_extensions(in, pointer, out); !done) return done;
+        if (auto done = reflectance(in, pointer, out); !done) return done;
+        if (auto done = layers(in, pointer, out); !done) return done;
+        if (auto done = displacement(in, pointer, out); !done) return done;
         // Our own files say exactly what the Blinn-Phong material was.
         const auto extras = in.find("extras");
         if (extras != in.end() && extras->is_object() && extras->contains("blinnPhong") &&
@@ -273,11 +261,116 @@ class MaterialReader {
             if (auto r = numbers(exact, "diffuse", at, 4, &out.diffuse.x); !r) return r;
             if (auto r = numbers(exact, "specular", at, 3, &out.specular.x); !r) return r;
             if (auto r = numbers(exact, "shininess", at, 1, &out.shininess); !r) return r;
-            if (const Json* e = extension(in, "KHR_materials_specular"))
-                if (auto r = texture(*e, "specularColorTexture", base + "KHR_materials_specular",
-                                     out.specular_map);
+        }
+        return {};
+    }
+
+    // Extras are anyone's: what is not as we write it is somebody else's, and told.
+    Result<void> displacement(const Json& in, const std::string& pointer, Material& out) {
+        const auto extras = in.find("extras");
+        if (extras == in.end() || !extras->is_object()) return {};
+        const auto kept = extras->find("displacement");
+        if (kept == extras->end()) return {};
+        const std::string at = pointer + "/extras/displacement";
+        Material read;
+        const auto parse = [&]() -> Result<void> {
+            if (!kept->is_object()) return d_.bad(at, "expected an object");
+            // The number of a texture is its whole.
+            Json info = *kept;
+            const auto number = info.find("texture");
+            if (number == info.end()) return d_.bad(at + "/texture", "the member is missing");
+            if (number->is_number()) *number = Json{{"index", *number}};
+            if (auto r = texture(info, "texture", at, read.displacement_map); !r) return r;
+            if (auto r = numbers(*kept, "scale", at, 1, &read.displacement_scale); !r) return r;
+            if (auto r = numbers(*kept, "midlevel", at, 1, &read.displacement_midlevel); !r)
+                return r;
+            const auto kind = kept->find("kind");
+            if (kind == kept->end()) return {};
+            if (!kind->is_string()) return d_.bad(at + "/kind", "expected a string");
+            const auto named = enum_named<DisplacementKind>(kind->get<std::string>());
+            if (!named) return d_.bad(at + "/kind", named.error().text);
+            read.displacement_kind = *named;
+            return {};
+        };
+        if (const auto done = parse(); !done) {
+            scene_.warnings.push_back(to_string(done.error()) + "; this displacement was left out");
+            return {};
+        }
+        out.displacement_map = read.displacement_map;
+        out.displacement_scale = read.displacement_scale;
+        out.displacement_midlevel = read.displacement_midlevel;
+        out.displacement_kind = read.displacement_kind;
+        return {};
+    }
+
+    // What a dielectric reflects: KHR_materials_ior and KHR_materials_specular.
+    Result<void> reflectance(const Json& in, const std::string& pointer, Material& out) {
+        const std::string base = pointer + "/extensions/";
+        if (const Json* e = extension_of(in, "KHR_materials_ior")) {
+            float index = 1.5f;
+            if (auto r = numbers(*e, "ior", base + "KHR_materials_ior", 1, &index); !r) return r;
+            // 0 stands for no limit: then all of it is reflected.
+            const float q = index > 0 ? (index - 1) / (index + 1) : 1.0f;
+            if (index != 1.5f && std::isfinite(q)) out.reflectance = glm::vec3(q * q);
+        }
+        const Json* e = extension_of(in, "KHR_materials_specular");
+        if (!e) return {};
+        const std::string at = base + "KHR_materials_specular";
+        float strength = 1;
+        glm::vec3 color(1.0f);
+        if (auto r = numbers(*e, "specularFactor", at, 1, &strength); !r) return r;
+        if (auto r = numbers(*e, "specularColorFactor", at, 3, &color.x); !r) return r;
+        if (strength != 1 || color != glm::vec3(1.0f))
+            out.reflectance = glm::clamp(out.reflectance * color, 0.0f, 1.0f) * strength;
+        if (extension_of(in, "KHR_materials_pbrSpecularGlossiness")) return {};
+        return texture(*e, "specularColorTexture", at, out.specular_map);
+    }
+
+    // Carried to files that hold them; nothing here draws them.
+    Result<void> layers(const Json& in, const std::string& pointer, Material& out) {
+        const std::string base = pointer + "/extensions/";
+        if (const Json* e = extension_of(in, "KHR_materials_clearcoat")) {
+            const std::string at = base + "KHR_materials_clearcoat";
+            if (auto r = numbers(*e, "clearcoatFactor", at, 1, &out.clearcoat); !r) return r;
+            if (auto r = numbers(*e, "clearcoatRoughnessFactor", at, 1, &out.clearcoat_roughness);
+                !r)
+                return r;
+        }
+        if (const Json* e = extension_of(in, "KHR_materials_sheen")) {
+            const std::string at = base + "KHR_materials_sheen";
+            if (auto r = numbers(*e, "sheenColorFactor", at, 3, &out.sheen.x); !r) return r;
+            if (auto r = numbers(*e, "sheenRoughnessFactor", at, 1, &out.sheen_roughness); !r)
+                return r;
+        }
+        if (const Json* e = extension_of(in, "KHR_materials_anisotropy"))
+            return numbers(*e, "anisotropyRotation", base + "KHR_materials_anisotropy", 1,
+                           &out.anisotropy_rotation);
+        return {};
+    }
+
+    // Whatever extension has a normal map (clearcoat, detail maps of vendors): the file's
+    // first says which UVs tangents follow.
+    Result<void> tangent_extensions(const Json& in, const std::string& pointer, Material& out) {
+        const auto all = in.find("extensions");
+        if (all == in.end() || !all->is_object()) return {};
+        for (const auto& item : all->items()) {
+            if (!item.value().is_object()) continue;
+            const std::string at = pointer + "/extensions/" + item.key();
+            for (const auto& member : item.value().items()) {
+                const std::string& key = member.key();
+                if (!(key.ends_with("NormalTexture") || key == "normalTexture") ||
+                    out.layer_normal_map)
+                    continue;
+                if (auto r = texture(item.value(), key.c_str(), at, out.layer_normal_map, "scale");
                     !r)
                     return r;
+            }
+        }
+        if (const Json* e = extension_of(in, "KHR_materials_anisotropy")) {
+            const std::string at = pointer + "/extensions/KHR_materials_anisotropy";
+            if (auto r = numbers(*e, "anisotropyStrength", at, 1, &out.anisotropy); !r) return r;
+            if (auto r = texture(*e, "anisotropyTexture", at, out.anisotropy_map); !r) return r;
+            if (out.anisotropy == 0) out.anisotropy_map = {};
         }
         return {};
     }

@@ -30,10 +30,6 @@ class MeshReader {
     }
 
   private:
-    Error bad(const std::string& pointer, std::string text) const {
-        return {ErrorCode::invalid, std::move(text), d_.place(pointer)};
-    }
-
     // --- what is there, by JSON alone ---------------------------------------------------------
 
     // Looks at the lists, and finds the accessors that more than one primitive uses.
@@ -43,16 +39,16 @@ class MeshReader {
             const std::string pointer = "/meshes/" + number(m) + "/primitives";
             const auto primitives = meshes[m].find("primitives");
             if (primitives == meshes[m].end() || !primitives->is_array() || primitives->empty())
-                return bad(pointer, "expected a list with at least one primitive");
+                return d_.bad(pointer, "expected a list with at least one primitive");
             for (std::size_t p = 0; p < primitives->size(); ++p) {
                 const std::string place = pointer + "/" + number(p);
                 const Json& primitive = (*primitives)[p];
-                if (!primitive.is_object()) return bad(place, "expected an object");
+                if (!primitive.is_object()) return d_.bad(place, "expected an object");
                 const auto attributes = primitive.find("attributes");
                 if (attributes == primitive.end() || !attributes->is_object() ||
                     attributes->empty())
-                    return bad(place + "/attributes",
-                               "expected an object with at least one attribute");
+                    return d_.bad(place + "/attributes",
+                                  "expected an object with at least one attribute");
                 for (const auto& item : attributes->items()) {
                     const auto accessor =
                         index_value(d_, item.value(),
@@ -79,8 +75,7 @@ class MeshReader {
         joints_.emplace_back();
         Mesh& mesh = scene_.meshes.back();
         mesh.indexed_by_vertex = mesh.tied_to_file = true;
-        if (const auto name = in.find("name"); name != in.end() && name->is_string())
-            mesh.name = name->get<std::string>();
+        mesh.name = name_of(in);
         const Json& primitives = in["primitives"];
         for (std::size_t p = 0; p < primitives.size(); ++p)
             if (auto done = primitive(primitives[p], p, pointer + "/primitives/" + number(p), mesh);
@@ -114,6 +109,10 @@ class MeshReader {
             in["extensions"].contains("KHR_draco_mesh_compression")) {
             auto decoded = decode_draco(d_, in, pointer, out.draco);
             if (!decoded) return std::move(decoded).error();
+            // What the accessor says is not read, but written again.
+            if (const auto named = index_member(d_, in, "indices", pointer, accessors_); !named)
+                return named.error();
+            out.draco_indices = *decoded;
             indices = *std::move(decoded);
             mode = 4;  // strips come out of the decoder as triangles
         }
@@ -128,10 +127,10 @@ class MeshReader {
         if (auto done = budget_.spend(indices->size() * 16, pointer); !done) return done;
         for (std::size_t i = 0; i < indices->size(); ++i)
             if ((*indices)[i] >= *count)
-                return bad(pointer + "/indices", "index " + number((*indices)[i]) + " (number " +
-                                                     number(i) +
-                                                     ") is out of range: the primitive has " +
-                                                     number(*count) + " vertices");
+                return d_.bad(pointer + "/indices", "index " + number((*indices)[i]) + " (number " +
+                                                        number(i) +
+                                                        ") is out of range: the primitive has " +
+                                                        number(*count) + " vertices");
         vertices_.note_names(attributes, out.triangles, mesh);
         if (const auto targets = in.find("targets"); targets != in.end())
             mesh.morph_targets.resize(std::max(mesh.morph_targets.size(), targets->size()));
@@ -149,7 +148,7 @@ class MeshReader {
                 return done;
             if (auto done = read_targets(in, pointer, out, mesh); !done) return done;
         }
-        tell_left_over(mode, indices->size(), pointer);
+        warn_left_over(mode, indices->size(), pointer);
         add_elements(mode, *indices, out.first_vertex, mesh);
         mesh.face_materials.resize(mesh.face_count(), *material);
         if (out.triangles) add_variants(in, mesh);
@@ -174,8 +173,9 @@ class MeshReader {
                 first = item.key();
             }
             if (n != *count)
-                return bad(pointer + "/attributes/" + pointer_key(item.key()),
-                           "has " + number(n) + " elements, " + first + " has " + number(*count));
+                return d_.bad(
+                    pointer + "/attributes/" + pointer_key(item.key()),
+                    "has " + number(n) + " elements, " + first + " has " + number(*count));
         }
         return *count;
     }
@@ -197,14 +197,15 @@ class MeshReader {
         if (!raw) return raw.error();
         const int type = raw->component_type;
         if (raw->width != 1 || (type != 5121 && type != 5123 && type != 5125))
-            return bad(place, "indices must be unsigned whole scalars, accessor " +
-                                  number(*accessor) + " is of another type");
+            return d_.bad(place, "indices must be unsigned whole scalars, accessor " +
+                                     number(*accessor) + " is of another type");
         indices = to_indices(*raw);
         const Index restart = type == 5121 ? 0xff : type == 5123 ? 0xffff : 0xffffffff;
         for (std::size_t i = 0; i < indices.size(); ++i)
             if (indices[i] == restart)
-                return bad(place, "index number " + number(i) + " is " + number(restart) +
-                                      ", the largest of its type, which means primitive restart");
+                return d_.bad(place,
+                              "index number " + number(i) + " is " + number(restart) +
+                                  ", the largest of its type, which means primitive restart");
         return indices;
     }
 
@@ -319,29 +320,29 @@ class MeshReader {
                                std::uint64_t count) const {
         const auto targets = in.find("targets");
         if (targets == in.end()) return {};
-        if (!targets->is_array()) return bad(pointer + "/targets", "expected an array");
+        if (!targets->is_array()) return d_.bad(pointer + "/targets", "expected an array");
         for (std::size_t t = 0; t < targets->size(); ++t) {
             const std::string place = pointer + "/targets/" + number(t);
-            if (!(*targets)[t].is_object()) return bad(place, "expected an object");
+            if (!(*targets)[t].is_object()) return d_.bad(place, "expected an object");
             for (const auto& item : (*targets)[t].items()) {
                 const std::string at = place + "/" + pointer_key(item.key());
                 const auto accessor = index_value(d_, item.value(), at, accessors_);
                 if (!accessor) return accessor.error();
                 if (count_of(*accessor) != count)
-                    return bad(at, "has " + number(count_of(*accessor)) +
-                                       " elements, the primitive has " + number(count) +
-                                       " vertices");
+                    return d_.bad(at, "has " + number(count_of(*accessor)) +
+                                          " elements, the primitive has " + number(count) +
+                                          " vertices");
                 const std::string& semantic = item.key();
                 const bool vector =
                     semantic == "POSITION" || semantic == "NORMAL" || semantic == "TANGENT";
                 if (vector && d_.json["accessors"][*accessor]["type"] != "VEC3")
-                    return bad(at, "a target's " + semantic + " must be VEC3");
+                    return d_.bad(at, "a target's " + semantic + " must be VEC3");
             }
         }
         return {};
     }
 
-    void tell_left_over(int mode, std::size_t count, const std::string& pointer) {
+    void warn_left_over(int mode, std::size_t count, const std::string& pointer) {
         const std::size_t each = mode == 4 ? 3 : mode == 1 ? 2 : 1;
         const std::size_t least = mode >= 4 ? 3 : mode == 0 ? 0 : 2;
         if (count % each == 0 && (count == 0 || count >= least)) return;

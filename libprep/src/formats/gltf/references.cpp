@@ -18,7 +18,8 @@ bool references_known(const std::string& name) {
         "KHR_lights_punctual",     "KHR_texture_basisu",
         "KHR_xmp_json_ld",         "KHR_animation_pointer",
         "EXT_meshopt_compression", "KHR_draco_mesh_compression",
-        "EXT_texture_webp",        "EXT_mesh_gpu_instancing"};
+        "EXT_texture_webp",        "EXT_mesh_gpu_instancing",
+        "FB_ngon_encoding"};
     return names.contains(name) || name.starts_with("KHR_materials_");
 }
 
@@ -80,6 +81,14 @@ void visit_views(Json& json, const Visit& visit) {
         }
     });
     each(json, "images", [&](Json& image) { visit_member(image, "bufferView", visit); });
+    each(json, "meshes", [&](Json& mesh) {
+        each(mesh, "primitives", [&](Json& primitive) {
+            Json* extensions = member(primitive, "extensions");
+            if (Json* draco =
+                    extensions ? member(*extensions, "KHR_draco_mesh_compression") : nullptr)
+                visit_member(*draco, "bufferView", visit);
+        });
+    });
 }
 
 // Keeps the entries of a list that `visit_all` reaches and renumbers the references.
@@ -148,38 +157,51 @@ void note_non_finite_data(const GltfDocument& document, Json& json,
             broken.text() + ")");
 }
 
-Result<std::vector<std::byte>> pack_buffer(const GltfDocument& document, Json& json,
-                                           const AppendedData& appended,
-                                           std::vector<std::string>& notes) {
-    std::vector<std::byte> binary;
+Result<PackedBuffer> pack_buffer(const GltfDocument& document, Json& json,
+                                 const AppendedData& appended, std::vector<std::string>& notes) {
+    PackedBuffer out;
+    std::vector<std::byte>& binary = out.bytes;
     bool keep_all = false;
     for (const char* list : {"extensionsUsed", "extensionsRequired"})
         if (Json* names = member(json, list); names && names->is_array())
             for (const Json& name : *names)
                 keep_all |= !name.is_string() || !references_known(name.get<std::string>());
-    if (keep_all)
-        notes.push_back("an extension is in use that may refer to any data: none was dropped");
+    const std::string note = "an extension is in use that may refer to any data: none was dropped";
+    if (keep_all && std::find(notes.begin(), notes.end(), note) == notes.end())
+        notes.push_back(note);
     compact(json, "accessors", keep_all, [&](const Visit& v) { visit_accessors(json, v); });
     const std::vector<std::size_t> views =
         compact(json, "bufferViews", keep_all, [&](const Visit& v) { visit_views(json, v); });
     for (std::size_t v = 0; v < views.size(); ++v) {
         Json& view = json["bufferViews"][v];
+        const bool compressed = extension_of(view, "EXT_meshopt_compression") != nullptr;
         std::span<const std::byte> bytes;
         if (const auto* made = appended.bytes_of(views[v])) {
             bytes = *made;
+        } else if (compressed) {
+            const auto stored = document.stored_view(views[v]);
+            if (!stored) return stored.error();
+            bytes = *stored;
         } else {
             const auto read = document.view(views[v]);
             if (!read) return read.error();
             bytes = *read;
         }
         binary.resize((binary.size() + 3) & ~std::size_t(3));
-        view["buffer"] = 0;
-        view["byteOffset"] = binary.size();
-        view["byteLength"] = bytes.size();
+        if (compressed) {
+            view["buffer"] = 1u;
+            view["byteOffset"] = out.fallback_bytes;
+            out.fallback_bytes += (view["byteLength"].get<std::uint64_t>() + 3) / 4 * 4;
+        }
+        // Only now: new keys move their siblings.
+        Json& stored = compressed ? view["extensions"]["EXT_meshopt_compression"] : view;
+        stored["buffer"] = 0u;
+        stored["byteOffset"] = binary.size();
+        stored["byteLength"] = bytes.size();
         binary.insert(binary.end(), bytes.begin(), bytes.end());
     }
     json.erase("buffers");
-    return binary;
+    return out;
 }
 
 void remove_empty_lists(Json& json) {

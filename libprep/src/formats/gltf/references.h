@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -11,12 +12,18 @@
 
 namespace prep::detail {
 
+// The bytes of all bufferViews, the only buffer that has any. Views by EXT_meshopt_compression lie
+// in it as they are compressed, and stand for parts of a second buffer, of which there is only its
+// length.
+struct PackedBuffer {
+    std::vector<std::byte> bytes;
+    std::uint64_t fallback_bytes = 0;
+};
+
 // Drops the accessors and bufferViews that nothing refers to, unless an extension is in use whose
-// references are not known, and renumbers the rest. Returns their bytes, the only buffer. Errors:
-// those of GltfDocument::view.
-Result<std::vector<std::byte>> pack_buffer(const GltfDocument& document, Json& json,
-                                           const AppendedData& appended,
-                                           std::vector<std::string>& notes);
+// references are not known, and renumbers the rest. Errors: those of GltfDocument::view.
+Result<PackedBuffer> pack_buffer(const GltfDocument& document, Json& json,
+                                 const AppendedData& appended, std::vector<std::string>& notes);
 
 // A note where data that are carried over untouched (lines and points, animations, skins,
 // instances) have values that are not finite.

@@ -4,10 +4,18 @@
 #include <cmath>
 #include <cstring>
 
+#include "base/finite.h"
 #include "formats/gltf/appended_data.h"
 #include "formats/gltf/build.h"
+#include "formats/gltf/compression/kept_meshopt.h"
+#include "formats/gltf/extensions.h"
+#include "formats/gltf/nodes/placed_document.h"
+#include "formats/gltf/nodes/refined_primitive.h"
 #include "formats/gltf/references.h"
-#include "formats/gltf/value_repair.h"
+#include "formats/gltf/values/bounds.h"
+#include "formats/gltf/values/pictures.h"
+#include "formats/gltf/values/value_repair.h"
+#include "normals/authored_normals.h"
 
 namespace prep::detail {
 namespace {
@@ -16,8 +24,16 @@ using Index = std::uint32_t;
 
 class Rewriter {
   public:
-    Rewriter(const PreparedScene& prepared, std::vector<std::string>& notes)
-        : prepared_(prepared), document_(*gltf_document(prepared.scene)), notes_(notes) {}
+    Rewriter(const PreparedScene& prepared, Compression compression,
+             std::vector<std::string>& notes)
+        : prepared_(prepared),
+          document_(*gltf_document(prepared.scene)),
+          keeps_draco_(compression == Compression::keep || compression == Compression::draco),
+          keeps_meshopt_(compression == Compression::keep || compression == Compression::meshopt),
+          notes_(notes) {
+        plan_.draco = compression == Compression::draco;
+        plan_.meshopt = compression == Compression::meshopt;
+    }
 
     Result<RewrittenGltf> run() {
         json_ = document_.json;
@@ -27,16 +43,22 @@ class Rewriter {
             if (!json_.contains(list)) json_[list] = Json::array();
         for (Index m = 0; m < prepared_.scene.meshes.size(); ++m)
             if (auto done = mesh(m); !done) return std::move(done).error();
+        drop_used_heights(prepared_, json_);
         if (dropped_triangles_ > 0) notes_.push_back(non_finite_note(dropped_triangles_));
-        remove_compression();
-        images();
+        if (!keeps_meshopt_) remove_meshopt();
+        declare_compression(json_);
+        embed_pictures(prepared_.scene.images, json_, appended_,
+                       [&](const std::string& text) { note_once(text); });
+        if (auto done = place_document(prepared_.scene, document_, json_); !done)
+            return std::move(done).error();
         note_non_finite_data(document_, json_, notes_);
-        auto binary = pack_buffer(document_, json_, appended_, notes_);
-        if (!binary) return std::move(binary).error();
+        auto packed = pack_buffer(document_, json_, appended_, notes_);
+        if (!packed) return std::move(packed).error();
         remove_empty_lists(json_);
         RewrittenGltf out;
         out.json = std::move(json_);
-        out.binary = *std::move(binary);
+        out.packed = *std::move(packed);
+        out.plan = std::move(plan_);
         return out;
     }
 
@@ -44,6 +66,7 @@ class Rewriter {
     struct Gathered {
         std::size_t accessor = 0;  // of the file
         bool implied = false;      // zeros, of which the file stores none
+        bool repaired = false;     // they are not the file's
         RawAccessor values;        // at the primitive's vertices
     };
     // Which elements of the file's accessors the vertices are. Welded vertices are one in place,
@@ -82,20 +105,23 @@ class Rewriter {
                         mesh.indices.begin() + std::ptrdiff_t(range.first_triangle) * 3,
                         mesh.indices.begin() +
                             std::ptrdiff_t(range.first_triangle + range.triangle_count) * 3);
+            if (indices.empty() && is_subdivided(m) && primitives[p].vertex_count > 2)
+                return Error{ErrorCode::unsupported,
+                             "no face of a primitive is left of its subdivision (holes, or a "
+                             "boundary rule of none): it cannot be written back; use another "
+                             "--subdivide-boundary",
+                             document_.place("/meshes/" + std::to_string(m) + "/primitives/" +
+                                             std::to_string(p))};
             if (indices.empty()) continue;
             if (auto done = primitive(m, p, std::move(indices)); !done) return done;
         }
         return {};
     }
 
-    static bool finite(const glm::vec3& p) {
-        return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
-    }
-
     Result<void> primitive(Index m, std::size_t p, std::vector<Index> indices) {
         const GltfPrimitive& source = document_.primitives[m][p];
         const VertexMesh& mesh = prepared_.meshes[m];
-        drop_non_finite(mesh, indices);
+        dropped_triangles_ += drop_non_finite(mesh.positions, indices);
         if (indices.empty()) {
             if (!source.draco.empty())
                 return Error{ErrorCode::unsupported,
@@ -111,6 +137,10 @@ class Rewriter {
         used.erase(std::unique(used.begin(), used.end()), used.end());
         for (Index& i : indices)
             i = Index(std::lower_bound(used.begin(), used.end(), i) - used.begin());
+        if (is_subdivided(m)) {
+            refined(m, p, used, indices);
+            return {};
+        }
         const Mesh& faces = prepared_.scene.meshes[m];
         Elements elements;
         for (const Index i : used) {
@@ -123,14 +153,24 @@ class Rewriter {
         }
 
         Json& out = json_["meshes"][m]["primitives"][p];
-        auto gathered = gather_all(source, out, elements);
+        DracoCoding coding;
+        if (keeps_draco_ && !source.draco.empty()) {
+            auto read =
+                draco_coding(document_, out,
+                             "/meshes/" + std::to_string(m) + "/primitives/" + std::to_string(p));
+            if (!read) return std::move(read).error();
+            coding = *std::move(read);
+        }
+        auto gathered = gather_all(source, out, elements, coding);
         if (!gathered) return std::move(gathered).error();
-        const std::vector<glm::vec3> normals = mended_normals(mesh.normals, used);
-        const std::vector<glm::vec4> tangents = mended_tangents(mesh.tangents, normals, used);
-        if (!mended_ && elements.of_corners.empty() &&
+        const std::vector<glm::vec3> normals = repaired_normals(mesh.normals, used);
+        const std::vector<glm::vec4> tangents = repaired_tangents(mesh.tangents, normals, used);
+        if (!repaired_ && elements.of_corners.empty() &&
             untouched(m, out, source, elements.of_vertices, indices, normals, tangents))
             return {};
 
+        const bool by_meshopt = keeps_meshopt_ && meshopt_.has_part_of(out);
+        const std::size_t first_accessor = json_["accessors"].size();
         const bool had_tangents = out["attributes"].contains("TANGENT");
         Json attributes = Json::object();
         for (const auto& item : out["attributes"].items())
@@ -138,16 +178,77 @@ class Rewriter {
                 it != gathered->attributes.end())
                 attributes[item.key()] =
                     emit_reshaped(item.key(), std::move(it->second), elements, m, used);
-        if (!normals.empty()) attributes["NORMAL"] = appended_.add_floats(normals);
+        const auto frame = [&](const char* semantic, const auto& values) -> Result<void> {
+            if (by_meshopt && out["attributes"].contains(semantic)) {
+                auto kept = kept_directions(source, out["attributes"], semantic, elements, values);
+                if (!kept) return std::move(kept).error();
+                if (*kept) {
+                    attributes[semantic] = emit(semantic, **std::move(kept), elements);
+                    return {};
+                }
+            }
+            attributes[semantic] = appended_.add_floats(values);
+            return {};
+        };
+        if (!normals.empty())
+            if (auto done = frame("NORMAL", normals); !done) return done;
         if (!tangents.empty() && !normals.empty() && (had_tangents || wants_tangents(m, out)))
-            attributes["TANGENT"] = appended_.add_floats(tangents);
+            if (auto done = frame("TANGENT", tangents); !done) return done;
         out["attributes"] = std::move(attributes);
-        targets(m, used, std::move(gathered->targets), out);
+        targets(m, used, std::move(gathered->targets), elements, out);
+        if (!same_numbers(source, out, elements.of_vertices, indices.size()))
+            adapt_extensions(
+                document_, out, {elements.of_vertices, indices},
+                [&](const std::vector<Index>& list) {
+                    return appended_.add_indices(list, used.size());
+                },
+                notes_);
         out["indices"] = appended_.add_indices(indices, used.size());
         // Strips and fans have become triangles, the default.
         out.erase("mode");
         remove_extension(out, "KHR_draco_mesh_compression");
+        if (keeps_draco_ && !source.draco.empty()) plan_.kept_draco[{m, p}] = std::move(coding);
+        if (by_meshopt) meshopt_.compress_from(first_accessor, !out.contains("extensions"));
         return {};
+    }
+
+    bool is_subdivided(Index m) const {
+        return m < prepared_.subdivided.size() && prepared_.subdivided[m];
+    }
+
+    void refined(Index m, std::size_t p, const std::vector<Index>& used,
+                 const std::vector<Index>& indices) {
+        Json& out = json_["meshes"][m]["primitives"][p];
+        const bool tangents = out["attributes"].contains("TANGENT") || wants_tangents(m, out);
+        if ((keeps_draco_ && !document_.primitives[m][p].draco.empty()) ||
+            (keeps_meshopt_ && meshopt_.has_part_of(out)))
+            note_once("refined primitives are written uncompressed: --compress draco or meshopt");
+        if (out.contains("extensions") && out["extensions"].contains("EXT_mesh_features")) {
+            remove_extension(out, "EXT_mesh_features");
+            note_once("feature IDs of refined primitives were left out");
+        }
+        write_refined_primitive(prepared_, m, used, indices, tangents, appended_, json_, out,
+                                notes_);
+        const std::vector<Index> no_old(used.size(), no_index);
+        adapt_extensions(
+            document_, out, {no_old, indices},
+            [&](const std::vector<Index>& list) {
+                return appended_.add_indices(list, used.size());
+            },
+            notes_);
+    }
+
+    // Whether vertices and triangles still have the numbers that the file gave them.
+    bool same_numbers(const GltfPrimitive& source, const Json& out, const std::vector<Index>& old,
+                      std::size_t corners) const {
+        for (std::size_t i = 0; i < old.size(); ++i)
+            if (old[i] != i) return false;
+        const Json& accessors = document_.json["accessors"];
+        const std::size_t before =
+            out.contains("indices")
+                ? accessors[out["indices"].get<std::size_t>()].value("count", std::size_t(0))
+                : source.vertex_count;
+        return old.size() == source.vertex_count && out.value("mode", 4) == 4 && corners == before;
     }
 
     std::span<const MorphDeltas> morphs(std::size_t m) const {
@@ -158,7 +259,7 @@ class Rewriter {
     // Morph targets: what was computed for them, else their own data at the new vertices. What
     // turns an attribute that the primitive does not have is left out.
     void targets(std::size_t m, const std::vector<Index>& used, std::vector<AttributeMap> gathered,
-                 Json& primitive) {
+                 const Elements& elements, Json& primitive) {
         if (!primitive.contains("targets")) return;
         const Json& attributes = primitive["attributes"];
         const std::span<const MorphDeltas> made = morphs(m);
@@ -178,7 +279,8 @@ class Rewriter {
                 const bool normal = item.key() == "NORMAL", tangent = item.key() == "TANGENT";
                 if ((normal && new_normals) || (tangent && new_tangents)) continue;
                 if ((normal || tangent) && !attributes.contains(item.key())) continue;
-                result[item.key()] = emit(item.key(), std::move(gathered[t].at(item.key())));
+                result[item.key()] =
+                    emit(item.key(), std::move(gathered[t].at(item.key())), elements);
             }
             if (new_normals && attributes.contains("NORMAL"))
                 result["NORMAL"] = appended_.add_floats(at_vertices(made[t].normals, used));
@@ -188,31 +290,32 @@ class Rewriter {
         }
     }
 
-    // A mesh carries tangents as a whole; primitives whose material has no normal map need none,
-    // unless they were asked for.
+    // A mesh carries tangents as a whole; primitives whose material reads none need none, unless
+    // they were asked for.
     bool wants_tangents(std::size_t m, const Json& primitive) const {
         if (m < prepared_.requirements.size() && prepared_.requirements[m].tangents.asked)
             return true;
         const std::vector<Material>& materials = prepared_.scene.materials;
         for (const Index other : materials_of_variants(primitive))
-            if (other < materials.size() && materials[other].normal_map) return true;
+            if (other < materials.size() && calls_for_tangents(materials[other])) return true;
         if (!primitive.contains("material")) return false;
-        return bool(materials[primitive["material"].get<std::size_t>()].normal_map);
+        return calls_for_tangents(materials[primitive["material"].get<std::size_t>()]);
     }
 
     // --- values --------------------------------------------------------------------------
 
-    void note_mended(unsigned kinds) {
-        for (unsigned k = 0; k < mend_kinds; ++k)
-            if (kinds >> k & 1u) note_once(mend_notes[k]);
-        mended_ |= kinds != 0;
+    bool note_repairs(unsigned kinds) {
+        for (unsigned k = 0; k < repair_kinds; ++k)
+            if (kinds >> k & 1u) note_once(repair_notes[k]);
+        repaired_ |= kinds != 0;
+        return kinds != 0;
     }
 
-    // All that is carried over, valid: sets mended_ where that took a change.
+    // All that is carried over, valid: sets repaired_ where that took a change.
     Result<GatheredPrimitive> gather_all(const GltfPrimitive& source, const Json& primitive,
-                                         const Elements& elements) {
+                                         const Elements& elements, const DracoCoding& coding) {
         GatheredPrimitive result;
-        mended_ = false;
+        repaired_ = false;
         std::vector<RawAccessor*> weights;
         for (const auto& item : primitive["attributes"].items()) {
             if (item.key() == "NORMAL" || item.key() == "TANGENT") continue;
@@ -220,10 +323,17 @@ class Rewriter {
                                  elements.of(item.key()));
             if (!values) return std::move(values).error();
             Gathered& kept = result.attributes[item.key()] = *std::move(values);
-            note_mended(mend_values(item.key(), MendOf::attribute, kept.values));
-            if (item.key().starts_with("WEIGHTS_")) weights.push_back(&kept.values);
+            kept.repaired =
+                note_repairs(repair_values(item.key(), RepairOf::attribute, kept.values));
+            // Their sums are off by what Draco rounded, and would be again.
+            const auto form = coding.values.find(item.key());
+            const bool rounded =
+                form != coding.values.end() && form->second.form != DracoValues::Form::exact;
+            if (item.key().starts_with("WEIGHTS_") && !rounded) weights.push_back(&kept.values);
         }
-        if (normalise_weights(weights)) note_mended(mend_weight_sum);
+        if (normalise_weights(weights) && note_repairs(repaired_weight_sum))
+            for (auto& [semantic, kept] : result.attributes)
+                kept.repaired |= semantic.starts_with("WEIGHTS_");
         if (!primitive.contains("targets")) return result;
         for (const Json& target : primitive["targets"]) {
             AttributeMap& kept = result.targets.emplace_back();
@@ -232,7 +342,8 @@ class Rewriter {
                                      elements.of(item.key()));
                 if (!values) return std::move(values).error();
                 Gathered& to = kept[item.key()] = *std::move(values);
-                note_mended(mend_values(item.key(), MendOf::morph_target, to.values));
+                to.repaired =
+                    note_repairs(repair_values(item.key(), RepairOf::morph_target, to.values));
             }
         }
         return result;
@@ -262,7 +373,7 @@ class Rewriter {
         for (std::size_t i = 0; i < used.size(); ++i)
             std::memcpy(now.bytes.data() + i * size,
                         uvs ? &(*uvs)[used[i]].x : &(*colors)[used[i]].x, size);
-        mend_values(semantic, MendOf::attribute, now);
+        repair_values(semantic, RepairOf::attribute, now);
         if (to_floats(now) == to_floats(raw)) return std::nullopt;
         return now;
     }
@@ -277,28 +388,28 @@ class Rewriter {
         return result;
     }
 
-    std::vector<glm::vec3> mended_normals(const std::vector<glm::vec3>& values,
-                                          const std::vector<Index>& used) {
+    std::vector<glm::vec3> repaired_normals(const std::vector<glm::vec3>& values,
+                                            const std::vector<Index>& used) {
         std::vector<glm::vec3> result = at_vertices(values, used);
         for (glm::vec3& n : result)
-            if (!finite(n)) {
+            if (!is_finite(n)) {
                 n = glm::vec3(0, 0, 1);
                 note_once("normals that are not finite were written as (0, 0, 1)");
-                mended_ = true;
+                repaired_ = true;
             }
         return result;
     }
 
     // Where nothing calls for tangents, the file's own may be anything.
-    std::vector<glm::vec4> mended_tangents(const std::vector<glm::vec4>& values,
-                                           const std::vector<glm::vec3>& normals,
-                                           const std::vector<Index>& used) {
+    std::vector<glm::vec4> repaired_tangents(const std::vector<glm::vec4>& values,
+                                             const std::vector<glm::vec3>& normals,
+                                             const std::vector<Index>& used) {
         std::vector<glm::vec4> result = at_vertices(values, used);
         for (std::size_t i = 0; i < result.size(); ++i) {
             glm::vec4& t = result[i];
-            if (finite(glm::vec3(t)) && std::isfinite(t.w)) continue;
-            mended_ = true;
-            if (finite(glm::vec3(t))) {
+            if (is_finite(t)) continue;
+            repaired_ = true;
+            if (is_finite(glm::vec3(t))) {
                 t.w = 1;
                 note_once("signs of tangents that are not finite were written as 1");
                 continue;
@@ -314,25 +425,14 @@ class Rewriter {
 
     // --- helpers of primitive() ----------------------------------------------------------
 
-    void drop_non_finite(const VertexMesh& mesh, std::vector<Index>& indices) {
-        std::size_t kept = 0;
-        for (std::size_t i = 0; i < indices.size(); i += 3) {
-            if (!finite(mesh.positions[indices[i]]) || !finite(mesh.positions[indices[i + 1]]) ||
-                !finite(mesh.positions[indices[i + 2]]))
-                continue;
-            for (int k = 0; k < 3; ++k) indices[kept++] = indices[i + std::size_t(k)];
-        }
-        if (kept > 0) dropped_triangles_ += (indices.size() - kept) / 3;
-        indices.resize(kept);
-    }
-
     // Same vertices in the same order, the same triangles, the same normals and tangents: the
     // primitive's accessors stay.
     bool untouched(std::size_t m, const Json& out, const GltfPrimitive& source,
                    const std::vector<Index>& local, const std::vector<Index>& indices,
                    const std::vector<glm::vec3>& normals,
                    const std::vector<glm::vec4>& tangents) const {
-        if (!source.draco.empty() || local.size() != source.vertex_count) return false;
+        if (!source.draco.empty() && !keeps_draco_) return false;
+        if (local.size() != source.vertex_count) return false;
         for (std::size_t i = 0; i < local.size(); ++i)
             if (local[i] != i) return false;
         if (out.value("mode", 4) != 4) return false;
@@ -342,26 +442,59 @@ class Rewriter {
             (!tangents.empty() && wants_tangents(m, out) && !attributes.contains("TANGENT")) ||
             (tangents.empty() && attributes.contains("TANGENT")))
             return false;
-        if (out.contains("indices")) {
+        if (!source.draco.empty()) {
+            if (source.draco_indices != indices) return false;
+        } else if (out.contains("indices")) {
             const auto raw = document_.raw_accessor(out["indices"].get<std::size_t>());
             if (!raw || to_indices(*raw) != indices) return false;
         } else {
             for (std::size_t i = 0; i < indices.size(); ++i)
                 if (indices[i] != i) return false;
         }
-        return same_values(attributes, "NORMAL", 3, normals) &&
-               same_values(attributes, "TANGENT", 4, tangents);
+        return same_values(source, attributes, "NORMAL", normals) &&
+               same_values(source, attributes, "TANGENT", tangents);
     }
 
     template <class T>
-    bool same_values(const Json& attributes, const char* semantic, std::size_t width,
+    bool same_values(const GltfPrimitive& source, const Json& attributes, const char* semantic,
                      const std::vector<T>& values) const {
         if (values.empty() || !attributes.contains(semantic)) return true;
+        const auto draco = source.draco.find(semantic);
+        if (draco != source.draco.end()) return same_directions(draco->second, values, true);
         const auto raw = document_.raw_accessor(attributes[semantic].get<std::size_t>());
-        if (!raw) return false;
-        const std::vector<float> before = to_floats(*raw);
+        return raw && same_directions(*raw, values, raw->component_type != 5126);
+    }
+
+    template <class T>
+    static bool same_directions(const RawAccessor& raw, const std::vector<T>& values,
+                                bool rounded) {
+        const std::size_t width = sizeof(T) / sizeof(float);
+        if (raw.width != int(width)) return false;
+        std::vector<float> before = to_floats(raw);
+        if (rounded) {
+            // Whole numbers have no unit vectors but along the axes: what they say is a direction.
+            for (std::size_t i = 0; i + width <= before.size(); i += width) {
+                const glm::vec3 n = unit_normal({before[i], before[i + 1], before[i + 2]});
+                std::memcpy(&before[i], &n, sizeof n);
+            }
+        }
         return before.size() == values.size() * width &&
                std::memcmp(values.data(), before.data(), before.size() * sizeof(float)) == 0;
+    }
+
+    // The file's own normals or tangents, where they are whole numbers whose directions were kept.
+    template <class T>
+    Result<std::optional<Gathered>> kept_directions(const GltfPrimitive& source,
+                                                    const Json& attributes, const char* semantic,
+                                                    const Elements& elements,
+                                                    const std::vector<T>& values) const {
+        const auto accessor = attributes[semantic].get<std::size_t>();
+        if (document_.json["accessors"][accessor]["componentType"] == 5126)
+            return std::optional<Gathered>();
+        auto gathered = gather(source, semantic, accessor, elements.of(semantic));
+        if (!gathered) return std::move(gathered).error();
+        if (!same_directions(gathered->values, values, true)) return std::optional<Gathered>();
+        return std::optional<Gathered>(*std::move(gathered));
     }
 
     // An accessor's elements for the given source vertices, in the accessor's own type.
@@ -382,7 +515,7 @@ class Rewriter {
     }
 
     // Writes them; returns the new accessor.
-    std::size_t emit(const std::string& semantic, Gathered gathered) {
+    std::size_t emit(const std::string& semantic, Gathered gathered, const Elements& elements) {
         RawAccessor& raw = gathered.values;
         Json out = document_.json["accessors"][gathered.accessor];
         const bool bounded = out.contains("min") || semantic == "POSITION";
@@ -401,6 +534,9 @@ class Rewriter {
             }
             out["bufferView"] =
                 appended_.add_view(std::move(bytes), 34962, stride == size ? 0 : stride);
+            if (keeps_meshopt_ && !gathered.repaired)
+                meshopt_.keep_filter(gathered.accessor, elements.of(semantic), stride,
+                                     out["bufferView"].get<std::size_t>());
         }
         return appended_.add_accessor(std::move(out));
     }
@@ -410,7 +546,7 @@ class Rewriter {
                               const std::vector<Index>& used) {
         std::optional<RawAccessor> now;
         if (!elements.of_corners.empty()) now = reshaped(semantic, gathered.values, m, used);
-        if (!now) return emit(semantic, std::move(gathered));
+        if (!now) return emit(semantic, std::move(gathered), elements);
         const char* const types[] = {"SCALAR", "VEC2", "VEC3", "VEC4"};
         return appended_.add_accessor(
             Json{{"bufferView", appended_.add_view(std::move(now->bytes), 34962, 0)},
@@ -419,33 +555,6 @@ class Rewriter {
                  {"type", types[now->width - 1]}});
     }
 
-    static void set_bounds(const RawAccessor& raw, Json& out) {
-        // Bounds are of the stored numbers, not of what normalisation makes of them.
-        RawAccessor plain = raw;
-        plain.normalized = false;
-        const std::vector<float> values = to_floats(plain);
-        Json low = Json::array(), high = Json::array();
-        for (int k = 0; k < raw.width; ++k) {
-            float least = values[std::size_t(k)], most = least;
-            for (std::size_t v = 0; v < raw.count; ++v) {
-                const float x = values[v * std::size_t(raw.width) + std::size_t(k)];
-                least = std::min(least, x);
-                most = std::max(most, x);
-            }
-            if (raw.component_type == 5126) {
-                low.push_back(least);
-                high.push_back(most);
-            } else {
-                low.push_back(std::int64_t(least));
-                high.push_back(std::int64_t(most));
-            }
-        }
-        out["min"] = std::move(low);
-        out["max"] = std::move(high);
-    }
-
-    // --- compression and images ----------------------------------------------------------
-
     static void remove_extension(Json& object, const char* name) {
         const auto it = object.find("extensions");
         if (it == object.end() || !it->is_object()) return;
@@ -453,67 +562,30 @@ class Rewriter {
         if (it->empty()) object.erase("extensions");
     }
 
-    void remove_compression() {
-        for (const char* name : {"EXT_meshopt_compression", "KHR_draco_mesh_compression"})
-            for (const char* list : {"extensionsUsed", "extensionsRequired"}) {
-                const auto it = json_.find(list);
-                if (it == json_.end() || !it->is_array()) continue;
-                it->erase(std::remove(it->begin(), it->end(), Json(name)), it->end());
-                if (it->empty()) json_.erase(list);
-            }
+    void remove_meshopt() {
         if (json_.contains("bufferViews"))
             for (Json& view : json_["bufferViews"])
                 remove_extension(view, "EXT_meshopt_compression");
     }
 
-    static const char* mime_of(const std::vector<std::byte>& bytes) {
-        const auto starts = [&](std::string_view magic, std::size_t at = 0) {
-            return bytes.size() >= at + magic.size() &&
-                   std::memcmp(bytes.data() + at, magic.data(), magic.size()) == 0;
-        };
-        if (starts("\x89PNG")) return "image/png";
-        if (starts("\xff\xd8\xff")) return "image/jpeg";
-        if (starts("RIFF") && starts("WEBP", 8)) return "image/webp";
-        if (starts("\xabKTX 20\xbb")) return "image/ktx2";
-        return nullptr;
-    }
-
-    // Pictures beside the source would be lost to an output elsewhere: they move into the buffer.
-    void images() {
-        const auto list = json_.find("images");
-        if (list == json_.end()) return;
-        for (std::size_t i = 0; i < list->size() && i < prepared_.scene.images.size(); ++i) {
-            Json& image = (*list)[i];
-            if (!image.contains("uri")) continue;
-            const std::vector<std::byte>& bytes = prepared_.scene.images[i].bytes;
-            const char* mime = mime_of(bytes);
-            if (!mime) {
-                note_once("image " + std::to_string(i) +
-                          " could not be read: the output still names its file");
-                continue;
-            }
-            const std::string uri = image["uri"].get<std::string>();
-            if (!image.contains("name") && !uri.starts_with("data:")) image["name"] = uri;
-            image.erase("uri");
-            image["mimeType"] = mime;
-            image["bufferView"] = appended_.add_view(bytes, 0, 0);
-        }
-    }
-
     const PreparedScene& prepared_;
     const GltfDocument& document_;
+    const bool keeps_draco_, keeps_meshopt_;
+    CompressionPlan plan_;
     std::vector<std::string>& notes_;
     std::uint64_t dropped_triangles_ = 0;
     Json json_;
-    bool mended_ = false;  // the primitive at hand: values were made valid
+    bool repaired_ = false;  // the primitive at hand: values were made valid
     AppendedData appended_{json_};
+    KeptMeshopt meshopt_{document_, json_, appended_};
 };
 
 }  // namespace
 
-Result<RewrittenGltf> rewrite_gltf(const PreparedScene& prepared, std::vector<std::string>& notes) {
+Result<RewrittenGltf> rewrite_gltf(const PreparedScene& prepared, Compression compression,
+                                   std::vector<std::string>& notes) {
     try {
-        return Rewriter(prepared, notes).run();
+        return Rewriter(prepared, compression, notes).run();
     } catch (const Json::exception& e) {
         // Where the reader let something through that it carries without knowing it.
         return Error{ErrorCode::invalid,

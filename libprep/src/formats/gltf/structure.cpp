@@ -36,14 +36,10 @@ class Checker {
     }
 
   private:
-    Error bad(const std::string& pointer, std::string text) const {
-        return {ErrorCode::invalid, std::move(text), d_.place(pointer)};
-    }
-
     Result<void> view(const Json& in, const std::string& pointer) {
         const auto buffer = index_member(d_, in, "buffer", pointer, d_.buffers.size());
         if (!buffer) return buffer.error();
-        if (*buffer == no_index) return bad(pointer + "/buffer", "the member is missing");
+        if (*buffer == no_index) return d_.bad(pointer + "/buffer", "the member is missing");
         const auto offset = whole_member(d_, in, "byteOffset", pointer, 0, max_offset, 0);
         const auto length = whole_member(d_, in, "byteLength", pointer, 1, max_offset, {});
         const auto stride = whole_member(d_, in, "byteStride", pointer, 4, 252, 0);
@@ -51,16 +47,16 @@ class Checker {
             if (!*r) return r->error();
         const auto available = d_.json["buffers"][*buffer]["byteLength"].get<std::uint64_t>();
         if (*offset > available || *length > available - *offset)
-            return bad(pointer + (*offset > available ? "/byteOffset" : "/byteLength"),
-                       "the view ends at byte " + number(*offset + *length) + ", its buffer has " +
-                           number(available));
+            return d_.bad(pointer + (*offset > available ? "/byteOffset" : "/byteLength"),
+                          "the view ends at byte " + number(*offset + *length) +
+                              ", its buffer has " + number(available));
         if (*stride % 4 != 0)
-            return bad(pointer + "/byteStride",
-                       "expected a multiple of 4, found " + number(*stride));
+            return d_.bad(pointer + "/byteStride",
+                          "expected a multiple of 4, found " + number(*stride));
         views_.push_back({*length, *stride});
         const auto extensions = in.find("extensions");
         if (extensions == in.end()) return {};
-        if (!extensions->is_object()) return bad(pointer + "/extensions", "expected an object");
+        if (!extensions->is_object()) return d_.bad(pointer + "/extensions", "expected an object");
         const auto compressed = extensions->find(meshopt);
         if (compressed == extensions->end()) return {};
         return compressed_view(*compressed, *length, pointer + "/extensions/" + meshopt);
@@ -68,18 +64,18 @@ class Checker {
 
     // What it decompresses to is allocated before the codec has seen a byte.
     Result<void> compressed_view(const Json& in, std::uint64_t length, const std::string& pointer) {
-        if (!in.is_object()) return bad(pointer, "expected an object");
+        if (!in.is_object()) return d_.bad(pointer, "expected an object");
         const auto count = whole_member(d_, in, "count", pointer, 1, max_elements, {});
         if (!count) return count.error();
         const auto stride = whole_member(d_, in, "byteStride", pointer, 1, 256, {});
         if (!stride) return stride.error();
         if (*count * *stride != length)
-            return bad(pointer + "/count", number(*count) + " elements of " + number(*stride) +
-                                               " bytes are not the bufferView's byteLength of " +
-                                               number(length));
+            return d_.bad(pointer + "/count", number(*count) + " elements of " + number(*stride) +
+                                                  " bytes are not the bufferView's byteLength of " +
+                                                  number(length));
         decompressed_bytes_ += length;
         if (decompressed_bytes_ / max_compression > d_.input_bytes)
-            return bad(pointer + "/count", "more elements than the compressed bytes can hold");
+            return d_.bad(pointer + "/count", "more elements than the compressed bytes can hold");
         return {};
     }
 
@@ -95,16 +91,16 @@ class Checker {
         if (!code) return code.error();
         out.component_type = int(*code);
         if (component_size(out.component_type) == 0)
-            return bad(pointer + "/componentType",
-                       "expected 5120 to 5123, 5125 or 5126, found " + number(*code));
+            return d_.bad(pointer + "/componentType",
+                          "expected 5120 to 5123, 5125 or 5126, found " + number(*code));
         const auto type = in.find("type");
-        if (type == in.end()) return bad(pointer + "/type", "the member is missing");
-        if (!type->is_string()) return bad(pointer + "/type", "expected a string");
+        if (type == in.end()) return d_.bad(pointer + "/type", "the member is missing");
+        if (!type->is_string()) return d_.bad(pointer + "/type", "expected a string");
         out.name = type->get<std::string>();
         if (components_of(out.name) == 0)
-            return bad(pointer + "/type",
-                       "expected SCALAR, VEC2, VEC3, VEC4, MAT2, MAT3 or MAT4, found '" +
-                           out.name.substr(0, 40) + "'");
+            return d_.bad(pointer + "/type",
+                          "expected SCALAR, VEC2, VEC3, VEC4, MAT2, MAT3 or MAT4, found '" +
+                              out.name.substr(0, 40) + "'");
         const auto count = whole_member(d_, in, "count", pointer, 1, max_elements, {});
         if (!count) return count.error();
         out.count = *count;
@@ -117,9 +113,9 @@ class Checker {
         // All factors are below 2^41 · 2^8: no overflow.
         const std::uint64_t end = offset + (count - 1) * stride + element;
         if (end > view.length)
-            return bad(pointer, number(count) + " elements of " + number(element) +
-                                    " bytes end at byte " + number(end) + ", the bufferView has " +
-                                    number(view.length));
+            return d_.bad(pointer, number(count) + " elements of " + number(element) +
+                                       " bytes end at byte " + number(end) +
+                                       ", the bufferView has " + number(view.length));
         return {};
     }
 
@@ -129,7 +125,7 @@ class Checker {
         const std::uint64_t component = component_size(type->component_type);
         const std::uint64_t element = stored_size(type->name, type->component_type);
         if (const auto it = in.find("normalized"); it != in.end() && !it->is_boolean())
-            return bad(pointer + "/normalized", "expected true or false");
+            return d_.bad(pointer + "/normalized", "expected true or false");
         const auto view = index_member(d_, in, "bufferView", pointer, views_.size());
         if (!view) return view.error();
         const auto offset = whole_member(d_, in, "byteOffset", pointer, 0, max_offset, 0);
@@ -145,15 +141,16 @@ class Checker {
                              d_.place(pointer + "/count")};
         } else {
             if (*offset % component != 0)
-                return bad(pointer + "/byteOffset", "expected a multiple of " + number(component) +
-                                                        ", the size of the "
-                                                        "component, found " +
-                                                        number(*offset));
+                return d_.bad(pointer + "/byteOffset", "expected a multiple of " +
+                                                           number(component) +
+                                                           ", the size of the "
+                                                           "component, found " +
+                                                           number(*offset));
             const View& v = views_[*view];
             if (v.stride && v.stride < element)
-                return bad(pointer, "elements of " + number(element) +
-                                        " bytes do not fit the bufferView's byteStride of " +
-                                        number(v.stride));
+                return d_.bad(pointer, "elements of " + number(element) +
+                                           " bytes do not fit the bufferView's byteStride of " +
+                                           number(v.stride));
             if (auto done = fits(*offset, type->count, element, v.stride ? v.stride : element, v,
                                  pointer + (in.contains("byteOffset") ? "/byteOffset" : ""));
                 !done)
@@ -161,7 +158,7 @@ class Checker {
         }
         const auto sparse = in.find("sparse");
         if (sparse == in.end()) return {};
-        if (!sparse->is_object()) return bad(pointer + "/sparse", "expected an object");
+        if (!sparse->is_object()) return d_.bad(pointer + "/sparse", "expected an object");
         if (auto done = check_sparse(*sparse, *type, element, pointer + "/sparse"); !done)
             return done;
         // That the sparse indices ascend and are in range only their values can tell.
@@ -176,27 +173,28 @@ class Checker {
         for (const char* key : {"indices", "values"}) {
             const std::string place = pointer + "/" + key;
             const auto part = in.find(key);
-            if (part == in.end() || !part->is_object()) return bad(place, "expected an object");
+            if (part == in.end() || !part->is_object()) return d_.bad(place, "expected an object");
             std::uint64_t size = element, alignment = component_size(type.component_type);
             if (std::string_view(key) == "indices") {
                 const auto code = whole_member(d_, *part, "componentType", place, 5121, 5125, {});
                 if (!code) return code.error();
                 if (*code != 5121 && *code != 5123 && *code != 5125)
-                    return bad(place + "/componentType",
-                               "expected 5121, 5123 or 5125, found " + number(*code));
+                    return d_.bad(place + "/componentType",
+                                  "expected 5121, 5123 or 5125, found " + number(*code));
                 size = alignment = component_size(int(*code));
             }
             const auto view = index_member(d_, *part, "bufferView", place, views_.size());
             if (!view) return view.error();
-            if (*view == no_index) return bad(place + "/bufferView", "the member is missing");
+            if (*view == no_index) return d_.bad(place + "/bufferView", "the member is missing");
             if (views_[*view].stride)
-                return bad(place + "/bufferView",
-                           "the bufferView has a byteStride, but sparse data are tightly packed");
+                return d_.bad(
+                    place + "/bufferView",
+                    "the bufferView has a byteStride, but sparse data are tightly packed");
             const auto offset = whole_member(d_, *part, "byteOffset", place, 0, max_offset, 0);
             if (!offset) return offset.error();
             if (*offset % alignment != 0)
-                return bad(place + "/byteOffset", "expected a multiple of " + number(alignment) +
-                                                      ", found " + number(*offset));
+                return d_.bad(place + "/byteOffset", "expected a multiple of " + number(alignment) +
+                                                         ", found " + number(*offset));
             if (auto done = fits(*offset, *count, size, size, views_[*view], place); !done)
                 return done;
         }

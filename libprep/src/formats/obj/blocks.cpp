@@ -6,6 +6,7 @@
 #include <memory>
 #include <mutex>
 
+#include "base/finite.h"
 #include "base/parallel.h"
 #include "text/digits.h"
 #include "text/scan.h"
@@ -292,7 +293,7 @@ class BlockParser {
         glm::dvec3 p(x[0], x[1], x[2]);
         // 3: xyz, 4: xyzw, 6: xyz rgb, 7: xyzw rgb. Rational weights divide.
         if ((count == 4 || count == 7) && x[3] != 0 && x[3] != 1) p /= x[3];
-        note_finite(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z));
+        note_finite(is_finite(p));
         add_position(p);
         if (count >= 6) {
             const double* c = x + (count == 7 ? 4 : 3);

@@ -6,7 +6,9 @@
 #include "formats/obj/blocks.h"
 #include "formats/obj/obj.h"
 #include "formats/obj/tags.h"
+#include "formats/picture_search.h"
 #include "prep/files.h"
+#include "text/line_ends.h"
 #include "text/scan.h"
 
 namespace prep {
@@ -79,9 +81,28 @@ class Assembler {
                            [&](const ObjBlock& block) { return !(block.faces.*list).empty(); });
     }
 
+    // Some exporters name texture coordinates or normals that they do not write: faces then have
+    // none.
+    void drop_unmet(std::vector<ObjIndex> ObjElements::*list, const char* what) {
+        std::uint64_t corners = 0;
+        std::size_t first_line = 0;
+        for (std::size_t b = 0; b < blocks_.size(); ++b) {
+            std::vector<ObjIndex>& indices = blocks_[b].faces.*list;
+            for (std::size_t c = 0; c < indices.size(); ++c) {
+                if (indices[c] == 0) continue;
+                if (++corners == 1) first_line = line_of(b, blocks_[b].faces.line_of_corner(c));
+            }
+            indices.clear();
+        }
+        warn(corners, first_line,
+             std::string("corners name ") + what + ", of which the file has none: left out");
+    }
+
     // All lists at their full size. Memory is first touched here: each list on a thread of its own.
     void make_room() {
         const Counts& total = bases_.back();
+        if (total.uvs == 0) drop_unmet(&ObjElements::t, "texture coordinates");
+        if (total.normals == 0) drop_unmet(&ObjElements::n, "normals");
         const bool uv = any(blocks_, &ObjElements::t), normals = any(blocks_, &ObjElements::n);
         if (uv) mesh_->uvs.resize(1);
         parallel_blocks(7, 1, options_.threads, [&](std::size_t list, std::size_t) {
@@ -355,17 +376,15 @@ class Assembler {
     }
 
     bool library(const std::string& name) {
-        std::string portable = name;
-        std::replace(portable.begin(), portable.end(), '\\', '/');
-        if (portable.empty()) return false;
-        const std::filesystem::path path = options_.directory / portable;
-        std::error_code ec;
-        if (!std::filesystem::is_regular_file(path, ec)) return false;
-        const auto bytes = read_file(path);
+        const auto path = files_.locate(name);
+        if (!path) return false;
+        const auto bytes = read_file(*path);
         if (!bytes) return false;
-        scene_.libraries.push_back(path);
+        scene_.libraries.push_back(*path);
+        PictureSearch pictures(path->parent_path(), options_.texture_directories);
         MtlLibrary lib = parse_mtl({reinterpret_cast<const char*>(bytes->data()), bytes->size()},
-                                   name, path.parent_path());
+                                   name, pictures);
+        for (std::string& w : pictures.warnings()) lib.warnings.push_back(std::move(w));
         const Index textures = Index(scene_.textures.size()), images = Index(scene_.images.size());
         for (Texture& t : lib.textures) {
             t.image += images;
@@ -443,6 +462,7 @@ class Assembler {
     Scene scene_;
     Mesh* mesh_ = nullptr;
     std::unordered_map<std::string, Index> materials_, parts_;
+    PictureSearch files_{options_.directory};
     bool missing_library_ = false;
 };
 
@@ -454,7 +474,19 @@ bool is_utf16(const ObjSource& source) {
     return text[0] == '\0' || text[1] == '\0' || mark == "\xff\xfe" || mark == "\xfe\xff";
 }
 
+// The text of a source whose lines end with carriage returns alone, with line feeds; empty for all
+// others, and where it cannot be read.
+std::string mended_line_ends(const ObjSource& source) {
+    std::string text(std::min(source.size(), line_end_head), '\0');
+    if (!source.read(0, text.size(), text.data()) || !ends_lines_with_cr(text)) return {};
+    text.resize(source.size());
+    if (!source.read(0, text.size(), text.data())) return {};
+    return with_line_feeds(text);
+}
+
 Result<Scene> read_obj(const ObjSource& source, const ObjOptions& options) {
+    if (const std::string text = mended_line_ends(source); !text.empty())
+        return read_obj(ObjMemory(text), options);
     if (is_utf16(source))
         return Error{ErrorCode::syntax,
                      "this is UTF-16 or no text; expected OBJ as ASCII or UTF-8: save it so",
@@ -480,13 +512,14 @@ Result<Scene> parse_obj(std::span<const std::byte> bytes, const ObjOptions& opti
                     options);
 }
 
-Result<Scene> load_obj(const std::filesystem::path& path, int threads) {
+Result<Scene> load_obj(const std::filesystem::path& path, const LoadOptions& load) {
     ObjFile file;
     if (auto opened = file.open(path); !opened) return std::move(opened).error();
     ObjOptions options;
     options.name = path.filename().string();
     options.directory = path.parent_path();
-    options.threads = threads;
+    options.threads = load.threads;
+    options.texture_directories = load.texture_directories;
     auto scene = read_obj(file, options);
     if (scene) scene->source = path;
     return scene;

@@ -1,12 +1,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <unordered_map>
 #include <unordered_set>
 
 #include "base/atomic_files.h"
 #include "formats/writers.h"
+#include "image/packed_channels.h"
 #include "text/blocks.h"
 #include "text/numbers.h"
 
@@ -33,15 +35,19 @@ class ObjWriter {
   public:
     ObjWriter(const PreparedScene& prepared, const std::filesystem::path& path,
               const SaveOptions& options)
-        : scene_(prepared.scene), path_(path), files_(rules_for(prepared, path, options)) {}
+        : scene_(prepared.scene),
+          path_(path),
+          keep_libraries_(options.replace_sources && !scene_.libraries.empty()),
+          files_(rules_for(prepared, path, options)) {}
 
     WriteResult run() {
         text_.text() = "# meshprep\n";
         std::string mtl;
         if (!scene_.materials.empty()) {
             name_materials();
-            mtl = materials();
-            text_.text() += fmt::format("mtllib {}.mtl\n", path_.stem().string());
+            if (!keep_libraries_) mtl = materials();
+            for (const std::string& name : libraries())
+                text_.text() += fmt::format("mtllib {}\n", name);
         }
         const std::vector<glm::dmat4> world = world_transforms(scene_);
         bool instanced = false, extra = false;
@@ -271,6 +277,24 @@ class ObjWriter {
                                         tags.face_varying_boundary);
     }
 
+    // Written in place, a mesh goes on using the libraries it was read with, which say more than
+    // what would be written again.
+    std::vector<std::string> libraries() const {
+        if (!keep_libraries_) return {path_.stem().string() + ".mtl"};
+        std::vector<std::string> names;
+        for (const std::filesystem::path& library : scene_.libraries)
+            names.push_back(relative(library));
+        return names;
+    }
+
+    // As it is named from where the output stands.
+    std::string relative(const std::filesystem::path& file) const {
+        std::error_code ec;
+        const std::filesystem::path name = std::filesystem::relative(
+            file, path_.parent_path().empty() ? "." : path_.parent_path(), ec);
+        return ec || name.empty() ? file.string() : name.generic_string();
+    }
+
     const std::string& material_name(Index m) const { return material_names_[m]; }
 
     // OBJ tells materials apart by name alone.
@@ -302,24 +326,29 @@ class ObjWriter {
             const auto color = [&](const char* word, const glm::vec3& c) {
                 mtl += fmt::format("{} {} {} {}\n", word, c.r, c.g, c.b);
             };
-            glm::vec3 diffuse(in.diffuse), specular = in.specular;
+            glm::vec3 specular = in.specular;
             float shininess = in.shininess;
+            const bool physical = in.metallic_roughness && !in.unlit;
             if (in.metallic_roughness && in.unlit) {
                 specular = glm::vec3(0.0f);  // its colour is all there is of it
-            } else if (in.metallic_roughness) {
-                const BlinnPhong derived = blinn_phong(diffuse, in.metallic, in.roughness);
-                diffuse = derived.diffuse;
+            } else if (physical) {
+                const BlinnPhong derived =
+                    blinn_phong(glm::vec3(in.diffuse), in.metallic, in.roughness, in.reflectance);
                 specular = glm::min(derived.specular, glm::vec3(1.0f));  // all that MTL allows
                 shininess = derived.shininess;
-                note("MTL has no metallic-roughness: written as Blinn-Phong");
+                note(
+                    "metallic-roughness is written as Pr and Pm; Kd is the base colour, Ks and Ns "
+                    "are for programs that do not read them");
             }
             color("Ka", in.ambient);
-            color("Kd", diffuse);
+            // With Pm the base colour, of metals too, as other programs write and read it.
+            color("Kd", glm::vec3(in.diffuse));
             color("Ks", specular);
             color("Ke", in.emissive);
             // Opaque materials ignore their alpha.
             const float opacity = in.alpha_mode == AlphaMode::opaque ? 1.0f : in.diffuse.a;
             mtl += fmt::format("Ns {}\nd {}\nillum {}\n", shininess, opacity, in.unlit ? 0 : 2);
+            if (physical) physical_statements(in, mtl);
             if (in.alpha_mode == AlphaMode::mask)
                 note("MTL has no alpha masks: what they cut out is drawn");
             if (in.double_sided) note("MTL has no double-sided materials: left out");
@@ -328,18 +357,130 @@ class ObjWriter {
             map(mtl, "map_Ke", in.emissive_map);
             map(mtl, "norm", in.normal_map);
             map(mtl, "bump", in.bump_map);
-            map(mtl, "disp", in.displacement_map);
-            if (in.metallic_roughness_map || in.occlusion_map)
-                note("MTL has no metallic-roughness and occlusion maps: left out");
+            displacement(in, mtl);
+            if (in.alpha_mode == AlphaMode::blend) opacity_map(in.diffuse_map, mtl);
+            if (in.occlusion_map) note("MTL has no occlusion maps: left out");
         }
         return mtl;
     }
 
-    void map(std::string& mtl, const char* word, const TextureRef& ref) {
+    // base + gain · texel is (texel − midlevel) · scale.
+    void displacement(const Material& in, std::string& mtl) {
+        if (!in.displacement_map) return;
+        if (in.displacement_kind != DisplacementKind::height)
+            return note("MTL has no vector displacement: left out");
+        const double gain = double(in.displacement_scale);
+        const double base = -double(in.displacement_midlevel) * gain;
+        // Not −0.
+        const std::string range =
+            base == 0 && gain == 1 ? "" : fmt::format(" -mm {} {}", base == 0 ? 0.0 : base, gain);
+        map(mtl, "disp" + range, in.displacement_map);
+    }
+
+    void physical_statements(const Material& in, std::string& mtl) {
+        const auto number = [&](const char* word, float value) {
+            mtl += fmt::format("{} {}\n", word, value);
+        };
+        number("Pr", in.roughness);
+        number("Pm", in.metallic);
+        const glm::vec3& f0 = in.reflectance;
+        if (f0.r != f0.g || f0.r != f0.b) note("MTL has one reflectance for all colours: the mean");
+        const double mean = (double(f0.r) + double(f0.g) + double(f0.b)) / 3;
+        // What an index of refraction reflects: ((n − 1)/(n + 1))².
+        if (f0 != glm::vec3(0.04f) && mean < 0.999) {
+            const double root = std::sqrt(std::max(mean, 0.0));
+            number("Ni", float((1 + root) / (1 - root)));
+        }
+        if (in.clearcoat > 0) {
+            number("Pc", in.clearcoat);
+            number("Pcr", in.clearcoat_roughness);
+        }
+        if (in.sheen != glm::vec3(0.0f))
+            mtl += fmt::format("Ps {} {} {}\n", in.sheen.r, in.sheen.g, in.sheen.b);
+        if (in.anisotropy > 0) {
+            number("aniso", in.anisotropy);
+            number("anisor", in.anisotropy_rotation / 6.2831853f);
+        }
+        if (!in.metallic_roughness_map) return;
+        // Programs read grey pictures there, one for each.
+        if (in.roughness > 0) grey_map(mtl, "map_Pr", in.metallic_roughness_map, 1, "roughness");
+        if (in.metallic > 0) grey_map(mtl, "map_Pm", in.metallic_roughness_map, 2, "metallic");
+    }
+
+    // A channel of the packed picture as a file of its own; what was put together is named again.
+    void grey_map(std::string& mtl, const char* word, const TextureRef& ref, std::uint32_t channel,
+                  const char* what) {
+        const ImageRef* image = image_of(ref);
+        if (!image) return;
+        if (!image->channels.empty()) {
+            if (channel >= image->channels.size()) return;
+            const PackedChannel& packed = image->channels[channel];
+            if (!packed.source) return;
+            if (packed.source->bytes.empty() && packed.channel == 0 && !packed.inverted)
+                return map_line(mtl, word, ref, path_from_output(packed.source->path));
+        }
+        const Index index = scene_.textures[ref.texture].image;
+        const std::string file =
+            fmt::format("{}_image{}_{}.png", path_.stem().string(), index, what);
+        if (!grey_files_.contains(file)) {
+            const auto decoded = load_image(*image);
+            const auto png =
+                decoded ? encode_png(single_channel(*decoded, channel)) : decoded.error();
+            if (!png) {
+                note("the metallic-roughness picture '" + image->name +
+                     "' cannot be read: left out (" + png.error().text + ")");
+                return;
+            }
+            if (auto done = files_.add(path_.parent_path() / file, *png); !done && !failure_)
+                failure_ = std::move(done).error();
+            grey_files_.insert(file);
+        }
+        map_line(mtl, word, ref, file);
+    }
+
+    // The alpha of the colour's picture: the same file, or the one that it was put together from.
+    void opacity_map(const TextureRef& ref, std::string& mtl) {
+        const ImageRef* image = image_of(ref);
+        if (!image) return;
+        if (image->channels.size() < 4) {
+            // Of a picture without alpha, programs would take the brightness.
+            const auto decoded = load_image(*image);
+            if (decoded && decoded->channels % 2 == 0) map(mtl, "map_d", ref);
+            if (!decoded && decoded.error().code != ErrorCode::io)
+                note("whether '" + image->name + "' has alpha is unknown: " + decoded.error().text);
+            return;
+        }
+        const auto& opacity = image->channels[3].source;
+        if (!opacity) return;
+        // Numbers behind those of the scene's own pictures.
+        const Index number = Index(scene_.images.size()) + scene_.textures[ref.texture].image;
+        map_line(mtl, "map_d", ref,
+                 opacity->bytes.empty() ? path_from_output(opacity->path)
+                                        : embedded_file(*opacity, number));
+    }
+
+    const ImageRef* image_of(const TextureRef& ref) const {
+        if (!ref || ref.texture >= scene_.textures.size()) return nullptr;
+        const Index image = scene_.textures[ref.texture].image;
+        return image < scene_.images.size() ? &scene_.images[image] : nullptr;
+    }
+
+    std::string path_from_output(const std::filesystem::path& file) const {
+        std::error_code ec;
+        const auto relative = std::filesystem::relative(
+            file, path_.parent_path().empty() ? "." : path_.parent_path(), ec);
+        return ec || relative.empty() ? file.string() : relative.generic_string();
+    }
+
+    void map(std::string& mtl, const std::string& word, const TextureRef& ref) {
         if (!ref || ref.texture >= scene_.textures.size()) return;
         const Index image = scene_.textures[ref.texture].image;
         if (image >= scene_.images.size()) return;
-        const std::string file = image_file(image);
+        map_line(mtl, word, ref, image_file(image));
+    }
+
+    void map_line(std::string& mtl, const std::string& word, const TextureRef& ref,
+                  const std::string& file) {
         if (file.empty()) return;
         mtl += word;
         if (ref.strength != 1) mtl += fmt::format(" -bm {}", ref.strength);
@@ -360,17 +501,26 @@ class ObjWriter {
     // The image's name relative to the output; embedded ones are written beside it.
     std::string image_file(Index image) {
         const ImageRef& ref = scene_.images[image];
-        if (ref.bytes.empty()) {
-            std::error_code ec;
-            const auto relative = std::filesystem::relative(
-                ref.path, path_.parent_path().empty() ? "." : path_.parent_path(), ec);
-            return ec || relative.empty() ? ref.path.string() : relative.generic_string();
+        // The colour of what was put together with an opacity.
+        if (!ref.channels.empty()) {
+            const auto& source = ref.channels[0].source;
+            if (!source) return "";
+            return source->bytes.empty() ? path_from_output(source->path)
+                                         : embedded_file(*source, image);
         }
+        if (ref.bytes.empty()) return path_from_output(ref.path);
+        return embedded_file(ref, image);
+    }
+
+    std::string embedded_file(const ImageRef& ref, Index image) {
         const auto known = written_.find(image);
         if (known != written_.end()) return known->second;
         const bool png = std::to_integer<int>(ref.bytes[0]) == 0x89;
         const std::string file =
-            fmt::format("{}_image{}.{}", path_.stem().string(), image, png ? "png" : "jpg");
+            fmt::format("{}_image{}{}", path_.stem().string(), image,
+                        ref.path.has_extension() ? ref.path.extension().string()
+                        : png                    ? ".png"
+                                                 : ".jpg");
         if (auto done = files_.add(path_.parent_path() / file, ref.bytes); !done && !failure_)
             failure_ = std::move(done).error();
         written_.emplace(image, file);
@@ -379,11 +529,13 @@ class ObjWriter {
 
     const Scene& scene_;
     const std::filesystem::path& path_;
+    const bool keep_libraries_;
     TextBlocks text_;
     std::vector<std::string> notes_;
     FileSet files_;
     std::optional<Error> failure_;
     std::unordered_map<Index, std::string> written_;
+    std::unordered_set<std::string> grey_files_;
     std::vector<std::string> material_names_;
     // The state that the lines written so far leave a reader in.
     std::string object_, group_;

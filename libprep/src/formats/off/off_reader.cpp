@@ -3,6 +3,7 @@
 #include "base/srgb.h"
 #include "formats/off/off.h"
 #include "prep/mesh.h"
+#include "text/line_ends.h"
 #include "text/scan.h"
 
 namespace prep {
@@ -253,6 +254,8 @@ class OffParser {
 
 Result<Scene> parse_off(std::span<const std::byte> bytes, const std::string& name) {
     const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    if (detail::ends_lines_with_cr(text))
+        return OffParser(detail::with_line_feeds(text), name).run();
     return OffParser(text, name).run();
 }
 

@@ -85,7 +85,11 @@ Result<PlyHeader> read_ply_header(std::span<const std::byte> bytes, const std::s
             if (!format) return fail("the header names no format", line);
             header.size = at;
             return header;
-        } else if (!word.empty() && word != "comment" && word != "obj_info") {
+        } else if (word == "comment") {
+            const bool names_texture = scan.word() == "TextureFile";
+            const std::string_view file = scan.rest();
+            if (names_texture && !file.empty()) header.textures.emplace_back(file);
+        } else if (!word.empty() && word != "obj_info") {
             return fail("unknown header line", line);
         }
     }

@@ -34,7 +34,8 @@ struct PlyElement {
 struct PlyHeader {
     PlyEncoding encoding = PlyEncoding::ascii;
     std::vector<PlyElement> elements;
-    std::size_t size = 0;  // bytes up to and with the line end after end_header
+    std::vector<std::string> textures;  // of the lines "comment TextureFile NAME"
+    std::size_t size = 0;               // bytes up to and with the line end after end_header
 };
 
 Result<PlyHeader> read_ply_header(std::span<const std::byte> bytes, const std::string& name);

@@ -5,9 +5,11 @@
 #include <optional>
 
 #include "base/srgb.h"
+#include "formats/picture_search.h"
 #include "formats/ply/ply.h"
 #include "formats/ply/ply_header.h"
 #include "prep/mesh.h"
+#include "text/line_ends.h"
 #include "text/name_list.h"
 #include "text/scan.h"
 
@@ -38,13 +40,39 @@ class Values {
         return true;
     }
 
+    // Text with a line for each element, as the format has it: what a line holds beyond the
+    // properties that the header names is passed over. Files with several elements on a line are
+    // read value by value.
+    void expect_lines(double elements) {
+        if (encoding_ != PlyEncoding::ascii) return;
+        const char* data = reinterpret_cast<const char*>(bytes_.data());
+        double lines = 0;
+        for (std::size_t at = at_; at < bytes_.size() && lines <= elements;) {
+            const void* const end = std::memchr(data + at, '\n', bytes_.size() - at);
+            const std::size_t next =
+                end ? std::size_t(static_cast<const char*>(end) - data) + 1 : bytes_.size();
+            lines += std::any_of(data + at, data + next, [](char c) { return !is_space(c); });
+            at = next;
+        }
+        by_line_ = lines == elements;
+    }
+    void end_element() {
+        if (!by_line_) return;
+        const char* data = reinterpret_cast<const char*>(bytes_.data());
+        bool more = false;
+        for (; at_ < bytes_.size() && data[at_] != '\n'; ++at_) more |= !is_space(data[at_]);
+        long_lines_ += more;
+    }
+    std::uint64_t long_lines() const { return long_lines_; }
+
   private:
+    static bool is_space(char c) { return is_blank(c) || c == '\n'; }
+
     bool next_text(double& value) {
         const char* data = reinterpret_cast<const char*>(bytes_.data());
-        const auto blank = [](char c) { return is_blank(c) || c == '\n'; };
-        while (at_ < bytes_.size() && blank(data[at_])) ++at_;
+        while (at_ < bytes_.size() && is_space(data[at_])) ++at_;
         const std::size_t begin = at_;
-        while (at_ < bytes_.size() && !blank(data[at_])) ++at_;
+        while (at_ < bytes_.size() && !is_space(data[at_])) ++at_;
         return LineScanner(data + begin, data + at_).number(value);
     }
 
@@ -94,6 +122,8 @@ class Values {
     std::span<const std::byte> bytes_;
     PlyEncoding encoding_;
     std::size_t at_;
+    bool by_line_ = false;
+    std::uint64_t long_lines_ = 0;
 };
 
 enum Slot { px, py, pz, nx, ny, nz, red, green, blue, alpha, tu, tv, tx, ty, tz, tw, slot_count };
@@ -157,14 +187,22 @@ float linear(double x, PlyType type) {
 
 class PlyParser {
   public:
-    PlyParser(std::span<const std::byte> bytes, const std::string& name, PlyHeader header)
-        : name_(name), header_(std::move(header)), values_(bytes, header_.encoding, header_.size) {}
+    PlyParser(std::span<const std::byte> bytes, const std::string& name, PlyHeader header,
+              PictureSearch* pictures)
+        : name_(name),
+          pictures_(pictures),
+          header_(std::move(header)),
+          values_(bytes, header_.encoding, header_.size) {}
 
     Result<Scene> run() {
         scene_.name = name_;
         scene_.meshes.emplace_back();
         Mesh& mesh = scene_.meshes.back();
         mesh.name = std::filesystem::path(name_).stem().string();
+        double elements = 0;
+        for (const PlyElement& element : header_.elements)
+            if (!element.properties.empty()) elements += double(element.count);
+        values_.expect_lines(elements);
         for (const PlyElement& element : header_.elements) {
             if (auto done = check_room(element); !done) return std::move(done).error();
             Result<void> done = element.name == "vertex"      ? vertices(element)
@@ -232,9 +270,11 @@ class PlyParser {
     Result<void> skip(const PlyElement& element) {
         for (const PlyProperty& p : element.properties) leave(element, p);
         if (element.properties.empty()) return {};
-        for (std::uint64_t i = 0; i < element.count; ++i)
+        for (std::uint64_t i = 0; i < element.count; ++i) {
             for (const PlyProperty& p : element.properties)
                 if (!skip_property(p)) return cut_short(element, i);
+            values_.end_element();
+        }
         return {};
     }
 
@@ -274,6 +314,7 @@ class PlyParser {
                     return cut_short(element, i);
                 }
             }
+            values_.end_element();
             positions_.push_back({v[px], v[py], v[pz]});
             if (has_normals_) normals_.push_back({float(v[nx]), float(v[ny]), float(v[nz])});
             if (has_uvs_) uvs_.push_back({float(v[tu]), float(1.0 - v[tv])});
@@ -295,14 +336,20 @@ class PlyParser {
     Result<void> faces(const PlyElement& element, Mesh& mesh) {
         std::vector<double> texcoords;
         for (const PlyProperty& p : element.properties)
-            if (!lists_corners(p) && !(p.list && p.name == "texcoord")) leave(element, p);
+            if (!lists_corners(p) && !(p.list && p.name == "texcoord") && !names_texture(p))
+                leave(element, p);
         for (std::uint64_t f = 0; f < element.count; ++f) {
             const std::size_t first = mesh.corner_vertices.size();
             bool have_corners = false;
+            double texture = 0;
             texcoords.clear();
             for (const PlyProperty& p : element.properties) {
                 const bool corners = lists_corners(p);
                 const bool coordinates = p.list && p.name == "texcoord";
+                if (names_texture(p)) {
+                    if (!values_.next(p.type, texture)) return cut_short(element, f);
+                    continue;
+                }
                 if (!corners && !coordinates) {
                     if (!skip_property(p)) return cut_short(element, f);
                     continue;
@@ -321,9 +368,47 @@ class PlyParser {
                 have_corners |= corners;
             }
             if (!have_corners) return fail("faces without a list of vertex_indices");
+            values_.end_element();
             close_face(first, texcoords, mesh);
+            if (header_.textures.empty()) continue;
+            // Outside of the list, and below 0 for "none": the first, as other readers have it.
+            const bool known = texture >= 0 && texture < double(header_.textures.size());
+            mesh.face_materials.resize(mesh.face_count(), known ? std::uint32_t(texture) : 0);
         }
         return {};
+    }
+
+    bool names_texture(const PlyProperty& p) const {
+        return !header_.textures.empty() && !p.list && p.name == "texnumber";
+    }
+
+    // Of files with UVs: without any, a picture has no place.
+    void materials(Mesh& mesh) {
+        if (header_.textures.empty() || mesh.face_count() == 0) return;
+        mesh.face_materials.resize(mesh.face_count(), 0);  // of strips
+        if (mesh.uvs.empty()) {
+            mesh.face_materials.clear();
+            scene_.warnings.push_back(name_ + ": a TextureFile without UVs was not taken");
+            return;
+        }
+        for (const std::string& texture : header_.textures) {
+            ImageRef image;
+            image.name = texture;
+            if (pictures_) image.path = pictures_->find(texture);
+            Texture sampler;
+            sampler.image = std::uint32_t(scene_.images.size());
+            Material material;
+            material.name = std::filesystem::path(texture).stem().string();
+            material.diffuse = glm::vec4(1.0f);
+            material.specular = usual_specular(material.shininess);
+            material.diffuse_map.texture = std::uint32_t(scene_.textures.size());
+            scene_.images.push_back(std::move(image));
+            scene_.textures.push_back(sampler);
+            scene_.materials.push_back(std::move(material));
+        }
+        if (pictures_)
+            for (std::string& warning : pictures_->warnings())
+                scene_.warnings.push_back(std::move(warning));
     }
 
     Result<void> add_corner(double value, Mesh& mesh) {
@@ -355,7 +440,7 @@ class PlyParser {
     // Strips in one list; a negative index begins a new one.
     Result<void> strips(const PlyElement& element, Mesh& mesh) {
         if (element.properties.empty()) return {};
-        for (std::uint64_t i = 0; i < element.count; ++i)
+        for (std::uint64_t i = 0; i < element.count; ++i, values_.end_element())
             for (const PlyProperty& p : element.properties) {
                 if (!lists_corners(p)) {
                     if (!skip_property(p)) return cut_short(element, i);
@@ -397,6 +482,7 @@ class PlyParser {
                     return cut_short(element, i);
                 }
             }
+            values_.end_element();
             for (const double v : ends)
                 if (!(v >= 0 && v < double(no_index)))
                     return fail("an edge without two vertex indices", ErrorCode::invalid);
@@ -429,6 +515,7 @@ class PlyParser {
         } else if (has_uvs_ && faces) {
             by_vertex(mesh.uvs.emplace_back(), uvs_);
         }
+        materials(mesh);
         if (has_colors_ && faces) by_vertex(mesh.colors.emplace_back(), colors_);
         if (has_colors_ && !faces) mesh.vertex_colors = std::move(colors_);
         if (!faces && mesh.line_vertices.empty()) {
@@ -441,6 +528,10 @@ class PlyParser {
                                        : has_normals_           ? "normals"
                                                                 : "UVs") +
                                       " of points were not taken: only faces have them here");
+        if (const std::uint64_t lines = values_.long_lines(); lines > 0)
+            scene_.warnings.push_back(
+                name_ + ": " + std::to_string(lines) + (lines == 1 ? " line has" : " lines have") +
+                " more values than the header names: what is beyond was left out");
         if (!not_taken_.empty())
             scene_.warnings.push_back(name_ +
                                       ": properties that were not taken: " + not_taken_.text());
@@ -452,6 +543,7 @@ class PlyParser {
     }
 
     const std::string& name_;
+    PictureSearch* pictures_;
     PlyHeader header_;
     Values values_;
     Scene scene_;
@@ -470,9 +562,27 @@ class PlyParser {
 }  // namespace
 
 Result<Scene> parse_ply(std::span<const std::byte> bytes, const std::string& name) {
+    return parse_ply(bytes, name, nullptr);
+}
+
+Result<Scene> parse_ply(std::span<const std::byte> bytes, const std::string& name,
+                        detail::PictureSearch* pictures) {
+    // The header alone decides; what is binary behind it keeps its bytes.
+    const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    const std::string_view last = "\rend_header\r";
+    if (const std::size_t end = text.find(last);
+        end != std::string_view::npos &&
+        ends_lines_with_cr(text.substr(0, end + last.size() - 1)) &&
+        !text.substr(end + last.size()).starts_with('\n')) {
+        const std::size_t head = end + last.size();
+        const bool ascii = text.substr(0, head).find("format ascii") != std::string_view::npos;
+        std::string mended = with_line_feeds(text.substr(0, ascii ? text.size() : head));
+        if (!ascii) mended += text.substr(head);
+        return parse_ply(std::as_bytes(std::span(mended)), name, pictures);
+    }
     auto header = read_ply_header(bytes, name);
     if (!header) return std::move(header).error();
-    return PlyParser(bytes, name, *std::move(header)).run();
+    return PlyParser(bytes, name, *std::move(header), pictures).run();
 }
 
 }  // namespace prep

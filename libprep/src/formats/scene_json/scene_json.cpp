@@ -6,6 +6,8 @@
 #include <numbers>
 #include <set>
 
+#include "contained/pictures.h"
+#include "formats/picture_search.h"
 #include "formats/scene_json/merge.h"
 #include "formats/scene_json/spec.h"
 #include "model/primitive_shapes.h"
@@ -84,7 +86,11 @@ class Builder {
     Step add_textures(const SceneSpec& spec) {
         for (const Named<TextureSpec>& entry : spec.textures) {
             Result<std::filesystem::path> file = existing_file(entry.value.file);
-            if (!file) return file.error();
+            if (!file) {
+                const auto elsewhere = pictures_.locate(entry.value.file.text);
+                if (!elsewhere) return file.error();
+                file = *elsewhere;
+            }
             Texture texture;
             texture.image = static_cast<std::uint32_t>(out_.scene.images.size());
             texture.wrap_u = entry.value.wrap_u.value_or(entry.value.wrap);
@@ -201,6 +207,8 @@ class Builder {
             Scene part = std::move(*loaded);
             for (const std::string& warning : part.warnings)
                 out_.scene.warnings.push_back(entry.name.text + ": " + warning);
+            for (const std::string& remark : part.remarks)
+                out_.scene.remarks.push_back(entry.name.text + ": " + remark);
             const auto first_material = static_cast<std::uint32_t>(out_.scene.materials.size());
             std::vector<std::string> part_materials;
             for (const Material& m : part.materials) part_materials.push_back(m.name);
@@ -402,6 +410,7 @@ class Builder {
 
     std::filesystem::path path_;
     LoadOptions options_;
+    detail::PictureSearch pictures_{path_.parent_path(), options_.texture_directories};
     JsonScene out_;
     Names textures_, materials_, part_names_;
     std::vector<MergedPart> parts_;
@@ -438,7 +447,9 @@ Result<JsonScene> parse_scene_json(std::string_view text, const std::filesystem:
     if (spec.meshes.empty())
         return Error{ErrorCode::invalid, "the scene has no meshes; add one under \"meshes\"",
                      path.string() + "#"};
-    return Builder(path, options).build(spec);
+    Result<JsonScene> built = Builder(path, options).build(spec);
+    if (built) detail::contain_pictures(built->scene, options);
+    return built;
 }
 
 Result<JsonScene> load_scene_json(const std::filesystem::path& path, const LoadOptions& options) {

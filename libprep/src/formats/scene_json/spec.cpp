@@ -155,6 +155,9 @@ Table<MaterialSpec> material_table() {
         of_material(number("alpha_cutoff", &Material::alpha_cutoff, 0, 1)),
         of_material(choice("normal_map_space", &Material::normal_map_space)),
         of_material(flag("normal_map_flip_green", &Material::normal_map_flip_green)),
+        of_material(number("displacement_scale", &Material::displacement_scale, -1e6, 1e6)),
+        of_material(number("displacement_midlevel", &Material::displacement_midlevel, -1e6, 1e6)),
+        of_material(choice("displacement_kind", &Material::displacement_kind)),
     };
     for (const MaterialMap& row : material_maps)
         if (row.scene_key != nullptr) table.push_back(map_field(row));
@@ -315,6 +318,14 @@ Outcome read_value(const Json& value, const std::string& pointer, Number Choices
         return Problem{pointer, "expected a whole number, found " + value.dump()};
     out.*member = static_cast<Number>(read);
     return {};
+}
+Outcome read_value(const Json& value, const std::string& pointer, float Choices::*member,
+                   const RangeOrAuto& range, Choices& out) {
+    if (value == "auto") {
+        out.*member = 0;
+        return {};
+    }
+    return read_value(value, pointer, member, Range{range.least, range.greatest}, out);
 }
 Outcome read_value(const Json& value, const std::string& pointer, int Choices::*member,
                    const OneOf& offered, Choices& out) {

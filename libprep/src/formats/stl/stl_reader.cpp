@@ -5,6 +5,7 @@
 
 #include "formats/stl/stl.h"
 #include "prep/mesh.h"
+#include "text/line_ends.h"
 #include "text/scan.h"
 
 namespace prep {
@@ -307,6 +308,8 @@ Result<Scene> parse_stl(std::span<const std::byte> bytes, const std::string& nam
                              ": the file is cut short or not STL",
                          name + ", byte 80"};
     }
+    if (says_solid && detail::ends_lines_with_cr(text))
+        return AsciiParser(detail::with_line_feeds(text), name).run();
     if (says_solid) return AsciiParser(text, name).run();
     return Error{ErrorCode::syntax,
                  "neither \"solid\" at the beginning nor a binary header of 84 bytes: not STL",

@@ -1,4 +1,5 @@
 #include "image/image_backend.h"
+#include "image/openimageio/backend_parts.h"
 #include "image/openimageio/encode_image.h"
 
 // The name carries the version and a hash of the types, so that a library of another build is never
@@ -6,12 +7,8 @@
 extern "C" __attribute__((visibility("default"))) const prep::detail::ImageBackend*
 MESHPREP_IMAGE_BACKEND() {
     static const prep::detail::ImageBackend backend{
-        [](const std::filesystem::path& path, prep::ImageChannels channels) {
-            return prep::load_image(path, channels);
-        },
-        [](std::span<const std::byte> bytes, const std::string& name) {
-            return prep::decode_image(bytes, name);
-        },
+        prep::detail::read_picture_file,
+        prep::detail::read_picture_bytes,
         [](const std::filesystem::path& path, const prep::Image& image, prep::PixelType type) {
             return prep::detail::encode_image(path, image, type);
         },

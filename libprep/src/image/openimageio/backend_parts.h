@@ -2,15 +2,25 @@
 #pragma once
 
 #include <exception>
+#include <filesystem>
 #include <new>
+#include <span>
 #include <string>
+#include <string_view>
 
+#include "prep/image.h"
 #include "prep/result.h"
 
 namespace prep::detail {
 
 // "stem.PID-COUNT" + ending, not used by any other call of this process.
 std::string unique_name(const std::string& stem, const std::string& ending);
+
+// As ImageBackend has them.
+Result<Image> read_picture_file(const std::filesystem::path& path, ImageChannels channels,
+                                std::string_view format);
+Result<Image> read_picture_bytes(std::span<const std::byte> bytes, const std::string& name,
+                                 std::string_view format);
 
 // Runs body(), which returns a Result. Whatever OpenImageIO throws becomes an Error; only running
 // out of memory goes on.

@@ -1,0 +1,68 @@
+// subdivide() and the limit surface on small hostile cages: any topology, tags, options.
+#include <cmath>
+#include <cstdlib>
+#include <vector>
+
+#include "hostile_mesh.h"
+#include "prep/subdivide.h"
+
+namespace {
+
+bool unit(const glm::dvec3& n) {
+    const double length = glm::length(n);
+    return length > 0.999 && length < 1.001;
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    fuzz::Bytes in(data, size);
+    prep::SubdivideOptions options;
+    options.threads = 1;
+    options.scheme = prep::SubdivisionScheme(in.below(3));
+    options.level = int(in.below(4));
+    options.control_points = in.below(2) == 1;
+    if (in.below(2)) options.boundary = prep::BoundaryRule(in.below(3));
+    if (in.below(2)) options.face_varying = prep::FaceVaryingRule(in.below(6));
+    options.creasing = prep::CreasingMethod(in.below(2));
+    options.smooth_triangles = in.below(2) == 1;
+    options.max_influences = int(in.below(6));
+    options.max_faces = 100000;
+    const std::uint32_t creases = in.below(8), corners = in.below(4), holes = in.below(3);
+    std::vector<prep::EdgeMark> edges;
+    std::vector<prep::VertexMark> vertices;
+    std::vector<std::uint32_t> faces;
+    for (std::uint32_t k = 0; k < creases; ++k) {
+        const std::uint32_t v0 = in.below(22), v1 = in.below(22);
+        edges.push_back({v0, v1, in.below(4) ? float(in.below(120)) / 10 : in.take<float>()});
+    }
+    for (std::uint32_t k = 0; k < corners; ++k)
+        vertices.push_back(
+            {in.below(22), in.below(4) ? float(in.below(120)) / 10 : in.take<float>()});
+    for (std::uint32_t k = 0; k < holes; ++k) faces.push_back(in.below(24));
+    prep::Mesh mesh = fuzz::hostile_mesh(in);
+    mesh.subdivision.creases = std::move(edges);
+    mesh.subdivision.corners = std::move(vertices);
+    mesh.subdivision.holes = std::move(faces);
+
+    const auto refined = prep::subdivide(mesh, options);
+    if (refined) {
+        const prep::Mesh& out = refined->mesh;
+        if (refined->cage_faces.size() != out.face_count()) std::abort();
+        for (const std::uint32_t v : out.corner_vertices)
+            if (v >= out.vertex_count()) std::abort();
+        for (const glm::vec3& n : out.normals.values)
+            if (!unit(n)) std::abort();
+    }
+    const auto surface = prep::LimitSurface::make(mesh, options);
+    if (!surface) return 0;
+    std::vector<prep::SurfaceLocation> places;
+    for (std::uint32_t f = 0; f < surface->face_count(); ++f)
+        for (const double u : {0.0, 0.3, 0.5, 1.0})
+            for (const double v : {0.0, 1.0 / 512, 0.7}) places.push_back({f, u, v});
+    std::vector<prep::SurfacePoint> points(places.size());
+    surface->evaluate(places, points);
+    for (const prep::SurfacePoint& p : points)
+        if (p.has_limit && !unit(p.normal)) std::abort();
+    return 0;
+}

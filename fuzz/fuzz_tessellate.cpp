@@ -1,0 +1,62 @@
+// tessellate() on small hostile meshes with hostile height maps: any topology, UVs, texels, goals.
+#include <cmath>
+#include <cstdlib>
+
+#include "hostile_mesh.h"
+#include "prep/displacement/tessellate.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    fuzz::Bytes in(data, size);
+    prep::TessellateOptions options;
+    options.threads = 1;
+    options.samples = 200;
+    options.triangle_limit = 20000;
+    if (in.below(2))
+        options.scheme =
+            in.below(2) ? prep::SubdivisionScheme::catmark : prep::SubdivisionScheme::bilinear;
+    const auto length = [&] {
+        return in.below(8) ? 0.01 * (1 + in.below(200)) : in.take<double>();
+    };
+    if (in.below(2)) options.chord_error = length();
+    if (in.below(4) == 0) options.edge_length = length();
+    if (in.below(4) == 0) {
+        options.pixel_error = length();
+        options.screen.pixels = glm::dvec2(in.below(2000));
+    }
+    if (in.below(2)) options.max_triangles = in.below(3000);
+
+    prep::Image image;
+    image.width = 1 + in.below(6);
+    image.height = 1 + in.below(6);
+    image.channels = 1 + in.below(2);
+    const std::uint32_t kind = in.below(3);
+    image.integer_bits = kind == 0 ? 8 : kind == 1 ? 16 : 0;
+    for (std::size_t k = 0; k < std::size_t(image.width) * image.height * image.channels; ++k)
+        image.pixels.push_back(in.below(16) ? float(in.below(256)) / 255 : in.take<float>());
+    prep::HeightMapOptions heights;
+    heights.filter = prep::HeightFilter(in.below(2));
+    heights.wrap_u = prep::Wrap(in.below(4));
+    heights.wrap_v = prep::Wrap(in.below(4));
+    heights.channel = in.below(3);
+    heights.scale = in.below(8) ? in.below(100) / 50.0 - 1 : in.take<double>();
+    heights.threads = 1;
+    const bool confined = in.below(2) == 1;
+
+    const prep::Mesh mesh = fuzz::hostile_mesh(in);
+    if (const auto map = prep::height_function(image, heights, confined ? &mesh : nullptr))
+        options.displacements.push_back({.height = *map});
+    const auto made = prep::tessellate(mesh, options);
+    if (!made) return 0;
+    const prep::Mesh& out = made->mesh;
+    const prep::TessellationCertificate& c = made->certificate;
+    if (made->cage_faces.size() != out.face_count() || c.triangles != out.face_count())
+        std::abort();
+    for (const std::uint32_t v : out.corner_vertices)
+        if (v >= out.vertex_count()) std::abort();
+    for (const glm::vec3& p : out.positions)
+        if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) std::abort();
+    for (const glm::vec3& n : out.normals.values)
+        if (!(std::abs(glm::length(n) - 1) < 1e-3F)) std::abort();
+    if (!(c.measured <= c.proved)) std::abort();
+    return 0;
+}

@@ -1,0 +1,136 @@
+// Adaptive tessellation of a displaced surface: triangles as fine as an error asks, closed, with a
+// certificate.
+//
+// The surface is P(p) = S(p) + h(p) n(p). S is the cage's limit surface or, without a scheme, its
+// polygons: triangles are plane; other faces are fans about the mean of their corners (faces that
+// do not lie around that point are cut into triangles first). n is the unit direction: the limit
+// normal or, on polygons, the normalised interpolation of one normal a vertex (of the faces around
+// it, by angle). h = scale · (height − midlevel) in units of the mesh, at the UVs of the face's
+// corners, interpolated linearly over each triangle of the fan, whose centre has their mean.
+//
+// Triangles are halved at their newest vertex (libprep/src/tessellation/bisection.h): both sides of
+// an edge share its middle, so that the result is as closed as the cage. Where several faces meet,
+// there is one position: the mean of the least and the greatest of their heights, along the
+// normalised sum of their directions.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "prep/displacement/sources.h"
+#include "prep/hard_edges.h"
+#include "prep/image.h"
+#include "prep/mesh.h"
+#include "prep/result.h"
+#include "prep/subdivide.h"
+
+namespace prep {
+
+// A height over the UV plane: continuous, the same for the same UV, safe to call from several
+// threads.
+class HeightFunction {
+  public:
+    virtual ~HeightFunction() = default;
+    struct Sample {
+        double value = 0;
+        glm::dvec2 gradient{0.0};  // by UV
+    };
+    virtual Sample at(const glm::dvec2& uv) const = 0;
+    // An upper bound, over the triangle `uv`, of |height − the linear function that has `values` at
+    // its corners|. May be looser where it does not exceed `enough`.
+    virtual double deviation(const std::array<glm::dvec2, 3>& uv,
+                             const std::array<double, 3>& values, double enough) const = 0;
+};
+
+// A height map (sources.h) as read: its own scale and mid-level are applied already, those of a
+// Displacement then stay 1 and 0. With `charts`, texels outside the faces of that mesh's UV set are
+// not read (docs/displacement.md, gutters). Errors: those of a height map.
+Result<std::shared_ptr<const HeightFunction>> height_function(const Image& image,
+                                                              const HeightMapOptions& options = {},
+                                                              const Mesh* charts = nullptr,
+                                                              std::size_t uv_set = 0);
+
+struct Displacement {
+    std::shared_ptr<const HeightFunction> height;  // none: nothing is moved
+    double scale = 1, midlevel = 0;
+    std::size_t uv_set = 0;
+};
+
+// What a length is on the screen. A point p of the mesh (about its origin) is seen at (x·p, y·p) /
+// (w·p), with p = (p, 1); w is the depth. The picture is −1 … 1 in both: what lies outside has no
+// bound in pixels.
+struct ScreenMetric {
+    glm::dvec4 x{1, 0, 0, 0}, y{0, 1, 0, 0}, w{0, 0, 0, 1};
+    glm::dvec2 pixels{1.0};       // to a unit of that
+    double near_distance = 0.01;  // smaller depths count as this one, so that errors stay finite
+};
+
+struct TessellateOptions {
+    std::optional<SubdivisionScheme> scheme;  // none: the polygons themselves
+    SubdivideOptions subdivision;             // its scheme and level are not read
+
+    std::vector<Displacement> displacements;
+    // Per material its displacement, or no_index; empty: all faces have the first.
+    std::vector<std::uint32_t> material_displacements;
+
+    // At least one of these; the first three together: all hold.
+    std::optional<double> chord_error;  // distance to the surface, in units of the mesh
+    std::optional<double> pixel_error;  // the same on the screen
+    std::optional<double> edge_length;  // longest edge, in units of the mesh
+    // The least error for so many triangles: the worst is halved first. With an error asked for as
+    // well: whichever is reached first.
+    std::optional<std::uint64_t> max_triangles;
+    ScreenMetric screen;  // read with pixel_error
+
+    HardEdgeOptions hard_edges;     // of polygons without normals of their own
+    std::uint64_t samples = 20000;  // at which the error is measured; 0: it is not
+    // More is an error; 2²⁶ take 14 GB.
+    std::uint64_t triangle_limit = std::uint64_t(1) << 26;
+    int threads = 0;  // 0: all cores; the result does not depend on it
+};
+
+// How far the triangles are from the surface. Distances are between points of the same parameters,
+// which is never less than the distance to the nearest point.
+struct TessellationCertificate {
+    std::optional<double> asked;  // chord_error
+    // At no point of any triangle more, roundings included; infinite where nothing could be proved.
+    double proved = 0;
+    double measured = 0;  // the largest of `samples` points
+    std::uint64_t samples = 0;
+    // `proved` is, triangle by triangle, the sum of what finer triangles make smaller, and of what
+    // they do not: positions shared where sides have different heights or directions, and rounding
+    // to floats. The largest of each; only the first is refined away.
+    double proved_refinable = 0, largest_shared_gap = 0;
+    std::optional<double> proved_pixels;      // with pixel_error
+    std::uint32_t worst_triangle = no_index;  // where `proved` is reached
+    std::uint32_t worst_face = no_index;      // the cage's
+    // Triangles that miss what is asked but cannot be halved: floats or halvings are used up; and
+    // those that max_triangles left as they are.
+    std::uint64_t unresolved = 0, over_budget = 0;
+    std::uint64_t triangles = 0;
+    int deepest = 0;  // most halvings of a cage face's triangle
+};
+
+struct TessellatedMesh {
+    Mesh mesh;  // triangles; normals of the displaced surface, UV sets, colours, groups
+    std::vector<std::uint32_t> cage_faces;     // per triangle
+    std::vector<std::uint32_t> cage_vertices;  // per vertex: the cage's, or no_index
+    TessellationCertificate certificate;
+    std::uint64_t holes = 0;  // cage faces that are left out
+    // Sets that do not cover every corner.
+    std::uint64_t uv_sets_left_out = 0, color_sets_left_out = 0;
+};
+
+// Errors: nothing asked for, or an option that is not a positive number (invalid); positions or
+// UVs that are not finite, faces without the UVs that their displacement reads (invalid, with the
+// face); an error finer than floats of that size can hold, heights beyond floats (limit); morph
+// targets or skins (unsupported: they would not fit the new points); more triangles than
+// triangle_limit (limit); those of LimitSurface; Loop's scheme (unsupported). An empty mesh gives
+// an empty mesh. O(triangles), O(log) times that with max_triangles. Lines and points are left out.
+Result<TessellatedMesh> tessellate(const Mesh& cage, const TessellateOptions& options);
+
+}  // namespace prep

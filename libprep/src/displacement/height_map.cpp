@@ -1,0 +1,188 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "displacement/chart_gutters.h"
+#include "displacement/height_data.h"
+#include "displacement/height_field.h"
+#include "displacement/map_regions.h"
+#include "displacement/triangle_deviation.h"
+
+namespace prep::detail {
+namespace {
+
+// Heights beyond this are damage, and their squares are no floats any more.
+constexpr float largest_texel = 1e30f;
+
+Error invalid(std::string text) {
+    return {ErrorCode::invalid, std::move(text), ""};
+}
+
+Result<void> check_options(const Image& image, const HeightMapOptions& options) {
+    if (image.width == 0 || image.height == 0 || image.channels == 0 ||
+        image.pixels.size() != std::size_t(image.width) * image.height * image.channels)
+        return invalid("the height map has no pixels");
+    if (options.channel >= image.channels)
+        return invalid(
+            fmt::format("channel {} of the height map is asked for; it has {}, counted "
+                        "from 0",
+                        options.channel, image.channels));
+    if (!std::isfinite(options.scale) || !std::isfinite(options.midlevel))
+        return invalid("scale and mid-level of a displacement must be finite numbers");
+    const TextureRef& p = options.placement;
+    if (!std::isfinite(p.offset.x) || !std::isfinite(p.offset.y) || !std::isfinite(p.scale.x) ||
+        !std::isfinite(p.scale.y) || !std::isfinite(p.rotation))
+        return invalid("the placement of a displacement map must be finite numbers");
+    return {};
+}
+
+Result<std::vector<float>> channel_of(const Image& image, std::uint32_t channel) {
+    const std::size_t count = std::size_t(image.width) * image.height;
+    std::vector<float> out(count);
+    for (std::size_t i = 0; i < count; ++i) {
+        const float value = image.pixels[i * image.channels + channel];
+        // NaN included.
+        if (!(std::abs(value) <= largest_texel))
+            return invalid(fmt::format(
+                "texel ({}, {}) of the height map is {}; heights are finite numbers of at most "
+                "1e30: repair the map, or choose another channel than {}",
+                i % image.width, i / image.width, value, channel));
+        out[i] = value;
+    }
+    return out;
+}
+
+// Whether all values are k / steps to float's rounding.
+bool are_codes(const std::vector<float>& values, double steps) {
+    const double tolerance = 2 * steps * 0x1p-24;
+    return std::all_of(values.begin(), values.end(), [&](float value) {
+        const double code = double(value) * steps;
+        return code >= -tolerance && code <= steps + tolerance &&
+               std::abs(code - std::round(code)) <= tolerance;
+    });
+}
+
+// Integers of a file become its codes, which are exact; the mid-level becomes one of them.
+void set_units(const Image& image, HeightMapData& map) {
+    constexpr double byte_steps = 255, word_steps = 65535;
+    map.unit = map.options.scale;
+    map.mid = map.options.midlevel;
+    const bool integers = image.integer_bits == 8 || image.integer_bits == 16;
+    const double steps = image.integer_bits == 8 ? byte_steps : word_steps;
+    if (integers && are_codes(map.raw, steps)) {
+        for (float& value : map.raw) value = float(std::round(double(value) * steps));
+        map.unit = map.options.scale / steps;
+        map.mid = std::floor(map.options.midlevel * steps + 0.5);
+        map.bits = map.file_bits = image.integer_bits;
+        if (map.bits == 16 && std::all_of(map.raw.begin(), map.raw.end(),
+                                          [](float code) { return std::int32_t(code) % 257 == 0; }))
+            map.bits = 8;
+        return;
+    }
+    // A mask of zeros and ones is no staircase.
+    const auto between = [](float value) { return value > 0 && value < 1; };
+    if (std::any_of(map.raw.begin(), map.raw.end(), between) && are_codes(map.raw, byte_steps))
+        map.bits = 8;
+}
+
+void place(HeightMapData& map) {
+    const TextureRef& ref = map.options.placement;
+    const double c = std::cos(double(ref.rotation)), s = std::sin(double(ref.rotation));
+    const double sx = double(ref.scale.x), sy = double(ref.scale.y);
+    map.matrix = glm::dmat2(c * sx, -s * sx, s * sy, c * sy);  // columns
+    map.offset = glm::dvec2(ref.offset);
+}
+
+void finish(HeightMapData& map) {
+    map.pyramid = make_height_pyramid(map, map.options.threads);
+    if (map.options.band_limited) map.bands = make_band_limits(map, map.options.threads);
+}
+
+}  // namespace
+
+Result<HeightMap> HeightMap::make(const Image& image, const HeightMapOptions& options) {
+    if (auto checked = check_options(image, options); !checked) return checked.error();
+    auto raw = channel_of(image, options.channel);
+    if (!raw) return raw.error();
+    auto map = std::make_shared<HeightMapData>();
+    map->options = options;
+    const auto wrap = [](Wrap w) { return w == Wrap::border ? Wrap::clamp : w; };
+    map->x = {std::int64_t(image.width), wrap(options.wrap_u)};
+    map->y = {std::int64_t(image.height), wrap(options.wrap_v)};
+    map->raw = std::move(*raw);
+    set_units(image, *map);
+    place(*map);
+    finish(*map);
+    return HeightMap(std::move(map));
+}
+
+HeightMap HeightMap::confined(ChartTriangles charts) const {
+    auto map = std::make_shared<HeightMapData>();
+    map->options = data_->options;
+    map->x = data_->x;
+    map->y = data_->y;
+    map->unit = data_->unit;
+    map->mid = data_->mid;
+    map->bits = data_->bits;
+    map->file_bits = data_->file_bits;
+    map->matrix = data_->matrix;
+    map->offset = data_->offset;
+    map->raw = data_->raw;
+    fill_gutters(*map, covered_texels(*map, charts));
+    finish(*map);
+    return HeightMap(std::move(map));
+}
+
+HeightSample HeightMap::at(const glm::dvec2& uv) const {
+    const RawSample sample = raw_sample(*data_, uv);
+    return {data_->height(sample.value), data_->unit * data_->mesh_gradient(sample.gradient)};
+}
+
+HeightSample HeightMap::filtered(const glm::dvec2& uv, double spacing) const {
+    const RawSample sample = band_limited(*data_, uv, spacing);
+    return {data_->height(sample.value), data_->unit * data_->mesh_gradient(sample.gradient)};
+}
+
+Deviation HeightMap::deviation(const std::array<glm::dvec2, 3>& uv,
+                               const std::array<double, 3>& values, double enough,
+                               std::uint32_t effort) const {
+    return TriangleDeviation<1>({data_.get()}, uv, {{{{values[0]}}, {{values[1]}}, {{values[2]}}}},
+                                enough, effort)
+        .run();
+}
+
+double HeightMap::quantum() const {
+    return quantisation().half_step;
+}
+
+Quantisation HeightMap::quantisation() const {
+    Quantisation q{data_->bits, data_->file_bits, 0};
+    if (q.bits > 0)
+        q.half_step = 0.5 * std::abs(data_->options.scale) / (std::ldexp(1.0, q.bits) - 1);
+    return q;
+}
+
+std::uint32_t HeightMap::width() const {
+    return std::uint32_t(data_->x.size);
+}
+std::uint32_t HeightMap::height() const {
+    return std::uint32_t(data_->y.size);
+}
+
+glm::dvec2 HeightMap::texel_size() const {
+    const glm::dmat2 inverse = glm::inverse(data_->matrix);
+    return {glm::length(inverse[0]) / double(data_->x.size),
+            glm::length(inverse[1]) / double(data_->y.size)};
+}
+
+std::size_t HeightMap::memory() const {
+    std::size_t bytes = data_->raw.size() * sizeof(float);
+    for (const auto& level : data_->pyramid.levels)
+        bytes += level.blocks.size() * sizeof(HeightBlock);
+    for (const auto& level : data_->bands.levels) bytes += level.raw.size() * sizeof(float);
+    return bytes;
+}
+
+}  // namespace prep::detail

@@ -1,0 +1,46 @@
+// Noise in space as a source of heights, with analytic gradients and proved bounds.
+#pragma once
+
+#include <array>
+#include <glm/glm.hpp>
+
+#include "displacement/height_field.h"
+#include "prep/displacement/sources.h"
+#include "prep/result.h"
+
+namespace prep::detail {
+
+struct NoiseSample {
+    double value = 0;
+    glm::dvec3 gradient{0.0};
+};
+
+class NoiseField {
+  public:
+    // Errors: invalid (numbers that are not finite, octaves out of 1 … 32, frequencies or
+    // amplitudes that leave the range of doubles).
+    static Result<NoiseField> make(const NoiseOptions& options = {});
+
+    NoiseSample sample(const glm::dvec3& p) const;
+    double value(const glm::dvec3& p) const { return sample(p).value; }
+    glm::dvec3 gradient(const glm::dvec3& p) const { return sample(p).gradient; }
+    // Octaves of more than 1/(2 spacing) cells a unit of length are left out, those of less than
+    // 1/(4 spacing) are whole.
+    NoiseSample filtered(const glm::dvec3& p, double spacing) const;
+
+    // Everywhere: of values, of the gradient's length, of the spectral norm of the second
+    // derivatives.
+    Interval range() const;
+    double steepest() const;
+    double curvature() const;
+
+    // Of value(Σ λ p) from Σ λ values, as HeightMap::deviation has it.
+    Deviation deviation(const std::array<glm::dvec3, 3>& p, const std::array<double, 3>& values,
+                        double enough, std::uint32_t effort = 1u << 16) const;
+
+  private:
+    explicit NoiseField(const NoiseOptions& options) : options_(options) {}
+    NoiseOptions options_;
+};
+
+}  // namespace prep::detail

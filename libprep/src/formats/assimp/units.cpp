@@ -1,0 +1,77 @@
+// Metres. FBX counts in UnitScaleFactor centimetres, which Assimp tells and leaves to its caller;
+// what Collada says of its unit is in the root node's transform already.
+#include <assimp/commonMetaData.h>
+
+#include <cmath>
+#include <cstdlib>
+
+#include "formats/assimp/import.h"
+#include "text/numbers.h"
+
+namespace prep::detail {
+namespace {
+
+std::string short_text(double number) {
+    char digits[max_number_text];
+    return {digits, write_float(digits, float(number))};
+}
+
+// FBX says which of the file's axes point right, up and to the front: those are x, y and z here.
+// Assimp 5.2 tells and turns nothing. What is no rotation takes its third axis from the others.
+glm::dmat4 axes_of(const aiMetadata& said, int& up) {
+    const auto axis = [&](const char* name, int otherwise, int& number) {
+        int sign = 1;
+        number = otherwise;
+        said.Get(name, number);
+        said.Get(std::string(name) + "Sign", sign);
+        if (number < 0 || number > 2) number = otherwise;
+        glm::dvec3 direction(0.0);
+        direction[number] = sign < 0 ? -1 : 1;
+        return direction;
+    };
+    int right = 0;
+    const glm::dvec3 y = axis("UpAxis", 1, up), x = axis("CoordAxis", 0, right);
+    if (right == up) {
+        up = 1;
+        return glm::dmat4(1.0);
+    }
+    const glm::dvec3 z = glm::cross(x, y);
+    return glm::dmat4(glm::transpose(glm::dmat3(x, y, z)));
+}
+
+}  // namespace
+
+void import_units(AssimpImport& import) {
+    const aiMetadata* said = import.from.mMetaData;
+    Scene& scene = import.scene;
+    if (!said || scene.nodes.empty()) return;
+    Placement& placement = scene.placement;
+    float number = 0;
+    double precise = 0;
+    aiString reader;
+    if (said->Get("UnitScaleFactor", precise) || said->Get("UnitScaleFactor", number)) {
+        // A float's own digits: 2.54 is an inch, 2.5399999618 is not.
+        const double centimetres =
+            precise != 0 ? precise : std::strtod(short_text(double(number)).c_str(), nullptr);
+        if (!(centimetres > 0) || !std::isfinite(centimetres)) {
+            scene.warnings.emplace_back(
+                "the file's UnitScaleFactor is no number over 0: its unit is taken for a metre");
+            return;
+        }
+        placement.file_unit = centimetres / 100;
+        placement.file_unit_source = "FBX UnitScaleFactor " + short_text(centimetres);
+        int up = 1;
+        glm::dmat4 metres = axes_of(*said, up);
+        for (int c = 0; c < 3; ++c) metres[c] *= placement.file_unit;
+        if (up != 1) placement.file_unit_source += up == 0 ? ", x up" : ", z up";
+        scene.nodes[0].transform = metres * scene.nodes[0].transform;
+    } else if (said->Get(AI_METADATA_SOURCE_FORMAT, reader) &&
+               text(reader).find("Collada") != std::string::npos) {
+        const double unit = glm::length(glm::dvec3(scene.nodes[0].transform[0]));
+        if (!(unit > 0) || !std::isfinite(unit) || std::abs(unit - 1) < 1e-5) return;
+        placement.file_unit = unit;
+        placement.file_unit_source = "Collada unit";
+    }
+}
+
+}  // namespace prep::detail

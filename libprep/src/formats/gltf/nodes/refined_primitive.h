@@ -1,0 +1,27 @@
+// A primitive whose mesh was subdivided: its vertices are new, and so is every accessor. What the
+// primitive says beside its data stays in the document.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "formats/gltf/appended_data.h"
+#include "prep/prepared_scene.h"
+
+namespace prep::detail {
+
+// Replaces attributes, targets and indices of `primitive`. `used` are the vertices of the mesh that
+// it has, ascending; `indices` are into these. Notes attributes that the refined mesh does not
+// carry.
+void write_refined_primitive(const PreparedScene& prepared, std::uint32_t mesh,
+                             const std::vector<std::uint32_t>& used,
+                             const std::vector<std::uint32_t>& indices, bool with_tangents,
+                             AppendedData& data, Json& json, Json& primitive,
+                             std::vector<std::string>& notes);
+
+// Takes height maps that have displaced the positions out of the materials' extras: a reader must
+// not do it again.
+void drop_used_heights(const PreparedScene& prepared, Json& json);
+
+}  // namespace prep::detail

@@ -1,0 +1,191 @@
+#include "formats/picture_search.h"
+
+#include <algorithm>
+#include <cctype>
+
+#include "text/percent_encoding.h"
+
+namespace prep::detail {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string lower(std::string text) {
+    for (char& c : text) c = char(std::tolower(static_cast<unsigned char>(c)));
+    return text;
+}
+
+bool is_file(const fs::path& path) {
+    std::error_code ec;
+    return fs::is_regular_file(path, ec);
+}
+
+// Without "..", where that names the same file: behind a link to a directory it does not.
+fs::path plain(const fs::path& path) {
+    fs::path shorter = path.lexically_normal();
+    return is_file(shorter) ? shorter : path;
+}
+
+// With '/' between its parts, without the blanks and quotes around it, "file://" and the drive.
+std::string portable(std::string name) {
+    const auto around = [](char c) { return c == ' ' || c == '\t' || c == '"' || c == '\r'; };
+    while (!name.empty() && around(name.back())) name.pop_back();
+    while (!name.empty() && around(name.front())) name.erase(0, 1);
+    std::replace(name.begin(), name.end(), '\\', '/');
+    if (lower(name.substr(0, 7)) == "file://") name.erase(0, 7);
+    const std::size_t drive = name.starts_with('/') ? 1 : 0;
+    if (name.size() > drive + 1 && name[drive + 1] == ':' &&
+        std::isalpha(static_cast<unsigned char>(name[drive])))
+        name = name.substr(drive + 2);
+    return name;
+}
+
+// Its parts but "." and whatever ".." takes back or would climb out with.
+std::vector<std::string> inner_parts(const std::string& name) {
+    std::vector<std::string> parts;
+    std::size_t begin = 0;
+    while (begin <= name.size()) {
+        const std::size_t end = std::min(name.find('/', begin), name.size());
+        std::string part = name.substr(begin, end - begin);
+        if (part == "..") {
+            if (!parts.empty()) parts.pop_back();
+        } else if (!part.empty() && part != ".") {
+            parts.push_back(std::move(part));
+        }
+        begin = end + 1;
+    }
+    return parts;
+}
+
+}  // namespace
+
+PictureSearch::PictureSearch(fs::path directory, std::vector<fs::path> texture_directories)
+    : directory_(std::move(directory)), extra_(std::move(texture_directories)) {}
+
+const std::vector<std::string>& PictureSearch::entries(const fs::path& directory) {
+    const auto [it, added] = listings_.try_emplace(directory.string());
+    if (added) {
+        std::error_code ec;
+        fs::directory_iterator at(directory.empty() ? fs::path(".") : directory, ec), end;
+        for (; !ec && at != end; at.increment(ec))
+            it->second.push_back(at->path().filename().string());
+        std::sort(it->second.begin(), it->second.end());
+    }
+    return it->second;
+}
+
+std::optional<fs::path> PictureSearch::in_any_case(const fs::path& base,
+                                                   const std::vector<std::string>& parts) {
+    if (parts.empty()) return std::nullopt;
+    fs::path path = base;
+    for (std::size_t p = 0; p < parts.size(); ++p) {
+        const auto fits = [&](const fs::path& candidate) {
+            std::error_code ec;
+            return p + 1 == parts.size() ? is_file(candidate) : fs::is_directory(candidate, ec);
+        };
+        fs::path next = path / parts[p];
+        if (!fits(next)) {
+            const std::string wanted = lower(parts[p]);
+            bool found = false;
+            for (const std::string& entry : entries(path)) {
+                if (lower(entry) != wanted || !fits(path / entry)) continue;
+                next = path / entry;
+                found = true;
+                break;
+            }
+            if (!found) return std::nullopt;
+        }
+        path = std::move(next);
+    }
+    return plain(path);
+}
+
+std::vector<fs::path> PictureSearch::sought_directories() const {
+    std::vector<fs::path> list{directory_};
+    for (const std::string_view folder : picture_folders) list.push_back(directory_ / folder);
+    for (const std::string_view folder : picture_folders)
+        list.push_back(directory_ / ".." / folder);
+    list.insert(list.end(), extra_.begin(), extra_.end());
+    return list;
+}
+
+std::optional<fs::path> PictureSearch::locate(const std::string& name) {
+    if (name.empty() || name.find('\0') != std::string::npos) return std::nullopt;
+    const auto known = known_.find(name);
+    if (known != known_.end()) return known->second;
+    const auto search = [&]() -> std::optional<fs::path> {
+        // operator/ takes an absolute path for itself.
+        if (is_file(directory_ / name)) return plain(directory_ / name);
+        std::vector<std::string> spellings{portable(name)};
+        if (std::string decoded = percent_decoded(spellings[0]); decoded != spellings[0])
+            spellings.push_back(std::move(decoded));
+        for (const std::string& spelling : spellings)
+            if (!spelling.empty() && is_file(directory_ / spelling))
+                return plain(directory_ / spelling);
+        for (const std::string& spelling : spellings) {
+            // "../maps/A.png" where "../Maps/a.png" is: the way up is written, not guessed.
+            std::vector<std::string> parts = inner_parts(spelling);
+            std::string_view rest = spelling;
+            fs::path base = directory_;
+            while (rest.starts_with("../")) {
+                base /= "..";
+                rest.remove_prefix(3);
+            }
+            if (base != directory_)
+                if (auto path = in_any_case(base, inner_parts(std::string(rest)))) return path;
+            for (; !parts.empty(); parts.erase(parts.begin()))
+                for (const fs::path& place : sought_directories()) {
+                    std::error_code ec;
+                    fs::path there = place;
+                    // The folders themselves may be in capitals: "Textures".
+                    if (!fs::is_directory(there.empty() ? fs::path(".") : there, ec)) {
+                        const std::string folder = lower(place.filename().string());
+                        const auto& all = entries(place.parent_path());
+                        const auto it = std::find_if(all.begin(), all.end(), [&](const auto& e) {
+                            return lower(e) == folder;
+                        });
+                        if (it == all.end()) continue;
+                        there = place.parent_path() / *it;
+                    }
+                    if (auto path = in_any_case(there, parts)) return path;
+                }
+        }
+        return std::nullopt;
+    };
+    return known_.emplace(name, search()).first->second;
+}
+
+fs::path PictureSearch::find(const std::string& name) {
+    if (auto path = locate(name)) return *std::move(path);
+    if (std::find(missing_.begin(), missing_.end(), name) == missing_.end())
+        missing_.push_back(name);
+    return (directory_ / portable(name)).lexically_normal();
+}
+
+std::vector<std::string> PictureSearch::warnings() const {
+    if (missing_.empty()) return {};
+    // Whole names, as far as a line of a terminal or two can take them.
+    constexpr std::size_t most = 12, longest = 120;
+    std::string names;
+    for (std::size_t i = 0; i < std::min(most, missing_.size()); ++i) {
+        std::string name = missing_[i].substr(0, longest);
+        if (missing_[i].size() > longest) name += "...";
+        std::replace_if(
+            name.begin(), name.end(),
+            [](char c) { return static_cast<unsigned char>(c) < 32 || c == 127; }, '?');
+        names += (names.empty() ? "" : ", ") + name;
+    }
+    if (missing_.size() > most) names += " and " + std::to_string(missing_.size() - most) + " more";
+    std::string folders;
+    for (const std::string_view folder : picture_folders)
+        folders += (folders.empty() ? "" : ", ") + std::string(folder);
+    const std::string own = directory_.empty() ? "." : directory_.string();
+    std::string text =
+        (missing_.size() == 1 ? "a picture was not found: "
+                              : std::to_string(missing_.size()) + " pictures were not found: ") +
+        names + "; sought in '" + own + "', its folders " + folders + " and those beside it";
+    for (const fs::path& directory : extra_) text += ", '" + directory.string() + "'";
+    return {text + (extra_.empty() ? "; --texture-dir names more places" : "")};
+}
+
+}  // namespace prep::detail

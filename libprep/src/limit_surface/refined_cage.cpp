@@ -1,0 +1,503 @@
+#include "limit_surface/refined_cage.h"
+
+#include <opensubdiv/far/primvarRefiner.h>
+#include <opensubdiv/far/topologyRefinerFactory.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "limit_surface/scheme_pieces.h"
+
+namespace Osd = OpenSubdiv::OPENSUBDIV_VERSION;
+using prep::detail::SurfaceCage;
+
+namespace OpenSubdiv::OPENSUBDIV_VERSION::Far {
+
+template <>
+bool TopologyRefinerFactory<SurfaceCage>::resizeComponentTopology(TopologyRefiner& refiner,
+                                                                  const SurfaceCage& cage) {
+    setNumBaseVertices(refiner, int(cage.vertex_count));
+    setNumBaseFaces(refiner, int(cage.face_count()));
+    for (std::uint32_t f = 0; f < cage.face_count(); ++f)
+        setNumBaseFaceVertices(refiner, int(f), int(cage.face_size(f)));
+    return true;
+}
+
+template <>
+bool TopologyRefinerFactory<SurfaceCage>::assignComponentTopology(TopologyRefiner& refiner,
+                                                                  const SurfaceCage& cage) {
+    for (std::uint32_t f = 0; f < cage.face_count(); ++f) {
+        IndexArray vertices = getBaseFaceVertices(refiner, int(f));
+        for (std::uint32_t c = 0; c < cage.face_size(f); ++c)
+            vertices[int(c)] = int(cage.corner_vertices[cage.face_offsets[f] + c]);
+    }
+    return true;
+}
+
+template <>
+bool TopologyRefinerFactory<SurfaceCage>::assignComponentTags(TopologyRefiner& refiner,
+                                                              const SurfaceCage& cage) {
+    const auto clamped = [](float sharpness) {
+        return std::min(sharpness, prep::detail::infinitely_sharp);
+    };
+    for (const prep::EdgeMark& mark : cage.creases) {
+        if (mark.v0 == mark.v1) continue;
+        const Index edge = findBaseEdge(refiner, int(mark.v0), int(mark.v1));
+        if (IndexIsValid(edge)) setBaseEdgeSharpness(refiner, edge, clamped(mark.sharpness));
+    }
+    for (const prep::VertexMark& mark : cage.corners)
+        setBaseVertexSharpness(refiner, int(mark.vertex), clamped(mark.sharpness));
+    return true;
+}
+
+template <>
+bool TopologyRefinerFactory<SurfaceCage>::assignFaceVaryingTopology(TopologyRefiner&,
+                                                                    const SurfaceCage&) {
+    return true;
+}
+
+template <>
+void TopologyRefinerFactory<SurfaceCage>::reportInvalidTopology(TopologyError, const char*,
+                                                                const SurfaceCage&) {}
+
+}  // namespace OpenSubdiv::OPENSUBDIV_VERSION::Far
+
+namespace prep::detail {
+namespace Far = Osd::Far;
+namespace Sdc = Osd::Sdc;
+
+// The cage's base and what is cut deep; and, where that is not all, what is cut once.
+struct RefinedCage::Rules {
+    std::unique_ptr<Far::TopologyRefiner> refiner, shallow;
+    std::uint32_t deep_vertices = 0;  // of level 1: the refiner's, before those of `shallow`
+};
+
+namespace {
+
+using FarLevel = Far::TopologyLevel;
+
+Sdc::SchemeType scheme_type(const SurfaceCage& cage) {
+    return cage.scheme == SubdivisionScheme::loop ? Sdc::SCHEME_LOOP
+           : cage.linear                          ? Sdc::SCHEME_BILINEAR
+                                                  : Sdc::SCHEME_CATMARK;
+}
+
+// Borders without a rule get one here: a hole would leave the rings beside it incomplete, and what
+// is inside does not depend on it. has_surface tells which faces are holes.
+Sdc::Options refiner_options(const SurfaceCage& cage) {
+    Sdc::Options options;
+    options.SetVtxBoundaryInterpolation(cage.boundary == BoundaryRule::edge_and_corner
+                                            ? Sdc::Options::VTX_BOUNDARY_EDGE_AND_CORNER
+                                            : Sdc::Options::VTX_BOUNDARY_EDGE_ONLY);
+    options.SetCreasingMethod(cage.creasing == CreasingMethod::chaikin
+                                  ? Sdc::Options::CREASE_CHAIKIN
+                                  : Sdc::Options::CREASE_UNIFORM);
+    options.SetTriangleSubdivision(cage.smooth_triangles ? Sdc::Options::TRI_SUB_SMOOTH
+                                                         : Sdc::Options::TRI_SUB_CATMARK);
+    return options;
+}
+
+// Levels until no sharpness is left, and two for extraordinary vertices to stand alone.
+int isolation_level(const FarLevel& base) {
+    float sharpest = 0;
+    const auto consider = [&](float s) {
+        if (s < infinitely_sharp) sharpest = std::max(sharpest, s);
+    };
+    for (int e = 0; e < base.GetNumEdges(); ++e) consider(base.GetEdgeSharpness(e));
+    for (int v = 0; v < base.GetNumVertices(); ++v) consider(base.GetVertexSharpness(v));
+    return std::clamp(int(std::ceil(sharpest)) + 1, 2, 12);
+}
+
+// Triangles or quads that semi-sharp edges have to be cut into until their sharpness is used up, at
+// most: a crease that goes on alike over both of its ends is a patch for catmark's uniform creases.
+double faces_of_creases(const SurfaceCage& cage, const FarLevel& base) {
+    const bool patches =
+        cage.scheme == SubdivisionScheme::catmark && cage.creasing == CreasingMethod::uniform;
+    const auto goes_on = [&](int v, float sharpness) {
+        int alike = 0;
+        for (const int e : base.GetVertexEdges(v)) alike += base.GetEdgeSharpness(e) == sharpness;
+        return alike == 2;
+    };
+    double faces = 0;
+    for (int e = 0; e < base.GetNumEdges(); ++e) {
+        const float sharpness = base.GetEdgeSharpness(e);
+        if (sharpness <= 0 || sharpness >= infinitely_sharp) continue;
+        const auto ends = base.GetEdgeVertices(e);
+        if (patches && goes_on(ends[0], sharpness) && goes_on(ends[1], sharpness)) continue;
+        faces += 12 * std::exp2(std::ceil(double(sharpness)));
+    }
+    return faces;
+}
+// At some 280 bytes a face with all that is made of it: 19 GB, of the 24 GiB that meshes of 50
+// million triangles are to be made in.
+constexpr double most_crease_faces = 1 << 26;
+
+std::uint8_t flags_of(const FarLevel& level, int v, bool triangles) {
+    std::uint8_t flags = 0;
+    const auto faces = level.GetVertexFaces(v);
+    const auto edges = level.GetVertexEdges(v);
+    const auto semi_sharp = [](float s) { return s > 0 && s < infinitely_sharp; };
+    bool sharp_edge = false;
+    if (level.GetVertexSharpness(v) > 0) flags |= VertexFlags::own_sharpness;
+    if (semi_sharp(level.GetVertexSharpness(v))) flags |= VertexFlags::semi_sharp;
+    for (int k = 0; k < edges.size(); ++k) {
+        const float s = level.GetEdgeSharpness(edges[k]);
+        if (semi_sharp(s)) flags |= VertexFlags::semi_sharp;
+        sharp_edge |= s >= infinitely_sharp;
+    }
+    const Sdc::Crease::Rule rule = level.GetVertexRule(v);
+    if (rule == Sdc::Crease::RULE_CORNER) flags |= VertexFlags::corner_rule;
+    if (rule == Sdc::Crease::RULE_DART) flags |= VertexFlags::dart_rule;
+    if (level.IsVertexBoundary(v)) flags |= VertexFlags::border;
+    const int valence = triangles ? 6 : 4;
+    bool simple = rule == Sdc::Crease::RULE_SMOOTH && !sharp_edge && flags == 0 &&
+                  !level.IsVertexNonManifold(v) && faces.size() == valence &&
+                  edges.size() == valence;
+    for (int k = 0; simple && k < faces.size(); ++k)
+        simple = level.GetFaceVertices(faces[k]).size() == (triangles ? 3 : 4);
+    if (simple) flags |= VertexFlags::simple;
+    return flags;
+}
+
+// Of an edge of two faces that run along it in opposite directions.
+void set_opposites(const FarLevel& level, const std::vector<std::uint32_t>& edges,
+                   const std::vector<std::uint32_t>& corner_faces, RefinedLevel& out) {
+    std::vector<std::uint32_t> first(std::size_t(level.GetNumEdges()), no_index);
+    out.opposite.assign(edges.size(), no_index);
+    for (std::uint32_t h = 0; h < edges.size(); ++h) {
+        std::uint32_t& other = first[edges[h]];
+        if (other == no_index) {
+            other = h;
+            continue;
+        }
+        const int e = int(edges[h]);
+        if (level.GetEdgeFaces(e).size() != 2 || level.IsEdgeNonManifold(e) ||
+            corner_faces[h] == corner_faces[other] ||
+            out.corner_vertices[h] == out.corner_vertices[other])
+            continue;
+        out.opposite[h] = other;
+        out.opposite[other] = h;
+    }
+}
+
+RefinedLevel copied_level(const FarLevel& level, int depth, bool triangles) {
+    RefinedLevel out;
+    const int faces = level.GetNumFaces();
+    const auto corners = std::size_t(level.GetNumFaceVertices());
+    out.vertex_count = std::uint32_t(level.GetNumVertices());
+    if (depth == 0) {
+        out.face_offsets.reserve(std::size_t(faces) + 1);
+        out.face_offsets.push_back(0);
+    }
+    std::vector<std::uint32_t> edges, corner_faces;
+    out.corner_vertices.reserve(corners);
+    edges.reserve(corners);
+    corner_faces.reserve(corners);
+    for (int f = 0; f < faces; ++f) {
+        const auto vertices = level.GetFaceVertices(f);
+        const auto face_edges = level.GetFaceEdges(f);
+        for (int c = 0; c < vertices.size(); ++c) {
+            out.corner_vertices.push_back(std::uint32_t(vertices[c]));
+            edges.push_back(std::uint32_t(face_edges[c]));
+            corner_faces.push_back(std::uint32_t(f));
+        }
+        if (depth == 0) out.face_offsets.push_back(std::uint32_t(edges.size()));
+    }
+    set_opposites(level, edges, corner_faces, out);
+    bool semi_sharp = false;
+    for (int e = 0; e < level.GetNumEdges(); ++e)
+        semi_sharp |= level.GetEdgeSharpness(e) > 0 && level.GetEdgeSharpness(e) < infinitely_sharp;
+    out.sharp.resize(edges.size());
+    if (semi_sharp) out.sharpness.resize(edges.size());
+    for (std::size_t h = 0; h < edges.size(); ++h) {
+        const float sharpness = level.GetEdgeSharpness(int(edges[h]));
+        out.sharp[h] = sharpness >= infinitely_sharp || out.opposite[h] == no_index;
+        if (semi_sharp) out.sharpness[h] = sharpness;
+    }
+    out.vertex_flags.resize(out.vertex_count);
+    for (int v = 0; v < level.GetNumVertices(); ++v)
+        out.vertex_flags[std::size_t(v)] = flags_of(level, v, triangles);
+    out.first_child.assign(std::size_t(faces), no_index);
+    if (depth == 0) out.edges = std::move(edges);
+    return out;
+}
+
+// The first of a face's children, or no_index where not all are there.
+std::uint32_t first_child(const FarLevel& level, int face) {
+    const auto children = level.GetFaceChildFaces(face);
+    for (int c = 0; c < children.size(); ++c)
+        if (!Osd::Vtr::IndexIsValid(children[c]) || children[c] != children[0] + c) return no_index;
+    return children.size() > 0 ? std::uint32_t(children[0]) : no_index;
+}
+
+template <class Pieces>
+std::vector<PieceKind> kinds_of(const RefinedLevel& level, bool linear) {
+    const LevelFaces faces(level, Pieces::corners);
+    PieceKinds<Pieces> kinds(faces, linear);
+    std::vector<PieceKind> all(level.first_child.size());
+    for (std::uint32_t f = 0; f < all.size(); ++f) all[f] = kinds.of(f);
+    return all;
+}
+
+// Faces of no more levels follow those of this one.
+void append(RefinedLevel& level, const RefinedLevel& more) {
+    const auto half_edges = std::uint32_t(level.corner_vertices.size());
+    if (!level.sharpness.empty() || !more.sharpness.empty()) {
+        level.sharpness.resize(half_edges, 0.0F);
+        level.sharpness.insert(level.sharpness.end(), more.sharpness.begin(), more.sharpness.end());
+        level.sharpness.resize(half_edges + more.corner_vertices.size(), 0.0F);
+    }
+    for (const std::uint32_t v : more.corner_vertices)
+        level.corner_vertices.push_back(level.vertex_count + v);
+    for (const std::uint32_t h : more.opposite)
+        level.opposite.push_back(h == no_index ? no_index : half_edges + h);
+    level.sharp.insert(level.sharp.end(), more.sharp.begin(), more.sharp.end());
+    level.vertex_flags.insert(level.vertex_flags.end(), more.vertex_flags.begin(),
+                              more.vertex_flags.end());
+    level.first_child.insert(level.first_child.end(), more.first_child.begin(),
+                             more.first_child.end());
+    level.vertex_count += more.vertex_count;
+}
+
+// The faces that have to be cut. Around vertices of n-gons, or where something is semi-sharp, once
+// is not enough: `deep`, and with them the faces beside them, whose rings they need.
+struct FacesToCut {
+    std::vector<int> all, deep_and_beside;
+    std::vector<std::uint8_t> deep;  // per face
+    bool any_shallow = false;
+};
+FacesToCut faces_to_cut(const RefinedLevel& base, const std::vector<PieceKind>& kinds,
+                        std::uint32_t corners) {
+    FacesToCut cut;
+    const auto begin = [&](std::uint32_t f) { return base.face_offsets[f]; };
+    const auto marked = [&](std::uint32_t f, const std::vector<std::uint8_t>& vertices) {
+        bool found = false;
+        for (std::uint32_t c = begin(f); c < begin(f + 1); ++c)
+            found |= vertices[base.corner_vertices[c]] != 0;
+        return found;
+    };
+    const auto mark = [&](std::uint32_t f, std::vector<std::uint8_t>& vertices) {
+        for (std::uint32_t c = begin(f); c < begin(f + 1); ++c)
+            vertices[base.corner_vertices[c]] = 1;
+    };
+    std::vector<std::uint8_t> odd(base.vertex_count), beside(base.vertex_count);
+    for (std::uint32_t v = 0; v < base.vertex_count; ++v)
+        odd[v] = (base.vertex_flags[v] & VertexFlags::semi_sharp) != 0;
+    for (std::uint32_t f = 0; f < kinds.size(); ++f)
+        if (begin(f + 1) - begin(f) != corners) mark(f, odd);
+    cut.deep.assign(kinds.size(), 0);
+    for (std::uint32_t f = 0; f < kinds.size(); ++f) {
+        if (kinds[f].kind != Piece::none) continue;
+        cut.all.push_back(int(f));
+        cut.deep[f] = marked(f, odd);
+        cut.any_shallow |= !cut.deep[f];
+        if (cut.deep[f]) mark(f, beside);
+    }
+    for (const int f : cut.all)
+        if (marked(std::uint32_t(f), beside)) cut.deep_and_beside.push_back(f);
+    return cut;
+}
+
+// Numbers as Far's refiner wants them.
+struct NumberRow {
+    double* numbers;
+    std::uint32_t width;
+    void Clear() { std::fill_n(numbers, width, 0.0); }
+    void AddWithWeight(const NumberRow& other, double weight) {
+        for (std::uint32_t k = 0; k < width; ++k) numbers[k] += weight * other.numbers[k];
+    }
+};
+struct NumberRows {
+    double* numbers;
+    std::uint32_t width;
+    NumberRow operator[](int i) const { return {numbers + std::size_t(i) * width, width}; }
+};
+
+struct SparseRow {
+    SparseValue* value;
+    void Clear() { value->terms.clear(); }
+    void AddWithWeight(const SparseRow& other, double weight) {
+        if (weight == 0) return;
+        std::vector<std::pair<std::uint32_t, double>> sum;
+        const auto &a = value->terms, &b = other.value->terms;
+        sum.reserve(a.size() + b.size());
+        std::size_t i = 0, j = 0;
+        while (i < a.size() || j < b.size()) {
+            if (j == b.size() || (i < a.size() && a[i].first < b[j].first)) {
+                sum.push_back(a[i++]);
+            } else if (i == a.size() || b[j].first < a[i].first) {
+                sum.emplace_back(b[j].first, weight * b[j].second);
+                ++j;
+            } else {
+                sum.emplace_back(a[i].first, a[i].second + weight * b[j].second);
+                ++i, ++j;
+            }
+        }
+        value->terms = std::move(sum);
+    }
+};
+struct SparseRows {
+    SparseValue* values;
+    SparseRow operator[](int i) const { return {values + i}; }
+};
+
+}  // namespace
+
+RefinedCage::RefinedCage() = default;
+RefinedCage::RefinedCage(RefinedCage&&) noexcept = default;
+RefinedCage& RefinedCage::operator=(RefinedCage&&) noexcept = default;
+RefinedCage::~RefinedCage() = default;
+
+Result<RefinedCage> RefinedCage::make(const SurfaceCage& cage) {
+    using Factory = Far::TopologyRefinerFactory<SurfaceCage>;
+    const Error not_taken{ErrorCode::invalid,
+                          "the cage's topology cannot be refined: check the mesh (inspect)", ""};
+    RefinedCage refined;
+    refined.corners_per_face = cage.corners_per_face();
+    refined.linear = cage.linear;
+    refined.rules_ = std::make_unique<Rules>();
+    auto& refiner = refined.rules_->refiner;
+    if (cage.face_count() == 0) {
+        refined.levels.resize(1);
+        refined.levels[0].face_offsets.assign(1, 0);
+        refined.levels[0].vertex_count = cage.vertex_count;
+        return refined;
+    }
+    refiner.reset(Factory::Create(cage, {scheme_type(cage), refiner_options(cage)}));
+    if (!refiner) return not_taken;
+    const bool triangles = cage.scheme == SubdivisionScheme::loop;
+    const FarLevel& base = refiner->GetLevel(0);
+    refined.edge_count = std::uint32_t(base.GetNumEdges());
+    refined.has_surface.assign(cage.face_count(), 1);
+    for (std::uint32_t f = 0; f < cage.face_count(); ++f) {
+        if (!cage.holes.empty() && cage.holes[f]) refined.has_surface[f] = 0;
+        if (cage.boundary != BoundaryRule::none || cage.linear) continue;
+        for (std::uint32_t c = cage.face_offsets[f]; c < cage.face_offsets[f + 1]; ++c)
+            if (base.IsVertexBoundary(int(cage.corner_vertices[c]))) refined.has_surface[f] = 0;
+    }
+    if (const double faces = cage.linear ? 0 : faces_of_creases(cage, base);
+        faces > most_crease_faces)
+        return Error{ErrorCode::limit,
+                     "the semi-sharp creases would be cut into some " +
+                         std::to_string(std::uint64_t(faces)) + " faces; the limit is " +
+                         std::to_string(std::uint64_t(most_crease_faces)) +
+                         ": use fewer, lower or infinite (10) sharpnesses",
+                     ""};
+    refined.levels.push_back(copied_level(base, 0, triangles));
+    refined.base_kinds = triangles ? kinds_of<TrianglePieces>(refined.levels[0], cage.linear)
+                                   : kinds_of<QuadPieces>(refined.levels[0], cage.linear);
+    const FacesToCut cut =
+        faces_to_cut(refined.levels[0], refined.base_kinds, refined.corners_per_face);
+    const auto refine = [&](Far::TopologyRefiner& one, int level, const std::vector<int>& faces) {
+        if (faces.empty()) return;
+        Far::TopologyRefiner::AdaptiveOptions options(level);
+        // By Chaikin's averages the halves of an edge differ: a vertex may be smooth levels before
+        // its neighbours are, and its other faces have to come along.
+        options.SetSecondaryLevel(cage.creasing == CreasingMethod::chaikin ? unsigned(level) : 2);
+        options.useInfSharpPatch = true;
+        options.useSingleCreasePatch = cage.creasing == CreasingMethod::uniform;
+        one.RefineAdaptive(options, {faces.data(), int(faces.size())});
+    };
+    auto& shallow = refined.rules_->shallow;
+    const bool any_deep = !cut.deep_and_beside.empty();
+    if (cut.any_shallow && any_deep) {
+        shallow.reset(Factory::Create(*refiner));
+        if (!shallow) return not_taken;
+        refine(*shallow, 1, cut.all);
+    }
+    const int deep_level = cage.linear ? 1 : isolation_level(base);
+    refine(*refiner, any_deep ? deep_level : 1, any_deep ? cut.deep_and_beside : cut.all);
+    for (int l = 1; l < refiner->GetNumLevels(); ++l) {
+        const FarLevel& before = refiner->GetLevel(l - 1);
+        RefinedLevel level = copied_level(refiner->GetLevel(l), l, triangles);
+        RefinedLevel& above = refined.levels.back();
+        const std::uint64_t first = std::uint64_t(above.first_vertex) + above.vertex_count;
+        const std::uint64_t more = shallow && l == 1 ? shallow->GetLevel(1).GetNumVertices() : 0;
+        if (const std::uint64_t all = first + level.vertex_count + more; all >= no_index)
+            return Error{ErrorCode::limit,
+                         "the refined cage would have more than " + std::to_string(all) +
+                             " vertices; 32-bit indices name " + std::to_string(no_index - 1) +
+                             ": subdivide parts of the mesh on their own",
+                         ""};
+        level.first_vertex = std::uint32_t(first);
+        for (int f = 0; f < before.GetNumFaces(); ++f)
+            above.first_child[std::size_t(f)] = first_child(before, f);
+        if (l == 1 && shallow) {
+            const auto faces = std::uint32_t(level.first_child.size());
+            for (const int f : cut.all)
+                if (const std::uint32_t child = first_child(shallow->GetLevel(0), f);
+                    !cut.deep[std::size_t(f)])
+                    above.first_child[std::size_t(f)] = child == no_index ? child : faces + child;
+            refined.rules_->deep_vertices = level.vertex_count;
+            append(level, copied_level(shallow->GetLevel(1), 1, triangles));
+        }
+        refined.levels.push_back(std::move(level));
+    }
+    return refined;
+}
+
+std::uint32_t RefinedCage::total_vertices() const {
+    return levels.back().first_vertex + levels.back().vertex_count;
+}
+
+RefinedValues RefinedCage::refine(std::span<const double> cage_values, std::uint32_t width) const {
+    RefinedValues values;
+    values.width = width;
+    values.numbers.resize(std::size_t(total_vertices()) * width);
+    std::copy(cage_values.begin(), cage_values.end(), values.numbers.begin());
+    if (!rules_->refiner) return values;
+    const Far::PrimvarRefinerReal<double> refiner(*rules_->refiner);
+    for (std::size_t l = 1; l < levels.size(); ++l) {
+        const NumberRows from{
+            values.numbers.data() + std::size_t(levels[l - 1].first_vertex) * width, width};
+        NumberRows to{values.numbers.data() + std::size_t(levels[l].first_vertex) * width, width};
+        refiner.Interpolate(int(l), from, to);
+        if (l > 1 || !rules_->shallow) continue;
+        NumberRows after{to.numbers + std::size_t(rules_->deep_vertices) * width, width};
+        Far::PrimvarRefinerReal<double>(*rules_->shallow).Interpolate(1, from, after);
+    }
+    return values;
+}
+
+std::vector<SparseValue> RefinedCage::refine(std::vector<SparseValue> values) const {
+    values.resize(total_vertices());
+    if (!rules_->refiner) return values;
+    const Far::PrimvarRefinerReal<double> refiner(*rules_->refiner);
+    for (std::size_t l = 1; l < levels.size(); ++l) {
+        const SparseRows from{values.data() + levels[l - 1].first_vertex};
+        SparseRows to{values.data() + levels[l].first_vertex};
+        refiner.Interpolate(int(l), from, to);
+        if (l > 1 || !rules_->shallow) continue;
+        SparseRows after{to.values + rules_->deep_vertices};
+        Far::PrimvarRefinerReal<double>(*rules_->shallow).Interpolate(1, from, after);
+    }
+    return values;
+}
+
+float RefinedCage::vertex_sharpness(std::uint32_t vertex) const {
+    return rules_->refiner->GetLevel(0).GetVertexSharpness(int(vertex));
+}
+
+float RefinedCage::edge_sharpness(std::uint32_t half_edge) const {
+    return rules_->refiner->GetLevel(0).GetEdgeSharpness(int(levels[0].edges[half_edge]));
+}
+
+bool RefinedCage::is_manifold(std::uint32_t vertex) const {
+    return !rules_->refiner->GetLevel(0).IsVertexNonManifold(int(vertex));
+}
+
+void RefinedCage::corners_around(std::uint32_t vertex, std::vector<std::uint32_t>& corners) const {
+    const FarLevel& base = rules_->refiner->GetLevel(0);
+    const auto faces = base.GetVertexFaces(int(vertex));
+    const auto places = base.GetVertexFaceLocalIndices(int(vertex));
+    corners.clear();
+    for (int k = 0; k < faces.size(); ++k)
+        corners.push_back(levels[0].face_offsets[std::size_t(faces[k])] + places[k]);
+}
+
+void RefinedCage::forget_rules() {
+    rules_->shallow.reset();  // it shares the other's base
+    rules_->refiner.reset();
+}
+
+}  // namespace prep::detail

@@ -1,0 +1,156 @@
+// Triangles as fine as an error asks in a mesh's place: of its limit surface or its polygons,
+// displaced by the materials' height maps or by one for all.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "pipeline/mesh_preparation.h"
+
+namespace prep::detail {
+namespace {
+
+// "a chord error of 0.001, edges of at most 0.1, 20000 triangles at most"
+std::string goal_of(const TessellateOptions& options) {
+    std::string text;
+    const auto add = [&](const std::string& goal) { text += (text.empty() ? "" : ", ") + goal; };
+    if (options.chord_error) add(fmt::format("an error of at most {}", *options.chord_error));
+    if (options.pixel_error) add(fmt::format("at most {} pixels", *options.pixel_error));
+    if (options.edge_length) add(fmt::format("edges of at most {}", *options.edge_length));
+    if (options.max_triangles) add(fmt::format("at most {} triangles", *options.max_triangles));
+    return text;
+}
+
+bool has_goal(const TessellateOptions& options) {
+    return options.chord_error || options.pixel_error || options.edge_length ||
+           options.max_triangles;
+}
+
+struct Extent {
+    double diagonal = 1;  // of the box around all positions; 1 where that is no length
+    double farthest = 0;  // coordinate
+};
+Extent extent_of(const Mesh& mesh) {
+    glm::dvec3 low(mesh.positions.front()), high = low;
+    for (const glm::vec3& p : mesh.positions) {
+        low = glm::min(low, glm::dvec3(p));
+        high = glm::max(high, glm::dvec3(p));
+    }
+    Extent extent;
+    const double diagonal = glm::length(high - low);
+    if (diagonal > 0 && std::isfinite(diagonal)) extent.diagonal = diagonal;
+    const glm::dvec3 far = glm::max(glm::abs(low), glm::abs(high));
+    const double farthest = std::max({far.x, far.y, far.z});
+    if (std::isfinite(farthest)) extent.farthest = farthest;
+    return extent;
+}
+
+}  // namespace
+
+Result<void> MeshPreparation::tessellate_mesh() {
+    if (mesh_.face_count() == 0) {
+        log_.skipped("tessellate", "there are no faces");
+        return {};
+    }
+    const bool asks_for_heights = options_.displacement.map || options_.displacement.from_materials;
+    if (auto done = options_.subdivide
+                        ? make_cage()
+                        : weld_cage("triangles on both sides of a seam share their points");
+        !done)
+        return done;
+    TessellateOptions options = options_.tessellation;
+    if (options_.subdivide) options.scheme = options_.subdivision.scheme;
+    options.subdivision = options_.subdivision;
+    options.hard_edges = options_.hard_edges;
+    options.threads = options_.threads;
+    std::vector<std::string> pictures;
+    if (asks_for_heights) {
+        auto maps = log_.run("height maps", "displacement was asked for",
+                             [&] { return maps_.of(out_.scene, mesh_); });
+        if (!maps) return std::move(maps).error();
+        report_heights(*maps);
+        if (maps->displacements.empty() && !options_.subdivide && !has_goal(options)) {
+            log_.skipped("tessellate", "no material of this mesh has a displacement map");
+            return {};
+        }
+        options.displacements = std::move(maps->displacements);
+        options.material_displacements = std::move(maps->material_displacements);
+        pictures = std::move(maps->names);
+    }
+    if (!has_goal(options)) {
+        constexpr double share_of_diagonal = 1e-3;
+        constexpr double float_steps = 0x1p-20;  // errors finer than floats are refused
+        constexpr std::uint64_t usual_most = 1'000'000;
+        const Extent extent = extent_of(mesh_);
+        options.chord_error =
+            std::max(share_of_diagonal * extent.diagonal, float_steps * extent.farthest);
+        options.max_triangles = usual_most;
+    }
+    const std::string surface =
+        options.scheme ? std::string(name_of(*options.scheme)) + " limit surface" : "polygons";
+    const std::string reason =
+        surface +
+        (pictures.empty() ? "" : fmt::format(" displaced by {}", fmt::join(pictures, ", "))) +
+        ": " + goal_of(options);
+    const std::size_t attributes = mesh_.vertex_attributes.size();
+    auto made = log_.run("tessellate", reason, [&] { return tessellate(mesh_, options); });
+    if (!made) return std::move(made).error();
+    report_left_out(made->holes, made->uv_sets_left_out, made->color_sets_left_out);
+    add_finding("attribute-left-out", Severity::warning, attributes, {},
+                "the file's attributes of other names do not go through tessellation",
+                PlaceKind::vertex);
+    add_finding(
+        "loose-parts-left-out", Severity::warning,
+        mesh_.points.size() + (mesh_.line_offsets.empty() ? 0 : mesh_.line_offsets.size() - 1), {},
+        "lines and points do not go through tessellation", PlaceKind::vertex);
+    report_certificate(made->certificate, options);
+    take_surface(std::move(made->mesh));
+    out_.tessellated[index_] = made->certificate;
+    return {};
+}
+
+void MeshPreparation::report_heights(const DisplacementMaps::OfMesh& maps) {
+    if (maps.displacements.empty())
+        add_finding("no-displacement-map", Severity::warning, 1, {},
+                    "displacement by materials was asked for, and none of this mesh has a "
+                    "displacement map",
+                    PlaceKind::face);
+    add_finding("vector-displacement", Severity::warning, maps.vector_maps, {},
+                "materials' vector maps do not displace yet: their faces stay where they are",
+                PlaceKind::face);
+    for (std::size_t k = 0; k < maps.names.size(); ++k) {
+        const Quantisation& q = maps.quantisations[k];
+        if (q.bits == 0 || q.bits > 8) continue;
+        add_finding("coarse-heights", Severity::warning, 1, {},
+                    fmt::format("{} has {} bits{}: heights are off by up to {:.3g} in the map "
+                                "itself, and slopes show steps; save it with 16 bits or as floats",
+                                maps.names[k], q.bits,
+                                q.file_bits != q.bits ? " in a file for more" : "", q.half_step),
+                    PlaceKind::face);
+    }
+}
+
+void MeshPreparation::report_certificate(const TessellationCertificate& c,
+                                         const TessellateOptions& options) {
+    if (options.max_triangles && c.triangles > *options.max_triangles)
+        add_finding("budget-too-small", Severity::warning, c.triangles - *options.max_triangles, {},
+                    fmt::format("the coarsest triangles of this mesh are {}: more than the {} "
+                                "that were asked for",
+                                c.triangles, *options.max_triangles),
+                    PlaceKind::face);
+    add_finding("budget-reached", Severity::info, c.over_budget, {},
+                fmt::format("triangles miss the error that was asked: {} triangles were reached "
+                            "before; {:.3g} is proved",
+                            c.triangles, c.proved),
+                PlaceKind::face);
+    add_finding("unresolved-error", Severity::warning, c.unresolved,
+                c.worst_triangle == no_index ? std::vector<std::uint32_t>{}
+                                             : std::vector<std::uint32_t>{c.worst_triangle},
+                fmt::format("triangles miss what was asked and cannot be halved any more: {:.3g} "
+                            "is proved; {:.3g} of it stays wherever sides that share a point have "
+                            "other heights or directions",
+                            c.proved, c.largest_shared_gap),
+                PlaceKind::face);
+}
+
+}  // namespace prep::detail

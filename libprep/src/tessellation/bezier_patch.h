@@ -1,0 +1,41 @@
+// Bicubic patches in Bézier form, cut to a box: hulls of their control points are bounds.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <glm/glm.hpp>
+
+namespace prep::detail {
+
+struct ParameterBox {
+    glm::dvec2 low{0.0}, high{1.0};
+    glm::dvec2 size() const { return high - low; }
+};
+
+// p[4 j + i]; covers `box` of its root's parameters.
+struct BezierPatch {
+    std::array<glm::dvec3, 16> p;
+    ParameterBox box;
+};
+
+// Rows of weights of four control points in a row, of a uniform cubic B-spline over 0 … 1, for the
+// four Bézier points over a … b: its polar form at (a,a,a), (a,a,b), (a,b,b), (b,b,b) (Ramshaw
+// 1989).
+using CubicWeights = std::array<std::array<double, 4>, 4>;
+CubicWeights bezier_weights(double a, double b);
+
+// out[4 j + i] = Σ along_v[j][l] along_u[i][k] in[4 l + k].
+std::array<glm::dvec3, 16> transformed(const std::array<glm::dvec3, 16>& in,
+                                       const CubicWeights& along_u, const CubicWeights& along_v);
+
+// Suprema of derivatives, by the box's own size: [i][j] of i by u and j by v, 1 to 3 in all; of
+// their lengths, and of their parts along a unit vector. Rounded up.
+struct DerivativeBounds {
+    double length[4][4] = {}, rise[4][4] = {};
+};
+DerivativeBounds derivative_bounds(const BezierPatch& patch, const glm::dvec3& along);
+
+// First derivatives in the box's middle, by the box's size.
+std::array<glm::dvec3, 2> middle_derivatives(const BezierPatch& patch);
+
+}  // namespace prep::detail

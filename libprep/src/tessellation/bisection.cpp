@@ -1,0 +1,128 @@
+#include "tessellation/bisection.h"
+
+namespace prep::detail {
+
+std::array<glm::dvec3, 3> path_weights(std::uint64_t path) {
+    std::array<glm::dvec3, 3> w{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+    for (int bit = int(std::bit_width(path)) - 2; bit >= 0; --bit) {
+        const glm::dvec3 middle = 0.5 * (w[0] + w[1]);
+        if ((path >> bit & 1) == 0)
+            w = {w[2], w[0], middle};
+        else
+            w = {w[1], w[2], middle};
+    }
+    return w;
+}
+
+BisectionMesh::BisectionMesh(std::uint32_t vertices,
+                             std::span<const std::array<std::uint32_t, 3>> roots,
+                             std::span<const std::uint32_t> next_half_edges)
+    : vertices_(vertices) {
+    triangles_.resize(roots.size());
+    for (std::size_t t = 0; t < roots.size(); ++t) {
+        triangles_[t].vertices = roots[t];
+        triangles_[t].root = std::uint32_t(t);
+        for (std::size_t e = 0; e < 3; ++e) triangles_[t].next[e] = next_half_edges[3 * t + e];
+    }
+    news_.first = vertices;
+}
+
+void BisectionMesh::forget() {
+    news_.first = vertices_;
+    news_.offsets.assign(1, 0);
+    news_.points.clear();
+    news_.touched.clear();
+}
+
+std::uint64_t BisectionMesh::cost(std::uint32_t t) {
+    std::uint64_t added = 0;
+    worklist_.assign(1, t);
+    while (!worklist_.empty()) {
+        const std::uint32_t h0 = 3 * worklist_.back();
+        worklist_.pop_back();
+        std::uint32_t h = h0;
+        do {
+            ++added;
+            if (h % 3 != 0) worklist_.push_back(h / 3);
+            h = next(h);
+        } while (h != h0);
+    }
+    return added;
+}
+
+void BisectionMesh::bisect(std::uint32_t t) {
+    worklist_.assign(1, t);
+    while (!worklist_.empty()) {
+        const std::uint32_t h0 = 3 * worklist_.back();
+        std::uint32_t h = next(h0);
+        while (h != h0 && h % 3 == 0) h = next(h);
+        if (h != h0) {
+            worklist_.push_back(h / 3);
+            continue;
+        }
+        worklist_.pop_back();
+        halve_ring(h0);
+    }
+}
+
+// Puts `by` in the place of `old` in its ring.
+void BisectionMesh::replace(std::uint32_t old, std::uint32_t by) {
+    const std::uint32_t after = next(old);
+    if (after == old) {
+        next(by) = by;
+        return;
+    }
+    std::uint32_t before = after;
+    while (next(before) != old) before = next(before);
+    next(before) = by;
+    next(by) = after;
+}
+
+void BisectionMesh::link(std::span<const std::uint32_t> ring) {
+    for (std::size_t k = 0; k < ring.size(); ++k) next(ring[k]) = ring[(k + 1) % ring.size()];
+}
+
+void BisectionMesh::halve_ring(std::uint32_t h0) {
+    members_.clear();
+    std::uint32_t h = h0;
+    do {
+        members_.push_back(h / 3);
+        h = next(h);
+    } while (h != h0);
+    const std::uint32_t middle = vertices_++;
+    const std::uint32_t start = triangles_[members_[0]].vertices[0];
+    bool border_of_root = true;
+    near_.clear();
+    far_.clear();
+    for (const std::uint32_t t : members_) {
+        if (border_of_root) {
+            const std::array<glm::dvec3, 3> w = weights(t);
+            border_of_root = w[0].z == 0 && w[1].z == 0;
+            if (border_of_root || t == members_[0])
+                news_.points.push_back({triangles_[t].root, 0.5 * (w[0] + w[1])});
+        }
+        const auto n = std::uint32_t(triangles_.size());
+        triangles_.emplace_back();
+        const BisectedTriangle old = triangles_[t];
+        const auto [a, b, c] = old.vertices;
+        replace(3 * t + 1, 3 * n);
+        replace(3 * t + 2, 3 * t);
+        BisectedTriangle &first = triangles_[t], &second = triangles_[n];
+        first.vertices = {c, a, middle};
+        first.path = 2 * old.path;
+        second.vertices = {b, c, middle};
+        second.path = 2 * old.path + 1;
+        second.root = old.root;
+        first.next[2] = 3 * n + 1;
+        second.next[1] = 3 * t + 2;
+        (a == start ? near_ : far_).push_back(3 * t + 1);
+        (a == start ? far_ : near_).push_back(3 * n + 2);
+        news_.touched.push_back(t);
+        news_.touched.push_back(n);
+    }
+    link(near_);
+    link(far_);
+    news_.offsets.push_back(std::uint32_t(news_.points.size()));
+}
+
+}  // namespace prep::detail

@@ -1,0 +1,85 @@
+// Conforming triangle meshes by newest-vertex bisection (Mitchell 1989; Bänsch 1991).
+//
+// A triangle has the vertices (a, b, c), counter-clockwise; ab is its refinement edge and c its
+// newest vertex. Halving it at the middle m of ab gives (c, a, m) and (b, c, m). All triangles at
+// an edge are halved together: one that has another refinement edge is halved first. That ends
+// because the start is compatible: every root's ab is the ab of all roots at it, or its border.
+// No vertex ever lies inside another triangle's edge.
+//
+// Triangles at an edge are linked in a ring, so that borders (rings of one) and edges of three or
+// more faces, and faces that run the other way, need no cases of their own.
+#pragma once
+
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <span>
+#include <vector>
+
+namespace prep::detail {
+
+// A point of a root triangle: weights of its corners, multiples of powers of two that add up to 1.
+struct RootPoint {
+    std::uint32_t root = 0;
+    glm::dvec3 weights{0.0};
+};
+
+struct BisectedTriangle {
+    std::uint64_t path = 1;  // 1, then a bit a halving: the first child or the second
+    std::array<std::uint32_t, 3> vertices{};
+    // Half-edge 3 t + e of triangle t runs from vertices[e] to the next; here the next half-edge
+    // of the ring at that edge.
+    std::array<std::uint32_t, 3> next{};
+    std::uint32_t root = 0;
+
+    int depth() const { return int(std::bit_width(path)) - 1; }
+};
+inline constexpr int deepest_bisection = 60;
+
+// The corners of the triangle that `path` leads to.
+std::array<glm::dvec3, 3> path_weights(std::uint64_t path);
+
+class BisectionMesh {
+  public:
+    // A root a triangle; next_half_edges as BisectedTriangle::next, three a root.
+    BisectionMesh(std::uint32_t vertices, std::span<const std::array<std::uint32_t, 3>> roots,
+                  std::span<const std::uint32_t> next_half_edges);
+
+    std::span<const BisectedTriangle> triangles() const { return triangles_; }
+    std::uint32_t vertex_count() const { return vertices_; }
+    std::array<glm::dvec3, 3> weights(std::uint32_t t) const {
+        return path_weights(triangles_[t].path);
+    }
+
+    // How many triangles bisect(t) adds; exact where no edge has three or more triangles, else an
+    // upper bound.
+    std::uint64_t cost(std::uint32_t t);
+    // Halves t, and first what must be halved for it. Triangles keep their index as their first
+    // child's.
+    void bisect(std::uint32_t t);
+
+    // What bisect() did since forget(): vertices made, in order, and their points: several where a
+    // root's ab was halved (one of each triangle there), else one.
+    struct NewVertices {
+        std::uint32_t first = 0;                // vertex first + k …
+        std::vector<std::uint32_t> offsets{0};  // … has the points offsets[k] … offsets[k + 1] − 1
+        std::vector<RootPoint> points;
+        std::vector<std::uint32_t> touched;  // triangles that changed or are new; may repeat
+    };
+    const NewVertices& news() const { return news_; }
+    void forget();
+
+  private:
+    void halve_ring(std::uint32_t half_edge);
+    std::uint32_t& next(std::uint32_t h) { return triangles_[h / 3].next[h % 3]; }
+    void replace(std::uint32_t old, std::uint32_t by);
+    void link(std::span<const std::uint32_t> ring);
+
+    std::vector<BisectedTriangle> triangles_;
+    std::uint32_t vertices_;
+    NewVertices news_;
+    std::vector<std::uint32_t> worklist_, members_, near_, far_;
+};
+
+}  // namespace prep::detail

@@ -1,0 +1,204 @@
+#include "tessellation/displaced_surface.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/finite.h"
+#include "base/outward.h"
+#include "tessellation/polygon_surface.h"
+
+namespace prep::detail {
+namespace {
+
+// What doubles may have lost on the way to a bound, and in the values it is a bound of: some dozen
+// operations on numbers of this size.
+constexpr double relative_slack = 0x1p-40, absolute_slack = 0x1p-46;
+
+template <class T>
+T middle_of_extremes(const T& least, const T& greatest) {
+    return 0.5 * least + 0.5 * greatest;
+}
+
+// The normalised sum of directions that differ, each once, in an order of their own. Those of one
+// smooth surface differ by roundings only.
+glm::dvec3 common_direction(std::vector<glm::dvec3>& sides) {
+    constexpr double same = 1e-6;
+    std::sort(sides.begin(), sides.end(), [](const glm::dvec3& a, const glm::dvec3& b) {
+        return a.x != b.x ? a.x < b.x : a.y != b.y ? a.y < b.y : a.z < b.z;
+    });
+    std::vector<glm::dvec3> kept;
+    for (const glm::dvec3& side : sides)
+        if (std::none_of(kept.begin(), kept.end(), [&](const glm::dvec3& other) {
+                return glm::dot(side - other, side - other) < same * same;
+            }))
+            kept.push_back(side);
+    if (kept.size() == 1) return kept[0];
+    glm::dvec3 sum(0.0);
+    for (const glm::dvec3& side : kept) sum += side;
+    return unit_or(sum, kept.back());
+}
+
+}  // namespace
+
+Result<RootHeights> RootHeights::make(const Mesh& mesh, const Domain& domain,
+                                      const TessellateOptions& options) {
+    RootHeights heights;
+    if (options.displacements.empty()) return heights;
+    heights.displacements_ = options.displacements;
+    const std::string name = mesh.name.empty() ? "" : "mesh '" + mesh.name + "', ";
+    heights.which_.assign(domain.roots.size(), no_index);
+    heights.corners_.resize(domain.roots.size());
+    const auto choice = [&](std::uint32_t face) -> std::uint32_t {
+        const auto& table = options.material_displacements;
+        if (table.empty()) return 0;
+        const std::uint32_t m = mesh.face_materials.empty() ? no_index : mesh.face_materials[face];
+        return m < table.size() ? table[m] : no_index;
+    };
+    for (std::uint32_t fan = 0; fan < domain.fans(); ++fan) {
+        const std::uint32_t face = domain.roots[domain.fan_roots[fan]].face;
+        const std::uint32_t k = choice(face);
+        if (k == no_index || !options.displacements[k].height) continue;
+        const std::size_t set = options.displacements[k].uv_set;
+        const auto place = [&] { return name + "face " + std::to_string(face); };
+        if (set >= mesh.uvs.size() || mesh.uvs[set].empty())
+            return Error{ErrorCode::invalid,
+                         "its displacement reads UV set " + std::to_string(set) +
+                             ", which the mesh does not have: unwrap it, or name another set",
+                         place()};
+        const CornerLayer<glm::vec2>& layer = mesh.uvs[set];
+        const auto at = [&](std::uint32_t c) { return glm::dvec2(layer.values[layer.indices[c]]); };
+        glm::dvec2 sum(0.0);
+        bool covered = true;
+        for_fan_corners(domain, fan, [&](std::uint32_t c) {
+            covered = covered && layer.indices[c] != no_index && is_finite(at(c));
+            if (covered) sum += at(c);
+        });
+        if (!covered)
+            return Error{ErrorCode::invalid,
+                         "a corner has no UV of set " + std::to_string(set) +
+                             " that is a number, but its displacement reads it",
+                         place()};
+        const std::uint32_t first = domain.fan_roots[fan], last = domain.fan_roots[fan + 1];
+        const glm::dvec2 centre = sum / double(last - first);
+        for (std::uint32_t r = first; r < last; ++r) {
+            heights.which_[r] = k;
+            heights.corners_[r] = {at(domain.roots[r].corners[0]), at(domain.roots[r].corners[1]),
+                                   centre};
+        }
+    }
+    return heights;
+}
+
+glm::dvec2 RootHeights::uv(const RootPoint& at) const {
+    const std::array<glm::dvec2, 3>& c = corners_[at.root];
+    return at.weights.x * c[0] + at.weights.y * c[1] + at.weights.z * c[2];
+}
+
+std::array<glm::dvec2, 2> RootHeights::uv_steps(std::uint32_t root) const {
+    const std::array<glm::dvec2, 3>& c = corners_[root];
+    return {c[1] - c[0], c[2] - c[0]};
+}
+
+double RootHeights::raw(const RootPoint& at) const {
+    const Displacement* displacement = of(at.root);
+    return displacement ? displacement->height->at(uv(at)).value : 0;
+}
+
+double RootHeights::height(const RootPoint& at, double raw) const {
+    const Displacement* displacement = of(at.root);
+    return displacement ? displacement->scale * (raw - displacement->midlevel) : 0;
+}
+
+void VertexSamples::resize(std::size_t count) {
+    points.resize(count);
+    raw.resize(count);
+    positions.resize(count);
+    shared.resize(count);
+}
+
+glm::dvec3 DisplacedSurface::truth(const RootPoint& at) const {
+    BasePoint point;
+    base_.evaluate({&at, 1}, {&point, 1});
+    return point.position + heights_.height(at, heights_.raw(at)) * point.direction;
+}
+
+void DisplacedSurface::make_vertex(std::span<const RootPoint> at, std::uint32_t vertex,
+                                   VertexSamples& samples) const {
+    BasePoint point;
+    double height = 0;
+    if (at.size() == 1) {
+        base_.evaluate(at, {&point, 1});
+        samples.raw[vertex] = heights_.raw(at[0]);
+        height = heights_.height(at[0], samples.raw[vertex]);
+    } else {
+        std::vector<BasePoint> sides(at.size());
+        base_.evaluate(at, sides);
+        std::vector<glm::dvec3> directions;
+        glm::dvec3 low = sides[0].position, high = low;
+        double least = std::numeric_limits<double>::infinity(), greatest = -least;
+        for (std::size_t k = 0; k < at.size(); ++k) {
+            low = glm::min(low, sides[k].position);
+            high = glm::max(high, sides[k].position);
+            directions.push_back(sides[k].direction);
+            const double h = heights_.height(at[k], heights_.raw(at[k]));
+            least = std::min(least, h);
+            greatest = std::max(greatest, h);
+        }
+        point.position = middle_of_extremes(low, high);
+        point.direction = common_direction(directions);
+        height = middle_of_extremes(least, greatest);
+    }
+    samples.points[vertex] = point;
+    samples.shared[vertex] = at.size() > 1;
+    samples.positions[vertex] = glm::vec3(point.position + height * point.direction);
+}
+
+TriangleBound DisplacedSurface::bound(const BisectedTriangle& triangle,
+                                      const VertexSamples& samples, double enough) const {
+    const std::array<glm::dvec3, 3> weights = path_weights(triangle.path);
+    std::array<BasePoint, 3> points;
+    std::array<double, 3> raw, heights;
+    double gap = 0, size = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const std::uint32_t v = triangle.vertices[k];
+        const RootPoint at{triangle.root, weights[k]};
+        points[k] = samples.points[v];
+        raw[k] = samples.raw[v];
+        if (samples.shared[v]) {
+            base_.evaluate({&at, 1}, {&points[k], 1});
+            raw[k] = heights_.raw(at);
+        }
+        heights[k] = heights_.height(at, raw[k]);
+        const glm::dvec3 own = points[k].position + heights[k] * points[k].direction;
+        gap = std::max(gap, glm::length(glm::dvec3(samples.positions[v]) - own));
+        size = std::max(size, glm::length(points[k].position) + std::abs(heights[k]));
+    }
+    const BaseDeviation base = base_.deviation(triangle.root, weights, points);
+    double sum = base.position;
+    if (const Displacement* displacement = heights_.of(triangle.root)) {
+        double cross = 0, highest = 0;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const std::size_t l = (k + 1) % 3;
+            cross = std::max(cross, std::abs(heights[k] - heights[l]) *
+                                        glm::length(points[k].direction - points[l].direction));
+            highest = std::max(highest, std::abs(heights[k]));
+        }
+        if (highest > 0) sum += highest * base.direction;
+        sum += cross / 3;
+        const double scale = std::abs(displacement->scale);
+        if (scale > 0) {
+            std::array<glm::dvec2, 3> uv;
+            for (std::size_t k = 0; k < 3; ++k) uv[k] = heights_.uv({triangle.root, weights[k]});
+            sum += scale *
+                   displacement->height->deviation(uv, raw, std::max(0.0, enough - sum) / scale);
+        }
+    }
+    TriangleBound result;
+    result.refinable =
+        sum == 0 ? 0.0F : float_not_below(sum * (1 + relative_slack) + size * absolute_slack);
+    result.gap = float_not_below(gap * (1 + relative_slack) + size * absolute_slack);
+    return result;
+}
+
+}  // namespace prep::detail

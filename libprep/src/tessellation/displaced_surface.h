@@ -1,0 +1,94 @@
+// A base surface with its heights, and the proof of how far a triangle is from it.
+//
+// Of a triangle with corners v (S, h, n there: surface, height, unit direction), final positions
+// V = S(v) + h(v) n(v) + e(v) and I f the linear interpolation of f at its corners, a point with
+// weights λ is off by
+//   S + h n − I V = (S − I S) + (h n − I (h n)) − I e,
+//   h n − I (h n) = (h − I h) n + I h (n − I n) + (I h · I n − I (h n)),
+//   I h · I n − I (h n) = −Σ over pairs of corners λ λ' (h − h')(n − n'),
+// the last since the weights add up to 1. |n| = 1, |I h| ≤ max |h|, Σ λ λ' ≤ 1/3. So no point is
+// further off than
+//   |S − I S| + |h − I h| + max |h| · |n − I n| + ⅓ max |h − h'||n − n'| + max |e|,
+// where S, n and h bring their own suprema. e has two causes: rounding to floats, and positions
+// that several faces share though their heights or directions differ.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <span>
+#include <vector>
+
+#include "prep/displacement/tessellate.h"
+#include "prep/result.h"
+#include "tessellation/domain.h"
+#include "tessellation/surface.h"
+
+namespace prep::detail {
+
+// Which height each root has, and its UVs.
+class RootHeights {
+  public:
+    RootHeights() = default;
+    // Errors as tessellate's. `displacements` must outlive it.
+    static Result<RootHeights> make(const Mesh& mesh, const Domain& domain,
+                                    const TessellateOptions& options);
+
+    const Displacement* of(std::uint32_t root) const {
+        const std::uint32_t k = which_.empty() ? no_index : which_[root];
+        return k == no_index ? nullptr : &displacements_[k];
+    }
+    glm::dvec2 uv(const RootPoint& at) const;
+    std::array<glm::dvec2, 2> uv_steps(std::uint32_t root) const;
+    // What the function has there; 0 without one.
+    double raw(const RootPoint& at) const;
+    double height(const RootPoint& at, double raw) const;
+
+  private:
+    std::span<const Displacement> displacements_;
+    std::vector<std::uint32_t> which_;                // per root
+    std::vector<std::array<glm::dvec2, 3>> corners_;  // per root
+};
+
+// Vertices of the tessellation. Those on the edges of the cage are shared between roots.
+struct VertexSamples {
+    std::vector<BasePoint> points;
+    std::vector<double> raw;  // not of shared ones
+    std::vector<glm::vec3> positions;
+    std::vector<std::uint8_t> shared;
+
+    void resize(std::size_t count);
+};
+
+struct TriangleBound {
+    float refinable = 0;  // what finer triangles make smaller; rounded up
+    float gap = 0;        // max |e|; rounded up
+    // Their slack is more than this addition loses.
+    double sum() const { return double(refinable) + double(gap); }
+};
+
+class DisplacedSurface {
+  public:
+    DisplacedSurface(const BaseSurface& base, const RootHeights& heights)
+        : base_(base), heights_(heights) {}
+    const BaseSurface& base() const { return base_; }
+    const RootHeights& heights() const { return heights_; }
+
+    // The truth at a point, as its own root has it.
+    glm::dvec3 truth(const RootPoint& at) const;
+
+    // Sets vertex `vertex` from its points: all roots' that it is in, or one where it is in but
+    // one fan.
+    void make_vertex(std::span<const RootPoint> at, std::uint32_t vertex,
+                     VertexSamples& samples) const;
+
+    // `enough`: bounds of `refinable` below need not be tight.
+    TriangleBound bound(const BisectedTriangle& triangle, const VertexSamples& samples,
+                        double enough) const;
+
+  private:
+    const BaseSurface& base_;
+    const RootHeights& heights_;
+};
+
+}  // namespace prep::detail

@@ -1,0 +1,142 @@
+#include "tessellation/limit_base.h"
+
+namespace prep::detail {
+namespace {
+
+// Levels of rings that are kept: deeper ones are refined where they are met.
+constexpr int ring_levels = 12;
+
+constexpr std::array<glm::dvec2, 4> square{{{0, 0}, {1, 0}, {1, 1}, {0, 1}}};
+
+}  // namespace
+
+Result<LimitBase> LimitBase::make(const Mesh& mesh, const SubdivideOptions& options,
+                                  bool has_heights) {
+    if (options.scheme == SubdivisionScheme::loop)
+        return Error{ErrorCode::unsupported,
+                     "adaptive tessellation has no bounds for loop's triangles: take catmark, or "
+                     "subdivide uniformly",
+                     mesh.name.empty() ? "" : "mesh '" + mesh.name + "'"};
+    const Result<SurfaceCage> cage = position_cage(mesh, options);
+    if (!cage) return cage.error();
+    std::vector<double> numbers;
+    numbers.reserve(3 * mesh.vertex_count());
+    for (const glm::vec3& p : mesh.positions)
+        for (int k = 0; k < 3; ++k) numbers.push_back(double(p[k]));
+    Result<ChannelSurface> surface =
+        ChannelSurface::make(*cage, numbers, 3, true, ring_levels, options.threads);
+    if (!surface) return surface.error();
+    LimitBase base;
+    base.mesh_ = &mesh;
+    base.surface_ = std::make_unique<ChannelSurface>(std::move(*surface));
+    base.surface_->cage.forget_rules();
+    base.left_out_.resize(mesh.face_count());
+    for (std::size_t f = 0; f < mesh.face_count(); ++f)
+        base.left_out_[f] = !base.surface_->cage.has_surface[f];
+    if (has_heights) base.cones_ = std::make_unique<RingCones>(*base.surface_, options.threads);
+    return base;
+}
+
+std::vector<std::uint8_t> LimitBase::first_halving() const {
+    std::vector<std::uint8_t> halved(domain_->roots.size());
+    for (std::size_t r = 0; r < halved.size(); ++r) {
+        const std::uint32_t f = domain_->roots[r].face;
+        halved[r] = mesh_->face_offsets[f + 1] - mesh_->face_offsets[f] != 4;
+    }
+    return halved;
+}
+
+LimitBase::Chart LimitBase::chart(std::uint32_t root, bool towards_a) const {
+    const DomainRoot& at = domain_->roots[root];
+    const std::uint32_t first = mesh_->face_offsets[at.face];
+    const std::uint32_t count = mesh_->face_offsets[at.face + 1] - first;
+    const std::uint32_t a = at.corners[0] - first, b = at.corners[1] - first;
+    const std::uint32_t tree_root = surface_->tree.face_roots[at.face];
+    if (count == 4) return {tree_root, {square[a], square[b], glm::dvec2(0.5)}};
+    if (towards_a) return {tree_root + a, {{{0, 0}, {2, 0}, {1, 1}}}};
+    return {tree_root + b, {{{0, 2}, {0, 0}, {1, 1}}}};
+}
+
+LimitBase::Point LimitBase::point(PatchEvaluator& evaluator, std::uint32_t root,
+                                  std::uint32_t tree_root, const glm::dvec2& uv) const {
+    const std::uint32_t face = domain_->roots[root].face;
+    const std::uint32_t first = mesh_->face_offsets[face];
+    Point p{};
+    const PointTraits traits =
+        evaluator.point(tree_root, uv.x, uv.y, &p.position.x, &p.du.x, &p.dv.x);
+    p.extraordinary = traits.ring != no_index;
+    p.normal =
+        point_normal(
+            *surface_, evaluator, tree_root, uv.x, uv.y, p.du, p.dv,
+            std::span(mesh_->corner_vertices).subspan(first, mesh_->face_offsets[face + 1] - first))
+            .normal;
+    return p;
+}
+
+void LimitBase::evaluate(std::span<const RootPoint> at, std::span<BasePoint> points) const {
+    PatchEvaluator evaluator(surface_->pieces(), SimdLevel::automatic);
+    for (std::size_t k = 0; k < at.size(); ++k) {
+        const Chart chart = this->chart(at[k].root, at[k].weights.x >= at[k].weights.y);
+        const Point p = point(evaluator, at[k].root, chart.tree_root, chart.at(at[k].weights));
+        points[k] = {p.position, p.normal};
+    }
+}
+
+void LimitBase::frames(std::span<const RootPoint> at, std::span<BaseFrame> frames) const {
+    PatchEvaluator evaluator(surface_->pieces(), SimdLevel::automatic);
+    for (std::size_t k = 0; k < at.size(); ++k) {
+        const std::uint32_t root = at[k].root;
+        const Chart chart = this->chart(root, at[k].weights.x >= at[k].weights.y);
+        glm::dvec2 uv = chart.at(at[k].weights);
+        Point p = point(evaluator, root, chart.tree_root, uv);
+        BaseFrame& frame = frames[k];
+        frame.point = {p.position, p.normal};
+        frame.normal = p.normal;
+        // Derivatives at an extraordinary vertex are none by (u, v): those nearby.
+        if (p.extraordinary) {
+            constexpr double inwards = 0x1p-7;
+            uv += inwards * (glm::dvec2(0.5) - uv);
+            p = point(evaluator, root, chart.tree_root, uv);
+        }
+        // Of the normal by differences of second order, within the piece's square; its derivative
+        // is across it.
+        std::array<glm::dvec3, 2> turns;
+        for (glm::length_t axis = 0; axis < 2; ++axis) {
+            constexpr double step = 0x1p-10;
+            const double inside = uv[axis] < 0.5 ? step : -step;
+            const auto normal = [&](double by) {
+                glm::dvec2 moved = uv;
+                moved[axis] += by;
+                return point(evaluator, root, chart.tree_root, moved).normal;
+            };
+            const bool central = uv[axis] >= step && uv[axis] <= 1 - step;
+            const glm::dvec3 turn =
+                central
+                    ? (normal(step) - normal(-step)) / (2 * step)
+                    : (4.0 * normal(inside) - 3.0 * p.normal - normal(2 * inside)) / (2 * inside);
+            turns[std::size_t(axis)] = turn - glm::dot(turn, frame.normal) * frame.normal;
+        }
+        for (std::size_t s = 0; s < 2; ++s) {
+            const glm::dvec2 by = chart.corners[s + 1] - chart.corners[0];
+            frame.position_steps[s] = by.x * p.du + by.y * p.dv;
+            frame.direction_steps[s] = by.x * turns[0] + by.y * turns[1];
+        }
+    }
+}
+
+BaseDeviation LimitBase::deviation(std::uint32_t root, const std::array<glm::dvec3, 3>& weights,
+                                   const std::array<BasePoint, 3>& corners) const {
+    const double side = (weights[0].x - weights[0].y) + (weights[1].x - weights[1].y) +
+                        (weights[2].x - weights[2].y);
+    const Chart chart = this->chart(root, side > 0);
+    LimitTriangle triangle;
+    triangle.root = chart.tree_root;
+    for (std::size_t k = 0; k < 3; ++k) {
+        triangle.parameters[k] = chart.at(weights[k]);
+        triangle.positions[k] = corners[k].position;
+        triangle.normals[k] = corners[k].direction;
+    }
+    return limit_deviation(*surface_, cones_.get(), triangle);
+}
+
+}  // namespace prep::detail

@@ -1,0 +1,62 @@
+// The limit surface of a cage (Catmull–Clark, or bilinear) as the surface that is displaced, along
+// its limit normals.
+//
+// Parameters: a quad's fan is its unit square cut by both diagonals. An n-gon's consists of n
+// quads, each with a corner, the middles of its edges and the centre: a root (a, b, centre) is half
+// of a's quad and half of b's; so its triangles are right once they are halved.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "prep/result.h"
+#include "tessellation/domain.h"
+#include "tessellation/limit_bounds.h"
+#include "tessellation/surface.h"
+
+namespace prep::detail {
+
+class LimitBase final : public BaseSurface {
+  public:
+    // Errors: those of LimitSurface; loop is unsupported. The mesh must outlive the surface.
+    static Result<LimitBase> make(const Mesh& mesh, const SubdivideOptions& options,
+                                  bool has_heights);
+
+    const std::vector<std::uint8_t>& left_out() const { return left_out_; }  // per face
+    // The domain, made with left_out(), must outlive the surface.
+    void set_domain(const Domain& domain) { domain_ = &domain; }
+    // Per root: those of n-gons.
+    std::vector<std::uint8_t> first_halving() const;
+
+    void evaluate(std::span<const RootPoint> at, std::span<BasePoint> points) const override;
+    void frames(std::span<const RootPoint> at, std::span<BaseFrame> frames) const override;
+    BaseDeviation deviation(std::uint32_t root, const std::array<glm::dvec3, 3>& weights,
+                            const std::array<BasePoint, 3>& corners) const override;
+
+  private:
+    // A root of the patch tree, the parameters' values at the corners a, b and the centre.
+    struct Chart {
+        std::uint32_t tree_root;
+        std::array<glm::dvec2, 3> corners;
+        glm::dvec2 at(const glm::dvec3& weights) const {
+            return weights.x * corners[0] + weights.y * corners[1] + weights.z * corners[2];
+        }
+    };
+    // `towards_a`: of an n-gon's two halves.
+    Chart chart(std::uint32_t root, bool towards_a) const;
+    struct Point {
+        glm::dvec3 position, du, dv, normal;
+        bool extraordinary;
+    };
+    Point point(PatchEvaluator& evaluator, std::uint32_t root, std::uint32_t tree_root,
+                const glm::dvec2& uv) const;
+
+    const Mesh* mesh_ = nullptr;
+    const Domain* domain_ = nullptr;
+    std::unique_ptr<ChannelSurface> surface_;
+    std::unique_ptr<RingCones> cones_;
+    std::vector<std::uint8_t> left_out_;
+};
+
+}  // namespace prep::detail

@@ -1,0 +1,256 @@
+#include "tessellation/refinement.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "base/finite.h"
+#include "base/outward.h"
+#include "base/parallel.h"
+
+namespace prep::detail {
+namespace {
+
+constexpr std::size_t block = 256;
+
+}  // namespace
+
+Refinement::Refinement(const Mesh& cage, const Domain& domain, const DisplacedSurface& surface,
+                       const TessellateOptions& options)
+    : cage_(cage),
+      domain_(domain),
+      surface_(surface),
+      options_(options),
+      mesh_(domain.cage_vertices + domain.fans(), domain.vertices, domain.next_half_edges) {}
+
+void Refinement::make_first_vertices() {
+    const std::uint32_t cage = domain_.cage_vertices, count = mesh_.vertex_count();
+    samples_.resize(count);
+    // Points by cage vertex: each fan's corner, once.
+    std::vector<std::uint32_t> offsets(std::size_t(cage) + 1, 0);
+    for (const auto& corners : domain_.vertices) ++offsets[corners[0] + 1];
+    std::partial_sum(offsets.begin(), offsets.end(), offsets.begin());
+    std::vector<RootPoint> points(domain_.roots.size());
+    std::vector<std::uint32_t> next(offsets.begin(), offsets.end() - 1);
+    for (std::uint32_t r = 0; r < domain_.roots.size(); ++r)
+        points[next[domain_.vertices[r][0]]++] = {r, {1, 0, 0}};
+    parallel_blocks(count, block, options_.threads, [&](std::size_t begin, std::size_t end) {
+        for (auto v = std::uint32_t(begin); v < end; ++v) {
+            if (v >= cage) {
+                const RootPoint centre{domain_.fan_roots[v - cage], {0, 0, 1}};
+                surface_.make_vertex({&centre, 1}, v, samples_);
+            } else if (offsets[v] < offsets[v + 1]) {
+                surface_.make_vertex(
+                    std::span(points).subspan(offsets[v], offsets[v + 1] - offsets[v]), v,
+                    samples_);
+            }
+        }
+    });
+    for (const glm::vec3& p : samples_.positions)
+        for (int k = 0; k < 3; ++k)
+            if (std::isfinite(p[k]))
+                largest_coordinate_ = std::max(largest_coordinate_, std::abs(double(p[k])));
+}
+
+void Refinement::make_new_vertices() {
+    const BisectionMesh::NewVertices& news = mesh_.news();
+    samples_.resize(mesh_.vertex_count());
+    parallel_blocks(
+        news.offsets.size() - 1, block, options_.threads, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t k = begin; k < end; ++k)
+                surface_.make_vertex(
+                    std::span(news.points)
+                        .subspan(news.offsets[k], news.offsets[k + 1] - news.offsets[k]),
+                    news.first + std::uint32_t(k), samples_);
+        });
+}
+
+double Refinement::enough() const {
+    // Tight where errors are compared with each other.
+    if (options_.max_triangles || options_.pixel_error || !options_.chord_error) return 0;
+    return 0.5 * *options_.chord_error;
+}
+
+void Refinement::measure(const std::vector<std::uint32_t>& fresh) {
+    bounds_.resize(mesh_.triangles().size());
+    excess_.resize(mesh_.triangles().size());
+    const double enough = this->enough();
+    parallel_blocks(fresh.size(), block, options_.threads, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t k = begin; k < end; ++k) {
+            const std::uint32_t t = fresh[k];
+            bounds_[t] = surface_.bound(mesh_.triangles()[t], samples_, enough);
+            excess_[t] = excess(t);
+        }
+    });
+}
+
+double Refinement::pixels(std::uint32_t t, double error) const {
+    if (!std::isfinite(error)) return std::numeric_limits<double>::infinity();
+    const ScreenMetric& screen = options_.screen;
+    const glm::dvec3 across(screen.w);
+    const double turn = glm::length(across);
+    double depth = std::numeric_limits<double>::infinity();
+    for (const std::uint32_t v : mesh_.triangles()[t].vertices)
+        depth = std::min(depth, glm::dot(across, glm::dvec3(samples_.positions[v])) + screen.w.w);
+    depth = std::max(depth - turn * error, screen.near_distance);
+    // Points of the picture have |x/w| ≤ 1: a step d changes x/w by (x·d − (x/w) w·d)/w at most.
+    const double dx = screen.pixels.x * (glm::length(glm::dvec3(screen.x)) + turn);
+    const double dy = screen.pixels.y * (glm::length(glm::dvec3(screen.y)) + turn);
+    return error * std::sqrt(dx * dx + dy * dy) / depth;
+}
+
+// What is asked for over what is there: above 1 the triangle has to be halved.
+float Refinement::excess(std::uint32_t t) const {
+    const TriangleBound& bound = bounds_[t];
+    double most = 0;
+    // What refinement cannot take away is made up for as long as that is less than half of all.
+    if (options_.chord_error) {
+        const double asked = *options_.chord_error, gap = double(bound.gap);
+        const double left = std::max(asked - gap, 0.5 * asked);
+        // As exact as the certificate is: not by what the subtraction rounds.
+        most = left > 0.5 * asked && bound.sum() > asked ? std::nextafter(1.0, 2.0) : 0;
+        most = std::max(most, double(bound.refinable) / left);
+    }
+    if (options_.pixel_error)
+        most = std::max(most, pixels(t, double(bound.refinable)) /
+                                  std::max(*options_.pixel_error - pixels(t, double(bound.gap)),
+                                           0.5 * *options_.pixel_error));
+    if (options_.edge_length) {
+        const auto& v = mesh_.triangles()[t].vertices;
+        for (std::size_t k = 0; k < 3; ++k)
+            most = std::max(most, glm::length(glm::dvec3(samples_.positions[v[k]]) -
+                                              glm::dvec3(samples_.positions[v[(k + 1) % 3]])) /
+                                      *options_.edge_length);
+    }
+    if (!options_.chord_error && !options_.pixel_error && !options_.edge_length)
+        most = double(bound.refinable);
+    return float_not_below(most);  // what exceeds by an ulp has to be halved as well
+}
+
+// Not where the middle of its edge would fall on one of its ends.
+bool Refinement::can_be_halved(std::uint32_t t) const {
+    const BisectedTriangle& triangle = mesh_.triangles()[t];
+    if (triangle.depth() >= deepest_bisection) return false;
+    const glm::dvec3 a(samples_.positions[triangle.vertices[0]]);
+    const glm::dvec3 b(samples_.positions[triangle.vertices[1]]);
+    const glm::dvec3 step = glm::abs(a - b), size = glm::max(glm::abs(a), glm::abs(b));
+    constexpr double few_steps = 0x1p-20;
+    return step.x > few_steps * size.x || step.y > few_steps * size.y ||
+           step.z > few_steps * size.z;
+}
+
+Result<std::vector<std::uint32_t>> Refinement::take_news() {
+    std::vector<std::uint32_t> fresh = mesh_.news().touched;
+    std::sort(fresh.begin(), fresh.end());
+    fresh.erase(std::unique(fresh.begin(), fresh.end()), fresh.end());
+    make_new_vertices();
+    if (Result<void> range = check_range(mesh_.news().first); !range) return range.error();
+    mesh_.forget();
+    return fresh;
+}
+
+// Heights may be beyond floats, or no numbers: refinement would have no end.
+Result<void> Refinement::check_range(std::uint32_t first) const {
+    for (std::size_t v = first; v < samples_.positions.size(); ++v)
+        if (!is_finite(samples_.positions[v]))
+            return Error{ErrorCode::limit,
+                         "the displacement moves a point out of the range of floats: check its "
+                         "scale and its heights",
+                         cage_.name.empty() ? "" : "mesh '" + cage_.name + "'"};
+    return {};
+}
+
+Error Refinement::too_many() const {
+    return {ErrorCode::limit,
+            "what is asked for takes more than " + std::to_string(options_.triangle_limit) +
+                " triangles: allow a larger error, or set a maximum of triangles",
+            cage_.name.empty() ? "" : "mesh '" + cage_.name + "'"};
+}
+
+Result<void> Refinement::refine_to_error(std::vector<std::uint32_t> fresh) {
+    std::vector<Mark> marks;
+    for (;;) {
+        marks.clear();
+        for (const std::uint32_t t : fresh)
+            if (excess_[t] > 1 && can_be_halved(t))
+                marks.push_back({t, mesh_.triangles()[t].path, excess_[t]});
+        if (marks.empty()) return {};
+        for (const Mark& mark : marks) {
+            if (mesh_.triangles()[mark.triangle].path != mark.path) continue;
+            mesh_.bisect(mark.triangle);
+            if (mesh_.triangles().size() > options_.triangle_limit) return too_many();
+        }
+        auto news = take_news();
+        if (!news) return news.error();
+        fresh = std::move(*news);
+        measure(fresh);
+    }
+}
+
+Result<void> Refinement::refine_to_budget() {
+    const bool has_goal = options_.chord_error || options_.pixel_error || options_.edge_length;
+    const float goal = has_goal ? 1.0F : 0.0F;
+    const std::uint64_t most = *options_.max_triangles;
+    std::vector<Mark> marks;
+    const auto worse = [](const Mark& a, const Mark& b) {
+        return a.excess != b.excess ? a.excess > b.excess : a.triangle < b.triangle;
+    };
+    // A batch is so small a part of what is left that worst-first would have taken all of it.
+    constexpr std::uint64_t part = 16;
+    bool full = false;
+    while (!full && mesh_.triangles().size() < most) {
+        marks.clear();
+        for (std::uint32_t t = 0; t < mesh_.triangles().size(); ++t)
+            if (excess_[t] > goal && can_be_halved(t))
+                marks.push_back({t, mesh_.triangles()[t].path, excess_[t]});
+        if (marks.empty()) return {};
+        const std::uint64_t left = most - mesh_.triangles().size();
+        const auto batch = std::ptrdiff_t(
+            std::min<std::uint64_t>(marks.size(), std::max<std::uint64_t>(1, left / part)));
+        std::nth_element(marks.begin(), marks.begin() + (batch - 1), marks.end(), worse);
+        std::sort(marks.begin(), marks.begin() + batch, worse);
+        marks.resize(std::size_t(batch));
+        for (const Mark& mark : marks) {
+            if (mesh_.triangles()[mark.triangle].path != mark.path) continue;
+            full = mesh_.triangles().size() + mesh_.cost(mark.triangle) > most;
+            if (full) break;
+            mesh_.bisect(mark.triangle);
+        }
+        const auto news = take_news();
+        if (!news) return news.error();
+        measure(*news);
+    }
+    return {};
+}
+
+Result<void> Refinement::run(const std::vector<std::uint8_t>& first_halving) {
+    make_first_vertices();
+    constexpr double float_steps = 0x1p-22;  // twice what rounding a position moves it by, and more
+    if (options_.chord_error && *options_.chord_error < float_steps * largest_coordinate_)
+        return Error{ErrorCode::limit,
+                     fmt::format("an error of {:.3g} is finer than floats of the mesh's size hold: "
+                                 "ask for at least {:.3g}",
+                                 *options_.chord_error, 1.01 * float_steps * largest_coordinate_),
+                     cage_.name.empty() ? "" : "mesh '" + cage_.name + "'"};
+    if (mesh_.triangles().size() > options_.triangle_limit) return too_many();
+    for (std::uint32_t r = 0; r < first_halving.size(); ++r)
+        if (first_halving[r] && mesh_.triangles()[r].path == 1) mesh_.bisect(r);
+    make_new_vertices();
+    mesh_.forget();
+    if (Result<void> range = check_range(0); !range) return range;
+    std::vector<std::uint32_t> all(mesh_.triangles().size());
+    std::iota(all.begin(), all.end(), 0U);
+    measure(all);
+    const Result<void> refined =
+        options_.max_triangles ? refine_to_budget() : refine_to_error(std::move(all));
+    if (!refined) return refined;
+    if (options_.chord_error || options_.pixel_error || options_.edge_length)
+        for (std::uint32_t t = 0; t < excess_.size(); ++t)
+            if (excess_[t] > 1) ++(can_be_halved(t) ? over_budget_ : unresolved_);
+    return {};
+}
+
+}  // namespace prep::detail

@@ -1,0 +1,65 @@
+// Halves triangles until what was asked for holds, or a budget is used up.
+//
+// Rounds: the bounds of all new triangles on all threads, then the halvings, in order of triangles
+// (for a budget: of excess), on one. So nothing depends on the number of threads. What an error
+// asks for does not depend on the order either: it is the coarsest mesh of its kind where all
+// triangles comply.
+#pragma once
+
+#include <vector>
+
+#include "prep/result.h"
+#include "tessellation/displaced_surface.h"
+
+namespace prep::detail {
+
+class Refinement {
+  public:
+    // All must outlive it. `first_halving`: roots that are halved once in any case (surface pieces
+    // that have another formula on the two sides).
+    Refinement(const Mesh& cage, const Domain& domain, const DisplacedSurface& surface,
+               const TessellateOptions& options);
+
+    // Errors: limit, as tessellate's.
+    Result<void> run(const std::vector<std::uint8_t>& first_halving);
+
+    const BisectionMesh& mesh() const { return mesh_; }
+    const VertexSamples& samples() const { return samples_; }
+    // Per triangle.
+    const std::vector<TriangleBound>& bounds() const { return bounds_; }
+    std::uint64_t unresolved() const { return unresolved_; }
+    std::uint64_t over_budget() const { return over_budget_; }
+    double pixels(std::uint32_t t, double error) const;
+
+  private:
+    struct Mark {
+        std::uint32_t triangle;
+        std::uint64_t path;
+        float excess;
+    };
+    void make_first_vertices();
+    void make_new_vertices();
+    void measure(const std::vector<std::uint32_t>& fresh);
+    float excess(std::uint32_t t) const;
+    double enough() const;
+    bool can_be_halved(std::uint32_t t) const;
+    Result<std::vector<std::uint32_t>> take_news();
+    Result<void> refine_to_error(std::vector<std::uint32_t> fresh);
+    Result<void> refine_to_budget();
+    Error too_many() const;
+    // Of vertices from `first` on.
+    Result<void> check_range(std::uint32_t first) const;
+
+    const Mesh& cage_;
+    const Domain& domain_;
+    const DisplacedSurface& surface_;
+    const TessellateOptions& options_;
+    BisectionMesh mesh_;
+    VertexSamples samples_;
+    std::vector<TriangleBound> bounds_;
+    std::vector<float> excess_;
+    double largest_coordinate_ = 0;
+    std::uint64_t unresolved_ = 0, over_budget_ = 0;
+};
+
+}  // namespace prep::detail

@@ -1,0 +1,157 @@
+// Checks, surface, refinement, certificate, mesh.
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "base/finite.h"
+#include "tessellation/limit_base.h"
+#include "tessellation/polygon_surface.h"
+#include "tessellation/tessellation.h"
+
+namespace prep::detail {
+namespace {
+
+std::string place_of(const Mesh& mesh) {
+    return mesh.name.empty() ? std::string() : fmt::format("mesh '{}'", mesh.name);
+}
+
+Result<void> check_options(const Mesh& cage, const TessellateOptions& options) {
+    const auto wrong = [&](const std::string& text) {
+        return Error{ErrorCode::invalid, text, place_of(cage)};
+    };
+    if (!options.chord_error && !options.pixel_error && !options.edge_length &&
+        !options.max_triangles)
+        return wrong(
+            "nothing says how fine the triangles shall be: ask for a chord error, a pixel "
+            "error, an edge length or a number of triangles");
+    const std::pair<const char*, const std::optional<double>*> lengths[] = {
+        {"chord error", &options.chord_error},
+        {"pixel error", &options.pixel_error},
+        {"edge length", &options.edge_length}};
+    for (const auto& [name, length] : lengths)
+        if (*length && !(**length > 0 && std::isfinite(**length)))
+            return wrong(
+                fmt::format("the {} is {}; a positive number is expected", name, **length));
+    if (options.pixel_error) {
+        const ScreenMetric& s = options.screen;
+        if (!(s.near_distance > 0) || !is_finite(s.x) || !is_finite(s.y) || !is_finite(s.w) ||
+            !is_finite(s.pixels) || !std::isfinite(s.near_distance))
+            return wrong(
+                "a pixel error needs a view of finite numbers with a near distance above 0");
+    }
+    for (const Displacement& d : options.displacements)
+        if (!std::isfinite(d.scale) || !std::isfinite(d.midlevel))
+            return wrong("a displacement's scale or mid-level is not a finite number");
+    for (const std::uint32_t d : options.material_displacements)
+        if (d != no_index && d >= options.displacements.size())
+            return wrong(fmt::format("a material names displacement {}; there are {}", d,
+                                     options.displacements.size()));
+    return {};
+}
+
+Result<void> check_mesh(const Mesh& cage) {
+    for (std::size_t v = 0; v < cage.vertex_count(); ++v)
+        if (!is_finite(cage.positions[v]))
+            return Error{
+                ErrorCode::invalid,
+                fmt::format("the position of vertex {} is not finite: remove its faces, or "
+                            "repair the mesh, before it is tessellated",
+                            v),
+                place_of(cage)};
+    for (std::size_t f = 0; f < cage.face_count(); ++f)
+        if (cage.face_offsets[f + 1] - cage.face_offsets[f] < 3)
+            return Error{ErrorCode::invalid, fmt::format("face {} has fewer than 3 corners", f),
+                         place_of(cage)};
+    const bool has_targets = !cage.morph_targets.empty();
+    if (has_targets || !cage.skin_influences.empty())
+        return Error{ErrorCode::unsupported,
+                     fmt::format("the mesh has {}, which would not fit the new points: displace "
+                                 "without them, or keep the cage",
+                                 has_targets ? "morph targets" : "skin weights"),
+                     place_of(cage)};
+    return {};
+}
+
+void certify(const TessellateOptions& options, const Domain& domain, const Refinement& refinement,
+             TessellationCertificate& certificate) {
+    certificate.asked = options.chord_error;
+    certificate.triangles = refinement.mesh().triangles().size();
+    certificate.unresolved = refinement.unresolved();
+    certificate.over_budget = refinement.over_budget();
+    if (options.pixel_error) certificate.proved_pixels = 0;
+    const auto& bounds = refinement.bounds();
+    for (std::uint32_t t = 0; t < bounds.size(); ++t) {
+        const BisectedTriangle& triangle = refinement.mesh().triangles()[t];
+        certificate.deepest = std::max(certificate.deepest, triangle.depth());
+        const double proved = bounds[t].sum();
+        certificate.largest_shared_gap =
+            std::max(certificate.largest_shared_gap, double(bounds[t].gap));
+        certificate.proved_refinable =
+            std::max(certificate.proved_refinable, double(bounds[t].refinable));
+        if (certificate.proved_pixels)
+            certificate.proved_pixels =
+                std::max(*certificate.proved_pixels, refinement.pixels(t, proved));
+        if (certificate.worst_triangle != no_index && !(proved > certificate.proved)) continue;
+        certificate.proved = proved;
+        certificate.worst_triangle = t;
+        certificate.worst_face = domain.roots[triangle.root].face;
+    }
+}
+
+}  // namespace
+
+Result<TessellatedMesh> tessellate(const Mesh& cage, const Domain& domain, const BaseSurface& base,
+                                   const TessellateOptions& options,
+                                   const std::vector<std::uint8_t>& first_halving,
+                                   const TessellationHooks& hooks) {
+    if (Result<void> checked = check_options(cage, options); !checked) return checked.error();
+    if (Result<void> checked = check_mesh(cage); !checked) return checked.error();
+    // Half-edges and corners are numbered with 32 bits.
+    TessellateOptions limited = options;
+    limited.triangle_limit = std::min<std::uint64_t>(options.triangle_limit, (no_index - 1) / 3);
+    if (limited.max_triangles)
+        limited.max_triangles = std::min(*limited.max_triangles, limited.triangle_limit);
+    const auto heights = RootHeights::make(cage, domain, limited);
+    if (!heights) return heights.error();
+    const DisplacedSurface surface(base, *heights);
+    Refinement refinement(cage, domain, surface, limited);
+    if (Result<void> refined = refinement.run(first_halving); !refined) return refined.error();
+    TessellatedMesh out = output_mesh(cage, domain, surface, refinement, hooks, options.threads);
+    certify(options, domain, refinement, out.certificate);
+    out.certificate.samples = out.certificate.triangles == 0 ? 0 : options.samples;
+    out.certificate.measured = measured_error(surface, refinement.mesh(), refinement.samples(),
+                                              options.samples, options.threads);
+    return out;
+}
+
+Result<TessellatedMesh> tessellate(const Mesh& cage, const TessellateOptions& options,
+                                   const TessellationHooks& hooks) {
+    if (Result<void> checked = check_mesh(cage); !checked) return checked.error();
+    if (options.scheme) {
+        SubdivideOptions subdivision = options.subdivision;
+        subdivision.scheme = *options.scheme;
+        subdivision.threads = options.threads;
+        auto base = LimitBase::make(cage, subdivision, !options.displacements.empty());
+        if (!base) return base.error();
+        const Domain domain = make_domain(cage, base->left_out(), false, options.threads);
+        base->set_domain(domain);
+        auto made = tessellate(cage, domain, *base, options, base->first_halving(), hooks);
+        if (made)
+            for (const std::uint8_t hole : base->left_out()) made->holes += hole;
+        return made;
+    }
+    const Domain domain = make_domain(cage, {}, true, options.threads);
+    const auto surface = PolygonSurface::make(cage, domain, options.hard_edges, options.threads);
+    if (!surface) return surface.error();
+    return tessellate(cage, domain, *surface, options, {}, hooks);
+}
+
+}  // namespace prep::detail
+
+namespace prep {
+
+Result<TessellatedMesh> tessellate(const Mesh& cage, const TessellateOptions& options) {
+    return detail::tessellate(cage, options, {});
+}
+
+}  // namespace prep

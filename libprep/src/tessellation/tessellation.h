@@ -1,0 +1,29 @@
+// tessellate() in steps, as its tests see them.
+#pragma once
+
+#include "prep/displacement/tessellate.h"
+#include "tessellation/refinement.h"
+
+namespace prep::detail {
+
+struct TessellationHooks {
+    bool share_positions = true;  // false: each side of a shared vertex has its own position
+};
+Result<TessellatedMesh> tessellate(const Mesh& cage, const TessellateOptions& options,
+                                   const TessellationHooks& hooks);
+// The same over any surface; for tests with surfaces of closed form. `options.scheme` is not read.
+Result<TessellatedMesh> tessellate(const Mesh& cage, const Domain& domain, const BaseSurface& base,
+                                   const TessellateOptions& options,
+                                   const std::vector<std::uint8_t>& first_halving,
+                                   const TessellationHooks& hooks);
+
+// Mesh, cage_faces and cage_vertices out of the triangles.
+TessellatedMesh output_mesh(const Mesh& cage, const Domain& domain, const DisplacedSurface& surface,
+                            const Refinement& refinement, const TessellationHooks& hooks,
+                            int threads);
+
+// The largest distance of `samples` points from where they should be.
+double measured_error(const DisplacedSurface& surface, const BisectionMesh& mesh,
+                      const VertexSamples& vertices, std::uint64_t samples, int threads);
+
+}  // namespace prep::detail

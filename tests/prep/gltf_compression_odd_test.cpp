@@ -1,0 +1,148 @@
+// Documents that contradict themselves, and values that a codec cannot hold, under compression.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "gltf_maker.h"
+#include "mesh_files.h"
+#include "prep/load.h"
+#include "prep/save.h"
+#include "written_gltf.h"
+
+namespace {
+
+using Maker = test::GltfMaker;
+using Json = nlohmann::json;
+using prep::Compression;
+
+// A sheet of n × n quads; positions by the caller's accessor.
+Maker sheet(std::size_t position, Maker d, std::uint16_t n) {
+    std::vector<std::uint16_t> indices;
+    for (std::uint16_t y = 0; y < n; ++y)
+        for (std::uint16_t x = 0; x < n; ++x) {
+            const auto at = [&](int dx, int dy) {
+                return std::uint16_t((y + dy) * (n + 1) + x + dx);
+            };
+            for (const auto i : {at(0, 0), at(1, 0), at(1, 1), at(0, 0), at(1, 1), at(0, 1)})
+                indices.push_back(i);
+        }
+    const std::size_t i = d.accessor(indices, "SCALAR");
+    d.mesh({{{"attributes", {{"POSITION", position}}}, {"indices", i}}});
+    return d;
+}
+Maker float_sheet(std::uint16_t n, float z) {
+    Maker d;
+    std::vector<float> places;
+    for (std::uint16_t y = 0; y <= n; ++y)
+        for (std::uint16_t x = 0; x <= n; ++x) places.insert(places.end(), {float(x), float(y), z});
+    const std::size_t p = d.accessor(Maker::Json{{"bufferView", d.view(places)},
+                                                 {"componentType", 5126},
+                                                 {"count", places.size() / 3},
+                                                 {"type", "VEC3"},
+                                                 {"min", {0, 0, 0}},
+                                                 {"max", {n, n, 0}}});
+    return sheet(p, std::move(d), n);
+}
+
+std::vector<std::string> save(const Maker& maker, Compression compression,
+                              const std::filesystem::path& to) {
+    auto scene = maker.read();
+    if (!scene) return {"reading: " + prep::to_string(scene.error())};
+    prep::SaveOptions options;
+    options.compression = compression;
+    const auto notes = prep::save_scene(test::untouched(*std::move(scene)), to, options);
+    return notes ? *notes : std::vector<std::string>{"writing: " + prep::to_string(notes.error())};
+}
+
+TEST(GltfCompressionOdd, PicturesOfAViewThatIsNotThereAreErrors) {
+    Maker d = float_sheet(4, 0);
+    d.json["images"] = {{{"uri", "not_there.png"}, {"bufferView", 9999999}}};
+    const auto scene = d.read();
+    ASSERT_FALSE(scene.has_value());
+    EXPECT_NE(prep::to_string(scene.error()).find("/images/0/bufferView"), std::string::npos)
+        << prep::to_string(scene.error());
+}
+
+TEST(GltfCompressionOdd, IndicesOfADracoPrimitiveThatAreNotThereAreErrors) {
+    Maker d;
+    Maker::Json primitive = d.draco_primitive(
+        {{"POSITION", 5126, 3, false, {0, 0, 0, 4, 0, 0, 4, 4, 1, 0, 0, 0, 4, 4, 1, 0, 4, 2}}});
+    primitive["indices"] = 99999;
+    d.mesh({primitive});
+    const auto scene = d.read();
+    ASSERT_FALSE(scene.has_value());
+    EXPECT_NE(prep::to_string(scene.error()).find("/meshes/0/primitives/0/indices"),
+              std::string::npos)
+        << prep::to_string(scene.error());
+}
+
+TEST(GltfCompressionOdd, AListOfExtensionsThatIsNoListBecomesOne) {
+    const test::TempDir dir;
+    for (const Compression c : {Compression::draco, Compression::meshopt})
+        for (const Json& odd : {Json::object(), Json("x"), Json(3)}) {
+            Maker d = float_sheet(12, 0);
+            d.json["extensionsUsed"] = odd;
+            EXPECT_EQ(save(d, c, dir / "a.glb"), std::vector<std::string>{}) << odd;
+            const Json used = test::GltfFile(dir / "a.glb").json["extensionsUsed"];
+            EXPECT_EQ(used, Json::array({c == Compression::draco ? "KHR_draco_mesh_compression"
+                                                                 : "EXT_meshopt_compression"}));
+        }
+}
+
+// KHR_mesh_quantization: bounds are of the numbers as stored, normalised or not.
+TEST(GltfCompressionOdd, BoundsOfNormalisedIntegersAreTheStoredNumbers) {
+    const test::TempDir dir;
+    constexpr std::uint16_t n = 12;
+    Maker d;
+    std::vector<std::int16_t> places;
+    for (std::uint16_t y = 0; y <= n; ++y)
+        for (std::uint16_t x = 0; x <= n; ++x)
+            places.insert(places.end(), {std::int16_t(2000 * x), std::int16_t(-1000 * y), 7, 0});
+    const std::size_t p = d.accessor(Maker::Json{{"bufferView", d.view(places, 8)},
+                                                 {"componentType", 5122},
+                                                 {"normalized", true},
+                                                 {"count", places.size() / 4},
+                                                 {"type", "VEC3"},
+                                                 {"min", {0, -12000, 7}},
+                                                 {"max", {24000, 0, 7}}});
+    d = sheet(p, std::move(d), n);
+    d.json["extensionsUsed"] = d.json["extensionsRequired"] = {"KHR_mesh_quantization"};
+    EXPECT_EQ(save(d, Compression::draco, dir / "a.glb"), std::vector<std::string>{});
+    const test::GltfFile file(dir / "a.glb");
+    const Json& primitive = file.primitive(0, 0);
+    ASSERT_TRUE(primitive["extensions"].contains("KHR_draco_mesh_compression"));
+    const Json& position =
+        file.json["accessors"][primitive["attributes"]["POSITION"].get<std::size_t>()];
+    EXPECT_EQ(position["min"], Json::array({0, -12000, 7}));
+    EXPECT_EQ(position["max"], Json::array({24000, 0, 7}));
+    const auto before = d.read(), after = prep::load_scene(dir / "a.glb");
+    ASSERT_TRUE(before && after);
+    for (const glm::vec3& q : after->meshes[0].positions)
+        EXPECT_NE(
+            std::find(before->meshes[0].positions.begin(), before->meshes[0].positions.end(), q),
+            before->meshes[0].positions.end());
+}
+
+TEST(GltfCompressionOdd, PositionsThatAreNotFiniteStayUncompressed) {
+    const test::TempDir dir;
+    for (const float z : {std::nanf(""), INFINITY, -INFINITY}) {
+        const std::vector<std::string> notes =
+            save(float_sheet(12, z), Compression::draco, dir / "a.glb");
+        EXPECT_NE(std::find(notes.begin(), notes.end(),
+                            "1 primitive that Draco cannot hold left uncompressed"),
+                  notes.end())
+            << ::testing::PrintToString(notes);
+        const test::GltfFile file(dir / "a.glb");
+        for (const Json& accessor : file.json["accessors"])
+            for (const char* bound : {"min", "max"}) {
+                if (!accessor.contains(bound)) continue;
+                for (const Json& number : accessor[bound]) EXPECT_TRUE(number.is_number());
+            }
+    }
+}
+
+}  // namespace

@@ -1,0 +1,154 @@
+// Hard and odd meshes: an error or a mesh without tears, never a crash or a hang.
+#include <gtest/gtest.h>
+
+#include "hard_cases.h"
+#include "prep/displacement/tessellate.h"
+#include "tessellation_checks.h"
+
+namespace prep {
+namespace {
+
+using namespace tessellation_checks;
+
+double extent(const Mesh& mesh) {
+    glm::dvec3 low(HUGE_VAL), high(-HUGE_VAL);
+    for (const glm::vec3& p : mesh.positions) {
+        low = glm::min(low, glm::dvec3(p));
+        high = glm::max(high, glm::dvec3(p));
+    }
+    return mesh.positions.empty() ? 1 : std::max(glm::length(high - low), 1e-40);
+}
+
+// How often each pair of vertices is an edge, by how many faces: both must be that of the cage's
+// edges along which they lie. So: the lengths of edges of one, two, three, … faces.
+std::map<int, double> edge_lengths(const Mesh& mesh) {
+    std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
+    for (std::size_t f = 0; f < mesh.face_count(); ++f) {
+        const std::uint32_t first = mesh.face_offsets[f], n = mesh.face_offsets[f + 1] - first;
+        for (std::uint32_t k = 0; k < n; ++k) {
+            const std::uint32_t a = mesh.corner_vertices[first + k];
+            const std::uint32_t b = mesh.corner_vertices[first + (k + 1) % n];
+            if (a != b) ++edges[std::minmax(a, b)];
+        }
+    }
+    std::map<int, double> lengths;
+    for (const auto& [edge, faces] : edges)
+        lengths[faces] += glm::length(glm::dvec3(mesh.positions[edge.first]) -
+                                      glm::dvec3(mesh.positions[edge.second]));
+    return lengths;
+}
+
+TEST(TessellationHardCases, BordersAndEdgesOfManyFacesStayWhatTheyAre) {
+    Mesh book;  // five pages at one edge, one of them turned the other way
+    book.positions = {{0, 0, 0}, {0, 0, 1}};
+    for (std::uint32_t k = 0; k < 5; ++k) {
+        const double a = k;
+        book.positions.emplace_back(std::cos(a), std::sin(a), 1);
+        book.positions.emplace_back(std::cos(a), std::sin(a), 0);
+        const std::uint32_t v = 2 + 2 * k;
+        if (k == 3)
+            add_face(book, {v + 1, v, 1, 0});
+        else
+            add_face(book, {0, 1, v, v + 1});
+    }
+    Mesh moebius;
+    constexpr std::uint32_t n = 7;
+    for (std::uint32_t k = 0; k < n; ++k) {
+        const double a = 2 * std::numbers::pi * k / n;
+        for (const double side : {-0.4, 0.4}) {
+            const double r = 2 + side * std::cos(a / 2);
+            moebius.positions.emplace_back(r * std::cos(a), r * std::sin(a),
+                                           side * std::sin(a / 2));
+        }
+    }
+    for (std::uint32_t k = 0; k + 1 < n; ++k)
+        add_face(moebius, {2 * k, 2 * k + 2, 2 * k + 3, 2 * k + 1});
+    add_face(moebius, {2 * n - 2, 1, 0, 2 * n - 1});
+    Mesh concave;  // an L, and a star whose mean of corners is no kernel point
+    concave.positions = {{0, 0, 0}, {4, 0, 0}, {4, 0.2, 0}, {0.2, 0.2, 0}, {0.2, 4, 0}, {0, 4, 0}};
+    add_face(concave, {0, 1, 2, 3, 4, 5});
+    for (const Mesh& mesh : {book, moebius, concave}) {
+        TessellateOptions options;
+        options.edge_length = 0.13;
+        const auto made = tessellate(mesh, options);
+        ASSERT_TRUE(made) << to_string(made.error());
+        const auto before = edge_lengths(mesh), after = edge_lengths(made->mesh);
+        for (const auto& [faces, length] : after) {
+            if (faces == 2) continue;
+            ASSERT_TRUE(before.contains(faces)) << faces;
+            EXPECT_NEAR(length, before.at(faces), 1e-5 * length) << faces;
+        }
+        for (const auto& [faces, length] : before)
+            EXPECT_TRUE(faces == 2 || after.contains(faces)) << faces;
+    }
+    // Triangles of the concave one lie in it: areas add up.
+    TessellateOptions options;
+    options.chord_error = 0.1;
+    const auto made = tessellate(concave, options);
+    ASSERT_TRUE(made);
+    double area = 0;
+    const Mesh& out = made->mesh;
+    for (std::size_t t = 0; t < out.face_count(); ++t) {
+        const auto at = [&](std::size_t k) {
+            return glm::dvec3(out.positions[out.corner_vertices[3 * t + k]]);
+        };
+        const double twice = glm::cross(at(1) - at(0), at(2) - at(0)).z;
+        EXPECT_GT(twice, 0);
+        area += twice / 2;
+    }
+    EXPECT_NEAR(area, 4 * 0.2 + 3.8 * 0.2, 1e-5);
+}
+
+TEST(TessellationHardCases, EveryCaseGivesAMeshOrAnError) {
+    std::uint64_t done = 0, refused = 0;
+    std::vector<hard_cases::Case> cases;
+    std::size_t number = 0;
+    for (auto& measured : hard_cases::measured())
+        if (number++ % 4 == 0) cases.push_back(std::move(measured));
+    for (auto& odd : hard_cases::odd()) cases.push_back(std::move(odd));
+    for (const auto& hard_case : cases) {
+        if (hard_case.mesh.face_count() > 250) continue;
+        const Mesh mesh = hard_cases::with_uvs(hard_case.mesh);
+        const double size = extent(mesh);
+        if (!std::isfinite(size)) continue;
+        for (const bool limit : {false, true})
+            for (const bool budget : {false, true}) {
+                if (limit && budget) continue;
+                SCOPED_TRACE(hard_case.axis + " " + std::to_string(hard_case.value));
+                TessellateOptions options;
+                if (limit) options.scheme = SubdivisionScheme::catmark;
+                if (budget)
+                    options.max_triangles = 4 * mesh.corner_count() + 200;
+                else
+                    options.chord_error = 0.02 * size;
+                options.displacements = {{std::make_shared<Waves>(1, 3, 2), 0.05 * size, 0, 0}};
+                options.triangle_limit = 30000;
+                options.samples = 500;
+                const auto made = tessellate(mesh, options);
+                if (!made) {
+                    ++refused;
+                    EXPECT_FALSE(made.error().text.empty());
+                    continue;
+                }
+                ++done;
+                const TessellationCertificate& c = made->certificate;
+                EXPECT_LE(c.measured, c.proved);
+                if (budget) {
+                    EXPECT_LE(c.triangles, std::max(*options.max_triangles,
+                                                    std::uint64_t(8 * mesh.corner_count())));
+                } else if (c.unresolved == 0) {
+                    EXPECT_LE(c.proved_refinable, 0.02 * size);
+                }
+                for (const glm::vec3& p : made->mesh.positions)
+                    EXPECT_TRUE(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z));
+                for (const glm::vec3& n : made->mesh.normals.values)
+                    EXPECT_NEAR(glm::length(n), 1, 1e-5);
+            }
+    }
+    EXPECT_GT(done, refused);
+    std::printf("%llu meshes, %llu errors\n", (unsigned long long)done,
+                (unsigned long long)refused);
+}
+
+}  // namespace
+}  // namespace prep

@@ -1,0 +1,358 @@
+// Limit surfaces, tessellated: bounds against dense samples, closed cages, normals.
+#include <gtest/gtest.h>
+
+#include "prep/displacement/tessellate.h"
+#include "tessellation/limit_base.h"
+#include "tessellation/tessellation.h"
+#include "tessellation_checks.h"
+
+namespace prep {
+namespace {
+
+using namespace tessellation_checks;
+
+// A vertex where `n` quads meet, at the tip of a cone, with a border.
+Mesh cone(std::uint32_t n) {
+    Mesh mesh;
+    mesh.positions.emplace_back(0, 0, 1);
+    for (std::uint32_t k = 0; k < 2 * n; ++k) {
+        const double a = std::numbers::pi * k / n;
+        const double r = k % 2 == 0 ? 1 : 1.4;
+        mesh.positions.emplace_back(r * std::cos(a), r * std::sin(a), k % 2 == 0 ? 0.2 : 0);
+    }
+    for (std::uint32_t k = 0; k < n; ++k)
+        add_face(mesh, {0, 1 + 2 * k, 2 + 2 * k, 1 + (2 * k + 2) % (2 * n)});
+    return mesh;
+}
+
+Mesh creased_cube(float sharpness) {
+    Mesh mesh = cube();
+    mesh.subdivision.creases = {{0, 1, sharpness}, {1, 3, sharpness}, {4, 5, sharpness / 2}};
+    return mesh;
+}
+
+std::vector<Mesh> cages() {
+    return {cube(),  torus(6, 5), prism(3),         prism(5),          prism(9),
+            cone(3), cone(8),     creased_cube(10), creased_cube(2.5F)};
+}
+
+// A random triangle of bisection within a random root, against samples of LimitSurface.
+TEST(TessellationLimit, BoundsHoldOverSampledTriangles) {
+    std::mt19937 random(11);
+    std::vector<double> position_looseness, direction_looseness, direction_at_corners;
+    for (const Mesh& cage : cages()) {
+        auto base = detail::LimitBase::make(cage, {}, true);
+        ASSERT_TRUE(base) << to_string(base.error());
+        const detail::Domain domain = detail::make_domain(cage, base->left_out(), false, 1);
+        base->set_domain(domain);
+        std::uniform_int_distribution<std::uint32_t> roots(0,
+                                                           std::uint32_t(domain.roots.size() - 1));
+        for (int trial = 0; trial < 150; ++trial) {
+            const std::uint32_t root = roots(random);
+            std::uint64_t path = 1;
+            // Half of them end at a corner of the cage.
+            const int depth = 1 + trial % 12;
+            bool at_corner = trial % 2 == 0;
+            for (int k = 0; k < depth; ++k) {
+                std::uint64_t bit = random() % 2;
+                if (at_corner) {
+                    const auto w = detail::path_weights(2 * path);
+                    bit = w[0].x == 1 || w[1].x == 1 || w[2].x == 1 ? 0 : 1;
+                }
+                path = 2 * path + bit;
+            }
+            const auto weights = detail::path_weights(path);
+            std::array<detail::BasePoint, 3> corners;
+            for (std::size_t k = 0; k < 3; ++k) {
+                const detail::RootPoint at{root, weights[k]};
+                base->evaluate({&at, 1}, {&corners[k], 1});
+            }
+            const detail::BaseDeviation bound = base->deviation(root, weights, corners);
+            double position = 0, direction = 0;
+            constexpr int n = 24;
+            for (int j = 0; j <= n; ++j)
+                for (int i = 0; i + j <= n; ++i) {
+                    const glm::dvec3 w(double(n - i - j) / n, double(i) / n, double(j) / n);
+                    detail::RootPoint at{root, glm::dvec3(0.0)};
+                    glm::dvec3 p(0.0), d(0.0);
+                    for (std::size_t k = 0; k < 3; ++k) {
+                        const double share = w[glm::length_t(k)];
+                        at.weights += share * weights[k];
+                        p += share * corners[k].position;
+                        d += share * corners[k].direction;
+                    }
+                    detail::BasePoint point;
+                    base->evaluate({&at, 1}, {&point, 1});
+                    position = std::max(position, glm::length(point.position - p));
+                    direction = std::max(direction, glm::length(point.direction - d));
+                }
+            EXPECT_LE(position, bound.position + 1e-13) << trial;
+            EXPECT_LE(direction, bound.direction + 1e-11) << trial;
+            if (position > 1e-12) position_looseness.push_back(bound.position / position);
+            if (direction > 1e-11)
+                (at_corner ? direction_at_corners : direction_looseness)
+                    .push_back(bound.direction / direction);
+        }
+    }
+    const auto median = [](std::vector<double> v) {
+        std::nth_element(v.begin(), v.begin() + std::ptrdiff_t(v.size() / 2), v.end());
+        return v[v.size() / 2];
+    };
+    std::printf("median of bound / true: position %.2f, direction %.2f, at corners %.2f\n",
+                median(position_looseness), median(direction_looseness),
+                median(direction_at_corners));
+    EXPECT_LE(median(position_looseness), 4);
+    // The normal's second derivatives are products of hulls; at extraordinary vertices they are not
+    // bounded, and the bound is of first order.
+    EXPECT_LE(median(direction_looseness), 20);
+    EXPECT_LE(median(direction_at_corners), 20);
+}
+
+// Of the innermost part no bound of a triangle shows what it adds: pieces around it reach farther.
+TEST(TessellationLimit, WhatIsLeftAroundAVertexIsBounded) {
+    std::mt19937 random(16);
+    std::uniform_real_distribution<double> number(0, 1);
+    std::size_t tips = 0;
+    for (const Mesh& cage : cages()) {
+        const auto channel = detail::position_cage(cage, {});
+        ASSERT_TRUE(channel);
+        std::vector<double> numbers;
+        for (const glm::vec3& p : cage.positions)
+            for (int k = 0; k < 3; ++k) numbers.push_back(double(p[k]));
+        const auto surface = detail::ChannelSurface::make(*channel, numbers, 3, true, 12, 1);
+        ASSERT_TRUE(surface);
+        const detail::RingCones cones(*surface, 1);
+        detail::PatchEvaluator evaluator(surface->pieces(), SimdLevel::automatic);
+        detail::LimitPieces pieces;
+        for (std::uint32_t root = 0; root < surface->tree.roots.size(); ++root)
+            for (const double x : {0.0, 1.0})
+                for (const double y : {0.0, 1.0})
+                    for (const double size : {0x1p-3, 0x1p-7}) {
+                        const glm::dvec2 a(x, y), b = a + size * (1.0 - 2.0 * a);
+                        detail::collect_pieces(*surface, root, {glm::min(a, b), glm::max(a, b)},
+                                               pieces);
+                        double area = 0;
+                        for (const auto& patch : pieces.patches)
+                            area += patch.box.size().x * patch.box.size().y;
+                        for (const detail::LimitTip& tip : pieces.tips) {
+                            ++tips;
+                            area += tip.box.size().x * tip.box.size().y;
+                            glm::dvec3 low(HUGE_VAL), high(-HUGE_VAL);
+                            for (const glm::dvec3& p : tip.hull) {
+                                low = glm::min(low, p);
+                                high = glm::max(high, p);
+                            }
+                            const double cone = cones.from_level(tip.ring, tip.sector, tip.level);
+                            const glm::dvec3 middle = surface->rings.normal(tip.ring).normal;
+                            for (int sample = 0; sample < 20; ++sample) {
+                                const glm::dvec2 at =
+                                    tip.box.low +
+                                    glm::dvec2(number(random), number(random)) * tip.box.size();
+                                glm::dvec3 p, du, dv;
+                                evaluator.point(root, at.x, at.y, &p.x, &du.x, &dv.x);
+                                for (glm::length_t d = 0; d < 3; ++d) {
+                                    EXPECT_GE(p[d], low[d] - 1e-14);
+                                    EXPECT_LE(p[d], high[d] + 1e-14);
+                                }
+                                EXPECT_LE(glm::length(glm::normalize(glm::cross(du, dv)) - middle),
+                                          cone + 1e-9);
+                            }
+                        }
+                        EXPECT_NEAR(area, size * size, 1e-12 * size * size);
+                    }
+    }
+    EXPECT_GT(tips, 100u);
+}
+
+TEST(TessellationLimit, PointsAreThoseOfTheLimitSurface) {
+    for (const Mesh& cage : cages()) {
+        const auto limit = LimitSurface::make(cage);
+        ASSERT_TRUE(limit);
+        TessellateOptions options;
+        options.scheme = SubdivisionScheme::catmark;
+        options.edge_length = 0.3;
+        const auto made = tessellate(cage, options);
+        ASSERT_TRUE(made) << to_string(made.error());
+        // Corners of the cage, by another way.
+        std::vector<SurfaceLocation> at(1);
+        std::vector<SurfacePoint> points(1);
+        std::vector<glm::dvec3> expected(cage.vertex_count());
+        for (std::uint32_t f = 0; f < cage.face_count(); ++f) {
+            const std::uint32_t first = cage.face_offsets[f], n = cage.face_offsets[f + 1] - first;
+            for (std::uint32_t k = 0; k < n; ++k) {
+                const std::uint32_t columns = 1 + std::uint32_t(std::sqrt(double(n - 1)));
+                at[0] = n == 4
+                            ? SurfaceLocation{f, k == 1 || k == 2 ? 1.0 : 0.0, k >= 2 ? 1.0 : 0.0}
+                            : SurfaceLocation{f, double(k % columns), double(k / columns)};
+                limit->evaluate(at, points);
+                expected[cage.corner_vertices[first + k]] = points[0].position;
+            }
+        }
+        for (std::size_t v = 0; v < made->mesh.vertex_count(); ++v) {
+            if (made->cage_vertices[v] == no_index) continue;
+            EXPECT_NEAR(glm::distance(glm::dvec3(made->mesh.positions[v]),
+                                      expected[made->cage_vertices[v]]),
+                        0, 1e-6);
+        }
+    }
+}
+
+TEST(TessellationLimit, ErrorAskedForIsProvedAndMeasured) {
+    for (const Mesh& cage : cages())
+        for (const double asked : {0.03, 0.003, 0.0005}) {
+            TessellateOptions options;
+            options.scheme = SubdivisionScheme::catmark;
+            options.chord_error = asked;
+            options.samples = 20000;
+            const auto made = tessellate(cage, options);
+            ASSERT_TRUE(made) << to_string(made.error());
+            const TessellationCertificate& c = made->certificate;
+            EXPECT_LE(c.measured, c.proved);
+            EXPECT_LE(c.proved, asked);
+            EXPECT_LE(c.proved, 4 * c.measured);
+            EXPECT_EQ(c.unresolved, 0u);
+        }
+}
+
+TEST(TessellationLimit, DisplacedErrorIsProvedAndMeasured) {
+    for (Mesh cage : cages()) {
+        cage.uvs.resize(1);
+        for (std::size_t c = 0; c < cage.corner_count(); ++c) {
+            const glm::vec3 p = cage.positions[cage.corner_vertices[c]];
+            cage.uvs[0].indices.push_back(std::uint32_t(c));
+            cage.uvs[0].values.emplace_back(p.x + 0.3F * p.z, p.y - 0.4F * p.z);
+        }
+        for (const double asked : {0.03, 0.005}) {
+            TessellateOptions options;
+            options.scheme = SubdivisionScheme::catmark;
+            options.chord_error = asked;
+            options.samples = 20000;
+            options.displacements = {{std::make_shared<Waves>(0.1, 4, 3, 0.5), 1, 0, 0}};
+            const auto made = tessellate(cage, options);
+            ASSERT_TRUE(made) << to_string(made.error());
+            const TessellationCertificate& c = made->certificate;
+            EXPECT_LE(c.measured, c.proved);
+            EXPECT_LE(c.proved_refinable, asked);
+            EXPECT_EQ(c.unresolved, 0u);
+        }
+    }
+}
+
+TEST(TessellationLimit, ClosedCagesStayClosed) {
+    std::mt19937 random(12);
+    std::vector<Mesh> closed = {cube(), torus(6, 5), creased_cube(10), creased_cube(2.5F)};
+    for (std::uint32_t n = 3; n <= 9; ++n) closed.push_back(prism(n));
+    for (Mesh& cage : closed) {
+        add_charts(cage, random);
+        TessellateOptions options;
+        options.scheme = SubdivisionScheme::catmark;
+        options.edge_length = 0.15;
+        options.displacements = {{std::make_shared<Waves>(0.1, 9, 7, 0.5), 1, 0, 0}};
+        const auto made = tessellate(cage, options);
+        ASSERT_TRUE(made) << to_string(made.error());
+        const Closedness before = closedness(cage), after = closedness(made->mesh);
+        EXPECT_EQ(after.open_edges, 0u);
+        EXPECT_EQ(after.zero_edges, 0u);
+        EXPECT_EQ(after.euler, before.euler);
+        detail::TessellationHooks hooks;
+        hooks.share_positions = false;
+        const auto torn = detail::tessellate(cage, options, hooks);
+        ASSERT_TRUE(torn);
+        EXPECT_GT(closedness(torn->mesh).open_edges, 100u);
+    }
+}
+
+class Constant final : public HeightFunction {
+  public:
+    explicit Constant(double value) : value_(value) {}
+    Sample at(const glm::dvec2&) const override { return {value_, {}}; }
+    double deviation(const std::array<glm::dvec2, 3>&, const std::array<double, 3>&,
+                     double) const override {
+        return 0;
+    }
+
+  private:
+    double value_;
+};
+
+TEST(TessellationLimit, ConstantOffsetKeepsTheLimitNormals) {
+    std::mt19937 random(13);
+    for (Mesh cage : cages()) {
+        add_charts(cage, random);
+        TessellateOptions options;
+        options.scheme = SubdivisionScheme::catmark;
+        options.edge_length = 0.1;
+        const auto plain = tessellate(cage, options);
+        options.displacements = {{std::make_shared<Constant>(0.5), 0.1, 0.5, 0}};
+        const auto at_midlevel = tessellate(cage, options);
+        ASSERT_TRUE(plain && at_midlevel);
+        EXPECT_TRUE(same_bytes(plain->mesh, at_midlevel->mesh));
+        options.displacements[0].midlevel = 0;
+        const auto offset = tessellate(cage, options);
+        ASSERT_TRUE(offset);
+        const auto limit = LimitSurface::make(cage);
+        // Points moved by 0.05 along the normal that is written, except on creases.
+        const auto normal_at = [](const Mesh& mesh, std::size_t c) {
+            return glm::dvec3(mesh.normals.values[mesh.normals.indices[c]]);
+        };
+        std::map<std::uint32_t, std::set<std::uint32_t>> normals_of_vertex;
+        for (std::size_t c = 0; c < plain->mesh.corner_count(); ++c)
+            normals_of_vertex[plain->mesh.corner_vertices[c]].insert(
+                plain->mesh.normals.indices[c]);
+        std::map<std::array<float, 3>, glm::dvec3> by_base;
+        for (std::size_t c = 0; c < plain->mesh.corner_count(); ++c) {
+            const std::uint32_t v = plain->mesh.corner_vertices[c];
+            if (normals_of_vertex[v].size() > 1) continue;
+            const glm::vec3 moved =
+                plain->mesh.positions[v] + glm::vec3(0.05 * normal_at(plain->mesh, c));
+            by_base[{moved.x, moved.y, moved.z}] = normal_at(plain->mesh, c);
+        }
+        std::size_t found = 0;
+        for (std::size_t c = 0; c < offset->mesh.corner_count(); ++c) {
+            const glm::vec3 p = offset->mesh.positions[offset->mesh.corner_vertices[c]];
+            const auto at = by_base.lower_bound({p.x - 1e-6F, -1e9F, -1e9F});
+            for (auto near = at; near != by_base.end() && near->first[0] <= p.x + 1e-6F; ++near) {
+                const glm::vec3 q(near->first[0], near->first[1], near->first[2]);
+                if (glm::distance(p, q) > 1e-6F) continue;
+                ++found;
+                // 1e-4 degrees, and what floats leave of a unit vector.
+                EXPECT_LE(glm::length(normal_at(offset->mesh, c) - near->second), 1.8e-6);
+                break;
+            }
+        }
+        EXPECT_GT(found, offset->mesh.corner_count() / 4);
+    }
+}
+
+TEST(TessellationLimit, SameBytesWithAnyNumberOfThreads) {
+    std::mt19937 random(14);
+    Mesh cage = prism(7);
+    add_charts(cage, random);
+    TessellateOptions options;
+    options.scheme = SubdivisionScheme::catmark;
+    options.chord_error = 0.01;
+    options.displacements = {{std::make_shared<Waves>(0.1, 9, 7, 0.5), 1, 0, 0}};
+    options.threads = 1;
+    const auto one = tessellate(cage, options);
+    ASSERT_TRUE(one);
+    for (const int threads : {2, 8}) {
+        options.threads = threads;
+        const auto more = tessellate(cage, options);
+        ASSERT_TRUE(more);
+        EXPECT_TRUE(same_bytes(one->mesh, more->mesh)) << threads;
+        EXPECT_EQ(one->certificate.proved, more->certificate.proved);
+    }
+}
+
+TEST(TessellationLimit, LoopIsRefusedWithAWayOut) {
+    Mesh mesh;
+    mesh.positions = {{0, 0, 0}, {3, 0, 0}, {0, 3, 0}};
+    add_face(mesh, {0, 1, 2});
+    TessellateOptions options;
+    options.scheme = SubdivisionScheme::loop;
+    options.chord_error = 0.1;
+    EXPECT_EQ(tessellate(mesh, options).error().code, ErrorCode::unsupported);
+}
+
+}  // namespace
+}  // namespace prep

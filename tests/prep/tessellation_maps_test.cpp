@@ -1,0 +1,160 @@
+// Height maps in tessellation: the smallest detail is found, what lies between charts is not read.
+#include <gtest/gtest.h>
+
+#include "prep/displacement/tessellate.h"
+#include "tessellation_checks.h"
+
+namespace prep {
+namespace {
+
+using namespace tessellation_checks;
+
+Image flat_map(std::uint32_t size) {
+    Image image;
+    image.width = image.height = size;
+    image.channels = 1;
+    image.floating = true;
+    image.pixels.assign(std::size_t(size) * size, 0.0F);
+    return image;
+}
+
+HeightMapOptions as_stored() {
+    HeightMapOptions options;
+    options.midlevel = 0;
+    options.wrap_u = options.wrap_v = Wrap::clamp;
+    return options;
+}
+
+// Bilinear, by hand: texel centres at (i + ½)/size.
+double bilinear(const Image& image, const glm::dvec2& uv) {
+    const double x = uv.x * image.width - 0.5, y = uv.y * image.height - 0.5;
+    const double i = std::floor(x), j = std::floor(y);
+    const auto at = [&](double a, double b) {
+        return double(*image.at(std::uint32_t(std::clamp(a, 0.0, image.width - 1.0)),
+                                std::uint32_t(std::clamp(b, 0.0, image.height - 1.0))));
+    };
+    const double s = x - i, t = y - j;
+    return (1 - t) * ((1 - s) * at(i, j) + s * at(i + 1, j)) +
+           t * ((1 - s) * at(i, j + 1) + s * at(i + 1, j + 1));
+}
+
+// The largest error over a grid of each triangle, and at all texels' centres of the map that it
+// covers; x and y of the unit quad are UVs.
+double largest_error(const Mesh& mesh, const Image& image) {
+    double most = 0;
+    for (std::size_t t = 0; t < mesh.face_count(); ++t) {
+        std::array<glm::dvec3, 3> p;
+        for (std::size_t k = 0; k < 3; ++k)
+            p[k] = glm::dvec3(mesh.positions[mesh.corner_vertices[3 * t + k]]);
+        constexpr int n = 12;
+        for (int j = 0; j <= n; ++j)
+            for (int i = 0; i + j <= n; ++i) {
+                const glm::dvec3 q =
+                    (double(n - i - j) * p[0] + double(i) * p[1] + double(j) * p[2]) / double(n);
+                most = std::max(most, std::abs(q.z - bilinear(image, glm::dvec2(q))));
+            }
+    }
+    return most;
+}
+
+TEST(TessellationMaps, SpikesOfAMapOf4096AreFound) {
+    constexpr std::uint32_t size = 4096;
+    std::mt19937 random(17);
+    std::uniform_int_distribution<std::uint32_t> texel(0, size - 1);
+    Image image = flat_map(size);
+    std::uint64_t most = 0;
+    for (int trial = 0; trial < 3; ++trial) {
+        const std::uint32_t x = texel(random), y = texel(random);
+        image.pixels[std::size_t(y) * size + x] = 0.25F;
+        const auto height = height_function(image, as_stored());
+        ASSERT_TRUE(height) << to_string(height.error());
+        TessellateOptions options;
+        options.displacements = {{*height, 1, 0, 0}};
+        options.chord_error = 0.25 / 4;
+        const auto made = tessellate(unit_quad(), options);
+        ASSERT_TRUE(made) << to_string(made.error());
+        EXPECT_LE(made->certificate.proved, 0.25 / 4);
+        const glm::vec2 top((float(x) + 0.5F) / size, (float(y) + 0.5F) / size);
+        bool inside = false;
+        for (const glm::vec3& p : made->mesh.positions)
+            inside = inside || (p.z > 0 && std::abs(p.x - top.x) < 1.0F / size &&
+                                std::abs(p.y - top.y) < 1.0F / size);
+        EXPECT_TRUE(inside);
+        most = std::max(most, made->certificate.triangles);
+        image.pixels[std::size_t(y) * size + x] = 0;
+    }
+    EXPECT_LE(most, 5000u);
+    std::printf("most triangles for a spike: %llu\n", (unsigned long long)most);
+}
+
+TEST(TessellationMaps, NoErrorAboveWhatIsProvedOnRoughMaps) {
+    std::mt19937 random(18);
+    for (const std::uint32_t size : {5u, 16u, 61u}) {
+        Image image = flat_map(size);
+        for (float& pixel : image.pixels) pixel = float(random() % 1000) / 1000.0F;
+        for (const double asked : {0.1, 0.02}) {
+            HeightMapOptions map = as_stored();
+            map.scale = 0.2;
+            map.midlevel = 0.25;
+            const auto height = height_function(image, map);
+            ASSERT_TRUE(height) << to_string(height.error());
+            TessellateOptions options;
+            options.displacements = {{*height, 1, 0, 0}};
+            options.chord_error = asked * 0.2;
+            const auto made = tessellate(unit_quad(), options);
+            ASSERT_TRUE(made) << to_string(made.error());
+            Image scaled = image;
+            for (float& pixel : scaled.pixels) pixel = (pixel - 0.25F) * 0.2F;
+            const double error = largest_error(made->mesh, scaled);
+            EXPECT_LE(error, made->certificate.proved + 1e-7);
+            EXPECT_LE(made->certificate.proved, asked * 0.2);
+            EXPECT_LE(made->certificate.proved, 4 * error);
+        }
+    }
+}
+
+TEST(TessellationMaps, PoisonedGuttersMoveNothing) {
+    // Two charts in an atlas, with 1e6 in all texels that neither has.
+    constexpr std::uint32_t size = 64;
+    Mesh mesh;
+    mesh.positions = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {2, 1, 0}, {1, 1, 0}, {0, 1, 0}};
+    add_face(mesh, {0, 1, 4, 5});
+    add_face(mesh, {1, 2, 3, 4});
+    mesh.uvs.resize(1);
+    for (const double left : {0.1, 0.6})
+        for (const glm::dvec2 corner :
+             {glm::dvec2(0, 0), glm::dvec2(1, 0), glm::dvec2(1, 1), glm::dvec2(0, 1)}) {
+            mesh.uvs[0].indices.push_back(std::uint32_t(mesh.uvs[0].values.size()));
+            mesh.uvs[0].values.emplace_back(glm::dvec2(left, 0.2) + 0.3 * corner);
+        }
+    Image image = flat_map(size);
+    for (std::uint32_t y = 0; y < size; ++y)
+        for (std::uint32_t x = 0; x < size; ++x) {
+            const double u = (x + 0.5) / size, v = (y + 0.5) / size;
+            const bool covered =
+                v >= 0.2 && v <= 0.5 && ((u >= 0.1 && u <= 0.4) || (u >= 0.6 && u <= 0.9));
+            image.pixels[std::size_t(y) * size + x] = covered ? 0.5F : 1e6F;
+        }
+    TessellateOptions options;
+    options.edge_length = 0.05;
+    const auto plain = height_function(image, as_stored());
+    const auto confined = height_function(image, as_stored(), &mesh, 0);
+    ASSERT_TRUE(plain && confined);
+    options.displacements = {{*plain, 1, 0, 0}};
+    options.triangle_limit = 100000;
+    EXPECT_FALSE(tessellate(mesh, options));  // mountains of a million
+    options.displacements = {{*confined, 1, 0, 0}};
+    const auto made = tessellate(mesh, options);
+    ASSERT_TRUE(made) << to_string(made.error());
+    for (const glm::vec3& p : made->mesh.positions) EXPECT_NEAR(p.z, 0.5, 1e-6);
+}
+
+TEST(TessellationMaps, BadMapsAreErrors) {
+    Image image = flat_map(4);
+    image.pixels[5] = NAN;
+    EXPECT_EQ(height_function(image, as_stored()).error().code, ErrorCode::invalid);
+    EXPECT_EQ(height_function(Image{}, as_stored()).error().code, ErrorCode::invalid);
+}
+
+}  // namespace
+}  // namespace prep

@@ -1,0 +1,335 @@
+// Displacement and tessellation from the command line: heights of closed form, read back from the
+// written files; the report against what was asked and against counts made here.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <sstream>
+
+#include "command_runner.h"
+#include "prep/image.h"
+#include "prep/load.h"
+#include "subdivision_oracle.h"
+
+namespace {
+
+using nlohmann::json;
+using test::run_here;
+using test::TemporaryDirectory;
+using test::write_text;
+
+// The square (0, 0) … (2, 2) at z = 0 with UVs 0 … 1, facing up.
+const std::string square =
+    "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 1/1 2/2 3/3 4/4\n";
+
+struct Vertex {
+    double x, y, z;
+};
+
+struct Written {
+    test::Ran ran;
+    json file;
+    std::vector<Vertex> points;
+    std::vector<std::array<std::size_t, 3>> triangles;
+    const json& certificate() const { return file["tessellated"][0]; }
+    bool has(const std::string& kind) const {
+        for (const json& finding : file["findings"])
+            if (finding["kind"] == kind) return true;
+        return false;
+    }
+};
+
+class Displace : public testing::Test {
+  protected:
+    // A map whose texels are what `texel` says of their column and row, the top row first.
+    template <class Texel>
+    std::string map(const std::string& name, std::uint32_t size, prep::PixelType type,
+                    const Texel& texel) {
+        prep::Image image{.width = size, .height = size, .channels = 1, .pixels = {}};
+        for (std::uint32_t y = 0; y < size; ++y)
+            for (std::uint32_t x = 0; x < size; ++x) image.pixels.push_back(float(texel(x, y)));
+        const auto saved = prep::save_image(dir_ / name, image, type);
+        EXPECT_TRUE(saved) << to_string(saved.error());
+        return (dir_ / name).string();
+    }
+
+    Written prepared(const std::string& obj, std::vector<std::string> options) {
+        write_text(dir_ / "cage.obj", obj);
+        options.insert(options.begin(), {"prepare", (dir_ / "cage.obj").string(), "-o",
+                                         (dir_ / "out.obj").string(), "--json"});
+        Written out;
+        out.ran = run_here(options);
+        if (out.ran.exit_code != 0) return out;
+        out.file = out.ran.json()["files"][0];
+        std::istringstream in(test::read_text(dir_ / "out.obj"));
+        for (std::string line; std::getline(in, line);) {
+            std::istringstream words(line);
+            std::string head;
+            words >> head;
+            if (head == "v") {
+                Vertex v{};
+                words >> v.x >> v.y >> v.z;
+                out.points.push_back(v);
+            } else if (head == "f") {
+                std::array<std::size_t, 3> corners{};
+                for (std::size_t& corner : corners) {
+                    std::string word;
+                    words >> word;
+                    corner = std::stoul(word) - 1;
+                }
+                out.triangles.push_back(corners);
+            }
+        }
+        return out;
+    }
+
+    TemporaryDirectory dir_;
+};
+
+// White above, black below its middle, by exactly half the scale.
+TEST_F(Displace, MovesByScaleTimesTexelMinusMidlevel) {
+    const std::string white =
+        map("white.exr", 4, prep::PixelType::f32, [](auto, auto) { return 1; });
+    struct Row {
+        std::vector<std::string> options;
+        double z;
+    };
+    for (const Row& row : {Row{{}, 0.5}, Row{{"--height-scale", "0.2"}, 0.1},
+                           Row{{"--height-scale", "-3", "--height-midlevel", "0.25"}, -2.25}}) {
+        std::vector<std::string> options{"--displace", white, "--edge-length", "0.5"};
+        options.insert(options.end(), row.options.begin(), row.options.end());
+        const Written out = prepared(square, options);
+        ASSERT_EQ(out.ran.exit_code, 0) << out.ran.err;
+        ASSERT_GT(out.points.size(), 20U);
+        for (const Vertex& v : out.points) EXPECT_NEAR(v.z, row.z, 1e-6);
+    }
+}
+
+// A tent of one texel on one quad: its peak is there, and few triangles are spent on it.
+TEST_F(Displace, ATexelsSpikeIsFoundAtAFewTriangles) {
+    constexpr std::uint32_t size = 512, column = 301, row = 77;
+    const std::string spike = map("spike.exr", size, prep::PixelType::f32,
+                                  [](auto x, auto y) { return x == column && y == row ? 1 : 0; });
+    const Written out = prepared(square, {"--displace", spike, "--height-midlevel", "0",
+                                          "--height-scale", "0.4", "--chord-error", "0.05"});
+    ASSERT_EQ(out.ran.exit_code, 0) << out.ran.err;
+    const json& certificate = out.certificate();
+    EXPECT_EQ(certificate["asked"], 0.05);
+    EXPECT_LE(certificate["proved"].get<double>(), 0.05);
+    EXPECT_LE(certificate["measured"].get<double>(), certificate["proved"].get<double>());
+    EXPECT_EQ(certificate["triangles"], out.triangles.size());
+    EXPECT_LE(out.triangles.size(), 5000U);
+    EXPECT_EQ(certificate["unresolved"], 0);
+    Vertex top{};
+    for (const Vertex& v : out.points)
+        if (v.z > top.z) top = v;
+    EXPECT_GE(top.z, 0.4 - 0.05);
+    EXPECT_NEAR(top.x, 2 * (column + 0.5) / size, 2.0 / size);
+    EXPECT_NEAR(top.y, 2 * (1 - (row + 0.5) / size), 2.0 / size);
+    // Half the tent's height is asked: without the heights nothing would be halved.
+    EXPECT_EQ(prepared(square, {"--chord-error", "0.05"}).triangles.size(), 4U);
+}
+
+TEST_F(Displace, TrianglesAreAtMostWhatWasAsked) {
+    const std::string waves = map("waves.exr", 64, prep::PixelType::f32, [](auto x, auto y) {
+        return 0.5 + 0.5 * std::sin(0.3 * x) * std::cos(0.2 * y);
+    });
+    double last = 1e9;
+    for (const auto& [text, most] :
+         {std::pair{"300", 300}, std::pair{"2k", 2000}, std::pair{"0.01M", 10000}}) {
+        const Written out = prepared(
+            square, {"--displace", waves, "--height-scale", "0.3", "--max-triangles", text});
+        ASSERT_EQ(out.ran.exit_code, 0) << out.ran.err;
+        EXPECT_LE(out.triangles.size(), std::size_t(most));
+        EXPECT_GE(out.triangles.size(), std::size_t(most * 0.95));
+        EXPECT_FALSE(out.certificate().contains("asked"));
+        EXPECT_LT(out.certificate()["proved"].get<double>(), last);
+        last = out.certificate()["proved"].get<double>();
+    }
+}
+
+// What a budget cuts short is told, and so is one below the coarsest triangles.
+TEST_F(Displace, BudgetsThatAreMissedAreTold) {
+    const std::string waves = map("waves.exr", 64, prep::PixelType::f32, [](auto x, auto y) {
+        return 0.5 + 0.5 * std::sin(0.3 * x) * std::cos(0.2 * y);
+    });
+    const Written cut =
+        prepared(square, {"--displace", waves, "--chord-error", "1e-4", "--max-triangles", "500"});
+    ASSERT_EQ(cut.ran.exit_code, 0) << cut.ran.err;
+    EXPECT_TRUE(cut.has("budget-reached"));
+    EXPECT_FALSE(cut.has("unresolved-error"));
+    EXPECT_EQ(cut.certificate()["unresolved"], 0);
+    EXPECT_GT(cut.certificate()["over_budget"].get<int>(), 0);
+    EXPECT_GT(cut.certificate()["proved"].get<double>(), 1e-4);
+    const Written few = prepared(square, {"--displace", waves, "--max-triangles", "3"});
+    ASSERT_EQ(few.ran.exit_code, 0) << few.ran.err;
+    EXPECT_TRUE(few.has("budget-too-small"));
+    EXPECT_EQ(few.triangles.size(), 4U);
+}
+
+TEST_F(Displace, WithoutAGoalAThousandthOfTheDiagonal) {
+    const std::string hill =
+        map("hill.exr", 16, prep::PixelType::f32, [](auto x, auto) { return x < 8 ? 0 : 1; });
+    const Written out = prepared(square, {"--displace", hill, "--height-scale", "0.2"});
+    ASSERT_EQ(out.ran.exit_code, 0) << out.ran.err;
+    EXPECT_NEAR(out.certificate()["asked"].get<double>(), std::sqrt(8.0) / 1000, 1e-12);
+}
+
+// Two materials, one with a map of its own, one without.
+TEST_F(Displace, MaterialsHaveTheirOwnMaps) {
+    map("up.exr", 4, prep::PixelType::f32, [](auto, auto) { return 1; });
+    write_text(dir_ / "two.mtl", "newmtl raised\ndisp up.exr\nnewmtl plain\n");
+    const std::string two =
+        "mtllib two.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 5 0 0\nv 6 0 0\nv 6 1 0\nv 5 1 0\n"
+        "vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nusemtl raised\nf 1/1 2/2 3/3 4/4\n"
+        "usemtl plain\nf 5/1 6/2 7/3 8/4\n";
+    const Written out = prepared(two, {"--displace", "materials", "--edge-length", "1"});
+    ASSERT_EQ(out.ran.exit_code, 0) << out.ran.err;
+    ASSERT_GT(out.points.size(), 8U);
+    // MTL's heights are base + gain · texel: 0 moves nothing.
+    for (const Vertex& v : out.points) EXPECT_NEAR(v.z, v.x < 3 ? 1 : 0, 1e-6);
+    const Written other = prepared(two, {"--displace", "materials", "--height-scale", "0.5",
+                                         "--height-midlevel", "0.25", "--edge-length", "1"});
+    ASSERT_GT(other.points.size(), 8U);
+    for (const Vertex& v : other.points) EXPECT_NEAR(v.z, v.x < 3 ? 0.375 : 0, 1e-6);
+    EXPECT_FALSE(out.has("no-displacement-map"));
+    // -bm multiplies; what was displaced is not displaced again.
+    write_text(dir_ / "two.mtl", "newmtl raised\ndisp -bm 0.25 up.exr\nnewmtl plain\n");
+    const Written less = prepared(two, {"--displace", "materials", "--edge-length", "1"});
+    ASSERT_GT(less.points.size(), 8U);
+    for (const Vertex& v : less.points) EXPECT_NEAR(v.z, v.x < 3 ? 0.25 : 0, 1e-6);
+    for (const char* const name : {"again.obj", "again.glb"}) {
+        const std::string again = (dir_ / name).string();
+        ASSERT_EQ(run_here({"prepare", (dir_ / "cage.obj").string(), "-o", again, "--displace",
+                            "materials"})
+                      .exit_code,
+                  0);
+        const test::Ran second = run_here({"prepare", again, "-o", (dir_ / "second.obj").string(),
+                                           "--displace", "materials", "--json"});
+        ASSERT_EQ(second.exit_code, 0) << second.err;
+        const json file = second.json()["files"][0];
+        ASSERT_FALSE(file.contains("tessellated")) << name;
+        EXPECT_EQ(file["findings"][0]["kind"], "no-displacement-map") << name;
+    }
+    EXPECT_TRUE(prepared(square, {"--displace", "materials", "--edge-length", "1"})
+                    .has("no-displacement-map"));
+}
+
+double distance_to_segment(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3& b) {
+    const glm::dvec3 d = b - a;
+    const double t = std::clamp(glm::dot(p - a, d) / glm::dot(d, d), 0.0, 1.0);
+    return glm::length(p - a - t * d);
+}
+double distance_to_triangle(const glm::dvec3& p, const std::array<glm::dvec3, 3>& t) {
+    const glm::dvec3 n = glm::normalize(glm::cross(t[1] - t[0], t[2] - t[0]));
+    bool inside = true;
+    double nearest = std::numeric_limits<double>::infinity();
+    for (std::size_t k = 0; k < 3; ++k) {
+        const glm::dvec3 &a = t[k], &b = t[(k + 1) % 3];
+        inside = inside && glm::dot(glm::cross(b - a, p - a), n) >= 0;
+        nearest = std::min(nearest, distance_to_segment(p, a, b));
+    }
+    return inside ? std::abs(glm::dot(p - t[0], n)) : nearest;
+}
+
+// A cube as a cage: limit points by the published rules, in long double, are within the error of
+// the triangles, which are closed.
+TEST_F(Displace, LimitSurfacesAreTessellatedToTheError) {
+    const std::string cube =
+        "v -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\nv -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1\n"
+        "f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+    const Written coarse = prepared(cube, {"--subdivide", "catmark", "--chord-error", "0.02"});
+    ASSERT_EQ(coarse.ran.exit_code, 0) << coarse.ran.err;
+    const Written fine = prepared(cube, {"--subdivide", "catmark", "--chord-error", "0.002"});
+    ASSERT_EQ(fine.ran.exit_code, 0) << fine.ran.err;
+    EXPECT_GT(fine.triangles.size(), 3 * coarse.triangles.size());
+    EXPECT_LE(coarse.certificate()["proved"].get<double>(), 0.02);
+    EXPECT_LE(fine.certificate()["proved"].get<double>(), 0.002);
+    const auto scene = prep::load_scene(dir_ / "cage.obj");
+    ASSERT_TRUE(scene) << to_string(scene.error());
+    // At odd multiples of 2⁻⁹ and their like: coarser ones are vertices.
+    std::vector<test::SubdivisionOracle::Location> places;
+    for (std::uint32_t face = 0; face < 6; ++face)
+        for (std::uint32_t x = 19; x < 512; x += 42)
+            for (std::uint32_t y = 13; y < 512; y += 46) places.push_back({face, 0, x, y});
+    const auto limits = test::SubdivisionOracle(scene->meshes[0], {}).limits(places, 9);
+    for (const auto& [made, error] : {std::pair(&coarse, 0.02), std::pair(&fine, 0.002)}) {
+        double farthest = 0;
+        for (const auto& limit : limits) {
+            double nearest = std::numeric_limits<double>::infinity();
+            for (const auto& t : made->triangles) {
+                std::array<glm::dvec3, 3> corners;
+                for (std::size_t k = 0; k < 3; ++k) {
+                    const Vertex& v = made->points[t[k]];
+                    corners[k] = {v.x, v.y, v.z};
+                }
+                nearest =
+                    std::min(nearest, distance_to_triangle(glm::dvec3(limit.position), corners));
+            }
+            farthest = std::max(farthest, nearest);
+        }
+        EXPECT_LE(farthest, error);
+        EXPECT_GT(farthest, error / 100) << "far fewer triangles would have done";
+    }
+    // Closed: every edge once each way.
+    std::map<std::pair<std::size_t, std::size_t>, int> edges;
+    for (const auto& t : fine.triangles)
+        for (std::size_t k = 0; k < 3; ++k) ++edges[{t[k], t[(k + 1) % 3]}];
+    for (const auto& [edge, count] : edges) {
+        EXPECT_EQ(count, 1);
+        EXPECT_EQ(edges.count({edge.second, edge.first}), 1U);
+    }
+}
+
+TEST_F(Displace, FindingsSayWhatTheMapHolds) {
+    const auto ramp = [](auto x, auto) { return x / 63.0; };
+    const std::string bytes = map("ramp8.png", 64, prep::PixelType::u8, ramp);
+    const std::string words = map("ramp16.png", 64, prep::PixelType::u16, [&](auto x, auto y) {
+        return ramp(x, y) * 0.987;  // not what eight bits hold
+    });
+    EXPECT_TRUE(
+        prepared(square, {"--displace", bytes, "--max-triangles", "100"}).has("coarse-heights"));
+    EXPECT_FALSE(
+        prepared(square, {"--displace", words, "--max-triangles", "100"}).has("coarse-heights"));
+}
+
+TEST_F(Displace, MistakesAreUsageErrors) {
+    const std::string some = map("some.exr", 2, prep::PixelType::f32, [](auto, auto) { return 1; });
+    struct Row {
+        std::vector<std::string> options;
+        const char* says;
+    };
+    for (const Row& row :
+         {Row{{"--displace", "missing.png"}, "missing.png"},
+          Row{{"--height-scale", "1"}, "--displace"},
+          Row{{"--displace", some, "--height-scale", "much"}, "much"},
+          Row{{"--displace", some, "--height-filter", "cubic"}, "bicubic"},
+          Row{{"--chord-error", "0"}, "--chord-error"},
+          Row{{"--edge-length", "-1"}, "--edge-length"}, Row{{"--max-triangles", "12q"}, "12q"},
+          Row{{"--max-triangles", "0"}, "--max-triangles"}}) {
+        const Written out = prepared(square, row.options);
+        EXPECT_EQ(out.ran.exit_code, 2) << row.options[0];
+        EXPECT_NE(out.ran.err.find(row.says), std::string::npos) << out.ran.err;
+    }
+}
+
+TEST_F(Displace, WhatCannotBeDoneIsTheFilesError) {
+    const std::string some = map("some.exr", 2, prep::PixelType::f32, [](auto, auto) { return 1; });
+    const Written no_uvs = prepared("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", {"--displace", some});
+    EXPECT_EQ(no_uvs.ran.exit_code, 1);
+    EXPECT_NE(no_uvs.ran.err.find("UV"), std::string::npos) << no_uvs.ran.err;
+    write_text(dir_ / "text.png", "this is no picture");
+    const Written no_picture = prepared(square, {"--displace", (dir_ / "text.png").string()});
+    EXPECT_EQ(no_picture.ran.exit_code, 1);
+    EXPECT_NE(no_picture.ran.err.find("text.png"), std::string::npos) << no_picture.ran.err;
+    const Written too_fine = prepared(square, {"--displace", some, "--chord-error", "1e-12"});
+    EXPECT_EQ(too_fine.ran.exit_code, 1);
+    const Written channel = prepared(square, {"--displace", some, "--height-channel", "3"});
+    EXPECT_EQ(channel.ran.exit_code, 1);
+    EXPECT_NE(channel.ran.err.find("channel"), std::string::npos) << channel.ran.err;
+    EXPECT_FALSE(std::filesystem::exists(dir_ / "out.obj"));
+}
+
+}  // namespace

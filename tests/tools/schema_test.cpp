@@ -1,0 +1,159 @@
+// The JSON that subcommands print, held against the schemas of docs/schema.
+#include <gtest/gtest.h>
+
+#include <sstream>
+
+#include "command_runner.h"
+#include "json_schema_check.h"
+#include "shared_data.h"
+
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using test::run_here;
+using test::TemporaryDirectory;
+using test::write_text;
+
+json schema(const std::string& name) {
+    return json::parse(test::read_text(test::source_dir() / "docs/schema" / (name + ".json")),
+                       nullptr, false);
+}
+
+void expect_valid(const json& document, const std::string& name) {
+    const json rules = schema(name);
+    ASSERT_TRUE(rules.is_object()) << name;
+    std::string all;
+    for (const std::string& text : test::schema_complaints(document, rules)) all += text + "\n";
+    EXPECT_EQ(all, "") << document.dump(1).substr(0, 2000);
+}
+
+class Schema : public ::testing::Test {
+  protected:
+    Schema() {
+        write_text(dir_ / "cube.obj", test::cube_obj());
+        write_text(dir_ / "ball.obj", test::sphere_obj(12, 6));
+        write_text(dir_ / "open.obj",
+                   "o a/b\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 5 5 5\nf 1 2 3\nf 3 2 1\nf 1 1 2\nl 1 2\n");
+        write_text(dir_ / "points.obj", "v 0 0 0\nv 1 0 0\np 1 2\n");
+        write_text(dir_ / "bad.obj", "v 0 0 0\nf 1 2 9\n");
+        test::GltfText gltf;
+        const std::vector<float> n = {0, 0, 1, 0, 0, 1, 0, 0, 1}, uv = {0, 0, 1, 0, 0, 1};
+        const std::vector<float> t = {1, 0, 0, 1, 1, 0, 0, 1, 1, 0, 0, 1};
+        gltf.add({"m", {0, 0, 0, 1, 0, 0, 0, 1, 0}, n, uv, t, {0, 1, 2}, "\"material\":0", ""});
+        write_text(dir_ / "map.gltf",
+                   gltf.text(R"("extensionsUsed":["KHR_materials_unlit"],"materials":[{"name":"x",)"
+                             R"("normalTexture":{"index":0}}],"textures":[{"source":0}],)"
+                             R"("images":[{"uri":"none.png"}])"));
+    }
+    std::string at(const std::string& name) const { return (dir_ / name).string(); }
+    // Runs with --json and, where there is such a thing, --json-lines.
+    void check(std::vector<std::string> words, int code, bool lines = false) {
+        const std::string name = words[0];
+        words.push_back(lines ? "--json-lines" : "--json");
+        std::string typed;
+        for (const std::string& word : words) typed += word + " ";
+        SCOPED_TRACE(typed);
+        const test::Ran ran = run_here(words);
+        EXPECT_EQ(ran.exit_code, code) << ran.err;
+        if (!lines) return expect_valid(ran.json(), name);
+        std::istringstream text(ran.out);
+        std::size_t count = 0;
+        for (std::string line; std::getline(text, line); ++count)
+            expect_valid(json::parse(line, nullptr, false), name);
+        EXPECT_GT(count, 0u);
+    }
+    TemporaryDirectory dir_;
+};
+
+TEST_F(Schema, HoldsForPrepare) {
+    const std::vector<std::string> all = {"prepare",       at("cube.obj"), at("open.obj"),
+                                          at("map.gltf"),  at("bad.obj"),  at("none.obj"),
+                                          at("points.obj")};
+    for (const bool lines : {false, true}) {
+        std::vector<std::string> words = all;
+        words.insert(words.end(), {"-o", at("out"), "--repair", "all", "--manifest",
+                                   at("out/made.json"), "--skip-unchanged"});
+        check(words, 1, lines);
+        check(words, 1, lines);  // now with files that are skipped
+        expect_valid(json::parse(test::read_text(dir_ / "out/made.json"), nullptr, false),
+                     "manifest");
+        check({"prepare", at("cube.obj"), "-o", at("x.fbx")}, 2, lines);
+        check({"prepare", at("cube.obj"), "-o", at("x.glb"), "--weight", "heavy"}, 2, lines);
+        check({"prepare", "-o", at("x.glb")}, 2, lines);
+    }
+    check({"prepare", at("map.gltf"), "-o", at("one.glb"), "--explain"}, 0);
+}
+
+TEST_F(Schema, HoldsForInspect) {
+    for (const bool lines : {false, true}) {
+        check({"inspect", at("cube.obj"), at("open.obj"), at("map.gltf"), at("points.obj")}, 0,
+              lines);
+        check({"inspect", at("bad.obj"), at("none.obj")}, 1, lines);
+        check({"inspect", at("cube.obj"), "--plcaes", "3"}, 2, lines);
+    }
+    check({"inspect", "--selftest"}, 0);
+}
+
+TEST_F(Schema, HoldsForRender) {
+    check({"render", at("ball.obj"), "-o", at("x.png"), "--size", "32x32"}, 0);
+    check({"render", at("map.gltf"), "-o", at("y.png"), "--size", "32x32", "--buffers", "depth",
+           "--turntable", "2"},
+          0);
+    check({"render", at("bad.obj"), "-o", at("x.png")}, 1);
+    check({"render", at("none.obj"), "-o", at("x.png")}, 1);
+    check({"render", at("ball.obj"), "-o", at("x.zzz")}, 2);
+    check({"render", at("ball.obj"), "-o", at("x.png"), "--size", "0"}, 2);
+}
+
+TEST_F(Schema, HoldsForValidate) {
+    for (const bool lines : {false, true}) {
+        check({"validate", at("ball.obj"), at("map.gltf"), at("bad.obj"), "-o", at("sheets"),
+               "--panel", "64"},
+              1, lines);
+        check({"validate", at("ball.obj")}, 2, lines);
+    }
+}
+
+TEST_F(Schema, HoldsForDiff) {
+    ASSERT_EQ(run_here({"prepare", at("ball.obj"), "-o", at("b.glb"), "--tangents", "mikktspace"})
+                  .exit_code,
+              0);
+    ASSERT_EQ(run_here({"prepare", at("ball.obj"), "-o", at("c.glb"), "--tangents", "mikktspace",
+                        "--weight", "uniform"})
+                  .exit_code,
+              0);
+    check({"diff", at("b.glb"), at("c.glb")}, 0);
+    check({"diff", at("b.glb"), at("c.glb"), "--tolerance", "0"}, 1);
+    ASSERT_EQ(run_here({"render", at("ball.obj"), "-o", at("x.png"), "--size", "16x16"}).exit_code,
+              0);
+    ASSERT_EQ(run_here({"render", at("cube.obj"), "-o", at("y.png"), "--size", "16x16"}).exit_code,
+              0);
+    check({"diff", at("x.png"), at("x.png")}, 0);
+    check({"diff", at("x.png"), at("y.png")}, 0);
+    check({"diff", at("x.png"), at("b.glb")}, 1);
+    check({"diff", at("x.png"), at("none.png")}, 1);
+    check({"diff", at("x.png")}, 2);
+}
+
+// The judge of the others: it finds what it must.
+TEST(SchemaCheck, ComplainsOfWhatTheSchemaForbids) {
+    const json rules = json::parse(
+        R"({"type":"object","properties":{"n":{"type":"integer"},"k":{"$ref":"#/$defs/k"},)"
+        R"("l":{"type":"array","items":{"anyOf":[{"const":1},{"type":["string","null"]}]}}},)"
+        R"("required":["n"],"additionalProperties":false,"$defs":{"k":{"enum":["a","b"]}}})");
+    const auto count = [&](const char* text) {
+        return test::schema_complaints(json::parse(text), rules).size();
+    };
+    EXPECT_EQ(count(R"({"n":1,"k":"a","l":[1,"x",null]})"), 0u);
+    EXPECT_EQ(count(R"({"n":"1"})"), 1u);
+    EXPECT_EQ(count(R"({"n":1.5})"), 1u);
+    EXPECT_EQ(count(R"({})"), 1u);
+    EXPECT_EQ(count(R"({"n":1,"k":"c"})"), 1u);
+    EXPECT_EQ(count(R"({"n":1,"l":[2,true]})"), 2u);
+    EXPECT_EQ(count(R"({"n":1,"more":0})"), 1u);
+    EXPECT_EQ(test::schema_complaints(1, json{{"minimum", 0}}).size(), 1u);
+    EXPECT_EQ(test::schema_complaints(1, json{{"$ref", "#/$defs/none"}}).size(), 1u);
+}
+
+}  // namespace

@@ -1,0 +1,107 @@
+#include "meshprep/commands/batch_sources.h"
+
+#include <algorithm>
+
+#include "meshprep/output/load_options.h"
+#include "prep/files.h"
+#include "prep/load.h"
+
+namespace meshprep {
+namespace {
+
+std::string full_name(const std::filesystem::path& file) {
+    std::error_code ec;
+    const std::filesystem::path full = std::filesystem::weakly_canonical(file, ec);
+    return (ec ? file.lexically_normal() : full).string();
+}
+
+// Of what is in the file, without a dot.
+std::string ending_of(const std::filesystem::path& input) {
+    return lower_ending(lower_ending(input) == "gz" ? input.stem() : input);
+}
+
+// Formats whose files name no others.
+bool stands_alone(const std::filesystem::path& input) {
+    const std::string ending = ending_of(input);
+    return ending == "stl" || ending == "off" || ending == "om";
+}
+
+}  // namespace
+
+BatchSources::BatchSources(const std::vector<Job>& jobs, const CommonOptions& common,
+                           Console& console)
+    : jobs_(jobs), common_(common), console_(console), known_(jobs.size(), false) {
+    if (jobs.size() < 2) return;  // there is no other
+    for (std::size_t number = 0; number < jobs.size(); ++number) {
+        jobs_of_[full_name(jobs[number].input)].push_back(number);
+        known_[number] = jobs[number].error || is_standard_stream(jobs[number].input) ||
+                         stands_alone(jobs[number].input);
+    }
+}
+
+void BatchSources::add(const Job& job, const InputFile& input, const prep::Scene& scene) {
+    if (jobs_.size() < 2) return;
+    std::vector<std::filesystem::path> files;
+    const auto take = [&](const std::filesystem::path& file) {
+        if (!input.passing(file)) files.push_back(file);
+    };
+    for (const std::filesystem::path& library : scene.libraries) take(library);
+    for (const prep::ImageRef& image : scene.images)
+        for (const std::filesystem::path& file : prep::files_of(image)) take(file);
+    keep(std::size_t(&job - jobs_.data()), files);
+}
+
+void BatchSources::add(const Job& job, const std::vector<std::filesystem::path>& files) {
+    if (jobs_.size() > 1) keep(std::size_t(&job - jobs_.data()), files);
+}
+
+void BatchSources::keep(std::size_t number, const std::vector<std::filesystem::path>& files) {
+    std::vector<std::string> names;
+    for (const std::filesystem::path& file : files) names.push_back(full_name(file));
+    const std::lock_guard lock(mutex_);
+    if (known_[number]) return;
+    known_[number] = true;
+    for (const std::string& name : names) jobs_of_[name].push_back(number);
+}
+
+// What cannot be read is that job's error, and it has no sources.
+void BatchSources::load(std::size_t number) {
+    const Job& job = jobs_[number];
+    const prep::Result<InputFile> input = InputFile::open(job.input, common_.input_format, &links_);
+    if (input) {
+        prep::LoadOptions options = load_options(common_, console_);
+        options.reader_log = {};  // said when the job itself is done
+        const prep::Result<prep::Scene> scene = prep::load_scene(input->path(), options);
+        if (scene) add(job, *input, *scene);
+    }
+    keep(number, {});
+}
+
+bool BatchSources::has_another(const std::string& name, std::size_t number) const {
+    const std::lock_guard lock(mutex_);
+    const auto found = jobs_of_.find(name);
+    return found != jobs_of_.end() &&
+           std::any_of(found->second.begin(), found->second.end(),
+                       [&](std::size_t other) { return other != number; });
+}
+
+bool BatchSources::of_another(const Job& job, const std::filesystem::path& file) {
+    if (jobs_.size() < 2) return false;
+    const auto number = std::size_t(&job - jobs_.data());
+    const std::string name = full_name(file);
+    if (has_another(name, number)) return true;
+    const bool own_output = name == full_name(job.output);
+    for (std::size_t other = 0; other < jobs_.size(); ++other) {
+        if (other == number || (own_output && ending_of(jobs_[other].input) != "json")) continue;
+        const std::lock_guard lock(loading_);
+        bool known = false;
+        {
+            const std::lock_guard data(mutex_);
+            known = known_[other];
+        }
+        if (!known) load(other);
+    }
+    return has_another(name, number);
+}
+
+}  // namespace meshprep

@@ -1,0 +1,179 @@
+#include "meshprep/commands/prepare_file.h"
+
+#include "meshprep/files/file_sizes.h"
+#include "meshprep/output/load_options.h"
+#include "prep/files.h"
+#include "prep/load.h"
+#include "prep/save.h"
+
+namespace meshprep {
+namespace {
+
+// Files that were read for the scene, with their hashes; one that was named and not found makes the
+// result one that may change.
+void note_sources(const InputFile& input, const prep::Scene& scene,
+                  const prep::DisplaceOptions& displacement, Outcome& out) {
+    std::vector<std::filesystem::path> files;
+    for (const std::filesystem::path& library : scene.libraries)
+        if (!input.passing(library)) files.push_back(library);
+    for (const prep::ImageRef& image : scene.images) {
+        for (const std::filesystem::path& file : prep::files_of(image))
+            if (!input.passing(file)) files.push_back(file);
+        out.complete &= !image.path.empty() || !image.bytes.empty() || !image.channels.empty();
+    }
+    for (const std::string& text : scene.warnings)
+        out.complete &= text.find("cannot be read") == std::string::npos;
+    if (displacement.map) files.push_back(displacement.map->path);
+    if (const auto source = input.source()) out.sources.push_back(hashed(*source));
+    for (const std::filesystem::path& file : files) {
+        out.sources.push_back(hashed(file));
+        out.complete &= out.sources.back().sha256.has_value();
+    }
+}
+
+// Saves to standard output by way of a file: only formats of one file can go there.
+prep::Result<std::vector<std::string>> save_for_output(const prep::PreparedScene& prepared,
+                                                       const prep::SaveOptions& options,
+                                                       Outcome& out) {
+    const prep::Result<PrivateDirectory> directory = PrivateDirectory::make();
+    if (!directory) return directory.error();
+    const std::filesystem::path file = directory->path() / ("stdout." + out.job.format);
+    auto notes = prep::save_scene(prepared, file, options);
+    if (!notes) return notes;
+    if (out.written.size() != 1)
+        return prep::Error{
+            prep::ErrorCode::unsupported,
+            "this result is " + std::to_string(out.written.size()) +
+                " files, and standard output takes one; give --format glb, or -o FILE",
+            "-"};
+    const auto bytes = prep::read_file(file);
+    if (!bytes) return bytes.error();
+    out.bytes.assign(reinterpret_cast<const char*>(bytes->data()), bytes->size());
+    out.written.clear();  // it is no file
+    out.gltf_after = count_gltf_file(file);
+    return notes;
+}
+
+}  // namespace
+
+std::size_t Outcome::warning_count() const {
+    std::size_t count = warnings.size() + notes.size();
+    for (const prep::Finding& f : findings) count += f.severity != prep::Severity::info;
+    return count;
+}
+
+Outcome prepare_file(const Job& job, const PrepareCommand& command, int threads,
+                     OutputDirectories& directories, SiblingLinks& links, BatchSources& sources,
+                     Console& console, const std::string& prefix) {
+    Outcome out;
+    out.job = job;
+    out.error = job.error;
+    if (out.error) return out;
+    const auto show = [&](const char* what) {
+        console.progress(command.common, prefix + job.input.string() + " … " + what);
+    };
+
+    show("reading");
+    Clock::time_point start = Clock::now();
+    const prep::Result<InputFile> input =
+        InputFile::open(job.input, command.common.input_format, &links);
+    if (!input) {
+        out.error = input.error();
+        return out;
+    }
+    out.gltf_before = count_gltf_file(input->path());
+    prep::LoadOptions load = load_options(command.common, console);
+    load.threads = threads;
+    prep::Result<prep::Scene> scene = prep::load_scene(input->path(), load);
+    out.read_ms = milliseconds_since(start);
+    if (!scene) {
+        out.error = input->relabelled(scene.error());
+        return out;
+    }
+    if (!command.manifest.empty() && !command.files.in_place)
+        note_sources(*input, *scene, command.prepare.displacement, out);
+    out.bytes_before = bytes_of(input->path(), *scene);
+    sources.add(job, *input, *scene);
+    input->settle(*scene);
+    prep::place_scene(*scene, command.scale, command.up);
+    out.before = count_scene(*scene);
+    if (out.gltf_before.figures.empty()) out.parts = count_parts(*scene);
+    out.placement = scene->placement;
+    out.warnings = scene->warnings;
+    out.remarks = scene->remarks;
+    if (const prep::Result<void> some = prep::require_geometry(*scene); !some) {
+        // Cameras, lights and animations are something to convert, where the format holds them; and
+        // a glTF document is whatever it is.
+        const std::string format = job.format.empty() ? lower_ending(job.output) : job.format;
+        const bool others = !scene->cameras.empty() || !scene->lights.empty() ||
+                            !scene->animations.empty() || scene->retained_file;
+        if (!others || (format != "glb" && format != "gltf")) {
+            out.error = some.error();
+            return out;
+        }
+        out.warnings.push_back(some.error().text);
+    }
+
+    show("preparing");
+    start = Clock::now();
+    const prep::PrepareOptions options = prepare_options(command.prepare, load, threads);
+    prep::Result<prep::PreparedScene> prepared = prep::prepare(*std::move(scene), options);
+    out.prepare_ms = milliseconds_since(start);
+    if (!prepared) {
+        out.error = input->relabelled(prepared.error());
+        return out;
+    }
+    out.after = count_prepared(*prepared);
+    out.splits = prepared->splits;
+    out.stages = prepared->stages;
+    out.findings = prepared->findings;
+    out.repairs = prepared->repairs;
+    out.tessellated = prepared->tessellated;
+    for (const prep::Mesh& mesh : prepared->scene.meshes) out.mesh_names.push_back(mesh.name);
+    if (command.strict && out.warning_count() > 0) {
+        out.error = prep::Error{prep::ErrorCode::invalid,
+                                count_of(out.warning_count(), "warning") +
+                                    ", and --strict was given: nothing was written",
+                                job.input.string()};
+        return out;
+    }
+
+    show("writing");
+    start = Clock::now();
+    prep::SaveOptions save;
+    save.ascii = command.files.ascii;
+    save.compression = command.compression;
+    save.replace = command.files.overwrite;
+    save.replace_sources = command.files.in_place;
+    save.written = &out.written;
+    save.spared = [&](const std::filesystem::path& file) { return sources.of_another(job, file); };
+    const bool stream = is_standard_stream(job.output);
+    if (const auto made = stream ? prep::Result<void>() : directories.make_for(job.output); !made) {
+        out.error = made.error();
+        return out;
+    }
+    prep::Result<std::vector<std::string>> notes =
+        stream ? save_for_output(*prepared, save, out)
+               : prep::save_scene(*prepared, job.output, save);
+    out.write_ms = milliseconds_since(start);
+    if (!notes) {
+        out.error = input->relabelled(notes.error());
+        return out;
+    }
+    out.notes = *std::move(notes);
+    if (command.strict && !out.notes.empty())
+        out.error =
+            prep::Error{prep::ErrorCode::invalid,
+                        "the format does not hold all there is, and --strict was given; the "
+                        "file is there",
+                        job.output.string()};
+    if (!stream) out.gltf_after = count_gltf_file(job.output);
+    out.bytes_after = out.bytes.size();
+    for (const std::filesystem::path& file : out.written) out.bytes_after += bytes_of(file);
+    // In place the input is what was written by now.
+    if (!command.manifest.empty() && command.files.in_place)
+        note_sources(*input, prepared->scene, command.prepare.displacement, out);
+    return out;
+}
+
+}  // namespace meshprep

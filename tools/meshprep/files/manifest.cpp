@@ -1,0 +1,135 @@
+#include "meshprep/files/manifest.h"
+
+#include <algorithm>
+
+#include "meshprep/files/sha256.h"
+#include "prep/files.h"
+#include "prep/version.h"
+
+namespace meshprep {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using prep::Error;
+using prep::ErrorCode;
+using prep::Result;
+
+constexpr int format_version = 1;
+
+Json to_json(const std::vector<HashedFile>& files) {
+    Json list = Json::array();
+    for (const HashedFile& file : files)
+        list.push_back(
+            {{"path", file.path}, {"sha256", file.sha256 ? Json(*file.sha256) : Json(nullptr)}});
+    return list;
+}
+
+Json to_json(const Settings& settings) {
+    Json json = Json::object();
+    for (const auto& [name, values] : settings) json[name] = values;
+    return json;
+}
+
+std::string text_of(const Json& json, const char* key) {
+    const auto it = json.find(key);
+    return it != json.end() && it->is_string() ? it->get<std::string>() : std::string();
+}
+
+std::vector<HashedFile> files_of(const Json& json, const char* key) {
+    std::vector<HashedFile> files;
+    const auto list = json.find(key);
+    if (list == json.end() || !list->is_array()) return files;
+    for (const Json& file : *list) {
+        if (!file.is_object()) continue;
+        const std::string hash = text_of(file, "sha256");
+        files.push_back({text_of(file, "path"), hash.empty() ? std::nullopt : std::optional(hash)});
+    }
+    return files;
+}
+
+bool as_it_was(const HashedFile& file) {
+    return file.sha256 && hashed(file.path).sha256 == file.sha256;
+}
+
+}  // namespace
+
+HashedFile hashed(const std::filesystem::path& path) {
+    const Result<std::string> hash = sha256_of_file(path);
+    return {path.string(), hash ? std::optional(*hash) : std::nullopt};
+}
+
+Result<void> Manifest::read(const std::filesystem::path& path) {
+    std::error_code ec;
+    if (!std::filesystem::exists(path, ec)) return {};
+    const Result<std::vector<std::byte>> bytes = prep::read_file(path);
+    if (!bytes) return bytes.error();
+    const auto* const text = reinterpret_cast<const char*>(bytes->data());
+    const Json json = Json::parse(text, text + bytes->size(), nullptr, false);
+    if (!json.is_object() || !json.contains("manifest") || !json.contains("files"))
+        return Error{ErrorCode::syntax,
+                     "this is no manifest of meshprep, or a damaged one; remove it or name another",
+                     path.string()};
+    // Another version or other settings may make other files of the same inputs.
+    if (json["manifest"] != format_version || text_of(json, "version") != prep::version() ||
+        json.value("settings", Json()) != to_json(settings_) || !json["files"].is_array())
+        return {};
+    for (const Json& file : json["files"]) {
+        if (!file.is_object() || text_of(file, "status") != "ok") continue;
+        ManifestEntry entry;
+        entry.job.input = text_of(file, "input");
+        entry.job.output = text_of(file, "output");
+        entry.sources = files_of(file, "sources");
+        entry.outputs = files_of(file, "outputs");
+        entry.complete = file.value("complete", Json(false)) == true;
+        entry.said = file.value("said", Json::object());
+        set(std::move(entry));
+    }
+    return {};
+}
+
+std::optional<ManifestEntry> Manifest::finished(const Job& job) const {
+    const auto found = entries_.find({job.input.string(), job.output.string()});
+    if (found == entries_.end()) return std::nullopt;
+    const ManifestEntry& entry = found->second;
+    const bool good = !entry.job.error && entry.complete && !entry.sources.empty() &&
+                      !entry.outputs.empty() &&
+                      std::all_of(entry.sources.begin(), entry.sources.end(), as_it_was) &&
+                      std::all_of(entry.outputs.begin(), entry.outputs.end(), as_it_was);
+    return good ? std::optional(entry) : std::nullopt;
+}
+
+void Manifest::set(ManifestEntry entry) {
+    Key key{entry.job.input.string(), entry.job.output.string()};
+    const auto [place, fresh] = entries_.insert_or_assign(key, std::move(entry));
+    if (fresh) order_.push_back(std::move(key));
+}
+
+Result<void> Manifest::write(const std::filesystem::path& path) const {
+    Json json;
+    json["manifest"] = format_version;
+    json["version"] = std::string(prep::version());
+    json["settings"] = to_json(settings_);
+    json["files"] = Json::array();
+    std::vector<Key> sorted = order_;
+    std::sort(sorted.begin(), sorted.end());
+    for (const Key& key : sorted) {
+        const ManifestEntry& entry = entries_.at(key);
+        Json file;
+        file["input"] = entry.job.input.string();
+        file["output"] = entry.job.output.string();
+        file["status"] = entry.job.error ? "failed" : "ok";
+        if (entry.job.error)
+            file["error"] = {{"code", std::string(prep::to_string(entry.job.error->code))},
+                             {"text", entry.job.error->text},
+                             {"place", entry.job.error->place}};
+        file["sources"] = to_json(entry.sources);
+        file["outputs"] = to_json(entry.outputs);
+        file["complete"] = entry.complete;
+        file["said"] = entry.said;
+        json["files"].push_back(std::move(file));
+    }
+    const std::string text = json.dump(1, ' ', false, Json::error_handler_t::replace) + '\n';
+    return prep::write_file(path, std::as_bytes(std::span<const char>(text)));
+}
+
+}  // namespace meshprep

@@ -1,0 +1,202 @@
+// Options of what takes a mesh's place: subdivision surfaces, and triangles as fine as an error
+// asks.
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "meshprep/options/shared_options.h"
+#include "meshprep/options/values.h"
+
+namespace meshprep {
+namespace {
+
+template <class E>
+std::vector<std::string> words_of() {
+    std::vector<std::string> words;
+    for (const auto& entry : names_of(E{})) words.emplace_back(entry.name);
+    return words;
+}
+
+// "catmark", "loop:3".
+void parse_subdivide(const std::string& text, prep::SubdivideOptions& to) {
+    const std::size_t colon = text.find(':');
+    const auto scheme = prep::enum_named<prep::SubdivisionScheme>(text.substr(0, colon));
+    if (!scheme)
+        usage_error("--subdivide", "'" + text.substr(0, colon) +
+                                       "' is no scheme; there are catmark, loop and bilinear");
+    to.scheme = *scheme;
+    if (colon == std::string::npos) return;
+    const std::vector<double> level = parse_numbers(text.substr(colon + 1), ',');
+    if (level.size() != 1 || level[0] != std::floor(level[0]) || !(level[0] >= 0) ||
+        level[0] > prep::max_subdivision_level)
+        usage_error("--subdivide",
+                    fmt::format("'{}' is no level from 0 to {}", text.substr(colon + 1),
+                                prep::max_subdivision_level));
+    to.level = int(level[0]);
+}
+
+void add_subdivision_options(OptionSet& options, prep::PrepareOptions& p) {
+    options.group("Subdivision");
+    prep::SubdivideOptions& s = p.subdivision;
+    const Option subdivide = options.value(
+        "--subdivide", "SCHEME[:LEVEL]",
+        [&p](const std::string& text) {
+            parse_subdivide(text, p.subdivision);
+            p.subdivide = true;
+        },
+        "Meshes are cages: catmark, loop or bilinear surfaces take their place, refined LEVEL "
+        "times "
+        "(default 2), every point and normal on the limit surface");
+    options.flag("--control-points", s.control_points, "The refined cage's points instead")
+        .needs(subdivide);
+    options
+        .word(
+            "--subdivide-boundary", words_of<prep::BoundaryRule>(),
+            [&s](const std::string& word) {
+                s.boundary = prep::enum_named<prep::BoundaryRule>(word).value();
+            },
+            "Borders: none (faces there are left out), edge-and-corner or edge-only creases "
+            "(default: what the file says, else edge-and-corner)")
+        .needs(subdivide);
+    options
+        .word(
+            "--face-varying", words_of<prep::FaceVaryingRule>(),
+            [&s](const std::string& word) {
+                s.face_varying = prep::enum_named<prep::FaceVaryingRule>(word).value();
+            },
+            "Where UVs are linear rather than smooth, OpenSubdiv's six rules (default: what the "
+            "file says, else corners-only)")
+        .needs(subdivide);
+    options
+        .named("--creasing", s.creasing, "How sharpness wears off along creases (default uniform)")
+        .needs(subdivide);
+    options
+        .flag("--smooth-triangles", s.smooth_triangles,
+              "catmark: edges between triangles get the weights of Stam and Loop (2003), which "
+              "leave fewer dents")
+        .needs(subdivide);
+    options
+        .word(
+            "--crease-from", {"hard-edges"},
+            [&p](const std::string&) { p.crease_hard_edges = true; },
+            "Edges that angle, smoothing groups or marks call hard are infinitely sharp creases")
+        .needs(subdivide);
+    options
+        .flag("--quads", p.recover_quads,
+              "First make quads of the pairs of triangles that fit no other neighbour as well")
+        .needs(subdivide);
+    options
+        .number("--max-influences", s.max_influences, 1, 64, "N",
+                "Joints that move a refined vertex (default: as many sets of four as the file "
+                "has); the largest share that was dropped is told")
+        .needs(subdivide);
+}
+
+// "200000", "200k", "1.5M".
+std::uint64_t parse_count(const std::string& option, const std::string& text) {
+    std::string digits = text;
+    double unit = 1;
+    if (text.ends_with('k'))
+        unit = 1e3;
+    else if (text.ends_with('M'))
+        unit = 1e6;
+    if (unit != 1) digits.pop_back();
+    const std::vector<double> numbers = parse_numbers(digits, ',');
+    constexpr double most = 1e9;
+    if (numbers.size() != 1 || !(numbers[0] * unit >= 1 && numbers[0] * unit <= most))
+        usage_error(option, "'" + text + "' is not a number from 1 to 1000M, as in 20000 or 200k");
+    return std::uint64_t(numbers[0] * unit);
+}
+
+double parse_number(const std::string& option, const std::string& text, bool positive) {
+    const std::vector<double> numbers = parse_numbers(text, ',');
+    if (numbers.size() != 1 || (positive && !(numbers[0] > 0)))
+        usage_error(option, "'" + text + "' is not a number" + (positive ? " over 0" : ""));
+    return numbers[0];
+}
+
+void add_displacement_options(OptionSet& options, prep::PrepareOptions& p) {
+    options.group("Displacement");
+    prep::DisplaceOptions& d = p.displacement;
+    const Option displace = options.value(
+        "--displace", "FILE|materials",
+        [&p, &d](const std::string& text) {
+            p.tessellate = true;
+            if (text == "materials") {
+                d.from_materials = true;
+                return;
+            }
+            std::error_code ec;
+            if (!std::filesystem::is_regular_file(text, ec))
+                usage_error("--displace", "'" + text + "' is neither a file nor 'materials'");
+            d.map.emplace();
+            d.map->path = text;
+            d.map->name = d.map->path.filename().string();
+        },
+        "The surface (of polygons, or with --subdivide of the cage) is moved along its normals by "
+        "this height map, or by each material's displacement map, and cut into triangles as fine "
+        "as the options below ask");
+    const auto height = [&](const char* name, const char* type, double& to, const char* help) {
+        options
+            .value(
+                name, type,
+                [&to, name](const std::string& text) { to = parse_number(name, text, false); },
+                help)
+            .needs(displace);
+    };
+    height(
+        "--height-scale", "LENGTH", d.heights.scale,
+        "Height of a white texel over a black one, in the mesh's units (default 1); a material's "
+        "own is multiplied by it");
+    options
+        .value(
+            "--height-midlevel", "VALUE",
+            [&d](const std::string& text) {
+                d.midlevel = parse_number("--height-midlevel", text, false);
+            },
+            "The texel that moves nothing (default: the material's, else 0.5; in files of 8 and "
+            "16 bits the code nearest to it)")
+        .needs(displace);
+    options
+        .named("--height-filter", d.heights.filter,
+               "Between texels: bilinear (default) or bicubic, whose slopes are continuous")
+        .needs(displace);
+    options
+        .number("--height-channel", d.heights.channel, 0, 3, "N",
+                "Which channel of the map holds heights (default 0, the first)")
+        .needs(displace);
+
+    options.group("Tessellation");
+    prep::TessellateOptions& t = p.tessellation;
+    const auto length = [&](const char* name, std::optional<double>& to, const char* help) {
+        options.value(
+            name, "LENGTH",
+            [&p, &to, name](const std::string& text) {
+                p.tessellate = true;
+                to = parse_number(name, text, true);
+            },
+            help);
+    };
+    length("--chord-error", t.chord_error,
+           "Triangles nowhere further than this from the surface, in the mesh's units; proved, and "
+           "told. With --displace and none of these: a thousandth of the mesh's diagonal, at most "
+           "1M triangles");
+    length("--edge-length", t.edge_length, "No edge is longer, in the mesh's units");
+    options.value(
+        "--max-triangles", "N",
+        [&p, &t](const std::string& text) {
+            p.tessellate = true;
+            t.max_triangles = parse_count("--max-triangles", text);
+        },
+        "At most so many in a mesh, spent where the error is largest (20000, 200k, 1.5M); three a "
+        "triangle and four a quad there are in any case");
+}
+
+}  // namespace
+
+void add_surface_options(OptionSet& options, prep::PrepareOptions& p) {
+    add_subdivision_options(options, p);
+    add_displacement_options(options, p);
+}
+
+}  // namespace meshprep
