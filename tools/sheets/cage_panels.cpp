@@ -12,13 +12,13 @@ namespace {
 
 using prep::Result;
 
-enum Kind : std::uint8_t { smooth, semi_sharp, sharp };
+enum EdgeKind : std::uint8_t { smooth, semi_sharp, sharp };
 using Counts = std::array<std::uint64_t, 3>;
 
 constexpr Color colors[] = {rgb(0x1f2937), rgb(0xd97706), rgb(0xdc2626)};
 constexpr Color extraordinary_color = rgb(0x7c3aed);
 
-Kind kind_of(const CageLine& line) {
+EdgeKind kind_of(const CageLine& line) {
     return line.sharpness >= 10 ? sharp : line.sharpness > 0 ? semi_sharp : smooth;
 }
 
@@ -36,7 +36,7 @@ Result<Counts> draw_lines(const CagePanelInput& input, Overlay& overlay, const L
         lines[m] = *std::move(found);
         for (const CageLine& line : lines[m]) ++counts[kind_of(line)];
     }
-    for (const Kind kind : {smooth, semi_sharp, sharp})
+    for (const EdgeKind kind : {smooth, semi_sharp, sharp})
         for (std::size_t n = 0; n < scene.scene.nodes.size(); ++n) {
             const std::uint32_t m = scene.scene.nodes[n].mesh;
             if (m >= lines.size()) continue;

@@ -13,7 +13,7 @@ namespace prep {
 namespace {
 
 using Index = std::uint32_t;
-constexpr std::size_t face_grain = 8192;
+constexpr std::size_t edge_grain = 8192;
 constexpr float infinitely_sharp = 10.0f;  // OpenSubdiv's SHARPNESS_INFINITE
 
 // Edges marked hard, as sorted (low, high) pairs of welded vertices packed into 64 bits.
@@ -155,7 +155,7 @@ Result<HardEdges> hard_edges(const MeshView& mesh, const Topology& topology,
     HardEdges result;
     result.reasons.assign(mesh.corner_count(), hard_none);
     std::atomic<std::uint64_t> exact_total{0}, hard_total{0};
-    detail::parallel_blocks(mesh.corner_count(), face_grain * 3, options.threads,
+    detail::parallel_blocks(mesh.corner_count(), edge_grain * 3, options.threads,
                             [&](std::size_t begin, std::size_t end) {
                                 std::uint64_t exact = 0, hard = 0;
                                 for (std::size_t i = begin; i < end; ++i) {

@@ -15,7 +15,7 @@ using Index = std::uint32_t;
 
 // Vertices per block of work; a block's time is about 1 ms, far above the cost of handing it out.
 constexpr std::size_t vertex_grain = 16384;
-constexpr std::size_t face_grain = 32768;
+constexpr std::size_t adjacency_grain = 32768;
 
 // An edge's half-edges at its lower end, packed so that sorting groups them by upper end.
 std::uint64_t packed(Index upper, Index half_edge) {
@@ -182,7 +182,7 @@ Topology build_topology(const MeshView& mesh, std::span<const std::uint32_t> wel
     topology.kinds.assign(corners, EdgeKind::border);
     std::vector<Index> welded_points(any_welded ? corners : 0);
     detail::parallel_blocks(
-        mesh.face_count(), face_grain, threads, [&](std::size_t first, std::size_t last) {
+        mesh.face_count(), adjacency_grain, threads, [&](std::size_t first, std::size_t last) {
             for (std::size_t f = first; f < last; ++f) {
                 const Index begin = mesh.face_offsets[f], end = mesh.face_offsets[f + 1];
                 Index previous = topology.welded[mesh.corner_vertices[end - 1]];

@@ -14,7 +14,7 @@ namespace prep {
 namespace {
 
 using Index = std::uint32_t;
-constexpr std::size_t face_grain = 16384;
+constexpr std::size_t polygon_grain = 16384;
 // Looks at corners that one polygon may cost before the rest of it is cut as a fan: simple polygons
 // of a million corners stay below it, and hopelessly self-crossing ones end within seconds.
 constexpr std::size_t work_limit = 200'000'000;
@@ -226,16 +226,17 @@ Triangulation triangulate(const MeshView& mesh, int threads) {
     const std::size_t triangles = mesh.corner_count() - 2 * faces;
     result.corners.resize(triangles * 3);
     result.triangle_faces.resize(triangles);
-    detail::parallel_blocks(faces, face_grain, threads, [&](std::size_t first, std::size_t last) {
-        for (std::size_t f = first; f < last; ++f) {
-            const Index begin = mesh.face_offsets[f], end = mesh.face_offsets[f + 1];
-            // Faces before this one gave (their corners − 2) triangles each.
-            const std::size_t t = begin - 2 * f;
-            cut_face(mesh, begin, end, result.corners.data() + 3 * t);
-            std::fill_n(result.triangle_faces.begin() + std::ptrdiff_t(t), end - begin - 2,
-                        Index(f));
-        }
-    });
+    detail::parallel_blocks(
+        faces, polygon_grain, threads, [&](std::size_t first, std::size_t last) {
+            for (std::size_t f = first; f < last; ++f) {
+                const Index begin = mesh.face_offsets[f], end = mesh.face_offsets[f + 1];
+                // Faces before this one gave (their corners − 2) triangles each.
+                const std::size_t t = begin - 2 * f;
+                cut_face(mesh, begin, end, result.corners.data() + 3 * t);
+                std::fill_n(result.triangle_faces.begin() + std::ptrdiff_t(t), end - begin - 2,
+                            Index(f));
+            }
+        });
     return result;
 }
 

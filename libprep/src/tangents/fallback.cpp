@@ -17,7 +17,7 @@ constexpr double orthogonal_tolerance = 1e-6;  // on the plane of its normal to 
 constexpr double least_on_plane = 1e-5;
 
 // Zero for what has no direction.
-glm::dvec3 unit_or_zero(const glm::dvec3& v) {
+glm::dvec3 direction_or_zero(const glm::dvec3& v) {
     const double largest = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
     if (!is_finite(v) || !(largest > 0)) return glm::dvec3(0.0);
     return glm::normalize(v / largest);
@@ -35,7 +35,7 @@ glm::dvec3 any_perpendicular(const glm::dvec3& n) {
 // On the plane of n and unit, or zero where hardly anything is left. Projects twice: the second
 // time removes what rounding left of a direction close to n.
 glm::dvec3 on_plane(const glm::dvec3& n, const glm::dvec3& v) {
-    const glm::dvec3 direction = unit_or_zero(v);
+    const glm::dvec3 direction = direction_or_zero(v);
     glm::dvec3 p = direction - glm::dot(direction, n) * n;
     if (!(glm::length(p) > least_on_plane)) return glm::dvec3(0.0);
     p = glm::normalize(p);
@@ -105,7 +105,7 @@ class Fallbacks {
 
   private:
     std::optional<glm::dvec3> normal(Index corner) const {
-        const glm::dvec3 n = unit_or_zero(glm::dvec3(read_.normal(corner)));
+        const glm::dvec3 n = direction_or_zero(glm::dvec3(read_.normal(corner)));
         if (n == glm::dvec3(0.0)) return std::nullopt;
         return n;
     }

@@ -13,8 +13,8 @@ namespace prep::detail {
 namespace {
 
 using Index = std::uint32_t;
-constexpr std::size_t position_grain = 2048;
-constexpr std::size_t triangle_grain = 65536;  // a multiple of 64
+constexpr std::size_t ring_grain = 2048;
+constexpr std::size_t ring_triangle_grain = 65536;  // a multiple of 64
 // Up to this many corners at a position, classes are searched one by one; above, corners are
 // sorted.
 constexpr std::size_t small_ring = 32;
@@ -123,19 +123,21 @@ ScratchBuffer<Index> names_of(std::span<const Index> vertices, const Contributio
                               int threads) {
     const std::size_t triangles = vertices.size() / 3;
     ScratchBuffer<Index> names(3 * (store.chosen.empty() ? triangles : store.planes[0].size()));
-    parallel_blocks(triangles, triangle_grain, threads, [&](std::size_t begin, std::size_t end) {
-        if (store.chosen.empty()) {
-            std::copy_n(vertices.data() + 3 * begin, 3 * (end - begin), names.data() + 3 * begin);
-            return;
-        }
-        Index* to = names.data() + 3 * std::size_t(store.chosen_before[begin / 64]);
-        for (std::size_t w = begin / 64; w < (end + 63) / 64; ++w) {
-            for (std::uint64_t rest = store.chosen[w]; rest != 0; rest &= rest - 1, to += 3) {
-                const std::size_t t = 64 * w + std::size_t(std::countr_zero(rest));
-                std::copy_n(vertices.data() + 3 * t, 3, to);
+    parallel_blocks(
+        triangles, ring_triangle_grain, threads, [&](std::size_t begin, std::size_t end) {
+            if (store.chosen.empty()) {
+                std::copy_n(vertices.data() + 3 * begin, 3 * (end - begin),
+                            names.data() + 3 * begin);
+                return;
             }
-        }
-    });
+            Index* to = names.data() + 3 * std::size_t(store.chosen_before[begin / 64]);
+            for (std::size_t w = begin / 64; w < (end + 63) / 64; ++w) {
+                for (std::uint64_t rest = store.chosen[w]; rest != 0; rest &= rest - 1, to += 3) {
+                    const std::size_t t = 64 * w + std::size_t(std::countr_zero(rest));
+                    std::copy_n(vertices.data() + 3 * t, 3, to);
+                }
+            }
+        });
     return names;
 }
 
@@ -152,7 +154,7 @@ OneRings welded_vertices(const TangentInput& in, const TangentTriangles& triangl
     ScratchBuffer<Index> numbers;
     if (!lowest.empty()) numbers = numbers_of(lowest, rings.positions);
     rings.own_vertices = ScratchBuffer<Index>(3 * triangles.count);
-    parallel_blocks(triangles.count, triangle_grain, threads,
+    parallel_blocks(triangles.count, ring_triangle_grain, threads,
                     [&](std::size_t begin, std::size_t end) {
                         for (std::size_t i = 3 * begin; i < 3 * end; ++i) {
                             const Index p = in.corner_vertices[triangles.corner(i)];
@@ -269,7 +271,7 @@ void split_rings(const CornerReader& read, const TangentTriangles& triangles,
     } else {
         rings.names = names_of(rings.vertices, store, threads);
     }
-    parallel_blocks(rings.count, position_grain, threads, [&](std::size_t begin, std::size_t end) {
+    parallel_blocks(rings.count, ring_grain, threads, [&](std::size_t begin, std::size_t end) {
         Splitter splitter(read, triangles, store.counts.nan);
         for (std::size_t i = begin; i < end; ++i) {
             if (!rings.split[i]) continue;
@@ -298,14 +300,17 @@ void list_split_neighbours(std::span<const Index> vertices, int threads,
         return states[vertices[i]] == split_vertex;
     };
     const std::size_t triangles = vertices.size() / 3;
-    std::vector<std::vector<Index>> found((triangles + triangle_grain - 1) / triangle_grain);
-    parallel_blocks(triangles, triangle_grain, threads, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = 3 * begin; i < 3 * end; i += 3) {
-            if (!(is_split(i) | is_split(i + 1) | is_split(i + 2))) continue;
-            for (std::size_t k = 0; k < 3; ++k)
-                if (!is_split(i + k)) found[begin / triangle_grain].push_back(vertices[i + k]);
-        }
-    });
+    std::vector<std::vector<Index>> found((triangles + ring_triangle_grain - 1) /
+                                          ring_triangle_grain);
+    parallel_blocks(triangles, ring_triangle_grain, threads,
+                    [&](std::size_t begin, std::size_t end) {
+                        for (std::size_t i = 3 * begin; i < 3 * end; i += 3) {
+                            if (!(is_split(i) | is_split(i + 1) | is_split(i + 2))) continue;
+                            for (std::size_t k = 0; k < 3; ++k)
+                                if (!is_split(i + k))
+                                    found[begin / ring_triangle_grain].push_back(vertices[i + k]);
+                        }
+                    });
     for (const auto& list : found)
         for (const Index v : list) states[v] = worklist_vertex;
 }
@@ -314,14 +319,14 @@ Worklist make_worklist(const TangentTriangles& triangles, const ContributionStor
                        std::span<const Index> vertices, std::span<const std::uint8_t> states,
                        std::span<const Index> places, int threads, std::span<Index> corner_values) {
     Worklist result;
-    result.lists.resize((triangles.count + triangle_grain - 1) / triangle_grain);
+    result.lists.resize((triangles.count + ring_triangle_grain - 1) / ring_triangle_grain);
     result.triangles.assign((triangles.count + 63) / 64, 0);
     const bool any_degenerate = store.counts.degenerate > 0;
     std::atomic<bool> any = false;
     const bool plain = !states.empty() && !any_degenerate && places.empty();
     constexpr std::size_t most_found = 1024;
     const auto list_block = [&](std::size_t begin, std::size_t end) {
-        std::vector<Index>& list = result.lists[begin / triangle_grain];
+        std::vector<Index>& list = result.lists[begin / ring_triangle_grain];
         const std::uint8_t* const state = states.data();
         std::uint64_t* const words = result.triangles.data();
         const bool all_listed = states.empty(), placed = !places.empty();
@@ -356,7 +361,7 @@ Worklist make_worklist(const TangentTriangles& triangles, const ContributionStor
         flush();
         if (!list.empty()) any = true;
     };
-    parallel_blocks(triangles.count, triangle_grain, threads, list_block);
+    parallel_blocks(triangles.count, ring_triangle_grain, threads, list_block);
     result.any = any;
     return result;
 }

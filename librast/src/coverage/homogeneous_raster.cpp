@@ -6,7 +6,7 @@
 namespace rast::detail {
 namespace {
 
-struct PixelBox {  // of a tile
+struct TileBox {  // of a tile
     std::int32_t x0, y0, x1, y1;
 };
 
@@ -35,7 +35,7 @@ struct CrossingTile {
         return place.grid(float(exact));
     }
 
-    bool hidden(const PixelBox& block) const {
+    bool hidden(const TileBox& block) const {
         bool drawn = false;
         const float nearest = depth_at(x_of(t.plane.depth_x > 0 ? block.x1 : block.x0),
                                        y_of(t.plane.depth_y > 0 ? block.y1 : block.y0), drawn);
@@ -50,7 +50,7 @@ struct CrossingTile {
     }
 
     template <bool filled>
-    void draw_pixels(const PixelBox& block) const {
+    void draw_pixels(const TileBox& block) const {
         for (std::int32_t j = block.y0; j <= block.y1; ++j)
             for (std::int32_t i = block.x0; i <= block.x1; ++i) {
                 const double x = x_of(i), y = y_of(j);
@@ -71,7 +71,7 @@ struct CrossingTile {
             }
     }
 
-    void draw(const PixelBox& block) const {
+    void draw(const TileBox& block) const {
         bool filled = true;
         for (const CrossingEdge& e : t.edges) {
             const bool right = e.nx > 0, down = e.ny > 0;
@@ -100,7 +100,7 @@ void raster_crossing(float* depths, std::uint32_t* ids, const TilePlace& place,
     const auto pixel = [](double v, std::int32_t extent) {
         return std::int32_t(std::clamp(v, -1.0, double(extent)));
     };
-    const PixelBox box{
+    const TileBox box{
         std::max(pixel(std::floor(t.low_x - left) - 1, place.width), 0),
         std::max(pixel(std::floor(t.low_y - top) - 1, place.height), 0),
         std::min(pixel(std::ceil(t.high_x - left) + 1, place.width), place.width - 1),

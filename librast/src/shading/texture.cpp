@@ -54,16 +54,9 @@ std::vector<Tap> taps(std::uint32_t from, std::uint32_t to) {
     return result;
 }
 
-// Whole texel and the rest, for coordinates of any size (beyond 2^40 texels the rest is lost, and
-// NaN is 0).
-std::int64_t whole(float x) {
-    if (!(std::abs(x) < 1e12f)) return 0;
-    return std::int64_t(std::floor(x));
-}
-
 // Of a coordinate from texel centre to texel centre.
 OnAxis on_axis(float t, std::int64_t size, prep::Wrap wrap) {
-    OnAxis out{whole(t), 0.0f};
+    OnAxis out{whole_texel(t), 0.0f};
     if (std::abs(t) < 1e12f) out.part = t - float(out.first);
     std::int64_t& i = out.first;
     switch (wrap) {
@@ -394,9 +387,9 @@ std::uint64_t MipTexture::levels_made() const {
 
 glm::vec4 MipTexture::nearest(const Level& level, const glm::vec2& uv) const {
     const std::int64_t x =
-        wrap_texel(whole(uv.x * float(level.width)), level.width, sampler_.wrap_u);
+        wrap_texel(whole_texel(uv.x * float(level.width)), level.width, sampler_.wrap_u);
     const std::int64_t y =
-        wrap_texel(whole(uv.y * float(level.height)), level.height, sampler_.wrap_v);
+        wrap_texel(whole_texel(uv.y * float(level.height)), level.height, sampler_.wrap_v);
     if (x < 0 || y < 0) return glm::vec4(0.0f);
     return raw(level.at(x, y));
 }

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <atomic>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <glm/glm.hpp>
@@ -29,6 +30,11 @@ TextureLevels levels_for(TextureFilter filter, prep::MipFilter mip = prep::MipFi
 // What is left of a filter for a texture: `by_sampler` only where the sampler is no filter's like,
 // as one that magnifies to the nearest texel and minifies smoothly.
 TextureFilter filter_for(TextureFilter asked, const prep::Texture& sampler);
+
+// The whole texel of a coordinate of any size (beyond 2^40 texels the rest is lost, and NaN is 0).
+inline std::int64_t whole_texel(float x) {
+    return std::abs(x) < 1e12f ? std::int64_t(std::floor(x)) : 0;
+}
 
 // How texels lie in memory: red, green, blue and alpha side by side, all levels one after the
 // other. Files of 8 bits, and files of 16 bits that are not decoded from sRGB, take 8 bytes a

@@ -9,10 +9,6 @@
 namespace rast {
 namespace {
 
-// Whole texel and the rest, for coordinates of any size; NaN is 0.
-std::int64_t whole(float x) {
-    return std::abs(x) < 1e12f ? std::int64_t(std::floor(x)) : 0;
-}
 float rest(float x, std::int64_t i) {
     return std::abs(x) < 1e12f ? x - float(i) : 0.0f;
 }
@@ -69,7 +65,7 @@ const float* ellipse_weights() {
 
 glm::vec4 MipTexture::bicubic(const Level& level, const glm::vec2& uv) const {
     const float u = uv.x * float(level.width) - 0.5f, v = uv.y * float(level.height) - 0.5f;
-    const std::int64_t x = whole(u), y = whole(v);
+    const std::int64_t x = whole_texel(u), y = whole_texel(v);
     const std::array<float, 4> across = keys_weights(rest(u, x)), down = keys_weights(rest(v, y));
     std::array<std::int64_t, 4> columns, rows;
     for (int i = 0; i < 4; ++i) {
@@ -141,7 +137,7 @@ glm::vec4 MipTexture::ellipse(const Level& level, const glm::vec2& uv, const glm
     const float per = 0.5f / A;
     // From the texel in the middle.
     const float u = uv.x * width - 0.5f, v = uv.y * height - 0.5f;
-    const std::int64_t middle_x = whole(u + 0.5f), middle_y = whole(v + 0.5f);
+    const std::int64_t middle_x = whole_texel(u + 0.5f), middle_y = whole_texel(v + 0.5f);
     const float from_x = rest(u, middle_x), from_y = rest(v, middle_y);
     const float* const weights = ellipse_weights();
     const Quad base = placed(level, place(middle_x, level.width, sampler_.wrap_u),

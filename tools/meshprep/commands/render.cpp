@@ -29,8 +29,6 @@ using prep::Error;
 using prep::ErrorCode;
 using prep::Result;
 
-constexpr double degrees = std::numbers::pi / 180;
-
 Result<prep::JsonScene> load(const std::filesystem::path& path, const prep::LoadOptions& options) {
     if (lower_ending(path) == "json") return prep::load_scene_json(path, options);
     Result<prep::Scene> scene = prep::load_scene(path, options);
@@ -57,7 +55,8 @@ std::vector<rast::LightInstance> lights_of(const RenderCommand& command,
     }
     const glm::dmat3 to_world = glm::transpose(glm::dmat3(plan.view.world_to_view));
     for (const LightChoice& choice : command.lights) {
-        const double a = choice.azimuth * degrees, e = choice.elevation * degrees;
+        const double a = choice.azimuth * radians_per_degree,
+                     e = choice.elevation * radians_per_degree;
         const glm::dvec3 from(std::sin(a) * std::cos(e), std::sin(e), std::cos(a) * std::cos(e));
         rast::LightInstance light;
         light.kind = prep::LightKind::directional;

@@ -10,8 +10,6 @@ using prep::Error;
 using prep::ErrorCode;
 using prep::Result;
 
-constexpr double degrees = std::numbers::pi / 180;
-
 // A node with a camera, by the node's or the camera's name, or the n-th of them.
 Result<std::uint32_t> find_camera(const prep::Scene& scene, const std::string& text) {
     std::vector<std::uint32_t> nodes;
@@ -173,7 +171,8 @@ Result<std::vector<std::optional<rast::View>>> views_of(
     }
     if (orbit)
         return viewer.finished(
-            viewer.orbits({orbit->azimuth / degrees, orbit->elevation / degrees, orbit->distance}));
+            viewer.orbits({orbit->azimuth / radians_per_degree,
+                           orbit->elevation / radians_per_degree, orbit->distance}));
     if (command.turntable == 0 && !command.yfov && !command.ortho_height)
         return std::vector<std::optional<rast::View>>(1);
     if (prepared.scene.active_camera != prep::no_index)

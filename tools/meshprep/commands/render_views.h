@@ -1,6 +1,7 @@
 // Where the pictures of `meshprep render` are taken from.
 #pragma once
 
+#include <numbers>
 #include <optional>
 #include <vector>
 
@@ -10,6 +11,8 @@
 #include "rast/view.h"
 
 namespace meshprep {
+
+constexpr double radians_per_degree = std::numbers::pi / 180;
 
 // One view, or those of the turntable; unset: the renderer's choice. `orbit`: the scene file's.
 // Errors: invalid (no such camera).

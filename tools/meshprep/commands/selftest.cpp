@@ -22,7 +22,7 @@ using prep::MeshView;
 using prep::NormalWeight;
 using prep::Precision;
 
-constexpr double degrees = 180 / std::numbers::pi;
+constexpr double degrees_per_radian = 180 / std::numbers::pi;
 // Half an ulp below one in each component of a unit vector.
 constexpr double rounding = std::numbers::sqrt3 * 0x1p-25;
 
@@ -44,7 +44,7 @@ prep::CornerNormals normals_of(const Mesh& mesh, NormalWeight weight, Precision 
 }
 
 double angle_between(const glm::dvec3& a, const glm::dvec3& b) {
-    return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b)) * degrees;
+    return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b)) * degrees_per_radian;
 }
 
 bool unit(const glm::vec3& v) {
@@ -248,13 +248,13 @@ bool Selftest::ok() const {
 }
 
 double selftest_fast_bound() {
-    return prep::fast_normal_error * degrees;
+    return prep::fast_normal_error * degrees_per_radian;
 }
 double selftest_accurate_bound() {
-    return prep::accurate_normal_error * degrees;
+    return prep::accurate_normal_error * degrees_per_radian;
 }
 double selftest_rounded_bound() {
-    return (prep::accurate_normal_error + rounding) * degrees;
+    return (prep::accurate_normal_error + rounding) * degrees_per_radian;
 }
 
 Selftest selftest(int threads) {

@@ -5,12 +5,6 @@
 namespace meshprep {
 namespace {
 
-std::string joined(const std::vector<std::string>& words, const std::string& separator = " ") {
-    std::string text;
-    for (const std::string& word : words) text += (text.empty() ? "" : separator) + word;
-    return text;
-}
-
 // The start of a help text, as one remark: shells show a line.
 std::string remark(const std::string& help) {
     constexpr std::size_t longest = 72;

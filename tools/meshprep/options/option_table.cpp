@@ -23,6 +23,12 @@ bool is_word(const std::string& text) {
 
 }  // namespace
 
+std::string joined(const std::vector<std::string>& words, const std::string& separator) {
+    std::string text;
+    for (const std::string& word : words) text += (text.empty() ? "" : separator) + word;
+    return text;
+}
+
 std::vector<std::string> OptionRow::words() const {
     std::vector<std::string> words;
     for (const std::string& part : split(type, '|'))

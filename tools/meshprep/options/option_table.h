@@ -11,6 +11,8 @@ class App;
 
 namespace meshprep {
 
+std::string joined(const std::vector<std::string>& words, const std::string& separator = " ");
+
 struct OptionRow {
     std::vector<std::string> names;  // "-o", "--output"; of an argument by its place its one name
     std::string type;                // the word for its value, "on|off"; empty: it takes none

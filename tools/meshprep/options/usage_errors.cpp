@@ -10,12 +10,6 @@
 namespace meshprep {
 namespace {
 
-std::string joined(const std::vector<std::string>& words) {
-    std::string text;
-    for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
-    return text;
-}
-
 std::string advice_for(const std::string& subcommand) {
     return subcommand.empty() ? "'meshprep help' lists what there is."
                               : "'meshprep help " + subcommand + "' lists its options.";
@@ -45,7 +39,7 @@ std::string meant(const std::string& option, const CommandTable& table,
     for (const CommandTable& other : tables.subcommands)
         if (other.find(option)) others.push_back(other.name);
     if (!others.empty())
-        return "; " + joined(others) + (others.size() == 1 ? " has" : " have") + " it";
+        return "; " + joined(others, ", ") + (others.size() == 1 ? " has" : " have") + " it";
     // The start of one alone was meant for it: "--thr".
     std::vector<std::string> starts;
     for (const std::string& name : table.long_names())
@@ -126,7 +120,7 @@ UsageError unknown_subcommand(const std::string& word, const CommandTables& tabl
     return {"",
             "'" + word + "' is no subcommand; " +
                 (near.empty() ? "" : "did you mean '" + near + "'? ") +
-                (near.empty() ? "there" : "There") + " are " + joined(tables.names()),
+                (near.empty() ? "there" : "There") + " are " + joined(tables.names(), ", "),
             advice_for("")};
 }
 

@@ -11,7 +11,7 @@
 namespace meshprep {
 namespace {
 
-using Json = nlohmann::json;
+using SortedJson = nlohmann::json;
 
 void add(Counts& counts, const char* name, std::uint64_t value) {
     counts.figures.emplace_back(name, value);
@@ -36,15 +36,15 @@ std::string gltf_text(const std::filesystem::path& path) {
     return {reinterpret_cast<const char*>(bytes->data()), bytes->size()};
 }
 
-const Json& member(const Json& object, const char* key) {
-    static const Json none;
+const SortedJson& member(const SortedJson& object, const char* key) {
+    static const SortedJson none;
     if (!object.is_object()) return none;
     const auto found = object.find(key);
     return found == object.end() ? none : *found;
 }
 
-std::uint64_t size_of(const Json& object, const char* key) {
-    const Json& value = member(object, key);
+std::uint64_t size_of(const SortedJson& object, const char* key) {
+    const SortedJson& value = member(object, key);
     return value.is_array() ? value.size() : 0;
 }
 
@@ -117,35 +117,35 @@ Counts count_gltf_file(const std::filesystem::path& path) {
     if (!format || format->name != "glTF") return {};
     const std::string text = gltf_text(path);
     // The non-throwing form; a document that is no JSON counts as nothing.
-    const Json json = Json::parse(text, nullptr, false);
+    const SortedJson json = SortedJson::parse(text, nullptr, false);
     if (!json.is_object()) return {};
     Counts counts;
     add(counts, "nodes", size_of(json, "nodes"));
     add(counts, "meshes", size_of(json, "meshes"));
     std::uint64_t primitives = 0, targets = 0, channels = 0;
-    if (const Json& meshes = member(json, "meshes"); meshes.is_array()) {
-        for (const Json& mesh : meshes) {
-            const Json& list = member(mesh, "primitives");
+    if (const SortedJson& meshes = member(json, "meshes"); meshes.is_array()) {
+        for (const SortedJson& mesh : meshes) {
+            const SortedJson& list = member(mesh, "primitives");
             if (!list.is_array()) continue;
             primitives += list.size();
-            for (const Json& primitive : list) targets += size_of(primitive, "targets");
+            for (const SortedJson& primitive : list) targets += size_of(primitive, "targets");
         }
     }
-    if (const Json& animations = member(json, "animations"); animations.is_array())
-        for (const Json& animation : animations) channels += size_of(animation, "channels");
+    if (const SortedJson& animations = member(json, "animations"); animations.is_array())
+        for (const SortedJson& animation : animations) channels += size_of(animation, "channels");
     add(counts, "primitives", primitives);
     add(counts, "morph targets", targets);
     add(counts, "skins", size_of(json, "skins"));
     add(counts, "animations", size_of(json, "animations"));
     add(counts, "animation channels", channels);
     add(counts, "cameras", size_of(json, "cameras"));
-    const Json& extensions = member(json, "extensions");
+    const SortedJson& extensions = member(json, "extensions");
     add(counts, "lights", size_of(member(extensions, "KHR_lights_punctual"), "lights"));
     add(counts, "materials", size_of(json, "materials"));
     add(counts, "textures", size_of(json, "textures"));
     add(counts, "images", size_of(json, "images"));
-    if (const Json& used = member(json, "extensionsUsed"); used.is_array())
-        for (const Json& name : used)
+    if (const SortedJson& used = member(json, "extensionsUsed"); used.is_array())
+        for (const SortedJson& name : used)
             if (name.is_string()) counts.extensions.push_back(name.get<std::string>());
     return counts;
 }

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstring>
+#include <glm/glm.hpp>
 #include <nlohmann/json.hpp>
 #include <span>
 #include <string>
@@ -12,6 +13,10 @@
 namespace prep::detail {
 
 using Json = nlohmann::ordered_json;
+
+inline Json array3(const glm::dvec3& v) {
+    return {v.x, v.y, v.z};
+}
 
 class GltfBuffer {
   public:

@@ -19,10 +19,6 @@ namespace {
 
 using Index = std::uint32_t;
 
-Json array3(const glm::vec3& v) {
-    return {v.x, v.y, v.z};
-}
-
 class Builder {
   public:
     Builder(const PreparedScene& prepared, Json& document, GltfBuffer& buffer,

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "formats/gltf/buffer.h"
+
 namespace prep::detail {
 namespace {
 
@@ -12,10 +14,6 @@ constexpr float least_limit = 0.25f;
 
 float unit(float x) {
     return std::clamp(x, 0.0f, 1.0f);
-}
-
-Json array3(const glm::vec3& v) {
-    return {v.x, v.y, v.z};
 }
 
 float largest(const glm::vec3& v) {

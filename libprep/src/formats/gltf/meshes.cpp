@@ -9,10 +9,6 @@ namespace {
 
 using Index = std::uint32_t;
 
-std::string number(std::uint64_t value) {
-    return std::to_string(value);
-}
-
 class MeshReader {
   public:
     MeshReader(GltfDocument& document, Scene& scene, std::vector<std::vector<GltfJoints>>& joints)
@@ -25,7 +21,7 @@ class MeshReader {
         const Json* list = *top_array(d_, "meshes");
         if (auto done = find_shared(*list); !done) return done;
         for (std::size_t m = 0; m < list->size(); ++m)
-            if (auto done = mesh((*list)[m], "/meshes/" + number(m)); !done) return done;
+            if (auto done = mesh((*list)[m], "/meshes/" + std::to_string(m)); !done) return done;
         return {};
     }
 
@@ -36,12 +32,12 @@ class MeshReader {
     Result<void> find_shared(const Json& meshes) {
         std::vector<std::uint8_t> users(accessors_, 0);
         for (std::size_t m = 0; m < meshes.size(); ++m) {
-            const std::string pointer = "/meshes/" + number(m) + "/primitives";
+            const std::string pointer = "/meshes/" + std::to_string(m) + "/primitives";
             const auto primitives = meshes[m].find("primitives");
             if (primitives == meshes[m].end() || !primitives->is_array() || primitives->empty())
                 return d_.bad(pointer, "expected a list with at least one primitive");
             for (std::size_t p = 0; p < primitives->size(); ++p) {
-                const std::string place = pointer + "/" + number(p);
+                const std::string place = pointer + "/" + std::to_string(p);
                 const Json& primitive = (*primitives)[p];
                 if (!primitive.is_object()) return d_.bad(place, "expected an object");
                 const auto attributes = primitive.find("attributes");
@@ -78,7 +74,8 @@ class MeshReader {
         mesh.name = name_of(in);
         const Json& primitives = in["primitives"];
         for (std::size_t p = 0; p < primitives.size(); ++p)
-            if (auto done = primitive(primitives[p], p, pointer + "/primitives/" + number(p), mesh);
+            if (auto done =
+                    primitive(primitives[p], p, pointer + "/primitives/" + std::to_string(p), mesh);
                 !done)
                 return done;
         return vertices_.finish(pointer, mesh);
@@ -127,10 +124,10 @@ class MeshReader {
         if (auto done = budget_.spend(indices->size() * 16, pointer); !done) return done;
         for (std::size_t i = 0; i < indices->size(); ++i)
             if ((*indices)[i] >= *count)
-                return d_.bad(pointer + "/indices", "index " + number((*indices)[i]) + " (number " +
-                                                        number(i) +
+                return d_.bad(pointer + "/indices", "index " + std::to_string((*indices)[i]) +
+                                                        " (number " + std::to_string(i) +
                                                         ") is out of range: the primitive has " +
-                                                        number(*count) + " vertices");
+                                                        std::to_string(*count) + " vertices");
         vertices_.note_names(attributes, out.triangles, mesh);
         if (const auto targets = in.find("targets"); targets != in.end())
             mesh.morph_targets.resize(std::max(mesh.morph_targets.size(), targets->size()));
@@ -173,9 +170,9 @@ class MeshReader {
                 first = item.key();
             }
             if (n != *count)
-                return d_.bad(
-                    pointer + "/attributes/" + pointer_key(item.key()),
-                    "has " + number(n) + " elements, " + first + " has " + number(*count));
+                return d_.bad(pointer + "/attributes/" + pointer_key(item.key()),
+                              "has " + std::to_string(n) + " elements, " + first + " has " +
+                                  std::to_string(*count));
         }
         return *count;
     }
@@ -198,14 +195,14 @@ class MeshReader {
         const int type = raw->component_type;
         if (raw->width != 1 || (type != 5121 && type != 5123 && type != 5125))
             return d_.bad(place, "indices must be unsigned whole scalars, accessor " +
-                                     number(*accessor) + " is of another type");
+                                     std::to_string(*accessor) + " is of another type");
         indices = to_indices(*raw);
         const Index restart = type == 5121 ? 0xff : type == 5123 ? 0xffff : 0xffffffff;
         for (std::size_t i = 0; i < indices.size(); ++i)
             if (indices[i] == restart)
-                return d_.bad(place,
-                              "index number " + number(i) + " is " + number(restart) +
-                                  ", the largest of its type, which means primitive restart");
+                return d_.bad(
+                    place, "index number " + std::to_string(i) + " is " + std::to_string(restart) +
+                               ", the largest of its type, which means primitive restart");
         return indices;
     }
 
@@ -281,7 +278,7 @@ class MeshReader {
                 if (!values) {
                     if (auto done =
                             budget_.spend(std::uint64_t(out.vertex_count) * sizeof(glm::vec3),
-                                          pointer + "/targets/" + number(t));
+                                          pointer + "/targets/" + std::to_string(t));
                         !done)
                         return done;
                     const auto raw = out.elements.empty() ? d_.raw_accessor(accessor)
@@ -322,15 +319,15 @@ class MeshReader {
         if (targets == in.end()) return {};
         if (!targets->is_array()) return d_.bad(pointer + "/targets", "expected an array");
         for (std::size_t t = 0; t < targets->size(); ++t) {
-            const std::string place = pointer + "/targets/" + number(t);
+            const std::string place = pointer + "/targets/" + std::to_string(t);
             if (!(*targets)[t].is_object()) return d_.bad(place, "expected an object");
             for (const auto& item : (*targets)[t].items()) {
                 const std::string at = place + "/" + pointer_key(item.key());
                 const auto accessor = index_value(d_, item.value(), at, accessors_);
                 if (!accessor) return accessor.error();
                 if (count_of(*accessor) != count)
-                    return d_.bad(at, "has " + number(count_of(*accessor)) +
-                                          " elements, the primitive has " + number(count) +
+                    return d_.bad(at, "has " + std::to_string(count_of(*accessor)) +
+                                          " elements, the primitive has " + std::to_string(count) +
                                           " vertices");
                 const std::string& semantic = item.key();
                 const bool vector =
@@ -346,9 +343,9 @@ class MeshReader {
         const std::size_t each = mode == 4 ? 3 : mode == 1 ? 2 : 1;
         const std::size_t least = mode >= 4 ? 3 : mode == 0 ? 0 : 2;
         if (count % each == 0 && (count == 0 || count >= least)) return;
-        scene_.warnings.push_back(d_.place(pointer) + ": " + number(count) + " indices make no " +
-                                  (mode >= 4 ? "whole triangles" : "whole lines") +
-                                  ": the last ones were left out");
+        scene_.warnings.push_back(
+            d_.place(pointer) + ": " + std::to_string(count) + " indices make no " +
+            (mode >= 4 ? "whole triangles" : "whole lines") + ": the last ones were left out");
     }
 
     // --- faces, lines and points -------------------------------------------------------------

@@ -12,10 +12,6 @@ constexpr std::uint64_t max_zero_bytes_in_all = std::uint64_t(4) << 30;
 constexpr std::uint64_t max_compression = 64;
 constexpr const char* meshopt = "EXT_meshopt_compression";
 
-std::string number(std::uint64_t value) {
-    return std::to_string(value);
-}
-
 struct View {
     std::uint64_t length = 0, stride = 0;  // as an accessor sees it
 };
@@ -27,10 +23,11 @@ class Checker {
     Result<void> run() {
         const Json* views = *top_array(d_, "bufferViews");
         for (std::size_t v = 0; v < views->size(); ++v)
-            if (auto done = view((*views)[v], "/bufferViews/" + number(v)); !done) return done;
+            if (auto done = view((*views)[v], "/bufferViews/" + std::to_string(v)); !done)
+                return done;
         const Json* accessors = *top_array(d_, "accessors");
         for (std::size_t a = 0; a < accessors->size(); ++a)
-            if (auto done = accessor((*accessors)[a], a, "/accessors/" + number(a)); !done)
+            if (auto done = accessor((*accessors)[a], a, "/accessors/" + std::to_string(a)); !done)
                 return done;
         return {};
     }
@@ -48,11 +45,11 @@ class Checker {
         const auto available = d_.json["buffers"][*buffer]["byteLength"].get<std::uint64_t>();
         if (*offset > available || *length > available - *offset)
             return d_.bad(pointer + (*offset > available ? "/byteOffset" : "/byteLength"),
-                          "the view ends at byte " + number(*offset + *length) +
-                              ", its buffer has " + number(available));
+                          "the view ends at byte " + std::to_string(*offset + *length) +
+                              ", its buffer has " + std::to_string(available));
         if (*stride % 4 != 0)
             return d_.bad(pointer + "/byteStride",
-                          "expected a multiple of 4, found " + number(*stride));
+                          "expected a multiple of 4, found " + std::to_string(*stride));
         views_.push_back({*length, *stride});
         const auto extensions = in.find("extensions");
         if (extensions == in.end()) return {};
@@ -70,9 +67,10 @@ class Checker {
         const auto stride = whole_member(d_, in, "byteStride", pointer, 1, 256, {});
         if (!stride) return stride.error();
         if (*count * *stride != length)
-            return d_.bad(pointer + "/count", number(*count) + " elements of " + number(*stride) +
+            return d_.bad(pointer + "/count", std::to_string(*count) + " elements of " +
+                                                  std::to_string(*stride) +
                                                   " bytes are not the bufferView's byteLength of " +
-                                                  number(length));
+                                                  std::to_string(length));
         decompressed_bytes_ += length;
         if (decompressed_bytes_ / max_compression > d_.input_bytes)
             return d_.bad(pointer + "/count", "more elements than the compressed bytes can hold");
@@ -92,7 +90,7 @@ class Checker {
         out.component_type = int(*code);
         if (component_size(out.component_type) == 0)
             return d_.bad(pointer + "/componentType",
-                          "expected 5120 to 5123, 5125 or 5126, found " + number(*code));
+                          "expected 5120 to 5123, 5125 or 5126, found " + std::to_string(*code));
         const auto type = in.find("type");
         if (type == in.end()) return d_.bad(pointer + "/type", "the member is missing");
         if (!type->is_string()) return d_.bad(pointer + "/type", "expected a string");
@@ -113,9 +111,10 @@ class Checker {
         // All factors are below 2^41 · 2^8: no overflow.
         const std::uint64_t end = offset + (count - 1) * stride + element;
         if (end > view.length)
-            return d_.bad(pointer, number(count) + " elements of " + number(element) +
-                                       " bytes end at byte " + number(end) +
-                                       ", the bufferView has " + number(view.length));
+            return d_.bad(pointer, std::to_string(count) + " elements of " +
+                                       std::to_string(element) + " bytes end at byte " +
+                                       std::to_string(end) + ", the bufferView has " +
+                                       std::to_string(view.length));
         return {};
     }
 
@@ -136,21 +135,22 @@ class Checker {
             if (bytes > max_zero_bytes || zero_bytes_ > max_zero_bytes_in_all)
                 return Error{ErrorCode::limit,
                              "an accessor without a bufferView may stand for " +
-                                 number(max_zero_bytes >> 20) + " MiB of zeros, all together for " +
-                                 number(max_zero_bytes_in_all >> 20),
+                                 std::to_string(max_zero_bytes >> 20) +
+                                 " MiB of zeros, all together for " +
+                                 std::to_string(max_zero_bytes_in_all >> 20),
                              d_.place(pointer + "/count")};
         } else {
             if (*offset % component != 0)
                 return d_.bad(pointer + "/byteOffset", "expected a multiple of " +
-                                                           number(component) +
+                                                           std::to_string(component) +
                                                            ", the size of the "
                                                            "component, found " +
-                                                           number(*offset));
+                                                           std::to_string(*offset));
             const View& v = views_[*view];
             if (v.stride && v.stride < element)
-                return d_.bad(pointer, "elements of " + number(element) +
+                return d_.bad(pointer, "elements of " + std::to_string(element) +
                                            " bytes do not fit the bufferView's byteStride of " +
-                                           number(v.stride));
+                                           std::to_string(v.stride));
             if (auto done = fits(*offset, type->count, element, v.stride ? v.stride : element, v,
                                  pointer + (in.contains("byteOffset") ? "/byteOffset" : ""));
                 !done)
@@ -180,7 +180,7 @@ class Checker {
                 if (!code) return code.error();
                 if (*code != 5121 && *code != 5123 && *code != 5125)
                     return d_.bad(place + "/componentType",
-                                  "expected 5121, 5123 or 5125, found " + number(*code));
+                                  "expected 5121, 5123 or 5125, found " + std::to_string(*code));
                 size = alignment = component_size(int(*code));
             }
             const auto view = index_member(d_, *part, "bufferView", place, views_.size());
@@ -193,8 +193,9 @@ class Checker {
             const auto offset = whole_member(d_, *part, "byteOffset", place, 0, max_offset, 0);
             if (!offset) return offset.error();
             if (*offset % alignment != 0)
-                return d_.bad(place + "/byteOffset", "expected a multiple of " + number(alignment) +
-                                                         ", found " + number(*offset));
+                return d_.bad(place + "/byteOffset", "expected a multiple of " +
+                                                         std::to_string(alignment) + ", found " +
+                                                         std::to_string(*offset));
             if (auto done = fits(*offset, *count, size, size, views_[*view], place); !done)
                 return done;
         }

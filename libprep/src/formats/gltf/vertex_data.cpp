@@ -5,10 +5,6 @@ namespace {
 
 using Index = std::uint32_t;
 
-std::string number(std::uint64_t value) {
-    return std::to_string(value);
-}
-
 void append_joints(const RawAccessor& raw, std::size_t first,
                    std::vector<glm::vec<4, std::uint16_t>>& to) {
     to.resize(first + raw.count, glm::vec<4, std::uint16_t>(0));
@@ -36,9 +32,9 @@ Result<void> VertexData::append(const std::string& semantic, const RawAccessor& 
     };
     const auto wants = [&](int low, int high) -> Result<void> {
         if (raw.width < low || raw.width > high)
-            return bad(semantic + " needs " + number(std::uint64_t(low)) +
-                       (high > low ? " or " + number(std::uint64_t(high)) : "") +
-                       " components, found " + number(std::uint64_t(raw.width)));
+            return bad(semantic + " needs " + std::to_string(std::uint64_t(low)) +
+                       (high > low ? " or " + std::to_string(std::uint64_t(high)) : "") +
+                       " components, found " + std::to_string(std::uint64_t(raw.width)));
         if (raw.component_type == 5125) return bad(semantic + " cannot be of unsigned 32-bit type");
         return {};
     };

@@ -21,7 +21,6 @@ namespace {
 using namespace detail;
 using schema::Json;
 using schema::Name;
-using schema::Named;
 using schema::Problem;
 
 constexpr double degrees = std::numbers::pi / 180;
@@ -84,7 +83,7 @@ class Builder {
     }
 
     Step add_textures(const SceneSpec& spec) {
-        for (const Named<TextureSpec>& entry : spec.textures) {
+        for (const schema::Named<TextureSpec>& entry : spec.textures) {
             Result<std::filesystem::path> file = existing_file(entry.value.file);
             if (!file) {
                 const auto elsewhere = pictures_.locate(entry.value.file.text);
@@ -109,7 +108,7 @@ class Builder {
     }
 
     Step add_materials(const SceneSpec& spec) {
-        for (const Named<MaterialSpec>& entry : spec.materials) {
+        for (const schema::Named<MaterialSpec>& entry : spec.materials) {
             Material material = entry.value.material;
             material.name = entry.name.text;
             material.diffuse.a = entry.value.opacity;
@@ -129,7 +128,7 @@ class Builder {
         return {};
     }
 
-    Result<Scene> load_part(const Named<MeshSpec>& entry) {
+    Result<Scene> load_part(const schema::Named<MeshSpec>& entry) {
         const MeshSpec& spec = entry.value;
         const int sources = (spec.file.text.empty() ? 0 : 1) + (spec.shape ? 1 : 0);
         if (sources != 1)
@@ -201,7 +200,7 @@ class Builder {
     }
 
     Step add_meshes(const SceneSpec& spec) {
-        for (const Named<MeshSpec>& entry : spec.meshes) {
+        for (const schema::Named<MeshSpec>& entry : spec.meshes) {
             Result<Scene> loaded = load_part(entry);
             if (!loaded) return loaded.error();
             Scene part = std::move(*loaded);
@@ -220,7 +219,7 @@ class Builder {
         return {};
     }
 
-    Step override_materials(const Named<MeshSpec>& entry, std::uint32_t first,
+    Step override_materials(const schema::Named<MeshSpec>& entry, std::uint32_t first,
                             const std::vector<std::string>& part_materials) {
         const MergedPart& part = parts_.back();
         if (!entry.value.material.text.empty()) {
@@ -277,7 +276,7 @@ class Builder {
         }
         Names names;
         for (std::size_t i = 0; i < spec.nodes.size(); ++i) {
-            const Named<NodeSpec>& entry = spec.nodes[i];
+            const schema::Named<NodeSpec>& entry = spec.nodes[i];
             Result<glm::dmat4> matrix = transform(entry.value.transform, entry.name.pointer);
             if (!matrix) return matrix.error();
             Node node;
@@ -334,7 +333,7 @@ class Builder {
     }
 
     Step add_lights(const SceneSpec& spec) {
-        for (const Named<LightSpec>& entry : spec.lights) {
+        for (const schema::Named<LightSpec>& entry : spec.lights) {
             const LightSpec& l = entry.value;
             const std::string& pointer = entry.name.pointer;
             const bool aimed = l.kind == LightKind::directional || l.kind == LightKind::spot;

@@ -35,10 +35,6 @@ std::vector<glm::vec3> deltas_at(const std::vector<VertexDeltas>& runs,
     return out;
 }
 
-Json array3(const glm::vec3& v) {
-    return {v.x, v.y, v.z};
-}
-
 std::size_t add_deltas(const std::vector<glm::vec3>& deltas, Json& document, GltfBuffer& buffer) {
     std::vector<Index> moved;
     for (Index i = 0; i < deltas.size(); ++i)

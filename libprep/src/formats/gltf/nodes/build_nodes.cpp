@@ -11,10 +11,6 @@ namespace {
 
 using Index = std::uint32_t;
 
-Json array3(const glm::dvec3& v) {
-    return {v.x, v.y, v.z};
-}
-
 class NodeBuilder {
   public:
     NodeBuilder(const PreparedScene& prepared, const WrittenParts& written, Json& document,
