@@ -47,23 +47,24 @@ function(meshprep_precompile target header)
 endfunction()
 
 # With MESHPREP_UNITY (the release presets): sources of one folder are compiled together, at most
-# `size` at a time, which takes a third of the time, since headers dominate. Sources that are
-# compiled apart: those with flags of their own (CMake sees to that), and kernels that include
-# themselves once for each instruction set.
+# `size` at a time, since headers take most of the time. Sources that are compiled apart: those with
+# flags of their own (CMake sees to that), and those of Highway, whose settings hold for a whole
+# file. What shadows what is seen by builds that compile each source alone.
 function(meshprep_unity target)
   if(NOT MESHPREP_UNITY)
     return()
   endif()
   set(size 8)
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
+  target_compile_options(${target} PRIVATE -Wno-shadow)
   get_target_property(sources ${target} SOURCES)
   foreach(source IN LISTS sources)
     cmake_path(IS_ABSOLUTE source is_absolute)
     if(NOT source MATCHES "\\.cpp$" OR NOT is_absolute)
       continue()
     endif()
-    file(STRINGS ${source} own_targets REGEX "HWY_TARGET_INCLUDE" LIMIT_COUNT 1)
-    if(own_targets)
+    file(STRINGS ${source} highway REGEX "include .(hwy/|base/simd_)" LIMIT_COUNT 1)
+    if(highway)
       continue()
     endif()
     cmake_path(GET source PARENT_PATH folder)
