@@ -10,35 +10,41 @@ namespace {
 // 1,000, gaps from 1e-6 to 1e-2 of the distance.
 constexpr int distances = 32, gaps = 32;
 
-prep::VertexMesh strips() {
+// Per pair the second follows the first: it wins where it is not told apart. Black ones are faces
+// of material 1.
+prep::PreparedScene strips() {
     prep::VertexMesh mesh;
-    mesh.colors.emplace_back();
-    const auto patch = [&](double x, double y, double distance, float colour) {
+    const auto patch = [&](double x, double y, double distance, std::uint32_t material) {
         const std::uint32_t first = std::uint32_t(mesh.positions.size());
         // Patches fill their cell of the picture at any distance: tan(45°) = 1 = half its height.
         for (const auto& [i, j] : {std::pair(0, 0), {1, 0}, {1, 1}, {0, 1}}) {
             const double u = (x + i) * 2 / distances - 1, v = (y + j) * 2 / gaps - 1;
             mesh.positions.push_back({float(u * distance), float(v * distance), float(-distance)});
-            mesh.colors[0].push_back({colour, colour, colour, 1});
         }
         for (const std::uint32_t k : {0u, 1u, 2u, 0u, 2u, 3u}) mesh.indices.push_back(first + k);
+        mesh.ranges.push_back(
+            {std::uint32_t(mesh.triangle_count()) - 2, 2, material, prep::no_index});
     };
     for (int x = 0; x < distances; ++x) {
         for (int y = 0; y < gaps; ++y) {
             const double d = std::pow(1000.0, double(x) / (distances - 1));
             const double gap = std::pow(10.0, -6 + 4 * double(y) / (gaps - 1));
-            patch(x, y, d, 1);
-            patch(x, y, d * (1 + gap), 0);  // later: it wins where depths are equal or worse
+            patch(x, y, d * (1 + gap), 1);  // first: of equal depths the first is kept
+            patch(x, y, d, 0);
         }
     }
-    return mesh;
+    const std::vector<prep::VertexMesh::Range> ranges = mesh.ranges;
+    prep::PreparedScene scene = scene_of(std::move(mesh), plain_white());
+    scene.meshes[0].ranges = ranges;
+    scene.scene.materials.push_back(plain_white());
+    scene.scene.materials[1].diffuse = glm::vec4(0, 0, 0, 1);
+    return scene;
 }
 
 }  // namespace
 
 prep::Result<Ladder> depth_format_ladder(const Subject& subject) {
-    const auto scene =
-        std::make_shared<const prep::PreparedScene>(scene_of(strips(), plain_white()));
+    const auto scene = std::make_shared<const prep::PreparedScene>(strips());
     Ladder ladder;
     ladder.name = "depth-format";
     ladder.title = "Depth formats";
@@ -47,7 +53,7 @@ prep::Result<Ladder> depth_format_ladder(const Subject& subject) {
         "1,024 pairs of surfaces, 1 to 1,000 away, the second behind by 1e-6 to 1e-2 of that; "
         "near plane at 0.1";
     ladder.oracle = "the nearer one is seen, by construction";
-    ladder.timed = {"plan", "transform, visibility and shading (one colour a vertex)"};
+    ladder.timed = {"plan", "transform, visibility and shading (two colours)"};
     ladder.metrics = {{"wrong", "of the pixels", "that show the surface behind"}};
     for (const auto& entry : names_of(prep::DepthFormat{})) {
         rast::RenderRequest request;
