@@ -81,7 +81,7 @@ prep::Result<Ladder> anti_aliasing_ladder(const Subject& subject) {
     Ladder ladder;
     ladder.name = "anti-aliasing";
     ladder.title = "Samples, supersampling and exact areas";
-    ladder.setting = "--samples, --supersample and --coverage of the stage `render`";
+    ladder.setting = "pictures: --samples, --supersample and --coverage";
     ladder.subject =
         subject.mesh ? subject.name + ", white, from +z: " + std::to_string(count) + " triangles"
                      : "a star of 60 spokes";

@@ -18,7 +18,7 @@ prep::Result<Ladder> chord_error_ladder(const Subject& subject) {
     Ladder ladder;
     ladder.name = "chord-error";
     ladder.title = "Chord error of adaptive triangles";
-    ladder.setting = "--chord-error of the stage `tessellation`, of a subdivision surface";
+    ladder.setting = "tessellation of a subdivision surface: --chord-error";
     ladder.subject = "a closed cage of 48 quads";
     ladder.oracle = "the limit as a bicubic B-spline in long double, and its nearest point";
     ladder.timed = {"tessellation with its proof; without the samples that measure it"};

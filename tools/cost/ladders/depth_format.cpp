@@ -48,7 +48,7 @@ prep::Result<Ladder> depth_format_ladder(const Subject& subject) {
     Ladder ladder;
     ladder.name = "depth-format";
     ladder.title = "Depth formats";
-    ladder.setting = "--depth of the stage `render`";
+    ladder.setting = "pictures: --depth";
     ladder.subject =
         "1,024 pairs of surfaces, 1 to 1,000 away, the second behind by 1e-6 to 1e-2 of that; "
         "near plane at 0.1";

@@ -83,7 +83,7 @@ prep::Result<Ladder> hard_angle_ladder(const Subject& subject) {
     Ladder ladder;
     ladder.name = "hard-angle";
     ladder.title = "Threshold of hard edges";
-    ladder.setting = "--hard-angle of the stage `hard edges`";
+    ladder.setting = "hard edges: --hard-angle";
     ladder.subject = "a turned part: a side of 240 facets, a chamfer of 45°, a sharp rim";
     ladder.oracle = "the part's own normals, in closed form";
     ladder.timed = {"hard edges", "corner normals weighted by area", "split into vertices"};

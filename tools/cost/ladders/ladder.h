@@ -31,7 +31,7 @@ struct Rung {
 struct Ladder {
     std::string name;     // "normal-precision"
     std::string title;    // "Precision of normals"
-    std::string setting;  // which setting of which stage
+    std::string setting;  // which stage, and which setting of it
     std::string subject;  // what it is tried on
     std::string oracle;   // where the truth comes from
     std::vector<std::string> timed;

@@ -93,7 +93,7 @@ Result<Ladder> normal_precision_ladder(const Subject& subject) {
     Ladder ladder;
     ladder.name = "normal-precision";
     ladder.title = "Precision of normals";
-    ladder.setting = "--precision of the stage `normals`";
+    ladder.setting = "normals: --precision";
     ladder.subject =
         subject.mesh ? subject.name : "a torus of 30,720 triangles, some of them needles";
     ladder.subject += ": " + std::to_string(judged) + " of " +

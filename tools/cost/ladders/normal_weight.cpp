@@ -36,7 +36,7 @@ prep::Result<Ladder> normal_weight_ladder(const Subject& subject) {
     Ladder ladder;
     ladder.name = "normal-weight";
     ladder.title = "Weights of normals";
-    ladder.setting = "--weight of the stage `normals`";
+    ladder.setting = "normals: --weight";
     ladder.subject = "a jittered torus of 9,216 triangles";
     ladder.oracle = "the torus' own normals, in closed form";
     ladder.timed = {"corner normals (face normals are at hand)"};

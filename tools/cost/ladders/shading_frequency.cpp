@@ -65,7 +65,7 @@ prep::Result<Ladder> shading_frequency_ladder(const Subject& subject) {
     Ladder ladder;
     ladder.name = "shading-frequency";
     ladder.title = "Shading frequency";
-    ladder.setting = "--shading of the stage `render`, over the triangles of a sphere";
+    ladder.setting = "pictures: --shading, over the triangles of a sphere";
     ladder.subject = "a sphere of 80 to 20,480 triangles, 192 × 144 pixels, 9 samples each";
     ladder.oracle = "the sphere itself, lit at 144 samples a pixel by a plain loop in long double";
     ladder.timed = {"plan", "transform, visibility and shading", "mean of the samples"};

@@ -17,7 +17,7 @@ prep::Result<Ladder> subdivision_level_ladder(const Subject& subject) {
     Ladder ladder;
     ladder.name = "subdivision-level";
     ladder.title = "Levels of subdivision";
-    ladder.setting = "--subdivide catmark:LEVEL of the stage `subdivision`";
+    ladder.setting = "subdivision: --subdivide catmark:LEVEL";
     ladder.subject = "a closed cage of 48 quads";
     ladder.oracle = "the limit as a bicubic B-spline in long double, and its nearest point";
     ladder.timed = {"subdivision with limit positions and normals"};

@@ -63,7 +63,7 @@ prep::Result<Ladder> tangent_mode_ladder(const Subject& subject) {
     Ladder ladder;
     ladder.name = "tangent-mode";
     ladder.title = "Tangents";
-    ladder.setting = "--tangents and --tangent-angle of the stage `tangents`";
+    ladder.setting = "tangents: --tangents and --tangent-angle";
     ladder.subject =
         "a torus of 9,216 triangles in random order, the UVs of every 101st in one point";
     ladder.oracle = "the torus' own ∂P/∂u, in closed form";

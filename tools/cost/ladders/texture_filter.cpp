@@ -73,7 +73,7 @@ prep::Result<Ladder> texture_filter_ladder(const Subject& subject) {
     Ladder ladder;
     ladder.name = "texture-filter";
     ladder.title = "Texture filters";
-    ladder.setting = "--filter and --max-anisotropy of the stage `render`";
+    ladder.setting = "pictures: --filter and --max-anisotropy";
     ladder.subject = "a floor of black and white blocks up to the horizon, 128 × 96 pixels";
     ladder.oracle =
         "1,024 samples a pixel of the interpolated texture, by a plain loop in long double";

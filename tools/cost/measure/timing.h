@@ -19,12 +19,18 @@ struct TimingOptions {
     double narrow = 0.05;      // the rule: until every ratio's interval is this wide at most
     double least_time = 1e-3;  // shorter runs are repeated until they take so long together
     std::uint64_t seed = 1;    // of the orders
+    // With one thread: a measurement of whose time the process computed less than this share was
+    // interrupted by other work, and is taken again, `most_retries` times at most; the least
+    // interrupted one counts. 0: none is.
+    double least_share = 0;
+    int most_retries = 4;
 };
 
 struct Times {
     std::vector<std::vector<double>> seconds;  // by setting, then by round; of one run
     std::vector<int> repeats;                  // by setting: runs in a measurement
     double wall = 0, cpu = 0;                  // of all measured runs together
+    int measurements = 0, retries = 0;         // that count; that were taken again
     bool narrow = false;                       // whether the rule was met before a cap
 };
 

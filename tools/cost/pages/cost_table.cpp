@@ -10,7 +10,7 @@ namespace cost {
 namespace {
 
 // Shares of the processor below this, with one thread, mean that others had it meanwhile.
-constexpr double least_share = 0.9;
+constexpr double least_share = 0.95;
 // Quartiles apart by more than this share of the median.
 constexpr double wide_spread = 0.1;
 
@@ -45,8 +45,9 @@ void derive(LadderRecord& ladder, int threads) {
     ladder.notes.clear();
     if (threads == 1 && ladder.wall > 0 && ladder.cpu < least_share * ladder.wall)
         ladder.notes.push_back(
-            fmt::format("the machine was busy: {:.0f} % of the time went to other work",
-                        100 * (1 - ladder.cpu / ladder.wall)));
+            fmt::format("the machine was busy: {:.0f} % of the time went to other work; {} of {} "
+                        "measurements were interrupted and taken again",
+                        100 * (1 - ladder.cpu / ladder.wall), ladder.retries, ladder.measurements));
     if (spread > wide_spread)
         ladder.notes.push_back(fmt::format(
             "times scatter: the quartiles are up to {:.0f} % of the median apart", 100 * spread));
@@ -96,6 +97,8 @@ prep::Result<LadderRecord> climb(const Ladder& ladder, const TimingOptions& opti
     record.wall = times.wall;
     record.cpu = times.cpu;
     record.narrow = times.narrow;
+    record.measurements = times.measurements;
+    record.retries = times.retries;
     return record;
 }
 
@@ -136,7 +139,7 @@ std::string standing_text(const LadderRecord& ladder, const RungRecord& rung) {
         case Standing::dominated:
             return "dominated by " + by;
         case Standing::tied:
-            return "tied in time with " + by + ", which has less error";
+            return "tied with " + by;
         case Standing::front:
             break;
     }

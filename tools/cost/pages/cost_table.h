@@ -39,6 +39,7 @@ struct LadderRecord {
     std::vector<double> control;  // seconds of the default rung, measured once more as if another
     double wall = 0, cpu = 0;     // of all timed runs
     bool narrow = false;
+    int measurements = 0, retries = 0;
 
     // From these, by derive().
     Estimate control_ratio;

@@ -26,15 +26,14 @@ h1 { font-size: 1.7rem; margin: 0 0 4px; } h2 { font-size: 1.2rem; margin: 0 0 2
 p { margin: 0 0 12px; color: var(--quiet); overflow-wrap: anywhere; }
 section { background: var(--sheet); border: 1px solid var(--line); border-radius: 10px;
   padding: 18px; margin: 20px 0; display: grid; gap: 8px 28px; grid-template-columns: minmax(0, 1fr); }
-@media (min-width: 900px) { section { grid-template-columns: minmax(0, 11fr) minmax(0, 12fr); }
-  section > header, section > footer { grid-column: 1 / -1; } }
+@media (min-width: 900px) { section { grid-template-columns: minmax(0, 11fr) minmax(0, 10fr); }
+  section > header, section > .scroll { grid-column: 1 / -1; } section > footer { align-self: center; } }
 section svg { width: 100%; height: auto; display: block; overflow: visible; }
 .scroll { overflow-x: auto; }
 table { border-collapse: collapse; font-size: .86rem; width: 100%; }
 th, td { text-align: left; padding: 4px 12px 4px 0; border-bottom: 1px solid var(--line);
   white-space: nowrap; font-variant-numeric: tabular-nums; }
 th { color: var(--quiet); font-weight: 600; } td.n, th.n { text-align: right; }
-td.where { white-space: normal; min-width: 9em; }
 .warn { color: var(--warn); } ul { margin: 0; padding-left: 1.1em; color: var(--quiet); font-size: .88rem; }
 code { font-family: ui-monospace, "DejaVu Sans Mono", monospace; font-size: .92em; overflow-wrap: anywhere; }
 nav { display: flex; flex-wrap: wrap; gap: 4px 16px; font-size: .92rem; } a { color: inherit; }
@@ -56,18 +55,21 @@ std::string heading(const Metric& m) {
 std::string table_html(const LadderRecord& ladder) {
     std::string html =
         "<div class=\"scroll\" tabindex=\"0\"><table><thead><tr><th>setting</th>"
-        "<th class=\"n\">time</th><th class=\"n\">to the default</th>";
+        "<th>where it stands</th><th class=\"n\">time</th><th class=\"n\">to the default</th>";
     for (const Metric& m : ladder.metrics)
         html += "<th class=\"n\" title=\"" + html_escaped(m.domain) + "\">" +
                 html_escaped(heading(m)) + "</th>";
-    html += "<th>where it stands</th></tr></thead><tbody>\n";
+    html += "</tr></thead><tbody>\n";
     for (std::size_t i = 0; i < ladder.rungs.size(); ++i) {
         const RungRecord& rung = ladder.rungs[i];
-        html += fmt::format("<tr><td>{}{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td>",
-                            html_escaped(rung.name), i == ladder.reference ? " (default)" : "",
-                            short_time(rung.time.value), ratio_text(rung.ratio));
+        html += fmt::format(
+            "<tr><td>{}{}</td><td>{}</td><td class=\"n\">{}</td><td "
+            "class=\"n\">{}</td>",
+            html_escaped(rung.name), i == ladder.reference ? " (default)" : "",
+            html_escaped(standing_text(ladder, rung)), short_time(rung.time.value),
+            ratio_text(rung.ratio));
         for (const double e : rung.errors) html += "<td class=\"n\">" + short_number(e) + "</td>";
-        html += "<td class=\"where\">" + html_escaped(standing_text(ladder, rung)) + "</td></tr>\n";
+        html += "</tr>\n";
     }
     return html + "</tbody></table></div>\n";
 }
@@ -79,7 +81,7 @@ std::string section_html(const LadderRecord& ladder, std::size_t number) {
         number, html_escaped(ladder.title), html_escaped(ladder.setting),
         html_escaped(ladder.subject), html_escaped(ladder.oracle));
     html += "<div>" + plot_svg(ladder, false) + "</div>\n";
-    html += "<div>" + table_html(ladder) + "</div>\n<footer><ul>";
+    html += "<footer><ul>";
     for (const std::string& note : ladder.notes)
         html += "<li class=\"warn\">" + html_escaped(note) + "</li>";
     std::string timed;
@@ -98,7 +100,7 @@ std::string section_html(const LadderRecord& ladder, std::size_t number) {
     html += "<details><summary>Commands</summary><ul>";
     for (const RungRecord& rung : ladder.rungs)
         html += "<li><code>meshprep " + html_escaped(rung.command) + "</code></li>";
-    return html + "</ul></details></footer></section>\n";
+    return html + "</ul></details></footer>\n" + table_html(ladder) + "</section>\n";
 }
 
 std::string csv_cell(const std::string& text) {
@@ -157,15 +159,15 @@ std::string cost_csv(const CostTable& table) {
 }
 
 std::vector<std::vector<std::string>> cost_rows(const LadderRecord& ladder) {
-    std::vector<std::vector<std::string>> rows = {{"setting", "time", "to the default"}};
+    std::vector<std::vector<std::string>> rows = {
+        {"setting", "where it stands", "time", "to the default"}};
     for (const Metric& m : ladder.metrics) rows[0].push_back(heading(m));
-    rows[0].push_back("where it stands");
     for (std::size_t i = 0; i < ladder.rungs.size(); ++i) {
         const RungRecord& rung = ladder.rungs[i];
         std::vector<std::string> row = {rung.name + (i == ladder.reference ? " (default)" : ""),
-                                        short_time(rung.time.value), ratio_text(rung.ratio)};
+                                        standing_text(ladder, rung), short_time(rung.time.value),
+                                        ratio_text(rung.ratio)};
         for (const double e : rung.errors) row.push_back(short_number(e));
-        row.push_back(standing_text(ladder, rung));
         rows.push_back(std::move(row));
     }
     return rows;

@@ -116,6 +116,7 @@ class Run {
         cost::TimingOptions options;
         options.rounds = command_.rounds;
         options.seconds = double(command_.seconds);
+        if (table_.threads == 1) options.least_share = 0.95;
         cost::SystemClock clock;
         Result<cost::LadderRecord> record = cost::climb(*ladder, options, clock);
         if (!record) return record.error();
@@ -174,7 +175,7 @@ void say(const CostCommand& command, const cost::CostTable& table, Console& cons
         console.result(command.common, fmt::format("{}: {}", ladder.title, ladder.subject));
         const auto rows = cost::cost_rows(ladder);
         std::vector<bool> right(rows[0].size(), true);
-        right.front() = right.back() = false;
+        right[0] = right[1] = false;
         console.table(command.common, rows, right);
         for (const std::string& note : ladder.notes) console.result(command.common, "  " + note);
         console.result(command.common, "");

@@ -152,6 +152,8 @@ cost::LadderRecord ladder_from(Reader& read, const Json& json, const std::string
     ladder.wall = read.real(read.member(json, at, "wall_seconds"), at + "/wall_seconds", 0);
     ladder.cpu = read.real(read.member(json, at, "cpu_seconds"), at + "/cpu_seconds", 0);
     ladder.narrow = read.truth(json, at, "narrow");
+    ladder.measurements = int(read.count(json, at, "measurements", 1000000000));
+    ladder.retries = int(read.count(json, at, "taken_again", 1000000000));
     return ladder;
 }
 
@@ -199,6 +201,8 @@ Json to_json(const cost::CostTable& table) {
         l["wall_seconds"] = number(ladder.wall);
         l["cpu_seconds"] = number(ladder.cpu);
         l["narrow"] = ladder.narrow;
+        l["measurements"] = ladder.measurements;
+        l["taken_again"] = ladder.retries;
         l["notes"] = ladder.notes;
         json["ladders"].push_back(std::move(l));
     }
