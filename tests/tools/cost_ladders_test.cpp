@@ -1,5 +1,8 @@
-// The ladders of `meshprep cost`: every rung's error is where it belongs. The bounds are twice what
-// was measured when they were set, so that whatever makes a stage five times worse fails here.
+// The ladders of `meshprep cost`: every rung's error is where it belongs. Errors are the same on
+// every machine; bounds are a fifth above what was measured when they were set (errors that are
+// nothing but rounding: twice that), so that a stage that gets worse fails here.
+// tests/mutants/cost.txt has a fault for each ladder; docs/accuracy.md says how far each moves its
+// error.
 #include <gtest/gtest.h>
 
 #include <map>
@@ -100,11 +103,11 @@ TEST(CostLadders, NormalWeight) {
     // Max (1999) is the best on smooth surfaces; the table of means is that of a jittered torus.
     EXPECT_LT(n["edge-length"][2], n["uniform"][2]);
     EXPECT_LT(n["edge-length"][2], n["area"][2]);
-    EXPECT_LT(n["edge-length"][2], 0.56);
-    EXPECT_LT(n["area"][2], 2.6);
-    EXPECT_LT(n["uniform"][2], 1.9);
-    EXPECT_LT(n["angle"][2], 1.1);
-    EXPECT_LT(n["area-angle"][2], 2);
+    EXPECT_LT(n["edge-length"][2], 0.335);
+    EXPECT_LT(n["area"][2], 1.55);
+    EXPECT_LT(n["uniform"][2], 1.12);
+    EXPECT_LT(n["angle"][2], 0.635);
+    EXPECT_LT(n["area-angle"][2], 1.2);
 }
 
 TEST(CostLadders, HardAngle) {
@@ -121,20 +124,20 @@ TEST(CostLadders, HardAngle) {
 
 TEST(CostLadders, TangentMode) {
     auto n = climbed(ladder_named("tangent-mode"));
-    EXPECT_LT(n["mikktspace"][2], 0.06);
-    EXPECT_LT(n["mikktspace"][0], 4);
+    EXPECT_LT(n["mikktspace"][2], 0.035);
+    EXPECT_LT(n["mikktspace"][0], 2.3);
     EXPECT_GT(n["mikktspace-exact"][2], 10 * n["mikktspace"][2]);  // corners without a gradient
 }
 
 TEST(CostLadders, SubdivisionLevel) {
     auto n = climbed(ladder_named("subdivision-level"));
-    double last = 0.017;
+    double last = 0.0102;
     for (int level = 1; level <= 6; ++level) {
         const auto& now = n["level " + std::to_string(level)];
         EXPECT_LT(now[0], last);
         EXPECT_GT(now[0], last / 20);
         EXPECT_LT(now[3], 1e-4);  // vertex normals are the limit's
-        last = now[0] / 2;        // a quarter each level
+        last = now[0] / 3;        // a quarter each level
     }
 }
 
@@ -158,23 +161,26 @@ TEST(CostLadders, ShadingFrequency) {
         EXPECT_LT(n[std::string("phong") + count][0], n[std::string("gouraud") + count][0]);
         EXPECT_LT(n[std::string("gouraud") + count][0], n[std::string("flat") + count][0]);
     }
-    EXPECT_LT(n["flat, 20480"][0], 0.0046);
-    EXPECT_LT(n["gouraud, 20480"][0], 0.00087);
-    EXPECT_LT(n["phong, 20480"][0], 0.00019);
+    EXPECT_LT(n["flat, 20480"][0], 0.00275);
+    EXPECT_LT(n["gouraud, 20480"][0], 0.00052);
+    EXPECT_LT(n["phong, 20480"][0], 0.000113);
 }
 
 TEST(CostLadders, AntiAliasing) {
     const Ladder ladder = ladder_named("anti-aliasing");
     auto n = climbed(ladder);
-    double last = 0.34;
+    double last = 0.2;
     for (const char* name : {"1 sample", "2 samples", "4 samples", "8 samples", "16 samples",
                              "supersample 8", "exact areas"}) {
         EXPECT_LT(n[name][0], last) << name;
         last = n[name][0];
     }
-    EXPECT_LT(n["4 samples"][0], 0.12);
-    EXPECT_LT(n["16 samples"][0], 0.055);
-    EXPECT_LT(n["supersample 8"][0], 0.0145);
+    EXPECT_LT(n["2 samples"][0], 0.132);
+    EXPECT_LT(n["4 samples"][0], 0.069);
+    EXPECT_LT(n["8 samples"][0], 0.0465);
+    EXPECT_LT(n["16 samples"][0], 0.0345);
+    EXPECT_LT(n["supersample 4"][0], 0.025);
+    EXPECT_LT(n["supersample 8"][0], 0.0088);
     // Nothing but corners on the grid of 1/256 pixel.
     EXPECT_NEAR(n["exact areas"][0], *ladder.floor, 0.05 * *ladder.floor);
 }
@@ -190,18 +196,19 @@ TEST(CostLadders, AntiAliasingOfAMeshThatIsGiven) {
 
 TEST(CostLadders, TextureFilter) {
     auto n = climbed(ladder_named("texture-filter"));
-    double last = 0.74;
+    double last = 0.44;
     for (const char* name : {"nearest", "bilinear", "nearest-mip", "trilinear", "anisotropic 2",
                              "anisotropic 4", "anisotropic 8"}) {
         EXPECT_LT(n[name][0], last) << name;
         last = n[name][0];
     }
-    EXPECT_LT(n["trilinear"][0], 0.17);
-    EXPECT_LT(n["anisotropic 8"][0], 0.045);
-    EXPECT_LT(n["anisotropic 16"][0], 0.045);
-    EXPECT_LT(n["ewa 16"][0], 0.1);
-    EXPECT_LT(n["ripmap"][0], 0.11);
-    EXPECT_LT(n["anisotropic 8"][3], 0.045);  // FLIP
+    EXPECT_LT(n["trilinear"][0], 0.135);
+    EXPECT_LT(n["anisotropic 8"][0], 0.038);
+    EXPECT_LT(n["anisotropic 16"][0], 0.037);
+    EXPECT_LT(n["bicubic"][0], 0.135);
+    EXPECT_LT(n["ewa 16"][0], 0.079);
+    EXPECT_LT(n["ripmap"][0], 0.087);
+    EXPECT_LT(n["anisotropic 8"][3], 0.035);  // FLIP
 }
 
 TEST(CostLadders, DepthFormat) {
@@ -209,7 +216,8 @@ TEST(CostLadders, DepthFormat) {
     EXPECT_LT(n["float"][0], 0.001);
     EXPECT_GT(n["fixed24"][0], n["float"][0]);
     EXPECT_GT(n["fixed16"][0], n["fixed24"][0]);
-    EXPECT_LT(n["fixed16"][0], 1);
+    EXPECT_LT(n["fixed24"][0], 0.265);
+    EXPECT_LT(n["fixed16"][0], 0.94);
 }
 
 }  // namespace

@@ -26,7 +26,7 @@ prep::Result<Ladder> subdivision_level_ladder(const Subject& subject) {
                       {"mean", "of the diagonal", "distance of faces' middles to the limit"},
                       {"normals, largest", "°", "vertex normals against the limit's"},
                       {"faces", "", "of the refined mesh"}};
-    ladder.reference = 2;
+    ladder.reference = 1;
     // A face's middle is rounded nowhere, its corners to float.
     ladder.floor = 0x1p-25;
     ladder.floor_text = "coordinates rounded to float: half a unit in the last place of 1";

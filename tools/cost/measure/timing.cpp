@@ -46,7 +46,7 @@ double one_measurement(const std::function<void()>& run, int repeats, const Timi
             best = wall / repeats;
             best_share = share;
         }
-        if (share >= options.least_share) break;
+        if (share >= options.least_share || wall > options.longest_retried) break;
     }
     return best;
 }

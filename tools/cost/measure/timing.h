@@ -24,6 +24,7 @@ struct TimingOptions {
     // interrupted one counts. 0: none is.
     double least_share = 0;
     int most_retries = 4;
+    double longest_retried = 0.1;  // seconds; longer ones are interrupted every time
 };
 
 struct Times {

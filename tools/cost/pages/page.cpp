@@ -28,7 +28,8 @@ section { background: var(--sheet); border: 1px solid var(--line); border-radius
   padding: 18px; margin: 20px 0; display: grid; gap: 8px 28px; grid-template-columns: minmax(0, 1fr); }
 @media (min-width: 900px) { section { grid-template-columns: minmax(0, 11fr) minmax(0, 10fr); }
   section > header, section > .scroll { grid-column: 1 / -1; } section > footer { align-self: center; } }
-section svg { width: 100%; height: auto; display: block; overflow: visible; }
+section svg { width: 100%; max-width: 620px; height: auto; display: block; overflow: visible; }
+@media (max-width: 600px) { main { padding: 18px 12px 40px; } section { padding: 12px; } }
 .scroll { overflow-x: auto; }
 table { border-collapse: collapse; font-size: .86rem; width: 100%; }
 th, td { text-align: left; padding: 4px 12px 4px 0; border-bottom: 1px solid var(--line);

@@ -47,7 +47,7 @@ void widen(double& low, double& high) {
         low = middle - 0.3;
         high = middle + 0.3;
     }
-    const double margin = 0.06 * (high - low);
+    const double margin = 0.1 * (high - low);
     low -= margin;
     high += margin;
 }
@@ -68,12 +68,39 @@ double text_width(const std::string& text) {  // in the plot's units, about
     return 6.0 * double(characters);
 }
 
+// The rungs of the front, by time.
+std::vector<const PlotPoint*> on_front(const LadderRecord& ladder, const PlotLayout& plot) {
+    std::vector<const PlotPoint*> points;
+    for (const PlotPoint& p : plot.points)
+        if (!p.on_lane && ladder.rungs[p.rung].verdict.standing == Standing::front)
+            points.push_back(&p);
+    std::sort(points.begin(), points.end(),
+              [](const PlotPoint* a, const PlotPoint* b) { return a->x < b->x; });
+    return points;
+}
+
+// Steps through them: what is the least error for so much time.
+std::string front_line(const LadderRecord& ladder, const PlotLayout& plot) {
+    const std::vector<const PlotPoint*> points = on_front(ladder, plot);
+    if (points.size() < 2) return {};
+    std::string path = fmt::format("M{:.2f} {:.2f}", points[0]->x, points[0]->y);
+    for (std::size_t i = 1; i < points.size(); ++i)
+        path += fmt::format(" H{:.2f} V{:.2f}", points[i]->x, points[i]->y);
+    return "<path class=\"front-line\" d=\"" + path + "\"/>\n";
+}
+
 // A place for each name beside its point where it covers nothing; none left: no name, the tooltip
 // and the table have it.
 std::string labels(const LadderRecord& ladder, const PlotLayout& plot) {
     std::vector<Box> taken;
     for (const PlotPoint& p : plot.points) taken.push_back({p.x - 5, p.y - 5, p.x + 5, p.y + 5});
     if (plot.lane > 0) taken.push_back({plot.left, plot.lane - 8, plot.left + 40, plot.lane + 8});
+    const std::vector<const PlotPoint*> front = on_front(ladder, plot);
+    for (std::size_t i = 1; i < front.size(); ++i) {
+        const PlotPoint &a = *front[i - 1], &b = *front[i];
+        taken.push_back({a.x, a.y - 1, b.x, a.y + 1});
+        taken.push_back({b.x - 1, std::min(a.y, b.y), b.x + 1, std::max(a.y, b.y)});
+    }
     std::string svg;
     for (const PlotPoint& p : plot.points) {
         const std::string& name = ladder.rungs[p.rung].name;
@@ -132,21 +159,6 @@ std::string tooltip(const LadderRecord& ladder, const PlotLayout& plot, const Pl
         line_y += 16;
     }
     return svg + "</g>";
-}
-
-// Steps through the rungs of the front, by time: what is the least error for so much time.
-std::string front_line(const LadderRecord& ladder, const PlotLayout& plot) {
-    std::vector<const PlotPoint*> on_front;
-    for (const PlotPoint& p : plot.points)
-        if (!p.on_lane && ladder.rungs[p.rung].verdict.standing == Standing::front)
-            on_front.push_back(&p);
-    if (on_front.size() < 2) return {};
-    std::sort(on_front.begin(), on_front.end(),
-              [](const PlotPoint* a, const PlotPoint* b) { return a->x < b->x; });
-    std::string path = fmt::format("M{:.2f} {:.2f}", on_front[0]->x, on_front[0]->y);
-    for (std::size_t i = 1; i < on_front.size(); ++i)
-        path += fmt::format(" H{:.2f} V{:.2f}", on_front[i]->x, on_front[i]->y);
-    return "<path class=\"front-line\" d=\"" + path + "\"/>\n";
 }
 
 std::string mark(const PlotPoint& p, const std::string& kind) {

@@ -22,8 +22,8 @@ struct PlotTick {
 
 // Where everything stands, before anything is drawn.
 struct PlotLayout {
-    double width = 480, height = 360;
-    double left = 62, right = 466, top = 14, bottom = 318;  // of the frame
+    double width = 400, height = 330;
+    double left = 60, right = 388, top = 12, bottom = 288;  // of the frame
     double lane = 0;  // y of the lane for exact rungs; 0: there is none
     std::vector<PlotTick> x_ticks, y_ticks;
     std::vector<PlotPoint> points;  // by rung; those whose error is not finite are left out
