@@ -124,7 +124,7 @@ std::string cost_page(const CostTable& table) {
         "<p>meshprep {}, {}, {}. Farther down is more accurate, farther left is "
         "faster. Filled points are on the front: nothing is as good and faster. "
         "Orange rings are dominated: something is faster and no worse. Grey rings "
-        "take as long as something with less error. A horizontal stroke is the "
+        "are tied: something takes as long and has less error. A horizontal stroke is the "
         "time's 95 % interval.</p>\n",
         html_escaped(table.version), html_escaped(table.processor),
         table.threads == 1 ? std::string("1 thread") : fmt::format("{} threads", table.threads));

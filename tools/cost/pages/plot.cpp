@@ -93,7 +93,11 @@ std::string front_line(const LadderRecord& ladder, const PlotLayout& plot) {
 // and the table have it.
 std::string labels(const LadderRecord& ladder, const PlotLayout& plot) {
     std::vector<Box> taken;
-    for (const PlotPoint& p : plot.points) taken.push_back({p.x - 5, p.y - 5, p.x + 5, p.y + 5});
+    for (const PlotPoint& p : plot.points) {
+        taken.push_back({p.x - 6, p.y - 6, p.x + 6, p.y + 6});
+        taken.push_back({p.low_x, p.y - 2, p.high_x, p.y + 2});
+    }
+    if (plot.floor > 0) taken.push_back({plot.left, plot.floor - 1, plot.right, plot.floor + 1});
     if (plot.lane > 0) taken.push_back({plot.left, plot.lane - 8, plot.left + 40, plot.lane + 8});
     const std::vector<const PlotPoint*> front = on_front(ladder, plot);
     for (std::size_t i = 1; i < front.size(); ++i) {
@@ -289,7 +293,7 @@ std::string plot_svg(const LadderRecord& ladder, bool alone) {
     std::string axis = "error: " + metric.name;
     if (!metric.unit.empty()) axis += " (" + metric.unit + ")";
     svg += fmt::format(
-        "<text transform=\"translate(13 {:g}) rotate(-90)\" "
+        "<text transform=\"translate(11 {:g}) rotate(-90)\" "
         "text-anchor=\"middle\">{}</text>\n",
         (plot.top + plot.bottom) / 2, html_escaped(axis));
     if (plot.floor > 0)

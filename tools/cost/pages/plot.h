@@ -23,7 +23,7 @@ struct PlotTick {
 // Where everything stands, before anything is drawn.
 struct PlotLayout {
     double width = 400, height = 330;
-    double left = 60, right = 388, top = 12, bottom = 288;  // of the frame
+    double left = 66, right = 388, top = 12, bottom = 288;  // of the frame
     double lane = 0;  // y of the lane for exact rungs; 0: there is none
     std::vector<PlotTick> x_ticks, y_ticks;
     std::vector<PlotPoint> points;  // by rung; those whose error is not finite are left out
