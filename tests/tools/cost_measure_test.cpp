@@ -249,6 +249,9 @@ TEST(CostMetrics, SummariesAndPictures) {
     EXPECT_NEAR(e.psnr, -20 * std::log10(e.rmse), 1e-12);
     EXPECT_NEAR(cost::picture_error(a, b, {true, false}).rmse, 0.3, 1e-12);
     EXPECT_TRUE(std::isinf(cost::picture_error(a, a).psnr));
+    const cost::Pixels hole{2, 1, 1, {std::nan(""), 0.5}};
+    EXPECT_TRUE(std::isinf(cost::picture_error(hole, a).largest));
+    EXPECT_TRUE(std::isinf(cost::picture_error(hole, a).rmse));
 }
 
 }  // namespace

@@ -61,6 +61,17 @@ TEST(CostOracles, FanNormalsOfACubeAreItsDiagonals) {
     }
 }
 
+// A unit square upwards and a triangle of half its area to the side: areas weigh, of all of a
+// polygon.
+TEST(CostOracles, FanNormalsWeighWholePolygons) {
+    const std::vector<glm::vec3> positions = {
+        {0, 0, 0}, {-1, 0, 0}, {-1, -1, 0}, {0, -1, 0}, {0, 0, -1}};
+    const std::vector<std::uint32_t> corners = {0, 1, 2, 3, 0, 3, 4}, offsets = {0, 4, 7};
+    const std::vector<std::uint32_t> fans = {0, 1, 1, 1, 0, 1, 1};
+    const cost::FanNormals n = cost::area_fan_normals(positions, offsets, corners, fans, 2);
+    EXPECT_EQ(cost::degrees_between(n.sums[0], {1, 0, 2}), 0.0);
+}
+
 TEST(CostOracles, FanNormalsSayWhereTheyCannotTell) {
     // Two faces back to back: the sum is zero.
     const std::vector<glm::vec3> positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};

@@ -97,6 +97,8 @@ TEST(CostPlot, PointsStandWhereTheirNumbersSayToHalfAPixel) {
         const auto x = ticks(svg, "x-tick", "x"), y = ticks(svg, "y-tick", "y");
         ASSERT_GE(x.size(), 2u);
         ASSERT_GE(y.size(), 2u);
+        EXPECT_EQ(y.front().at > y.back().at, y.front().value < y.back().value);  // less is lower
+        EXPECT_EQ(x.front().at < x.back().at, x.front().value < x.back().value);
         const std::regex point(
             "data-rung=\"([0-9]+)\".*?<(circle|rect)[^>]*?(?:cx|x)=\"([0-9.]+)\" "
             "(?:cy|y)=\"([0-9.]+)\"");
@@ -139,6 +141,19 @@ TEST(CostPlot, MarksSayWhereRungsStand) {
     EXPECT_EQ(kind_of("1"), "dominated");
     EXPECT_EQ(kind_of("3"), "exact");
     EXPECT_EQ(kind_of("4"), "tied");
+}
+
+// What is meant as the truth is no choice: as fast and without error, it leaves the others where
+// they are.
+TEST(CostPlot, ExactRungsAreOnNoFront) {
+    CostTable table = table_of_two();
+    table.ladders.resize(1);
+    LadderRecord& ladder = table.ladders[0];
+    ladder.rungs[3] = rung("truth", 0, 0.0001, true);
+    cost::derive(table);
+    EXPECT_EQ(cost::standing_text(ladder, ladder.rungs[3]), "exact");
+    EXPECT_EQ(cost::standing_text(ladder, ladder.rungs[0]), "front");
+    EXPECT_EQ(cost::standing_text(ladder, ladder.rungs[1]), "dominated by fast");
 }
 
 TEST(CostPlot, OneRungAloneHasAPlot) {
@@ -234,6 +249,21 @@ TEST(CostJson, DamagedDocumentsAreErrors) {
     shorter["ladders"][0]["rungs"][2]["seconds"].erase(0);
     EXPECT_NE(error(meshprep::json_text(shorter)).find("/ladders/0/rungs/2/seconds"),
               std::string::npos);
+    meshprep::Json fewer = whole;
+    fewer["ladders"][0]["rungs"][2]["errors"].erase(1);
+    EXPECT_NE(error(meshprep::json_text(fewer)).find("/ladders/0/rungs/2/errors"),
+              std::string::npos);
+    // All of one ladder's times a round shorter is another table, none of them is not.
+    meshprep::Json none = whole;
+    for (meshprep::Json& r : none["ladders"][1]["rungs"]) r["seconds"] = meshprep::Json::array();
+    none["ladders"][1]["control_seconds"] = meshprep::Json::array();
+    EXPECT_NE(error(meshprep::json_text(none)), "");
+    meshprep::Json beyond = whole;
+    beyond["ladders"][0]["primary"] = 2u;
+    EXPECT_NE(error(meshprep::json_text(beyond)).find("/ladders/0/primary"), std::string::npos);
+    beyond = whole;
+    beyond["ladders"][0]["reference"] = 6u;
+    EXPECT_NE(error(meshprep::json_text(beyond)).find("/ladders/0/reference"), std::string::npos);
 }
 
 }  // namespace
