@@ -109,11 +109,15 @@ TEST(Cost, FailsWithoutATrace) {
         EXPECT_TRUE(ran.json()["error"].is_object()) << words.back();
         EXPECT_FALSE(std::filesystem::exists(dir / "o")) << words.back();
     }
-    // A place that cannot be written.
+    // Places that cannot be written: said before anything is measured.
     write_text(dir / "file", "x");
-    const test::Ran blocked =
-        run_here(quick({"--ladder", "depth-format", "-o", (dir / "file/page.html").string()}));
-    EXPECT_EQ(blocked.exit_code, 1);
+    std::filesystem::create_directory(dir / "page.html");
+    for (const std::string& place :
+         {(dir / "file/page.html").string(), (dir / "page.html").string()}) {
+        const test::Ran blocked = run_here({"cost", "-o", place});
+        EXPECT_EQ(blocked.exit_code, 1) << place;
+        EXPECT_NE(blocked.err.find("in the way"), std::string::npos) << blocked.err;
+    }
     EXPECT_EQ(read_text(dir / "file"), "x");
 }
 

@@ -264,6 +264,11 @@ TEST(CostJson, DamagedDocumentsAreErrors) {
     beyond = whole;
     beyond["ladders"][0]["reference"] = 6u;
     EXPECT_NE(error(meshprep::json_text(beyond)).find("/ladders/0/reference"), std::string::npos);
+    for (const char* name : {"../first", "", "a/b", "A b"}) {  // it becomes a file's
+        meshprep::Json named = whole;
+        named["ladders"][0]["name"] = name;
+        EXPECT_NE(error(meshprep::json_text(named)).find("/ladders/0/name"), std::string::npos);
+    }
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <thread>
 
 #include "cost/pages/page.h"
@@ -42,12 +43,6 @@ std::vector<std::string> ladder_names() {
 bool wanted(const CostCommand& command, const char* name) {
     return command.ladders.empty() ||
            std::find(command.ladders.begin(), command.ladders.end(), name) != command.ladders.end();
-}
-
-Result<void> write_text(const std::filesystem::path& path, const std::string& text,
-                        OutputDirectories& directories) {
-    if (const Result<void> made = directories.make_for(path); !made) return made.error();
-    return prep::write_file(path, std::as_bytes(std::span<const char>(text.data(), text.size())));
 }
 
 // The mesh of a file that ladders are tried on: the one of most faces.
@@ -140,32 +135,42 @@ Result<cost::CostTable> read_table(const std::filesystem::path& path) {
     return table;
 }
 
+// Before anything is measured: minutes are not to be lost to a place that cannot be written.
+Result<void> make_places(const CostCommand& command, OutputDirectories& directories) {
+    if (!command.svg.empty())
+        if (const Result<void> made = directories.make(command.svg); !made) return made.error();
+    for (const std::filesystem::path& file : {command.csv, command.page}) {
+        if (file.empty()) continue;
+        if (const Result<void> made = directories.make_for(file); !made) return made.error();
+        std::error_code ec;
+        if (std::filesystem::is_directory(file, ec))
+            return Error{ErrorCode::io, "a directory of this name is in the way", file.string()};
+    }
+    return {};
+}
+
+Result<void> write_text(const std::filesystem::path& path, const std::string& text) {
+    return prep::write_file(path, std::as_bytes(std::span<const char>(text.data(), text.size())));
+}
+
 Result<void> write_outputs(const CostCommand& command, const cost::CostTable& table) {
-    OutputDirectories directories;
     if (!command.svg.empty()) {
-        for (std::size_t i = 0; i < table.ladders.size(); ++i) {
-            const cost::LadderRecord& ladder = table.ladders[i];
-            // Several meshes: the ladder once for each.
-            std::size_t before = 0;
-            for (std::size_t k = 0; k < i; ++k) before += table.ladders[k].name == ladder.name;
+        std::map<std::string, int> times;  // several meshes: the ladder once for each
+        for (const cost::LadderRecord& ladder : table.ladders) {
+            const int before = times[ladder.name]++;
             const std::string name =
                 ladder.name + (before > 0 ? fmt::format("-{}", before + 1) : "") + ".svg";
-            if (const Result<void> made = directories.make(command.svg); !made) return made.error();
             if (const Result<void> written =
-                    write_text(command.svg / name, cost::plot_svg(ladder, true), directories);
+                    write_text(command.svg / name, cost::plot_svg(ladder, true));
                 !written)
                 return written.error();
         }
     }
     if (!command.csv.empty())
-        if (const Result<void> written =
-                write_text(command.csv, cost::cost_csv(table), directories);
-            !written)
+        if (const Result<void> written = write_text(command.csv, cost::cost_csv(table)); !written)
             return written.error();
     if (!command.page.empty())
-        if (const Result<void> written =
-                write_text(command.page, cost::cost_page(table), directories);
-            !written)
+        if (const Result<void> written = write_text(command.page, cost::cost_page(table)); !written)
             return written.error();
     return {};
 }
@@ -199,7 +204,10 @@ int list_ladders(const CostCommand& command, Console& console) {
 
 int run(const CostCommand& command, Console& console) {
     if (command.list) return list_ladders(command, console);
+    OutputDirectories directories;
     const auto made = [&]() -> Result<cost::CostTable> {
+        if (const Result<void> places = make_places(command, directories); !places)
+            return places.error();
         Result<cost::CostTable> table =
             command.from.empty() ? Run(command, console).table() : read_table(command.from);
         if (!table) return table;

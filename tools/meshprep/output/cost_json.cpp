@@ -116,6 +116,10 @@ cost::RungRecord rung_from(Reader& read, const Json& json, const std::string& at
 cost::LadderRecord ladder_from(Reader& read, const Json& json, const std::string& at) {
     cost::LadderRecord ladder;
     ladder.name = read.text(json, at, "name");
+    // It becomes the name of a file.
+    if (ladder.name.empty() ||
+        ladder.name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-") != std::string::npos)
+        read.complain(at + "/name", "is no ladder's name");
     ladder.title = read.text(json, at, "title");
     ladder.setting = read.text(json, at, "setting");
     ladder.subject = read.text(json, at, "subject");
