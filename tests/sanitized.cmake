@@ -17,7 +17,7 @@ set(sanitized_tests
     rast_bands rast_coverage rast_hard_cases rast_hazards rast_partial_pixels rast_texture
     rast_texture_instructions rast_triangulation
     # the command
-    tools_contained tools_input_file tools_typed_lines tools_world)
+    tools_contained tools_cost_pages tools_input_file tools_typed_lines tools_world)
 list(TRANSFORM sanitized_tests APPEND _test)
 
 # Builds them.

@@ -19,7 +19,7 @@ TEST(Command, HelpAndVersionGoToStandardOutput) {
     EXPECT_EQ(help.exit_code, 0);
     EXPECT_NE(help.out.find("prepare"), std::string::npos);
     EXPECT_EQ(help.err, "");
-    for (const char* name : {"prepare", "inspect", "render", "validate", "diff"}) {
+    for (const char* name : {"prepare", "inspect", "render", "validate", "cost", "diff"}) {
         const test::Ran sub = run_command({name, "--help"});
         EXPECT_EQ(sub.exit_code, 0) << name;
         EXPECT_NE(sub.out.find("Examples:"), std::string::npos) << name;

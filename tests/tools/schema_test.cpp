@@ -115,6 +115,16 @@ TEST_F(Schema, HoldsForValidate) {
     }
 }
 
+TEST_F(Schema, HoldsForCost) {
+    check({"cost", at("ball.obj"), "--ladder", "normal-precision,normal-weight,depth-format",
+           "--rounds", "2", "--threads", "1"},
+          0);
+    check({"cost", "--list"}, 0);
+    check({"cost", at("bad.obj"), "--rounds", "1"}, 1);
+    check({"cost", "--from", at("cube.obj")}, 1);
+    check({"cost", "--ladder", "no-such"}, 2);
+}
+
 TEST_F(Schema, HoldsForDiff) {
     ASSERT_EQ(run_here({"prepare", at("ball.obj"), "-o", at("b.glb"), "--tangents", "mikktspace"})
                   .exit_code,

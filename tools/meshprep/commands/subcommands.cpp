@@ -6,11 +6,12 @@ Subcommand prepare_subcommand();
 Subcommand inspect_subcommand();
 Subcommand render_subcommand();
 Subcommand validate_subcommand();
+Subcommand cost_subcommand();
 Subcommand diff_subcommand();
 
 std::vector<Subcommand> subcommands() {
-    return {prepare_subcommand(), inspect_subcommand(), render_subcommand(), validate_subcommand(),
-            diff_subcommand()};
+    return {prepare_subcommand(),  inspect_subcommand(), render_subcommand(),
+            validate_subcommand(), cost_subcommand(),    diff_subcommand()};
 }
 
 }  // namespace meshprep

@@ -1,0 +1,124 @@
+// `meshprep cost` from outside: what it says, writes and refuses.
+#include <gtest/gtest.h>
+
+#include "command_runner.h"
+
+namespace {
+
+using nlohmann::json;
+using test::read_text;
+using test::run_here;
+using test::TemporaryDirectory;
+using test::write_text;
+
+std::vector<std::string> quick(std::vector<std::string> more) {
+    more.insert(more.begin(), {"cost", "--threads", "1", "--rounds", "3"});
+    return more;
+}
+
+TEST(Cost, SaysTheSameInEveryForm) {
+    const TemporaryDirectory dir;
+    const std::string page = (dir / "out/page.html").string(), csv = (dir / "t.csv").string(),
+                      svg = (dir / "plots").string();
+    const test::Ran ran = run_here(quick({"--ladder", "normal-weight,hard-angle", "--json", "-o",
+                                          page, "--csv", csv, "--svg", svg}));
+    ASSERT_EQ(ran.exit_code, 0) << ran.err;
+    const json document = ran.json();
+    ASSERT_EQ(document["ladders"].size(), 2u);
+    EXPECT_EQ(document["ladders"][0]["name"], "normal-weight");
+    EXPECT_EQ(document["threads"], 1);
+    for (const json& ladder : document["ladders"]) {
+        EXPECT_EQ(ladder["control_seconds"].size(), 3u);
+        for (const json& rung : ladder["rungs"]) EXPECT_EQ(rung["seconds"].size(), 3u);
+    }
+    // From the JSON alone the same bytes again.
+    write_text(dir / "times.json", ran.out);
+    const std::string page2 = (dir / "page2.html").string(), csv2 = (dir / "2.csv").string(),
+                      svg2 = (dir / "plots2").string();
+    const test::Ran again = run_here({"cost", "--from", (dir / "times.json").string(), "-o", page2,
+                                      "--csv", csv2, "--svg", svg2, "--json"});
+    ASSERT_EQ(again.exit_code, 0) << again.err;
+    EXPECT_EQ(again.out, ran.out);
+    EXPECT_EQ(read_text(page2), read_text(page));
+    EXPECT_EQ(read_text(csv2), read_text(csv));
+    for (const char* name : {"normal-weight.svg", "hard-angle.svg"})
+        EXPECT_EQ(read_text(dir / "plots2" / name), read_text(dir / "plots" / name)) << name;
+    // In words: a table for each ladder.
+    const test::Ran words = run_here({"cost", "--from", (dir / "times.json").string()});
+    EXPECT_NE(words.out.find("Weights of normals: a jittered torus"), std::string::npos);
+    EXPECT_NE(words.out.find("edge-length"), std::string::npos);
+    EXPECT_EQ(run_here({"cost", "--from", (dir / "times.json").string(), "-q"}).out, "");
+}
+
+TEST(Cost, TriesWhatItCanOnMeshesThatAreGiven) {
+    const TemporaryDirectory dir;
+    write_text(dir / "ball.obj", test::sphere_obj(24, 12));
+    write_text(dir / "cube.obj", test::cube_obj());
+    const test::Ran ran =
+        run_here(quick({(dir / "ball.obj").string(), (dir / "cube.obj").string(), "--ladder",
+                        "normal-precision,depth-format", "--json", "--svg", (dir / "s").string()}));
+    ASSERT_EQ(ran.exit_code, 0) << ran.err;
+    const json document = ran.json();
+    ASSERT_EQ(document["ladders"].size(), 3u);
+    EXPECT_EQ(document["ladders"][0]["subject"].get<std::string>().rfind("ball.obj", 0), 0u);
+    EXPECT_EQ(document["ladders"][1]["subject"].get<std::string>().rfind("cube.obj", 0), 0u);
+    EXPECT_EQ(document["ladders"][2]["name"], "depth-format");
+    EXPECT_TRUE(std::filesystem::exists(dir / "s/normal-precision.svg"));
+    EXPECT_TRUE(std::filesystem::exists(dir / "s/normal-precision-2.svg"));
+}
+
+TEST(Cost, ListsItsLadders) {
+    const test::Ran words = run_here({"cost", "--list"});
+    EXPECT_EQ(words.exit_code, 0);
+    const json document = run_here({"cost", "--list", "--json"}).json();
+    ASSERT_GE(document["known"].size(), 10u);
+    for (const json& ladder : document["known"])
+        EXPECT_NE(words.out.find(ladder["name"].get<std::string>()), std::string::npos);
+}
+
+TEST(Cost, RefusesWhatMakesNoSense) {
+    const TemporaryDirectory dir;
+    const test::Ran unknown = run_here({"cost", "--ladder", "normal-wieght"});
+    EXPECT_EQ(unknown.exit_code, 2);
+    EXPECT_NE(unknown.err.find("did you mean 'normal-weight'?"), std::string::npos) << unknown.err;
+    EXPECT_EQ(run_here({"cost", "--ladder", ""}).exit_code, 2);
+    EXPECT_EQ(run_here({"cost", "--ladder", "depth-format,"}).exit_code, 2);
+    EXPECT_EQ(run_here({"cost", "--rounds", "0"}).exit_code, 2);
+    EXPECT_EQ(run_here({"cost", "--seconds", "nan"}).exit_code, 2);
+    EXPECT_EQ(run_here({"cost", "--from", "x.json", "mesh.obj"}).exit_code, 2);
+    EXPECT_EQ(run_here({"cost", "--from", "x.json", "--list"}).exit_code, 2);
+}
+
+TEST(Cost, FailsWithoutATrace) {
+    const TemporaryDirectory dir;
+    write_text(dir / "bad.obj", "v 0 0 0\nf 1 2 9\n");
+    write_text(dir / "points.obj", "v 0 0 0\nv 1 0 0\np 1 2\n");
+    write_text(dir / "times.json", "{\"command\":\"cost\"}");
+    const std::string page = (dir / "o/page.html").string(), csv = (dir / "o/x.csv").string();
+    const std::vector<std::vector<std::string>> failing = {
+        {(dir / "none.obj").string()},
+        {(dir / "bad.obj").string()},
+        {(dir / "points.obj").string()},
+        {"--from", (dir / "none.json").string()},
+        {"--from", (dir / "times.json").string()}};
+    for (std::vector<std::string> words : failing) {
+        words.insert(words.begin(), {"cost", "--rounds", "1", "--json", "-o", page, "--csv", csv});
+        const test::Ran ran = run_here(words);
+        EXPECT_EQ(ran.exit_code, 1) << words.back();
+        EXPECT_NE(ran.err.find("meshprep: error: "), std::string::npos) << words.back();
+        EXPECT_TRUE(ran.json()["error"].is_object()) << words.back();
+        EXPECT_FALSE(std::filesystem::exists(dir / "o")) << words.back();
+    }
+    // Places that cannot be written: said before anything is measured.
+    write_text(dir / "file", "x");
+    std::filesystem::create_directory(dir / "page.html");
+    for (const std::string& place :
+         {(dir / "file/page.html").string(), (dir / "page.html").string()}) {
+        const test::Ran blocked = run_here({"cost", "-o", place});
+        EXPECT_EQ(blocked.exit_code, 1) << place;
+        EXPECT_NE(blocked.err.find("in the way"), std::string::npos) << blocked.err;
+    }
+    EXPECT_EQ(read_text(dir / "file"), "x");
+}
+
+}  // namespace

@@ -1,0 +1,291 @@
+// The oracles of `meshprep cost`: right where the answer is known, and sharp: what is a little
+// worse is seen to be worse.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <numbers>
+#include <random>
+#include <string>
+
+#include "cost/oracles/fan_normals.h"
+#include "cost/oracles/pictures.h"
+#include "cost/oracles/surfaces.h"
+
+namespace {
+
+using cost::Pixels;
+using cost::Real;
+using cost::Triangle2;
+using cost::Vector;
+
+Real length(const Vector& v) {
+    return std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z);
+}
+
+// Objects that name a symbol of the libraries would show in the symbols that they leave open.
+TEST(CostOracles, NameNoSymbolOfWhatTheyJudge) {
+    for (const char* archive : {COST_ORACLES, COST_MEASURE}) {
+        const std::string command = "nm -C " + std::string(archive) + " 2>/dev/null";
+        const std::unique_ptr<FILE, int (*)(FILE*)> pipe(popen(command.c_str(), "r"), pclose);
+        ASSERT_TRUE(pipe);
+        std::string symbols;
+        std::array<char, 4096> part{};
+        while (const std::size_t n = std::fread(part.data(), 1, part.size(), pipe.get()))
+            symbols.append(part.data(), n);
+        if (symbols.empty()) GTEST_SKIP() << "nm is not there or cannot read " << archive;
+        EXPECT_NE(symbols.find("cost::"), std::string::npos) << archive;
+        EXPECT_EQ(symbols.find("prep::"), std::string::npos) << archive;
+        EXPECT_EQ(symbols.find("rast::"), std::string::npos) << archive;
+    }
+}
+
+// A cube's corner: three faces of area vector 4 a side, as quads.
+TEST(CostOracles, FanNormalsOfACubeAreItsDiagonals) {
+    std::vector<glm::vec3> positions;
+    for (int i = 0; i < 8; ++i)
+        positions.push_back({i & 1 ? 1.f : -1.f, i & 2 ? 1.f : -1.f, i & 4 ? 1.f : -1.f});
+    const std::vector<std::uint32_t> corners = {0, 2, 3, 1, 4, 5, 7, 6, 0, 1, 5, 4,
+                                                2, 6, 7, 3, 0, 4, 6, 2, 1, 3, 7, 5};
+    const std::vector<std::uint32_t> offsets = {0, 4, 8, 12, 16, 20, 24};
+    const cost::FanNormals n = cost::area_fan_normals(positions, offsets, corners, corners, 8);
+    for (std::size_t v = 0; v < 8; ++v) {
+        const Vector diagonal(positions[v]);
+        EXPECT_EQ(cost::degrees_between(n.sums[v], diagonal), 0.0);
+        EXPECT_LT(n.bounds[v], 1e-12);
+        // A thousandth of a degree off is seen as that.
+        const Vector off = diagonal + Vector(0, 0, 1.7320508e-3L * std::numbers::pi_v<Real> / 180);
+        EXPECT_NEAR(cost::degrees_between(off, n.sums[v]), 0.001 * std::sqrt(2.0 / 3), 1e-6);
+    }
+}
+
+// A unit square upwards and a triangle of half its area to the side: areas weigh, of all of a
+// polygon.
+TEST(CostOracles, FanNormalsWeighWholePolygons) {
+    const std::vector<glm::vec3> positions = {
+        {0, 0, 0}, {-1, 0, 0}, {-1, -1, 0}, {0, -1, 0}, {0, 0, -1}};
+    const std::vector<std::uint32_t> corners = {0, 1, 2, 3, 0, 3, 4}, offsets = {0, 4, 7};
+    const std::vector<std::uint32_t> fans = {0, 1, 1, 1, 0, 1, 1};
+    const cost::FanNormals n = cost::area_fan_normals(positions, offsets, corners, fans, 2);
+    EXPECT_EQ(cost::degrees_between(n.sums[0], {1, 0, 2}), 0.0);
+}
+
+TEST(CostOracles, FanNormalsSayWhereTheyCannotTell) {
+    // Two faces back to back: the sum is zero.
+    const std::vector<glm::vec3> positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    const std::vector<std::uint32_t> corners = {0, 1, 2, 0, 2, 1}, offsets = {0, 3, 6};
+    const cost::FanNormals n = cost::area_fan_normals(positions, offsets, corners, corners, 3);
+    for (const double bound : n.bounds) EXPECT_EQ(bound, 180);
+}
+
+// Normals and tangents of the closed forms against differences of their positions.
+TEST(CostOracles, SurfacesAgreeWithTheirOwnDifferences) {
+    const Real h = 1e-5L;
+    for (const Real u : {0.03L, 0.31L, 0.77L}) {
+        for (const Real v : {0.11L, 0.48L, 0.83L}) {
+            const auto torus = [](Real a, Real b) { return cost::torus_at(a, b); };
+            const auto ellipsoid = [](Real a, Real b) { return cost::ellipsoid_at(a, b, 0.2L); };
+            const auto check = [&](const auto& at) {
+                const cost::SurfaceSample s = at(u, v);
+                const Vector du = (at(u + h, v).position - at(u - h, v).position) / (2 * h);
+                const Vector dv = (at(u, v + h).position - at(u, v - h).position) / (2 * h);
+                EXPECT_LT(cost::degrees_between(s.du, du), 1e-7);
+                EXPECT_NEAR(double(length(s.du) / length(du)), 1, 1e-8);
+                EXPECT_NEAR(cost::degrees_between(s.normal, du), 90, 1e-6);
+                EXPECT_NEAR(cost::degrees_between(s.normal, dv), 90, 1e-6);
+                EXPECT_NEAR(double(length(s.normal)), 1, 1e-15);
+            };
+            check(torus);
+            check(ellipsoid);
+        }
+    }
+}
+
+TEST(CostOracles, TurnedPartsNormalsStandOnItsProfile) {
+    const auto profile = cost::turned_profile();
+    ASSERT_EQ(profile.size(), 3u);
+    const cost::TurnedFace faces[] = {cost::TurnedFace::side, cost::TurnedFace::chamfer};
+    for (std::size_t i = 0; i < 2; ++i) {
+        const Vector along(profile[i + 1].radius - profile[i].radius, 0,
+                           profile[i + 1].z - profile[i].z);
+        EXPECT_NEAR(cost::degrees_between(cost::turned_normal(faces[i], 0), along), 90, 1e-12);
+    }
+    EXPECT_NEAR(
+        cost::degrees_between(cost::turned_normal(cost::TurnedFace::side, 0.25L), {0, 1, 0}), 0,
+        1e-12);
+}
+
+std::vector<Vector> random_control(int around, int across) {
+    std::vector<Vector> points;
+    std::mt19937_64 random(1);
+    for (int i = 0; i < around; ++i)
+        for (int j = 0; j < across; ++j) {
+            const Real wide = 0.45L + 0.1L * Real(random() % 1000) / 1000;
+            points.push_back(cost::torus_at(Real(i) / around, Real(j) / across, 1, wide).position);
+        }
+    return points;
+}
+
+// One step of Catmull and Clark's rules for quads of which four meet everywhere, from their paper.
+std::vector<Vector> refined(const std::vector<Vector>& p, int n, int m) {
+    const auto at = [&](int i, int j) { return p[std::size_t((i + n) % n * m + (j + m) % m)]; };
+    std::vector<Vector> out(std::size_t(4 * n * m));
+    const auto put = [&](int i, int j, const Vector& v) {
+        out[std::size_t((i % (2 * n)) * 2 * m + j % (2 * m))] = v;
+    };
+    for (int i = 0; i < n; ++i)
+        for (int j = 0; j < m; ++j) {
+            const auto face = [&](int a, int b) {
+                return (at(a, b) + at(a + 1, b) + at(a + 1, b + 1) + at(a, b + 1)) / Real(4);
+            };
+            put(2 * i + 1, 2 * j + 1, face(i, j));
+            put(2 * i + 1, 2 * j,
+                (at(i, j) + at(i + 1, j) + face(i, j) + face(i, j - 1)) / Real(4));
+            put(2 * i, 2 * j + 1,
+                (at(i, j) + at(i, j + 1) + face(i, j) + face(i - 1, j)) / Real(4));
+            const Vector faces =
+                (face(i, j) + face(i - 1, j) + face(i, j - 1) + face(i - 1, j - 1)) / Real(4);
+            const Vector edges =
+                (at(i, j) * Real(4) + at(i + 1, j) + at(i - 1, j) + at(i, j + 1) + at(i, j - 1)) /
+                Real(8);
+            put(2 * i, 2 * j, (faces + edges * Real(2) + at(i, j)) / Real(4));
+        }
+    return out;
+}
+
+TEST(CostOracles, TheSplineIsWhatCatmullAndClarksRulesTendTo) {
+    const int n = 8, m = 6;
+    const std::vector<Vector> cage = random_control(n, m);
+    const cost::SplineTorus spline(cage, n, m);
+    std::vector<Vector> points = cage;
+    int a = n, b = m;
+    double last = 1;
+    for (int level = 0; level < 6; ++level) {
+        points = refined(points, a, b);
+        a *= 2;
+        b *= 2;
+        double worst = 0;
+        for (int i = 0; i < a; i += a / 8 - 1)
+            for (int j = 0; j < b; ++j)
+                worst = std::max(
+                    worst, double(length(points[std::size_t(i * b + j)] -
+                                         spline.at(Real(i) * n / a, Real(j) * m / b).position)));
+        EXPECT_LT(worst, last / 3);  // a quarter each level
+        last = worst;
+    }
+    EXPECT_LT(last, 2e-4);
+}
+
+TEST(CostOracles, NearestPointsAreAsFarAsPointsWereMoved) {
+    const cost::SplineTorus spline(random_control(8, 6), 8, 6);
+    for (const Real h : {1e-9L, 1e-6L, 1e-3L, 1e-2L}) {
+        for (int k = 0; k < 25; ++k) {
+            const auto p = spline.at(0.37L * k, 0.73L * k);
+            const Vector n = glm::cross(p.du, p.dv);
+            const auto found = spline.nearest(p.position + n * (h / length(n)));
+            EXPECT_NEAR(double(found.distance / h), 1, 1e-6) << double(h) << ", point " << k;
+            EXPECT_LT(cost::degrees_between(found.normal, n), 1e-4);
+        }
+    }
+}
+
+TEST(CostOracles, AreasOfTrianglesInPixels) {
+    // The lower left half of the square 1 … 3: pixels full, half and empty.
+    const Triangle2 half = {{{1, 1}, {1, 3}, {3, 3}}};
+    const Pixels p = cost::exact_coverage(std::vector{half}, 4, 4);
+    const auto at = [&](std::size_t x, std::size_t y) { return p.values[y * 4 + x]; };
+    EXPECT_DOUBLE_EQ(at(1, 1), 0.5);
+    EXPECT_DOUBLE_EQ(at(1, 2), 1);
+    EXPECT_DOUBLE_EQ(at(2, 2), 0.5);
+    EXPECT_DOUBLE_EQ(at(2, 1), 0);
+    EXPECT_DOUBLE_EQ(at(0, 0), 0);
+
+    std::mt19937_64 random(2);
+    for (int k = 0; k < 200; ++k) {
+        const auto coordinate = [&] { return Real(random() % 100000) / 100000 * 20; };
+        Triangle2 t;
+        for (auto& c : t) c = {coordinate(), coordinate()};
+        const Pixels exact = cost::exact_coverage(std::vector{t}, 20, 20);
+        Real sum = 0, area = 0;
+        for (const double v : exact.values) sum += v;
+        area = std::abs((t[1].x - t[0].x) * (t[2].y - t[0].y) -
+                        (t[1].y - t[0].y) * (t[2].x - t[0].x)) /
+               2;
+        EXPECT_NEAR(double(sum), double(area), 1e-12);
+        // Samples tend to the areas; twice the footprint is seen.
+        const Pixels sampled = cost::sampled_coverage(std::vector{t}, 20, 20);
+        const double error = cost::picture_error(sampled, exact).rmse;
+        EXPECT_LT(error, 0.004);
+        if (area < 10) continue;
+        Triangle2 wide = t;
+        for (auto& c : wide) c = t[0] + (c - t[0]) * Real(1.1);
+        EXPECT_GT(
+            cost::picture_error(cost::sampled_coverage(std::vector{wide}, 20, 20), exact).rmse,
+            5 * error);
+    }
+}
+
+TEST(CostOracles, TrianglesThatOverlapCountOnceInSamples) {
+    const Triangle2 t = {{{0, 0}, {4, 0}, {0, 4}}};
+    EXPECT_EQ(cost::sampled_coverage(std::vector{t, t}, 4, 4).values,
+              cost::sampled_coverage(std::vector{t}, 4, 4).values);
+}
+
+TEST(CostOracles, ASphereIsLitAsItsFormulaSays) {
+    cost::LitSphere s;
+    s.ambient = 0.25;
+    s.towards = {0, 0, 1};
+    // The middle: light, normal and eye in one line.
+    const Pixels p = cost::lit_sphere(s, 101, 101, 1);
+    EXPECT_NEAR(p.values[50 * 101 + 50], 0.25 * 0.5 + 0.5 + 0.4, 1e-12);
+    EXPECT_EQ(p.values[0], 0);
+    // Its area: π of the 2.3 × 2.3 that the picture shows.
+    s.diffuse = s.ambient = 1;
+    s.light = 0;
+    double sum = 0;
+    for (const double v : cost::lit_sphere(s, 50, 50, 16).values) sum += v;
+    EXPECT_NEAR(sum / 2500, std::numbers::pi / (2.3 * 2.3), 1e-4);
+    // A power 2 % larger is seen above the noise of 64 samples for 256.
+    cost::LitSphere shiny;
+    shiny.towards = Vector(2, 3, 6) / Real(7);
+    cost::LitSphere more = shiny;
+    more.shininess *= 1.02;
+    std::vector<bool> inside;
+    cost::LitSphere white = shiny;
+    white.ambient = white.diffuse = 1;
+    white.light = 0;
+    for (const double v : cost::lit_sphere(white, 96, 72, 8).values) inside.push_back(v > 0.999);
+    const Pixels truth = cost::lit_sphere(shiny, 96, 72, 16);
+    const double noise =
+        cost::picture_error(cost::lit_sphere(shiny, 96, 72, 8), truth, inside).rmse;
+    EXPECT_GT(cost::picture_error(cost::lit_sphere(more, 96, 72, 8), truth, inside).rmse,
+              5 * noise);
+}
+
+TEST(CostOracles, ATexturedPlaneShowsItsTexture) {
+    cost::TexturedPlane s;
+    s.size = 2;
+    s.texels = {0.3, 0.3, 0.3, 0.3};
+    for (const double v : cost::textured_plane(s, 12, 8, 4).values) EXPECT_NEAR(v, 0.3, 1e-15);
+    // Far away a checker is its mean.
+    s.texels = {0, 1, 1, 0};
+    s.size = 2;
+    s.height = 5000;
+    for (const double v : cost::textured_plane(s, 4, 3, 32).values) EXPECT_NEAR(v, 0.5, 0.05);
+    // Straight down from 1 m with 90°: the picture's height is 2 units; its middle is at the
+    // origin, between the texels 1, 0 (x) and 1, 0 (z).
+    s.height = 1;
+    s.pitch = 90;
+    s.yfov = std::numbers::pi / 2;
+    s.size = 4;
+    s.texels.assign(16, 0);
+    s.texels[0] = 1;  // u, v from 0 to 1/4
+    const Pixels p = cost::textured_plane(s, 16, 16, 1);
+    // The pixel right of and below the middle is at (1/16, −pitched z): texel centre is at 1/8.
+    EXPECT_NEAR(p.values[8 * 16 + 8], (1 - 0.25) * (1 - 0.25), 1e-9);
+    EXPECT_NEAR(p.values[8 * 16 + 10], 0.75 * (1 - 0.75), 1e-9);
+}
+
+}  // namespace

@@ -1,0 +1,274 @@
+// What `meshprep cost` shows: plots, page, values and JSON say the same numbers.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <regex>
+
+#include "cost/pages/page.h"
+#include "cost/pages/plot.h"
+#include "meshprep/output/cost_json.h"
+
+namespace {
+
+using cost::CostTable;
+using cost::LadderRecord;
+using cost::RungRecord;
+
+RungRecord rung(const std::string& name, double error, double seconds, bool exact = false) {
+    RungRecord r;
+    r.name = name;
+    r.command = "prepare --as \"" + name + "\"";
+    r.exact = exact;
+    r.errors = {error, error / 2};
+    // Seven rounds that scatter by 1 %, each rung's in its own way.
+    for (int i = 0; i < 7; ++i)
+        r.seconds.push_back(seconds * (1 + 0.01 * std::sin(7.0 * i + double(name.size()))));
+    return r;
+}
+
+CostTable table_of_two() {
+    CostTable table;
+    table.version = "1.2.3";
+    table.processor = "A <processor> & more";
+    LadderRecord a;
+    a.name = "first";
+    a.title = "First & foremost";
+    a.setting = "s";
+    a.subject = "a mesh, \"quoted\"";
+    a.oracle = "o";
+    a.timed = {"one", "two"};
+    a.metrics = {{"largest", "°", "somewhere"}, {"mean", "°", ""}};
+    a.floor = 1e-6;
+    a.floor_text = "floats";
+    a.rungs = {rung("fast", 1e-3, 0.001),
+               rung("worse", 5e-3, 0.004),
+               rung("fine", 1e-5, 0.01),
+               rung("truth", 0, 1.5, true),
+               rung("as fast", 2e-3, 0.001),
+               rung("nothing", std::numeric_limits<double>::infinity(), 0.002)};
+    a.control = a.rungs[0].seconds;
+    a.narrow = true;
+    a.wall = a.cpu = 1;
+    LadderRecord b = a;
+    b.name = "second";
+    b.floor.reset();
+    b.primary = 1;
+    b.rungs = {rung("only", 0.25, 3e-5)};
+    b.control = b.rungs[0].seconds;
+    b.cpu = 0.5;
+    b.narrow = false;
+    table.ladders = {a, b};
+    cost::derive(table);
+    return table;
+}
+
+struct Tick {
+    double at, value;
+};
+std::vector<Tick> ticks(const std::string& svg, const std::string& kind, const std::string& axis) {
+    std::vector<Tick> found;
+    const std::regex pattern("class=\"" + kind + "\"[^>]* " + axis +
+                             "=\"([0-9.]+)\"[^>]*>([^<]*)<");
+    for (std::sregex_iterator i(svg.begin(), svg.end(), pattern), end; i != end; ++i)
+        found.push_back({std::stod((*i)[1]), std::stod((*i)[2])});
+    return found;
+}
+
+// What stands at a coordinate of an axis in powers, by two of its ticks.
+double read_off(const std::vector<Tick>& t, double at) {
+    const double slope =
+        (std::log10(t.back().value) - std::log10(t.front().value)) / (t.back().at - t.front().at);
+    return std::pow(10.0, std::log10(t.front().value) + (at - t.front().at) * slope);
+}
+// The coordinate of a value there.
+double placed(const std::vector<Tick>& t, double value) {
+    const double slope =
+        (t.back().at - t.front().at) / (std::log10(t.back().value) - std::log10(t.front().value));
+    return t.front().at + (std::log10(value) - std::log10(t.front().value)) * slope;
+}
+
+// Points are read off the drawing as a person would: by the ticks' texts.
+TEST(CostPlot, PointsStandWhereTheirNumbersSayToHalfAPixel) {
+    const CostTable table = table_of_two();
+    const LadderRecord& ladder = table.ladders[0];
+    for (const bool alone : {false, true}) {
+        const std::string svg = cost::plot_svg(ladder, alone);
+        const auto x = ticks(svg, "x-tick", "x"), y = ticks(svg, "y-tick", "y");
+        ASSERT_GE(x.size(), 2u);
+        ASSERT_GE(y.size(), 2u);
+        EXPECT_EQ(y.front().at > y.back().at, y.front().value < y.back().value);  // less is lower
+        EXPECT_EQ(x.front().at < x.back().at, x.front().value < x.back().value);
+        const std::regex point(
+            "data-rung=\"([0-9]+)\".*?<(circle|rect)[^>]*?(?:cx|x)=\"([0-9.]+)\" "
+            "(?:cy|y)=\"([0-9.]+)\"");
+        std::size_t points = 0;
+        for (std::sregex_iterator i(svg.begin(), svg.end(), point), end; i != end; ++i, ++points) {
+            const RungRecord& r = ladder.rungs[std::stoul((*i)[1])];
+            const bool square = (*i)[2] == "rect";
+            const double px = std::stod((*i)[3]) + (square ? 4.5 : 0);
+            EXPECT_NEAR(px, placed(x, r.time.value * 1e3), 0.5) << r.name;
+            EXPECT_NEAR(read_off(x, px) / (r.time.value * 1e3), 1, 0.02) << r.name;
+            EXPECT_EQ(square, r.exact) << r.name;
+            // Ticks' texts stand 4 below their lines.
+            if (!square) {
+                EXPECT_NEAR(std::stod((*i)[4]) + 4, placed(y, r.errors[0]), 0.5) << r.name;
+            }
+        }
+        EXPECT_EQ(points, 5u);  // an infinite error has no place
+        EXPECT_NE(svg.find("class=\"floor\""), std::string::npos);
+        EXPECT_EQ(svg.find("xmlns") != std::string::npos, alone);
+    }
+}
+
+TEST(CostPlot, MarksSayWhereRungsStand) {
+    const CostTable table = table_of_two();
+    const LadderRecord& ladder = table.ladders[0];
+    EXPECT_EQ(cost::standing_text(ladder, ladder.rungs[0]), "front");
+    EXPECT_EQ(cost::standing_text(ladder, ladder.rungs[1]), "dominated by fast");
+    EXPECT_EQ(cost::standing_text(ladder, ladder.rungs[2]), "front");
+    EXPECT_EQ(cost::standing_text(ladder, ladder.rungs[3]), "exact");
+    EXPECT_EQ(cost::standing_text(ladder, ladder.rungs[4]), "tied with fast");
+    EXPECT_EQ(cost::standing_text(ladder, ladder.rungs[5]), "dominated by fast");
+    const std::string svg = cost::plot_svg(ladder, false);
+    const auto kind_of = [&](const std::string& number) {
+        std::smatch found;
+        const std::regex kind("class=\"p ([a-z]+)\" tabindex=\"0\" role=\"img\" data-rung=\"" +
+                              number + "\"");
+        return std::regex_search(svg, found, kind) ? found[1].str() : "";
+    };
+    EXPECT_EQ(kind_of("0"), "front");
+    EXPECT_EQ(kind_of("1"), "dominated");
+    EXPECT_EQ(kind_of("3"), "exact");
+    EXPECT_EQ(kind_of("4"), "tied");
+}
+
+// What is meant as the truth is no choice: as fast and without error, it leaves the others where
+// they are.
+TEST(CostPlot, ExactRungsAreOnNoFront) {
+    CostTable table = table_of_two();
+    table.ladders.resize(1);
+    LadderRecord& ladder = table.ladders[0];
+    ladder.rungs[3] = rung("truth", 0, 0.0001, true);
+    cost::derive(table);
+    EXPECT_EQ(cost::standing_text(ladder, ladder.rungs[3]), "exact");
+    EXPECT_EQ(cost::standing_text(ladder, ladder.rungs[0]), "front");
+    EXPECT_EQ(cost::standing_text(ladder, ladder.rungs[1]), "dominated by fast");
+}
+
+TEST(CostPlot, OneRungAloneHasAPlot) {
+    const CostTable table = table_of_two();
+    const std::string svg = cost::plot_svg(table.ladders[1], true);
+    EXPECT_NE(svg.find("data-rung=\"0\""), std::string::npos);
+    EXPECT_EQ(svg.find("nan"), std::string::npos);
+    EXPECT_EQ(svg.find("inf"), std::string::npos);
+}
+
+TEST(CostPage, HoldsEverythingAndAsksForNothing) {
+    const CostTable table = table_of_two();
+    const std::string page = cost::cost_page(table);
+    for (const char* none : {"<script", "http:", "https:", "url(", "@import", "src="})
+        EXPECT_EQ(page.find(none), std::string::npos) << none;
+    EXPECT_NE(page.find("A &lt;processor&gt; &amp; more"), std::string::npos);
+    EXPECT_NE(page.find("prefers-color-scheme: dark"), std::string::npos);
+    EXPECT_NE(page.find("width=device-width"), std::string::npos);
+    for (const LadderRecord& ladder : table.ladders)
+        for (const RungRecord& r : ladder.rungs) {
+            EXPECT_NE(page.find(">" + cost::short_time(r.time.value) + "<"), std::string::npos);
+            for (const double e : r.errors)
+                EXPECT_NE(page.find(">" + cost::short_number(e) + "<"), std::string::npos);
+        }
+    EXPECT_NE(page.find("the machine was busy: 50 %"), std::string::npos);
+    EXPECT_NE(page.find("before every ratio was known"), std::string::npos);
+}
+
+TEST(CostPage, TerminalAndValuesSayTheSame) {
+    const CostTable table = table_of_two();
+    const auto rows = cost::cost_rows(table.ladders[0]);
+    ASSERT_EQ(rows.size(), 7u);
+    for (std::size_t i = 0; i < 6; ++i) {
+        const RungRecord& r = table.ladders[0].rungs[i];
+        EXPECT_EQ(rows[i + 1][1], cost::standing_text(table.ladders[0], r));
+        EXPECT_EQ(rows[i + 1][2], cost::short_time(r.time.value));
+        EXPECT_EQ(rows[i + 1][4], cost::short_number(r.errors[0]));
+    }
+    EXPECT_EQ(rows[1][0], "fast (default)");
+    const std::string csv = cost::cost_csv(table);
+    std::size_t lines = 0;
+    for (const char c : csv) lines += c == '\n';
+    EXPECT_EQ(lines, 1u + 6 * 2 + 2);
+    EXPECT_NE(csv.find("\"a mesh, \"\"quoted\"\"\""), std::string::npos);
+    EXPECT_NE(csv.find(",0.001,"), std::string::npos);
+}
+
+TEST(CostJson, ReadBackItGivesTheSamePage) {
+    const CostTable table = table_of_two();
+    const std::string text = meshprep::json_text(meshprep::to_json(table));
+    const auto again = meshprep::cost_table_from(text);
+    ASSERT_TRUE(again) << to_string(again.error());
+    EXPECT_EQ(cost::cost_page(*again), cost::cost_page(table));
+    EXPECT_EQ(cost::cost_csv(*again), cost::cost_csv(table));
+    EXPECT_EQ(meshprep::json_text(meshprep::to_json(*again)), text);
+}
+
+// Every number, word and list of the document in turn is replaced by something else, and every text
+// is cut short somewhere: an error with the place, never a crash, never a table with holes.
+TEST(CostJson, DamagedDocumentsAreErrors) {
+    const meshprep::Json whole = meshprep::to_json(table_of_two());
+    const std::string text = meshprep::json_text(whole);
+    for (std::size_t end = 0; end < text.size(); end += 97)
+        EXPECT_FALSE(meshprep::cost_table_from(text.substr(0, end))) << end;
+    const meshprep::Json flat = whole.flatten();
+    int errors = 0, kept = 0;
+    for (const auto& [pointer, value] : flat.items()) {
+        for (const meshprep::Json& wrong :
+             {meshprep::Json(nullptr), meshprep::Json(-7), meshprep::Json("x"),
+              meshprep::Json::array(), meshprep::Json::object(), meshprep::Json(true),
+              meshprep::Json(1e308), meshprep::Json(4000000000u)}) {
+            meshprep::Json changed = whole;
+            changed[meshprep::Json::json_pointer(pointer)] = wrong;
+            const auto read = meshprep::cost_table_from(meshprep::json_text(changed));
+            if (read) {
+                ++kept;
+                EXPECT_FALSE(cost::cost_page(*read).empty());
+                continue;
+            }
+            ++errors;
+            EXPECT_EQ(read.error().place[0], '#');
+        }
+    }
+    EXPECT_GT(errors, 500);
+    EXPECT_GT(kept, 50);  // texts and other numbers are as good as what was there
+    const auto error = [](const std::string& other) {
+        const auto read = meshprep::cost_table_from(other);
+        return read ? std::string() : to_string(read.error());
+    };
+    EXPECT_NE(error("{").find("no JSON"), std::string::npos);
+    EXPECT_NE(error("{\"command\":\"diff\"}").find("/command"), std::string::npos);
+    meshprep::Json shorter = whole;
+    shorter["ladders"][0]["rungs"][2]["seconds"].erase(0);
+    EXPECT_NE(error(meshprep::json_text(shorter)).find("/ladders/0/rungs/2/seconds"),
+              std::string::npos);
+    meshprep::Json fewer = whole;
+    fewer["ladders"][0]["rungs"][2]["errors"].erase(1);
+    EXPECT_NE(error(meshprep::json_text(fewer)).find("/ladders/0/rungs/2/errors"),
+              std::string::npos);
+    // All of one ladder's times a round shorter is another table, none of them is not.
+    meshprep::Json none = whole;
+    for (meshprep::Json& r : none["ladders"][1]["rungs"]) r["seconds"] = meshprep::Json::array();
+    none["ladders"][1]["control_seconds"] = meshprep::Json::array();
+    EXPECT_NE(error(meshprep::json_text(none)), "");
+    meshprep::Json beyond = whole;
+    beyond["ladders"][0]["primary"] = 2u;
+    EXPECT_NE(error(meshprep::json_text(beyond)).find("/ladders/0/primary"), std::string::npos);
+    beyond = whole;
+    beyond["ladders"][0]["reference"] = 6u;
+    EXPECT_NE(error(meshprep::json_text(beyond)).find("/ladders/0/reference"), std::string::npos);
+    for (const char* name : {"../first", "", "a/b", "A b"}) {  // it becomes a file's
+        meshprep::Json named = whole;
+        named["ladders"][0]["name"] = name;
+        EXPECT_NE(error(meshprep::json_text(named)).find("/ladders/0/name"), std::string::npos);
+    }
+}
+
+}  // namespace

@@ -1,0 +1,153 @@
+// Samples, supersampling and exact areas: how much of each pixel is covered.
+#include <cmath>
+#include <numbers>
+
+#include "cost/ladders/scenes.h"
+#include "cost/oracles/pictures.h"
+
+namespace cost {
+namespace {
+
+constexpr std::uint32_t width = 160, height = 120;
+
+// Spokes and gaps of equal width around the middle, 3° each.
+prep::VertexMesh star() {
+    prep::VertexMesh mesh;
+    constexpr int spokes = 60;
+    for (int i = 0; i < spokes; ++i) {
+        const double a = (2 * i + 0.31) * std::numbers::pi / spokes,
+                     b = (2 * i + 1.31) * std::numbers::pi / spokes;
+        for (const auto& [r, t] : {std::pair(0.02, a), std::pair(0.97, a), std::pair(0.97, b)}) {
+            mesh.indices.push_back(std::uint32_t(mesh.positions.size()));
+            mesh.positions.push_back({float(r * std::cos(t)), float(r * std::sin(t)), 0.0f});
+        }
+    }
+    return mesh;
+}
+
+// The user's mesh as a white shape.
+prep::VertexMesh shape_of(const prep::Mesh& mesh) {
+    prep::VertexMesh out;
+    out.positions = mesh.positions;
+    for (std::size_t f = 0; f < mesh.face_count(); ++f)
+        for (std::uint32_t c = mesh.face_offsets[f] + 1; c + 1 < mesh.face_offsets[f + 1]; ++c)
+            for (const std::uint32_t k : {mesh.face_offsets[f], c, c + 1})
+                out.indices.push_back(mesh.corner_vertices[k]);
+    return out;
+}
+
+// Triangles in pixels, by the definition of an orthographic view along −z.
+std::vector<Triangle2> in_pixels(const prep::VertexMesh& mesh, const glm::dvec3& centre,
+                                 double half) {
+    std::vector<Triangle2> out;
+    const Real scale = Real(height) / (2 * Real(half));
+    for (std::size_t t = 0; t < mesh.indices.size(); t += 3) {
+        Triangle2 triangle;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const glm::vec3& p = mesh.positions[mesh.indices[t + k]];
+            triangle[k] = {Real(width) / 2 + (Real(p.x) - Real(centre.x)) * scale,
+                           Real(height) / 2 - (Real(p.y) - Real(centre.y)) * scale};
+        }
+        out.push_back(triangle);
+    }
+    return out;
+}
+
+}  // namespace
+
+prep::Result<Ladder> anti_aliasing_ladder(const Subject& subject) {
+    prep::VertexMesh mesh = subject.mesh ? shape_of(*subject.mesh) : star();
+    glm::vec3 low(1e30f), high(-1e30f);
+    for (const std::uint32_t v : mesh.indices) {
+        const glm::vec3& p = mesh.positions[v];
+        low = glm::min(low, p);
+        high = glm::max(high, p);
+    }
+    const glm::dvec3 centre = (glm::dvec3(low) + glm::dvec3(high)) * 0.5;
+    const glm::dvec3 size = glm::dvec3(high) - glm::dvec3(low);
+    const double half = subject.mesh ? std::max(size.y, size.x * height / width) * 0.55 : 1.0;
+    if (!(half > 0) || !std::isfinite(half) || !std::isfinite(size.z))
+        return prep::Error{prep::ErrorCode::invalid, "the mesh has no extent to be drawn",
+                           subject.name};
+    const std::vector<Triangle2> triangles =
+        in_pixels(mesh, subject.mesh ? centre : glm::dvec3(0), half);
+    const auto truth =
+        std::make_shared<const Pixels>(subject.mesh ? sampled_coverage(triangles, width, height)
+                                                    : exact_coverage(triangles, width, height));
+    const std::size_t count = triangles.size();
+    const auto scene =
+        std::make_shared<const prep::PreparedScene>(scene_of(std::move(mesh), plain_white()));
+
+    Ladder ladder;
+    ladder.name = "anti-aliasing";
+    ladder.title = "Samples, supersampling and exact areas";
+    ladder.setting = "pictures: --samples, --supersample and --coverage";
+    ladder.subject =
+        subject.mesh ? subject.name + ", white, from +z: " + std::to_string(count) + " triangles"
+                     : "a star of 60 spokes";
+    ladder.subject += ", 160 × 120 pixels";
+    ladder.oracle = subject.mesh ? "1,024 samples a pixel by a plain loop in long double"
+                                 : "exact areas of the spokes in each pixel, in long double";
+    ladder.timed = {"plan", "transform, visibility and shading (one colour)", "resolve"};
+    ladder.metrics = {{"RMSE", "", "linear light"},
+                      {"largest", "", "linear light"},
+                      {"PSNR", "dB", "linear light"}};
+    if (subject.mesh) {
+        ladder.floor = picture_error(sampled_coverage(triangles, width, height, 24), *truth).rmse;
+        ladder.floor_text = "what 576 samples a pixel miss of the oracle's 1,024";
+    } else {
+        std::vector<Triangle2> snapped = triangles;
+        for (Triangle2& t : snapped)
+            for (Point2& p : t) p = glm::round(p * Real(256)) / Real(256);
+        ladder.floor = picture_error(exact_coverage(snapped, width, height), *truth).rmse;
+        ladder.floor_text =
+            "exact areas of corners rounded to 1/256 pixel, as the renderer has them";
+    }
+    struct Setting {
+        std::string name;
+        int samples = 1, supersample = 1;
+        bool area = false;
+    };
+    std::vector<Setting> settings;
+    for (const int n : {1, 2, 4, 8, 16})
+        settings.push_back({std::to_string(n) + (n == 1 ? " sample" : " samples"), n});
+    for (const int n : {2, 4, 8}) settings.push_back({"supersample " + std::to_string(n), 1, n});
+    settings.push_back({"exact areas", 1, 1, true});
+    for (const Setting& setting : settings) {
+        rast::RenderRequest request;
+        request.width = width;
+        request.height = height;
+        request.cull = prep::Cull::none;
+        request.samples = setting.samples;
+        request.supersample = setting.supersample;
+        request.coverage = setting.area ? prep::Coverage::area : prep::Coverage::samples;
+        request.threads = subject.threads;
+        rast::View view = flat_view(half);
+        if (subject.mesh) {
+            view.world_to_view[3] = glm::dvec4(-centre.x, -centre.y, -centre.z - size.z - half, 1);
+            view.zfar = 3 * (size.z + half);
+        }
+        request.view = view;
+        request.lights = std::vector<rast::LightInstance>{};
+        Rung rung;
+        rung.name = setting.name;
+        rung.command = "render";
+        if (setting.area)
+            rung.command += " --coverage area";
+        else if (setting.supersample > 1)
+            rung.command += " --supersample " + std::to_string(setting.supersample);
+        else
+            rung.command += " --samples " + std::to_string(setting.samples);
+        rung.exact = setting.area;
+        const auto drawing = std::make_shared<Drawing>(scene, request);
+        rung.run = [drawing] { return drawing->draw(); };
+        rung.judge = [drawing, truth] {
+            const PictureError e = picture_error(first_channel(drawing->frame()), *truth);
+            return std::vector<double>{e.rmse, e.largest, e.psnr};
+        };
+        ladder.rungs.push_back(std::move(rung));
+    }
+    return ladder;
+}
+
+}  // namespace cost

@@ -1,0 +1,115 @@
+// The threshold of hard edges on a turned part: too low splits what is round, too high smears rims.
+#include <memory>
+
+#include "cost/ladders/ladder.h"
+#include "cost/ladders/meshes.h"
+#include "prep/corner_normals.h"
+#include "prep/split_vertices.h"
+
+namespace cost {
+namespace {
+
+constexpr int around = 240;  // 1.5° from facet to facet
+
+struct State {
+    prep::Mesh mesh;
+    std::vector<Vector> truth;  // by corner
+    prep::MeshView view;
+    prep::Topology topology;
+    prep::FaceNormals faces;
+    prep::CornerNormals normals;
+    prep::VertexMesh split;
+    int threads = 0;
+};
+
+void add_face(State& s, const std::vector<std::uint32_t>& vertices, TurnedFace face) {
+    for (const std::uint32_t v : vertices) {
+        s.mesh.corner_vertices.push_back(v);
+        s.truth.push_back(turned_normal(face, Real(v % around) / around));
+    }
+    s.mesh.face_offsets.push_back(std::uint32_t(s.mesh.corner_vertices.size()));
+}
+
+// Two rings of quads between three rings of vertices, and two polygons.
+void make_part(State& s) {
+    for (const ProfilePoint& p : turned_profile())
+        for (int i = 0; i < around; ++i) {
+            const Vector out = turned_normal(TurnedFace::side, Real(i) / around) * p.radius;
+            s.mesh.positions.push_back(glm::vec3(out + Vector(0, 0, p.z)));
+        }
+    std::vector<std::uint32_t> bottom, top;
+    for (std::uint32_t i = 0; i < around; ++i) {
+        const std::uint32_t j = (i + 1) % around;
+        add_face(s, {i, j, around + j, around + i}, TurnedFace::side);
+        add_face(s, {around + i, around + j, 2 * around + j, 2 * around + i}, TurnedFace::chamfer);
+        bottom.push_back(around - 1 - i);
+        top.push_back(2 * around + i);
+    }
+    add_face(s, bottom, TurnedFace::bottom);
+    add_face(s, top, TurnedFace::top);
+}
+
+prep::Result<void> computed(State& s, std::optional<double> angle) {
+    prep::HardEdgeOptions edges;
+    edges.angle_degrees = angle;
+    edges.threads = s.threads;
+    const auto hard = prep::hard_edges(s.view, s.topology, s.faces, edges);
+    if (!hard) return hard.error();
+    prep::NormalOptions options;
+    options.threads = s.threads;
+    auto normals = prep::corner_normals(s.view, s.topology, s.faces, *hard, options);
+    if (!normals) return normals.error();
+    s.normals = *normals;
+    s.mesh.normals = std::move(normals->normals);
+    prep::SplitOptions split;
+    split.threads = s.threads;
+    auto vertices = prep::split(s.mesh, &*hard, split);
+    s.mesh.normals = {};
+    if (!vertices) return vertices.error();
+    s.split = *std::move(vertices);
+    return {};
+}
+
+}  // namespace
+
+prep::Result<Ladder> hard_angle_ladder(const Subject& subject) {
+    const auto s = std::make_shared<State>();
+    s->threads = subject.threads;
+    make_part(*s);
+    s->view = prep::MeshView(s->mesh);
+    s->topology = prep::build_topology(s->view, {}, s->threads);
+    s->faces = prep::face_normals(s->view, prep::Precision::accurate, s->threads);
+
+    Ladder ladder;
+    ladder.name = "hard-angle";
+    ladder.title = "Threshold of hard edges";
+    ladder.setting = "hard edges: --hard-angle";
+    ladder.subject = "a turned part: a side of 240 facets, a chamfer of 45°, a sharp rim";
+    ladder.oracle = "the part's own normals, in closed form";
+    ladder.timed = {"hard edges", "corner normals weighted by area", "split into vertices"};
+    ladder.metrics = {{"largest", "°", "normals at corners"},
+                      {"99.9 %", "°", "normals at corners"},
+                      {"mean", "°", "normals at corners"},
+                      {"vertices", "", "after the split"}};
+    ladder.primary = 2;
+    const std::pair<const char*, std::optional<double>> angles[] = {
+        {"0", 0.0}, {"15", 15.0}, {"30", 30.0}, {"60", 60.0}, {"90", 90.0}, {"off", std::nullopt}};
+    ladder.reference = 3;
+    for (const auto& [word, angle] : angles) {
+        Rung rung;
+        rung.name = word;
+        if (angle) rung.name += "°";
+        rung.command = std::string("prepare --hard-angle ") + word;
+        rung.run = [s, a = angle]() -> prep::Result<void> { return computed(*s, a); };
+        rung.judge = [s] {
+            std::vector<double> numbers = three_of(corner_errors(
+                s->mesh, s->normals.normals, [&](std::uint32_t c) { return s->truth[c]; }));
+            numbers.push_back(double(s->split.vertex_count()));
+            return numbers;
+        };
+        ladder.rungs.push_back(std::move(rung));
+    }
+    return ladder;
+}
+
+}  // namespace cost

@@ -1,0 +1,28 @@
+#include "cost/ladders/ladder.h"
+
+namespace cost {
+
+std::span<const LadderRow> ladder_rows() {
+    static constexpr LadderRow rows[] = {
+        {"normal-precision", "arithmetic of corner normals: fast, accurate, exact", true,
+         normal_precision_ladder},
+        {"normal-weight", "what a face counts in a corner's normal", false, normal_weight_ladder},
+        {"hard-angle", "threshold of hard edges: normals against vertices", false,
+         hard_angle_ladder},
+        {"tangent-mode", "how tangents are found, and where they are kept apart", false,
+         tangent_mode_ladder},
+        {"subdivision-level", "levels of subdivision against the limit surface", false,
+         subdivision_level_ladder},
+        {"chord-error", "error asked of adaptive triangles against the error they have", false,
+         chord_error_ladder},
+        {"shading-frequency", "flat, Gouraud and Phong shading over rising tessellation", false,
+         shading_frequency_ladder},
+        {"anti-aliasing", "samples, supersampling and exact areas", true, anti_aliasing_ladder},
+        {"texture-filter", "texture filters and anisotropy", false, texture_filter_ladder},
+        {"depth-format", "how depths are kept: surfaces close behind each other", false,
+         depth_format_ladder},
+    };
+    return rows;
+}
+
+}  // namespace cost

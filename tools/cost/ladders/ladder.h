@@ -1,0 +1,76 @@
+// A ladder: one setting of one stage, its rungs, what is timed, and the truth that each rung's
+// result is held against. The truths are in cost/oracles, which sees nothing of the stages.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "prep/mesh.h"
+#include "prep/result.h"
+
+namespace cost {
+
+// What a number of a rung says. Angles in degrees, pictures in linear light unless `domain` says
+// otherwise.
+struct Metric {
+    std::string name, unit, domain;
+};
+
+struct Rung {
+    std::string name;
+    std::string command;                      // the settings, as `meshprep` takes them
+    std::function<prep::Result<void>()> run;  // what is timed; keeps its result
+    // Of the last result: one number for each metric. Not timed.
+    std::function<std::vector<double>()> judge;
+    bool exact = false;  // meant as the truth: on a lane of its own
+};
+
+struct Ladder {
+    std::string name;     // "normal-precision"
+    std::string title;    // "Precision of normals"
+    std::string setting;  // which stage, and which setting of it
+    std::string subject;  // what it is tried on
+    std::string oracle;   // where the truth comes from
+    std::vector<std::string> timed;
+    std::vector<Metric> metrics;
+    std::size_t primary = 0;      // the metric of plots and fronts
+    std::optional<double> floor;  // of that metric: no result of this kind can do better
+    std::string floor_text;
+    std::size_t reference = 0;  // the default rung
+    std::vector<Rung> rungs;
+};
+
+// What ladders are tried on: the user's mesh, or shapes of their own where there is none.
+struct Subject {
+    std::string name;
+    const prep::Mesh* mesh = nullptr;
+    int threads = 0;
+};
+
+struct LadderRow {
+    const char* name;
+    const char* summary;
+    bool of_meshes;  // tried on the user's mesh; the others have shapes of their own
+    // Runs nothing yet but the oracle. Errors: those of the stages on such a mesh.
+    prep::Result<Ladder> (*make)(const Subject& subject);
+};
+
+// In the order of pages and of --list.
+std::span<const LadderRow> ladder_rows();
+
+// The rows' makers, each in the file of its name.
+prep::Result<Ladder> normal_precision_ladder(const Subject& subject);
+prep::Result<Ladder> normal_weight_ladder(const Subject& subject);
+prep::Result<Ladder> hard_angle_ladder(const Subject& subject);
+prep::Result<Ladder> tangent_mode_ladder(const Subject& subject);
+prep::Result<Ladder> subdivision_level_ladder(const Subject& subject);
+prep::Result<Ladder> chord_error_ladder(const Subject& subject);
+prep::Result<Ladder> shading_frequency_ladder(const Subject& subject);
+prep::Result<Ladder> anti_aliasing_ladder(const Subject& subject);
+prep::Result<Ladder> texture_filter_ladder(const Subject& subject);
+prep::Result<Ladder> depth_format_ladder(const Subject& subject);
+
+}  // namespace cost

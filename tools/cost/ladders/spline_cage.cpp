@@ -1,0 +1,68 @@
+#include "cost/ladders/spline_cage.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cost {
+namespace {
+
+constexpr int around = 8, across = 6;
+
+// Points of a torus, every other ring pushed out: no circle, so that nothing is exact by symmetry.
+// Floats, as meshes have them.
+std::vector<Vector> control_points() {
+    std::vector<Vector> points;
+    for (int i = 0; i < around; ++i) {
+        for (int j = 0; j < across; ++j) {
+            const SurfaceSample s = torus_at(Real(i) / around, Real(j) / across, 1,
+                                             i % 2 == 0 ? Real(0.5) : Real(0.375));
+            points.push_back(Vector(glm::vec3(s.position)));
+        }
+    }
+    return points;
+}
+
+}  // namespace
+
+SplineCage::SplineCage() : limit(control_points(), around, across) {
+    glm::vec3 low(1e30f), high(-1e30f);
+    for (const Vector& p : control_points()) {
+        mesh.positions.push_back(glm::vec3(p));
+        low = glm::min(low, mesh.positions.back());
+        high = glm::max(high, mesh.positions.back());
+    }
+    diagonal = double(glm::length(high - low));
+    const auto vertex = [](int i, int j) {
+        return std::uint32_t((i % around) * across + j % across);
+    };
+    for (int i = 0; i < around; ++i) {
+        for (int j = 0; j < across; ++j) {
+            for (const std::uint32_t v :
+                 {vertex(i, j), vertex(i + 1, j), vertex(i + 1, j + 1), vertex(i, j + 1)})
+                mesh.corner_vertices.push_back(v);
+            mesh.face_offsets.push_back(std::uint32_t(mesh.corner_vertices.size()));
+        }
+    }
+}
+
+LimitErrors limit_errors(const SplineCage& cage, const prep::Mesh& mesh, std::size_t most) {
+    LimitErrors errors;
+    const std::size_t faces = mesh.face_count();
+    const std::size_t stride = std::max<std::size_t>(1, faces / std::max<std::size_t>(most, 1));
+    for (std::size_t f = 0; f < faces; f += stride) {
+        Vector middle(0);
+        const std::uint32_t first = mesh.face_offsets[f], last = mesh.face_offsets[f + 1];
+        for (std::uint32_t c = first; c < last; ++c)
+            middle += Vector(mesh.positions[mesh.corner_vertices[c]]);
+        middle /= Real(last - first);
+        errors.distances.push_back(double(cage.limit.nearest(middle).distance / cage.diagonal));
+        if (mesh.normals.empty() || mesh.normals.indices[first] == prep::no_index) continue;
+        const Vector corner(mesh.positions[mesh.corner_vertices[first]]);
+        errors.degrees.push_back(
+            degrees_between(Vector(mesh.normals.values[mesh.normals.indices[first]]),
+                            cage.limit.nearest(corner).normal));
+    }
+    return errors;
+}
+
+}  // namespace cost

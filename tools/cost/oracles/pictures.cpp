@@ -1,0 +1,162 @@
+#include "cost/oracles/pictures.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace cost {
+namespace {
+
+Real dot(const Vector& a, const Vector& b) {
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+Vector unit(const Vector& v) {
+    return v / std::sqrt(dot(v, v));
+}
+
+// The part of a convex polygon where `axis` is on the given side of `limit`.
+std::vector<Point2> clipped(const std::vector<Point2>& polygon, int axis, Real limit, bool below) {
+    std::vector<Point2> out;
+    const auto inside = [&](const Point2& p) {
+        return below ? p[axis] <= limit : p[axis] >= limit;
+    };
+    for (std::size_t i = 0; i < polygon.size(); ++i) {
+        const Point2& a = polygon[i];
+        const Point2& b = polygon[(i + 1) % polygon.size()];
+        if (inside(a)) out.push_back(a);
+        if (inside(a) != inside(b))
+            out.push_back(a + (b - a) * ((limit - a[axis]) / (b[axis] - a[axis])));
+    }
+    return out;
+}
+
+Real area_of(const std::vector<Point2>& p) {
+    Real sum = 0;
+    for (std::size_t i = 1; i + 1 < p.size(); ++i) {
+        const Point2 a = p[i] - p[0], b = p[i + 1] - p[0];
+        sum += a.x * b.y - a.y * b.x;
+    }
+    return std::abs(sum) / 2;
+}
+
+std::int64_t bounded(Real value, std::uint32_t most) {
+    return std::int64_t(std::clamp(value, Real(0), Real(most)));
+}
+
+Pixels blank(std::uint32_t width, std::uint32_t height) {
+    return {width, height, 1, std::vector<double>(std::size_t(width) * height, 0.0)};
+}
+
+// at(x, y) over `side` × `side` places of each pixel, their mean.
+template <class At>
+Pixels mean_of(std::uint32_t width, std::uint32_t height, int side, const At& at) {
+    Pixels out = blank(width, height);
+    for (std::uint32_t y = 0; y < height; ++y) {
+        for (std::uint32_t x = 0; x < width; ++x) {
+            Real sum = 0;
+            for (int j = 0; j < side; ++j)
+                for (int i = 0; i < side; ++i)
+                    sum += at(Real(x) + (Real(i) + Real(0.5)) / side,
+                              Real(y) + (Real(j) + Real(0.5)) / side);
+            out.values[std::size_t(y) * width + x] = double(sum / (Real(side) * side));
+        }
+    }
+    return out;
+}
+
+}  // namespace
+
+Pixels exact_coverage(std::span<const Triangle2> triangles, std::uint32_t width,
+                      std::uint32_t height) {
+    Pixels out = blank(width, height);
+    for (const Triangle2& t : triangles) {
+        const auto [x0, x1] = std::minmax({t[0].x, t[1].x, t[2].x});
+        const auto [y0, y1] = std::minmax({t[0].y, t[1].y, t[2].y});
+        for (std::int64_t y = bounded(std::floor(y0), height); y < bounded(std::ceil(y1), height);
+             ++y) {
+            std::vector<Point2> row(t.begin(), t.end());
+            row = clipped(clipped(row, 1, Real(y), false), 1, Real(y + 1), true);
+            for (std::int64_t x = bounded(std::floor(x0), width); x < bounded(std::ceil(x1), width);
+                 ++x)
+                out.values[std::size_t(y) * width + std::size_t(x)] +=
+                    double(area_of(clipped(clipped(row, 0, Real(x), false), 0, Real(x + 1), true)));
+        }
+    }
+    return out;
+}
+
+Pixels sampled_coverage(std::span<const Triangle2> triangles, std::uint32_t width,
+                        std::uint32_t height, int side) {
+    const std::size_t columns = std::size_t(width) * std::size_t(side);
+    const std::size_t rows = std::size_t(height) * std::size_t(side);
+    std::vector<bool> covered(columns * rows, false);
+    for (const Triangle2& t : triangles) {
+        const auto [y0, y1] = std::minmax({t[0].y, t[1].y, t[2].y});
+        const Real first = std::ceil(y0 * side - Real(0.5)),
+                   last = std::floor(y1 * side - Real(0.5));
+        if (!(last >= 0) || !(first < Real(rows))) continue;
+        const std::size_t end = std::size_t(std::min(last, Real(rows - 1)));
+        for (std::size_t row = std::size_t(std::max(first, Real(0))); row <= end; ++row) {
+            const Real y = (Real(row) + Real(0.5)) / side;
+            Real low = Real(width) + 1, high = -1;
+            for (std::size_t k = 0; k < 3; ++k) {
+                const Point2 &a = t[k], &b = t[(k + 1) % 3];
+                if ((a.y <= y) == (b.y <= y)) continue;
+                const Real x = a.x + (b.x - a.x) * ((y - a.y) / (b.y - a.y));
+                low = std::min(low, x);
+                high = std::max(high, x);
+            }
+            const Real from = std::max(std::ceil(low * side - Real(0.5)), Real(0));
+            const Real to = std::min(std::floor(high * side - Real(0.5)), Real(columns) - 1);
+            for (Real x = from; x <= to; ++x) covered[row * columns + std::size_t(x)] = true;
+        }
+    }
+    Pixels out = blank(width, height);
+    for (std::size_t row = 0; row < rows; ++row)
+        for (std::size_t column = 0; column < columns; ++column)
+            if (covered[row * columns + column])
+                out.values[row / std::size_t(side) * width + column / std::size_t(side)] += 1;
+    for (double& v : out.values) v /= double(side) * side;
+    return out;
+}
+
+Pixels lit_sphere(const LitSphere& s, std::uint32_t width, std::uint32_t height, int side) {
+    const Vector half_way = unit(s.towards + Vector(0, 0, 1));
+    const Real scale = 2 * Real(s.half) / height;
+    return mean_of(width, height, side, [&](Real px, Real py) -> Real {
+        const Real x = (px - Real(width) / 2) * scale, y = (Real(height) / 2 - py) * scale;
+        const Real rest = 1 - x * x - y * y;
+        if (!(rest > 0)) return 0;
+        const Vector n(x, y, std::sqrt(rest));
+        const Real facing = dot(n, s.towards);
+        Real light = Real(s.ambient) * s.diffuse;
+        if (facing > 0)
+            light += s.light * (s.diffuse * facing +
+                                s.specular * std::pow(std::max(dot(n, half_way), Real(0)),
+                                                      Real(s.shininess)));
+        return light;
+    });
+}
+
+Pixels textured_plane(const TexturedPlane& s, std::uint32_t width, std::uint32_t height, int side) {
+    const Real pitch = Real(s.pitch) * std::numbers::pi_v<Real> / 180;
+    const Vector forward(0, -std::sin(pitch), -std::cos(pitch)), right(1, 0, 0),
+        up(0, std::cos(pitch), -std::sin(pitch));
+    const Real focal = 2 * std::tan(Real(s.yfov) / 2) / height;
+    const Real n = Real(s.size);
+    const auto texel = [&](Real x, Real y) {
+        const auto wrapped = [&](Real v) { return std::size_t(v - std::floor(v / n) * n); };
+        return Real(s.texels[wrapped(y) * s.size + wrapped(x)]);
+    };
+    return mean_of(width, height, side, [&](Real px, Real py) {
+        const Vector ray = forward + right * ((px - Real(width) / 2) * focal) +
+                           up * ((Real(height) / 2 - py) * focal);
+        const Real t = Real(s.height) / -ray.y;
+        const Real u = t * ray.x * n - Real(0.5), v = t * ray.z * n - Real(0.5);
+        const Real x = std::floor(u), y = std::floor(v), a = u - x, b = v - y;
+        return (texel(x, y) * (1 - a) + texel(x + 1, y) * a) * (1 - b) +
+               (texel(x, y + 1) * (1 - a) + texel(x + 1, y + 1) * a) * b;
+    });
+}
+
+}  // namespace cost

@@ -1,0 +1,149 @@
+#include "cost/pages/cost_table.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+
+namespace cost {
+namespace {
+
+// Shares of the processor below this, with one thread, mean that others had it meanwhile.
+constexpr double least_share = 0.95;
+// Quartiles apart by more than this share of the median.
+constexpr double wide_spread = 0.1;
+
+void derive(LadderRecord& ladder, int threads) {
+    std::vector<double> errors;
+    std::vector<std::vector<double>> seconds;
+    double spread = 0;
+    const std::vector<double>& base = ladder.rungs[ladder.reference].seconds;
+    for (std::size_t i = 0; i < ladder.rungs.size(); ++i) {
+        RungRecord& rung = ladder.rungs[i];
+        rung.time = median_estimate(rung.seconds);
+        rung.ratio = i == ladder.reference ? Estimate{1, 1, 1} : ratio_estimate(rung.seconds, base);
+        spread = std::max(spread, relative_spread(rung.seconds));
+        errors.push_back(rung.errors[ladder.primary]);
+        seconds.push_back(rung.seconds);
+    }
+    // Exact rungs are no choice between speed and error: they neither dominate nor are dominated.
+    std::vector<std::size_t> others;
+    std::vector<double> other_errors;
+    std::vector<std::vector<double>> other_seconds;
+    for (std::size_t i = 0; i < ladder.rungs.size(); ++i) {
+        if (ladder.rungs[i].exact) continue;
+        others.push_back(i);
+        other_errors.push_back(errors[i]);
+        other_seconds.push_back(seconds[i]);
+    }
+    const std::vector<Verdict> verdicts = front(other_errors, other_seconds);
+    for (std::size_t k = 0; k < others.size(); ++k)
+        ladder.rungs[others[k]].verdict = {verdicts[k].standing, others[verdicts[k].by]};
+
+    ladder.control_ratio = ratio_estimate(ladder.control, base, Confidence::deciding);
+    ladder.notes.clear();
+    if (threads == 1 && ladder.wall > 0 && ladder.cpu < least_share * ladder.wall)
+        ladder.notes.push_back(
+            fmt::format("the machine was busy: {:.0f} % of the time went to other work; {} of {} "
+                        "measurements were interrupted and taken again",
+                        100 * (1 - ladder.cpu / ladder.wall), ladder.retries, ladder.measurements));
+    if (spread > wide_spread)
+        ladder.notes.push_back(fmt::format(
+            "times scatter: the quartiles are up to {:.0f} % of the median apart", 100 * spread));
+    if (!ladder.narrow)
+        ladder.notes.push_back(fmt::format(
+            "stopped after {} rounds before every ratio was known to 5 %", base.size()));
+    if (ladder.control_ratio.low > 1 || ladder.control_ratio.high < 1)
+        ladder.notes.push_back(fmt::format(
+            "the default setting, measured twice, differs from itself by a factor of {:.3f}: "
+            "smaller differences mean nothing here",
+            ladder.control_ratio.value));
+}
+
+}  // namespace
+
+prep::Result<LadderRecord> climb(const Ladder& ladder, const TimingOptions& options, Clock& clock) {
+    LadderRecord record;
+    record.name = ladder.name;
+    record.title = ladder.title;
+    record.setting = ladder.setting;
+    record.subject = ladder.subject;
+    record.oracle = ladder.oracle;
+    record.timed = ladder.timed;
+    record.metrics = ladder.metrics;
+    record.primary = ladder.primary;
+    record.floor = ladder.floor;
+    record.floor_text = ladder.floor_text;
+    record.reference = ladder.reference;
+    std::vector<std::function<void()>> runs;
+    for (const Rung& rung : ladder.rungs) {
+        if (const prep::Result<void> ran = rung.run(); !ran) return ran.error();
+        RungRecord r;
+        r.name = rung.name;
+        r.command = rung.command;
+        r.exact = rung.exact;
+        r.errors = rung.judge();
+        record.rungs.push_back(std::move(r));
+        runs.push_back([&rung] { static_cast<void>(rung.run().has_value()); });
+    }
+    runs.push_back(runs[ladder.reference]);
+    Times times = measure(runs, ladder.reference, options, clock);
+    for (std::size_t i = 0; i < record.rungs.size(); ++i) {
+        record.rungs[i].seconds = std::move(times.seconds[i]);
+        record.rungs[i].repeats = times.repeats[i];
+    }
+    record.control = std::move(times.seconds.back());
+    record.wall = times.wall;
+    record.cpu = times.cpu;
+    record.narrow = times.narrow;
+    record.measurements = times.measurements;
+    record.retries = times.retries;
+    return record;
+}
+
+void derive(CostTable& table) {
+    for (LadderRecord& ladder : table.ladders) derive(ladder, table.threads);
+}
+
+std::string processor_name() {
+    std::ifstream list("/proc/cpuinfo");
+    for (std::string line; std::getline(list, line);) {
+        if (line.rfind("model name", 0) != 0) continue;
+        const std::size_t colon = line.find(": ");
+        if (colon != std::string::npos) return line.substr(colon + 2);
+    }
+    return "unknown";
+}
+
+std::string short_number(double value) {
+    if (value == 0) return "0";
+    if (std::isinf(value)) return value > 0 ? "∞" : "−∞";
+    if (std::isnan(value)) return "–";
+    const double size = std::abs(value);
+    if (size >= 1000 && size < 1e9 && value == std::floor(value))
+        return fmt::format("{:.0f}", value);
+    return fmt::format("{:.3g}", value);
+}
+
+std::string short_time(double seconds) {
+    if (seconds < 1e-3) return fmt::format("{:.3g} µs", seconds * 1e6);
+    if (seconds < 1) return fmt::format("{:.3g} ms", seconds * 1e3);
+    return fmt::format("{:.3g} s", seconds);
+}
+
+std::string standing_text(const LadderRecord& ladder, const RungRecord& rung) {
+    if (rung.exact) return "exact";
+    const std::string& by = ladder.rungs[rung.verdict.by].name;
+    switch (rung.verdict.standing) {
+        case Standing::dominated:
+            return "dominated by " + by;
+        case Standing::tied:
+            return "tied with " + by;
+        case Standing::front:
+            break;
+    }
+    return "front";
+}
+
+}  // namespace cost

@@ -1,0 +1,234 @@
+#include "meshprep/output/cost_json.h"
+
+#include <cmath>
+#include <limits>
+
+namespace meshprep {
+namespace {
+
+using prep::Error;
+using prep::ErrorCode;
+
+// JSON knows no infinity: a number that is not finite is told in words.
+Json number(double value) {
+    if (std::isnan(value)) return "nan";
+    if (std::isinf(value)) return value > 0 ? "inf" : "-inf";
+    return value;
+}
+Json numbers(const std::vector<double>& values) {
+    Json list = Json::array();
+    for (const double v : values) list.push_back(number(v));
+    return list;
+}
+Json interval(const cost::Estimate& e) {
+    return {{"value", number(e.value)}, {"low", number(e.low)}, {"high", number(e.high)}};
+}
+
+// Reads members of objects; the first thing that is wrong stays as the error.
+class Reader {
+  public:
+    std::optional<Error> error;
+
+    const Json& member(const Json& object, const std::string& pointer, const char* name) {
+        static const Json none;
+        if (!object.is_object() || !object.contains(name)) {
+            complain(pointer, std::string("has no '") + name + "'");
+            return none;
+        }
+        return object[name];
+    }
+    const Json& list(const Json& object, const std::string& pointer, const char* name) {
+        static const Json empty = Json::array();
+        const Json& value = member(object, pointer, name);
+        if (value.is_array()) return value;
+        complain(pointer + "/" + name, "is no array");
+        return empty;
+    }
+    std::string text(const Json& object, const std::string& pointer, const char* name) {
+        const Json& value = member(object, pointer, name);
+        if (value.is_string()) return value.get<std::string>();
+        complain(pointer + "/" + name, "is no string");
+        return {};
+    }
+    bool truth(const Json& object, const std::string& pointer, const char* name) {
+        const Json& value = member(object, pointer, name);
+        if (value.is_boolean()) return value.get<bool>();
+        complain(pointer + "/" + name, "is neither true nor false");
+        return false;
+    }
+    // Where `least` is 0 also "inf" and "nan" are numbers, as number() writes them.
+    double real(const Json& value, const std::string& pointer, double least) {
+        if (value.is_number()) {
+            const double v = value.get<double>();
+            if (v >= least && std::isfinite(v)) return v;
+        } else if (value == "inf") {
+            return std::numeric_limits<double>::infinity();
+        } else if (value == "nan") {
+            return std::numeric_limits<double>::quiet_NaN();
+        }
+        complain(pointer, "is no number that is possible here");
+        return 0;
+    }
+    std::size_t count(const Json& object, const std::string& pointer, const char* name,
+                      std::size_t most) {
+        const Json& value = member(object, pointer, name);
+        if (value.is_number_unsigned() && value.get<std::uint64_t>() <= most)
+            return std::size_t(value.get<std::uint64_t>());
+        complain(pointer + "/" + name, "is no whole number up to " + std::to_string(most));
+        return 0;
+    }
+    // Times: above 0 and finite.
+    std::vector<double> times(const Json& object, const std::string& pointer, const char* name) {
+        std::vector<double> out;
+        const Json& values = list(object, pointer, name);
+        for (std::size_t i = 0; i < values.size(); ++i) {
+            const std::string at = pointer + "/" + name + "/" + std::to_string(i);
+            const double v = real(values[i], at, std::numeric_limits<double>::min());
+            if (!std::isfinite(v)) complain(at, "is no time");
+            out.push_back(v);
+        }
+        return out;
+    }
+    void complain(const std::string& pointer, const std::string& text) {
+        if (!error)
+            error = Error{ErrorCode::invalid, text + "; the file is not what cost --json writes",
+                          "#" + pointer};
+    }
+};
+
+cost::RungRecord rung_from(Reader& read, const Json& json, const std::string& at,
+                           std::size_t metrics) {
+    cost::RungRecord rung;
+    rung.name = read.text(json, at, "name");
+    rung.command = read.text(json, at, "command");
+    rung.exact = read.truth(json, at, "exact");
+    const Json& errors = read.list(json, at, "errors");
+    for (std::size_t i = 0; i < errors.size(); ++i)
+        rung.errors.push_back(read.real(errors[i], at + "/errors/" + std::to_string(i), -1e300));
+    if (errors.size() != metrics)
+        read.complain(at + "/errors", "has " + std::to_string(errors.size()) + " numbers for " +
+                                          std::to_string(metrics) + " metrics");
+    rung.seconds = read.times(json, at, "seconds");
+    rung.repeats = int(read.count(json, at, "repeats", 1000000));
+    return rung;
+}
+
+cost::LadderRecord ladder_from(Reader& read, const Json& json, const std::string& at) {
+    cost::LadderRecord ladder;
+    ladder.name = read.text(json, at, "name");
+    // It becomes the name of a file.
+    if (ladder.name.empty() ||
+        ladder.name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-") != std::string::npos)
+        read.complain(at + "/name", "is no ladder's name");
+    ladder.title = read.text(json, at, "title");
+    ladder.setting = read.text(json, at, "setting");
+    ladder.subject = read.text(json, at, "subject");
+    ladder.oracle = read.text(json, at, "oracle");
+    const Json& timed = read.list(json, at, "timed");
+    for (const Json& part : timed) {
+        if (!part.is_string())
+            read.complain(at + "/timed", "holds something other than words");
+        else
+            ladder.timed.push_back(part.get<std::string>());
+    }
+    const Json& metrics = read.list(json, at, "metrics");
+    for (std::size_t i = 0; i < metrics.size(); ++i) {
+        const std::string place = at + "/metrics/" + std::to_string(i);
+        ladder.metrics.push_back({read.text(metrics[i], place, "name"),
+                                  read.text(metrics[i], place, "unit"),
+                                  read.text(metrics[i], place, "domain")});
+    }
+    if (metrics.empty()) read.complain(at + "/metrics", "is empty");
+    ladder.primary = read.count(json, at, "primary", metrics.empty() ? 0 : metrics.size() - 1);
+    const Json& floor = read.member(json, at, "floor");
+    if (!floor.is_null()) ladder.floor = read.real(floor, at + "/floor", 0);
+    ladder.floor_text = read.text(json, at, "floor_is");
+    const Json& rungs = read.list(json, at, "rungs");
+    ladder.reference = read.count(json, at, "reference", rungs.empty() ? 0 : rungs.size() - 1);
+    ladder.control = read.times(json, at, "control_seconds");
+    if (rungs.empty()) read.complain(at + "/rungs", "is empty");
+    for (std::size_t i = 0; i < rungs.size(); ++i) {
+        const std::string place = at + "/rungs/" + std::to_string(i);
+        ladder.rungs.push_back(rung_from(read, rungs[i], place, metrics.size()));
+        if (ladder.rungs.back().seconds.size() != ladder.control.size() || ladder.control.empty())
+            read.complain(place + "/seconds", "has not as many rounds as control_seconds");
+    }
+    ladder.wall = read.real(read.member(json, at, "wall_seconds"), at + "/wall_seconds", 0);
+    ladder.cpu = read.real(read.member(json, at, "cpu_seconds"), at + "/cpu_seconds", 0);
+    ladder.narrow = read.truth(json, at, "narrow");
+    ladder.measurements = int(read.count(json, at, "measurements", 1000000000));
+    ladder.retries = int(read.count(json, at, "taken_again", 1000000000));
+    return ladder;
+}
+
+}  // namespace
+
+Json to_json(const cost::CostTable& table) {
+    Json json = json_head("cost");
+    json["version"] = table.version;
+    json["processor"] = table.processor;
+    json["threads"] = table.threads;
+    json["ladders"] = Json::array();
+    for (const cost::LadderRecord& ladder : table.ladders) {
+        Json l;
+        l["name"] = ladder.name;
+        l["title"] = ladder.title;
+        l["setting"] = ladder.setting;
+        l["subject"] = ladder.subject;
+        l["oracle"] = ladder.oracle;
+        l["timed"] = ladder.timed;
+        l["metrics"] = Json::array();
+        for (const cost::Metric& m : ladder.metrics)
+            l["metrics"].push_back({{"name", m.name}, {"unit", m.unit}, {"domain", m.domain}});
+        l["primary"] = ladder.primary;
+        l["floor"] = ladder.floor ? number(*ladder.floor) : Json();
+        l["floor_is"] = ladder.floor_text;
+        l["reference"] = ladder.reference;
+        l["rungs"] = Json::array();
+        for (const cost::RungRecord& rung : ladder.rungs) {
+            Json r;
+            r["name"] = rung.name;
+            r["command"] = rung.command;
+            r["exact"] = rung.exact;
+            r["errors"] = numbers(rung.errors);
+            r["time"] = interval(rung.time);
+            r["ratio"] = interval(rung.ratio);
+            r["standing"] = rung.exact ? "exact" : cost::word_for(rung.verdict.standing);
+            if (!rung.exact && rung.verdict.standing != cost::Standing::front)
+                r["by"] = ladder.rungs[rung.verdict.by].name;
+            r["repeats"] = rung.repeats;
+            r["seconds"] = numbers(rung.seconds);
+            l["rungs"].push_back(std::move(r));
+        }
+        l["control_ratio"] = interval(ladder.control_ratio);
+        l["control_seconds"] = numbers(ladder.control);
+        l["wall_seconds"] = number(ladder.wall);
+        l["cpu_seconds"] = number(ladder.cpu);
+        l["narrow"] = ladder.narrow;
+        l["measurements"] = ladder.measurements;
+        l["taken_again"] = ladder.retries;
+        l["notes"] = ladder.notes;
+        json["ladders"].push_back(std::move(l));
+    }
+    return json;
+}
+
+prep::Result<cost::CostTable> cost_table_from(std::string_view text) {
+    const Json json = Json::parse(text, nullptr, false);
+    if (json.is_discarded())
+        return Error{ErrorCode::syntax, "is no JSON; give a file that cost --json wrote", ""};
+    Reader read;
+    if (read.text(json, "", "command") != "cost") read.complain("/command", "is not 'cost'");
+    cost::CostTable table;
+    table.version = read.text(json, "", "version");
+    table.processor = read.text(json, "", "processor");
+    table.threads = int(read.count(json, "", "threads", 4096));
+    const Json& ladders = read.list(json, "", "ladders");
+    for (std::size_t i = 0; i < ladders.size() && !read.error; ++i)
+        table.ladders.push_back(ladder_from(read, ladders[i], "/ladders/" + std::to_string(i)));
+    if (read.error) return *read.error;
+    cost::derive(table);
+    return table;
+}
+
+}  // namespace meshprep
