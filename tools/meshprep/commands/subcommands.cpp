@@ -7,10 +7,11 @@ Subcommand inspect_subcommand();
 Subcommand render_subcommand();
 Subcommand validate_subcommand();
 Subcommand diff_subcommand();
+Subcommand height_to_normal_subcommand();
 
 std::vector<Subcommand> subcommands() {
-    return {prepare_subcommand(), inspect_subcommand(), render_subcommand(), validate_subcommand(),
-            diff_subcommand()};
+    return {prepare_subcommand(),  inspect_subcommand(), render_subcommand(),
+            validate_subcommand(), diff_subcommand(),    height_to_normal_subcommand()};
 }
 
 }  // namespace meshprep
