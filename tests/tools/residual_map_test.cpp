@@ -191,18 +191,20 @@ TEST_F(ResidualMap, TexelsAndTangentsMakeTheSurfacesNormals) {
         const test::Ran ran = prepared(
             obj_of(squares), file,
             {"--displace", map, "--height-midlevel", "0", "--height-filter", "bicubic",
-             "--max-triangles", "1500", "--residual-normal-map", "512", "--residual-bits", bits});
+             "--max-triangles", "1500", "--residual-normal-map", "256", "--residual-bits", bits});
         ASSERT_EQ(ran.exit_code, 0) << ran.err;
         const json told = ran.json()["files"][0];
         ASSERT_EQ(told["residual_maps"].size(), 1U);
-        EXPECT_EQ(told["residual_maps"][0]["size"], 512);
+        EXPECT_EQ(told["residual_maps"][0]["size"], 256);
         EXPECT_EQ(told["residual_maps"][0]["bits"], std::stoi(bits));
         EXPECT_EQ(told["residual_maps"][0]["overlapping"], 0);
         EXPECT_FALSE(has(told, "residual-overlap"));
         // The charts' part of the picture: three of 0.16, one of 0.14, and the texels on borders.
-        EXPECT_NEAR(told["residual_maps"][0]["texels"].get<double>() / (512 * 512), 0.62, 0.02);
+        EXPECT_NEAR(told["residual_maps"][0]["texels"].get<double>() / (256 * 256), 0.62, 0.02);
         const std::vector<double> found = angles(file, {});
-        ASSERT_GT(found.size(), 100'000U);
+        ASSERT_GT(found.size(), 25'000U);
+        std::printf("%s bits: p99 %.3f, without %.1f, half a texel off %.2f\n", bits, p99(found),
+                    p99(angles(file, {.without = true})), p99(angles(file, {.shift = 0.5})));
         RecordProperty("p99_of_" + std::string(bits), std::to_string(p99(found)));
         EXPECT_LE(p99(found), most) << bits;
         const std::vector<double> bare = angles(file, {.without = true});
@@ -360,7 +362,7 @@ TEST_F(ResidualMap, FindingsSayWhatIsLeftOut) {
     const test::Ran beside = prepared(obj_of(same), "beside.glb", options);
     EXPECT_FALSE(has(beside.json()["files"][0], "residual-overlap"));
     // A picture that repeats over and over holds no charts.
-    same[0].uv_x *= 100;
+    same[0].uv_x *= 200;
     const test::Ran tiled = prepared(obj_of(same), "tiled.glb", options);
     ASSERT_EQ(tiled.exit_code, 0) << tiled.err;
     EXPECT_TRUE(has(tiled.json()["files"][0], "no-residual-map"));
