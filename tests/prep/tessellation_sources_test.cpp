@@ -4,6 +4,7 @@
 
 #include "displacement/noise_field.h"
 #include "prep/displacement/tessellate.h"
+#include "prep/prepare.h"
 #include "tessellation_checks.h"
 
 namespace prep {
@@ -266,6 +267,37 @@ TEST(TessellationSources, NormalsAreThoseOfTheSum) {
                   1e-6);
     }
     EXPECT_LE(most, 1e-5);
+}
+
+// What moves later would not fit: the mesh stays, and a warning says so; others are displaced.
+TEST(TessellationSources, MovingMeshesStayAsTheyAre) {
+    for (const bool skin : {false, true}) {
+        Scene scene;
+        scene.meshes = {unit_quad(), unit_quad()};
+        if (skin)
+            scene.meshes[0].skin_influences.emplace_back();
+        else
+            scene.meshes[0].morph_targets.emplace_back();
+        PrepareOptions options;
+        options.tessellate = true;
+        options.displacement.noise = NoiseOptions{};
+        options.tessellation.edge_length = 0.2;
+        options.displacement.residual = ResidualMapOptions{.size = 16};
+        const auto made = prepare(scene, options);
+        ASSERT_TRUE(made) << to_string(made.error());
+        EXPECT_EQ(made->meshes[0].positions, scene.meshes[0].positions);
+        EXPECT_EQ(made->meshes[0].triangle_count(), 2U);
+        EXPECT_FALSE(made->tessellated[0]);
+        EXPECT_GT(made->meshes[1].triangle_count(), 50U);
+        const auto found =
+            std::find_if(made->findings.begin(), made->findings.end(),
+                         [](const Finding& f) { return f.kind == "moving-mesh-kept"; });
+        ASSERT_NE(found, made->findings.end());
+        EXPECT_EQ(found->severity, Severity::warning);
+        EXPECT_EQ(found->mesh, 0U);
+        EXPECT_EQ(found->count, 1U);
+        EXPECT_NE(found->text.find(skin ? "skin" : "morph"), std::string::npos);
+    }
 }
 
 TEST(TessellationSources, WhatHasNoProofIsRefused) {
