@@ -7,7 +7,6 @@
 #include <cmath>
 #include <glm/glm.hpp>
 #include <numbers>
-#include <sstream>
 
 #include "command_runner.h"
 #include "prep/image.h"
@@ -132,7 +131,7 @@ Angles compare(const prep::Scene& coarse, const prep::Scene& dense) {
 }
 
 // Each face in a cell of its own of the picture, with room around it.
-std::string in_cells(const prep::Mesh& mesh, const std::string& tags) {
+std::string in_cells(const prep::Mesh& mesh) {
     std::string text;
     for (const glm::vec3& p : mesh.positions) text += fmt::format("v {} {} {}\n", p.x, p.y, p.z);
     const double across = std::ceil(std::sqrt(double(mesh.face_count())));
@@ -152,17 +151,7 @@ std::string in_cells(const prep::Mesh& mesh, const std::string& tags) {
         }
         faces += "\n";
     }
-    return text + faces + tags;
-}
-
-std::string cells_of(const std::filesystem::path& obj) {
-    const auto scene = prep::load_scene(obj);
-    EXPECT_TRUE(scene) << to_string(scene.error());
-    std::string tags;
-    std::istringstream lines(test::read_text(obj));
-    for (std::string line; std::getline(lines, line);)
-        if (line.starts_with("t ")) tags += line + "\n";
-    return in_cells(scene->meshes[0], tags);
+    return text + faces;
 }
 
 class ResidualSurface : public testing::Test {
@@ -227,21 +216,21 @@ prep::Mesh cube() {
 }
 
 TEST_F(ResidualSurface, HeightsOfALimitSurface) {
-    check("cube, heights", in_cells(cube(), ""),
+    check("cube, heights", in_cells(cube()),
           {"--subdivide", "catmark", "--displace", waves("waves.exr", 1), "--height-midlevel", "0",
            "--height-scale", "0.04", "--height-filter", "bicubic"},
           "1500", "256", "150k", 5);
 }
 
 TEST_F(ResidualSurface, VectorsOfALimitSurface) {
-    check("cube, vectors", in_cells(cube(), ""),
+    check("cube, vectors", in_cells(cube()),
           {"--subdivide", "catmark", "--displace", waves("vectors.exr", 3), "--displace-kind",
            "vector-object", "--height-scale", "0.03", "--height-filter", "bicubic"},
           "1500", "256", "150k", 5);
 }
 
 TEST_F(ResidualSurface, NoiseOfALimitSurface) {
-    check("cube, noise", in_cells(cube(), ""),
+    check("cube, noise", in_cells(cube()),
           {"--subdivide", "catmark", "--displace", "noise", "--noise-scale", "0.05",
            "--noise-frequency", "2.5"},
           "1500", "256", "100k", 5);
@@ -249,7 +238,7 @@ TEST_F(ResidualSurface, NoiseOfALimitSurface) {
 
 // The limit surface alone: what its triangles lack.
 TEST_F(ResidualSurface, LimitSurfacesWithoutDisplacement) {
-    check("cube", in_cells(cube(), ""), {"--subdivide", "catmark"}, "24", "256", "60k", 2);
+    check("cube", in_cells(cube()), {"--subdivide", "catmark"}, "24", "256", "60k", 2);
 }
 
 // Of a model's own atlas, with seams and mirrored halves; noise is the same on both sides of them.
@@ -259,13 +248,6 @@ TEST_F(ResidualSurface, SpotsCage) {
           {"--subdivide", "catmark", "--displace", "noise", "--noise-scale", "0.02",
            "--noise-frequency", "4"},
           "2k", "256", "200k", 3);
-}
-
-// Creases: sides move apart there, by less the smaller the noise.
-TEST_F(ResidualSurface, Rook) {
-    MESHPREP_REQUIRE_SHARED(shared);
-    check("rook", cells_of(shared / "corpus/subdiv/catmark_rook.obj"), {"--subdivide", "catmark"},
-          "5k", "512", "200k", 1);
 }
 
 }  // namespace
