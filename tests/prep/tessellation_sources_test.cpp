@@ -220,6 +220,81 @@ TEST(TessellationSources, NoiseMovesLimitPointsAlongTheirNormals) {
     }
 }
 
+// Heights that are linear in space leave nothing over a plane triangle: all comes from the
+// surface's own way through its parameters. A plane cage of uneven quads: the normal is one
+// everywhere.
+class Slope final : public SpaceFunction {
+  public:
+    static constexpr double k = 20;
+    Sample at(const glm::dvec3& p) const override { return {k * p.x, {k, 0, 0}}; }
+    double deviation(const std::array<glm::dvec3, 3>&, const std::array<double, 3>&,
+                     double) const override {
+        return 0;
+    }
+    double steepest() const override { return k; }
+};
+
+TEST(TessellationSources, HeightsInSpaceFollowTheSurfaceThroughItsParameters) {
+    Mesh mesh;
+    const std::array<float, 5> steps{0, 0.1F, 0.8F, 0.9F, 2};
+    for (const float y : steps)
+        for (const float x : steps) mesh.positions.emplace_back(x, y, 0);
+    for (std::uint32_t j = 0; j < 4; ++j)
+        for (std::uint32_t i = 0; i < 4; ++i)
+            add_face(mesh, {5 * j + i, 5 * j + i + 1, 5 * j + i + 6, 5 * j + i + 5});
+    for (const std::uint64_t most : {64u, 200u, 1000u}) {
+        TessellateOptions how;
+        how.scheme = SubdivisionScheme::catmark;
+        how.max_triangles = most;
+        how.samples = 50'000;
+        how.displacements = {{.height = nullptr, .noise = std::make_shared<Slope>()}};
+        const auto made = tessellate(mesh, how);
+        ASSERT_TRUE(made) << to_string(made.error());
+        EXPECT_GT(made->certificate.measured, 0);
+        EXPECT_LE(made->certificate.measured, made->certificate.proved);
+    }
+}
+
+// Where charts hold different vectors a shared point has the middle of them, whatever the order of
+// faces.
+TEST(TessellationSources, SeamsHaveTheMiddleOfTheirSidesVectors) {
+    constexpr std::uint32_t size = 64;
+    const Image image = vectors(size, [](std::uint32_t x, std::uint32_t) {
+        return x < size / 2 ? glm::dvec3(0.25, 0, 1) : glm::dvec3(0, -0.5, 3);
+    });
+    for (const bool turned : {false, true}) {
+        Mesh mesh = seamed();
+        if (turned) {
+            std::rotate(mesh.corner_vertices.begin(), mesh.corner_vertices.begin() + 4,
+                        mesh.corner_vertices.end());
+            std::rotate(mesh.uvs[0].indices.begin(), mesh.uvs[0].indices.begin() + 4,
+                        mesh.uvs[0].indices.end());
+        }
+        TessellateOptions how;
+        how.edge_length = 3;
+        how.displacements = {
+            {.height = nullptr, .vector = *vector_function(image, object_space(), &mesh, 0)}};
+        const auto moved = tessellate(mesh, how);
+        ASSERT_TRUE(moved) << to_string(moved.error());
+        int found = 0;
+        for (std::size_t v = 0; v < moved->cage_vertices.size(); ++v) {
+            const std::uint32_t cage = moved->cage_vertices[v];
+            if (cage == no_index) continue;
+            const glm::dvec3 step =
+                glm::dvec3(moved->mesh.positions[v]) - glm::dvec3(mesh.positions[cage]);
+            const bool seam = cage == 1 || cage == 4, left = cage == 0 || cage == 5;
+            const glm::dvec3 expected = seam   ? glm::dvec3(0.125, -0.25, 2)
+                                        : left ? glm::dvec3(0.25, 0, 1)
+                                               : glm::dvec3(0, -0.5, 3);
+            EXPECT_LE(glm::length(step - expected), 1e-6) << cage;
+            found += seam;
+        }
+        EXPECT_EQ(found, 2);
+        EXPECT_NEAR(moved->certificate.largest_shared_gap, glm::length(glm::dvec3(0.125, 0.25, 1)),
+                    1e-5);
+    }
+}
+
 // A vector field and a noise together: the normal of the sum by differences of the closed form.
 class Swirl final : public VectorFunction {
   public:
