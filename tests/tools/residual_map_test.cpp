@@ -201,6 +201,9 @@ TEST_F(ResidualMap, TexelsAndTangentsMakeTheSurfacesNormals) {
         EXPECT_FALSE(has(told, "residual-overlap"));
         // The charts' part of the picture: three of 0.16, one of 0.14, and the texels on borders.
         EXPECT_NEAR(told["residual_maps"][0]["texels"].get<double>() / (256 * 256), 0.62, 0.02);
+        const auto scene = prep::load_scene(dir_ / file);
+        ASSERT_TRUE(scene && scene->images.size() == 1U);
+        EXPECT_EQ(prep::load_image(scene->images[0])->integer_bits, std::stoi(bits));
         const std::vector<double> found = angles(file, {});
         ASSERT_GT(found.size(), 25'000U);
         std::printf("%s bits: p99 %.3f, without %.1f, half a texel off %.2f\n", bits, p99(found),
@@ -402,8 +405,8 @@ TEST_F(ResidualMap, MistakesAreUsageErrors) {
         EXPECT_EQ(ran.exit_code, 2) << ran.err;
         EXPECT_NE(ran.err.find(says), std::string::npos) << ran.err;
     }
-    const test::Ran off = prepared(obj_of(squares), "no.glb",
-                                   {"--residual-normal-map", "64", "--tangents", "none"});
+    const test::Ran off =
+        prepared(obj_of(squares), "no.glb", {"--residual-normal-map", "64", "--tangents", "none"});
     EXPECT_EQ(off.exit_code, 1) << off.err;
 }
 
