@@ -41,10 +41,30 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     heights.scale = in.below(8) ? in.below(100) / 50.0 - 1 : in.take<double>();
     heights.threads = 1;
     const bool confined = in.below(2) == 1;
+    const std::uint32_t sources = in.below(8);  // heights, noise, vectors
+    prep::NoiseOptions noise;
+    noise.kind = prep::NoiseKind(in.below(2));
+    noise.octaves = int(in.below(5));
+    noise.frequency = in.below(8) ? 0.5 * in.below(10) : in.take<double>();
+    noise.scale = in.below(8) ? 0.1 * in.below(20) : in.take<double>();
 
     const prep::Mesh mesh = fuzz::hostile_mesh(in);
-    if (const auto map = prep::height_function(image, heights, confined ? &mesh : nullptr))
-        options.displacements.push_back({.height = *map});
+    prep::Displacement displacement;
+    if (sources & 1)
+        if (const auto map = prep::height_function(image, heights, confined ? &mesh : nullptr))
+            displacement.height = *map;
+    if (sources & 2)
+        if (const auto made = prep::noise_function(noise)) displacement.noise = *made;
+    if (sources & 4) {
+        prep::Image wide = image;
+        wide.channels = 3;
+        wide.pixels.resize(std::size_t(wide.width) * wide.height * 3, 0.5F);
+        if (const auto map =
+                prep::vector_function(wide, {.map = heights, .axes = prep::VectorAxes::object},
+                                      confined ? &mesh : nullptr))
+            displacement.vector = *map;
+    }
+    if (sources != 0) options.displacements.push_back(displacement);
     const auto made = prep::tessellate(mesh, options);
     if (!made) return 0;
     const prep::Mesh& out = made->mesh;

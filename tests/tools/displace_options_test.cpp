@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "command_runner.h"
+#include "prep/displacement/tessellate.h"
 #include "prep/image.h"
 #include "prep/load.h"
 #include "subdivision_oracle.h"
@@ -295,6 +296,79 @@ TEST_F(Displace, FindingsSayWhatTheMapHolds) {
         prepared(square, {"--displace", words, "--max-triangles", "100"}).has("coarse-heights"));
 }
 
+// x, y, z of the file's first three channels; floats stand as they are, 0.5 moves nothing in
+// integers.
+TEST_F(Displace, VectorMapsMoveByTheirVectors) {
+    const glm::dvec3 step(0.25, -0.5, 0.125);
+    for (const bool floats : {true, false}) {
+        const char* const name = floats ? "step.exr" : "step.png";
+        prep::Image image{.width = 4, .height = 4, .channels = 3, .pixels = {}};
+        for (int i = 0; i < 16; ++i)
+            for (int k = 0; k < 3; ++k)
+                image.pixels.push_back(
+                    float(floats ? step[k] : (32768 + 65535 * step[k] / 2) / 65535));
+        ASSERT_TRUE(prep::save_image(dir_ / name, image,
+                                     floats ? prep::PixelType::f32 : prep::PixelType::u16));
+        const Written out =
+            prepared(square, {"--displace", (dir_ / name).string(), "--displace-kind",
+                              "vector-object", "--height-scale", "2", "--edge-length", "0.45"});
+        ASSERT_EQ(out.ran.exit_code, 0) << out.ran.err;
+        const Written rest = prepared(square, {"--edge-length", "0.45"});
+        ASSERT_EQ(out.points.size(), rest.points.size());
+        // A step of 16 bits, halved by rounding, twice the scale.
+        const double most = floats ? 1e-6 : 2.0 / 65535;
+        const double scale = floats ? 2 : 1;
+        for (std::size_t v = 0; v < rest.points.size(); ++v) {
+            EXPECT_NEAR(out.points[v].x - rest.points[v].x, scale * step.x, most) << name;
+            EXPECT_NEAR(out.points[v].y - rest.points[v].y, scale * step.y, most) << name;
+            EXPECT_NEAR(out.points[v].z - rest.points[v].z, scale * step.z, most) << name;
+        }
+    }
+    const std::string grey = map("grey.exr", 2, prep::PixelType::f32, [](auto, auto) { return 1; });
+    EXPECT_EQ(
+        prepared(square, {"--displace", grey, "--displace-kind", "vector-object"}).ran.exit_code,
+        1);
+}
+
+TEST_F(Displace, NoiseMovesByItsValue) {
+    prep::NoiseOptions noise{.kind = prep::NoiseKind::simplex,
+                             .frequency = 1.5,
+                             .octaves = 3,
+                             .lacunarity = 2.2,
+                             .gain = 0.4,
+                             .seed = 7,
+                             .scale = 0.3};
+    const auto field = prep::noise_function(noise);
+    ASSERT_TRUE(field);
+    std::vector<std::string> options{"--displace",      "noise",     "--noise",           "simplex",
+                                     "--noise-scale",   "0.3",       "--noise-frequency", "1.5",
+                                     "--noise-octaves", "3,2.2,0.4", "--noise-seed",      "7",
+                                     "--chord-error",   "0.01"};
+    const Written out = prepared(square, options);
+    ASSERT_EQ(out.ran.exit_code, 0) << out.ran.err;
+    EXPECT_LE(out.certificate()["proved"].get<double>(), 0.01);
+    ASSERT_GT(out.points.size(), 100U);
+    double highest = 0;
+    for (const Vertex& v : out.points) {
+        EXPECT_NEAR(v.z, (*field)->at({v.x, v.y, 0}).value, 1e-6);
+        highest = std::max(highest, std::abs(v.z));
+    }
+    EXPECT_GT(highest, 0.05);
+    // No UVs are needed; with a map both add up.
+    const Written bare = prepared("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", options);
+    EXPECT_EQ(bare.ran.exit_code, 0) << bare.ran.err;
+    const std::string white =
+        map("white.exr", 4, prep::PixelType::f32, [](auto, auto) { return 1; });
+    options[1] = white;
+    const Written both = prepared(square, options);
+    ASSERT_EQ(both.ran.exit_code, 0) << both.ran.err;
+    ASSERT_GT(both.points.size(), 100U);
+    for (const Vertex& v : both.points)
+        EXPECT_NEAR(v.z, 0.5 + (*field)->at({v.x, v.y, 0}).value, 1e-6);
+    options[1] = "materials";
+    EXPECT_EQ(prepared(square, options).ran.exit_code, 1);
+}
+
 TEST_F(Displace, MistakesAreUsageErrors) {
     const std::string some = map("some.exr", 2, prep::PixelType::f32, [](auto, auto) { return 1; });
     struct Row {
@@ -306,6 +380,12 @@ TEST_F(Displace, MistakesAreUsageErrors) {
           Row{{"--height-scale", "1"}, "--displace"},
           Row{{"--displace", some, "--height-scale", "much"}, "much"},
           Row{{"--displace", some, "--height-filter", "cubic"}, "bicubic"},
+          Row{{"--displace", some, "--displace-kind", "vector-tangent"}, "vector-object"},
+          Row{{"--noise", "simplex"}, "--displace"},
+          Row{{"--displace", "noise", "--noise", "worley"}, "simplex"},
+          Row{{"--displace", "noise", "--noise-octaves", "0"}, "--noise-octaves"},
+          Row{{"--displace", "noise", "--noise-octaves", "2,2,2,2"}, "--noise-octaves"},
+          Row{{"--displace", "noise", "--noise-seed", "-1"}, "--noise-seed"},
           Row{{"--chord-error", "0"}, "--chord-error"},
           Row{{"--edge-length", "-1"}, "--edge-length"}, Row{{"--max-triangles", "12q"}, "12q"},
           Row{{"--max-triangles", "0"}, "--max-triangles"}}) {

@@ -95,7 +95,8 @@ TEST(Documentation, TheIndexListsEveryPage) {
 TEST(Documentation, OptionsOfThePagesAreThoseOfTheCommand) {
     std::map<std::string, std::string> help;
     std::string all;
-    for (const char* name : {"prepare", "inspect", "render", "validate", "cost", "diff"}) {
+    for (const char* name :
+         {"prepare", "inspect", "render", "validate", "cost", "diff", "height-to-normal"}) {
         const test::Ran ran = test::run_here({name, "--help"});
         ASSERT_EQ(ran.exit_code, 0) << name;
         // Without the examples.

@@ -8,6 +8,7 @@
 #include <cstdint>
 
 #include "prep/corner_normals.h"
+#include "prep/displacement/residual.h"
 #include "prep/displacement/sources.h"
 #include "prep/displacement/tessellate.h"
 #include "prep/enum_names.h"
@@ -51,13 +52,18 @@ constexpr auto names_of(WeldMode) {
 
 // Which heights move a surface that is tessellated.
 struct DisplaceOptions {
-    bool from_materials = false;  // each material's displacement map
-    std::optional<ImageRef> map;  // this one for all faces instead
-    std::uint32_t uv_set = 0;     // that `map` is read at
+    bool from_materials = false;                       // each material's displacement map
+    std::optional<ImageRef> map;                       // this one for all faces instead
+    std::optional<NoiseOptions> noise;                 // this on all faces, instead or besides
+    DisplacementKind kind = DisplacementKind::height;  // of `map`; vector_object: x, y, z
+    std::uint32_t uv_set = 0;                          // that `map` is read at
     // Channel, filter, scale (a material's own is multiplied by it) and, for `map`, wrap and
     // placement; its midlevel is not read.
     HeightMapOptions heights;
-    std::optional<double> midlevel;  // none: the material's; 0.5 for `map`
+    // None: the material's; for `map` 0.5, but 0 for vectors in a file of floats.
+    std::optional<double> midlevel;
+    // What the triangles cannot carry of the surface, as normal maps (displacement/residual.h).
+    std::optional<ResidualMapOptions> residual;
 };
 
 struct PrepareOptions {

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "prep/displacement/residual.h"
 #include "prep/displacement/tessellate.h"
 #include "prep/findings.h"
 #include "prep/repair.h"
@@ -63,6 +64,7 @@ struct PreparedScene {
     std::vector<bool> welded;      // by mesh: equal positions are one point for adjacency
     std::vector<bool> subdivided;  // by mesh: refined, so that no vertex is the file's own
     std::vector<std::optional<TessellationCertificate>> tessellated;  // by mesh
+    std::vector<ResidualMap> residual_maps;                           // by material, ascending
     std::vector<Mesh> cages;         // by mesh: what was refined, where keep_cages asks for it
     std::vector<bool> normals_made;  // by mesh: none of its normals is the file's
     std::vector<StageReport> stages;

@@ -41,26 +41,51 @@ Result<const Image*> DisplacementMaps::picture(const ImageRef& ref) {
     return known.get();
 }
 
-Result<void> DisplacementMaps::add(const ImageRef& image, const HeightMapOptions& heights,
-                                   Index uv_set, const Mesh& mesh, Index material, OfMesh& to) {
-    const std::string name = image.path.empty() ? image.name : image.path.filename().string();
-    if (!maps_.contains(material)) {
+Result<Displacement> DisplacementMaps::read(const ImageRef& image, const Reading& as,
+                                            const std::string& name, const Mesh& mesh, OfMesh& to) {
+    Displacement made{.height = nullptr, .uv_set = as.uv_set};
+    const auto named = [&](Error error) {
+        if (error.place.empty()) error.place = name;
+        return error;
+    };
+    if (as.kind == DisplacementKind::height) {
+        if (!maps_.contains(as.material)) {
+            const auto pixels = picture(image);
+            if (!pixels) return pixels.error();
+            auto map = HeightMap::make(**pixels, as.map);
+            if (!map) return named(std::move(map).error());
+            maps_.emplace(as.material, *std::move(map));
+        }
+        const HeightMap& map = maps_.at(as.material);
+        to.quantisations.push_back(map.quantisation());
+        made.height = height_function(map, &mesh, as.uv_set, as.material, threads_);
+        return made;
+    }
+    if (!vector_maps_.contains(as.material)) {
         const auto pixels = picture(image);
         if (!pixels) return pixels.error();
-        auto made = HeightMap::make(**pixels, heights);
-        if (!made) {
-            Error error = std::move(made).error();
-            if (error.place.empty()) error.place = name;
-            return error;
-        }
-        maps_.emplace(material, *std::move(made));
+        VectorMapOptions options{.map = as.map, .axes = VectorAxes::object};
+        // Files of floats hold vectors as they are.
+        if (as.default_midlevel && (*pixels)->integer_bits == 0) options.map.midlevel = 0;
+        auto map = VectorMap::make(**pixels, options);
+        if (!map) return named(std::move(map).error());
+        vector_maps_.emplace(as.material, *std::move(map));
     }
-    const HeightMap& map = maps_.at(material);
-    if (auto checked = check_uvs(mesh, material, uv_set, name); !checked) return checked.error();
+    const VectorMap& map = vector_maps_.at(as.material);
+    to.quantisations.push_back({.half_step = map.quantum()});
+    made.vector = vector_function(map, &mesh, as.uv_set, as.material, threads_);
+    return made;
+}
+
+Result<void> DisplacementMaps::add(const ImageRef& image, const Reading& as, const Mesh& mesh,
+                                   OfMesh& to) {
+    const std::string name = image.path.empty() ? image.name : image.path.filename().string();
+    if (auto checked = check_uvs(mesh, as.material, as.uv_set, name); !checked)
+        return checked.error();
+    auto made = read(image, as, name, mesh, to);
+    if (!made) return std::move(made).error();
     to.names.push_back(name);
-    to.quantisations.push_back(map.quantisation());
-    to.displacements.push_back(
-        {.height = height_function(map, &mesh, uv_set, material, threads_), .uv_set = uv_set});
+    to.displacements.push_back(*std::move(made));
     return {};
 }
 
@@ -70,12 +95,34 @@ Result<DisplacementMaps::OfMesh> DisplacementMaps::of(const Scene& scene, const 
     heights.threads = threads_;
     heights.band_limited = false;  // errors are measured against the map as it is
     heights.midlevel = options_.midlevel.value_or(HeightMapOptions{}.midlevel);
-    if (options_.map) {
-        auto added = add(*options_.map, heights, options_.uv_set, mesh, no_index, out);
-        if (!added) return added.error();
-        return out;
+    std::shared_ptr<const SpaceFunction> noise;
+    if (options_.noise && options_.from_materials)
+        return Error{ErrorCode::invalid,
+                     "noise moves all faces, alone or with one map for all: it is not added to "
+                     "materials' maps",
+                     ""};
+    if (options_.noise) {
+        auto made = noise_function(*options_.noise);
+        if (!made) return std::move(made).error();
+        noise = *std::move(made);
     }
-    if (!options_.from_materials) return out;
+    if (options_.map) {
+        const Reading as{.kind = options_.kind,
+                         .map = heights,
+                         .uv_set = options_.uv_set,
+                         .default_midlevel = !options_.midlevel};
+        if (options_.kind == DisplacementKind::vector_tangent)
+            ++out.tangent_vector_maps;
+        else if (auto added = add(*options_.map, as, mesh, out); !added)
+            return added.error();
+    }
+    if (noise) {
+        if (out.displacements.empty()) out.displacements.emplace_back();
+        out.displacements[0].noise = noise;
+        out.names.push_back(std::string(name_of(options_.noise->kind)) + " noise");
+        out.quantisations.emplace_back();
+    }
+    if (options_.map || noise || !options_.from_materials) return out;
     out.material_displacements.assign(scene.materials.size(), no_index);
     std::vector<bool> used(scene.materials.size(), false);
     for (const Index m : mesh.face_materials)
@@ -86,8 +133,8 @@ Result<DisplacementMaps::OfMesh> DisplacementMaps::of(const Scene& scene, const 
         if (!used[m] || ref.texture >= scene.textures.size()) continue;
         const Texture& texture = scene.textures[ref.texture];
         if (texture.image >= scene.images.size()) continue;
-        if (material.displacement_kind != DisplacementKind::height) {
-            ++out.vector_maps;
+        if (material.displacement_kind == DisplacementKind::vector_tangent) {
+            ++out.tangent_vector_maps;
             continue;
         }
         HeightMapOptions of_material = heights;
@@ -97,7 +144,12 @@ Result<DisplacementMaps::OfMesh> DisplacementMaps::of(const Scene& scene, const 
         of_material.scale *= double(material.displacement_scale) * double(ref.strength);
         of_material.midlevel = options_.midlevel.value_or(double(material.displacement_midlevel));
         out.material_displacements[m] = Index(out.displacements.size());
-        auto added = add(scene.images[texture.image], of_material, ref.uv_set, mesh, m, out);
+        auto added = add(scene.images[texture.image],
+                         {.kind = material.displacement_kind,
+                          .map = of_material,
+                          .uv_set = ref.uv_set,
+                          .material = m},
+                         mesh, out);
         if (!added) return added.error();
         used_.insert(m);
     }

@@ -1,5 +1,5 @@
-// The height maps that a scene's meshes are displaced by: pictures are read once, and confined to
-// the charts of each mesh.
+// The maps and the noise that a scene's meshes are displaced by: pictures are read once, and
+// confined to the charts of each mesh.
 #pragma once
 
 #include <array>
@@ -29,7 +29,7 @@ class DisplacementMaps {
         std::vector<std::uint32_t> material_displacements;
         std::vector<std::string> names;           // of the pictures
         std::vector<Quantisation> quantisations;  // likewise
-        std::uint64_t vector_maps = 0;            // that are left out
+        std::uint64_t tangent_vector_maps = 0;    // that are left out
     };
     // Errors: those of load_image and HeightMap::make; invalid where the mesh lacks the UVs.
     Result<OfMesh> of(const Scene& scene, const Mesh& mesh);
@@ -39,14 +39,25 @@ class DisplacementMaps {
 
   private:
     Result<const Image*> picture(const ImageRef& ref);
-    Result<void> add(const ImageRef& image, const HeightMapOptions& heights, std::uint32_t uv_set,
-                     const Mesh& mesh, std::uint32_t material, OfMesh& to);
+    // What a map is read as, and where.
+    struct Reading {
+        DisplacementKind kind = DisplacementKind::height;
+        HeightMapOptions map;
+        std::uint32_t uv_set = 0;
+        std::uint32_t material = no_index;  // whose faces; no_index: all
+        bool default_midlevel = false;      // nobody said it
+    };
+    Result<void> add(const ImageRef& image, const Reading& as, const Mesh& mesh, OfMesh& to);
+    Result<Displacement> read(const ImageRef& image, const Reading& as, const std::string& name,
+                              const Mesh& mesh, OfMesh& to);
 
     const DisplaceOptions& options_;
     int threads_;
     std::set<std::uint32_t> used_;  // materials
     std::map<const ImageRef*, std::unique_ptr<const Image>> pictures_;
-    std::map<std::uint32_t, HeightMap> maps_;  // by material; no_index: the options'
+    // By material; no_index: the options'.
+    std::map<std::uint32_t, HeightMap> maps_;
+    std::map<std::uint32_t, VectorMap> vector_maps_;
 };
 
 }  // namespace prep::detail

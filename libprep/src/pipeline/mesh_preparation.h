@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "pipeline/displacement_maps.h"
+#include "pipeline/residual_maps.h"
 #include "pipeline/stage_log.h"
 #include "prep/prepare.h"
 #include "prep/subdivide.h"
@@ -21,11 +22,12 @@ struct TangentReview;
 class MeshPreparation {
   public:
     MeshPreparation(const PrepareOptions& options, PreparedScene& out, StageLog& log,
-                    DisplacementMaps& maps, std::uint32_t index)
+                    DisplacementMaps& maps, ResidualMaps* residuals, std::uint32_t index)
         : options_(options),
           out_(out),
           log_(log),
           maps_(maps),
+          residuals_(residuals),
           index_(index),
           mesh_(out.scene.meshes[index]),
           need_(out.requirements[index]) {}
@@ -40,6 +42,10 @@ class MeshPreparation {
     Result<void> subdivide_mesh();
     // The same, as fine as an error asks, and displaced.
     Result<void> tessellate_mesh();
+    // What the residual normal maps will need, and the tangents that they call for.
+    void choose_residuals(const TessellateOptions& options);
+    ResidualMaps::Report residual_report();
+    Result<void> bake_residuals();
     Result<void> weld_cage(const std::string& reason);
     Result<void> make_cage();
     void take_surface(Mesh&& surface);
@@ -80,6 +86,7 @@ class MeshPreparation {
     PreparedScene& out_;
     StageLog& log_;
     DisplacementMaps& maps_;
+    ResidualMaps* residuals_;  // null: none are asked for
     std::uint32_t index_;
     Mesh& mesh_;
     const MeshRequirements& need_;
@@ -90,6 +97,13 @@ class MeshPreparation {
         std::optional<HardEdges> hard;
         bool shared = false;  // equal positions share a vertex already
     } geometry_;
+    struct Baking {
+        ResidualMaps::OfMesh of;
+        Mesh cage;
+        TessellateOptions options;
+        std::vector<TrianglePlace> places;
+    };
+    std::optional<Baking> baking_;
     bool normals_made_ = false, tangents_made_ = false;  // all of the mesh
     bool limit_normals_ = false;  // of a subdivision surface: nothing computes others
     std::vector<CornerLayer<glm::vec3>> limit_morph_normals_;  // by target

@@ -27,6 +27,7 @@ Result<void> MeshPreparation::run() {
     out_.normals_made[index_] = normals_made_;
     if (auto done = prepare_tangents(); !done) return done;
     if (auto done = split_mesh(); !done) return done;
+    if (auto done = bake_residuals(); !done) return done;
     return prepare_morph_targets();
 }
 
@@ -99,8 +100,15 @@ Result<PreparedScene> prepare(Scene scene, const PrepareOptions& options) {
 
     detail::StageLog log;
     detail::DisplacementMaps maps(options.displacement, options.threads);
+    std::optional<detail::ResidualMaps> residuals;
+    if (options.tessellate && options.displacement.residual) {
+        if (auto checked = detail::check_residual_options(options); !checked)
+            return std::move(checked).error();
+        residuals.emplace(*options.displacement.residual, options.threads);
+    }
     for (std::uint32_t m = 0; m < out.scene.meshes.size(); ++m) {
-        if (auto done = detail::MeshPreparation(options, out, log, maps, m).run(); !done) {
+        detail::ResidualMaps* const baked = residuals ? &*residuals : nullptr;
+        if (auto done = detail::MeshPreparation(options, out, log, maps, baked, m).run(); !done) {
             Error error = std::move(done).error();
             if (error.place.empty()) error.place = "mesh '" + out.scene.meshes[m].name + "'";
             return error;
@@ -108,6 +116,11 @@ Result<PreparedScene> prepare(Scene scene, const PrepareOptions& options) {
     }
     // What displaced a mesh is in its positions now: nobody shall displace it again.
     if (options.tessellate && options.displacement.from_materials) maps.forget(out.scene);
+    if (residuals) {
+        auto put = log.run("residual maps", "residual normal maps were asked for",
+                           [&] { return residuals->finish(out); });
+        if (!put) return std::move(put).error();
+    }
     out.stages = log.reports();
     out.stages.insert(
         out.stages.begin(),

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "pipeline/mesh_preparation.h"
+#include "tessellation/tessellation.h"
 
 namespace prep::detail {
 namespace {
@@ -52,7 +53,19 @@ Result<void> MeshPreparation::tessellate_mesh() {
         log_.skipped("tessellate", "there are no faces");
         return {};
     }
-    const bool asks_for_heights = options_.displacement.map || options_.displacement.from_materials;
+    const bool has_targets = !mesh_.morph_targets.empty();
+    if (has_targets || !mesh_.skin_influences.empty()) {
+        const std::string what = has_targets ? "morph targets" : "skin weights";
+        log_.skipped("tessellate", "the mesh has " + what);
+        add_finding("moving-mesh-kept", Severity::warning, mesh_.face_count(), {},
+                    "faces are left as they are, neither displaced nor refined: the mesh has " +
+                        what + ", which would not fit the new points",
+                    PlaceKind::face);
+        return {};
+    }
+    const DisplaceOptions& displacement = options_.displacement;
+    const bool asks_for_heights =
+        displacement.map || displacement.noise || displacement.from_materials;
     if (auto done = options_.subdivide
                         ? make_cage()
                         : weld_cage("triangles on both sides of a seam share their points");
@@ -93,8 +106,15 @@ Result<void> MeshPreparation::tessellate_mesh() {
         (pictures.empty() ? "" : fmt::format(" displaced by {}", fmt::join(pictures, ", "))) +
         ": " + goal_of(options);
     const std::size_t attributes = mesh_.vertex_attributes.size();
-    auto made = log_.run("tessellate", reason, [&] { return tessellate(mesh_, options); });
+    choose_residuals(options);
+    TessellationHooks hooks;
+    if (baking_) hooks.places = &baking_->places;
+    auto made = log_.run("tessellate", reason, [&] { return tessellate(mesh_, options, hooks); });
     if (!made) return std::move(made).error();
+    if (baking_) {
+        baking_->cage = mesh_;
+        baking_->options = std::move(options);
+    }
     report_left_out(made->holes, made->uv_sets_left_out, made->color_sets_left_out);
     add_finding("attribute-left-out", Severity::warning, attributes, {},
                 "the file's attributes of other names do not go through tessellation",
@@ -103,10 +123,40 @@ Result<void> MeshPreparation::tessellate_mesh() {
         "loose-parts-left-out", Severity::warning,
         mesh_.points.size() + (mesh_.line_offsets.empty() ? 0 : mesh_.line_offsets.size() - 1), {},
         "lines and points do not go through tessellation", PlaceKind::vertex);
-    report_certificate(made->certificate, options);
+    report_certificate(made->certificate, baking_ ? baking_->options : options);
     take_surface(std::move(made->mesh));
     out_.tessellated[index_] = made->certificate;
     return {};
+}
+
+void MeshPreparation::choose_residuals(const TessellateOptions& options) {
+    if (!residuals_) return;
+    auto of = residuals_->choose(out_.scene, mesh_, options, residual_report());
+    if (of.materials.empty()) return;
+    MeshRequirements& need = out_.requirements[index_];
+    const std::string reason = "a residual normal map was asked for";
+    if (!need.normals.needed) need.normals = {true, reason};
+    need.tangents = {true, reason};
+    need.uvs = {true, reason};
+    need.tangent_uv_set = of.uv_set;
+    baking_.emplace();
+    baking_->of = std::move(of);
+}
+
+ResidualMaps::Report MeshPreparation::residual_report() {
+    return [this](const char* kind, std::uint64_t count, const std::string& text) {
+        add_finding(kind, Severity::warning, count, {}, text, PlaceKind::face);
+    };
+}
+
+Result<void> MeshPreparation::bake_residuals() {
+    if (!baking_) return {};
+    Result<void> done = log_.run("residual maps", "residual normal maps were asked for", [&] {
+        return residuals_->bake(out_.scene, index_, baking_->cage, baking_->options, baking_->of,
+                                out_.meshes[index_], baking_->places, residual_report());
+    });
+    baking_.reset();
+    return done;
 }
 
 void MeshPreparation::report_heights(const DisplacementMaps::OfMesh& maps) {
@@ -115,8 +165,9 @@ void MeshPreparation::report_heights(const DisplacementMaps::OfMesh& maps) {
                     "displacement by materials was asked for, and none of this mesh has a "
                     "displacement map",
                     PlaceKind::face);
-    add_finding("vector-displacement", Severity::warning, maps.vector_maps, {},
-                "materials' vector maps do not displace yet: their faces stay where they are",
+    add_finding("vector-displacement", Severity::warning, maps.tangent_vector_maps, {},
+                "vector maps in the frame of the surface do not displace: their faces stay where "
+                "they are; maps of vectors in object space do",
                 PlaceKind::face);
     for (std::size_t k = 0; k < maps.names.size(); ++k) {
         const Quantisation& q = maps.quantisations[k];

@@ -39,6 +39,18 @@ glm::dvec3 common_direction(std::vector<glm::dvec3>& sides) {
     return unit_or(sum, kept.back());
 }
 
+double noise_deviation(const SpaceFunction& noise, const std::array<BasePoint, 3>& points,
+                       double base, double enough) {
+    const double of_base = base > 0 ? noise.steepest() * base : 0;
+    std::array<glm::dvec3, 3> p;
+    std::array<double, 3> values;
+    for (std::size_t k = 0; k < 3; ++k) {
+        p[k] = points[k].position;
+        values[k] = noise.at(p[k]).value;
+    }
+    return of_base + noise.deviation(p, values, std::max(0.0, enough - of_base));
+}
+
 }  // namespace
 
 Result<RootHeights> RootHeights::make(const Mesh& mesh, const Domain& domain,
@@ -58,8 +70,13 @@ Result<RootHeights> RootHeights::make(const Mesh& mesh, const Domain& domain,
     for (std::uint32_t fan = 0; fan < domain.fans(); ++fan) {
         const std::uint32_t face = domain.roots[domain.fan_roots[fan]].face;
         const std::uint32_t k = choice(face);
-        if (k == no_index || !options.displacements[k].height) continue;
-        const std::size_t set = options.displacements[k].uv_set;
+        if (k == no_index) continue;
+        const Displacement& displacement = options.displacements[k];
+        const std::uint32_t first = domain.fan_roots[fan], last = domain.fan_roots[fan + 1];
+        if (displacement.height || displacement.noise || displacement.vector)
+            for (std::uint32_t r = first; r < last; ++r) heights.which_[r] = k;
+        if (!displacement.height && !displacement.vector) continue;
+        const std::size_t set = displacement.uv_set;
         const auto place = [&] { return name + "face " + std::to_string(face); };
         if (set >= mesh.uvs.size() || mesh.uvs[set].empty())
             return Error{ErrorCode::invalid,
@@ -79,13 +96,10 @@ Result<RootHeights> RootHeights::make(const Mesh& mesh, const Domain& domain,
                          "a corner has no UV of set " + std::to_string(set) +
                              " that is a number, but its displacement reads it",
                          place()};
-        const std::uint32_t first = domain.fan_roots[fan], last = domain.fan_roots[fan + 1];
         const glm::dvec2 centre = sum / double(last - first);
-        for (std::uint32_t r = first; r < last; ++r) {
-            heights.which_[r] = k;
+        for (std::uint32_t r = first; r < last; ++r)
             heights.corners_[r] = {at(domain.roots[r].corners[0]), at(domain.roots[r].corners[1]),
                                    centre};
-        }
     }
     return heights;
 }
@@ -102,12 +116,21 @@ std::array<glm::dvec2, 2> RootHeights::uv_steps(std::uint32_t root) const {
 
 double RootHeights::raw(const RootPoint& at) const {
     const Displacement* displacement = of(at.root);
-    return displacement ? displacement->height->at(uv(at)).value : 0;
+    return displacement && displacement->height ? displacement->height->at(uv(at)).value : 0;
 }
 
-double RootHeights::height(const RootPoint& at, double raw) const {
+double RootHeights::height(const RootPoint& at, double raw, const glm::dvec3& position) const {
     const Displacement* displacement = of(at.root);
-    return displacement ? displacement->scale * (raw - displacement->midlevel) : 0;
+    if (!displacement) return 0;
+    const double of_map =
+        displacement->height ? displacement->scale * (raw - displacement->midlevel) : 0;
+    return displacement->noise ? of_map + displacement->noise->at(position).value : of_map;
+}
+
+glm::dvec3 RootHeights::vector(const RootPoint& at) const {
+    const Displacement* displacement = of(at.root);
+    return displacement && displacement->vector ? displacement->vector->at(uv(at)).value
+                                                : glm::dvec3(0.0);
 }
 
 void VertexSamples::resize(std::size_t count) {
@@ -120,38 +143,77 @@ void VertexSamples::resize(std::size_t count) {
 glm::dvec3 DisplacedSurface::truth(const RootPoint& at) const {
     BasePoint point;
     base_.evaluate({&at, 1}, {&point, 1});
-    return point.position + heights_.height(at, heights_.raw(at)) * point.direction;
+    return point.position +
+           heights_.height(at, heights_.raw(at), point.position) * point.direction +
+           heights_.vector(at);
+}
+
+glm::dvec3 DisplacedSurface::normal(const BaseFrame& frame, const RootPoint& at) const {
+    const Displacement* displacement = heights_.of(at.root);
+    if (!displacement) return frame.normal;
+    const glm::dvec2 uv = heights_.uv(at);
+    const auto uv_steps = heights_.uv_steps(at.root);
+    HeightFunction::Sample height;
+    if (displacement->height) height = displacement->height->at(uv);
+    const double h = heights_.height(at, height.value, frame.point.position);
+    SpaceFunction::Sample noise;
+    if (displacement->noise) noise = displacement->noise->at(frame.point.position);
+    VectorFunction::Sample vector;
+    if (displacement->vector) vector = displacement->vector->at(uv);
+    std::array<glm::dvec3, 2> steps;
+    bool moved = false;
+    for (std::size_t k = 0; k < 2; ++k) {
+        const glm::dvec3& dp = frame.position_steps[k];
+        const double slope = displacement->scale * glm::dot(height.gradient, uv_steps[k]) +
+                             glm::dot(noise.gradient, dp);
+        const glm::dvec3 change = slope * frame.point.direction + h * frame.direction_steps[k] +
+                                  uv_steps[k].x * vector.du + uv_steps[k].y * vector.dv;
+        moved = moved || change != glm::dvec3(0.0);
+        steps[k] = dp - glm::dot(dp, frame.normal) * frame.normal + change;
+    }
+    if (!moved) return frame.normal;
+    const glm::dvec3 normal = glm::cross(steps[0], steps[1]);
+    const bool faces_back =
+        glm::dot(glm::cross(frame.position_steps[0], frame.position_steps[1]), frame.normal) < 0;
+    return unit_or(faces_back ? -normal : normal, frame.normal);
 }
 
 void DisplacedSurface::make_vertex(std::span<const RootPoint> at, std::uint32_t vertex,
                                    VertexSamples& samples) const {
     BasePoint point;
     double height = 0;
+    glm::dvec3 vector(0.0);
     if (at.size() == 1) {
         base_.evaluate(at, {&point, 1});
         samples.raw[vertex] = heights_.raw(at[0]);
-        height = heights_.height(at[0], samples.raw[vertex]);
+        height = heights_.height(at[0], samples.raw[vertex], point.position);
+        vector = heights_.vector(at[0]);
     } else {
         std::vector<BasePoint> sides(at.size());
         base_.evaluate(at, sides);
         std::vector<glm::dvec3> directions;
         glm::dvec3 low = sides[0].position, high = low;
+        glm::dvec3 shortest = heights_.vector(at[0]), longest = shortest;
         double least = std::numeric_limits<double>::infinity(), greatest = -least;
         for (std::size_t k = 0; k < at.size(); ++k) {
             low = glm::min(low, sides[k].position);
             high = glm::max(high, sides[k].position);
             directions.push_back(sides[k].direction);
-            const double h = heights_.height(at[k], heights_.raw(at[k]));
+            const double h = heights_.height(at[k], heights_.raw(at[k]), sides[k].position);
             least = std::min(least, h);
             greatest = std::max(greatest, h);
+            const glm::dvec3 d = heights_.vector(at[k]);
+            shortest = glm::min(shortest, d);
+            longest = glm::max(longest, d);
         }
         point.position = middle_of_extremes(low, high);
         point.direction = common_direction(directions);
         height = middle_of_extremes(least, greatest);
+        vector = middle_of_extremes(shortest, longest);
     }
     samples.points[vertex] = point;
     samples.shared[vertex] = at.size() > 1;
-    samples.positions[vertex] = glm::vec3(point.position + height * point.direction);
+    samples.positions[vertex] = glm::vec3(point.position + height * point.direction + vector);
 }
 
 TriangleBound DisplacedSurface::bound(const BisectedTriangle& triangle,
@@ -159,6 +221,7 @@ TriangleBound DisplacedSurface::bound(const BisectedTriangle& triangle,
     const std::array<glm::dvec3, 3> weights = path_weights(triangle.path);
     std::array<BasePoint, 3> points;
     std::array<double, 3> raw, heights;
+    std::array<glm::dvec3, 3> vectors;
     double gap = 0, size = 0;
     for (std::size_t k = 0; k < 3; ++k) {
         const std::uint32_t v = triangle.vertices[k];
@@ -169,10 +232,12 @@ TriangleBound DisplacedSurface::bound(const BisectedTriangle& triangle,
             base_.evaluate({&at, 1}, {&points[k], 1});
             raw[k] = heights_.raw(at);
         }
-        heights[k] = heights_.height(at, raw[k]);
-        const glm::dvec3 own = points[k].position + heights[k] * points[k].direction;
+        heights[k] = heights_.height(at, raw[k], points[k].position);
+        vectors[k] = heights_.vector(at);
+        const glm::dvec3 own = points[k].position + heights[k] * points[k].direction + vectors[k];
         gap = std::max(gap, glm::length(glm::dvec3(samples.positions[v]) - own));
-        size = std::max(size, glm::length(points[k].position) + std::abs(heights[k]));
+        size = std::max(
+            size, glm::length(points[k].position) + std::abs(heights[k]) + glm::length(vectors[k]));
     }
     const BaseDeviation base = base_.deviation(triangle.root, weights, points);
     double sum = base.position;
@@ -186,13 +251,17 @@ TriangleBound DisplacedSurface::bound(const BisectedTriangle& triangle,
         }
         if (highest > 0) sum += highest * base.direction;
         sum += cross / 3;
+        std::array<glm::dvec2, 3> uv;
+        for (std::size_t k = 0; k < 3; ++k) uv[k] = heights_.uv({triangle.root, weights[k]});
         const double scale = std::abs(displacement->scale);
-        if (scale > 0) {
-            std::array<glm::dvec2, 3> uv;
-            for (std::size_t k = 0; k < 3; ++k) uv[k] = heights_.uv({triangle.root, weights[k]});
+        if (displacement->height && scale > 0)
             sum += scale *
                    displacement->height->deviation(uv, raw, std::max(0.0, enough - sum) / scale);
-        }
+        if (displacement->vector)
+            sum += displacement->vector->deviation(uv, vectors, std::max(0.0, enough - sum));
+        if (displacement->noise)
+            sum += noise_deviation(*displacement->noise, points, base.position,
+                                   std::max(0.0, enough - sum));
     }
     TriangleBound result;
     result.refinable =

@@ -9,8 +9,10 @@
 // the last since the weights add up to 1. |n| = 1, |I h| ≤ max |h|, Σ λ λ' ≤ 1/3. So no point is
 // further off than
 //   |S − I S| + |h − I h| + max |h| · |n − I n| + ⅓ max |h − h'||n − n'| + max |e|,
-// where S, n and h bring their own suprema. e has two causes: rounding to floats, and positions
-// that several faces share though their heights or directions differ.
+// where S, n and h bring their own suprema. A vector d adds |d − I d|. Noise f at S adds, with its
+// values at the corners f(S(v)), |f(S) − f(I S)| + |f(I S) − I f|: its steepest slope times |S − I
+// S|, and its deviation over the plane triangle I S. e has two causes: rounding to floats, and
+// positions that several faces share though their heights or directions differ.
 #pragma once
 
 #include <array>
@@ -40,9 +42,11 @@ class RootHeights {
     }
     glm::dvec2 uv(const RootPoint& at) const;
     std::array<glm::dvec2, 2> uv_steps(std::uint32_t root) const;
-    // What the function has there; 0 without one.
+    // What the height function has there; 0 without one.
     double raw(const RootPoint& at) const;
-    double height(const RootPoint& at, double raw) const;
+    // With the noise at `position`, the surface's.
+    double height(const RootPoint& at, double raw, const glm::dvec3& position) const;
+    glm::dvec3 vector(const RootPoint& at) const;
 
   private:
     std::span<const Displacement> displacements_;
@@ -76,6 +80,9 @@ class DisplacedSurface {
 
     // The truth at a point, as its own root has it.
     glm::dvec3 truth(const RootPoint& at) const;
+    // Its unit normal, from the derivatives dP + dh n + h dn + dd; of the base those along its
+    // shading's surface.
+    glm::dvec3 normal(const BaseFrame& frame, const RootPoint& at) const;
 
     // Sets vertex `vertex` from its points: all roots' that it is in, or one where it is in but
     // one fan.

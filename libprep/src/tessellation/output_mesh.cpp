@@ -132,6 +132,11 @@ class Output {
         out_.cage_faces.resize(count);
         for (std::size_t t = 0; t < count; ++t)
             out_.cage_faces[t] = domain_.roots[triangles_[t].root].face;
+        if (hooks_.places) {
+            hooks_.places->resize(count);
+            for (std::size_t t = 0; t < count; ++t)
+                (*hooks_.places)[t] = {triangles_[t].path, triangles_[t].root};
+        }
         const auto inherit = [&](const std::vector<Index>& from, std::vector<Index>& to) {
             if (from.empty()) return;
             to.resize(count);
@@ -140,32 +145,6 @@ class Output {
         inherit(cage_.face_materials, mesh.face_materials);
         inherit(cage_.face_smoothing, mesh.face_smoothing);
         inherit(cage_.face_parts, mesh.face_parts);
-    }
-
-    // From the displaced derivatives dP + dh n + h dn, of the base those along its shading's
-    // surface.
-    glm::dvec3 displaced_normal(const BaseFrame& frame, const RootPoint& at) const {
-        const Displacement* displacement = surface_.heights().of(at.root);
-        if (!displacement) return frame.normal;
-        const HeightFunction::Sample height = displacement->height->at(surface_.heights().uv(at));
-        const double h = displacement->scale * (height.value - displacement->midlevel);
-        const auto uv_steps = surface_.heights().uv_steps(at.root);
-        std::array<glm::dvec3, 2> steps;
-        bool moved = false;
-        for (std::size_t k = 0; k < 2; ++k) {
-            const glm::dvec3& dp = frame.position_steps[k];
-            const glm::dvec3 change = displacement->scale * glm::dot(height.gradient, uv_steps[k]) *
-                                          frame.point.direction +
-                                      h * frame.direction_steps[k];
-            moved = moved || change != glm::dvec3(0.0);
-            steps[k] = dp - glm::dot(dp, frame.normal) * frame.normal + change;
-        }
-        if (!moved) return frame.normal;
-        const glm::dvec3 normal = glm::cross(steps[0], steps[1]);
-        const bool faces_back =
-            glm::dot(glm::cross(frame.position_steps[0], frame.position_steps[1]), frame.normal) <
-            0;
-        return unit_or(faces_back ? -normal : normal, frame.normal);
     }
 
     // One a vertex and side of a hard edge: sides that the base shades alike have one normal.
@@ -179,7 +158,7 @@ class Output {
             surface_.base().frames(points, frames);
             for (std::size_t s = begin; s < end; ++s) {
                 shading[s] = frames[s - begin].normal;
-                displaced[s] = displaced_normal(frames[s - begin], points[s - begin]);
+                displaced[s] = surface_.normal(frames[s - begin], points[s - begin]);
             }
         });
         Mesh& mesh = out_.mesh;

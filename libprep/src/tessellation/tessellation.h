@@ -6,8 +6,15 @@
 
 namespace prep::detail {
 
+// Where a triangle lies: halvings of a root of the domain (path_weights()).
+struct TrianglePlace {
+    std::uint64_t path = 1;
+    std::uint32_t root = 0;
+};
+
 struct TessellationHooks {
     bool share_positions = true;  // false: each side of a shared vertex has its own position
+    std::vector<TrianglePlace>* places = nullptr;  // per triangle, where asked for
 };
 Result<TessellatedMesh> tessellate(const Mesh& cage, const TessellateOptions& options,
                                    const TessellationHooks& hooks);

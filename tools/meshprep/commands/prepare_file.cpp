@@ -129,6 +129,9 @@ Outcome prepare_file(const Job& job, const PrepareCommand& command, int threads,
     out.findings = prepared->findings;
     out.repairs = prepared->repairs;
     out.tessellated = prepared->tessellated;
+    out.residual_maps = prepared->residual_maps;
+    for (const prep::ResidualMap& map : out.residual_maps)
+        out.residual_names.push_back(prepared->scene.materials[map.material].name);
     for (const prep::Mesh& mesh : prepared->scene.meshes) out.mesh_names.push_back(mesh.name);
     if (command.strict && out.warning_count() > 0) {
         out.error = prep::Error{prep::ErrorCode::invalid,

@@ -50,6 +50,8 @@ struct Outcome {
     std::vector<prep::Finding> findings;
     std::vector<prep::RepairStep> repairs;
     std::vector<std::optional<prep::TessellationCertificate>> tessellated;  // by mesh
+    std::vector<prep::ResidualMap> residual_maps;
+    std::vector<std::string> residual_names;  // of their materials
     std::vector<std::string> mesh_names;
     std::vector<std::string> warnings, remarks, notes;
     double read_ms = 0, prepare_ms = 0, write_ms = 0;

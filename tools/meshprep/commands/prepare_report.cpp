@@ -27,6 +27,15 @@ std::string not_below(double value) {
 }
 
 // What was asked of a mesh's triangles, what is proved of them, what was measured.
+std::string residual_text(const prep::ResidualMap& map, const std::string& material) {
+    return fmt::format(
+        "residual normals of '{}': {} × {}, {} bits, {} of the texels in charts; "
+        "triangles' normals are off by {:.3g}° in the mean, {:.3g}° at most",
+        material, map.size, map.size, map.bits,
+        fmt::format("{:.3g} %", 100.0 * double(map.texels) / (double(map.size) * double(map.size))),
+        map.mean_degrees, map.largest_degrees);
+}
+
 std::string certificate_text(const prep::TessellationCertificate& c) {
     std::string text = count_of(c.triangles, "triangle");
     if (c.asked) text += fmt::format(", error asked {:.3g}", *c.asked);
@@ -67,6 +76,8 @@ Json outcome_json(const Outcome& o) {
         certificate["mesh_name"] = o.mesh_names[m];
         json["tessellated"].push_back(std::move(certificate));
     }
+    for (std::size_t k = 0; k < o.residual_maps.size(); ++k)
+        json["residual_maps"].push_back(to_json(o.residual_maps[k], o.residual_names[k]));
     json["findings"] = Json::array();
     for (const prep::Finding& f : o.findings) {
         Json finding = to_json(f, {});
@@ -89,8 +100,8 @@ ManifestEntry manifest_entry(const Outcome& o) {
     if (o.error) return entry;
     for (const std::filesystem::path& file : o.written) entry.outputs.push_back(hashed(file));
     const Json json = outcome_json(o);
-    for (const char* key :
-         {"before", "after", "repairs", "tessellated", "findings", "warnings", "remarks", "notes"})
+    for (const char* key : {"before", "after", "repairs", "tessellated", "residual_maps",
+                            "findings", "warnings", "remarks", "notes"})
         if (json.contains(key)) entry.said[key] = json[key];
     return entry;
 }
@@ -125,6 +136,8 @@ void print_details(const Outcome& o, const PrepareCommand& command, Console& con
         if (o.tessellated[m])
             console.result(common, fmt::format("  tessellated '{}': {}", o.mesh_names[m],
                                                certificate_text(*o.tessellated[m])));
+    for (std::size_t k = 0; k < o.residual_maps.size(); ++k)
+        console.result(common, "  " + residual_text(o.residual_maps[k], o.residual_names[k]));
     if (command.explain) {
         console.result(common, "  stages");
         std::vector<std::vector<std::string>> stages;

@@ -115,27 +115,124 @@ double parse_number(const std::string& option, const std::string& text, bool pos
     return numbers[0];
 }
 
+// Options of noise make it: whether --displace asks for it is seen when all are read.
+void add_noise_options(OptionSet& options, prep::DisplaceOptions& d, const Option& displace) {
+    const auto noise = [&d]() -> prep::NoiseOptions& {
+        if (!d.noise) d.noise.emplace();
+        return *d.noise;
+    };
+    options
+        .word(
+            "--noise", words_of<prep::NoiseKind>(),
+            [noise](const std::string& word) {
+                noise().kind = prep::enum_named<prep::NoiseKind>(word).value();
+            },
+            "The kind of --displace noise: perlin (default) or simplex; it is added to a map's "
+            "heights. Its height is --noise-scale times a value between about -1 and 1")
+        .needs(displace);
+    const auto number = [&](const char* name, const char* type, double prep::NoiseOptions::*member,
+                            const char* help) {
+        options
+            .value(
+                name, type,
+                [noise, member, name](const std::string& text) {
+                    noise().*member = parse_number(name, text, false);
+                },
+                help)
+            .needs(displace);
+    };
+    number("--noise-scale", "LENGTH", &prep::NoiseOptions::scale,
+           "In the mesh's units (default 1)");
+    number("--noise-frequency", "F", &prep::NoiseOptions::frequency,
+           "Cells of the noise in a unit of length (default 1)");
+    options
+        .value(
+            "--noise-octaves", "N[,LACUNARITY[,GAIN]]",
+            [noise](const std::string& text) {
+                const std::vector<double> n = parse_numbers(text, ',');
+                constexpr double most = 32;
+                if (n.empty() || n.size() > 3 || n[0] != std::floor(n[0]) || !(n[0] >= 1) ||
+                    n[0] > most)
+                    usage_error("--noise-octaves",
+                                "'" + text +
+                                    "' is not a number of octaves from 1 to 32, as in 6 "
+                                    "or 6,2,0.5");
+                noise().octaves = int(n[0]);
+                if (n.size() > 1) noise().lacunarity = n[1];
+                if (n.size() > 2) noise().gain = n[2];
+            },
+            "So many copies are added, each LACUNARITY times finer (default 2) and GAIN times as "
+            "high (default 0.5) as the one before (default 1)")
+        .needs(displace);
+    options
+        .value(
+            "--noise-seed", "N",
+            [noise](const std::string& text) {
+                const std::vector<double> n = parse_numbers(text, ',');
+                constexpr double most = 4294967295.0;
+                if (n.size() != 1 || n[0] != std::floor(n[0]) || !(n[0] >= 0 && n[0] <= most))
+                    usage_error("--noise-seed",
+                                "'" + text + "' is not a number from 0 to 2^32 - 1");
+                noise().seed = std::uint32_t(n[0]);
+            },
+            "Another noise (default 0)")
+        .needs(displace);
+}
+
+void add_residual_options(OptionSet& options, prep::PrepareOptions& p) {
+    prep::DisplaceOptions& d = p.displacement;
+    const Option residual = options.value(
+        "--residual-normal-map", "SIZE",
+        [&p, &d](const std::string& text) {
+            const std::vector<double> n = parse_numbers(text, ',');
+            if (n.size() != 1 || n[0] != std::floor(n[0]) ||
+                !(n[0] >= 1 && n[0] <= double(prep::max_residual_size)))
+                usage_error("--residual-normal-map",
+                            fmt::format("'{}' is not a number of texels from 1 to {}", text,
+                                        prep::max_residual_size));
+            p.tessellate = true;
+            if (!d.residual) d.residual.emplace();
+            d.residual->size = std::uint32_t(n[0]);
+        },
+        "What the triangles do not carry of the surface becomes a tangent-space normal map of SIZE "
+        "by SIZE texels in each material that is tessellated, written with the mesh");
+    options
+        .word(
+            "--residual-bits", {"8", "16"},
+            [&d](const std::string& word) {
+                if (!d.residual) d.residual.emplace();
+                d.residual->bits = word == "8" ? 8 : 16;
+            },
+            "Of each channel of these maps (default 16)")
+        .needs(residual);
+}
+
 void add_displacement_options(OptionSet& options, prep::PrepareOptions& p) {
     options.group("Displacement");
     prep::DisplaceOptions& d = p.displacement;
     const Option displace = options.value(
-        "--displace", "FILE|materials",
+        "--displace", "FILE|materials|noise",
         [&p, &d](const std::string& text) {
             p.tessellate = true;
             if (text == "materials") {
                 d.from_materials = true;
                 return;
             }
+            if (text == "noise") {
+                if (!d.noise) d.noise.emplace();
+                return;
+            }
             std::error_code ec;
             if (!std::filesystem::is_regular_file(text, ec))
-                usage_error("--displace", "'" + text + "' is neither a file nor 'materials'");
+                usage_error("--displace",
+                            "'" + text + "' is neither a file nor 'materials' nor 'noise'");
             d.map.emplace();
             d.map->path = text;
             d.map->name = d.map->path.filename().string();
         },
         "The surface (of polygons, or with --subdivide of the cage) is moved along its normals by "
-        "this height map, or by each material's displacement map, and cut into triangles as fine "
-        "as the options below ask");
+        "this height map, by each material's displacement map, or by noise, and cut into triangles "
+        "as fine as the options below ask");
     const auto height = [&](const char* name, const char* type, double& to, const char* help) {
         options
             .value(
@@ -166,6 +263,17 @@ void add_displacement_options(OptionSet& options, prep::PrepareOptions& p) {
                 "Which channel of the map holds heights (default 0, the first)")
         .needs(displace);
 
+    options
+        .word(
+            "--displace-kind", {"height", "vector-object"},
+            [&d](const std::string& word) {
+                d.kind = prep::enum_named<prep::DisplacementKind>(word).value();
+            },
+            "What the map holds: heights along the normal (default), or x, y, z of the mesh's own "
+            "space in its first three channels, times --height-scale")
+        .needs(displace);
+    add_noise_options(options, d, displace);
+
     options.group("Tessellation");
     prep::TessellateOptions& t = p.tessellation;
     const auto length = [&](const char* name, std::optional<double>& to, const char* help) {
@@ -190,6 +298,7 @@ void add_displacement_options(OptionSet& options, prep::PrepareOptions& p) {
         },
         "At most so many in a mesh, spent where the error is largest (20000, 200k, 1.5M); three a "
         "triangle and four a quad there are in any case");
+    add_residual_options(options, p);
 }
 
 }  // namespace

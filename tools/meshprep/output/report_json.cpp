@@ -74,6 +74,20 @@ Json to_json(const prep::TessellationCertificate& certificate) {
     return json;
 }
 
+Json to_json(const prep::ResidualMap& map, const std::string& material_name) {
+    return {{"material", map.material},
+            {"material_name", material_name},
+            {"image", map.image},
+            {"size", map.size},
+            {"bits", map.bits},
+            {"uv_set", map.uv_set},
+            {"texels", map.texels},
+            {"overlapping", map.overlapping},
+            {"facing_away", map.facing_away},
+            {"mean_degrees", map.mean_degrees},
+            {"largest_degrees", map.largest_degrees}};
+}
+
 Json json_head(const char* command) {
     Json json;
     json["command"] = command;

@@ -20,6 +20,7 @@ Json to_json(const prep::RepairStep& repair);
 Json to_json(const prep::SplitCounts& splits);
 // Numbers that are not finite are null.
 Json to_json(const prep::TessellationCertificate& certificate);
+Json to_json(const prep::ResidualMap& map, const std::string& material_name);
 
 // The document's head: command and version.
 Json json_head(const char* command);

@@ -8,6 +8,9 @@
 // it, by angle). h = scale · (height − midlevel) in units of the mesh, at the UVs of the face's
 // corners, interpolated linearly over each triangle of the fan, whose centre has their mean.
 //
+// Vector maps and noise are moved by as well: P = S + h n + d, d in the mesh's own space, and h has
+// the noise at S in it.
+//
 // Triangles are halved at their newest vertex (libprep/src/tessellation/bisection.h): both sides of
 // an edge share its middle, so that the result is as closed as the cage. Where several faces meet,
 // there is one position: the mean of the least and the greatest of their heights, along the
@@ -54,10 +57,52 @@ Result<std::shared_ptr<const HeightFunction>> height_function(const Image& image
                                                               const Mesh* charts = nullptr,
                                                               std::size_t uv_set = 0);
 
+// A height over the mesh's own space, where the surface is before it is displaced; as
+// HeightFunction.
+class SpaceFunction {
+  public:
+    virtual ~SpaceFunction() = default;
+    struct Sample {
+        double value = 0;
+        glm::dvec3 gradient{0.0};
+    };
+    virtual Sample at(const glm::dvec3& p) const = 0;
+    // As of HeightFunction, over the plane triangle `p`.
+    virtual double deviation(const std::array<glm::dvec3, 3>& p,
+                             const std::array<double, 3>& values, double enough) const = 0;
+    virtual double steepest() const = 0;  // no gradient is longer
+};
+
+// Noise (sources.h), with its own scale and mid-level. Errors: invalid options.
+Result<std::shared_ptr<const SpaceFunction>> noise_function(const NoiseOptions& options);
+
+// A vector in the mesh's own space over the UV plane; as HeightFunction.
+class VectorFunction {
+  public:
+    virtual ~VectorFunction() = default;
+    struct Sample {
+        glm::dvec3 value{0.0}, du{0.0}, dv{0.0};
+    };
+    virtual Sample at(const glm::dvec2& uv) const = 0;
+    // Of the length of the difference.
+    virtual double deviation(const std::array<glm::dvec2, 3>& uv,
+                             const std::array<glm::dvec3, 3>& values, double enough) const = 0;
+};
+
+// A vector map in object space, as height_function(). Errors: also unsupported (a map in the frame
+// of the surface: there are no bounds for the frame).
+Result<std::shared_ptr<const VectorFunction>> vector_function(const Image& image,
+                                                              const VectorMapOptions& options = {},
+                                                              const Mesh* charts = nullptr,
+                                                              std::size_t uv_set = 0);
+
+// P = S + (scale · (height − midlevel) + noise) n + vector, of those that are there.
 struct Displacement {
-    std::shared_ptr<const HeightFunction> height;  // none: nothing is moved
-    double scale = 1, midlevel = 0;
-    std::size_t uv_set = 0;
+    std::shared_ptr<const HeightFunction> height;
+    double scale = 1, midlevel = 0;  // of `height` alone
+    std::size_t uv_set = 0;          // of `height` and `vector`
+    std::shared_ptr<const SpaceFunction> noise = nullptr;
+    std::shared_ptr<const VectorFunction> vector = nullptr;
 };
 
 // What a length is on the screen. A point p of the mesh (about its origin) is seen at (x·p, y·p) /

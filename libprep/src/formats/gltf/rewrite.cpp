@@ -41,9 +41,11 @@ class Rewriter {
         // takes away what stays empty.
         for (const char* list : {"accessors", "bufferViews"})
             if (!json_.contains(list)) json_[list] = Json::array();
+        assign_residual_materials(prepared_, json_);
         for (Index m = 0; m < prepared_.scene.meshes.size(); ++m)
             if (auto done = mesh(m); !done) return std::move(done).error();
         drop_used_heights(prepared_, json_);
+        write_residual_maps(prepared_, appended_, json_);
         if (dropped_triangles_ > 0) notes_.push_back(non_finite_note(dropped_triangles_));
         if (!keeps_meshopt_) remove_meshopt();
         declare_compression(json_);

@@ -231,4 +231,36 @@ void drop_used_heights(const PreparedScene& prepared, Json& json) {
     }
 }
 
+void assign_residual_materials(const PreparedScene& prepared, Json& json) {
+    if (!json.contains("meshes")) return;
+    for (const ResidualMap& map : prepared.residual_maps) {
+        Json& materials = json["materials"];
+        if (materials.is_null()) materials = Json::array();
+        while (materials.size() <= map.material)
+            materials.push_back({{"name", prepared.scene.materials[materials.size()].name}});
+        for (std::size_t m = 0; m < prepared.meshes.size() && m < json["meshes"].size(); ++m) {
+            Json& primitives = json["meshes"][m]["primitives"];
+            for (const VertexMesh::Range& range : prepared.meshes[m].ranges)
+                if (range.material == map.material && range.part < primitives.size() &&
+                    !primitives[range.part].contains("material"))
+                    primitives[range.part]["material"] = map.material;
+        }
+    }
+}
+
+void write_residual_maps(const PreparedScene& prepared, AppendedData& data, Json& json) {
+    for (const ResidualMap& map : prepared.residual_maps) {
+        const ImageRef& image = prepared.scene.images[map.image];
+        const std::size_t view = data.add_view(image.bytes, 0, 0);
+        for (const char* list : {"images", "textures"})
+            if (!json.contains(list)) json[list] = Json::array();
+        json["images"].push_back(
+            {{"name", image.name}, {"mimeType", image.mime_type}, {"bufferView", view}});
+        json["textures"].push_back({{"source", json["images"].size() - 1}});
+        Json& texture = json["materials"][map.material]["normalTexture"];
+        texture["index"] = json["textures"].size() - 1;
+        if (map.uv_set != 0) texture["texCoord"] = map.uv_set;
+    }
+}
+
 }  // namespace prep::detail

@@ -24,4 +24,11 @@ void write_refined_primitive(const PreparedScene& prepared, std::uint32_t mesh,
 // not do it again.
 void drop_used_heights(const PreparedScene& prepared, Json& json);
 
+// Primitives without a material whose faces got one for their residual normal map have it; before
+// the primitives are written, as it calls for tangents.
+void assign_residual_materials(const PreparedScene& prepared, Json& json);
+
+// Residual normal maps as pictures, textures and normalTexture of their materials.
+void write_residual_maps(const PreparedScene& prepared, AppendedData& data, Json& json);
+
 }  // namespace prep::detail
