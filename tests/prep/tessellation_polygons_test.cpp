@@ -350,6 +350,7 @@ TEST(Tessellation, PixelErrorIsFiniteWithTheEyeInside) {
     options.pixel_error = 1;
     options.triangle_limit = 1000000;
     options.screens.resize(1);
+    options.screens[0].y = {0, 0, 1, 0};
     options.screens[0].w = {0, 1, 0, -0.5};  // looks along y from y = 0.5
     options.screens[0].pixels = {500, 500};
     options.screens[0].near_distance = 0.05;

@@ -15,6 +15,15 @@ namespace prep::detail {
 namespace {
 
 constexpr std::size_t block = 256;
+// More than rounding to floats moves corners by.
+double rounding_gap(const std::array<glm::dvec3, 3>& corners) {
+    double largest = 0;
+    for (const glm::dvec3& p : corners)
+        for (glm::length_t k = 0; k < 3; ++k) largest = std::max(largest, std::abs(p[k]));
+    return 0x1p-22 * largest;
+}
+
+constexpr float unknown = -1;  // a bound that was not computed
 
 // What there is over what is asked for: above 1 the triangle has to be halved. What refinement
 // cannot take away is made up for as long as that is less than half of all.
@@ -89,25 +98,59 @@ std::array<glm::dvec3, 3> Refinement::corners(const BisectedTriangle& triangle) 
     return corners;
 }
 
-// Half of what is asked; tight where errors are compared with each other.
+bool Refinement::is_shared(const BisectedTriangle& triangle) const {
+    return std::any_of(triangle.vertices.begin(), triangle.vertices.end(),
+                       [&](std::uint32_t v) { return samples_.shared[v] != 0; });
+}
+
+// What is left of what is asked beside the gap, or half of it where that is not known yet; 0, as
+// tight as may be, where errors are compared with each other.
 double Refinement::enough(const BisectedTriangle& triangle) const {
     if (options_.max_triangles || !(options_.chord_error || options_.pixel_error)) return 0;
     double most = options_.chord_error.value_or(std::numeric_limits<double>::infinity());
     if (options_.pixel_error)
         for (const ScreenBound& screen : screens_)
             most = std::min(most, screen.length_of(corners(triangle), *options_.pixel_error));
-    return 0.5 * most;
+    return is_shared(triangle) ? 0.5 * most
+                               : std::max(0.5 * most, most - rounding_gap(corners(triangle)));
 }
 
-void Refinement::measure(const std::vector<std::uint32_t>& fresh) {
+// Whether a look at it is enough to see that it has to be halved: an edge, or the true point in the
+// middle of the edge that would be halved. Never true where the bound would say otherwise: no bound
+// is below the error of a point.
+bool Refinement::surely_misses(const BisectedTriangle& triangle) const {
+    const auto corners = this->corners(triangle);
+    if (options_.edge_length)
+        for (std::size_t k = 0; k < 3; ++k)
+            if (glm::length(corners[k] - corners[(k + 1) % 3]) / *options_.edge_length > 1)
+                return true;
+    if (!(options_.chord_error || options_.pixel_error) || is_shared(triangle)) return false;
+    const auto weights = path_weights(triangle.path);
+    const glm::dvec3 truth = surface_.truth({triangle.root, 0.5 * (weights[0] + weights[1])});
+    const double error = glm::length(truth - 0.5 * (corners[0] + corners[1]));
+    const double refinable = error - rounding_gap(corners);  // the least that the bound may be
+    if (options_.chord_error && refinable > *options_.chord_error) return true;
+    return options_.pixel_error &&
+           refinable * pixels_per_unit(screens_, corners, error) > *options_.pixel_error;
+}
+
+void Refinement::measure(const std::vector<std::uint32_t>& fresh, Effort effort) {
     bounds_.resize(mesh_.triangles().size());
     excess_.resize(mesh_.triangles().size());
     parallel_blocks(fresh.size(), block, options_.threads, [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k < end; ++k) {
             const std::uint32_t t = fresh[k];
             const BisectedTriangle& triangle = mesh_.triangles()[t];
-            bounds_[t] = surface_.bound(triangle, samples_, enough(triangle));
-            excess_[t] = excess(t);
+            bounds_[t].refinable = unknown;
+            if (effort == Effort::looking && surely_misses(triangle)) {
+                excess_[t] = std::numeric_limits<float>::infinity();
+            } else if (effort == Effort::looking &&
+                       !(options_.chord_error || options_.pixel_error)) {
+                excess_[t] = 0;
+            } else {
+                bounds_[t] = surface_.bound(triangle, samples_, enough(triangle));
+                excess_[t] = excess(t);
+            }
         }
     });
 }
@@ -192,7 +235,7 @@ Result<void> Refinement::refine_to_error(std::vector<std::uint32_t> fresh) {
         for (const std::uint32_t t : fresh)
             if (excess_[t] > 1 && can_be_halved(t))
                 marks.push_back({t, mesh_.triangles()[t].path, excess_[t]});
-        if (marks.empty()) return {};
+        if (marks.empty()) break;
         for (const Mark& mark : marks) {
             if (mesh_.triangles()[mark.triangle].path != mark.path) continue;
             mesh_.bisect(mark.triangle);
@@ -201,8 +244,14 @@ Result<void> Refinement::refine_to_error(std::vector<std::uint32_t> fresh) {
         auto news = take_news();
         if (!news) return news.error();
         fresh = std::move(*news);
-        measure(fresh);
+        measure(fresh, Effort::looking);
     }
+    // What was seen by a look, and what nobody had to know.
+    fresh.clear();
+    for (std::uint32_t t = 0; t < bounds_.size(); ++t)
+        if (bounds_[t].refinable == unknown) fresh.push_back(t);
+    measure(fresh, Effort::proving);
+    return {};
 }
 
 Result<void> Refinement::refine_to_budget() {
@@ -236,7 +285,7 @@ Result<void> Refinement::refine_to_budget() {
         }
         const auto news = take_news();
         if (!news) return news.error();
-        measure(*news);
+        measure(*news, Effort::proving);
     }
     return {};
 }
@@ -258,7 +307,7 @@ Result<void> Refinement::run(const std::vector<std::uint8_t>& first_halving) {
     if (Result<void> range = check_range(0); !range) return range;
     std::vector<std::uint32_t> all(mesh_.triangles().size());
     std::iota(all.begin(), all.end(), 0U);
-    measure(all);
+    measure(all, options_.max_triangles ? Effort::proving : Effort::looking);
     const Result<void> refined =
         options_.max_triangles ? refine_to_budget() : refine_to_error(std::move(all));
     if (!refined) return refined;

@@ -41,7 +41,11 @@ class Refinement {
     };
     void make_first_vertices();
     void make_new_vertices();
-    void measure(const std::vector<std::uint32_t>& fresh);
+    // Looking: bounds are left out where something cheaper decides, or nothing depends on them.
+    enum class Effort : std::uint8_t { looking, proving };
+    void measure(const std::vector<std::uint32_t>& fresh, Effort effort);
+    bool surely_misses(const BisectedTriangle& triangle) const;
+    bool is_shared(const BisectedTriangle& triangle) const;
     float excess(std::uint32_t t) const;
     double enough(const BisectedTriangle& triangle) const;
     std::array<glm::dvec3, 3> corners(const BisectedTriangle& triangle) const;
