@@ -21,7 +21,14 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (in.below(4) == 0) options.edge_length = length();
     if (in.below(4) == 0) {
         options.pixel_error = length();
-        options.screen.pixels = glm::dvec2(in.below(2000));
+        options.screens.resize(in.below(3));
+        for (prep::ScreenMetric& screen : options.screens) {
+            screen.pixels = glm::dvec2(in.below(2000));
+            for (glm::dvec4* row : {&screen.x, &screen.y, &screen.w})
+                for (int k = 0; k < 4; ++k)
+                    (*row)[k] = in.below(16) ? in.below(100) / 25.0 - 2 : in.take<double>();
+            screen.near_distance = in.below(8) ? 0.01 * (1 + in.below(50)) : in.take<double>();
+        }
     }
     if (in.below(2)) options.max_triangles = in.below(3000);
 
@@ -78,5 +85,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     for (const glm::vec3& n : out.normals.values)
         if (!(std::abs(glm::length(n) - 1) < 1e-3F)) std::abort();
     if (!(c.measured <= c.proved)) std::abort();
+    if (options.pixel_error && !(c.proved_pixels && *c.proved_pixels >= 0)) std::abort();
     return 0;
 }

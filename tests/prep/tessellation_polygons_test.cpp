@@ -349,15 +349,17 @@ TEST(Tessellation, PixelErrorIsFiniteWithTheEyeInside) {
     TessellateOptions options = with_height(std::make_shared<Waves>(0.05, 20, 20));
     options.pixel_error = 1;
     options.triangle_limit = 1000000;
-    options.screen.w = {0, 1, 0, -0.5};  // looks along y from y = 0.5
-    options.screen.pixels = {500, 500};
-    options.screen.near_distance = 0.05;
+    options.screens.resize(1);
+    options.screens[0].y = {0, 0, 1, 0};
+    options.screens[0].w = {0, 1, 0, -0.5};  // looks along y from y = 0.5
+    options.screens[0].pixels = {500, 500};
+    options.screens[0].near_distance = 0.05;
     const auto made = tessellate(unit_quad(), options);
     ASSERT_TRUE(made) << to_string(made.error());
     ASSERT_TRUE(made->certificate.proved_pixels);
     EXPECT_LE(*made->certificate.proved_pixels, 1);
     // Farther off less is needed.
-    options.screen.w.w = 9.5;
+    options.screens[0].w.w = 9.5;
     const auto far = tessellate(unit_quad(), options);
     ASSERT_TRUE(far);
     EXPECT_LT(far->mesh.face_count() * 4, made->mesh.face_count());

@@ -82,7 +82,7 @@ struct PrepareOptions {
     // surface where `subdivide` says so (its level is not read), else of the polygons. The scheme,
     // the displacements, the hard edges and the threads that it reads are those given here; where
     // it asks for nothing, an error of a thousandth of the mesh's diagonal and at most a million
-    // triangles are meant.
+    // triangles are meant. Its screens are of the world: each is that of every node with the mesh.
     bool tessellate = false;
     TessellateOptions tessellation;
     DisplaceOptions displacement;

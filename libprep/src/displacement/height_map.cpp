@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "displacement/bilinear_deviation.h"
 #include "displacement/chart_gutters.h"
 #include "displacement/height_data.h"
 #include "displacement/height_field.h"
@@ -148,6 +149,7 @@ HeightSample HeightMap::filtered(const glm::dvec2& uv, double spacing) const {
 Deviation HeightMap::deviation(const std::array<glm::dvec2, 3>& uv,
                                const std::array<double, 3>& values, double enough,
                                std::uint32_t effort) const {
+    if (const auto exact = bilinear_deviation(*data_, uv, values)) return *exact;
     return TriangleDeviation<1>({data_.get()}, uv, {{{{values[0]}}, {{values[1]}}, {{values[2]}}}},
                                 enough, effort)
         .run();

@@ -46,6 +46,23 @@ Extent extent_of(const Mesh& mesh) {
     return extent;
 }
 
+// The screens of the world as each node with the mesh sees them; of a mesh without a node, one that
+// sees nothing.
+std::vector<ScreenMetric> screens_of(const Scene& scene, std::uint32_t index,
+                                     const std::vector<ScreenMetric>& world) {
+    std::vector<ScreenMetric> screens;
+    const std::vector<glm::dmat4> transforms = world_transforms(scene);
+    for (std::size_t n = 0; n < scene.nodes.size(); ++n) {
+        if (scene.nodes[n].mesh != index) continue;
+        glm::dmat4 transform = transforms[n];
+        transform[3] = transform * glm::dvec4(scene.meshes[index].origin, 1.0);
+        for (const ScreenMetric& metric : world) screens.push_back(transformed(metric, transform));
+    }
+    constexpr glm::dvec4 behind(0, 0, 0, -1);
+    if (screens.empty() && !world.empty()) screens.push_back({.w = behind});
+    return screens;
+}
+
 }  // namespace
 
 Result<void> MeshPreparation::tessellate_mesh() {
@@ -76,6 +93,7 @@ Result<void> MeshPreparation::tessellate_mesh() {
     options.subdivision = options_.subdivision;
     options.hard_edges = options_.hard_edges;
     options.threads = options_.threads;
+    if (options.pixel_error) options.screens = screens_of(out_.scene, index_, options.screens);
     std::vector<std::string> pictures;
     if (asks_for_heights) {
         auto maps = log_.run("height maps", "displacement was asked for",

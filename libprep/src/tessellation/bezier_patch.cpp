@@ -41,36 +41,60 @@ std::array<glm::dvec3, 16> transformed(const std::array<glm::dvec3, 16>& in,
     return out;
 }
 
-DerivativeBounds derivative_bounds(const BezierPatch& patch, const glm::dvec3& along) {
-    DerivativeBounds bounds;
-    constexpr double factors[4] = {1, 3, 6, 6};
-    double size = 0;
-    for (const glm::dvec3& p : patch.p)
-        size = std::max({size, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
-    // Points carry errors of some roundings; a third difference adds up 8 of them, times 18.
-    const double slack = size * 0x1p-45;
-    std::array<glm::dvec3, 16> across = patch.p;  // differenced by v so far
-    for (std::size_t b = 0; b < 4; ++b) {
-        if (b > 0)
-            for (std::size_t j = 0; j + b < 4; ++j)
-                for (std::size_t i = 0; i < 4; ++i)
-                    across[4 * j + i] = across[4 * (j + 1) + i] - across[4 * j + i];
-        std::array<glm::dvec3, 16> both = across;
-        for (std::size_t a = 0; a + b < 4; ++a) {
-            double most = 0, steepest = 0;
-            for (std::size_t j = 0; j + b < 4; ++j)
-                for (std::size_t i = 0; i + a < 4; ++i) {
-                    glm::dvec3& d = both[4 * j + i];
-                    if (a > 0) d = both[4 * j + i + 1] - d;
-                    most = std::max(most, glm::dot(d, d));
-                    steepest = std::max(steepest, std::abs(glm::dot(d, along)));
-                }
-            const double factor = factors[a] * factors[b];
-            bounds.length[a][b] = factor * std::sqrt(most) + slack;
-            bounds.rise[a][b] = factor * steepest + slack;
+std::array<double, 3> second_derivative_bounds(const BezierPatch& patch) {
+    const auto& p = patch.p;
+    double size = 0, uu = 0, uv = 0, vv = 0;
+    for (const glm::dvec3& at : p)
+        size = std::max({size, std::abs(at.x), std::abs(at.y), std::abs(at.z)});
+    const auto widen = [](double& most, const glm::dvec3& d) {
+        most = std::max(most, glm::dot(d, d));
+    };
+    for (std::size_t k = 0; k < 4; ++k)
+        for (std::size_t l = 0; l < 2; ++l) {
+            const std::size_t u = 4 * k + l, v = 4 * l + k;
+            widen(uu, p[u] - 2.0 * p[u + 1] + p[u + 2]);
+            widen(vv, p[v] - 2.0 * p[v + 4] + p[v + 8]);
         }
-    }
-    return bounds;
+    for (std::size_t j = 0; j < 3; ++j)
+        for (std::size_t i = 0; i < 3; ++i) {
+            const std::size_t k = 4 * j + i;
+            widen(uv, (p[k] - p[k + 1]) - (p[k + 4] - p[k + 5]));
+        }
+    // Points carry errors of some roundings; a second difference adds up 4 of them, times 9.
+    const double slack = size * 0x1p-45;
+    return {6 * std::sqrt(uu) + slack, 9 * std::sqrt(uv) + slack, 6 * std::sqrt(vv) + slack};
+}
+
+NormalNet normal_net(const BezierPatch& patch) {
+    static constexpr double two[3] = {1, 2, 1}, three[4] = {1, 3, 3, 1};
+    static constexpr double five[6] = {1, 0.2, 0.1, 0.1, 0.2, 1};  // one over the binomials
+    NormalNet net;
+    net.n.fill(glm::dvec3(0.0));
+    std::array<glm::dvec3, 12> across;  // derivatives by v, of degree 3 × 2, times binomials
+    double size = 0, most_u = 0, most_v = 0;
+    for (const glm::dvec3& at : patch.p)
+        size = std::max({size, std::abs(at.x), std::abs(at.y), std::abs(at.z)});
+    for (std::size_t l = 0; l < 3; ++l)
+        for (std::size_t k = 0; k < 4; ++k) {
+            const glm::dvec3 d = 3.0 * (patch.p[4 * (l + 1) + k] - patch.p[4 * l + k]);
+            most_v = std::max(most_v, glm::dot(d, d));
+            across[4 * l + k] = two[l] * three[k] * d;
+        }
+    for (std::size_t j = 0; j < 4; ++j)
+        for (std::size_t i = 0; i < 3; ++i) {
+            const glm::dvec3 along = 3.0 * (patch.p[4 * j + i + 1] - patch.p[4 * j + i]);
+            most_u = std::max(most_u, glm::dot(along, along));
+            const glm::dvec3 u = two[i] * three[j] * along;
+            for (std::size_t l = 0; l < 3; ++l)
+                for (std::size_t k = 0; k < 4; ++k)
+                    net.n[6 * (j + l) + i + k] += glm::cross(u, across[4 * l + k]);
+        }
+    for (std::size_t j = 0; j < 6; ++j)
+        for (std::size_t i = 0; i < 6; ++i) net.n[6 * j + i] *= five[i] * five[j];
+    // Differences of points err by roundings of their size, products by some of theirs.
+    const double lengths = std::sqrt(most_u) + std::sqrt(most_v);
+    net.error = lengths * (size * 0x1p-46 + lengths * 0x1p-48);
+    return net;
 }
 
 std::array<glm::dvec3, 2> middle_derivatives(const BezierPatch& patch) {

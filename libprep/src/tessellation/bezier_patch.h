@@ -28,12 +28,17 @@ CubicWeights bezier_weights(double a, double b);
 std::array<glm::dvec3, 16> transformed(const std::array<glm::dvec3, 16>& in,
                                        const CubicWeights& along_u, const CubicWeights& along_v);
 
-// Suprema of derivatives, by the box's own size: [i][j] of i by u and j by v, 1 to 3 in all; of
-// their lengths, and of their parts along a unit vector. Rounded up.
-struct DerivativeBounds {
-    double length[4][4] = {}, rise[4][4] = {};
+// Suprema of the lengths of the second derivatives by u and u, u and v, v and v, by the box's own
+// size. Rounded up.
+std::array<double, 3> second_derivative_bounds(const BezierPatch& patch);
+
+// The Bézier points of S_u × S_v by the box's own size, of degree 5 × 5: n[6 j + i]. `error`: what
+// roundings may have moved one of them by.
+struct NormalNet {
+    std::array<glm::dvec3, 36> n;
+    double error = 0;
 };
-DerivativeBounds derivative_bounds(const BezierPatch& patch, const glm::dvec3& along);
+NormalNet normal_net(const BezierPatch& patch);
 
 // First derivatives in the box's middle, by the box's size.
 std::array<glm::dvec3, 2> middle_derivatives(const BezierPatch& patch);

@@ -12,53 +12,61 @@ namespace {
 
 constexpr double no_bound = 2;  // no two unit vectors are further apart
 
-// Derivatives by steps of `size` instead of by the patch's own box.
-DerivativeBounds by_steps(const BezierPatch& patch, const glm::dvec3& along,
-                          const glm::dvec2& size) {
-    DerivativeBounds bounds = derivative_bounds(patch, along);
-    const glm::dvec2 factor = size / patch.box.size();
-    const double u[4] = {1, factor.x, factor.x * factor.x, factor.x * factor.x * factor.x};
-    const double v[4] = {1, factor.y, factor.y * factor.y, factor.y * factor.y * factor.y};
-    for (int i = 0; i < 4; ++i)
-        for (int j = 0; i + j < 4; ++j) {
-            bounds.length[i][j] *= u[i] * v[j];
-            bounds.rise[i][j] *= u[i] * v[j];
+// `factor`: the triangle's extent over the patch's box.
+double filip(const BezierPatch& patch, const glm::dvec2& factor) {
+    const auto [uu, uv, vv] = second_derivative_bounds(patch);
+    return (factor.x * factor.x * uu + 2 * factor.x * factor.y * uv + factor.y * factor.y * vv) / 8;
+}
+
+// The same of the direction. `e`: a unit vector that is near the patch's normals.
+double normal_filip(const BezierPatch& patch, const glm::dvec3& e, const glm::dvec2& factor) {
+    const NormalNet net = normal_net(patch);
+    const auto& n = net.n;
+    struct Suprema {
+        double along = 0, across = 0;  // squares of the parts by e and across it
+        void widen(const glm::dvec3& x, const glm::dvec3& e) {
+            const double by_e = glm::dot(x, e);
+            const glm::dvec3 rest = x - by_e * e;
+            along = std::max(along, by_e * by_e);
+            across = std::max(across, glm::dot(rest, rest));
         }
-    return bounds;
-}
-
-double filip(const DerivativeBounds& d) {
-    return (d.length[2][0] + 2 * d.length[1][1] + d.length[0][2]) / 8;
-}
-
-// `middle`: length of N in the patch's middle, whose direction the bounds' rises are along.
-double normal_filip(const DerivativeBounds& d, double middle, const glm::dvec2& factor) {
-    struct Derivative {
-        double length, rise;
     };
-    const auto at = [&](int i, int j) { return Derivative{d.length[i][j], d.rise[i][j]}; };
-    // Of x × y: its length, and that across the middle's normal.
-    const auto whole = [](Derivative x, Derivative y) { return x.length * y.length; };
-    const auto across = [](Derivative x, Derivative y) {
-        return x.length * y.rise + x.rise * y.length;
-    };
-    const Derivative u = at(1, 0), v = at(0, 1), uu = at(2, 0), uv = at(1, 1), vv = at(0, 2);
-    const Derivative uuu = at(3, 0), uuv = at(2, 1), uvv = at(1, 2), vvv = at(0, 3);
-    const double n_u = whole(uu, v) + whole(u, uv), n_v = whole(uv, v) + whole(u, vv);
-    const double least = middle - 0.5 * (n_u / factor.x + n_v / factor.y);
+    double least = std::numeric_limits<double>::infinity();
+    Suprema whole;
+    for (const glm::dvec3& x : n) {
+        least = std::min(least, glm::dot(x, e));
+        whole.widen(x, e);
+    }
+    least -= net.error;
     if (!(least > 0)) return no_bound;
-    // Sine of the angle to the middle's normal: what the planes across the two differ by.
-    const double turn = std::min(1.0, across(u, v) / least);
-    const double b_u = across(uu, v) + across(u, uv) + turn * n_u;
-    const double b_v = across(uv, v) + across(u, vv) + turn * n_v;
-    const double n_uu = whole(uuu, v) + 2 * whole(uu, uv) + whole(u, uuv);
-    const double n_uv = whole(uuv, v) + whole(uu, vv) + whole(u, uvv);
-    const double n_vv = whole(uvv, v) + 2 * whole(uv, vv) + whole(u, vvv);
-    const double second = across(uuu, v) + 2 * across(uu, uv) + across(u, uuv) +
-                          2 * (across(uuv, v) + across(uu, vv) + across(u, uvv)) + across(uvv, v) +
-                          2 * across(uv, vv) + across(u, vvv) + turn * (n_uu + 2 * n_uv + n_vv);
-    const double first =
-        (b_u + b_v) * (std::sqrt(b_u * b_u + 4 * n_u * n_u) + std::sqrt(b_v * b_v + 4 * n_v * n_v));
+    // Sine of the angle to e, no more than its tangent: what the planes across the two differ by.
+    const double turn = std::min(1.0, (std::sqrt(whole.across) + net.error) / least);
+    Suprema u, v, uu, uv, vv;
+    for (std::size_t j = 0; j < 6; ++j)
+        for (std::size_t i = 0; i < 6; ++i) {
+            const std::size_t k = 6 * j + i;
+            if (i < 5) u.widen(n[k + 1] - n[k], e);
+            if (j < 5) v.widen(n[k + 6] - n[k], e);
+            if (i < 4) uu.widen((n[k] - n[k + 1]) - (n[k + 1] - n[k + 2]), e);
+            if (j < 4) vv.widen((n[k] - n[k + 6]) - (n[k + 6] - n[k + 12]), e);
+            if (i < 5 && j < 5) uv.widen((n[k] - n[k + 1]) - (n[k + 6] - n[k + 7]), e);
+        }
+    struct Derivative {
+        double along, across;  // of what is along n, and across it
+    };
+    const auto derivative = [&](const Suprema& x, double times) {
+        const double error = 4 * net.error;
+        const double along = times * (std::sqrt(x.along) + error);
+        const double across = times * (std::sqrt(x.across) + error);
+        return Derivative{std::min(along + turn * across, std::hypot(along, across)),
+                          across + turn * along};
+    };
+    const Derivative d_u = derivative(u, 5 * factor.x), d_v = derivative(v, 5 * factor.y);
+    const double second = derivative(uu, 20 * factor.x * factor.x).across +
+                          2 * derivative(uv, 25 * factor.x * factor.y).across +
+                          derivative(vv, 20 * factor.y * factor.y).across;
+    const double first = (d_u.across + d_v.across) *
+                         std::hypot(d_u.across + d_v.across, 2 * (d_u.along + d_v.along));
     return std::min(no_bound, (second / least + first / (least * least)) / 8);
 }
 
@@ -247,12 +255,11 @@ BaseDeviation limit_deviation(const ChannelSurface& surface, const RingCones* co
         if (is_apart(patch.box, triangle)) continue;
         const auto middle = middle_derivatives(patch);
         const glm::dvec3 normal = glm::cross(middle[0], middle[1]);
-        const DerivativeBounds d = by_steps(patch, unit_or(normal, glm::dvec3(0.0)), box.size());
-        most.position = std::max(most.position, filip(d));
-        if (!cones) continue;
         const glm::dvec2 factor = box.size() / patch.box.size();
+        most.position = std::max(most.position, filip(patch, factor));
+        if (!cones) continue;
         most.direction = std::max(
-            most.direction, normal_filip(d, glm::length(normal) * factor.x * factor.y, factor));
+            most.direction, normal_filip(patch, unit_or(normal, triangle.normals[0]), factor));
     }
     // Beside an extraordinary vertex the second derivatives are as large at every scale.
     constexpr double worth_a_second_look = 0.01;

@@ -3,12 +3,20 @@
 //
 // Away from extraordinary vertices, with a × b the triangle's extent:
 //   |S − I S| ≤ (a² M₁ + 2ab M₂ + b² M₃)/8, M suprema of |S_uu|, |S_uv|, |S_vv| (Filip, Magedson
-//   and Markot 1986), and for n = N/|N|, N = S_u × S_v, with steps d:
-//   |n'' d²| ≤ |P N'' d²|/|N| + β √(β² + 4α²)/|N|²,   β = |P N' d|, α = |N' d|
-// in the same way, where P is across n (polygon_surface.h has the second term). With a unit vector
-// e, |P x| ≤ |x across e| + sin(n, e) |x|, and x × y across e is at most |x||y·e| + |y||x·e|: so a
-// patch that is stretched without being bent has no deviation. Suprema are hulls of differences of
-// control points.
+//   and Markot 1986): by Taylor's formula at p it is at most ½ Σ λ |S'' d²| over the ways d from p
+//   to the corners, and as those have the mean 0 and a range of a by b, Σ λ d_u² ≤ a²/4
+//   (Popoviciu 1935), Σ λ d_v² ≤ b²/4, and Σ λ |d_u d_v| ≤ ab/4 by Cauchy and Schwarz.
+// For n = N/|N|, N = S_u × S_v, with N' d = α n + β t, t across n,
+//   |n'' d²| ≤ |P N'' d²|/|N| + β √(β² + 4α²)/|N|²,
+// where P is across n (polygon_surface.h has the second term). With A_u, A_v and B_u, B_v suprema
+// of α and β for steps of a by u and b by v, α ≤ A_u |d_u|/a + A_v |d_v|/b and likewise β; so
+// Σ λ β² ≤ (B_u + B_v)²/4 as above, Σ λ α² likewise, and with Cauchy and Schwarz once more
+//   ½ Σ λ β √(β² + 4α²) ≤ B √(B² + 4A²)/8,   A = A_u + A_v, B = B_u + B_v.
+// N is a polynomial of degree 5 × 5, whose own Bézier points are at hand: suprema are hulls of
+// their differences, where those of a product of suprema, term by term, would be ten times as
+// large. With a unit vector e near n, θ between them: |P x| ≤ |x across e| + sin θ |x·e|, |n·x| ≤
+// |x·e| + sin θ |x across e|, |N| ≥ N·e: so a patch that is stretched without being bent has no
+// deviation.
 //
 // At an extraordinary vertex second derivatives are not bounded. There each piece's own control
 // points of S − L, L the linear function of the triangle, are the bound; and of the normal, with

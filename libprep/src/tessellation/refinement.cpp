@@ -15,6 +15,26 @@ namespace prep::detail {
 namespace {
 
 constexpr std::size_t block = 256;
+// More than rounding to floats moves corners by.
+double rounding_gap(const std::array<glm::dvec3, 3>& corners) {
+    double largest = 0;
+    for (const glm::dvec3& p : corners)
+        for (glm::length_t k = 0; k < 3; ++k) largest = std::max(largest, std::abs(p[k]));
+    return 0x1p-22 * largest;
+}
+
+constexpr float unknown = -1;  // a bound that was not computed
+
+// What there is over what is asked for: above 1 the triangle has to be halved. What refinement
+// cannot take away is made up for as long as that is less than half of all.
+double excess_over(const TriangleBound& bound, double scale, double asked) {
+    const double gap = scale * double(bound.gap);
+    const double left = std::max(asked - gap, 0.5 * asked);
+    // As exact as the certificate is: not by what the subtraction rounds.
+    const bool misses = left > 0.5 * asked && scale * bound.sum() > asked;
+    return std::max(misses ? std::nextafter(1.0, 2.0) : 0.0,
+                    scale * double(bound.refinable) / left);
+}
 
 }  // namespace
 
@@ -24,7 +44,10 @@ Refinement::Refinement(const Mesh& cage, const Domain& domain, const DisplacedSu
       domain_(domain),
       surface_(surface),
       options_(options),
-      mesh_(domain.cage_vertices + domain.fans(), domain.vertices, domain.next_half_edges) {}
+      mesh_(domain.cage_vertices + domain.fans(), domain.vertices, domain.next_half_edges) {
+    if (!options.pixel_error) return;
+    for (const ScreenMetric& screen : options.screens) screens_.emplace_back(screen);
+}
 
 void Refinement::make_first_vertices() {
     const std::uint32_t cage = domain_.cage_vertices, count = mesh_.vertex_count();
@@ -68,56 +91,91 @@ void Refinement::make_new_vertices() {
         });
 }
 
-double Refinement::enough() const {
-    // Tight where errors are compared with each other.
-    if (options_.max_triangles || options_.pixel_error || !options_.chord_error) return 0;
-    return 0.5 * *options_.chord_error;
+std::array<glm::dvec3, 3> Refinement::corners(const BisectedTriangle& triangle) const {
+    std::array<glm::dvec3, 3> corners;
+    for (std::size_t k = 0; k < 3; ++k)
+        corners[k] = glm::dvec3(samples_.positions[triangle.vertices[k]]);
+    return corners;
 }
 
-void Refinement::measure(const std::vector<std::uint32_t>& fresh) {
+bool Refinement::is_shared(const BisectedTriangle& triangle) const {
+    return std::any_of(triangle.vertices.begin(), triangle.vertices.end(),
+                       [&](std::uint32_t v) { return samples_.shared[v] != 0; });
+}
+
+// What is left of what is asked beside the gap, or half of it where that is not known yet; 0, as
+// tight as may be, where errors are compared with each other.
+double Refinement::enough(const BisectedTriangle& triangle) const {
+    if (options_.max_triangles || !(options_.chord_error || options_.pixel_error)) return 0;
+    double most = options_.chord_error.value_or(std::numeric_limits<double>::infinity());
+    if (options_.pixel_error)
+        for (const ScreenBound& screen : screens_)
+            most = std::min(most, screen.length_of(corners(triangle), *options_.pixel_error));
+    return is_shared(triangle) ? 0.5 * most
+                               : std::max(0.5 * most, most - rounding_gap(corners(triangle)));
+}
+
+// Whether a look at it is enough to see that it has to be halved: an edge, or the true point in the
+// middle of the edge that would be halved. Never true where the bound would say otherwise: no bound
+// is below the error of a point.
+bool Refinement::surely_misses(const BisectedTriangle& triangle) const {
+    const auto corners = this->corners(triangle);
+    if (options_.edge_length)
+        for (std::size_t k = 0; k < 3; ++k)
+            if (glm::length(corners[k] - corners[(k + 1) % 3]) / *options_.edge_length > 1)
+                return true;
+    if (!(options_.chord_error || options_.pixel_error) || is_shared(triangle)) return false;
+    const auto weights = path_weights(triangle.path);
+    const glm::dvec3 truth = surface_.truth({triangle.root, 0.5 * (weights[0] + weights[1])});
+    const double error = glm::length(truth - 0.5 * (corners[0] + corners[1]));
+    const double refinable = error - rounding_gap(corners);  // the least that the bound may be
+    if (options_.chord_error && refinable > *options_.chord_error) return true;
+    return options_.pixel_error &&
+           refinable * pixels_per_unit(screens_, corners, error) > *options_.pixel_error;
+}
+
+void Refinement::measure(const std::vector<std::uint32_t>& fresh, Effort effort) {
     bounds_.resize(mesh_.triangles().size());
     excess_.resize(mesh_.triangles().size());
-    const double enough = this->enough();
     parallel_blocks(fresh.size(), block, options_.threads, [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k < end; ++k) {
             const std::uint32_t t = fresh[k];
-            bounds_[t] = surface_.bound(mesh_.triangles()[t], samples_, enough);
-            excess_[t] = excess(t);
+            const BisectedTriangle& triangle = mesh_.triangles()[t];
+            bounds_[t].refinable = unknown;
+            if (effort == Effort::looking && surely_misses(triangle)) {
+                excess_[t] = std::numeric_limits<float>::infinity();
+            } else if (effort == Effort::looking &&
+                       !(options_.chord_error || options_.pixel_error)) {
+                excess_[t] = 0;
+            } else {
+                bounds_[t] = surface_.bound(triangle, samples_, enough(triangle));
+                excess_[t] = excess(t);
+            }
         }
     });
 }
 
-double Refinement::pixels(std::uint32_t t, double error) const {
-    if (!std::isfinite(error)) return std::numeric_limits<double>::infinity();
-    const ScreenMetric& screen = options_.screen;
-    const glm::dvec3 across(screen.w);
-    const double turn = glm::length(across);
-    double depth = std::numeric_limits<double>::infinity();
-    for (const std::uint32_t v : mesh_.triangles()[t].vertices)
-        depth = std::min(depth, glm::dot(across, glm::dvec3(samples_.positions[v])) + screen.w.w);
-    depth = std::max(depth - turn * error, screen.near_distance);
-    // Points of the picture have |x/w| ≤ 1: a step d changes x/w by (x·d − (x/w) w·d)/w at most.
-    const double dx = screen.pixels.x * (glm::length(glm::dvec3(screen.x)) + turn);
-    const double dy = screen.pixels.y * (glm::length(glm::dvec3(screen.y)) + turn);
-    return error * std::sqrt(dx * dx + dy * dy) / depth;
+double Refinement::proved_pixels(std::uint32_t t) const {
+    const double error = bounds_[t].sum();
+    const double scale = pixels_per_unit(screens_, corners(mesh_.triangles()[t]), error);
+    return scale == 0 || error == 0 ? 0 : scale * error;
 }
 
-// What is asked for over what is there: above 1 the triangle has to be halved.
 float Refinement::excess(std::uint32_t t) const {
     const TriangleBound& bound = bounds_[t];
     double most = 0;
-    // What refinement cannot take away is made up for as long as that is less than half of all.
-    if (options_.chord_error) {
-        const double asked = *options_.chord_error, gap = double(bound.gap);
-        const double left = std::max(asked - gap, 0.5 * asked);
-        // As exact as the certificate is: not by what the subtraction rounds.
-        most = left > 0.5 * asked && bound.sum() > asked ? std::nextafter(1.0, 2.0) : 0;
-        most = std::max(most, double(bound.refinable) / left);
+    if (options_.chord_error) most = excess_over(bound, 1, *options_.chord_error);
+    if (options_.pixel_error) {
+        const auto corners = this->corners(mesh_.triangles()[t]);
+        const double asked = *options_.pixel_error, error = bound.sum();
+        for (const ScreenBound& screen : screens_) {
+            // Errors as large as the way to the eye are all too large: by their length, then.
+            const double least = screen.length_of(corners, asked);
+            double scale = screen.pixels_per_unit(corners, error);
+            if (!std::isfinite(scale)) scale = asked / least;
+            if (scale > 0) most = std::max(most, excess_over(bound, scale, asked));
+        }
     }
-    if (options_.pixel_error)
-        most = std::max(most, pixels(t, double(bound.refinable)) /
-                                  std::max(*options_.pixel_error - pixels(t, double(bound.gap)),
-                                           0.5 * *options_.pixel_error));
     if (options_.edge_length) {
         const auto& v = mesh_.triangles()[t].vertices;
         for (std::size_t k = 0; k < 3; ++k)
@@ -177,7 +235,7 @@ Result<void> Refinement::refine_to_error(std::vector<std::uint32_t> fresh) {
         for (const std::uint32_t t : fresh)
             if (excess_[t] > 1 && can_be_halved(t))
                 marks.push_back({t, mesh_.triangles()[t].path, excess_[t]});
-        if (marks.empty()) return {};
+        if (marks.empty()) break;
         for (const Mark& mark : marks) {
             if (mesh_.triangles()[mark.triangle].path != mark.path) continue;
             mesh_.bisect(mark.triangle);
@@ -186,8 +244,14 @@ Result<void> Refinement::refine_to_error(std::vector<std::uint32_t> fresh) {
         auto news = take_news();
         if (!news) return news.error();
         fresh = std::move(*news);
-        measure(fresh);
+        measure(fresh, Effort::looking);
     }
+    // What was seen by a look, and what nobody had to know.
+    fresh.clear();
+    for (std::uint32_t t = 0; t < bounds_.size(); ++t)
+        if (bounds_[t].refinable == unknown) fresh.push_back(t);
+    measure(fresh, Effort::proving);
+    return {};
 }
 
 Result<void> Refinement::refine_to_budget() {
@@ -221,7 +285,7 @@ Result<void> Refinement::refine_to_budget() {
         }
         const auto news = take_news();
         if (!news) return news.error();
-        measure(*news);
+        measure(*news, Effort::proving);
     }
     return {};
 }
@@ -243,7 +307,7 @@ Result<void> Refinement::run(const std::vector<std::uint8_t>& first_halving) {
     if (Result<void> range = check_range(0); !range) return range;
     std::vector<std::uint32_t> all(mesh_.triangles().size());
     std::iota(all.begin(), all.end(), 0U);
-    measure(all);
+    measure(all, options_.max_triangles ? Effort::proving : Effort::looking);
     const Result<void> refined =
         options_.max_triangles ? refine_to_budget() : refine_to_error(std::move(all));
     if (!refined) return refined;

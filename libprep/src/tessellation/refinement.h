@@ -10,6 +10,7 @@
 
 #include "prep/result.h"
 #include "tessellation/displaced_surface.h"
+#include "tessellation/screen_bound.h"
 
 namespace prep::detail {
 
@@ -29,7 +30,8 @@ class Refinement {
     const std::vector<TriangleBound>& bounds() const { return bounds_; }
     std::uint64_t unresolved() const { return unresolved_; }
     std::uint64_t over_budget() const { return over_budget_; }
-    double pixels(std::uint32_t t, double error) const;
+    // What is proved of a triangle on the screens.
+    double proved_pixels(std::uint32_t t) const;
 
   private:
     struct Mark {
@@ -39,9 +41,14 @@ class Refinement {
     };
     void make_first_vertices();
     void make_new_vertices();
-    void measure(const std::vector<std::uint32_t>& fresh);
+    // Looking: bounds are left out where something cheaper decides, or nothing depends on them.
+    enum class Effort : std::uint8_t { looking, proving };
+    void measure(const std::vector<std::uint32_t>& fresh, Effort effort);
+    bool surely_misses(const BisectedTriangle& triangle) const;
+    bool is_shared(const BisectedTriangle& triangle) const;
     float excess(std::uint32_t t) const;
-    double enough() const;
+    double enough(const BisectedTriangle& triangle) const;
+    std::array<glm::dvec3, 3> corners(const BisectedTriangle& triangle) const;
     bool can_be_halved(std::uint32_t t) const;
     Result<std::vector<std::uint32_t>> take_news();
     Result<void> refine_to_error(std::vector<std::uint32_t> fresh);
@@ -54,6 +61,7 @@ class Refinement {
     const Domain& domain_;
     const DisplacedSurface& surface_;
     const TessellateOptions& options_;
+    std::vector<ScreenBound> screens_;
     BisectionMesh mesh_;
     VertexSamples samples_;
     std::vector<TriangleBound> bounds_;

@@ -1,6 +1,7 @@
 // Checks, surface, refinement, certificate, mesh.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "base/finite.h"
@@ -13,6 +14,18 @@ namespace {
 
 std::string place_of(const Mesh& mesh) {
     return mesh.name.empty() ? std::string() : fmt::format("mesh '{}'", mesh.name);
+}
+
+// Of numbers whose products are numbers.
+bool is_view(const ScreenMetric& screen) {
+    constexpr double most = 1e60;
+    double largest = std::max({screen.near_distance, 1 / screen.near_distance,
+                               std::abs(screen.pixels.x), std::abs(screen.pixels.y)});
+    for (const glm::dvec4& row : {screen.x, screen.y, screen.w}) {
+        if (!is_finite(row)) return false;
+        largest = std::max(largest, glm::length(row));
+    }
+    return screen.near_distance > 0 && is_finite(screen.pixels) && largest < most;
 }
 
 Result<void> check_options(const Mesh& cage, const TessellateOptions& options) {
@@ -32,13 +45,12 @@ Result<void> check_options(const Mesh& cage, const TessellateOptions& options) {
         if (*length && !(**length > 0 && std::isfinite(**length)))
             return wrong(
                 fmt::format("the {} is {}; a positive number is expected", name, **length));
-    if (options.pixel_error) {
-        const ScreenMetric& s = options.screen;
-        if (!(s.near_distance > 0) || !is_finite(s.x) || !is_finite(s.y) || !is_finite(s.w) ||
-            !is_finite(s.pixels) || !std::isfinite(s.near_distance))
+    if (options.pixel_error && options.screens.empty())
+        return wrong("a pixel error needs a view that it is seen in");
+    for (const ScreenMetric& s : options.screens)
+        if (options.pixel_error && !is_view(s))
             return wrong(
                 "a pixel error needs a view of finite numbers with a near distance above 0");
-    }
     for (const Displacement& d : options.displacements)
         if (!std::isfinite(d.scale) || !std::isfinite(d.midlevel))
             return wrong("a displacement's scale or mid-level is not a finite number");
@@ -78,7 +90,10 @@ void certify(const TessellateOptions& options, const Domain& domain, const Refin
     certificate.triangles = refinement.mesh().triangles().size();
     certificate.unresolved = refinement.unresolved();
     certificate.over_budget = refinement.over_budget();
-    if (options.pixel_error) certificate.proved_pixels = 0;
+    if (options.pixel_error) {
+        certificate.asked_pixels = options.pixel_error;
+        certificate.proved_pixels = 0;
+    }
     const auto& bounds = refinement.bounds();
     for (std::uint32_t t = 0; t < bounds.size(); ++t) {
         const BisectedTriangle& triangle = refinement.mesh().triangles()[t];
@@ -90,7 +105,7 @@ void certify(const TessellateOptions& options, const Domain& domain, const Refin
             std::max(certificate.proved_refinable, double(bounds[t].refinable));
         if (certificate.proved_pixels)
             certificate.proved_pixels =
-                std::max(*certificate.proved_pixels, refinement.pixels(t, proved));
+                std::max(*certificate.proved_pixels, refinement.proved_pixels(t));
         if (certificate.worst_triangle != no_index && !(proved > certificate.proved)) continue;
         certificate.proved = proved;
         certificate.worst_triangle = t;

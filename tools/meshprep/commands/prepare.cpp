@@ -237,6 +237,20 @@ void define(OptionSet& options, PrepareCommand& c) {
                   "(default y)");
     add_input_options(options, c.common);
     add_preparation_options(options, c.prepare);
+    const Option pixel_error = add_pixel_error_option(options, c.prepare);
+    options.group("Picture of --pixel-error");
+    add_camera_options(options, c.camera);
+    options
+        .value(
+            "--size", "WxH",
+            [&c](const std::string& text) {
+                const glm::uvec2 size = parse_size("--size", text, prep::max_picture_extent);
+                c.picture.choices.width = size.x;
+                c.picture.choices.height = size.y;
+                c.picture.given.insert("size");
+            },
+            "Its pixels (default: the scene file's, else 1024x768)")
+        .needs(pixel_error);
     add_loading_options(options, c.common.load);
     add_common_options(options, c.common);
     add_json_lines_option(options, c.common);
@@ -263,6 +277,11 @@ void check(const PrepareCommand& c) {
     if (c.common.json && c.common.json_lines)
         usage_error("--json",
                     "is one document, --json-lines a line for each file; give one of them");
+    check_camera(c.camera);
+    if (c.camera.any() && !c.prepare.tessellation.pixel_error)
+        usage_error(
+            "--camera",
+            "and the other options of a view say where --pixel-error is meant; give that as well");
 }
 
 }  // namespace

@@ -1,10 +1,12 @@
 #include "meshprep/commands/prepare_file.h"
 
+#include "meshprep/commands/render_views.h"
 #include "meshprep/files/file_sizes.h"
 #include "meshprep/output/load_options.h"
 #include "prep/files.h"
 #include "prep/load.h"
 #include "prep/save.h"
+#include "prep/scene_json.h"
 
 namespace meshprep {
 namespace {
@@ -54,6 +56,19 @@ prep::Result<std::vector<std::string>> save_for_output(const prep::PreparedScene
     return notes;
 }
 
+// With what a scene file says of its picture, where the command line says nothing.
+prep::Result<prep::Scene> load_with_picture(const std::filesystem::path& path,
+                                            const prep::LoadOptions& options,
+                                            std::optional<prep::OrbitCamera>& orbit,
+                                            prep::RenderWishes& picture) {
+    if (lower_ending(path) != "json") return prep::load_scene(path, options);
+    prep::Result<prep::JsonScene> loaded = prep::load_scene_json(path, options);
+    if (!loaded) return loaded.error();
+    orbit = loaded->orbit;
+    if (!picture.has("size") && loaded->picture.has("size")) picture = loaded->picture;
+    return std::move(loaded->scene);
+}
+
 }  // namespace
 
 std::size_t Outcome::warning_count() const {
@@ -84,7 +99,11 @@ Outcome prepare_file(const Job& job, const PrepareCommand& command, int threads,
     out.gltf_before = count_gltf_file(input->path());
     prep::LoadOptions load = load_options(command.common, console);
     load.threads = threads;
-    prep::Result<prep::Scene> scene = prep::load_scene(input->path(), load);
+    std::optional<prep::OrbitCamera> orbit;
+    prep::RenderWishes picture = command.picture;
+    prep::Result<prep::Scene> scene = command.prepare.tessellation.pixel_error
+                                          ? load_with_picture(input->path(), load, orbit, picture)
+                                          : prep::load_scene(input->path(), load);
     out.read_ms = milliseconds_since(start);
     if (!scene) {
         out.error = input->relabelled(scene.error());
@@ -116,7 +135,16 @@ Outcome prepare_file(const Job& job, const PrepareCommand& command, int threads,
 
     show("preparing");
     start = Clock::now();
-    const prep::PrepareOptions options = prepare_options(command.prepare, load, threads);
+    prep::PrepareOptions options = prepare_options(command.prepare, load, threads);
+    if (options.tessellation.pixel_error) {
+        const std::uint32_t width = picture.choices.width, height = picture.choices.height;
+        const auto views = screen_views({command.camera, 0, orbit}, *scene, double(width) / height);
+        if (!views) {
+            out.error = input->relabelled(views.error());
+            return out;
+        }
+        options.tessellation.screens = screen_metrics(*views, width, height);
+    }
     prep::Result<prep::PreparedScene> prepared = prep::prepare(*std::move(scene), options);
     out.prepare_ms = milliseconds_since(start);
     if (!prepared) {

@@ -12,10 +12,12 @@
 #include "meshprep/files/input_file.h"
 #include "meshprep/files/manifest.h"
 #include "meshprep/files/output_directories.h"
+#include "meshprep/options/camera_options.h"
 #include "meshprep/options/common_options.h"
 #include "meshprep/output/console.h"
 #include "meshprep/output/counts.h"
 #include "prep/prep.h"
+#include "prep/render_choices.h"
 
 namespace meshprep {
 
@@ -31,6 +33,8 @@ struct PrepareCommand {
     bool skip_unchanged = false;
     Settings settings;  // what was given of what decides about the output
     prep::PrepareOptions prepare;
+    CameraWishes camera;         // of the picture that pixel errors are meant in,
+    prep::RenderWishes picture;  // and its size
 };
 
 // What became of one file.

@@ -41,6 +41,10 @@ std::string certificate_text(const prep::TessellationCertificate& c) {
     if (c.asked) text += fmt::format(", error asked {:.3g}", *c.asked);
     text += std::isfinite(c.proved) ? ", proved at most " + not_below(c.proved)
                                     : std::string(", none proved");
+    if (c.asked_pixels && c.proved_pixels)
+        text += fmt::format(", {:.3g} pixels asked, ", *c.asked_pixels) +
+                (std::isfinite(*c.proved_pixels) ? not_below(*c.proved_pixels) + " proved"
+                                                 : std::string("none proved"));
     if (c.samples > 0)
         text += fmt::format(", measured {:.3g} on {} points", c.measured, with_commas(c.samples));
     return text;

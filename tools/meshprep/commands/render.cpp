@@ -288,19 +288,30 @@ Result<Json> render_file(const RenderCommand& command, Console& console) {
     for (const std::string& text : loaded->scene.warnings)
         console.warning(common, command.input.string() + ": " + text);
 
+    const bool scene_file = lower_ending(input->path()) == "json";
+    rast::RenderRequest request = request_of(command, loaded->picture);
+    if (!scene_file && !command.wishes.has("background")) request.background = file_background;
+    const double aspect = static_cast<double>(request.width) / request.height;
+    const ViewChoices choices{command, command.turntable, loaded->orbit};
+
     console.progress(common, command.input.string() + " … preparing");
     start = Clock::now();
-    const prep::PrepareOptions options =
+    prep::PrepareOptions options =
         prepare_options(command.prepare, load_options(common, console), common.threads);
+    std::vector<rast::View> screens;
+    if (options.tessellation.pixel_error) {
+        Result<std::vector<rast::View>> known = screen_views(choices, loaded->scene, aspect);
+        if (!known) return input->relabelled(known.error());
+        screens = *std::move(known);
+        options.tessellation.screens = screen_metrics(screens, request.width, request.height);
+    }
     const Result<prep::PreparedScene> prepared = prep::prepare(std::move(loaded->scene), options);
     if (!prepared) return input->relabelled(prepared.error());
     const double prepare_ms = milliseconds_since(start);
 
-    const bool scene_file = lower_ending(input->path()) == "json";
-    rast::RenderRequest request = request_of(command, loaded->picture);
-    if (!scene_file && !command.wishes.has("background")) request.background = file_background;
-    const Result<std::vector<std::optional<rast::View>>> views = views_of(
-        command, loaded->orbit, *prepared, static_cast<double>(request.width) / request.height);
+    const Result<std::vector<std::optional<rast::View>>> views =
+        screens.empty() ? views_of(choices, *prepared, aspect)
+                        : drawn_views(screens, choices, *prepared, aspect);
     if (!views) return views.error();
 
     rast::SceneRenderer renderer(*prepared);  // keeps textures between pictures

@@ -9,31 +9,11 @@
 namespace meshprep {
 namespace {
 
-void parse_camera(const std::string& text, RenderCommand& c) {
-    const std::vector<double> n = parse_numbers(text, ',');
-    if (n.size() < 2) {
-        c.camera = text;
-        return;
-    }
-    const OrbitChoice orbit{n[0], n[1], n.size() > 2 ? n[2] : 1.0};
-    if (n.size() > 3 || std::abs(orbit.elevation) > 90 || orbit.distance <= 0)
-        usage_error("--camera", "'" + text +
-                                    "' is not AZIMUTH,ELEVATION[,DISTANCE] with an elevation from "
-                                    "-90 to 90 and a distance above 0");
-    c.camera = orbit;
-}
-
 void parse_light(const std::string& text, RenderCommand& c) {
     const std::vector<double> n = parse_numbers(text, ',');
     if (n.size() < 2 || n.size() > 3 || (n.size() > 2 && n[2] < 0))
         usage_error("--light", "'" + text + "' is not AZIMUTH,ELEVATION[,INTENSITY]");
     c.lights.push_back({n[0], n[1], static_cast<float>(n.size() > 2 ? n[2] : 1.0)});
-}
-
-glm::dvec3 parse_place(const std::string& option, const std::string& text) {
-    const std::vector<double> n = parse_numbers(text, ',');
-    if (n.size() != 3) usage_error(option, "'" + text + "' is not X,Y,Z");
-    return {n[0], n[1], n[2]};
 }
 
 void parse_crop(const std::string& text, RenderCommand& c) {
@@ -68,68 +48,6 @@ void parse_buffers(const std::string& text, RenderCommand& c) {
             usage_error("--buffers",
                         "'" + word + "' is not one of " + prep::names_text<Buffer>(", ") + ", all");
     }
-}
-
-void parse_ortho(const std::string& text, RenderCommand& c) {
-    const std::vector<double> n = parse_numbers(text, ',');
-    if (text != "fit" && (n.size() != 1 || !(n[0] > 0)))
-        usage_error("--ortho", "'" + text + "' is not a height above 0 in world units, or fit");
-    c.ortho_height = text == "fit" ? 0 : n[0];
-}
-
-void add_camera_options(OptionSet& options, RenderCommand& c) {
-    options.group("Camera");
-    const Option camera = options.value(
-        "--camera", "AZ,EL[,D]|NAME|N", [&c](const std::string& text) { parse_camera(text, c); },
-        "AZIMUTH,ELEVATION[,DISTANCE]: degrees around the scene, distance 1 fits it; or "
-        "the name or number of a camera in the file. Default: the file's camera, else "
-        "30,20");
-    const Option from = options
-                            .value(
-                                "--look-from", "X,Y,Z",
-                                [&c](const std::string& text) {
-                                    PlaceChoice place;
-                                    place.from = parse_place("--look-from", text);
-                                    c.camera = place;
-                                },
-                                "The camera's place in the world")
-                            .excludes(camera);
-    const auto place = [&c]() -> PlaceChoice& {
-        if (!std::holds_alternative<PlaceChoice>(c.camera)) c.camera = PlaceChoice{};
-        return std::get<PlaceChoice>(c.camera);
-    };
-    // Read after --look-from, whatever their order on the command line: options are taken in the
-    // order of their definition.
-    options
-        .value(
-            "--look-at", "X,Y,Z",
-            [place](const std::string& text) { place().at = parse_place("--look-at", text); },
-            "What it looks at (default: the scene's centre)")
-        .needs(from);
-    options
-        .value(
-            "--up", "X,Y,Z",
-            [place](const std::string& text) {
-                place().up = parse_place("--up", text);
-                place().up_given = true;
-            },
-            "Which way is up in the picture (default 0,1,0)")
-        .needs(from);
-    options.value(
-        "--fov", "DEG",
-        [&c](const std::string& text) {
-            const std::vector<double> degrees = parse_numbers(text, ',');
-            if (degrees.size() != 1 || !(degrees[0] >= 0.01 && degrees[0] <= 175))
-                usage_error("--fov", "not an angle from 0.01 to 175 degrees");
-            c.yfov = degrees[0] * std::numbers::pi / 180;
-        },
-        "Angle of view from the picture's bottom to its top");
-    options.value(
-        "--ortho", "HEIGHT|fit", [&c](const std::string& text) { parse_ortho(text, c); },
-        "No perspective: this height in world units fills the picture; fit: the scene does");
-    options.number("--turntable", c.turntable, 1, 10000, "N",
-                   "N pictures from all around the scene, NAME_000.png and so on; or -o with a "
-                   "pattern, as in name.%04d.png");
 }
 
 void add_output_options(OptionSet& options, RenderCommand& c) {
@@ -173,10 +91,15 @@ void define_render(OptionSet& options, RenderCommand& c) {
                    "Ambient light beside --light (default 0.1)");
     options.flag("--no-textures", c.textures, "Material colours only", false);
     options.flag("--explain", c.explain, "Print the plan: each step, run or skipped, and why");
-    add_camera_options(options, c);
+    options.group("Camera");
+    add_camera_up_option(options, c, add_camera_options(options, c));
+    options.number("--turntable", c.turntable, 1, 10000, "N",
+                   "N pictures from all around the scene, NAME_000.png and so on; or -o with a "
+                   "pattern, as in name.%04d.png");
     add_output_options(options, c);
     add_input_options(options, c.common);
     add_preparation_options(options, c.prepare);
+    add_pixel_error_option(options, c.prepare);
     add_loading_options(options, c.common.load);
     add_common_options(options, c.common);
     options.examples(
@@ -200,19 +123,7 @@ void check_render(const RenderCommand& c) {
     if (!c.buffer_file.empty() && lower_ending(c.buffer_file) != "exr")
         usage_error("--buffer-file",
                     "'" + c.buffer_file.filename().string() + "' holds no buffers; name it .exr");
-    const auto* const place = std::get_if<PlaceChoice>(&c.camera);
-    if (place && place->at && *place->at == place->from)
-        usage_error("--look-at", "is where the camera stands");
-    if (place && place->up_given) {
-        const glm::dvec3& up = place->up;
-        if (!(glm::length(up) > 0)) usage_error("--up", "has no length; choose a direction");
-        const glm::dvec3 view = place->at ? *place->at - place->from : glm::dvec3(0);
-        if (place->at &&
-            !(glm::length(glm::cross(view, up)) > 1e-9 * glm::length(view) * glm::length(up)))
-            usage_error("--up", "points along the view; choose another");
-    }
-    if (c.yfov && c.ortho_height)
-        usage_error("--fov", "is an angle of perspective; --ortho has none, give one of them");
+    check_camera(c);
     const std::string name = c.output.filename().string();
     if (const bool stream = is_standard_stream(c.output); stream || !c.format.empty()) {
         if (!stream) usage_error("--format", "is for -o -; the picture's ending says it otherwise");

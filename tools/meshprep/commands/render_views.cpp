@@ -35,14 +35,21 @@ Result<std::uint32_t> find_camera(const prep::Scene& scene, const std::string& t
         scene.source.string()};
 }
 
+// Through a camera of the file, whose near plane is its own.
+bool is_of_file(const ViewChoices& choices, const prep::Scene& scene) {
+    const CameraChoice& camera = choices.camera.camera;
+    if (std::holds_alternative<std::string>(camera)) return true;
+    return camera.index() == 0 && !choices.orbit && scene.active_camera != prep::no_index;
+}
+
 // Views from all around the scene, each made anew, so that its near plane fits.
 class Viewer {
   public:
-    Viewer(const RenderCommand& command, const prep::PreparedScene& prepared, double aspect)
-        : command_(command),
+    Viewer(const ViewChoices& choices, const prep::PreparedScene& prepared, double aspect)
+        : wishes_(choices.camera),
           prepared_(prepared),
           aspect_(aspect),
-          count_(std::max<std::uint32_t>(command.turntable, 1)) {
+          count_(std::max<std::uint32_t>(choices.turntable, 1)) {
         const std::optional<rast::Bounds> bounds = rast::world_bounds(prepared);
         if (bounds) centre_ = bounds->centre();
     }
@@ -51,7 +58,7 @@ class Viewer {
         rast::OrbitOptions options;
         options.elevation_degrees = choice.elevation;
         options.aspect = aspect_;
-        if (command_.yfov) options.yfov = *command_.yfov;
+        if (wishes_.yfov) options.yfov = *wishes_.yfov;
         const auto at = [&](std::uint32_t n) {
             options.azimuth_degrees = choice.azimuth + 360.0 * n / count_;
             return rast::orbit_view(prepared_, options);
@@ -75,7 +82,7 @@ class Viewer {
             options.eye = turned(choice.from, n);
             options.target = turned(choice.at.value_or(centre_), n);
             options.up = turned_direction(choice.up, n);
-            if (command_.yfov) options.yfov = *command_.yfov;
+            if (wishes_.yfov) options.yfov = *wishes_.yfov;
             views.push_back(rast::look_at_view(prepared_, options));
         }
         return views;
@@ -99,13 +106,13 @@ class Viewer {
 
     Result<std::vector<rast::View>> cameras(std::uint32_t node) const {
         rast::View view = rast::camera_view(prepared_.scene, node, aspect_);
-        if (command_.yfov && !view.perspective)
+        if (wishes_.yfov && !view.perspective)
             return Error{ErrorCode::invalid,
                          "--fov is an angle of perspective, and the camera '" +
                              prepared_.scene.nodes[node].name +
                              "' has none: --ortho HEIGHT changes what it shows",
                          prepared_.scene.source.string()};
-        if (command_.yfov) view.yfov = *command_.yfov;
+        if (wishes_.yfov) view.yfov = *wishes_.yfov;
         std::vector<rast::View> views;
         for (std::uint32_t n = 0; n < count_; ++n)
             views.push_back(n == 0 ? view : rast::turned_view(view, centre_, angle(n)));
@@ -123,15 +130,15 @@ class Viewer {
         std::vector<std::optional<rast::View>> out;
         double half_height = 0;
         for (rast::View view : views) {
-            if (command_.ortho_height) {
-                view = rast::orthographic_view(prepared_, view, *command_.ortho_height,
+            if (wishes_.ortho_height) {
+                view = rast::orthographic_view(prepared_, view, *wishes_.ortho_height,
                                                view.aspect > 0 ? view.aspect : aspect_);
                 half_height = std::max(half_height, view.half_height);
             }
             out.emplace_back(view);
         }
         for (std::optional<rast::View>& view : out)
-            if (command_.ortho_height) view->half_height = half_height;
+            if (wishes_.ortho_height) view->half_height = half_height;
         return out;
     }
 
@@ -147,7 +154,7 @@ class Viewer {
         return {c * p.x + s * p.z, p.y, c * p.z - s * p.x};
     }
 
-    const RenderCommand& command_;
+    const CameraWishes& wishes_;
     const prep::PreparedScene& prepared_;
     double aspect_;
     std::uint32_t count_;
@@ -156,28 +163,97 @@ class Viewer {
 
 }  // namespace
 
-Result<std::vector<std::optional<rast::View>>> views_of(
-    const RenderCommand& command, const std::optional<prep::OrbitCamera>& orbit,
-    const prep::PreparedScene& prepared, double aspect) {
-    const Viewer viewer(command, prepared, aspect);
-    if (const auto* choice = std::get_if<OrbitChoice>(&command.camera))
+Result<std::vector<std::optional<rast::View>>> views_of(const ViewChoices& choices,
+                                                        const prep::PreparedScene& prepared,
+                                                        double aspect) {
+    const Viewer viewer(choices, prepared, aspect);
+    const CameraWishes& wishes = choices.camera;
+    if (const auto* choice = std::get_if<OrbitChoice>(&wishes.camera))
         return viewer.finished(viewer.orbits(*choice));
-    if (const auto* place = std::get_if<PlaceChoice>(&command.camera))
+    if (const auto* place = std::get_if<PlaceChoice>(&wishes.camera))
         return viewer.from_place(*place);
-    if (const auto* name = std::get_if<std::string>(&command.camera)) {
+    if (const auto* name = std::get_if<std::string>(&wishes.camera)) {
         const Result<std::uint32_t> node = find_camera(prepared.scene, *name);
         if (!node) return node.error();
         return viewer.through_camera(*node);
     }
-    if (orbit)
+    if (const auto& orbit = choices.orbit)
         return viewer.finished(
             viewer.orbits({orbit->azimuth / radians_per_degree,
                            orbit->elevation / radians_per_degree, orbit->distance}));
-    if (command.turntable == 0 && !command.yfov && !command.ortho_height)
+    if (choices.turntable == 0 && !wishes.yfov && !wishes.ortho_height)
         return std::vector<std::optional<rast::View>>(1);
     if (prepared.scene.active_camera != prep::no_index)
         return viewer.through_camera(prepared.scene.active_camera);
     return viewer.finished(viewer.orbits({}));
+}
+
+Result<std::vector<rast::View>> screen_views(const ViewChoices& choices, const prep::Scene& scene,
+                                             double aspect) {
+    // What cameras and frames read of it.
+    prep::PreparedScene framed;
+    framed.scene.source = scene.source;
+    framed.scene.nodes = scene.nodes;
+    framed.scene.cameras = scene.cameras;
+    framed.scene.active_camera = scene.active_camera;
+    for (const prep::Mesh& mesh : scene.meshes) {
+        prep::VertexMesh& points = framed.meshes.emplace_back();
+        points.positions = mesh.positions;
+        points.origin = mesh.origin;
+    }
+    const Result<std::vector<std::optional<rast::View>>> chosen = views_of(choices, framed, aspect);
+    if (!chosen) return chosen.error();
+    std::vector<rast::View> views;
+    for (const std::optional<rast::View>& view : *chosen) {
+        if (view)
+            views.push_back(*view);
+        else if (scene.active_camera != prep::no_index)
+            views.push_back(rast::camera_view(framed.scene, scene.active_camera, aspect));
+        else
+            views.push_back(rast::orbit_view(framed, {.aspect = aspect}));
+    }
+    if (is_of_file(choices, scene)) return views;
+    constexpr double share_of_way = 1e-3;
+    const std::optional<rast::Bounds> bounds = rast::world_bounds(framed);
+    for (rast::View& view : views) {
+        if (!bounds || !view.perspective) continue;
+        const double way = glm::length(view.eye() - bounds->centre());
+        view.znear = std::min(view.znear, share_of_way * std::max(way, bounds->radius()));
+    }
+    return views;
+}
+
+std::vector<prep::ScreenMetric> screen_metrics(const std::vector<rast::View>& views,
+                                               std::uint32_t width, std::uint32_t height) {
+    std::vector<prep::ScreenMetric> metrics;
+    for (const rast::View& view : views) {
+        const glm::dmat4 to_clip =
+            rast::projection(view, view.aspect > 0 ? view.aspect : double(width) / height) *
+            view.world_to_view;
+        const glm::dmat4 rows = glm::transpose(to_clip);
+        prep::ScreenMetric& metric = metrics.emplace_back();
+        metric.x = rows[0];
+        metric.y = rows[1];
+        metric.w = rows[3];
+        metric.pixels = {0.5 * width, 0.5 * height};
+        // Without perspective all depths are 1.
+        metric.near_distance = view.perspective ? view.znear : 0.5;
+    }
+    return metrics;
+}
+
+std::vector<std::optional<rast::View>> drawn_views(const std::vector<rast::View>& views,
+                                                   const ViewChoices& choices,
+                                                   const prep::PreparedScene& prepared,
+                                                   double aspect) {
+    std::vector<std::optional<rast::View>> drawn;
+    const bool own_depths = is_of_file(choices, prepared.scene) && !choices.camera.ortho_height;
+    for (const rast::View& view : views)
+        drawn.emplace_back(view.perspective || own_depths
+                               ? view
+                               : rast::orthographic_view(prepared, view, 2 * view.half_height,
+                                                         view.aspect > 0 ? view.aspect : aspect));
+    return drawn;
 }
 
 }  // namespace meshprep

@@ -149,14 +149,9 @@ struct ChoiceOption {
             name, "WxH",
             [&width = to.*extent.first, &height = to.*extent.second, pixels,
              option = name](const std::string& text) {
-                const std::vector<double> n = parse_numbers(text, 'x');
-                if (n.size() != 2 || n[0] != std::floor(n[0]) || n[1] != std::floor(n[1]) ||
-                    std::min(n[0], n[1]) < 1 || std::max(n[0], n[1]) > pixels.greatest)
-                    usage_error(option, "'" + text + "' is not a size such as 1280x720, up to " +
-                                            std::to_string(pixels.greatest) + "x" +
-                                            std::to_string(pixels.greatest));
-                width = static_cast<std::uint32_t>(n[0]);
-                height = static_cast<std::uint32_t>(n[1]);
+                const glm::uvec2 size = parse_size(option, text, pixels.greatest);
+                width = size.x;
+                height = size.y;
             },
             help);
     }

@@ -17,6 +17,8 @@ void add_json_lines_option(OptionSet& options, CommonOptions& common);
 void add_loading_options(OptionSet& options, prep::LoadOptions& load);
 // Subdivision, displacement and tessellation; add_preparation_options() adds them.
 void add_surface_options(OptionSet& options, prep::PrepareOptions& prepare);
+// For subcommands that know where the picture is taken from.
+Option add_pixel_error_option(OptionSet& options, prep::PrepareOptions& prepare);
 void add_preparation_options(OptionSet& options, prep::PrepareOptions& prepare);
 // One for each of prep::RenderChoices.
 void add_render_choices(OptionSet& options, prep::RenderWishes& wishes);

@@ -308,4 +308,16 @@ void add_surface_options(OptionSet& options, prep::PrepareOptions& p) {
     add_displacement_options(options, p);
 }
 
+Option add_pixel_error_option(OptionSet& options, prep::PrepareOptions& p) {
+    options.group("Tessellation");
+    return options.value(
+        "--pixel-error", "PIXELS",
+        [&p](const std::string& text) {
+            p.tessellate = true;
+            p.tessellation.pixel_error = parse_number("--pixel-error", text, true);
+        },
+        "In the picture that the camera takes, triangles nowhere further than this from the "
+        "surface; what it does not show stays coarse");
+}
+
 }  // namespace meshprep

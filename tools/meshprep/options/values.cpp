@@ -1,5 +1,6 @@
 #include "meshprep/options/values.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <sstream>
@@ -29,6 +30,15 @@ std::vector<std::string> parse_list(const std::string& text) {
     std::string word;
     while (std::getline(in, word, ',')) words.push_back(word);
     return words;
+}
+
+glm::uvec2 parse_size(const std::string& option, const std::string& text, std::uint32_t greatest) {
+    const std::vector<double> n = parse_numbers(text, 'x');
+    if (n.size() != 2 || n[0] != std::floor(n[0]) || n[1] != std::floor(n[1]) ||
+        std::min(n[0], n[1]) < 1 || std::max(n[0], n[1]) > greatest)
+        usage_error(option, "'" + text + "' is not a size such as 1280x720, up to " +
+                                std::to_string(greatest) + "x" + std::to_string(greatest));
+    return {std::uint32_t(n[0]), std::uint32_t(n[1])};
 }
 
 glm::vec3 parse_color(const std::string& option, const std::string& text) {

@@ -1,6 +1,7 @@
 // Values of options from their texts.
 #pragma once
 
+#include <cstdint>
 #include <glm/glm.hpp>
 #include <string>
 #include <vector>
@@ -12,6 +13,9 @@ std::vector<double> parse_numbers(const std::string& text, char separator);
 
 // "uv,material" → its words, without an empty last one.
 std::vector<std::string> parse_list(const std::string& text);
+
+// "1280x720", both from 1 to `greatest`.
+glm::uvec2 parse_size(const std::string& option, const std::string& text, std::uint32_t greatest);
 
 // #rrggbb (sRGB), R,G,B or one grey (linear) → linear.
 glm::vec3 parse_color(const std::string& option, const std::string& text);

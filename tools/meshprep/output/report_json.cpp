@@ -63,6 +63,8 @@ Json to_json(const prep::TessellationCertificate& certificate) {
     json["triangles"] = certificate.triangles;
     json["deepest"] = certificate.deepest;
     if (certificate.asked) json["asked"] = *certificate.asked;
+    if (certificate.asked_pixels) json["asked_pixels"] = *certificate.asked_pixels;
+    if (certificate.proved_pixels) json["proved_pixels"] = number(*certificate.proved_pixels);
     json["proved"] = number(certificate.proved);
     json["proved_refinable"] = number(certificate.proved_refinable);
     json["largest_shared_gap"] = number(certificate.largest_shared_gap);

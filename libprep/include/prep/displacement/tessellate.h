@@ -105,14 +105,16 @@ struct Displacement {
     std::shared_ptr<const VectorFunction> vector = nullptr;
 };
 
-// What a length is on the screen. A point p of the mesh (about its origin) is seen at (x·p, y·p) /
-// (w·p), with p = (p, 1); w is the depth. The picture is −1 … 1 in both: what lies outside has no
-// bound in pixels.
+// What a length is on the screen. A point p (with pixel errors of a mesh: about its origin) is seen
+// at (x·p, y·p) / (w·p), with p = (p, 1); w is the depth. The picture is −1 … 1 in both, as far as
+// it is no nearer than the near distance.
 struct ScreenMetric {
     glm::dvec4 x{1, 0, 0, 0}, y{0, 1, 0, 0}, w{0, 0, 0, 1};
-    glm::dvec2 pixels{1.0};       // to a unit of that
-    double near_distance = 0.01;  // smaller depths count as this one, so that errors stay finite
+    glm::dvec2 pixels{1.0};  // to a unit of that
+    double near_distance = 0.01;
 };
+// The same of points that `transform` takes to where the metric is of.
+ScreenMetric transformed(const ScreenMetric& metric, const glm::dmat4& transform);
 
 struct TessellateOptions {
     std::optional<SubdivisionScheme> scheme;  // none: the polygons themselves
@@ -124,12 +126,14 @@ struct TessellateOptions {
 
     // At least one of these; the first three together: all hold.
     std::optional<double> chord_error;  // distance to the surface, in units of the mesh
-    std::optional<double> pixel_error;  // the same on the screen
+    // The same in pixels of all `screens`: between the places of two points of the same parameters
+    // one of which is in the picture. What no picture shows stays coarse.
+    std::optional<double> pixel_error;
     std::optional<double> edge_length;  // longest edge, in units of the mesh
     // The least error for so many triangles: the worst is halved first. With an error asked for as
     // well: whichever is reached first.
     std::optional<std::uint64_t> max_triangles;
-    ScreenMetric screen;  // read with pixel_error
+    std::vector<ScreenMetric> screens;  // read with pixel_error: one or more
 
     HardEdgeOptions hard_edges;     // of polygons without normals of their own
     std::uint64_t samples = 20000;  // at which the error is measured; 0: it is not
@@ -150,7 +154,8 @@ struct TessellationCertificate {
     // they do not: positions shared where sides have different heights or directions, and rounding
     // to floats. The largest of each; only the first is refined away.
     double proved_refinable = 0, largest_shared_gap = 0;
-    std::optional<double> proved_pixels;      // with pixel_error
+    // With pixel_error: asked, and proved as `proved` is; infinite where that reaches the eye.
+    std::optional<double> asked_pixels, proved_pixels;
     std::uint32_t worst_triangle = no_index;  // where `proved` is reached
     std::uint32_t worst_face = no_index;      // the cage's
     // Triangles that miss what is asked but cannot be halved: floats or halvings are used up; and
@@ -170,7 +175,8 @@ struct TessellatedMesh {
     std::uint64_t uv_sets_left_out = 0, color_sets_left_out = 0;
 };
 
-// Errors: nothing asked for, or an option that is not a positive number (invalid); positions or
+// Errors: nothing asked for, an option that is not a positive number, or a pixel error without a
+// screen (invalid); positions or
 // UVs that are not finite, faces without the UVs that their displacement reads (invalid, with the
 // face); an error finer than floats of that size can hold, heights beyond floats (limit); morph
 // targets or skins (unsupported: they would not fit the new points); more triangles than
