@@ -170,6 +170,27 @@ TEST_F(Displace, BudgetsThatAreMissedAreTold) {
     EXPECT_EQ(few.triangles.size(), 4U);
 }
 
+// Two squares whose charts lie at heights 0 and ½: their shared edge is at ¼, off by ¼ from both.
+TEST_F(Displace, HeightsThatDifferAcrossASeamAreTold) {
+    const std::string steps =
+        map("steps.exr", 16, prep::PixelType::f32, [](auto x, auto) { return x < 6 ? 0.5 : 1; });
+    const std::string squares =
+        "v 0 0 0\nv 1 0 0\nv 2 0 0\nv 0 1 0\nv 1 1 0\nv 2 1 0\n"
+        "vt 0.05 0.1\nvt 0.2 0.1\nvt 0.2 0.9\nvt 0.05 0.9\n"
+        "vt 0.6 0.1\nvt 0.8 0.1\nvt 0.8 0.9\nvt 0.6 0.9\n"
+        "f 1/1 2/2 5/3 4/4\nf 2/5 3/6 6/7 5/8\n";
+    const Written missed = prepared(squares, {"--displace", steps, "--chord-error", "0.05"});
+    ASSERT_EQ(missed.ran.exit_code, 0) << missed.ran.err;
+    EXPECT_TRUE(missed.has("seam-gap"));
+    EXPECT_FALSE(missed.has("unresolved-error"));
+    EXPECT_NEAR(missed.certificate()["largest_shared_gap"].get<double>(), 0.25, 1e-6);
+    EXPECT_GE(missed.certificate()["proved"].get<double>(), 0.25);
+    const Written met = prepared(squares, {"--displace", steps, "--chord-error", "0.6"});
+    ASSERT_EQ(met.ran.exit_code, 0) << met.ran.err;
+    EXPECT_FALSE(met.has("seam-gap"));
+    EXPECT_LE(met.certificate()["proved"].get<double>(), 0.6);
+}
+
 TEST_F(Displace, WithoutAGoalAThousandthOfTheDiagonal) {
     const std::string hill =
         map("hill.exr", 16, prep::PixelType::f32, [](auto x, auto) { return x < 8 ? 0 : 1; });

@@ -42,7 +42,8 @@ bool MeshPreparation::is_welded() const {
 
 Result<void> MeshPreparation::prepare_normals() {
     if (limit_normals_) {
-        skip_normals("the normals of the limit surface stand");
+        skip_normals(out_.tessellated[index_] ? "the normals of the tessellated surface stand"
+                                              : "the normals of the limit surface stand");
         return {};
     }
     if (!need_.normals.needed) {

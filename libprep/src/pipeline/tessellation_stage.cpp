@@ -220,6 +220,17 @@ void MeshPreparation::report_certificate(const TessellationCertificate& c,
                             "other heights or directions",
                             c.proved, c.largest_shared_gap),
                 PlaceKind::face);
+    const bool missed = options.chord_error && c.proved > *options.chord_error;
+    const bool only_shared = missed && c.unresolved == 0 && c.over_budget == 0;
+    add_finding(
+        "seam-gap", Severity::warning, only_shared ? 1 : 0,
+        c.worst_triangle == no_index ? std::vector<std::uint32_t>{}
+                                     : std::vector<std::uint32_t>{c.worst_triangle},
+        fmt::format("sides that share a point have other heights or directions, up to {:.3g} "
+                    "from what they share: {:.3g} is proved instead of {:.3g}, however many "
+                    "triangles there are; paint the map so that it agrees across seams",
+                    c.largest_shared_gap, c.proved, options.chord_error.value_or(0)),
+        PlaceKind::face);
 }
 
 }  // namespace prep::detail
