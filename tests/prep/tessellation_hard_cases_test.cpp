@@ -99,6 +99,60 @@ TEST(TessellationHardCases, BordersAndEdgesOfManyFacesStayWhatTheyAre) {
     EXPECT_NEAR(area, 4 * 0.2 + 3.8 * 0.2, 1e-5);
 }
 
+// More sides at a vertex than are compared one by one: what each face has stays its own, and equal
+// values stay one.
+TEST(TessellationHardCases, AVertexOfManySeamsKeepsWhatEachFaceHas) {
+    constexpr std::uint32_t n = 200;
+    Mesh mesh;
+    mesh.positions.emplace_back(0, 0, 1);
+    for (std::uint32_t k = 0; k < 2 * n; ++k) {
+        const double a = std::numbers::pi * k / n;
+        mesh.positions.emplace_back(std::cos(a), std::sin(a), k % 2 == 0 ? 0.2 : 0.1);
+    }
+    mesh.uvs.resize(1);
+    std::set<std::pair<float, float>> at_apex;
+    for (std::uint32_t k = 0; k < n; ++k) {
+        add_face(mesh, {0, 1 + 2 * k, 2 + 2 * k, 1 + (2 * k + 2) % (2 * n)});
+        mesh.hard_marks.emplace_back(0, 1 + 2 * k);
+        // Every third face has the UV of the one before.
+        const auto place = float(k % 3 == 2 ? k - 1 : k);
+        at_apex.insert({place, 0.0F});
+        for (const glm::vec2& uv :
+             {glm::vec2(place, k % 2 == 0 ? 0.0F : -0.0F), glm::vec2(place + 0.1F, 1),
+              glm::vec2(place + 0.2F, 2), glm::vec2(place + 0.3F, 3)}) {
+            mesh.uvs[0].indices.push_back(std::uint32_t(mesh.uvs[0].values.size()));
+            mesh.uvs[0].values.push_back(uv);
+        }
+    }
+    TessellateOptions options;
+    options.max_triangles = 1;
+    const auto made = tessellate(mesh, options);
+    ASSERT_TRUE(made) << to_string(made.error());
+    ASSERT_EQ(made->mesh.face_count(), 4 * n);
+    std::set<std::uint32_t> uvs, normals;
+    std::size_t corners = 0;
+    for (std::size_t c = 0; c < made->mesh.corner_count(); ++c) {
+        const std::uint32_t v = made->cage_vertices[made->mesh.corner_vertices[c]];
+        if (v != 0) continue;
+        ++corners;
+        const std::uint32_t f = made->cage_faces[c / 3];
+        const std::uint32_t uv = made->mesh.uvs[0].indices[c];
+        EXPECT_EQ(made->mesh.uvs[0].values[uv], mesh.uvs[0].values[4 * f]);
+        uvs.insert(uv);
+        normals.insert(made->mesh.normals.indices[c]);
+        // Of its own face: across both diagonals (Newell).
+        const auto at = [&](std::uint32_t k) {
+            return glm::dvec3(mesh.positions[mesh.corner_vertices[4 * f + k]]);
+        };
+        const glm::dvec3 side(made->mesh.normals.values[made->mesh.normals.indices[c]]);
+        EXPECT_GT(glm::dot(side, glm::normalize(glm::cross(at(2) - at(0), at(3) - at(1)))),
+                  0.999999);
+    }
+    EXPECT_EQ(corners, 2 * n);
+    EXPECT_EQ(uvs.size(), at_apex.size());
+    EXPECT_EQ(normals.size(), n);
+}
+
 TEST(TessellationHardCases, EveryCaseGivesAMeshOrAnError) {
     std::uint64_t done = 0, refused = 0;
     std::vector<hard_cases::Case> cases;

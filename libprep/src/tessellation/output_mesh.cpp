@@ -1,6 +1,9 @@
 // What a mesh has besides its triangles: sides of vertices, normals, layers, groups.
 #include <algorithm>
-#include <map>
+#include <bit>
+#include <cmath>
+#include <span>
+#include <unordered_map>
 
 #include "base/parallel.h"
 #include "tessellation/polygon_surface.h"
@@ -66,6 +69,70 @@ Sides find_sides(const BisectionMesh& mesh) {
         }
     return result;
 }
+
+// Of the directions at a vertex those that may be within `reach` of one, itself and those after it,
+// in order: all where they are few, else by a grid of cells of that size.
+class NearDirections {
+  public:
+    NearDirections(std::span<const glm::dvec3> all, double reach) : all_(all), reach_(reach) {
+        constexpr std::size_t few = 32;
+        if (all.size() <= few) return;
+        for (Index k = 0; k < all.size(); ++k) cells_[key(cell(all[k]))].push_back(k);
+    }
+
+    template <class Body>
+    void each(Index from, const Body& body) const {
+        if (cells_.empty()) {
+            for (Index k = from; k < all_.size(); ++k) body(k);
+            return;
+        }
+        std::vector<Index> found;
+        const std::array<std::int64_t, 3> at = cell(all_[from]);
+        for (std::int64_t x = -1; x <= 1; ++x)
+            for (std::int64_t y = -1; y <= 1; ++y)
+                for (std::int64_t z = -1; z <= 1; ++z)
+                    if (const auto there = cells_.find(key({at[0] + x, at[1] + y, at[2] + z}));
+                        there != cells_.end())
+                        for (const Index k : there->second)
+                            if (k >= from) found.push_back(k);
+        std::sort(found.begin(), found.end());
+        for (const Index k : found) body(k);
+    }
+
+  private:
+    // Of unit vectors: 21 bits an axis.
+    std::array<std::int64_t, 3> cell(const glm::dvec3& d) const {
+        const auto along = [&](double x) { return std::int64_t(std::floor(x / reach_)); };
+        return {along(d.x), along(d.y), along(d.z)};
+    }
+    static std::uint64_t key(const std::array<std::int64_t, 3>& c) {
+        constexpr std::uint64_t mask = (std::uint64_t(1) << 21) - 1;
+        return (std::uint64_t(c[0]) & mask) << 42 | (std::uint64_t(c[1]) & mask) << 21 |
+               (std::uint64_t(c[2]) & mask);
+    }
+    std::span<const glm::dvec3> all_;
+    double reach_;
+    std::unordered_map<std::uint64_t, std::vector<Index>> cells_;
+};
+
+// Values that compare equal have equal bits.
+template <class T>
+using Bits = std::array<std::uint32_t, std::size_t(T::length())>;
+template <class T>
+Bits<T> bits_of(const T& value) {
+    Bits<T> bits;
+    for (glm::length_t k = 0; k < T::length(); ++k)
+        bits[std::size_t(k)] = std::bit_cast<std::uint32_t>(value[k] + 0.0F);
+    return bits;
+}
+template <class T>
+struct BitsHash {
+    std::size_t operator()(const Bits<T>& bits) const {
+        std::uint64_t hash = 0;
+        for (const std::uint32_t b : bits) hash = (hash ^ b) * 0x9e3779b97f4a7c15U;
+        return std::size_t(hash ^ hash >> 29);
+    }
+};
 
 class Output {
   public:
@@ -168,17 +235,20 @@ class Output {
         for (Index first = 0, last = 0; first < sides.size(); first = last) {
             while (last < sides.size() && sides[last].vertex == sides[first].vertex) ++last;
             std::vector<std::uint8_t> done(last - first, 0);
+            const NearDirections near(
+                std::span<const glm::dvec3>(shading).subspan(first, last - first), same);
             for (Index s = first; s < last; ++s) {
                 if (done[s - first]) continue;
                 group.clear();
                 glm::dvec3 sum(0.0);
-                for (Index r = s; r < last; ++r) {
+                near.each(s - first, [&](Index k) {
+                    const Index r = first + k;
                     const glm::dvec3 step = shading[r] - shading[s];
-                    if (done[r - first] || !(glm::dot(step, step) <= same * same)) continue;
-                    done[r - first] = 1;
+                    if (done[k] || !(glm::dot(step, step) <= same * same)) return;
+                    done[k] = 1;
                     group.push_back(r);
                     sum += displaced[r];
-                }
+                });
                 const bool alike = std::all_of(group.begin(), group.end(), [&](Index r) {
                     return displaced[r] == displaced[s];
                 });
@@ -232,11 +302,18 @@ class Output {
         std::vector<Index> value(sides.size());
         for (Index first = 0, last = 0; first < sides.size(); first = last) {
             while (last < sides.size() && sides[last].vertex == sides[first].vertex) ++last;
+            constexpr Index few = 32;  // comparisons take less than a table
+            std::unordered_map<Bits<T>, Index, BitsHash<T>> known;
             for (Index s = first; s < last; ++s) {
-                Index r = first;
-                while (r < s && values[r] != values[s]) ++r;
-                value[s] = r < s ? value[r] : Index(made.values.size());
-                if (r == s) made.values.push_back(values[s]);
+                Index found = Index(made.values.size());
+                if (last - first <= few) {
+                    for (Index r = first; r < s; ++r)
+                        if (values[r] == values[s]) found = std::min(found, value[r]);
+                } else if (values[s] == values[s]) {
+                    found = known.emplace(bits_of(values[s]), found).first->second;
+                }
+                value[s] = found;
+                if (found == made.values.size()) made.values.push_back(values[s]);
             }
         }
         spread(value, made.indices);
