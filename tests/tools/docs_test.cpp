@@ -118,7 +118,7 @@ TEST(Documentation, OptionsOfThePagesAreThoseOfTheCommand) {
             std::smatch command;
             if (start != std::string::npos && (fenced || start == 4) &&
                 line.compare(start, 9, "meshprep ") == 0 &&
-                std::regex_search(line, command, std::regex("meshprep +([a-z]+)"))) {
+                std::regex_search(line, command, std::regex("meshprep +([a-z-]+)"))) {
                 ASSERT_EQ(help.count(command[1]), 1u) << page << ": " << line;
                 line.resize(std::min(line.find('#'), line.size()));
                 ++lines;
