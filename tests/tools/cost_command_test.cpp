@@ -67,6 +67,23 @@ TEST(Cost, TriesWhatItCanOnMeshesThatAreGiven) {
     EXPECT_TRUE(std::filesystem::exists(dir / "s/normal-precision-2.svg"));
 }
 
+// Errors are the stages' own: the same bytes on any threads.
+TEST(Cost, ErrorsDependOnNoThreads) {
+    const auto errors = [](const char* threads) {
+        const test::Ran ran =
+            run_here({"cost", "--threads", threads, "--rounds", "1", "--ladder",
+                      "normal-weight,hard-angle,tangent-mode,depth-format", "--json"});
+        EXPECT_EQ(ran.exit_code, 0) << ran.err;
+        json all = json::array();
+        for (const json& ladder : ran.json()["ladders"])
+            for (const json& rung : ladder["rungs"]) all.push_back(rung["errors"]);
+        return all;
+    };
+    const json one = errors("1");
+    EXPECT_GE(one.size(), 18u);
+    EXPECT_EQ(one, errors("3"));
+}
+
 TEST(Cost, ListsItsLadders) {
     const test::Ran words = run_here({"cost", "--list"});
     EXPECT_EQ(words.exit_code, 0);

@@ -41,13 +41,14 @@ std::vector<double> tick_values(double low, double high) {
     return values;
 }
 
-void widen(double& low, double& high) {
+// `share` of the range on both sides: room for names.
+void widen(double& low, double& high, double share) {
     if (high - low < 0.6) {
         const double middle = (low + high) / 2;
         low = middle - 0.3;
         high = middle + 0.3;
     }
-    const double margin = 0.1 * (high - low);
+    const double margin = share * (high - low);
     low -= margin;
     high += margin;
 }
@@ -205,8 +206,8 @@ PlotLayout layout_of(const LadderRecord& ladder) {
         take(std::log10(*ladder.floor), plot.y_low, plot.y_high, first_y);
     else
         floor = false;
-    widen(plot.x_low, plot.x_high);
-    widen(plot.y_low, plot.y_high);
+    widen(plot.x_low, plot.x_high, 0.2);
+    widen(plot.y_low, plot.y_high, 0.1);
     if (lane) plot.lane = plot.bottom - 12;
     for (std::size_t i = 0; i < ladder.rungs.size(); ++i) {
         const RungRecord& rung = ladder.rungs[i];
