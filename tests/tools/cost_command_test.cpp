@@ -75,7 +75,8 @@ TEST(Cost, ErrorsDependOnNoThreads) {
                       "normal-weight,hard-angle,tangent-mode,depth-format", "--json"});
         EXPECT_EQ(ran.exit_code, 0) << ran.err;
         json all = json::array();
-        for (const json& ladder : ran.json()["ladders"])
+        const json document = ran.json();
+        for (const json& ladder : document["ladders"])
             for (const json& rung : ladder["rungs"]) all.push_back(rung["errors"]);
         return all;
     };
