@@ -391,6 +391,45 @@ TEST(Subdivide, RefusesWhatHasNoSurface) {
     EXPECT_TRUE(subdivide(Mesh{}, options));
 }
 
+// Faces that use a vertex twice, and creases anywhere: OpenSubdiv's sparse refinement leaves out
+// faces around some of their smooth vertices, which its own sums do not survive.
+TEST(LimitSurface, FoldedCagesAreRefinedOrRefused) {
+    int refused = 0;
+    for (unsigned seed = 1; seed <= 4000; ++seed) {
+        std::mt19937 random(seed);
+        Mesh mesh;
+        const unsigned vertices = 4 + random() % 7;
+        for (unsigned v = 0; v < vertices; ++v) {
+            const float x = float(random() % 5), y = float(random() % 5);
+            mesh.positions.emplace_back(x, y, float(random() % 5));
+        }
+        const unsigned faces = 2 + random() % 3;
+        for (unsigned f = 0; f < faces; ++f) {
+            for (unsigned corners = 3 + random() % 6; corners > 0; --corners)
+                mesh.corner_vertices.push_back(random() % vertices);
+            mesh.face_offsets.push_back(std::uint32_t(mesh.corner_vertices.size()));
+        }
+        for (unsigned k = random() % 3; k > 0; --k) {
+            const std::uint32_t v0 = random() % vertices, v1 = random() % vertices;
+            mesh.subdivision.creases.push_back({v0, v1, float(random() % 11)});
+        }
+        const auto surface = LimitSurface::make(mesh);
+        if (!surface) {
+            EXPECT_EQ(surface.error().code, ErrorCode::invalid);
+            ++refused;
+            continue;
+        }
+        for (std::uint32_t face = 0; face < faces; ++face) {
+            SurfacePoint point;
+            const SurfaceLocation at{face, 0.25, 0.25};
+            surface->evaluate({&at, 1}, {&point, 1});
+            EXPECT_TRUE(std::isfinite(point.position.x + point.position.y + point.position.z));
+        }
+    }
+    EXPECT_GT(refused, 0);
+    EXPECT_LT(refused, 40);
+}
+
 TEST(LimitSurface, NoFacesHaveNoUvSurface) {
     Mesh mesh;
     mesh.positions = {{0, 0, 0}, {1, 0, 0}};

@@ -22,7 +22,7 @@ struct TypedLine {
 const TypedLine typed_lines[] = {
     {"prepear cube.obj -o x.glb", 2,
      "meshprep: error: 'prepear' is no subcommand; did you mean 'prepare'? There are prepare, "
-     "inspect, render, validate, diff\n"
+     "inspect, render, validate, cost, diff, height-to-normal\n"
      "'meshprep help' lists what there is.\n"},
     {"convert cube.obj x.glb", 2,
      "meshprep: error: 'convert' is no subcommand; there are prepare, inspect, render, validate, "
@@ -34,7 +34,7 @@ const TypedLine typed_lines[] = {
      "'meshprep help' lists what there is.\n"},
     {"help prepaer", 2,
      "meshprep: error: 'prepaer' is no subcommand; did you mean 'prepare'? There are prepare, "
-     "inspect, render, validate, diff\n"
+     "inspect, render, validate, cost, diff, height-to-normal\n"
      "'meshprep help' lists what there is.\n"},
     {"--json inspect cube.obj", 2,
      "{\n"

@@ -298,6 +298,38 @@ FacesToCut faces_to_cut(const RefinedLevel& base, const std::vector<PieceKind>& 
     return cut;
 }
 
+// Far's sums take for granted that what is smooth has all its faces, refined, around it. Where a
+// face uses a vertex twice its sparse refinement can leave some out.
+bool can_be_summed(const Far::TopologyRefiner& refiner, bool triangles) {
+    const auto refined = [&](const FarLevel& level, const Far::ConstIndexArray& faces) {
+        bool all = true;
+        for (int k = 0; k < faces.size(); ++k)
+            all &= triangles || Osd::Vtr::IndexIsValid(level.GetFaceChildVertex(faces[k]));
+        return all;
+    };
+    const auto smooth = [](const FarLevel& level, int v) {
+        const Sdc::Crease::Rule rule = level.GetVertexRule(v);
+        return rule == Sdc::Crease::RULE_SMOOTH || rule == Sdc::Crease::RULE_DART;
+    };
+    for (int l = 0; l + 1 < refiner.GetNumLevels(); ++l) {
+        const FarLevel& level = refiner.GetLevel(l);
+        for (int v = 0; v < level.GetNumVertices(); ++v) {
+            const int child = level.GetVertexChildVertex(v);
+            if (!Osd::Vtr::IndexIsValid(child) ||
+                !(smooth(level, v) || smooth(refiner.GetLevel(l + 1), child)))
+                continue;
+            const auto faces = level.GetVertexFaces(v);
+            if (faces.size() != level.GetVertexEdges(v).size() || !refined(level, faces))
+                return false;
+        }
+        for (int e = 0; e < level.GetNumEdges(); ++e)
+            if (Osd::Vtr::IndexIsValid(level.GetEdgeChildVertex(e)) &&
+                level.GetEdgeSharpness(e) < 1 && !refined(level, level.GetEdgeFaces(e)))
+                return false;
+    }
+    return true;
+}
+
 // Numbers as Far's refiner wants them.
 struct NumberRow {
     double* numbers;
@@ -407,6 +439,12 @@ Result<RefinedCage> RefinedCage::make(const SurfaceCage& cage) {
     }
     const int deep_level = cage.linear ? 1 : isolation_level(base);
     refine(*refiner, any_deep ? deep_level : 1, any_deep ? cut.deep_and_beside : cut.all);
+    if (!cage.linear &&
+        !(can_be_summed(*refiner, triangles) && (!shallow || can_be_summed(*shallow, triangles))))
+        return Error{ErrorCode::invalid,
+                     "faces that use a vertex twice fold the cage so that it cannot be refined: "
+                     "remove them first (--repair)",
+                     ""};
     for (int l = 1; l < refiner->GetNumLevels(); ++l) {
         const FarLevel& before = refiner->GetLevel(l - 1);
         RefinedLevel level = copied_level(refiner->GetLevel(l), l, triangles);
