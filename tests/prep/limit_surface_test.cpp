@@ -397,21 +397,22 @@ TEST(LimitSurface, FoldedCagesAreRefinedOrRefused) {
     int refused = 0;
     for (unsigned seed = 1; seed <= 4000; ++seed) {
         std::mt19937 random(seed);
+        const auto below = [&](unsigned count) { return unsigned(random() % count); };
         Mesh mesh;
-        const unsigned vertices = 4 + random() % 7;
+        const unsigned vertices = 4 + below(7);
         for (unsigned v = 0; v < vertices; ++v) {
-            const float x = float(random() % 5), y = float(random() % 5);
-            mesh.positions.emplace_back(x, y, float(random() % 5));
+            const float x = float(below(5)), y = float(below(5));
+            mesh.positions.emplace_back(x, y, float(below(5)));
         }
-        const unsigned faces = 2 + random() % 3;
+        const unsigned faces = 2 + below(3);
         for (unsigned f = 0; f < faces; ++f) {
-            for (unsigned corners = 3 + random() % 6; corners > 0; --corners)
-                mesh.corner_vertices.push_back(random() % vertices);
+            for (unsigned corners = 3 + below(6); corners > 0; --corners)
+                mesh.corner_vertices.push_back(below(vertices));
             mesh.face_offsets.push_back(std::uint32_t(mesh.corner_vertices.size()));
         }
-        for (unsigned k = random() % 3; k > 0; --k) {
-            const std::uint32_t v0 = random() % vertices, v1 = random() % vertices;
-            mesh.subdivision.creases.push_back({v0, v1, float(random() % 11)});
+        for (unsigned k = below(3); k > 0; --k) {
+            const std::uint32_t v0 = below(vertices), v1 = below(vertices);
+            mesh.subdivision.creases.push_back({v0, v1, float(below(11))});
         }
         const auto surface = LimitSurface::make(mesh);
         if (!surface) {
