@@ -540,6 +540,12 @@ TEST(TessellationSources, MaterialsMapsHaveTheirMidlevelAndStayWhereTheyAreNeede
     ASSERT_NE(told, nullptr);
     EXPECT_EQ(told->mesh, 0U);
     EXPECT_EQ(told->count, 1U);
+    // In the frame of the surface it is a map all the same: one finding says what is wrong with it.
+    scene.materials[0].displacement_kind = DisplacementKind::vector_tangent;
+    const auto tangent = prepare(scene, options);
+    ASSERT_TRUE(tangent) << to_string(tangent.error());
+    EXPECT_NE(finding_of(*tangent, "vector-displacement"), nullptr);
+    EXPECT_EQ(finding_of(*tangent, "no-displacement-map"), nullptr);
     // Noise is not added to them.
     options.displacement.noise.emplace();
     EXPECT_EQ(prepare(scene, options).error().code, ErrorCode::invalid);
