@@ -364,7 +364,8 @@ TEST_F(ResidualMap, TexelsAroundChartsContinueThem) {
     ASSERT_TRUE(image);
     int steep = 0;
     for (double y = 72; y < 184; ++y)
-        for (const auto& [inside, step] : {std::pair(0.0, 255.0), std::pair(127.0, 1.0)}) {
+        for (const double inside : {0.0, 127.0}) {
+            const double step = inside == 0 ? 255 : 1;
             glm::dvec3 mean(0.0);
             for (const double row : {y - 1, y, y + 1})
                 mean += glm::normalize(texel(*image, inside, row));
