@@ -1,10 +1,47 @@
-// prepare() with tessellation and residual normal maps, on small hostile meshes: any UVs,
-// materials, sources of displacement.
+// prepare() with tessellation and residual normal maps, on small hostile meshes that share
+// materials: any UVs, materials, sources of displacement.
 #include <cmath>
 #include <cstdlib>
+#include <string_view>
 
 #include "hostile_mesh.h"
 #include "prep/prepare.h"
+
+namespace {
+
+// Two by two texels of grey, which a material moves its faces by.
+void add_heights(fuzz::Bytes& in, prep::Scene& scene) {
+    prep::ImageRef image;
+    image.name = "heights.pgm";
+    for (const char c : std::string_view("P5 2 2 255\n")) image.bytes.push_back(std::byte(c));
+    for (int k = 0; k < 4; ++k) image.bytes.push_back(std::byte(in.take<std::uint8_t>()));
+    scene.images.push_back(std::move(image));
+    scene.textures.resize(1);
+    scene.textures[0].image = 0;
+    prep::Material& material = scene.materials[in.below(2)];
+    material.displacement_map = {.texture = 0, .uv_set = std::uint32_t(in.below(2))};
+    material.displacement_scale = 0.1F;
+}
+
+void add_sharing_mesh(fuzz::Bytes& in, prep::Scene& scene) {
+    prep::Mesh mesh = scene.meshes[0];
+    switch (in.below(4)) {
+        case 0:
+            mesh.uvs.clear();
+            break;
+        case 1:
+            mesh.skin_influences.emplace_back();
+            break;
+        case 2:
+            mesh.variant_materials = {0, 1};
+            break;
+        default:
+            break;
+    }
+    scene.meshes.push_back(std::move(mesh));
+}
+
+}  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     fuzz::Bytes in(data, size);
@@ -34,6 +71,15 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     scene.materials[1].unlit = in.below(4) == 0;
     if (in.below(4) == 0) scene.materials[1].normal_map.texture = 0;
     scene.meshes.push_back(fuzz::hostile_mesh(in));
+    if (in.below(4) == 1)
+        for (auto& set : scene.meshes[0].uvs)
+            for (glm::vec2& uv : set.values) uv -= glm::vec2(std::ldexp(1.0F, in.below(21)));
+    if (in.below(3) == 1) {
+        options.displacement.noise.reset();
+        options.displacement.from_materials = true;
+        add_heights(in, scene);
+    }
+    if (in.below(3) == 1) add_sharing_mesh(in, scene);
     const auto made = prep::prepare(std::move(scene), options);
     if (!made) return 0;
     for (const prep::ResidualMap& map : made->residual_maps) {

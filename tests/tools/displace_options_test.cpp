@@ -345,6 +345,17 @@ TEST_F(Displace, VectorMapsMoveByTheirVectors) {
             EXPECT_NEAR(out.points[v].z - rest.points[v].z, scale * step.z, most) << name;
         }
     }
+    // Eight bits are as coarse as those of heights.
+    const prep::Image steps{.width = 1, .height = 1, .channels = 3, .pixels = {0.2F, 0.4F, 0.6F}};
+    for (const auto type : {prep::PixelType::u8, prep::PixelType::u16}) {
+        prep::Image image = steps;
+        if (type == prep::PixelType::u16) image.pixels[0] = 0.12345F;
+        ASSERT_TRUE(prep::save_image(dir_ / "steps.png", image, type));
+        EXPECT_EQ(prepared(square, {"--displace", (dir_ / "steps.png").string(), "--displace-kind",
+                                    "vector-object", "--edge-length", "1"})
+                      .has("coarse-heights"),
+                  type == prep::PixelType::u8);
+    }
     const std::string grey = map("grey.exr", 2, prep::PixelType::f32, [](auto, auto) { return 1; });
     EXPECT_EQ(
         prepared(square, {"--displace", grey, "--displace-kind", "vector-object"}).ran.exit_code,
@@ -387,7 +398,7 @@ TEST_F(Displace, NoiseMovesByItsValue) {
     for (const Vertex& v : both.points)
         EXPECT_NEAR(v.z, 0.5 + (*field)->at({v.x, v.y, 0}).value, 1e-6);
     options[1] = "materials";
-    EXPECT_EQ(prepared(square, options).ran.exit_code, 1);
+    EXPECT_EQ(prepared(square, options).ran.exit_code, 2);
 }
 
 TEST_F(Displace, MistakesAreUsageErrors) {
@@ -407,8 +418,16 @@ TEST_F(Displace, MistakesAreUsageErrors) {
           Row{{"--displace", "noise", "--noise-octaves", "0"}, "--noise-octaves"},
           Row{{"--displace", "noise", "--noise-octaves", "2,2,2,2"}, "--noise-octaves"},
           Row{{"--displace", "noise", "--noise-seed", "-1"}, "--noise-seed"},
+          Row{{"--displace", "noise", "--height-scale", "2"}, "--height-scale"},
+          Row{{"--height-midlevel", "0", "--displace", "noise"}, "--height-midlevel"},
+          Row{{"--displace", "noise", "--height-filter", "bicubic"}, "--height-filter"},
+          Row{{"--displace", "noise", "--height-channel", "1"}, "--height-channel"},
+          Row{{"--displace", "noise", "--displace-kind", "vector-object"}, "--displace-kind"},
+          Row{{"--displace", "materials", "--displace-kind", "vector-object"}, "--displace-kind"},
+          Row{{"--noise-scale", "2", "--displace", "materials"}, "materials"},
           Row{{"--chord-error", "0"}, "--chord-error"},
-          Row{{"--edge-length", "-1"}, "--edge-length"}, Row{{"--max-triangles", "12q"}, "12q"},
+          Row{{"--edge-length", "-1"}, "--edge-length"},
+          Row{{"--max-triangles", "12q"}, "12q"},
           Row{{"--max-triangles", "0"}, "--max-triangles"}}) {
         const Written out = prepared(square, row.options);
         EXPECT_EQ(out.ran.exit_code, 2) << row.options[0];

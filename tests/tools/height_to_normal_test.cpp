@@ -126,6 +126,17 @@ TEST_F(HeightToNormal, ReportTellsSlopesAndWhatEightBitsCost) {
     EXPECT_NEAR(two.json()["coarsest_degrees"].get<double>(),
                 std::atan(256.0 / 255 / 2) * 180 / std::numbers::pi, 1e-9);
     EXPECT_NE(two.err.find("8 bits"), std::string::npos) << two.err;
+    // The same steps in a file for more.
+    const auto steps = prep::load_image(coarse);
+    ASSERT_TRUE(steps);
+    for (const auto& [name, type] : {std::pair("wide.png", prep::PixelType::u16),
+                                     std::pair("wide.exr", prep::PixelType::f32)}) {
+        ASSERT_TRUE(prep::save_image(dir_ / name, *steps, type));
+        const test::Ran wide =
+            run_here({"height-to-normal", (dir_ / name).string(), "-o", out, "--json"});
+        ASSERT_EQ(wide.exit_code, 0) << wide.err;
+        EXPECT_TRUE(wide.json().contains("coarsest_degrees")) << name;
+    }
 }
 
 TEST_F(HeightToNormal, BordersAreReadAsTheMapContinues) {
@@ -171,6 +182,7 @@ TEST_F(HeightToNormal, MistakesHaveReasonsAndLeaveNoFile) {
           Row{{map, "-o", (dir_ / "out.exr").string(), "--bits", "8"}, 1, "bits"},
           Row{{map, "-o", (dir_ / "out.jpg").string(), "--bits", "16"}, 1, "bits"},
           Row{{map, "-o", out, "--height-channel", "3"}, 1, "channel"},
+          Row{{map, "-o", map}, 1, "over the heights"},
           Row{{map, "-o", (dir_ / "there.png").string(), "--no-overwrite"}, 1, "exists"},
           Row{{map, "-o", out, "--size", "0"}, 2, "--size"},
           Row{{map, "-o", out, "--size", "1,2,3"}, 2, "--size"},
@@ -184,6 +196,7 @@ TEST_F(HeightToNormal, MistakesHaveReasonsAndLeaveNoFile) {
         EXPECT_FALSE(std::filesystem::exists(out)) << row.says;
         EXPECT_FALSE(std::filesystem::exists(dir_ / "out.exr"));
     }
+    EXPECT_EQ(prep::load_image(map)->channels, 1U);
 }
 
 }  // namespace

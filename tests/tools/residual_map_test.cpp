@@ -121,7 +121,8 @@ class ResidualMap : public testing::Test {
                 glm::dvec3 middle(0.0);
                 for (std::size_t k = 0; k < 3; ++k) {
                     const std::size_t c = mesh.face_offsets[f] + k;
-                    uv[k] = glm::dvec2(mesh.uvs[0].values[mesh.uvs[0].indices[c]]);
+                    const auto& set = mesh.uvs[material.normal_map.uv_set];
+                    uv[k] = glm::dvec2(set.values[set.indices[c]]);
                     normal[k] = glm::dvec3(mesh.normals.values[mesh.normals.indices[c]]);
                     const glm::vec4 t = mesh.tangents.values[mesh.tangents.indices[c]];
                     tangent[k] = glm::dvec3(glm::vec3(t));
@@ -304,6 +305,103 @@ TEST_F(ResidualMap, GoesIntoEveryKindOfFile) {
     EXPECT_FALSE(scene->meshes[0].tangents.empty());
 }
 
+// With textures of its own, heights in the second set of UVs, and its material as it was.
+TEST_F(ResidualMap, DocumentsThatAreWrittenBackReadAsWell) {
+    ASSERT_TRUE(prep::save_image(
+        dir_ / "red.png", {.width = 1, .height = 1, .channels = 3, .pixels = {1.0F, 0.0F, 0.0F}}));
+    constexpr std::uint32_t size = 512;
+    prep::Image image{.width = size, .height = size, .channels = 1, .pixels = {}};
+    for (std::uint32_t y = 0; y < size; ++y)
+        for (std::uint32_t x = 0; x < size; ++x)
+            image.pixels.push_back(
+                float(0.5 + 20 * waves_.height({(x + 0.5) / size, (y + 0.5) / size})));
+    ASSERT_TRUE(prep::save_image(dir_ / "heights.png", image, prep::PixelType::u16));
+    write_text(dir_ / "red.mtl", "newmtl red\nmap_Kd red.png\n");
+    ASSERT_EQ(
+        prepared("mtllib red.mtl\nusemtl red\n" + obj_of(squares), "first.gltf", {}).exit_code, 0);
+    json document = json::parse(test::read_text(dir_ / "first.gltf"));
+    document["images"].push_back({{"uri", "heights.png"}});
+    document["textures"].push_back({{"source", document["images"].size() - 1}});
+    document["materials"][0]["extras"]["displacement"] = {
+        {"texture", {{"index", document["textures"].size() - 1}, {"texCoord", 1}}},
+        {"scale", 0.05},
+        {"midlevel", 0.5}};
+    json& attributes = document["meshes"][0]["primitives"][0]["attributes"];
+    attributes["TEXCOORD_1"] = attributes["TEXCOORD_0"];
+    write_text(dir_ / "second.gltf", document.dump());
+    for (const char* name : {"again.glb", "again.gltf"}) {
+        const test::Ran ran =
+            run_here({"prepare", (dir_ / "second.gltf").string(), "-o", (dir_ / name).string(),
+                      "--displace", "materials", "--height-filter", "bicubic", "--max-triangles",
+                      "1500", "--residual-normal-map", "256"});
+        ASSERT_EQ(ran.exit_code, 0) << ran.err;
+        const auto scene = prep::load_scene(dir_ / name);
+        ASSERT_TRUE(scene) << to_string(scene.error());
+        ASSERT_TRUE(scene->materials[0].normal_map) << name;
+        EXPECT_EQ(scene->materials[0].normal_map.uv_set, 1U) << name;
+        EXPECT_TRUE(scene->materials[0].diffuse_map) << name;
+        EXPECT_EQ(scene->materials[0].diffuse_map.uv_set, 0U) << name;
+        EXPECT_FALSE(scene->materials[0].displacement_map) << name;
+        const std::vector<double> found = angles(name, {});
+        ASSERT_GT(found.size(), 25'000U) << name;
+        EXPECT_LE(p99(found), 1.5) << name;
+    }
+}
+
+// Rings around a chart, the picture's other side included: each the mean of the one before.
+TEST_F(ResidualMap, TexelsAroundChartsContinueThem) {
+    waves_ = {.a = 0.1, .f = 3};
+    const std::string map = heights("waves.exr", 256);
+    const Square square{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0.25}, {0.5, 0}, {0, 0.5}};
+    ASSERT_EQ(prepared(obj_of({square}), "chart.glb",
+                       {"--displace", map, "--height-midlevel", "0", "--max-triangles", "4",
+                        "--residual-normal-map", "256"})
+                  .exit_code,
+              0);
+    const auto scene = prep::load_scene(dir_ / "chart.glb");
+    ASSERT_TRUE(scene);
+    const auto image = prep::load_image(scene->images[0]);
+    ASSERT_TRUE(image);
+    int steep = 0;
+    for (double y = 72; y < 184; ++y)
+        for (const double inside : {0.0, 127.0}) {
+            const double step = inside == 0 ? 255 : 1;
+            glm::dvec3 mean(0.0);
+            for (const double row : {y - 1, y, y + 1})
+                mean += glm::normalize(texel(*image, inside, row));
+            const auto ring = [&](int k) {
+                return texel(*image, std::fmod(inside + k * step, 256.0), y);
+            };
+            EXPECT_LE(degrees_between(ring(1), mean), 0.1) << y;
+            for (const int k : {2, 3})
+                EXPECT_LE(degrees_between(ring(k), ring(k - 1)), 2) << k << " " << y;
+            steep += degrees_between(mean, {0, 0, 1}) > 20;
+        }
+    EXPECT_GT(steep, 60) << "a picture that is level there would pass";
+}
+
+// Pictures beside an OBJ file are named after it: not over the heights they were made of.
+TEST_F(ResidualMap, HeightsAreNotWrittenOver) {
+    const std::string map = heights("heights.exr", 64);
+    const auto run = [&](const std::string& heights_file) {
+        return prepared(obj_of(squares), "rock.obj",
+                        {"--displace", heights_file, "--height-midlevel", "0", "--max-triangles",
+                         "100", "--residual-normal-map", "16"});
+    };
+    ASSERT_EQ(run(map).exit_code, 0);
+    std::filesystem::path written;
+    for (const auto& entry : std::filesystem::directory_iterator(dir_.path()))
+        if (entry.path().extension() == ".png") written = entry.path();
+    ASSERT_FALSE(written.empty());
+    const auto image = prep::load_image(map);
+    ASSERT_TRUE(image && prep::save_image(written, *image, prep::PixelType::u16));
+    const std::string before = test::read_text(written);
+    const test::Ran over = run(written.string());
+    EXPECT_EQ(over.exit_code, 1);
+    EXPECT_NE(over.err.find(written.filename().string()), std::string::npos) << over.err;
+    EXPECT_TRUE(test::read_text(written) == before);
+}
+
 TEST_F(ResidualMap, EachDisplacedMaterialHasItsOwn) {
     heights("waves.exr", 128);
     write_text(dir_ / "two.mtl",
@@ -364,6 +462,13 @@ TEST_F(ResidualMap, FindingsSayWhatIsLeftOut) {
     same.erase(same.begin());
     const test::Ran beside = prepared(obj_of(same), "beside.glb", options);
     EXPECT_FALSE(has(beside.json()["files"][0], "residual-overlap"));
+    // So far away in a row of texels that walking there would take an hour.
+    const test::Ran far = prepared(
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt -900000 0\nvt -899999.5 0\nvt -900000 0.5\nf 1/1 2/2 3/3\n",
+        "far.glb", {"--edge-length", "2", "--residual-normal-map", "512"});
+    ASSERT_EQ(far.exit_code, 0) << far.err;
+    EXPECT_NEAR(far.json()["files"][0]["residual_maps"][0]["texels"].get<double>(), 256 * 256 / 2,
+                0.25 * 256 * 256 / 2);
     // A picture that repeats over and over holds no charts.
     same[0].uv_x *= 200;
     const test::Ran tiled = prepared(obj_of(same), "tiled.glb", options);

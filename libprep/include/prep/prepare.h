@@ -50,7 +50,7 @@ constexpr auto names_of(WeldMode) {
         {{"auto", WeldMode::automatic}, {"none", WeldMode::none}, {"exact", WeldMode::exact}});
 }
 
-// Which heights move a surface that is tessellated.
+// Which heights move a surface that is tessellated; without `tessellate` none of this is read.
 struct DisplaceOptions {
     bool from_materials = false;                       // each material's displacement map
     std::optional<ImageRef> map;                       // this one for all faces instead
@@ -60,7 +60,8 @@ struct DisplaceOptions {
     // Channel, filter, scale (a material's own is multiplied by it) and, for `map`, wrap and
     // placement; its midlevel is not read.
     HeightMapOptions heights;
-    // None: the material's; for `map` 0.5, but 0 for vectors in a file of floats.
+    // None: the material's, whatever its file holds; for `map` 0.5, but 0 for vectors in a file of
+    // floats.
     std::optional<double> midlevel;
     // What the triangles cannot carry of the surface, as normal maps (displacement/residual.h).
     std::optional<ResidualMapOptions> residual;

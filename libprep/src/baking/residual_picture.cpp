@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <numeric>
 
@@ -101,7 +101,7 @@ std::optional<std::string> ResidualPicture::add(const BakedMesh& baked, std::uin
                 usable = usable && std::abs(uv.x) < farthest_tile && std::abs(uv.y) < farthest_tile;
                 t.corners[c] = uv * samples;
             }
-            if (!usable) return "some lie further than a million pictures away";
+            if (!usable) return "some are no numbers, or lie a million pictures away";
             const glm::dmat2 edges(t.corners[1] - t.corners[0], t.corners[2] - t.corners[0]);
             const double area = glm::determinant(edges);
             if (area == 0) continue;
@@ -114,8 +114,10 @@ std::optional<std::string> ResidualPicture::add(const BakedMesh& baked, std::uin
             triangles.push_back(t);
         }
     }
-    if (tiles > most_tiles || rows > most_rows)
-        return fmt::format("they repeat the picture {:.3g} times", tiles);
+    if (tiles > most_tiles) return fmt::format("they repeat the picture {:.3g} times", tiles);
+    if (rows > most_rows)
+        return fmt::format("they are slivers: together {:.3g} times as high as the picture",
+                           rows / samples);
 
     const std::int64_t size = size_, bands = (size + rows_in_band - 1) / rows_in_band;
     const auto over_bands = [&](const Triangle& t, const auto& body) {
@@ -168,13 +170,14 @@ void ResidualPicture::bake(const BakedMesh& baked, const Triangle& t, Band& band
         const std::int64_t to = std::min(t.last_row, tile * size + band.last - 1);
         for (std::int64_t row = from; row <= to; ++row) {
             std::array<std::pair<std::int64_t, std::int64_t>, side> spans;
-            std::int64_t first = 0, last = -1;
+            std::int64_t first = std::numeric_limits<std::int64_t>::max();
+            std::int64_t last = std::numeric_limits<std::int64_t>::min();
             for (int s = 0; s < side; ++s) {
                 auto& span = spans[std::size_t(s)];
                 span = t.samples_of(row * side + s);
                 if (span.first > span.second) continue;
-                first = last < first ? span.first : std::min(first, span.first);
-                last = last < first ? span.second : std::max(last, span.second);
+                first = std::min(first, span.first);
+                last = std::max(last, span.second);
             }
             if (first > last) continue;
             for (std::int64_t x = (first - folded(first, side)) / side; x * side <= last; ++x) {
@@ -279,20 +282,21 @@ void ResidualPicture::count(ResidualMap& report) const {
 
 // Rings around what is covered, each texel the mean of its neighbours in those before; the picture
 // repeats.
-Image ResidualPicture::image() const {
+Image ResidualPicture::image() && {
     const std::int64_t size = size_;
-    std::vector<glm::vec3> values(sums_.size(), glm::vec3(0, 0, 1));
+    std::vector<glm::vec3> values = std::move(sums_);
     enum : std::uint8_t { unknown, listed, known };
-    std::vector<std::uint8_t> state(sums_.size(), unknown);
+    std::vector<std::uint8_t> state = std::move(flags_);
+    std::fill(state.begin(), state.end(), unknown);
     const auto unit = [](const glm::vec3& sum) {
         const float length = glm::length(sum);
         return length > 0 ? sum / length : glm::vec3(0, 0, 1);
     };
-    for (std::size_t i = 0; i < sums_.size(); ++i)
-        if (owned_[i] != 0) {
-            values[i] = unit(sums_[i]);
-            state[i] = known;
-        }
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        values[i] = owned_[i] != 0 ? unit(values[i]) : glm::vec3(0, 0, 1);
+        if (owned_[i] != 0) state[i] = known;
+    }
+    owned_ = {};
     const auto over_neighbours = [&](std::size_t i, const auto& body) {
         const auto y = std::int64_t(i) / size, x = std::int64_t(i) % size;
         for (std::int64_t dy = -1; dy <= 1; ++dy)

@@ -27,6 +27,9 @@ struct BakedMesh {
 
 class ResidualPicture {
   public:
+    // What a texel takes: until image(), and besides while image() is made and written.
+    static constexpr std::uint64_t bytes = 15, bytes_at_the_end = 40;
+
     explicit ResidualPicture(std::uint32_t size);
 
     // Adds the mesh's triangles of this material. Says why not, where their UVs are not charts of
@@ -35,8 +38,8 @@ class ResidualPicture {
 
     // Sets what the report tells of texels and angles.
     void count(ResidualMap& report) const;
-    // Three channels in 0…1, 0.5 for zero; texels outside charts filled.
-    Image image() const;
+    // Three channels in 0…1, 0.5 for zero; texels outside charts filled. Nothing is left of this.
+    Image image() &&;
 
   private:
     struct Band;

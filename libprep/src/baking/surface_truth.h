@@ -16,7 +16,6 @@ class SurfaceTruth {
     static Result<std::unique_ptr<const SurfaceTruth>> make(const Mesh& cage,
                                                             TessellateOptions options);
     const DisplacedSurface& surface() const { return *surface_; }
-    std::uint32_t roots() const { return std::uint32_t(domain_.roots.size()); }
 
   private:
     TessellateOptions options_;

@@ -121,6 +121,8 @@ class VectorMap {
     double steepest(const glm::dvec2& low, const glm::dvec2& high) const;
     VectorMap confined(ChartTriangles charts) const;
     double quantum() const;
+    // The most bits of a channel; half_step is that of vectors.
+    Quantisation quantisation() const;
     glm::dvec2 texel_size() const { return channels_[0].texel_size(); }
 
   private:

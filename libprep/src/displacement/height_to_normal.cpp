@@ -9,7 +9,8 @@ namespace prep {
 // The surface is u · size_u along the tangent, −v · size_v along the bitangent (v runs down) and
 // the height along the normal; its normal is (−∂h/∂T, −∂h/∂B, 1). At texels' centres Catmull-Rom's
 // slopes are central differences.
-Result<Image> height_to_normal(const Image& heights, const HeightToNormalOptions& options) {
+Result<Image> height_to_normal(const Image& heights, const HeightToNormalOptions& options,
+                               int* bits) {
     const auto is_size = [](double size) { return std::isfinite(size) && size > 0; };
     if (!is_size(options.uv_size.x) || !is_size(options.uv_size.y) ||
         !std::isfinite(options.strength))
@@ -22,6 +23,7 @@ Result<Image> height_to_normal(const Image& heights, const HeightToNormalOptions
     as.placement = {};  // the normal map is laid as the height map is
     const auto map = detail::HeightMap::make(heights, as);
     if (!map) return map.error();
+    if (bits != nullptr) *bits = map->quantisation().bits;
     Image out;
     out.width = heights.width;
     out.height = heights.height;

@@ -100,4 +100,14 @@ double VectorMap::quantum() const {
     return std::sqrt(squares);
 }
 
+Quantisation VectorMap::quantisation() const {
+    Quantisation q = channels_[0].quantisation();
+    for (const HeightMap& channel : channels_)
+        if (const Quantisation other = channel.quantisation();
+            q.bits != 0 && (other.bits == 0 || other.bits > q.bits))
+            q = other;
+    q.half_step = quantum();
+    return q;
+}
+
 }  // namespace prep::detail

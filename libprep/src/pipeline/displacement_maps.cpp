@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "tessellation/height_functions.h"
 
 namespace prep::detail {
@@ -28,6 +31,29 @@ Result<void> check_uvs(const Mesh& mesh, Index material, Index uv_set, const std
     }
     return {};
 }
+
+// Positions are about the mesh's origin; noise is about that of its space, so that it does not
+// depend on where the mesh's middle is.
+class NoiseAbout final : public SpaceFunction {
+  public:
+    NoiseAbout(std::shared_ptr<const SpaceFunction> noise, const glm::dvec3& origin)
+        : noise_(std::move(noise)), origin_(origin) {}
+    Sample at(const glm::dvec3& p) const override { return noise_->at(origin_ + p); }
+    double steepest() const override { return noise_->steepest(); }
+    double deviation(const std::array<glm::dvec3, 3>& p, const std::array<double, 3>& values,
+                     double enough) const override {
+        const std::array<glm::dvec3, 3> at{origin_ + p[0], origin_ + p[1], origin_ + p[2]};
+        // What the sums lose, here and in at().
+        double farthest = 0;
+        for (const glm::dvec3& q : at) farthest = std::max(farthest, glm::length(q));
+        const double lost = steepest() * farthest * 0x1p-51;
+        return lost + noise_->deviation(at, values, enough);
+    }
+
+  private:
+    std::shared_ptr<const SpaceFunction> noise_;
+    glm::dvec3 origin_;
+};
 
 }  // namespace
 
@@ -72,7 +98,7 @@ Result<Displacement> DisplacementMaps::read(const ImageRef& image, const Reading
         vector_maps_.emplace(as.material, *std::move(map));
     }
     const VectorMap& map = vector_maps_.at(as.material);
-    to.quantisations.push_back({.half_step = map.quantum()});
+    to.quantisations.push_back(map.quantisation());
     made.vector = vector_function(map, &mesh, as.uv_set, as.material, threads_);
     return made;
 }
@@ -104,7 +130,9 @@ Result<DisplacementMaps::OfMesh> DisplacementMaps::of(const Scene& scene, const 
     if (options_.noise) {
         auto made = noise_function(*options_.noise);
         if (!made) return std::move(made).error();
-        noise = *std::move(made);
+        noise = mesh.origin == glm::dvec3(0.0)
+                    ? *std::move(made)
+                    : std::make_shared<NoiseAbout>(*std::move(made), mesh.origin);
     }
     if (options_.map) {
         const Reading as{.kind = options_.kind,
@@ -157,8 +185,32 @@ Result<DisplacementMaps::OfMesh> DisplacementMaps::of(const Scene& scene, const 
     return out;
 }
 
-void DisplacementMaps::forget(Scene& scene) const {
-    for (const Index m : used_) scene.materials[m].displacement_map = {};
+void DisplacementMaps::forget(PreparedScene& prepared) const {
+    Scene& scene = prepared.scene;
+    std::map<Index, Index> kept;  // by material the first mesh that is to be displaced yet
+    for (Index i = 0; i < scene.meshes.size(); ++i)
+        if (!prepared.tessellated[i])
+            for (const Index m : scene.meshes[i].face_materials)
+                if (used_.contains(m)) kept.emplace(m, i);
+    for (const Index m : used_) {
+        const auto found = kept.find(m);
+        if (found == kept.end()) {
+            scene.materials[m].displacement_map = {};
+            continue;
+        }
+        Finding finding;
+        finding.kind = "displacement-map-kept";
+        finding.severity = Severity::warning;
+        finding.mesh = found->second;
+        finding.place_kind = PlaceKind::face;
+        const auto& faces = scene.meshes[found->second].face_materials;
+        finding.count = std::uint64_t(std::count(faces.begin(), faces.end(), m));
+        finding.text = fmt::format(
+            "faces of this mesh are not displaced, so material '{}' keeps its displacement map, "
+            "which has moved other meshes already: do not displace those again",
+            scene.materials[m].name);
+        prepared.findings.push_back(std::move(finding));
+    }
 }
 
 }  // namespace prep::detail

@@ -34,8 +34,9 @@ class DisplacementMaps {
     // Errors: those of load_image and HeightMap::make; invalid where the mesh lacks the UVs.
     Result<OfMesh> of(const Scene& scene, const Mesh& mesh);
 
-    // Takes the maps that displaced a mesh from their materials.
-    void forget(Scene& scene) const;
+    // Takes the maps that displaced a mesh from their materials, unless a mesh that was left as it
+    // is has such a one: then a finding says so.
+    void forget(PreparedScene& prepared) const;
 
   private:
     Result<const Image*> picture(const ImageRef& ref);

@@ -102,9 +102,9 @@ Result<PreparedScene> prepare(Scene scene, const PrepareOptions& options) {
     detail::DisplacementMaps maps(options.displacement, options.threads);
     std::optional<detail::ResidualMaps> residuals;
     if (options.tessellate && options.displacement.residual) {
-        if (auto checked = detail::check_residual_options(options); !checked)
+        if (auto checked = detail::check_residual_options(options, out.scene); !checked)
             return std::move(checked).error();
-        residuals.emplace(*options.displacement.residual, options.threads);
+        residuals.emplace(out.scene, *options.displacement.residual, options.threads);
     }
     for (std::uint32_t m = 0; m < out.scene.meshes.size(); ++m) {
         detail::ResidualMaps* const baked = residuals ? &*residuals : nullptr;
@@ -115,7 +115,7 @@ Result<PreparedScene> prepare(Scene scene, const PrepareOptions& options) {
         }
     }
     // What displaced a mesh is in its positions now: nobody shall displace it again.
-    if (options.tessellate && options.displacement.from_materials) maps.forget(out.scene);
+    if (options.tessellate && options.displacement.from_materials) maps.forget(out);
     if (residuals) {
         auto put = log.run("residual maps", "residual normal maps were asked for",
                            [&] { return residuals->finish(out); });

@@ -101,7 +101,8 @@ Result<void> MeshPreparation::tessellate_mesh() {
         if (!maps) return std::move(maps).error();
         report_heights(*maps);
         if (maps->displacements.empty() && !options_.subdivide && !has_goal(options)) {
-            log_.skipped("tessellate", "no material of this mesh has a displacement map");
+            log_.skipped("tessellate",
+                         "no material of this mesh has a displacement map that is read");
             return {};
         }
         options.displacements = std::move(maps->displacements);
@@ -149,7 +150,7 @@ Result<void> MeshPreparation::tessellate_mesh() {
 
 void MeshPreparation::choose_residuals(const TessellateOptions& options) {
     if (!residuals_) return;
-    auto of = residuals_->choose(out_.scene, mesh_, options, residual_report());
+    auto of = residuals_->choose(out_.scene, index_, options, residual_report());
     if (of.materials.empty()) return;
     MeshRequirements& need = out_.requirements[index_];
     const std::string reason = "a residual normal map was asked for";
@@ -178,7 +179,7 @@ Result<void> MeshPreparation::bake_residuals() {
 }
 
 void MeshPreparation::report_heights(const DisplacementMaps::OfMesh& maps) {
-    if (maps.displacements.empty())
+    if (maps.displacements.empty() && maps.tangent_vector_maps == 0)
         add_finding("no-displacement-map", Severity::warning, 1, {},
                     "displacement by materials was asked for, and none of this mesh has a "
                     "displacement map",

@@ -31,12 +31,6 @@ using prep::Result;
 
 constexpr double degrees = 180 / std::numbers::pi;
 
-double parse_number(const std::string& option, const std::string& text) {
-    const std::vector<double> n = parse_numbers(text, ',');
-    if (n.size() != 1) usage_error(option, "'" + text + "' is not a number");
-    return n[0];
-}
-
 // By the ending and what was asked for.
 Result<prep::PixelType> pixel_type(const HeightToNormalCommand& command) {
     const std::string ending = lower_ending(command.output);
@@ -95,6 +89,9 @@ Result<Json> convert(const HeightToNormalCommand& command, Console& console) {
     if (const Result<void> writable = prep::check_writable_image(command.output); !writable)
         return writable.error();
     std::error_code ec;
+    if (std::filesystem::equivalent(command.input, command.output, ec))
+        return Error{ErrorCode::invalid, "the normal map would be written over the heights",
+                     command.output.string()};
     if (!command.replace && std::filesystem::exists(command.output, ec))
         return Error{ErrorCode::io, "the file exists, and --no-overwrite was given",
                      command.output.string()};
@@ -108,7 +105,8 @@ Result<Json> convert(const HeightToNormalCommand& command, Console& console) {
     prep::HeightToNormalOptions options = command.options;
     options.map.wrap_u = options.map.wrap_v = command.wrap;
     options.map.threads = command.common.threads;
-    const Result<prep::Image> normals = prep::height_to_normal(*heights, options);
+    int height_bits = 0;
+    const Result<prep::Image> normals = prep::height_to_normal(*heights, options, &height_bits);
     if (!normals) return Error{normals.error().code, normals.error().text, command.input.string()};
     OutputDirectories directories;
     if (const Result<void> made = directories.make_for(command.output); !made) return made.error();
@@ -126,7 +124,7 @@ Result<Json> convert(const HeightToNormalCommand& command, Console& console) {
               {"bits", bits},
               {"mean_degrees", slopes.mean},
               {"steepest_degrees", slopes.steepest}};
-    if (heights->integer_bits == 8) {
+    if (height_bits == 8) {
         const double coarsest = coarsest_tilt(*heights, options);
         console.warning(command.common,
                         fmt::format("{}: heights of 8 bits make slopes of steps: flat or at least "

@@ -177,7 +177,12 @@ Outcome prepare_file(const Job& job, const PrepareCommand& command, int threads,
     save.replace = command.files.overwrite;
     save.replace_sources = command.files.in_place;
     save.written = &out.written;
-    save.spared = [&](const std::filesystem::path& file) { return sources.of_another(job, file); };
+    const std::optional<prep::ImageRef>& heights = command.prepare.displacement.map;
+    save.spared = [&](const std::filesystem::path& file) {
+        std::error_code ec;
+        return (heights && std::filesystem::equivalent(file, heights->path, ec)) ||
+               sources.of_another(job, file);
+    };
     const bool stream = is_standard_stream(job.output);
     if (const auto made = stream ? prep::Result<void>() : directories.make_for(job.output); !made) {
         out.error = made.error();

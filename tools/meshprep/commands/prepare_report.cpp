@@ -26,16 +26,21 @@ std::string not_below(double value) {
     return value > 0 && std::stod(near) < value ? fmt::format("{:.3g}", value + digit) : near;
 }
 
-// What was asked of a mesh's triangles, what is proved of them, what was measured.
 std::string residual_text(const prep::ResidualMap& map, const std::string& material) {
+    const std::string away =
+        map.facing_away > 0
+            ? fmt::format("; {} texels face away from their triangles, which no such map says",
+                          with_commas(map.facing_away))
+            : "";
     return fmt::format(
         "residual normals of '{}': {} × {}, {} bits, {} of the texels in charts; "
-        "triangles' normals are off by {:.3g}° in the mean, {:.3g}° at most",
+        "triangles' normals are off by {:.3g}° in the mean, {:.3g}° at most{}",
         material, map.size, map.size, map.bits,
         fmt::format("{:.3g} %", 100.0 * double(map.texels) / (double(map.size) * double(map.size))),
-        map.mean_degrees, map.largest_degrees);
+        map.mean_degrees, map.largest_degrees, away);
 }
 
+// What was asked of a mesh's triangles, what is proved of them, what was measured.
 std::string certificate_text(const prep::TessellationCertificate& c) {
     std::string text = count_of(c.triangles, "triangle");
     if (c.asked) text += fmt::format(", error asked {:.3g}", *c.asked);

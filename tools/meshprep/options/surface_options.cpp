@@ -108,16 +108,19 @@ std::uint64_t parse_count(const std::string& option, const std::string& text) {
     return std::uint64_t(numbers[0] * unit);
 }
 
-double parse_number(const std::string& option, const std::string& text, bool positive) {
-    const std::vector<double> numbers = parse_numbers(text, ',');
-    if (numbers.size() != 1 || (positive && !(numbers[0] > 0)))
-        usage_error(option, "'" + text + "' is not a number" + (positive ? " over 0" : ""));
-    return numbers[0];
+// Options are read in the order in which they are added: what --displace says is known here.
+void require_map(const std::string& option, const prep::DisplaceOptions& d) {
+    if (!d.map && !d.from_materials)
+        usage_error(option, "says how a map is read, and --displace noise reads none");
 }
 
-// Options of noise make it: whether --displace asks for it is seen when all are read.
+// Options of noise make it, with a map for all as well.
 void add_noise_options(OptionSet& options, prep::DisplaceOptions& d, const Option& displace) {
     const auto noise = [&d]() -> prep::NoiseOptions& {
+        if (d.from_materials)
+            usage_error("--noise",
+                        "and its other options move all faces, alone or with one map for all: "
+                        "noise is not added to the maps of --displace materials");
         if (!d.noise) d.noise.emplace();
         return *d.noise;
     };
@@ -136,7 +139,7 @@ void add_noise_options(OptionSet& options, prep::DisplaceOptions& d, const Optio
             .value(
                 name, type,
                 [noise, member, name](const std::string& text) {
-                    noise().*member = parse_number(name, text, false);
+                    noise().*member = parse_number(name, text);
                 },
                 help)
             .needs(displace);
@@ -237,7 +240,10 @@ void add_displacement_options(OptionSet& options, prep::PrepareOptions& p) {
         options
             .value(
                 name, type,
-                [&to, name](const std::string& text) { to = parse_number(name, text, false); },
+                [&d, &to, name](const std::string& text) {
+                    require_map(name, d);
+                    to = parse_number(name, text);
+                },
                 help)
             .needs(displace);
     };
@@ -249,24 +255,31 @@ void add_displacement_options(OptionSet& options, prep::PrepareOptions& p) {
         .value(
             "--height-midlevel", "VALUE",
             [&d](const std::string& text) {
-                d.midlevel = parse_number("--height-midlevel", text, false);
+                require_map("--height-midlevel", d);
+                d.midlevel = parse_number("--height-midlevel", text);
             },
-            "The texel that moves nothing (default: the material's, else 0.5; in files of 8 and "
-            "16 bits the code nearest to it)")
+            "The texel that moves nothing (default: the material's; of --displace FILE 0.5, but 0 "
+            "for vectors in a file of floats; in files of 8 and 16 bits the code nearest to it)")
         .needs(displace);
     options
         .named("--height-filter", d.heights.filter,
                "Between texels: bilinear (default) or bicubic, whose slopes are continuous")
-        .needs(displace);
+        .needs(displace)
+        .when_given([&d] { require_map("--height-filter", d); });
     options
         .number("--height-channel", d.heights.channel, 0, 3, "N",
                 "Which channel of the map holds heights (default 0, the first)")
-        .needs(displace);
+        .needs(displace)
+        .when_given([&d] { require_map("--height-channel", d); });
 
     options
         .word(
             "--displace-kind", {"height", "vector-object"},
             [&d](const std::string& word) {
+                if (!d.map)
+                    usage_error("--displace-kind",
+                                "says what the map of --displace FILE holds; materials say it of "
+                                "their own maps, noise has none");
                 d.kind = prep::enum_named<prep::DisplacementKind>(word).value();
             },
             "What the map holds: heights along the normal (default), or x, y, z of the mesh's own "

@@ -24,6 +24,13 @@ std::vector<double> parse_numbers(const std::string& text, char separator) {
     return numbers;
 }
 
+double parse_number(const std::string& option, const std::string& text, bool positive) {
+    const std::vector<double> numbers = parse_numbers(text, ',');
+    if (numbers.size() != 1 || (positive && !(numbers[0] > 0)))
+        usage_error(option, "'" + text + "' is not a number" + (positive ? " over 0" : ""));
+    return numbers[0];
+}
+
 std::vector<std::string> parse_list(const std::string& text) {
     std::vector<std::string> words;
     std::istringstream in(text);

@@ -11,6 +11,9 @@ namespace meshprep {
 // "1,2.5" → numbers; empty when any piece is none, or not finite.
 std::vector<double> parse_numbers(const std::string& text, char separator);
 
+// One number, over 0 where it is to be `positive`; else a usage error.
+double parse_number(const std::string& option, const std::string& text, bool positive = false);
+
 // "uv,material" → its words, without an empty last one.
 std::vector<std::string> parse_list(const std::string& text);
 

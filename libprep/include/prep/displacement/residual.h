@@ -8,7 +8,13 @@
 // detail, hold the mean of what those have.
 //
 // The picture covers 0 … 1 and repeats. Where triangles overlap there, the first one in the mesh
-// has the texel. Texels outside all charts are filled from those next to them.
+// has the texel. Texels outside all charts are filled from those next to them. A texel that two
+// charts share is the mean of what each has in its own frame, and one chart that has no sample of
+// a texel reads there what others have: keep two texels between charts.
+//
+// A material has one map for all who use it: where a mesh uses it whose faces are not baked, it
+// gets none. Maps that are unfinished at once, because several meshes share their materials, take
+// 15 bytes a texel; more than max_residual_bytes are an error before any work is done.
 #pragma once
 
 #include <cstdint>
@@ -18,6 +24,7 @@
 namespace prep {
 
 inline constexpr std::uint32_t max_residual_size = 8192;
+inline constexpr std::uint64_t max_residual_bytes = std::uint64_t(8) << 30;
 
 struct ResidualMapOptions {
     std::uint32_t size = 2048;  // texels along each side, 1 … 8192
@@ -31,8 +38,12 @@ struct ResidualMap {
     std::uint32_t uv_set = 0;
     std::uint64_t texels = 0;       // that lie in charts
     std::uint64_t overlapping = 0;  // of these: that triangles have which are not one surface
-    std::uint64_t facing_away = 0;  // of these: their normal lies behind the triangle's
-    double mean_degrees = 0, largest_degrees = 0;  // between the triangles' normals and the map's
+    // Of these: the surface faces away from the triangle. What no tangent-space normal says is the
+    // nearest that one does; told in reports where there are any.
+    std::uint64_t facing_away = 0;
+    // Between the triangles' interpolated normals and the surface's: mean over samples, and the
+    // largest of the means of a texel's samples in a triangle.
+    double mean_degrees = 0, largest_degrees = 0;
 };
 
 }  // namespace prep

@@ -92,7 +92,10 @@ struct HeightToNormalOptions {
 };
 
 // A tangent-space normal map of the map's size, three channels in 0…1, 0.5 for zero: normals of
-// the bicubic surface through the texels, at their centres. Errors: those of a height map.
-Result<Image> height_to_normal(const Image& heights, const HeightToNormalOptions& options = {});
+// the bicubic surface through the texels, at their centres. `bits`, where not null: those that the
+// heights use, 8 also for a map of 8 bits that was saved with 16 or as floats; 0 for other floats.
+// Errors: those of a height map.
+Result<Image> height_to_normal(const Image& heights, const HeightToNormalOptions& options = {},
+                               int* bits = nullptr);
 
 }  // namespace prep

@@ -257,7 +257,9 @@ void write_residual_maps(const PreparedScene& prepared, AppendedData& data, Json
         json["images"].push_back(
             {{"name", image.name}, {"mimeType", image.mime_type}, {"bufferView", view}});
         json["textures"].push_back({{"source", json["images"].size() - 1}});
+        // Whatever stands there named another picture: nothing of it fits this one.
         Json& texture = json["materials"][map.material]["normalTexture"];
+        texture = Json::object();
         texture["index"] = json["textures"].size() - 1;
         if (map.uv_set != 0) texture["texCoord"] = map.uv_set;
     }
