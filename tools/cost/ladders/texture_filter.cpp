@@ -1,4 +1,4 @@
-// Texture filters and anisotropy on a floor that runs to the horizon.
+// Texture filters and anisotropy on a floor that runs towards the horizon.
 #include <random>
 
 #include "cost/ladders/scenes.h"
@@ -75,7 +75,7 @@ prep::Result<Ladder> texture_filter_ladder(const Subject& subject) {
     ladder.name = "texture-filter";
     ladder.title = "Texture filters";
     ladder.setting = "pictures: --filter and --max-anisotropy";
-    ladder.subject = "a floor of black and white blocks up to the horizon, 128 × 96 pixels";
+    ladder.subject = "a floor of black and white blocks towards the horizon, 128 × 96 pixels";
     ladder.oracle =
         "1,024 samples a pixel and more towards the horizon of the interpolated texture, by a "
         "plain "
