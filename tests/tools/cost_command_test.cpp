@@ -105,6 +105,83 @@ TEST(Cost, RefusesWhatMakesNoSense) {
     EXPECT_EQ(run_here({"cost", "--seconds", "nan"}).exit_code, 2);
     EXPECT_EQ(run_here({"cost", "--from", "x.json", "mesh.obj"}).exit_code, 2);
     EXPECT_EQ(run_here({"cost", "--from", "x.json", "--list"}).exit_code, 2);
+    // Options that nothing would follow.
+    for (const char* idle : {"--rounds", "--seconds", "--threads"})
+        EXPECT_EQ(run_here({"cost", "--from", "x.json", idle, "9"}).exit_code, 2) << idle;
+    write_text(dir / "cube.obj", test::cube_obj());
+    const test::Ran idle =
+        run_here({"cost", (dir / "cube.obj").string(), "--ladder", "depth-format"});
+    EXPECT_EQ(idle.exit_code, 2);
+    EXPECT_NE(idle.err.find("none of these ladders is tried on files"), std::string::npos);
+}
+
+// Outputs that are inputs, two outputs in one file, standard output: said before anything is read
+// or measured, and nothing is written.
+TEST(Cost, KeepsFilesApart) {
+    const TemporaryDirectory dir;
+    const std::string mesh = (dir / "scan.obj").string(), times = (dir / "t.json").string();
+    write_text(mesh, test::cube_obj());
+    const test::Ran ran = run_here(quick({"--ladder", "normal-weight", "--json"}));
+    ASSERT_EQ(ran.exit_code, 0) << ran.err;
+    write_text(times, ran.out);
+    std::filesystem::create_symlink(times, dir / "link.html");
+    const std::string page = (dir / "x.html").string();
+    const std::vector<std::pair<std::vector<std::string>, const char*>> refused = {
+        {{mesh, "-o", mesh}, "also an input"},
+        {{mesh, "--csv", (dir / "." / "scan.obj").string()}, "also an input"},
+        {{"--from", times, "-o", times}, "also an input"},
+        {{"--from", times, "-o", (dir / "link.html").string()}, "also an input"},
+        {{"--from", times, "-o", page, "--csv", page}, "two outputs"},
+        {{"--from", times, "-o", (dir / "p/normal-weight.svg").string(), "--svg",
+          (dir / "p").string()},
+         "two outputs"},
+        {{"--from", times, "-o", "-"}, "standard output"},
+        {{"--from", times, "--csv", "-"}, "standard output"}};
+    for (auto [words, text] : refused) {
+        words.insert(words.begin(), "cost");
+        const test::Ran one = run_here(words);
+        EXPECT_EQ(one.exit_code, 1) << words.back();
+        EXPECT_NE(one.err.find(text), std::string::npos) << one.err;
+    }
+    EXPECT_EQ(read_text(mesh), test::cube_obj());
+    EXPECT_EQ(read_text(times), ran.out);
+    EXPECT_FALSE(std::filesystem::exists(page));
+    EXPECT_FALSE(std::filesystem::exists(dir / "p"));
+    EXPECT_FALSE(std::filesystem::exists("-"));
+}
+
+// A mesh of one face without area has no normal to judge; what else there is stays.
+TEST(Cost, OneLadderThatFailsLeavesTheOthers) {
+    const TemporaryDirectory dir;
+    write_text(dir / "flat.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n");
+    const std::string csv = (dir / "t.csv").string();
+    const test::Ran ran =
+        run_here({"cost", (dir / "flat.obj").string(), "--threads", "1", "--rounds", "1",
+                  "--ladder", "normal-precision,normal-weight", "--json", "--csv", csv});
+    EXPECT_EQ(ran.exit_code, 1);
+    EXPECT_NE(ran.err.find("no normals that can be judged"), std::string::npos) << ran.err;
+    const json document = ran.json();
+    ASSERT_EQ(document["ladders"].size(), 1u);
+    EXPECT_EQ(document["ladders"][0]["name"], "normal-weight");
+    ASSERT_EQ(document["failed"].size(), 1u);
+    EXPECT_EQ(document["failed"][0]["ladder"], "normal-precision");
+    EXPECT_EQ(document["failed"][0]["subject"], "flat.obj");
+    EXPECT_NE(read_text(csv).find("normal-weight"), std::string::npos);
+}
+
+// Minutes of measuring are not lost to a file that cannot be written.
+TEST(Cost, WhatCannotBeWrittenIsStillShown) {
+    const TemporaryDirectory dir;
+    std::filesystem::create_directories(dir / "plots/normal-weight.svg");
+    const test::Ran ran =
+        run_here(quick({"--ladder", "normal-weight", "--json", "--svg", (dir / "plots").string()}));
+    EXPECT_EQ(ran.exit_code, 1);
+    const json document = ran.json();
+    EXPECT_EQ(document["ladders"].size(), 1u);
+    EXPECT_TRUE(document["error"].is_object());
+    const test::Ran words =
+        run_here(quick({"--ladder", "normal-weight", "--svg", (dir / "plots").string()}));
+    EXPECT_NE(words.out.find("edge-length"), std::string::npos);
 }
 
 TEST(Cost, FailsWithoutATrace) {
@@ -120,7 +197,8 @@ TEST(Cost, FailsWithoutATrace) {
         {"--from", (dir / "none.json").string()},
         {"--from", (dir / "times.json").string()}};
     for (std::vector<std::string> words : failing) {
-        words.insert(words.begin(), {"cost", "--rounds", "1", "--json", "-o", page, "--csv", csv});
+        if (words[0] != "--from") words.insert(words.begin(), {"--rounds", "1"});
+        words.insert(words.begin(), {"cost", "--json", "-o", page, "--csv", csv});
         const test::Ran ran = run_here(words);
         EXPECT_EQ(ran.exit_code, 1) << words.back();
         EXPECT_NE(ran.err.find("meshprep: error: "), std::string::npos) << words.back();

@@ -21,8 +21,8 @@ RungRecord rung(const std::string& name, double error, double seconds, bool exac
     r.command = "prepare --as \"" + name + "\"";
     r.exact = exact;
     r.errors = {error, error / 2};
-    // Seven rounds that scatter by 1 %, each rung's in its own way.
-    for (int i = 0; i < 7; ++i)
+    // Eight rounds that scatter by 1 %, each rung's in its own way.
+    for (int i = 0; i < 8; ++i)
         r.seconds.push_back(seconds * (1 + 0.01 * std::sin(7.0 * i + double(name.size()))));
     return r;
 }
@@ -156,6 +156,70 @@ TEST(CostPlot, ExactRungsAreOnNoFront) {
     EXPECT_EQ(cost::standing_text(ladder, ladder.rungs[1]), "dominated by fast");
 }
 
+// Rungs without error that are settings like others keep their standing, on the lane.
+TEST(CostPlot, NoErrorIsNotExact) {
+    CostTable table = table_of_two();
+    table.ladders.resize(1);
+    LadderRecord& ladder = table.ladders[0];
+    ladder.rungs[2].errors[0] = 0;
+    cost::derive(table);
+    std::string svg = cost::plot_svg(ladder, false);
+    EXPECT_NE(svg.find("class=\"p front\" tabindex=\"0\" role=\"img\" data-rung=\"2\""),
+              std::string::npos);
+    EXPECT_NE(svg.find(">exact, 0<"), std::string::npos);
+    ladder.rungs[3].exact = false;
+    cost::derive(table);
+    svg = cost::plot_svg(ladder, false);
+    EXPECT_EQ(svg.find("exact"), std::string::npos);
+    EXPECT_NE(svg.find(">0</text>"), std::string::npos);
+}
+
+TEST(CostPage, SaysWhichLineIsDrawn) {
+    CostTable table = table_of_two();
+    table.ladders.resize(1);
+    EXPECT_NE(cost::cost_page(table).find("Dashed line at 1e-06"), std::string::npos);
+    table.ladders[0].floor = 1e-30;
+    EXPECT_EQ(cost::cost_page(table).find("Dashed line"), std::string::npos);
+    EXPECT_NE(cost::cost_page(table).find("Floor, far from what is plotted: 1e-30"),
+              std::string::npos);
+}
+
+TEST(CostPage, OnlyADefaultIsCalledOne) {
+    CostTable table = table_of_two();
+    EXPECT_EQ(cost::marked_name(table.ladders[0], 0), "fast (default)");
+    EXPECT_EQ(cost::marked_name(table.ladders[0], 1), "worse");
+    for (LadderRecord& ladder : table.ladders) ladder.reference_is_default = false;
+    EXPECT_EQ(cost::marked_name(table.ladders[0], 0), "fast (reference)");
+    EXPECT_EQ(cost::cost_rows(table.ladders[0])[0][3], "to the reference");
+    EXPECT_EQ(cost::cost_page(table).find("default"),
+              cost::cost_page(table).find("cursor: default") + 8);
+}
+
+TEST(CostPage, SaysThatOtherWorkTookProcessors) {
+    EXPECT_EQ(cost::share_taken(1, 2, 4), 0);  // there was room
+    EXPECT_DOUBLE_EQ(cost::share_taken(3, 2, 4), 0.5);
+    EXPECT_DOUBLE_EQ(cost::share_taken(0.5, 2, 2), 0.25);
+    EXPECT_EQ(cost::share_taken(9, 2, 2), 1);
+    CostTable table = table_of_two();
+    table.threads = 2;
+    table.ladders[0].taken = 0.25;
+    cost::derive(table);
+    EXPECT_NE(cost::cost_page(table).find("other work had 25 % of these threads"),
+              std::string::npos);
+}
+
+TEST(CostPage, SaysThatRoundsAreTooFew) {
+    CostTable table = table_of_two();
+    table.ladders.resize(1);
+    LadderRecord& ladder = table.ladders[0];
+    for (RungRecord& r : ladder.rungs) r.seconds.resize(7);
+    ladder.control.resize(7);
+    cost::derive(table);
+    EXPECT_NE(cost::cost_page(table).find("7 rounds are too few"), std::string::npos);
+    for (const RungRecord& r : ladder.rungs)
+        EXPECT_EQ(cost::standing_text(ladder, r).find("dominated"), std::string::npos) << r.name;
+}
+
 TEST(CostPlot, OneRungAloneHasAPlot) {
     const CostTable table = table_of_two();
     const std::string svg = cost::plot_svg(table.ladders[1], true);
@@ -264,6 +328,33 @@ TEST(CostJson, DamagedDocumentsAreErrors) {
     beyond = whole;
     beyond["ladders"][0]["reference"] = 6u;
     EXPECT_NE(error(meshprep::json_text(beyond)).find("/ladders/0/reference"), std::string::npos);
+    // Numbers that no run gives, where they would be drawn or take long.
+    for (const meshprep::Json& wrong : {meshprep::Json(0.0), meshprep::Json(1e-13),
+                                        meshprep::Json(1e10), meshprep::Json("inf")}) {
+        meshprep::Json timed = whole;
+        timed["ladders"][0]["rungs"][0]["seconds"][0] = wrong;
+        EXPECT_NE(error(meshprep::json_text(timed)).find("/ladders/0/rungs/0/seconds/0"),
+                  std::string::npos)
+            << wrong;
+    }
+    meshprep::Json many = whole;
+    for (int i = 0; i < 64; ++i)
+        many["ladders"][0]["rungs"].push_back(many["ladders"][0]["rungs"][0]);
+    EXPECT_NE(error(meshprep::json_text(many)).find("more than 64"), std::string::npos);
+    many = whole;
+    for (int i = 0; i < 1000; ++i) many["ladders"][0]["control_seconds"].push_back(0.001);
+    EXPECT_NE(error(meshprep::json_text(many)).find("more than 1000"), std::string::npos);
+    // A PSNR may be minus infinity; a share of time may be nothing of the kind.
+    meshprep::Json low = whole;
+    low["ladders"][0]["rungs"][0]["errors"][1] = "-inf";
+    const auto again = meshprep::cost_table_from(meshprep::json_text(low));
+    ASSERT_TRUE(again) << to_string(again.error());
+    EXPECT_EQ(again->ladders[0].rungs[0].errors[1], -std::numeric_limits<double>::infinity());
+    for (const char* name : {"floor", "wall_seconds", "taken_by_others"}) {
+        low = whole;
+        low["ladders"][0][name] = "nan";
+        EXPECT_NE(error(meshprep::json_text(low)).find(name), std::string::npos) << name;
+    }
     for (const char* name : {"../first", "", "a/b", "A b"}) {  // it becomes a file's
         meshprep::Json named = whole;
         named["ladders"][0]["name"] = name;

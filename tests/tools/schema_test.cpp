@@ -120,6 +120,10 @@ TEST_F(Schema, HoldsForCost) {
            "--rounds", "2", "--threads", "1"},
           0);
     check({"cost", "--list"}, 0);
+    // Of a mesh without normals one ladder fails, the other is there.
+    test::write_text(at("flat.obj"), "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n");
+    check({"cost", at("flat.obj"), "--ladder", "normal-precision,depth-format", "--rounds", "1"},
+          1);
     check({"cost", at("bad.obj"), "--rounds", "1"}, 1);
     check({"cost", "--from", at("cube.obj")}, 1);
     check({"cost", "--ladder", "no-such"}, 2);

@@ -10,29 +10,28 @@
 namespace cost {
 
 prep::Result<Ladder> chord_error_ladder(const Subject& subject) {
-    struct State {
-        SplineCage cage;
-        prep::TessellatedMesh result;
-    };
-    const auto s = std::make_shared<State>();
+    const auto cage = std::make_shared<const SplineCage>();
     Ladder ladder;
     ladder.name = "chord-error";
     ladder.title = "Chord error of adaptive triangles";
     ladder.setting = "tessellation of a subdivision surface: --chord-error";
     ladder.subject = "a closed cage of 48 quads";
     ladder.oracle = "the limit as a bicubic B-spline in long double, and its nearest point";
-    ladder.timed = {"tessellation with its proof; without the samples that measure it"};
-    ladder.metrics = {{"largest", "of the diagonal", "distance of triangles' middles to the limit"},
-                      {"99.9 %", "of the diagonal", "distance of triangles' middles to the limit"},
-                      {"mean", "of the diagonal", "distance of triangles' middles to the limit"},
+    ladder.timed = {"tessellation with its proof; without the samples that measure it",
+                    "freeing the last result"};
+    ladder.metrics = {{"largest", "of the diagonal", limit_samples},
+                      {"99.9 %", "of the diagonal", limit_samples},
+                      {"mean", "of the diagonal", limit_samples},
                       {"asked", "of the diagonal", "--chord-error"},
                       {"proved", "of the diagonal", "the certificate"},
+                      {"samples", "", "distances to the limit"},
                       {"triangles", "", ""}};
     ladder.reference = 2;
+    ladder.reference_is_default = false;
     ladder.floor = 0x1p-25;
     ladder.floor_text = "coordinates rounded to float: half a unit in the last place of 1";
     for (const double share : {1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5}) {
-        const double asked = share * s->cage.diagonal;
+        const double asked = share * cage->diagonal;
         char text[32];
         std::snprintf(text, sizeof text, "%.4g", asked);
         Rung rung;
@@ -43,18 +42,21 @@ prep::Result<Ladder> chord_error_ladder(const Subject& subject) {
         options.chord_error = std::strtod(text, nullptr);
         options.samples = 0;
         options.threads = subject.threads;
-        rung.run = [s, options]() -> prep::Result<void> {
-            auto result = prep::tessellate(s->cage.mesh, options);
+        // Each rung frees its own last result, not another's that is larger.
+        const auto made = std::make_shared<prep::TessellatedMesh>();
+        rung.run = [cage, made, options]() -> prep::Result<void> {
+            auto result = prep::tessellate(cage->mesh, options);
             if (!result) return result.error();
-            s->result = *std::move(result);
+            *made = *std::move(result);
             return {};
         };
-        rung.judge = [s, asked = *options.chord_error] {
-            const LimitErrors errors = limit_errors(s->cage, s->result.mesh);
+        rung.judge = [cage, made, asked = *options.chord_error] {
+            const LimitErrors errors = limit_errors(*cage, made->mesh);
             std::vector<double> numbers = three_of(errors.distances);
-            numbers.push_back(asked / s->cage.diagonal);
-            numbers.push_back(s->result.certificate.proved / s->cage.diagonal);
-            numbers.push_back(double(s->result.mesh.face_count()));
+            numbers.push_back(asked / cage->diagonal);
+            numbers.push_back(made->certificate.proved / cage->diagonal);
+            numbers.push_back(double(errors.distances.size()));
+            numbers.push_back(double(made->mesh.face_count()));
             return numbers;
         };
         ladder.rungs.push_back(std::move(rung));

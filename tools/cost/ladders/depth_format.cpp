@@ -10,8 +10,8 @@ namespace {
 // 1,000, gaps from 1e-6 to 1e-2 of the distance.
 constexpr int distances = 32, gaps = 32;
 
-// Per pair the second follows the first: it wins where it is not told apart. Black ones are faces
-// of material 1.
+// Of each pair the black surface behind, of material 1, is drawn first: it stays where depths that
+// are equal cannot show that the white one is nearer.
 prep::PreparedScene strips() {
     prep::VertexMesh mesh;
     const auto patch = [&](double x, double y, double distance, std::uint32_t material) {

@@ -17,9 +17,13 @@ struct State {
     prep::MeshView view;
     prep::Topology topology;
     prep::FaceNormals faces;
-    prep::CornerNormals normals;
-    prep::VertexMesh split;
     int threads = 0;
+};
+
+// Of one rung: what is overwritten while the clock runs is its own.
+struct Result {
+    prep::CornerLayer<glm::vec3> normals;
+    prep::VertexMesh split;
 };
 
 void add_face(State& s, const std::vector<std::uint32_t>& vertices, TurnedFace face) {
@@ -49,7 +53,7 @@ void make_part(State& s) {
     add_face(s, top, TurnedFace::top);
 }
 
-prep::Result<void> computed(State& s, std::optional<double> angle) {
+prep::Result<void> compute(State& s, std::optional<double> angle, Result& result) {
     prep::HardEdgeOptions edges;
     edges.angle_degrees = angle;
     edges.threads = s.threads;
@@ -59,14 +63,14 @@ prep::Result<void> computed(State& s, std::optional<double> angle) {
     options.threads = s.threads;
     auto normals = prep::corner_normals(s.view, s.topology, s.faces, *hard, options);
     if (!normals) return normals.error();
-    s.normals = *normals;
     s.mesh.normals = std::move(normals->normals);
     prep::SplitOptions split;
     split.threads = s.threads;
     auto vertices = prep::split(s.mesh, &*hard, split);
+    result.normals = std::move(s.mesh.normals);
     s.mesh.normals = {};
     if (!vertices) return vertices.error();
-    s.split = *std::move(vertices);
+    result.split = *std::move(vertices);
     return {};
 }
 
@@ -100,11 +104,12 @@ prep::Result<Ladder> hard_angle_ladder(const Subject& subject) {
         rung.name = word;
         if (angle) rung.name += "°";
         rung.command = std::string("prepare --hard-angle ") + word;
-        rung.run = [s, a = angle]() -> prep::Result<void> { return computed(*s, a); };
-        rung.judge = [s] {
+        const auto result = std::make_shared<Result>();
+        rung.run = [s, result, a = angle] { return compute(*s, a, *result); };
+        rung.judge = [s, result] {
             std::vector<double> numbers = three_of(corner_errors(
-                s->mesh, s->normals.normals, [&](std::uint32_t c) { return s->truth[c]; }));
-            numbers.push_back(double(s->split.vertex_count()));
+                s->mesh, result->normals, [&](std::uint32_t c) { return s->truth[c]; }));
+            numbers.push_back(double(result->split.vertex_count()));
             return numbers;
         };
         ladder.rungs.push_back(std::move(rung));

@@ -39,7 +39,8 @@ struct Ladder {
     std::size_t primary = 0;      // the metric of plots and fronts
     std::optional<double> floor;  // of that metric: no result of this kind can do better
     std::string floor_text;
-    std::size_t reference = 0;  // the default rung
+    std::size_t reference = 0;         // the rung that ratios are to
+    bool reference_is_default = true;  // it is what `meshprep` does unasked
     std::vector<Rung> rungs;
 };
 

@@ -33,7 +33,7 @@ std::vector<double> corner_errors(const prep::Mesh& mesh, const prep::CornerLaye
     return errors;
 }
 
-// {largest, 99.9 %, mean}, for the three metrics that angles_metrics() names.
+// {largest, 99.9 %, mean}, the first three metrics of most ladders.
 std::vector<double> three_of(const std::vector<double>& errors);
 
 }  // namespace cost

@@ -1,10 +1,13 @@
 // Precision of corner normals: what the arithmetic alone loses.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
 #include <memory>
 
 #include "cost/ladders/ladder.h"
 #include "cost/ladders/meshes.h"
 #include "cost/oracles/fan_normals.h"
-#include "hard_cases.h"
 #include "prep/corner_normals.h"
 
 namespace cost {
@@ -13,6 +16,9 @@ namespace {
 using prep::Error;
 using prep::Precision;
 using prep::Result;
+
+// Degrees; a unit in the last place of a double is 1.3e-14.
+constexpr double most_doubt = 1e-14;
 
 struct State {
     prep::Mesh mesh;
@@ -37,24 +43,34 @@ prep::Mesh torus_with_needles() {
     return mesh;
 }
 
-Result<prep::CornerNormals> computed(const State& s, Precision precision) {
+Result<prep::CornerNormals> computed(const State& s, Precision precision, bool doubles) {
     prep::NormalOptions options;
     options.precision = precision;
-    options.keep_doubles = true;
+    options.keep_doubles = doubles;
     options.threads = s.threads;
     const prep::FaceNormals faces = prep::face_normals(s.view, precision, s.threads);
     return prep::corner_normals(s.view, s.topology, faces, s.hard, options);
 }
 
-std::vector<double> errors_of(const State& s, bool rounded) {
+template <class Value>
+std::vector<double> errors_of(const State& s, const std::vector<Value>& normals) {
+    std::vector<double> errors;
+    for (std::size_t i = 0; i < s.truth.sums.size(); ++i)
+        if (s.judged[i]) errors.push_back(degrees_between(Vector(normals[i]), s.truth.sums[i]));
+    return errors;
+}
+
+// What the truth itself loses when it is rounded to such vectors.
+template <class Rounded>
+double largest_rounding(const State& s) {
     std::vector<double> errors;
     for (std::size_t i = 0; i < s.truth.sums.size(); ++i) {
         if (!s.judged[i]) continue;
-        const glm::dvec3& n = s.result.doubles[i];
-        errors.push_back(rounded ? degrees_between(Vector(glm::vec3(n)), s.truth.sums[i])
-                                 : degrees_between(Vector(n), s.truth.sums[i]));
+        const Vector& v = s.truth.sums[i];
+        const Vector unit = v / std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z);
+        errors.push_back(degrees_between(Vector(Rounded(unit)), v));
     }
-    return errors;
+    return summary_of(errors).largest;
 }
 
 }  // namespace
@@ -74,17 +90,20 @@ Result<Ladder> normal_precision_ladder(const Subject& subject) {
     if (!hard) return hard.error();
     s->hard = *hard;
     // Which corners share a normal is not what is judged: taken from the stage.
-    auto first = computed(*s, Precision::accurate);
+    auto first = computed(*s, Precision::accurate, false);
     if (!first) return first.error();
     s->result = *std::move(first);
     s->fans = s->result.normals.indices;
     s->truth = area_fan_normals(s->mesh.positions, s->mesh.face_offsets, s->mesh.corner_vertices,
                                 s->fans, s->result.normals.values.size());
-    // Where faces cancel all but completely, long double cannot tell either.
+    // Where faces cancel, long double cannot tell doubles' last bits apart either.
     std::size_t judged = 0;
+    double largest_bound = 0;
     for (const double bound : s->truth.bounds) {
-        s->judged.push_back(bound < 1e-9);
-        judged += s->judged.back();
+        s->judged.push_back(bound < most_doubt);
+        if (!s->judged.back()) continue;
+        ++judged;
+        largest_bound = std::max(largest_bound, bound);
     }
     if (judged == 0)
         return Error{prep::ErrorCode::invalid, "the mesh has no normals that can be judged",
@@ -99,23 +118,18 @@ Result<Ladder> normal_precision_ladder(const Subject& subject) {
     ladder.subject += ": " + std::to_string(judged) + " of " +
                       std::to_string(s->truth.sums.size()) + " normals judged";
     ladder.oracle =
-        "sums of area vectors in long double; fans whose sum it cannot tell to 1e-9° are not "
+        "sums of area vectors in long double; fans whose sum it cannot tell to 1e-14° are not "
         "judged";
     ladder.timed = {"face normals", "corner normals weighted by area, no edge hard by its angle"};
-    ladder.metrics = {{"largest", "°", "normals before rounding to float"},
-                      {"99.9 %", "°", "normals before rounding to float"},
-                      {"mean", "°", "normals before rounding to float"},
-                      {"largest as floats", "°", "normals as they are written"}};
-    // What the truth itself loses when it is rounded to float.
-    double most = 0;
-    for (std::size_t i = 0; i < s->truth.sums.size(); ++i) {
-        if (!s->judged[i]) continue;
-        const Vector& v = s->truth.sums[i];
-        const Vector unit = v / std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z);
-        most = std::max(most, degrees_between(Vector(glm::vec3(unit)), v));
-    }
-    ladder.floor = most;
-    ladder.floor_text = "largest error of the truth rounded to float";
+    ladder.metrics = {
+        {"largest", "°", "normals before rounding to float"},
+        {"99.9 %", "°", "normals before rounding to float"},
+        {"mean", "°", "normals before rounding to float"},
+        {"largest as floats", "°",
+         fmt::format("normals as they are written; the truth rounded to float: {:.2g}°",
+                     largest_rounding<glm::vec3>(*s))}};
+    ladder.floor = std::max(largest_rounding<glm::dvec3>(*s), largest_bound);
+    ladder.floor_text = "largest error of the truth rounded to double, or of the truth itself";
     ladder.reference = 1;
     for (const Precision precision : {Precision::fast, Precision::accurate, Precision::exact}) {
         Rung rung;
@@ -123,14 +137,17 @@ Result<Ladder> normal_precision_ladder(const Subject& subject) {
         rung.command = "prepare --precision " + rung.name + " --hard-angle off";
         rung.exact = precision == Precision::exact;
         rung.run = [s, precision]() -> prep::Result<void> {
-            auto result = computed(*s, precision);
+            auto result = computed(*s, precision, false);
             if (!result) return result.error();
             s->result = *std::move(result);
             return {};
         };
-        rung.judge = [s] {
-            std::vector<double> numbers = three_of(errors_of(*s, false));
-            numbers.push_back(summary_of(errors_of(*s, true)).largest);
+        rung.judge = [s, precision] {
+            // What was timed keeps floats only.
+            const auto whole = computed(*s, precision, true);
+            std::vector<double> numbers =
+                whole ? three_of(errors_of(*s, whole->doubles)) : std::vector<double>(3, 180.0);
+            numbers.push_back(summary_of(errors_of(*s, s->result.normals.values)).largest);
             return numbers;
         };
         ladder.rungs.push_back(std::move(rung));

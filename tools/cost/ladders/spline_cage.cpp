@@ -48,14 +48,22 @@ SplineCage::SplineCage() : limit(control_points(), around, across) {
 LimitErrors limit_errors(const SplineCage& cage, const prep::Mesh& mesh, std::size_t most) {
     LimitErrors errors;
     const std::size_t faces = mesh.face_count();
-    const std::size_t stride = std::max<std::size_t>(1, faces / std::max<std::size_t>(most, 1));
+    // Odd: four children in a row take turns.
+    const std::size_t stride = (faces / std::max<std::size_t>(most, 1)) | 1;
+    const auto measure = [&](const Vector& p) {
+        errors.distances.push_back(double(cage.limit.nearest(p).distance / cage.diagonal));
+    };
     for (std::size_t f = 0; f < faces; f += stride) {
         Vector middle(0);
         const std::uint32_t first = mesh.face_offsets[f], last = mesh.face_offsets[f + 1];
-        for (std::uint32_t c = first; c < last; ++c)
-            middle += Vector(mesh.positions[mesh.corner_vertices[c]]);
-        middle /= Real(last - first);
-        errors.distances.push_back(double(cage.limit.nearest(middle).distance / cage.diagonal));
+        for (std::uint32_t c = first; c < last; ++c) {
+            const Vector a(mesh.positions[mesh.corner_vertices[c]]);
+            const Vector b(mesh.positions[mesh.corner_vertices[c + 1 < last ? c + 1 : first]]);
+            middle += a;
+            measure(a);
+            measure((a + b) / Real(2));
+        }
+        measure(middle / Real(last - first));
         if (mesh.normals.empty() || mesh.normals.indices[first] == prep::no_index) continue;
         const Vector corner(mesh.positions[mesh.corner_vertices[first]]);
         errors.degrees.push_back(

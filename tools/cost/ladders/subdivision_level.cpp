@@ -9,22 +9,19 @@
 namespace cost {
 
 prep::Result<Ladder> subdivision_level_ladder(const Subject& subject) {
-    struct State {
-        SplineCage cage;
-        prep::Mesh result;
-    };
-    const auto s = std::make_shared<State>();
+    const auto cage = std::make_shared<const SplineCage>();
     Ladder ladder;
     ladder.name = "subdivision-level";
     ladder.title = "Levels of subdivision";
     ladder.setting = "subdivision: --subdivide catmark:LEVEL";
     ladder.subject = "a closed cage of 48 quads";
     ladder.oracle = "the limit as a bicubic B-spline in long double, and its nearest point";
-    ladder.timed = {"subdivision with limit positions and normals"};
-    ladder.metrics = {{"largest", "of the diagonal", "distance of faces' middles to the limit"},
-                      {"99.9 %", "of the diagonal", "distance of faces' middles to the limit"},
-                      {"mean", "of the diagonal", "distance of faces' middles to the limit"},
+    ladder.timed = {"subdivision with limit positions and normals", "freeing the last result"};
+    ladder.metrics = {{"largest", "of the diagonal", limit_samples},
+                      {"99.9 %", "of the diagonal", limit_samples},
+                      {"mean", "of the diagonal", limit_samples},
                       {"normals, largest", "°", "vertex normals against the limit's"},
+                      {"samples", "", "distances to the limit"},
                       {"faces", "", "of the refined mesh"}};
     ladder.reference = 1;
     // A face's middle is rounded nowhere, its corners to float.
@@ -37,17 +34,20 @@ prep::Result<Ladder> subdivision_level_ladder(const Subject& subject) {
         prep::SubdivideOptions options;
         options.level = level;
         options.threads = subject.threads;
-        rung.run = [s, options]() -> prep::Result<void> {
-            auto result = prep::subdivide(s->cage.mesh, options);
+        // Each rung frees its own last result, not another's that is larger.
+        const auto mesh = std::make_shared<prep::Mesh>();
+        rung.run = [cage, mesh, options]() -> prep::Result<void> {
+            auto result = prep::subdivide(cage->mesh, options);
             if (!result) return result.error();
-            s->result = std::move(result->mesh);
+            *mesh = std::move(result->mesh);
             return {};
         };
-        rung.judge = [s] {
-            const LimitErrors errors = limit_errors(s->cage, s->result);
+        rung.judge = [cage, mesh] {
+            const LimitErrors errors = limit_errors(*cage, *mesh);
             std::vector<double> numbers = three_of(errors.distances);
             numbers.push_back(summary_of(errors.degrees).largest);
-            numbers.push_back(double(s->result.face_count()));
+            numbers.push_back(double(errors.distances.size()));
+            numbers.push_back(double(mesh->face_count()));
             return numbers;
         };
         ladder.rungs.push_back(std::move(rung));

@@ -1,4 +1,4 @@
-// Texture filters and anisotropy on a floor that runs to the horizon.
+// Texture filters and anisotropy on a floor that runs towards the horizon.
 #include <random>
 
 #include "cost/ladders/scenes.h"
@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::uint32_t width = 128, height = 96, texels = 128;
 
-// Black and white only: sRGB and linear light agree about those. Words of 1 to 8 texels.
+// Black and white only: sRGB and linear light agree about those. Blocks of 8, 4 and 2 texels.
 TexturedPlane floor_of_blocks() {
     TexturedPlane plane;
     plane.pitch = 24;
@@ -63,6 +63,7 @@ prep::Result<Ladder> texture_filter_ladder(const Subject& subject) {
     if (!made) return made.error();
     const auto scene = std::make_shared<const prep::PreparedScene>(*std::move(made));
     const auto truth = std::make_shared<const Pixels>(textured_plane(plane, width, height));
+    const double noise = picture_error(textured_plane(plane, width, height, 24), *truth).rmse;
     const auto shown = [](const Pixels& grey) {  // as FLIP takes it
         Pixels out{grey.width, grey.height, 3, {}};
         for (const double v : grey.values) out.values.insert(out.values.end(), {v, v, v});
@@ -74,15 +75,20 @@ prep::Result<Ladder> texture_filter_ladder(const Subject& subject) {
     ladder.name = "texture-filter";
     ladder.title = "Texture filters";
     ladder.setting = "pictures: --filter and --max-anisotropy";
-    ladder.subject = "a floor of black and white blocks up to the horizon, 128 × 96 pixels";
+    ladder.subject = "a floor of black and white blocks towards the horizon, 128 × 96 pixels";
     ladder.oracle =
-        "1,024 samples a pixel of the interpolated texture, by a plain loop in long double";
+        "1,024 samples a pixel and more towards the horizon of the interpolated texture, by a "
+        "plain "
+        "loop in long double";
     ladder.timed = {"plan", "transform, visibility and shading (one map, no light)",
                     "not: reading the picture, making its levels"};
     ladder.metrics = {{"RMSE", "", "linear light"},
                       {"largest", "", "linear light"},
                       {"PSNR", "dB", "linear light"},
                       {"FLIP", "", "sRGB, mean over the picture"}};
+    ladder.floor = noise;
+    ladder.floor_text = "what three quarters of the oracle's lines of samples miss of it";
+    ladder.reference_is_default = false;
     struct Setting {
         prep::TextureFilter filter;
         int anisotropy = 0;

@@ -6,18 +6,26 @@ namespace cost {
 struct Instant {
     double wall = 0;  // seconds since some moment
     double cpu = 0;   // seconds that all of this process' threads have computed
+    // Seconds that all processors together were not idle, whoever had them, and a virtual machine's
+    // stolen ones; 0: not known.
+    double busy = 0;
 };
 
 class Clock {
   public:
     virtual ~Clock() = default;
+    // Without `busy`.
     virtual Instant now() = 0;
+    // With it: takes longer, for beginnings and ends.
+    virtual Instant with_machine() { return now(); }
 };
 
-// The machine's steady clock and the process' CPU time.
+// The machine's steady clock, the process' CPU time, and Linux' /proc/stat (in hundredths of a
+// second).
 class SystemClock : public Clock {
   public:
     Instant now() override;
+    Instant with_machine() override;
 };
 
 }  // namespace cost

@@ -61,23 +61,4 @@ PictureError picture_error(const Pixels& picture, const Pixels& truth,
     return e;
 }
 
-std::vector<bool> near_outline(const std::vector<bool>& inside, std::uint32_t width,
-                               std::uint32_t height) {
-    std::vector<bool> edge(inside.size(), false);
-    for (std::uint32_t y = 0; y < height; ++y) {
-        for (std::uint32_t x = 0; x < width; ++x) {
-            const bool here = inside[std::size_t(y) * width + x];
-            for (int dy = -1; dy <= 1; ++dy) {
-                for (int dx = -1; dx <= 1; ++dx) {
-                    const std::int64_t u = std::int64_t(x) + dx, v = std::int64_t(y) + dy;
-                    if (u < 0 || v < 0 || u >= width || v >= height) continue;
-                    if (inside[std::size_t(v) * width + std::size_t(u)] != here)
-                        edge[std::size_t(y) * width + x] = true;
-                }
-            }
-        }
-    }
-    return edge;
-}
-
 }  // namespace cost

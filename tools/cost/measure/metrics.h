@@ -38,8 +38,4 @@ struct PictureError {
 PictureError picture_error(const Pixels& picture, const Pixels& truth,
                            const std::vector<bool>& mask = {});
 
-// Pixels within one step of one whose neighbours differ in `inside`: where silhouettes run.
-std::vector<bool> near_outline(const std::vector<bool>& inside, std::uint32_t width,
-                               std::uint32_t height);
-
 }  // namespace cost

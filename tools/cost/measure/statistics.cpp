@@ -3,29 +3,25 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <random>
+#include <numbers>
 
 namespace cost {
 namespace {
 
-constexpr int resamples = 2000;
-
-// Upper 2.5 % or 0.5 % point of Student's distribution: the first terms of Fisher and Cornish's
-// expansion (1960) about the normal one, within 1 % from 4 degrees of freedom on;
-// exact values below.
-double student(std::size_t freedom, Confidence confidence) {
-    const bool deciding = confidence == Confidence::deciding;
-    if (freedom == 1) return deciding ? 63.657 : 12.706;
-    if (freedom == 2) return deciding ? 9.925 : 4.303;
-    if (freedom == 3) return deciding ? 5.841 : 3.182;
-    const double z = deciding ? 2.575829 : 1.959964, n = double(freedom);
-    const double z3 = z * z * z, z5 = z3 * z * z;
-    return z + (z3 + z) / (4 * n) + (5 * z5 + 16 * z3 + 3 * z) / (96 * n * n) +
-           (3 * z5 * z * z + 19 * z5 + 17 * z3 - 15 * z) / (384 * n * n * n);
-}
-
-double normal_tail(double z) {
-    return 0.5 * std::erfc(z / std::sqrt(2.0));
+// How many of the n + 1 gaps between sorted values, from either end, the median can be left out of:
+// the largest k with 2 · P(fewer than k of n fair coins) at most the share of errors; 0: none.
+std::size_t gaps_left_out(std::size_t n, Confidence confidence) {
+    const double errors = confidence == Confidence::deciding ? 0.01 : 0.05;
+    const double size = double(n);
+    double tail = 0;
+    std::size_t k = 0;
+    for (; k < n / 2; ++k) {
+        const double i = double(k);
+        tail += std::exp(std::lgamma(size + 1) - std::lgamma(i + 1) - std::lgamma(size - i + 1) -
+                         size * std::numbers::ln2);
+        if (2 * tail > errors) break;
+    }
+    return k;
 }
 
 double middle(std::vector<double>& values) {
@@ -59,19 +55,12 @@ double relative_spread(std::span<const double> values) {
 }
 
 Estimate median_estimate(std::span<const double> values, Confidence confidence) {
-    const std::size_t n = values.size();
+    std::vector<double> sorted(values.begin(), values.end());
+    std::sort(sorted.begin(), sorted.end());
     const double m = median(values);
-    if (n < 2) return {m, 0, std::numeric_limits<double>::infinity()};
-    std::mt19937_64 random(n);
-    std::vector<double> medians, drawn(n);
-    medians.reserve(resamples);
-    for (int r = 0; r < resamples; ++r) {
-        for (double& d : drawn) d = values[std::size_t(random() % n)];
-        medians.push_back(middle(drawn));
-    }
-    const double size = double(n);
-    const double tail = normal_tail(student(n - 1, confidence) * std::sqrt(size / (size - 1)));
-    return {m, quantile(medians, tail), quantile(medians, 1 - tail)};
+    const std::size_t k = gaps_left_out(sorted.size(), confidence);
+    if (k == 0) return {m, 0, std::numeric_limits<double>::infinity()};
+    return {m, sorted[k - 1], sorted[sorted.size() - k]};
 }
 
 Estimate ratio_estimate(std::span<const double> a, std::span<const double> b,

@@ -7,7 +7,7 @@
 
 namespace cost {
 
-// A number and the interval that holds it with 95 % confidence.
+// A number and the interval that holds it.
 struct Estimate {
     double value = 0, low = 0, high = 0;
 };
@@ -23,10 +23,11 @@ double relative_spread(std::span<const double> values);
 // round, and for many pairs, so that one in twenty would be wrong too often.
 enum class Confidence { shown /* 95 % */, deciding /* 99 % */ };
 
-// The median with a bootstrap percentile interval (Efron 1979), expanded for small samples
-// (Hesterberg 2015, "What Teachers Should Know About the Bootstrap", sec. 3.3: the tails of a
-// normal interval as wide as Student's). 2,000 resamples from a seed of its own: the same values
-// give the same interval. One value: the interval is unbounded (0 to infinity).
+// The median with its interval between order statistics (Thompson 1936): from the k-th smallest to
+// the k-th largest of n values, k as large as 2 · P(Binomial(n, ½) < k) allows. It holds the median
+// of any continuous distribution at least as often as it says, whatever n. The extremes themselves
+// miss it in a share 2^(1 − n), so that below 6 values (deciding: below 8) there is no interval but
+// 0 to infinity.
 Estimate median_estimate(std::span<const double> values, Confidence = Confidence::shown);
 
 // The median of a[i] / b[i], measured in the same round i, and its interval. Pairs cancel what

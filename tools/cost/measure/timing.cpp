@@ -11,7 +11,6 @@ namespace cost {
 namespace {
 
 constexpr int most_repeats = 1000;
-constexpr int rounds_before_the_time_cap = 3;
 
 // Fisher and Yates' shuffle: the standard library's differs between libraries.
 void shuffle(std::vector<std::size_t>& order, std::mt19937_64& random) {
@@ -40,7 +39,7 @@ double one_measurement(const std::function<void()>& run, int repeats, const Timi
         const double wall = end.wall - start.wall, cpu = end.cpu - start.cpu;
         times.wall += wall;
         times.cpu += cpu;
-        times.retries += attempt > 0;
+        times.retries += attempt == 1;
         const double share = wall > 0 ? cpu / wall : 1;
         if (share > best_share) {
             best = wall / repeats;
@@ -58,7 +57,7 @@ Times measure(const std::vector<std::function<void()>>& runs, std::size_t refere
     Times times;
     times.seconds.resize(runs.size());
     times.repeats.resize(runs.size(), 1);
-    const double begin = clock.now().wall;
+    const Instant begin = clock.with_machine();
     for (std::size_t i = 0; i < runs.size(); ++i) {
         const double start = clock.now().wall;
         runs[i]();
@@ -83,9 +82,13 @@ Times measure(const std::vector<std::function<void()>>& runs, std::size_t refere
             times.narrow = true;
             break;
         }
-        if (done >= rounds_before_the_time_cap && clock.now().wall - begin > options.seconds) break;
+        if (done >= options.least_rounds && clock.now().wall - begin.wall > options.seconds) break;
     }
     if (options.rounds > 0) times.narrow = narrow_enough(times, reference, options.narrow);
+    const Instant end = clock.with_machine();
+    const double wall = end.wall - begin.wall;
+    if (begin.busy > 0 && wall > 0)
+        times.others = std::max(0.0, end.busy - begin.busy - (end.cpu - begin.cpu)) / wall;
     return times;
 }
 

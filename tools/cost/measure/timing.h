@@ -13,9 +13,9 @@ namespace cost {
 
 struct TimingOptions {
     int rounds = 0;            // as many; 0: as many as it takes, see below
-    int least_rounds = 7;      // of the rule
+    int least_rounds = 8;      // of the rule, and of the time cap: fewer decide nothing
     int most_rounds = 25;      // its cap
-    double seconds = 12;       // its other cap, once three rounds are done
+    double seconds = 12;       // its other cap, once these are done
     double narrow = 0.05;      // the rule: until every ratio's interval is this wide at most
     double least_time = 1e-3;  // shorter runs are repeated until they take so long together
     std::uint64_t seed = 1;    // of the orders
@@ -31,8 +31,10 @@ struct Times {
     std::vector<std::vector<double>> seconds;  // by setting, then by round; of one run
     std::vector<int> repeats;                  // by setting: runs in a measurement
     double wall = 0, cpu = 0;                  // of all measured runs together
-    int measurements = 0, retries = 0;         // that count; that were taken again
-    bool narrow = false;                       // whether the rule was met before a cap
+    int measurements = 0;                      // that count
+    int retries = 0;                           // of these, those that were taken again
+    double others = 0;    // processors that other work had meanwhile, on average; 0: not known
+    bool narrow = false;  // whether the rule was met before a cap
 };
 
 // Runs every setting once without counting it (caches, first touches), then in rounds. Ratios are

@@ -11,8 +11,8 @@ namespace cost {
 
 struct FanNormals {
     std::vector<Vector> sums;  // by fan; not of unit length
-    // Bound on each sum's angular error in degrees: roundings of long double, larger where terms
-    // cancel. 180 where the sum is nothing but rounding.
+    // Bound on each sum's angular error in degrees: roundings of long double, larger the more faces
+    // a fan has and the more of their sum cancels. 180 where the sum is nothing but rounding.
     std::vector<double> bounds;
 };
 

@@ -47,18 +47,20 @@ Pixels blank(std::uint32_t width, std::uint32_t height) {
     return {width, height, 1, std::vector<double>(std::size_t(width) * height, 0.0)};
 }
 
-// at(x, y) over `side` × `side` places of each pixel, their mean.
-template <class At>
-Pixels mean_of(std::uint32_t width, std::uint32_t height, int side, const At& at) {
+// at(x, y) over `side` × rows_of(y) samples of each pixel, their mean.
+template <class At, class Rows>
+Pixels mean_of(std::uint32_t width, std::uint32_t height, int side, const Rows& rows_of,
+               const At& at) {
     Pixels out = blank(width, height);
     for (std::uint32_t y = 0; y < height; ++y) {
+        const int rows = rows_of(y);
         for (std::uint32_t x = 0; x < width; ++x) {
             Real sum = 0;
-            for (int j = 0; j < side; ++j)
+            for (int j = 0; j < rows; ++j)
                 for (int i = 0; i < side; ++i)
                     sum += at(Real(x) + (Real(i) + Real(0.5)) / side,
-                              Real(y) + (Real(j) + Real(0.5)) / side);
-            out.values[std::size_t(y) * width + x] = double(sum / (Real(side) * side));
+                              Real(y) + (Real(j) + Real(0.5)) / rows);
+            out.values[std::size_t(y) * width + x] = double(sum / (Real(side) * rows));
         }
     }
     return out;
@@ -89,7 +91,17 @@ Pixels sampled_coverage(std::span<const Triangle2> triangles, std::uint32_t widt
                         std::uint32_t height, int side) {
     const std::size_t columns = std::size_t(width) * std::size_t(side);
     const std::size_t rows = std::size_t(height) * std::size_t(side);
-    std::vector<bool> covered(columns * rows, false);
+    // Rows of bits, set by the word: triangles that overlap cost a row no more than its words.
+    const std::size_t words = (columns + 63) / 64;
+    std::vector<std::uint64_t> covered(words * rows, 0);
+    const auto cover = [&](std::size_t row, std::size_t from, std::size_t to) {
+        for (std::size_t w = from / 64; w <= to / 64; ++w) {
+            std::uint64_t bits = ~std::uint64_t(0);
+            if (w == from / 64) bits &= ~std::uint64_t(0) << (from % 64);
+            if (w == to / 64) bits &= ~std::uint64_t(0) >> (63 - to % 64);
+            covered[row * words + w] |= bits;
+        }
+    };
     for (const Triangle2& t : triangles) {
         const auto [y0, y1] = std::minmax({t[0].y, t[1].y, t[2].y});
         const Real first = std::ceil(y0 * side - Real(0.5)),
@@ -108,13 +120,13 @@ Pixels sampled_coverage(std::span<const Triangle2> triangles, std::uint32_t widt
             }
             const Real from = std::max(std::ceil(low * side - Real(0.5)), Real(0));
             const Real to = std::min(std::floor(high * side - Real(0.5)), Real(columns) - 1);
-            for (Real x = from; x <= to; ++x) covered[row * columns + std::size_t(x)] = true;
+            if (from <= to) cover(row, std::size_t(from), std::size_t(to));
         }
     }
     Pixels out = blank(width, height);
     for (std::size_t row = 0; row < rows; ++row)
         for (std::size_t column = 0; column < columns; ++column)
-            if (covered[row * columns + column])
+            if (covered[row * words + column / 64] >> (column % 64) & 1)
                 out.values[row / std::size_t(side) * width + column / std::size_t(side)] += 1;
     for (double& v : out.values) v /= double(side) * side;
     return out;
@@ -123,7 +135,8 @@ Pixels sampled_coverage(std::span<const Triangle2> triangles, std::uint32_t widt
 Pixels lit_sphere(const LitSphere& s, std::uint32_t width, std::uint32_t height, int side) {
     const Vector half_way = unit(s.towards + Vector(0, 0, 1));
     const Real scale = 2 * Real(s.half) / height;
-    return mean_of(width, height, side, [&](Real px, Real py) -> Real {
+    const auto as_many = [&](std::uint32_t) { return side; };
+    return mean_of(width, height, side, as_many, [&](Real px, Real py) -> Real {
         const Real x = (px - Real(width) / 2) * scale, y = (Real(height) / 2 - py) * scale;
         const Real rest = 1 - x * x - y * y;
         if (!(rest > 0)) return 0;
@@ -148,7 +161,16 @@ Pixels textured_plane(const TexturedPlane& s, std::uint32_t width, std::uint32_t
         const auto wrapped = [&](Real v) { return std::size_t(v - std::floor(v / n) * n); };
         return Real(s.texels[wrapped(y) * s.size + wrapped(x)]);
     };
-    return mean_of(width, height, side, [&](Real px, Real py) {
+    // Along the middle column: how many texels a pixel is high.
+    const auto depth = [&](Real py) {
+        const Vector ray = forward + up * ((Real(height) / 2 - py) * focal);
+        return Real(s.height) / -ray.y * ray.z * n;
+    };
+    const auto rows_of = [&](std::uint32_t y) {
+        const Real texels = std::abs(depth(Real(y)) - depth(Real(y) + 1));
+        return side * int(std::clamp(std::ceil(2 * texels / side), Real(1), Real(16)));
+    };
+    return mean_of(width, height, side, rows_of, [&](Real px, Real py) {
         const Vector ray = forward + right * ((px - Real(width) / 2) * focal) +
                            up * ((Real(height) / 2 - py) * focal);
         const Real t = Real(s.height) / -ray.y;

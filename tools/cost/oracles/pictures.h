@@ -37,7 +37,8 @@ Pixels lit_sphere(const LitSphere& scene, std::uint32_t width, std::uint32_t hei
 // The plane y = 0 without end, seen from (0, height, 0) under `pitch` degrees downwards along −z;
 // its texture repeats every unit of x and z (u = x, v = z), texel centres at (i + ½) / size,
 // interpolated linearly between them. One channel: texels 0 … 1 of linear light. The mean of `side`
-// × `side` samples a pixel. Every ray must meet the plane.
+// × `side` samples a pixel; where its height spans more than side / 2 texels, of as many more rows
+// of samples (16 times at most). Every ray must meet the plane.
 struct TexturedPlane {
     double height = 1, pitch = 25, yfov = 0.7;  // degrees; radians
     std::uint32_t size = 0;

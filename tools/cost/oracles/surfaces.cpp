@@ -38,17 +38,6 @@ SurfaceSample torus_at(Real u, Real v, Real major, Real minor) {
     return s;
 }
 
-SurfaceSample ellipsoid_at(Real u, Real v, Real height) {
-    const Real a = 2 * pi * u, b = pi * v;
-    SurfaceSample s;
-    const Vector p(std::sin(b) * std::cos(a), std::sin(b) * std::sin(a), std::cos(b));
-    s.position = {p.x, p.y, p.z * height};
-    const Vector n(p.x, p.y, p.z / height);
-    s.normal = n / std::sqrt(dot(n, n));
-    s.du = Vector(-p.y, p.x, 0) * (2 * pi);
-    return s;
-}
-
 Vector turned_normal(TurnedFace face, Real turn) {
     const Real a = 2 * pi * turn, half = std::sqrt(Real(0.5));
     switch (face) {

@@ -13,8 +13,6 @@ struct SurfaceSample {
 
 // About z, of radii `major` and `minor`; u runs around, v across, 0 … 1 each.
 SurfaceSample torus_at(Real u, Real v, Real major = 1, Real minor = Real(2) / 5);
-// The unit sphere, squeezed to `height` along z; u around, v from one pole (0) to the other (1).
-SurfaceSample ellipsoid_at(Real u, Real v, Real height = 1);
 
 // A turned part about z: a side of radius 1 from z = −1 up, a chamfer of 45° and a flat top; the
 // bottom's rim is sharp. The normals of its surface by the face that a corner belongs to.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <thread>
 
 namespace cost {
 namespace {
@@ -13,6 +14,10 @@ namespace {
 constexpr double least_share = 0.95;
 // Quartiles apart by more than this share of the median.
 constexpr double wide_spread = 0.1;
+
+int processors() {
+    return std::max(1, int(std::thread::hardware_concurrency()));
+}
 
 void derive(LadderRecord& ladder, int threads) {
     std::vector<double> errors;
@@ -41,29 +46,39 @@ void derive(LadderRecord& ladder, int threads) {
     for (std::size_t k = 0; k < others.size(); ++k)
         ladder.rungs[others[k]].verdict = {verdicts[k].standing, others[verdicts[k].by]};
 
-    ladder.control_ratio = ratio_estimate(ladder.control, base, Confidence::deciding);
+    ladder.control_ratio = ratio_estimate(ladder.control, base);
     ladder.notes.clear();
+    const auto note = [&](std::string text) { ladder.notes.push_back(std::move(text)); };
     if (threads == 1 && ladder.wall > 0 && ladder.cpu < least_share * ladder.wall)
-        ladder.notes.push_back(
+        note(
             fmt::format("the machine was busy: {:.0f} % of the time went to other work; {} of {} "
                         "measurements were interrupted and taken again",
                         100 * (1 - ladder.cpu / ladder.wall), ladder.retries, ladder.measurements));
+    else if (ladder.taken > 1 - least_share)
+        note(fmt::format(
+            "the machine was busy: other work had {:.0f} % of these threads' processors",
+            100 * ladder.taken));
     if (spread > wide_spread)
-        ladder.notes.push_back(fmt::format(
-            "times scatter: the quartiles are up to {:.0f} % of the median apart", 100 * spread));
-    if (!ladder.narrow)
-        ladder.notes.push_back(fmt::format(
-            "stopped after {} rounds before every ratio was known to 5 %", base.size()));
-    if (ladder.control_ratio.low > 1 || ladder.control_ratio.high < 1)
-        ladder.notes.push_back(fmt::format(
-            "the default setting, measured twice, differs from itself by a factor of {:.3f}: "
+        note(fmt::format("times scatter: the quartiles are up to {:.0f} % of the median apart",
+                         100 * spread));
+    if (!std::isfinite(ratio_estimate(ladder.control, base, Confidence::deciding).high))
+        note(fmt::format("{} {} too few to say which setting is faster: that takes 8", base.size(),
+                         base.size() == 1 ? "round is" : "rounds are"));
+    else if (!ladder.narrow)
+        note(fmt::format("stopped after {} rounds before every ratio was known to 5 %",
+                         base.size()));
+    const Estimate itself = ratio_estimate(ladder.control, base, Confidence::deciding);
+    if (itself.low > 1 || itself.high < 1)
+        note(fmt::format(
+            "the {} setting, measured twice, differs from itself by a factor of {:.3f}: "
             "smaller differences mean nothing here",
-            ladder.control_ratio.value));
+            ladder.reference_is_default ? "default" : "reference", itself.value));
 }
 
 }  // namespace
 
-prep::Result<LadderRecord> climb(const Ladder& ladder, const TimingOptions& options, Clock& clock) {
+prep::Result<LadderRecord> climb(const Ladder& ladder, int threads, const TimingOptions& options,
+                                 Clock& clock) {
     LadderRecord record;
     record.name = ladder.name;
     record.title = ladder.title;
@@ -76,6 +91,7 @@ prep::Result<LadderRecord> climb(const Ladder& ladder, const TimingOptions& opti
     record.floor = ladder.floor;
     record.floor_text = ladder.floor_text;
     record.reference = ladder.reference;
+    record.reference_is_default = ladder.reference_is_default;
     std::vector<std::function<void()>> runs;
     for (const Rung& rung : ladder.rungs) {
         if (const prep::Result<void> ran = rung.run(); !ran) return ran.error();
@@ -99,6 +115,7 @@ prep::Result<LadderRecord> climb(const Ladder& ladder, const TimingOptions& opti
     record.narrow = times.narrow;
     record.measurements = times.measurements;
     record.retries = times.retries;
+    record.taken = share_taken(times.others, threads, processors());
     return record;
 }
 
@@ -130,6 +147,18 @@ std::string short_time(double seconds) {
     if (seconds < 1e-3) return fmt::format("{:.3g} µs", seconds * 1e6);
     if (seconds < 1) return fmt::format("{:.3g} ms", seconds * 1e3);
     return fmt::format("{:.3g} s", seconds);
+}
+
+std::string marked_name(const LadderRecord& ladder, std::size_t rung) {
+    const std::string& name = ladder.rungs[rung].name;
+    if (rung != ladder.reference) return name;
+    return name + (ladder.reference_is_default ? " (default)" : " (reference)");
+}
+
+double share_taken(double others, int threads, int processors) {
+    if (threads <= 0) return 0;
+    const double spare = std::max(0, processors - threads);
+    return std::clamp((others - spare) / threads, 0.0, 1.0);
 }
 
 std::string standing_text(const LadderRecord& ladder, const RungRecord& rung) {

@@ -23,7 +23,7 @@ struct RungRecord {
 
     // From these, by derive().
     Estimate time;   // median of `seconds`
-    Estimate ratio;  // to the default rung
+    Estimate ratio;  // to the reference
     Verdict verdict;
 };
 
@@ -36,10 +36,12 @@ struct LadderRecord {
     std::string floor_text;
     std::size_t reference = 0;
     std::vector<RungRecord> rungs;
-    std::vector<double> control;  // seconds of the default rung, measured once more as if another
+    std::vector<double> control;  // seconds of the reference, measured once more as if another
     double wall = 0, cpu = 0;     // of all timed runs
     bool narrow = false;
-    int measurements = 0, retries = 0;
+    int measurements = 0, retries = 0;  // retries: measurements that were taken again
+    double taken = 0;  // share of the threads' processors that other work had meanwhile
+    bool reference_is_default = true;
 
     // From these, by derive().
     Estimate control_ratio;
@@ -55,7 +57,8 @@ struct CostTable {
 
 // Runs every rung once for its error, then all of them for their times. Errors: those of the
 // stages.
-prep::Result<LadderRecord> climb(const Ladder& ladder, const TimingOptions& options, Clock& clock);
+prep::Result<LadderRecord> climb(const Ladder& ladder, int threads, const TimingOptions& options,
+                                 Clock& clock);
 
 // Intervals, ratios, fronts and notes of each ladder.
 void derive(CostTable& table);
@@ -66,6 +69,12 @@ std::string processor_name();
 // A few significant digits for people: "0.0123", "1.2e-07", "0".
 std::string short_number(double value);
 std::string short_time(double seconds);  // "12.3 ms"
+
+// The rung's name, marked where ratios are to it: "60° (default)", "level 2 (reference)".
+std::string marked_name(const LadderRecord& ladder, std::size_t rung);
+// The share of `threads` processors that `others` (processors' worth of other work) left no room
+// for on a machine of `processors`, 0 … 1.
+double share_taken(double others, int threads, int processors);
 
 // Where a rung stands, in words: "front", "dominated by trilinear", "tied with …", "exact".
 std::string standing_text(const LadderRecord& ladder, const RungRecord& rung);

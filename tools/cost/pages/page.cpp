@@ -64,11 +64,10 @@ std::string table_html(const LadderRecord& ladder) {
     for (std::size_t i = 0; i < ladder.rungs.size(); ++i) {
         const RungRecord& rung = ladder.rungs[i];
         html += fmt::format(
-            "<tr><td>{}{}</td><td>{}</td><td class=\"n\">{}</td><td "
+            "<tr><td>{}</td><td>{}</td><td class=\"n\">{}</td><td "
             "class=\"n\">{}</td>",
-            html_escaped(rung.name), i == ladder.reference ? " (default)" : "",
-            html_escaped(standing_text(ladder, rung)), short_time(rung.time.value),
-            ratio_text(rung.ratio));
+            html_escaped(marked_name(ladder, i)), html_escaped(standing_text(ladder, rung)),
+            short_time(rung.time.value), ratio_text(rung.ratio));
         for (const double e : rung.errors) html += "<td class=\"n\">" + short_number(e) + "</td>";
         html += "</tr>\n";
     }
@@ -92,12 +91,14 @@ std::string section_html(const LadderRecord& ladder, std::size_t number) {
     html += "<li>Plotted: " + html_escaped(heading(m)) +
             (m.domain.empty() ? "" : ", " + html_escaped(m.domain)) + ".</li>";
     if (ladder.floor)
-        html += "<li>Dashed line at " + short_number(*ladder.floor) + ": " +
-                html_escaped(ladder.floor_text) + ".</li>";
+        html += std::string(layout_of(ladder).floor > 0 ? "<li>Dashed line at "
+                                                        : "<li>Floor, far from what is plotted: ") +
+                short_number(*ladder.floor) + ": " + html_escaped(ladder.floor_text) + ".</li>";
     html += fmt::format(
-        "<li>{} rounds; the default setting measured a second time: {} of its own "
+        "<li>{} rounds; the {} setting measured a second time: {} of its own "
         "time.</li></ul>",
-        ladder.control.size(), ratio_text(ladder.control_ratio));
+        ladder.control.size(), ladder.reference_is_default ? "default" : "reference",
+        ratio_text(ladder.control_ratio));
     html += "<details><summary>Commands</summary><ul>";
     for (const RungRecord& rung : ladder.rungs)
         html += "<li><code>meshprep " + html_escaped(rung.command) + "</code></li>";
@@ -161,13 +162,13 @@ std::string cost_csv(const CostTable& table) {
 
 std::vector<std::vector<std::string>> cost_rows(const LadderRecord& ladder) {
     std::vector<std::vector<std::string>> rows = {
-        {"setting", "where it stands", "time", "to the default"}};
+        {"setting", "where it stands", "time",
+         ladder.reference_is_default ? "to the default" : "to the reference"}};
     for (const Metric& m : ladder.metrics) rows[0].push_back(heading(m));
     for (std::size_t i = 0; i < ladder.rungs.size(); ++i) {
         const RungRecord& rung = ladder.rungs[i];
-        std::vector<std::string> row = {rung.name + (i == ladder.reference ? " (default)" : ""),
-                                        standing_text(ladder, rung), short_time(rung.time.value),
-                                        ratio_text(rung.ratio)};
+        std::vector<std::string> row = {marked_name(ladder, i), standing_text(ladder, rung),
+                                        short_time(rung.time.value), ratio_text(rung.ratio)};
         for (const double e : rung.errors) row.push_back(short_number(e));
         rows.push_back(std::move(row));
     }

@@ -58,9 +58,17 @@ struct Box {
     bool meets(const Box& b) const { return x0 < b.x1 && b.x0 < x1 && y0 < b.y1 && b.y0 < y1; }
 };
 
-std::string point_class(const LadderRecord& ladder, const RungRecord& rung) {
-    if (on_lane(ladder, rung)) return "exact";
+std::string point_class(const RungRecord& rung) {
+    if (rung.exact) return "exact";
     return word_for(rung.verdict.standing);
+}
+
+// What stands on the lane: rungs that are exact, rungs without error, or both.
+std::string lane_text(const LadderRecord& ladder, const PlotLayout& plot) {
+    bool exact = false, without = false;
+    for (const PlotPoint& p : plot.points)
+        if (p.on_lane) (ladder.rungs[p.rung].exact ? exact : without) = true;
+    return exact && without ? "exact, 0" : exact ? "exact" : "0";
 }
 
 double text_width(const std::string& text) {  // in the plot's units, about
@@ -284,8 +292,9 @@ std::string plot_svg(const LadderRecord& ladder, bool alone) {
         svg += fmt::format(
             "<line class=\"rule\" x1=\"{0:g}\" x2=\"{1:g}\" y1=\"{2:g}\" "
             "y2=\"{2:g}\"/><text x=\"{3:g}\" y=\"{4:g}\" "
-            "text-anchor=\"end\">exact</text>\n",
-            plot.left, plot.right, plot.lane - 14, plot.left - 6, plot.lane + 4);
+            "text-anchor=\"end\">{5}</text>\n",
+            plot.left, plot.right, plot.lane - 14, plot.left - 6, plot.lane + 4,
+            lane_text(ladder, plot));
     svg += fmt::format(
         "<rect class=\"frame\" x=\"{:g}\" y=\"{:g}\" width=\"{:g}\" height=\"{:g}\"/>\n", plot.left,
         plot.top, plot.right - plot.left, plot.bottom - plot.top);
@@ -307,7 +316,7 @@ std::string plot_svg(const LadderRecord& ladder, bool alone) {
     // Points last, and each with its tooltip: whatever is pointed at lies above the rest.
     for (const PlotPoint& p : plot.points) {
         const RungRecord& rung = ladder.rungs[p.rung];
-        const std::string kind = point_class(ladder, rung);
+        const std::string kind = point_class(rung);
         svg += fmt::format(
             "<g class=\"p {}\" tabindex=\"0\" role=\"img\" data-rung=\"{}\" aria-label=\"{}, {}, "
             "error {}, {}\"><line class=\"interval\" x1=\"{:.2f}\" x2=\"{:.2f}\" y1=\"{:.2f}\" "

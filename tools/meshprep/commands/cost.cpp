@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <map>
+#include <optional>
+#include <set>
 #include <thread>
 
 #include "cost/pages/page.h"
@@ -30,8 +32,19 @@ struct CostCommand {
     std::vector<std::string> ladders;  // none: all
     std::filesystem::path page, csv, svg, from;
     bool list = false;
-    int rounds = 0;
-    float seconds = 12;
+    int rounds = 0;  // 0: not given
+    std::optional<float> seconds;
+};
+
+struct Failure {
+    std::string ladder, subject;
+    Error error;
+};
+
+// What could be measured, and what could not.
+struct Measured {
+    cost::CostTable table;
+    std::vector<Failure> failures;
 };
 
 std::vector<std::string> ladder_names() {
@@ -70,59 +83,53 @@ Result<Tried> load(const std::filesystem::path& path, const CommonOptions& commo
     return tried;
 }
 
-class Run {
-  public:
-    Run(const CostCommand& command, Console& console) : command_(command), console_(console) {}
+Result<cost::LadderRecord> measured(const cost::LadderRow& row, const cost::Subject& subject,
+                                    const CostCommand& command) {
+    const Result<cost::Ladder> ladder = row.make(subject);
+    if (!ladder) return ladder.error();
+    cost::TimingOptions options;
+    options.rounds = command.rounds;
+    options.seconds = double(command.seconds.value_or(12.0f));
+    if (subject.threads == 1) options.least_share = 0.95;
+    cost::SystemClock clock;
+    return cost::climb(*ladder, subject.threads, options, clock);
+}
 
-    Result<cost::CostTable> table() {
-        table_.version = std::string(prep::version());
-        table_.processor = cost::processor_name();
-        table_.threads = command_.common.threads > 0
-                             ? command_.common.threads
-                             : std::max(1, int(std::thread::hardware_concurrency()));
-        std::vector<Tried> tried;
-        for (const std::filesystem::path& path : command_.inputs) {
-            Result<Tried> one = load(path, command_.common, console_);
-            if (!one) return one.error();
-            tried.push_back(*std::move(one));
-        }
-        for (const cost::LadderRow& row : cost::ladder_rows()) {
-            if (!wanted(command_, row.name)) continue;
-            if (!row.of_meshes || tried.empty()) {
-                if (const Result<void> done = climb(row, {"", nullptr, table_.threads}); !done)
-                    return done.error();
-                continue;
-            }
+// Errors: files that cannot be read, before anything is measured. What a ladder cannot be tried on
+// is a failure of that ladder; the others go on.
+Result<Measured> measured_table(const CostCommand& command, Console& console) {
+    Measured out;
+    out.table.version = std::string(prep::version());
+    out.table.processor = cost::processor_name();
+    out.table.threads = command.common.threads > 0
+                            ? command.common.threads
+                            : std::max(1, int(std::thread::hardware_concurrency()));
+    std::vector<Tried> tried;
+    for (const std::filesystem::path& path : command.inputs) {
+        Result<Tried> one = load(path, command.common, console);
+        if (!one) return one.error();
+        tried.push_back(*std::move(one));
+    }
+    for (const cost::LadderRow& row : cost::ladder_rows()) {
+        if (!wanted(command, row.name)) continue;
+        std::vector<cost::Subject> subjects;
+        if (row.of_meshes)
             for (const Tried& one : tried)
-                if (const Result<void> done = climb(row, {one.name, &one.mesh, table_.threads});
-                    !done)
-                    return done.error();
+                subjects.push_back({one.name, &one.mesh, out.table.threads});
+        if (subjects.empty()) subjects.push_back({"", nullptr, out.table.threads});
+        for (const cost::Subject& subject : subjects) {
+            console.progress(command.common, fmt::format("{} …", row.name));
+            Result<cost::LadderRecord> record = measured(row, subject, command);
+            if (record)
+                out.table.ladders.push_back(*std::move(record));
+            else
+                out.failures.push_back({row.name, subject.name, record.error()});
         }
-        console_.progress(command_.common, "");
-        cost::derive(table_);
-        return std::move(table_);
     }
-
-  private:
-    Result<void> climb(const cost::LadderRow& row, const cost::Subject& subject) {
-        console_.progress(command_.common, fmt::format("{} …", row.name));
-        const Result<cost::Ladder> ladder = row.make(subject);
-        if (!ladder) return ladder.error();
-        cost::TimingOptions options;
-        options.rounds = command_.rounds;
-        options.seconds = double(command_.seconds);
-        if (table_.threads == 1) options.least_share = 0.95;
-        cost::SystemClock clock;
-        Result<cost::LadderRecord> record = cost::climb(*ladder, options, clock);
-        if (!record) return record.error();
-        table_.ladders.push_back(*std::move(record));
-        return {};
-    }
-
-    const CostCommand& command_;
-    Console& console_;
-    cost::CostTable table_;
-};
+    console.progress(command.common, "");
+    cost::derive(out.table);
+    return out;
+}
 
 Result<cost::CostTable> read_table(const std::filesystem::path& path) {
     if (const Result<void> there = require_file(path); !there) return there.error();
@@ -135,12 +142,54 @@ Result<cost::CostTable> read_table(const std::filesystem::path& path) {
     return table;
 }
 
-// Before anything is measured: minutes are not to be lost to a place that cannot be written.
-Result<void> make_places(const CostCommand& command, OutputDirectories& directories) {
+// The plots that --svg writes, by the order of the table.
+std::vector<std::filesystem::path> plot_files(const std::filesystem::path& directory,
+                                              const std::vector<std::string>& ladders) {
+    std::vector<std::filesystem::path> files;
+    std::map<std::string, int> times;  // several meshes: the ladder once for each
+    for (const std::string& ladder : ladders) {
+        const int before = times[ladder]++;
+        files.push_back(directory /
+                        (ladder + (before > 0 ? fmt::format("-{}", before + 1) : "") + ".svg"));
+    }
+    return files;
+}
+
+// No output may be an input, nor two outputs one file.
+Result<void> keep_apart(const std::vector<std::filesystem::path>& inputs,
+                        const std::vector<std::filesystem::path>& outputs) {
+    std::set<std::filesystem::path> read, written;
+    for (const std::filesystem::path& path : inputs)
+        if (!is_standard_stream(path)) read.insert(identity(path));
+    for (const std::filesystem::path& path : outputs) {
+        if (is_standard_stream(path))
+            return Error{ErrorCode::invalid,
+                         "only --json writes to standard output; give the name of a file", "-"};
+        if (read.count(identity(path)) != 0)
+            return Error{ErrorCode::invalid, "the output is also an input; give another name",
+                         path.string()};
+        if (!written.insert(identity(path)).second)
+            return Error{ErrorCode::invalid,
+                         "two outputs would be written here; give one of them another name",
+                         path.string()};
+    }
+    return {};
+}
+
+// Before anything is measured: minutes are not to be lost to a file that cannot be written.
+// `ladders`: whose plots will be written, as far as that is known.
+Result<void> prepare_outputs(const CostCommand& command, const std::vector<std::string>& ladders,
+                             OutputDirectories& directories) {
+    std::vector<std::filesystem::path> inputs = command.inputs, files, plots;
+    if (!command.from.empty()) inputs.push_back(command.from);
+    for (const std::filesystem::path& file : {command.csv, command.page})
+        if (!file.empty()) files.push_back(file);
+    if (!command.svg.empty()) plots = plot_files(command.svg, ladders);
+    plots.insert(plots.end(), files.begin(), files.end());
+    if (const Result<void> apart = keep_apart(inputs, plots); !apart) return apart.error();
     if (!command.svg.empty())
         if (const Result<void> made = directories.make(command.svg); !made) return made.error();
-    for (const std::filesystem::path& file : {command.csv, command.page}) {
-        if (file.empty()) continue;
+    for (const std::filesystem::path& file : files) {
         if (const Result<void> made = directories.make_for(file); !made) return made.error();
         std::error_code ec;
         if (std::filesystem::is_directory(file, ec))
@@ -149,22 +198,35 @@ Result<void> make_places(const CostCommand& command, OutputDirectories& director
     return {};
 }
 
+// By the command: of several meshes, a ladder of meshes has a plot for each.
+std::vector<std::string> ladders_to_come(const CostCommand& command) {
+    std::vector<std::string> names;
+    for (const cost::LadderRow& row : cost::ladder_rows())
+        if (wanted(command, row.name))
+            names.insert(names.end(),
+                         row.of_meshes ? std::max<std::size_t>(command.inputs.size(), 1) : 1,
+                         row.name);
+    return names;
+}
+
+std::vector<std::string> ladders_of(const cost::CostTable& table) {
+    std::vector<std::string> names;
+    for (const cost::LadderRecord& ladder : table.ladders) names.push_back(ladder.name);
+    return names;
+}
+
 Result<void> write_text(const std::filesystem::path& path, const std::string& text) {
     return prep::write_file(path, std::as_bytes(std::span<const char>(text.data(), text.size())));
 }
 
 Result<void> write_outputs(const CostCommand& command, const cost::CostTable& table) {
     if (!command.svg.empty()) {
-        std::map<std::string, int> times;  // several meshes: the ladder once for each
-        for (const cost::LadderRecord& ladder : table.ladders) {
-            const int before = times[ladder.name]++;
-            const std::string name =
-                ladder.name + (before > 0 ? fmt::format("-{}", before + 1) : "") + ".svg";
+        const auto files = plot_files(command.svg, ladders_of(table));
+        for (std::size_t i = 0; i < files.size(); ++i)
             if (const Result<void> written =
-                    write_text(command.svg / name, cost::plot_svg(ladder, true));
+                    write_text(files[i], cost::plot_svg(table.ladders[i], true));
                 !written)
                 return written.error();
-        }
     }
     if (!command.csv.empty())
         if (const Result<void> written = write_text(command.csv, cost::cost_csv(table)); !written)
@@ -175,7 +237,7 @@ Result<void> write_outputs(const CostCommand& command, const cost::CostTable& ta
     return {};
 }
 
-void say(const CostCommand& command, const cost::CostTable& table, Console& console) {
+void print_tables(const CostCommand& command, const cost::CostTable& table, Console& console) {
     for (const cost::LadderRecord& ladder : table.ladders) {
         console.result(command.common, fmt::format("{}: {}", ladder.title, ladder.subject));
         const auto rows = cost::cost_rows(ladder);
@@ -185,7 +247,6 @@ void say(const CostCommand& command, const cost::CostTable& table, Console& cons
         for (const std::string& note : ladder.notes) console.result(command.common, "  " + note);
         console.result(command.common, "");
     }
-    if (!command.page.empty()) console.result(command.common, "page: " + command.page.string());
 }
 
 int list_ladders(const CostCommand& command, Console& console) {
@@ -202,33 +263,49 @@ int list_ladders(const CostCommand& command, Console& console) {
     return exit_done;
 }
 
+int fail(const CostCommand& command, const Error& error, Json document, Console& console) {
+    console.error(error);
+    document["error"] = to_json(error);
+    if (command.common.json) console.json(json_text(document));
+    return exit_failed;
+}
+
 int run(const CostCommand& command, Console& console) {
     if (command.list) return list_ladders(command, console);
     OutputDirectories directories;
-    const auto made = [&]() -> Result<cost::CostTable> {
-        if (const Result<void> places = make_places(command, directories); !places)
-            return places.error();
-        Result<cost::CostTable> table =
-            command.from.empty() ? Run(command, console).table() : read_table(command.from);
-        if (!table) return table;
-        if (const Result<void> written = write_outputs(command, *table); !written)
-            return written.error();
-        return table;
-    };
-    const Result<cost::CostTable> table = made();
-    console.progress(command.common, "");
-    if (!table) {
-        console.error(table.error());
-        if (command.common.json) {
-            Json document = json_head("cost");
-            document["error"] = to_json(table.error());
-            console.json(json_text(document));
+    const auto made = [&]() -> Result<Measured> {
+        Measured out;
+        if (!command.from.empty()) {
+            Result<cost::CostTable> table = read_table(command.from);
+            if (!table) return table.error();
+            out.table = *std::move(table);
         }
-        return exit_failed;
+        const std::vector<std::string> ladders =
+            command.from.empty() ? ladders_to_come(command) : ladders_of(out.table);
+        if (const Result<void> good = prepare_outputs(command, ladders, directories); !good)
+            return good.error();
+        return command.from.empty() ? measured_table(command, console) : Result(std::move(out));
+    };
+    const Result<Measured> result = made();
+    console.progress(command.common, "");
+    if (!result) return fail(command, result.error(), json_head("cost"), console);
+    const cost::CostTable& table = result->table;
+    if (table.ladders.empty() && !result->failures.empty())
+        return fail(command, result->failures[0].error, json_head("cost"), console);
+    // What was measured is shown, even if not all of it was, or it cannot be written.
+    print_tables(command, table, console);
+    Json document = to_json(table);
+    for (const Failure& failure : result->failures) {
+        console.error(failure.error);
+        document["failed"].push_back({{"ladder", failure.ladder},
+                                      {"subject", failure.subject},
+                                      {"error", to_json(failure.error)}});
     }
-    say(command, *table, console);
-    if (command.common.json) console.json(json_text(to_json(*table)));
-    return exit_done;
+    if (const Result<void> written = write_outputs(command, table); !written)
+        return fail(command, written.error(), std::move(document), console);
+    if (!command.page.empty()) console.result(command.common, "page: " + command.page.string());
+    if (command.common.json) console.json(json_text(document));
+    return result->failures.empty() ? exit_done : exit_failed;
 }
 
 void define(OptionSet& options, CostCommand& c) {
@@ -256,9 +333,9 @@ void define(OptionSet& options, CostCommand& c) {
     options.path("--from", c.from, "TIMES.json",
                  "Measure nothing: make everything again from what --json wrote");
     options.number("--rounds", c.rounds, 1, 1000, "N",
-                   "As many rounds (default: 7 or more, until ratios are known to 5 %)");
+                   "As many rounds (default: 8 or more, until ratios are known to 5 %)");
     options.number("--seconds", c.seconds, 0.0, 86400.0, "S",
-                   "Stop a ladder's rounds after so long, but not before three (default 12)");
+                   "Stop a ladder's rounds after so long, but not before eight (default 12)");
     add_input_options(options, c.common);
     add_loading_options(options, c.common.load);
     add_common_options(options, c.common);
@@ -271,6 +348,13 @@ void define(OptionSet& options, CostCommand& c) {
 void check(const CostCommand& c) {
     if (!c.from.empty() && (!c.inputs.empty() || !c.ladders.empty() || c.list))
         usage_error("--from", "measures nothing; it takes no files, no --ladder and no --list");
+    if (!c.from.empty() && (c.rounds > 0 || c.seconds || c.common.threads > 0))
+        usage_error("--from", "measures nothing; it takes no --rounds, --seconds or --threads");
+    if (c.list || c.inputs.empty()) return;
+    for (const cost::LadderRow& row : cost::ladder_rows())
+        if (row.of_meshes && wanted(c, row.name)) return;
+    usage_error(c.inputs[0].string(),
+                "none of these ladders is tried on files; --list says which are");
 }
 
 }  // namespace

@@ -88,13 +88,6 @@ std::vector<Input> list_inputs(const JobRequest& request) {
     return inputs;
 }
 
-// The same file whatever way it is named.
-fs::path identity(const fs::path& path) {
-    std::error_code ec;
-    const fs::path canonical = fs::weakly_canonical(path, ec);
-    return ec ? fs::absolute(path).lexically_normal() : canonical;
-}
-
 bool names_directory(const JobRequest& request, std::size_t input_count) {
     std::error_code ec;
     if (fs::is_directory(request.output, ec)) return true;
@@ -256,6 +249,12 @@ Result<void> require_file(const fs::path& path) {
     if (::access(path.c_str(), R_OK) != 0)
         return Error{ErrorCode::io, "no permission to read this file", path.string()};
     return {};
+}
+
+fs::path identity(const fs::path& path) {
+    std::error_code ec;
+    const fs::path canonical = fs::weakly_canonical(path, ec);
+    return ec ? fs::absolute(path).lexically_normal() : canonical;
 }
 
 bool is_standard_stream(const fs::path& path) {

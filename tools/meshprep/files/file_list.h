@@ -47,6 +47,9 @@ prep::Result<JobList> plan_jobs(const JobRequest& request);
 // `path` must be there and be a file that can be read. For messages before the libraries' own.
 prep::Result<void> require_file(const std::filesystem::path& path);
 
+// The same path for the same file, whatever way it is named; it need not be there.
+std::filesystem::path identity(const std::filesystem::path& path);
+
 bool is_standard_stream(const std::filesystem::path& path);  // "-"
 bool is_packed(const std::filesystem::path& path);           // .gz, .zip
 // Whether a directory is meant to be read for this file.

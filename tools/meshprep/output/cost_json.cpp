@@ -9,7 +9,12 @@ namespace {
 using prep::Error;
 using prep::ErrorCode;
 
-// JSON knows no infinity: a number that is not finite is told in words.
+// What a table may hold, so that no document takes long, and no coordinate of a plot overflows.
+// Times from a picosecond to 30 years.
+constexpr std::size_t most_ladders = 1000, most_rungs = 64, most_metrics = 64, most_rounds = 1000;
+constexpr double least_time = 1e-12, most_time = 1e9, largest_error = 1e300;
+
+// JSON knows no infinity: a number that is not finite is a string.
 Json number(double value) {
     if (std::isnan(value)) return "nan";
     if (std::isinf(value)) return value > 0 ? "inf" : "-inf";
@@ -25,7 +30,8 @@ Json interval(const cost::Estimate& e) {
 }
 
 // Reads members of objects; the first thing that is wrong stays as the error.
-class Reader {
+// Such as it is in the document: the table's fields, checked.
+class CheckedDocument {
   public:
     std::optional<Error> error;
 
@@ -56,18 +62,28 @@ class Reader {
         complain(pointer + "/" + name, "is neither true nor false");
         return false;
     }
-    // Where `least` is 0 also "inf" and "nan" are numbers, as number() writes them.
-    double real(const Json& value, const std::string& pointer, double least) {
+    double real(const Json& value, const std::string& pointer, double least, double most) {
         if (value.is_number()) {
             const double v = value.get<double>();
-            if (v >= least && std::isfinite(v)) return v;
-        } else if (value == "inf") {
-            return std::numeric_limits<double>::infinity();
-        } else if (value == "nan") {
-            return std::numeric_limits<double>::quiet_NaN();
+            if (v >= least && v <= most) return v;
         }
         complain(pointer, "is no number that is possible here");
         return 0;
+    }
+    // As number() writes them: any number, also "inf", "-inf" and "nan".
+    double error_value(const Json& value, const std::string& pointer) {
+        if (value == "inf") return std::numeric_limits<double>::infinity();
+        if (value == "-inf") return -std::numeric_limits<double>::infinity();
+        if (value == "nan") return std::numeric_limits<double>::quiet_NaN();
+        return real(value, pointer, -largest_error, largest_error);
+    }
+    const Json& list_of(const Json& object, const std::string& pointer, const char* name,
+                        std::size_t most) {
+        static const Json empty = Json::array();
+        const Json& values = list(object, pointer, name);
+        if (values.size() <= most) return values;
+        complain(pointer + "/" + name, "has more than " + std::to_string(most) + " entries");
+        return empty;
     }
     std::size_t count(const Json& object, const std::string& pointer, const char* name,
                       std::size_t most) {
@@ -77,15 +93,13 @@ class Reader {
         complain(pointer + "/" + name, "is no whole number up to " + std::to_string(most));
         return 0;
     }
-    // Times: above 0 and finite.
+    // By round.
     std::vector<double> times(const Json& object, const std::string& pointer, const char* name) {
         std::vector<double> out;
-        const Json& values = list(object, pointer, name);
+        const Json& values = list_of(object, pointer, name, most_rounds);
         for (std::size_t i = 0; i < values.size(); ++i) {
             const std::string at = pointer + "/" + name + "/" + std::to_string(i);
-            const double v = real(values[i], at, std::numeric_limits<double>::min());
-            if (!std::isfinite(v)) complain(at, "is no time");
-            out.push_back(v);
+            out.push_back(real(values[i], at, least_time, most_time));
         }
         return out;
     }
@@ -96,15 +110,15 @@ class Reader {
     }
 };
 
-cost::RungRecord rung_from(Reader& read, const Json& json, const std::string& at,
+cost::RungRecord rung_from(CheckedDocument& read, const Json& json, const std::string& at,
                            std::size_t metrics) {
     cost::RungRecord rung;
     rung.name = read.text(json, at, "name");
     rung.command = read.text(json, at, "command");
     rung.exact = read.truth(json, at, "exact");
-    const Json& errors = read.list(json, at, "errors");
+    const Json& errors = read.list_of(json, at, "errors", most_metrics);
     for (std::size_t i = 0; i < errors.size(); ++i)
-        rung.errors.push_back(read.real(errors[i], at + "/errors/" + std::to_string(i), -1e300));
+        rung.errors.push_back(read.error_value(errors[i], at + "/errors/" + std::to_string(i)));
     if (errors.size() != metrics)
         read.complain(at + "/errors", "has " + std::to_string(errors.size()) + " numbers for " +
                                           std::to_string(metrics) + " metrics");
@@ -113,7 +127,7 @@ cost::RungRecord rung_from(Reader& read, const Json& json, const std::string& at
     return rung;
 }
 
-cost::LadderRecord ladder_from(Reader& read, const Json& json, const std::string& at) {
+cost::LadderRecord ladder_from(CheckedDocument& read, const Json& json, const std::string& at) {
     cost::LadderRecord ladder;
     ladder.name = read.text(json, at, "name");
     // It becomes the name of a file.
@@ -131,7 +145,7 @@ cost::LadderRecord ladder_from(Reader& read, const Json& json, const std::string
         else
             ladder.timed.push_back(part.get<std::string>());
     }
-    const Json& metrics = read.list(json, at, "metrics");
+    const Json& metrics = read.list_of(json, at, "metrics", most_metrics);
     for (std::size_t i = 0; i < metrics.size(); ++i) {
         const std::string place = at + "/metrics/" + std::to_string(i);
         ladder.metrics.push_back({read.text(metrics[i], place, "name"),
@@ -141,10 +155,11 @@ cost::LadderRecord ladder_from(Reader& read, const Json& json, const std::string
     if (metrics.empty()) read.complain(at + "/metrics", "is empty");
     ladder.primary = read.count(json, at, "primary", metrics.empty() ? 0 : metrics.size() - 1);
     const Json& floor = read.member(json, at, "floor");
-    if (!floor.is_null()) ladder.floor = read.real(floor, at + "/floor", 0);
+    if (!floor.is_null()) ladder.floor = read.real(floor, at + "/floor", 0, largest_error);
     ladder.floor_text = read.text(json, at, "floor_is");
-    const Json& rungs = read.list(json, at, "rungs");
+    const Json& rungs = read.list_of(json, at, "rungs", most_rungs);
     ladder.reference = read.count(json, at, "reference", rungs.empty() ? 0 : rungs.size() - 1);
+    ladder.reference_is_default = read.truth(json, at, "reference_is_default");
     ladder.control = read.times(json, at, "control_seconds");
     if (rungs.empty()) read.complain(at + "/rungs", "is empty");
     for (std::size_t i = 0; i < rungs.size(); ++i) {
@@ -153,8 +168,11 @@ cost::LadderRecord ladder_from(Reader& read, const Json& json, const std::string
         if (ladder.rungs.back().seconds.size() != ladder.control.size() || ladder.control.empty())
             read.complain(place + "/seconds", "has not as many rounds as control_seconds");
     }
-    ladder.wall = read.real(read.member(json, at, "wall_seconds"), at + "/wall_seconds", 0);
-    ladder.cpu = read.real(read.member(json, at, "cpu_seconds"), at + "/cpu_seconds", 0);
+    ladder.wall =
+        read.real(read.member(json, at, "wall_seconds"), at + "/wall_seconds", 0, most_time);
+    ladder.cpu = read.real(read.member(json, at, "cpu_seconds"), at + "/cpu_seconds", 0, most_time);
+    ladder.taken =
+        read.real(read.member(json, at, "taken_by_others"), at + "/taken_by_others", 0, 1);
     ladder.narrow = read.truth(json, at, "narrow");
     ladder.measurements = int(read.count(json, at, "measurements", 1000000000));
     ladder.retries = int(read.count(json, at, "taken_again", 1000000000));
@@ -184,6 +202,7 @@ Json to_json(const cost::CostTable& table) {
         l["floor"] = ladder.floor ? number(*ladder.floor) : Json();
         l["floor_is"] = ladder.floor_text;
         l["reference"] = ladder.reference;
+        l["reference_is_default"] = ladder.reference_is_default;
         l["rungs"] = Json::array();
         for (const cost::RungRecord& rung : ladder.rungs) {
             Json r;
@@ -204,6 +223,7 @@ Json to_json(const cost::CostTable& table) {
         l["control_seconds"] = numbers(ladder.control);
         l["wall_seconds"] = number(ladder.wall);
         l["cpu_seconds"] = number(ladder.cpu);
+        l["taken_by_others"] = number(ladder.taken);
         l["narrow"] = ladder.narrow;
         l["measurements"] = ladder.measurements;
         l["taken_again"] = ladder.retries;
@@ -217,13 +237,13 @@ prep::Result<cost::CostTable> cost_table_from(std::string_view text) {
     const Json json = Json::parse(text, nullptr, false);
     if (json.is_discarded())
         return Error{ErrorCode::syntax, "is no JSON; give a file that cost --json wrote", ""};
-    Reader read;
+    CheckedDocument read;
     if (read.text(json, "", "command") != "cost") read.complain("/command", "is not 'cost'");
     cost::CostTable table;
     table.version = read.text(json, "", "version");
     table.processor = read.text(json, "", "processor");
     table.threads = int(read.count(json, "", "threads", 4096));
-    const Json& ladders = read.list(json, "", "ladders");
+    const Json& ladders = read.list_of(json, "", "ladders", most_ladders);
     for (std::size_t i = 0; i < ladders.size() && !read.error; ++i)
         table.ladders.push_back(ladder_from(read, ladders[i], "/ladders/" + std::to_string(i)));
     if (read.error) return *read.error;
