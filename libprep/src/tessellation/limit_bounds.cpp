@@ -104,18 +104,17 @@ void NormalCurvature::widen(const BezierPatch& patch, const glm::dvec3& e,
     vv_ = std::max(vv_, derivative(vv, 20 * factor.y * factor.y).across);
 }
 
-// Largest |n − e|.
-double cone_about(const BezierPatch& patch, const glm::dvec3& e) {
-    const NormalNet net = normal_net(patch);
+// Largest |n − e|; `error`: what roundings may have moved the net's points by.
+double cone_about(const NormalNet& net, const glm::dvec3& e, double error) {
     double along = std::numeric_limits<double>::infinity(), across = 0;
     for (const glm::dvec3& x : net.n) {
         const double by_e = glm::dot(x, e);
         along = std::min(along, by_e);
         across = std::max(across, glm::length(x - by_e * e));
     }
-    along -= net.error;
+    along -= error;
     if (!(along > 0)) return no_bound;
-    return std::min(no_bound, (across + net.error) / along);
+    return std::min(no_bound, (across + error) / along);
 }
 
 // The linear function of a triangle.
@@ -165,7 +164,8 @@ glm::dvec3 axis_of(const BezierPatch& patch, const LimitTriangle& triangle) {
 // Of first order: how far the normal turns within the patch, and between it and the corners.
 double cone_deviation(const BezierPatch& patch, const LimitTriangle& triangle) {
     const glm::dvec3 e = axis_of(patch, triangle);
-    return cone_about(patch, e) + farthest(e, triangle.normals);
+    const NormalNet net = normal_net(patch);
+    return cone_about(net, e, net.error) + farthest(e, triangle.normals);
 }
 
 BaseDeviation at_vertex(const ChannelSurface& surface, const RingCones* cones,
@@ -215,6 +215,8 @@ RingCones::RingCones(const ChannelSurface& surface, int threads) {
             float* const cones = cones_.data() + first_[r] * std::size_t(levels);
             RingLevels walked;
             walked.start(ring, 3, surface.rings.level(surface.tree, std::uint32_t(r), 0));
+            // Without a margin: where rings grow thin, level by level, roundings are in the end as
+            // large as they are wide, here and in what evaluation takes for the normal.
             for (int k = 0; k < levels; ++k) {
                 const double* const rings = walked.level(k);
                 const double* const next = walked.after();
@@ -222,7 +224,7 @@ RingCones::RingCones(const ChannelSurface& surface, int threads) {
                     double most = 0;
                     for (const BezierPatch& patch :
                          ring_level_patches(ring.shape, rings, next, j, k))
-                        most = std::max(most, cone_about(patch, normal));
+                        most = std::max(most, cone_about(normal_net(patch), normal, 0));
                     cones[std::size_t(j) * levels + std::size_t(k)] =
                         std::nextafter(float(most), std::numeric_limits<float>::infinity());
                 }
