@@ -118,6 +118,30 @@ TEST(BilinearDeviation, HasTheTopOfAnEdgesParabola) {
     EXPECT_GE(d.upper, 0.5);
 }
 
+// Large raw heights that the mid-level takes away: interpolation rounds them before that.
+TEST(BilinearDeviation, HasAMarginForHeightsThatCancel) {
+    std::mt19937 random(8);
+    const Image image =
+        picture(4, 4, [&](auto, auto) { return 16777000.0 + double(random() % 2); });
+    HeightMapOptions options = plain(HeightFilter::bilinear, Wrap::clamp);
+    options.midlevel = 16777000.5;
+    const auto map = HeightMap::make(image, options);
+    ASSERT_TRUE(map);
+    using Real = long double;
+    for (int k = 0; k < 500; ++k) {
+        const double x = 1 + 0.98 * part(random), y = 1 + 0.98 * part(random);
+        const glm::dvec2 uv((x + 0.5) / 4, (y + 0.5) / 4);
+        const auto texel = [&](std::size_t i, std::size_t j) {
+            return Real(image.pixels[4 * j + i]) - Real(options.midlevel);
+        };
+        // Of the coordinates that the map makes of these.
+        const Real fx = Real(uv.x * 4 - 0.5) - 1, fy = Real(uv.y * 4 - 0.5) - 1;
+        const Real height = (1 - fy) * ((1 - fx) * texel(1, 1) + fx * texel(2, 1)) +
+                            fy * ((1 - fx) * texel(1, 2) + fx * texel(2, 2));
+        EXPECT_GE(Real(map->deviation({uv, uv, uv}, {{0, 0, 0}}, 0).upper), std::abs(height)) << k;
+    }
+}
+
 TEST(BilinearDeviation, LeavesTheRestToTheSearch) {
     detail::HeightMapData data;
     const auto map = [&](HeightFilter filter) {

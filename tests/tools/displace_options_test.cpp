@@ -189,6 +189,19 @@ TEST_F(Displace, HeightsThatDifferAcrossASeamAreTold) {
     ASSERT_EQ(met.ran.exit_code, 0) << met.ran.err;
     EXPECT_FALSE(met.has("seam-gap"));
     EXPECT_LE(met.certificate()["proved"].get<double>(), 0.6);
+    // The same in pixels, which the text then tells.
+    const Written pixels =
+        prepared(squares, {"--displace", steps, "--pixel-error", "2", "--camera", "0,30"});
+    ASSERT_EQ(pixels.ran.exit_code, 0) << pixels.ran.err;
+    EXPECT_TRUE(pixels.has("seam-gap"));
+    EXPECT_NE(pixels.file["findings"].dump().find("instead of 2 pixels"), std::string::npos)
+        << pixels.file["findings"];
+    EXPECT_EQ(pixels.certificate()["unresolved"], 0);
+    EXPECT_GT(pixels.certificate()["proved_pixels"].get<double>(), 50);
+    const Written seen =
+        prepared(squares, {"--displace", steps, "--pixel-error", "1000", "--camera", "0,30"});
+    ASSERT_EQ(seen.ran.exit_code, 0) << seen.ran.err;
+    EXPECT_FALSE(seen.has("seam-gap"));
 }
 
 TEST_F(Displace, WithoutAGoalAThousandthOfTheDiagonal) {

@@ -1,7 +1,7 @@
 // Seeded closed cages of any genus, displaced by the command with seams, mirrored charts, creases
 // and several materials; the written files are read by other programs and welded by bits: every
 // edge once each way, the cage's Euler number, no edge without length. MESHPREP_LONG_TESTS=1 takes
-// 200 cages.
+// 200 cages. Creases are infinitely sharp; no cage is seen in pixels.
 #include <assimp/scene.h>
 #include <gtest/gtest.h>
 

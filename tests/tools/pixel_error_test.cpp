@@ -148,10 +148,62 @@ TEST_F(PixelError, HoldsAllOverThePictureAndNoFartherThanNeeded) {
         EXPECT_FALSE(certificate_.contains("asked"));
         EXPECT_GT(mesh_.face_count(), last);
         last = mesh_.face_count();
-        // The near edge is some three times as near as the far one.
-        EXPECT_GT(e.anywhere,
-                  1.5 * asked * 2.6 * 2 * std::tan(35 * std::numbers::pi / 360) / 480 / 10);
     }
+}
+
+// Errors are as large as depths allow, so there are more triangles where the ground is near: to a
+// unit of area as one over the depth, which is three times as large in the far third.
+TEST_F(PixelError, NearGroundIsFinerThanFarGround) {
+    const Pinhole camera{.from = {1, 0.9, 2.3}, .at = {1, 0.1, 1}, .fov = 80};
+    ASSERT_NO_FATAL_FAILURE(
+        prepare("square.obj", {"--pixel-error", "0.5", "--look-from", "1,0.9,2.3", "--look-at",
+                               "1,0.1,1", "--fov", "80", "--size", "640x480"}));
+    struct Third {
+        double count = 0, area = 0, depth = 0;
+    };
+    std::array<Third, 3> thirds;
+    for (std::size_t f = 0; f < mesh_.face_count(); ++f) {
+        std::array<glm::dvec3, 3> p;
+        bool inside = true;
+        for (std::size_t k = 0; k < 3; ++k) {
+            p[k] = glm::dvec3(mesh_.positions[mesh_.corner_vertices[3 * f + k]]) + mesh_.origin;
+            inside = inside && camera(p[k]).inside;
+        }
+        if (!inside) continue;
+        const glm::dvec3 middle = (p[0] + p[1] + p[2]) / 3.0;
+        Third& third = thirds[std::size_t(std::clamp(middle.z * 1.5, 0.0, 2.0))];
+        const glm::dvec3 a = p[1] - p[0], b = p[2] - p[0];
+        third.area += 0.5 * std::abs(a.x * b.z - a.z * b.x);
+        third.depth += camera(middle).depth;
+        ++third.count;
+    }
+    const auto& far = thirds[0];
+    const auto& near = thirds[1];  // the nearest is mostly below the picture
+    ASSERT_GT(far.count, 100);
+    ASSERT_GT(near.count, 100);
+    const double depths = (far.depth / far.count) / (near.depth / near.count);
+    const double densities = (near.count / near.area) / (far.count / far.area);
+    EXPECT_GT(depths, 1.4);
+    EXPECT_GT(densities, 0.8 * depths) << depths;
+    EXPECT_LT(densities, 1.4 * depths) << depths;
+}
+
+// What no face has is not drawn, and frames nothing.
+TEST_F(PixelError, StrayVerticesFrameNothing) {
+    test::write_text(
+        dir_ / "stray.obj", "v 1000 0 0\n" + [] {
+            std::string moved = square;
+            const std::string face = "f 1/1 2/2 3/3 4/4";
+            return moved.replace(moved.find(face), face.size(), "f 2/1 3/2 4/3 5/4");
+        }());
+    std::array<std::size_t, 2> counts{};
+    for (const bool stray : {false, true}) {
+        ASSERT_NO_FATAL_FAILURE(prepare(stray ? "stray.obj" : "square.obj",
+                                        {"--pixel-error", "0.5", "--camera", "20,30"}));
+        counts[stray] = mesh_.face_count();
+    }
+    EXPECT_GT(counts[0], 1000U);
+    EXPECT_EQ(counts[0], counts[1]);
 }
 
 // In a valley of the relief: ground before, behind, beside and above the eye.
@@ -276,6 +328,18 @@ TEST_F(PixelError, MistakesAreUsageErrors) {
                                                     {"--pixel-error", "1", "--look-at", "0,0,0"}}) {
         EXPECT_EQ(run(options).exit_code, 2) << options[0];
     }
+    // The option that was given is the one that is named.
+    for (const auto& [option, value] :
+         {std::pair("--fov", "30"), std::pair("--ortho", "2"), std::pair("--look-from", "1,2,3")}) {
+        const test::Ran alone = run({option, value});
+        EXPECT_EQ(alone.exit_code, 2) << option;
+        EXPECT_NE(alone.err.find(option), std::string::npos) << alone.err;
+        EXPECT_EQ(alone.err.find("--camera"), std::string::npos) << alone.err;
+    }
+    const test::Ran fine =
+        run({"--displace", (dir_ / "map.exr").string(), "--pixel-error", "1e-7"});
+    EXPECT_EQ(fine.exit_code, 1);
+    EXPECT_NE(fine.err.find("pixels is finer than floats"), std::string::npos) << fine.err;
     const test::Ran none = run({"--pixel-error", "1", "--camera", "hall"});
     EXPECT_EQ(none.exit_code, 1);
     EXPECT_NE(none.err.find("no camera 'hall'"), std::string::npos) << none.err;

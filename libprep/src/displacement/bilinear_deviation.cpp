@@ -125,7 +125,13 @@ double deviation_slack(const HeightMapData& map, double largest_coordinate, doub
     const double range = std::abs(map.unit) * (double(all.high) - double(all.low));
     const double height =
         std::max(std::abs(map.height(double(all.low))), std::abs(map.height(double(all.high))));
-    return (largest_value + height) * 0x1p-47 + range * std::max(1.0, largest_coordinate) * 0x1p-48;
+    // Raw heights that the mid-level nearly takes away are interpolated before it does; where all
+    // are the same, interpolation gives that.
+    const double raw = range > 0 ? std::abs(map.unit) * std::max(std::abs(double(all.low)),
+                                                                 std::abs(double(all.high)))
+                                 : 0;
+    return (largest_value + height + raw) * 0x1p-47 +
+           range * std::max(1.0, largest_coordinate) * 0x1p-48;
 }
 
 std::optional<Deviation> bilinear_deviation(const HeightMapData& map,

@@ -14,6 +14,7 @@
 #include <limits>
 #include <vector>
 
+#include "displacement/bilinear_deviation.h"
 #include "displacement/height_data.h"
 #include "displacement/map_regions.h"
 
@@ -80,8 +81,6 @@ class TriangleDeviation {
     double threshold() const { return std::max(enough_, 1.1 * lower_); }
     static double size_of(int level) { return std::ldexp(double(cells_in_block), level); }
 
-    // What rounding can have moved: coordinates by some units in their last place, each of which is
-    // worth no more than the map's range a texel, and heights by some of theirs.
     double slack() const {
         double largest = 0, x = 1;
         for (std::size_t k = 0; k < 3; ++k) {
@@ -89,14 +88,9 @@ class TriangleDeviation {
             for (const double v : triangle_.corner[k].value)
                 largest = std::max(largest, std::abs(v));
         }
-        double range = 0, height = 0;
-        for (const HeightMapData* map : maps_) {
-            const HeightBlock& all = map->pyramid.levels.back().blocks[0];
-            range += std::abs(map->unit) * (double(all.high) - double(all.low));
-            height = std::max({height, std::abs(map->height(double(all.low))),
-                               std::abs(map->height(double(all.high)))});
-        }
-        return N * (largest + height) * 0x1p-47 + range * x * 0x1p-48;
+        double sum = 0;
+        for (const HeightMapData* map : maps_) sum += deviation_slack(*map, x, largest);
+        return sum;
     }
 
     // Part of `from` with sign · (coordinate − at) ≤ 0. Corners made here lie exactly on the

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -19,16 +20,26 @@ namespace prep::detail {
 struct NormalReview;
 struct TangentReview;
 
+// A node with a mesh, and what takes the node's space to the world's.
+struct MeshInstance {
+    std::uint32_t node = 0;
+    glm::dmat4 transform{1.0};
+};
+// By mesh; in order of nodes.
+std::vector<std::vector<MeshInstance>> instances_of(const Scene& scene);
+
 class MeshPreparation {
   public:
     MeshPreparation(const PrepareOptions& options, PreparedScene& out, StageLog& log,
-                    DisplacementMaps& maps, ResidualMaps* residuals, std::uint32_t index)
+                    DisplacementMaps& maps, ResidualMaps* residuals, std::uint32_t index,
+                    std::span<const MeshInstance> instances)
         : options_(options),
           out_(out),
           log_(log),
           maps_(maps),
           residuals_(residuals),
           index_(index),
+          instances_(instances),
           mesh_(out.scene.meshes[index]),
           need_(out.requirements[index]) {}
 
@@ -88,6 +99,7 @@ class MeshPreparation {
     DisplacementMaps& maps_;
     ResidualMaps* residuals_;  // null: none are asked for
     std::uint32_t index_;
+    std::span<const MeshInstance> instances_;  // read for errors in pixels alone
     Mesh& mesh_;
     const MeshRequirements& need_;
 

@@ -106,9 +106,14 @@ Result<PreparedScene> prepare(Scene scene, const PrepareOptions& options) {
             return std::move(checked).error();
         residuals.emplace(out.scene, *options.displacement.residual, options.threads);
     }
+    const bool in_pixels = options.tessellate && options.tessellation.pixel_error;
+    const auto instances =
+        in_pixels ? detail::instances_of(out.scene)
+                  : std::vector<std::vector<detail::MeshInstance>>(out.scene.meshes.size());
     for (std::uint32_t m = 0; m < out.scene.meshes.size(); ++m) {
         detail::ResidualMaps* const baked = residuals ? &*residuals : nullptr;
-        if (auto done = detail::MeshPreparation(options, out, log, maps, baked, m).run(); !done) {
+        auto done = detail::MeshPreparation(options, out, log, maps, baked, m, instances[m]).run();
+        if (!done) {
             Error error = std::move(done).error();
             if (error.place.empty()) error.place = "mesh '" + out.scene.meshes[m].name + "'";
             return error;

@@ -22,6 +22,22 @@ std::string goal_of(const TessellateOptions& options) {
     return text;
 }
 
+// "0.013 and 1.6 pixels are"
+std::string proved_of(const TessellationCertificate& c) {
+    if (!c.proved_pixels) return fmt::format("{:.3g} is", c.proved);
+    const std::string pixels = std::isfinite(*c.proved_pixels)
+                                   ? fmt::format("{:.3g} pixels", *c.proved_pixels)
+                                   : std::string("no number of pixels");
+    return c.asked ? fmt::format("{:.3g} and {} are", c.proved, pixels) : pixels + " are";
+}
+std::string asked_of(const TessellateOptions& options) {
+    std::string text;
+    if (options.chord_error) text = fmt::format("{:.3g}", *options.chord_error);
+    if (options.pixel_error)
+        text += fmt::format("{}{:.3g} pixels", text.empty() ? "" : " and ", *options.pixel_error);
+    return text;
+}
+
 bool has_goal(const TessellateOptions& options) {
     return options.chord_error || options.pixel_error || options.edge_length ||
            options.max_triangles;
@@ -47,15 +63,22 @@ Extent extent_of(const Mesh& mesh) {
 }
 
 // The screens of the world as each node with the mesh sees them; of a mesh without a node, one that
-// sees nothing.
-std::vector<ScreenMetric> screens_of(const Scene& scene, std::uint32_t index,
-                                     const std::vector<ScreenMetric>& world) {
+// sees nothing. Errors: invalid (a node's transform).
+Result<std::vector<ScreenMetric>> screens_of(const Scene& scene, std::uint32_t index,
+                                             std::span<const MeshInstance> instances,
+                                             const std::vector<ScreenMetric>& world) {
     std::vector<ScreenMetric> screens;
-    const std::vector<glm::dmat4> transforms = world_transforms(scene);
-    for (std::size_t n = 0; n < scene.nodes.size(); ++n) {
-        if (scene.nodes[n].mesh != index) continue;
-        glm::dmat4 transform = transforms[n];
+    constexpr double most = 1e30;  // their products are numbers
+    for (const MeshInstance& instance : instances) {
+        glm::dmat4 transform = instance.transform;
         transform[3] = transform * glm::dvec4(scene.meshes[index].origin, 1.0);
+        for (glm::length_t k = 0; k < 4; ++k)
+            if (!(glm::length(transform[k]) < most))
+                return Error{
+                    ErrorCode::invalid,
+                    "the transform of a node with a mesh is not finite or far too large: "
+                    "an error in pixels means nothing there",
+                    fmt::format("node {} '{}'", instance.node, scene.nodes[instance.node].name)};
         for (const ScreenMetric& metric : world) screens.push_back(transformed(metric, transform));
     }
     constexpr glm::dvec4 behind(0, 0, 0, -1);
@@ -64,6 +87,15 @@ std::vector<ScreenMetric> screens_of(const Scene& scene, std::uint32_t index,
 }
 
 }  // namespace
+
+std::vector<std::vector<MeshInstance>> instances_of(const Scene& scene) {
+    std::vector<std::vector<MeshInstance>> instances(scene.meshes.size());
+    const std::vector<glm::dmat4> transforms = world_transforms(scene);
+    for (std::uint32_t n = 0; n < scene.nodes.size(); ++n)
+        if (scene.nodes[n].mesh != no_index)
+            instances[scene.nodes[n].mesh].push_back({n, transforms[n]});
+    return instances;
+}
 
 Result<void> MeshPreparation::tessellate_mesh() {
     if (mesh_.face_count() == 0) {
@@ -93,7 +125,11 @@ Result<void> MeshPreparation::tessellate_mesh() {
     options.subdivision = options_.subdivision;
     options.hard_edges = options_.hard_edges;
     options.threads = options_.threads;
-    if (options.pixel_error) options.screens = screens_of(out_.scene, index_, options.screens);
+    if (options.pixel_error) {
+        auto screens = screens_of(out_.scene, index_, instances_, options.screens);
+        if (!screens) return std::move(screens).error();
+        options.screens = std::move(*screens);
+    }
     std::vector<std::string> pictures;
     if (asks_for_heights) {
         auto maps = log_.run("height maps", "displacement was asked for",
@@ -208,29 +244,31 @@ void MeshPreparation::report_certificate(const TessellationCertificate& c,
                                 "that were asked for",
                                 c.triangles, *options.max_triangles),
                     PlaceKind::face);
+    const std::string proved = proved_of(c);
     add_finding("budget-reached", Severity::info, c.over_budget, {},
                 fmt::format("triangles miss the error that was asked: {} triangles were reached "
-                            "before; {:.3g} is proved",
-                            c.triangles, c.proved),
+                            "before; {} proved",
+                            c.triangles, proved),
                 PlaceKind::face);
     add_finding("unresolved-error", Severity::warning, c.unresolved,
                 c.worst_triangle == no_index ? std::vector<std::uint32_t>{}
                                              : std::vector<std::uint32_t>{c.worst_triangle},
-                fmt::format("triangles miss what was asked and cannot be halved any more: {:.3g} "
-                            "is proved; {:.3g} of it stays wherever sides that share a point have "
-                            "other heights or directions",
-                            c.proved, c.largest_shared_gap),
+                fmt::format("triangles miss what was asked and cannot be halved any more: {} "
+                            "proved; a length of {:.3g} stays wherever sides that share a point "
+                            "have other heights or directions",
+                            proved, c.largest_shared_gap),
                 PlaceKind::face);
-    const bool missed = options.chord_error && c.proved > *options.chord_error;
+    const bool missed = (options.chord_error && c.proved > *options.chord_error) ||
+                        (options.pixel_error && c.proved_pixels > options.pixel_error);
     const bool only_shared = missed && c.unresolved == 0 && c.over_budget == 0;
     add_finding(
         "seam-gap", Severity::warning, only_shared ? 1 : 0,
         c.worst_triangle == no_index ? std::vector<std::uint32_t>{}
                                      : std::vector<std::uint32_t>{c.worst_triangle},
         fmt::format("sides that share a point have other heights or directions, up to {:.3g} "
-                    "from what they share: {:.3g} is proved instead of {:.3g}, however many "
+                    "from what they share: {} proved instead of {}, however many "
                     "triangles there are; paint the map so that it agrees across seams",
-                    c.largest_shared_gap, c.proved, options.chord_error.value_or(0)),
+                    c.largest_shared_gap, proved, asked_of(options)),
         PlaceKind::face);
 }
 

@@ -12,14 +12,50 @@ namespace {
 
 constexpr double no_bound = 2;  // no two unit vectors are further apart
 
+// Suprema over all pieces that the triangle meets: ways from a point to the corners lead through
+// several, and the largest derivative by u may be in one, that by v in another.
 // `factor`: the triangle's extent over the patch's box.
-double filip(const BezierPatch& patch, const glm::dvec2& factor) {
-    const auto [uu, uv, vv] = second_derivative_bounds(patch);
-    return (factor.x * factor.x * uu + 2 * factor.x * factor.y * uv + factor.y * factor.y * vv) / 8;
-}
+class Curvature {
+  public:
+    void widen(const BezierPatch& patch, const glm::dvec2& factor) {
+        const auto [uu, uv, vv] = second_derivative_bounds(patch);
+        uu_ = std::max(uu_, factor.x * factor.x * uu);
+        uv_ = std::max(uv_, factor.x * factor.y * uv);
+        vv_ = std::max(vv_, factor.y * factor.y * vv);
+    }
+    double deviation() const { return (uu_ + 2 * uv_ + vv_) / 8; }
 
-// The same of the direction. `e`: a unit vector that is near the patch's normals.
-double normal_filip(const BezierPatch& patch, const glm::dvec3& e, const glm::dvec2& factor) {
+  private:
+    double uu_ = 0, uv_ = 0, vv_ = 0;
+};
+
+// The same of the direction: all by |N|, whose unit is each piece's own.
+class NormalCurvature {
+  public:
+    // `e`: a unit vector that is near the patch's normals.
+    void widen(const BezierPatch& patch, const glm::dvec3& e, const glm::dvec2& factor);
+    double deviation() const {
+        if (!bounded_) return no_bound;
+        const double along = u_.along + v_.along, across = u_.across + v_.across;
+        const double first = across * std::hypot(across, 2 * along);
+        return std::min(no_bound, (uu_ + 2 * uv_ + vv_ + first) / 8);
+    }
+
+  private:
+    struct Derivative {
+        double along = 0, across = 0;  // of what is along n, and across it
+        void widen(const Derivative& other) {
+            along = std::max(along, other.along);
+            across = std::max(across, other.across);
+        }
+    };
+    Derivative u_, v_;
+    double uu_ = 0, uv_ = 0, vv_ = 0;  // across
+    bool bounded_ = true;
+};
+
+void NormalCurvature::widen(const BezierPatch& patch, const glm::dvec3& e,
+                            const glm::dvec2& factor) {
     const NormalNet net = normal_net(patch);
     const auto& n = net.n;
     struct Suprema {
@@ -38,9 +74,12 @@ double normal_filip(const BezierPatch& patch, const glm::dvec3& e, const glm::dv
         whole.widen(x, e);
     }
     least -= net.error;
-    if (!(least > 0)) return no_bound;
-    // Sine of the angle to e, no more than its tangent: what the planes across the two differ by.
-    const double turn = std::min(1.0, (std::sqrt(whole.across) + net.error) / least);
+    if (!(least > 0)) {
+        bounded_ = false;
+        return;
+    }
+    // Of the angle to e, no more than its tangent: what the planes across the two differ by.
+    const double sine = std::min(1.0, (std::sqrt(whole.across) + net.error) / least);
     Suprema u, v, uu, uv, vv;
     for (std::size_t j = 0; j < 6; ++j)
         for (std::size_t i = 0; i < 6; ++i) {
@@ -51,75 +90,31 @@ double normal_filip(const BezierPatch& patch, const glm::dvec3& e, const glm::dv
             if (j < 4) vv.widen((n[k] - n[k + 6]) - (n[k + 6] - n[k + 12]), e);
             if (i < 5 && j < 5) uv.widen((n[k] - n[k + 1]) - (n[k + 6] - n[k + 7]), e);
         }
-    struct Derivative {
-        double along, across;  // of what is along n, and across it
-    };
     const auto derivative = [&](const Suprema& x, double times) {
         const double error = 4 * net.error;
-        const double along = times * (std::sqrt(x.along) + error);
-        const double across = times * (std::sqrt(x.across) + error);
-        return Derivative{std::min(along + turn * across, std::hypot(along, across)),
-                          across + turn * along};
+        const double along = times / least * (std::sqrt(x.along) + error);
+        const double across = times / least * (std::sqrt(x.across) + error);
+        return Derivative{std::min(along + sine * across, std::hypot(along, across)),
+                          across + sine * along};
     };
-    const Derivative d_u = derivative(u, 5 * factor.x), d_v = derivative(v, 5 * factor.y);
-    const double second = derivative(uu, 20 * factor.x * factor.x).across +
-                          2 * derivative(uv, 25 * factor.x * factor.y).across +
-                          derivative(vv, 20 * factor.y * factor.y).across;
-    const double first = (d_u.across + d_v.across) *
-                         std::hypot(d_u.across + d_v.across, 2 * (d_u.along + d_v.along));
-    return std::min(no_bound, (second / least + first / (least * least)) / 8);
+    u_.widen(derivative(u, 5 * factor.x));
+    v_.widen(derivative(v, 5 * factor.y));
+    uu_ = std::max(uu_, derivative(uu, 20 * factor.x * factor.x).across);
+    uv_ = std::max(uv_, derivative(uv, 25 * factor.x * factor.y).across);
+    vv_ = std::max(vv_, derivative(vv, 20 * factor.y * factor.y).across);
 }
 
-// Bézier points of degree 2 × 3 (by u) and 3 × 2 (by v): first differences.
-struct Slopes {
-    std::array<glm::dvec3, 12> u, v;  // u[3 j + i], v[4 j + i]
-};
-Slopes slopes_of(const BezierPatch& patch) {
-    Slopes s;
-    for (std::size_t j = 0; j < 4; ++j)
-        for (std::size_t i = 0; i < 3; ++i)
-            s.u[3 * j + i] = patch.p[4 * j + i + 1] - patch.p[4 * j + i];
-    for (std::size_t j = 0; j < 3; ++j)
-        for (std::size_t i = 0; i < 4; ++i)
-            s.v[4 * j + i] = patch.p[4 * (j + 1) + i] - patch.p[4 * j + i];
-    return s;
-}
-
-// The least Bézier coefficient of (S_u × S_v)·e, of degree 5 × 5.
-double least_along(const Slopes& s, const glm::dvec3& e) {
-    static constexpr double two[3] = {1, 2, 1}, three[4] = {1, 3, 3, 1};
-    static constexpr double five[6] = {1, 5, 10, 10, 5, 1};
-    double sums[6][6] = {};
-    for (std::size_t j = 0; j < 4; ++j)
-        for (std::size_t i = 0; i < 3; ++i) {
-            const glm::dvec3 u = s.u[3 * j + i];
-            const glm::dvec3 turned = glm::cross(e, u);  // (u × v)·e = v·(e × u)
-            for (std::size_t l = 0; l < 3; ++l)
-                for (std::size_t k = 0; k < 4; ++k)
-                    sums[j + l][i + k] +=
-                        two[i] * three[j] * three[k] * two[l] * glm::dot(turned, s.v[4 * l + k]);
-        }
-    double least = std::numeric_limits<double>::infinity();
-    for (std::size_t j = 0; j < 6; ++j)
-        for (std::size_t i = 0; i < 6; ++i)
-            least = std::min(least, sums[j][i] / (five[i] * five[j]));
-    return least;
-}
-
-// Largest |n − e|.
-double cone_about(const BezierPatch& patch, const glm::dvec3& e) {
-    const Slopes s = slopes_of(patch);
-    const double along = least_along(s, e);
-    if (!(along > 0)) return no_bound;
-    double u = 0, v = 0, rise_u = 0, rise_v = 0;
-    for (std::size_t k = 0; k < 12; ++k) {
-        u = std::max(u, glm::length(s.u[k]));
-        v = std::max(v, glm::length(s.v[k]));
-        rise_u = std::max(rise_u, std::abs(glm::dot(s.u[k], e)));
-        rise_v = std::max(rise_v, std::abs(glm::dot(s.v[k], e)));
+// Largest |n − e|; `error`: what roundings may have moved the net's points by.
+double cone_about(const NormalNet& net, const glm::dvec3& e, double error) {
+    double along = std::numeric_limits<double>::infinity(), across = 0;
+    for (const glm::dvec3& x : net.n) {
+        const double by_e = glm::dot(x, e);
+        along = std::min(along, by_e);
+        across = std::max(across, glm::length(x - by_e * e));
     }
-    // N across e is turned by e: S_u (S_v·e) − S_v (S_u·e).
-    return std::min(no_bound, (u * rise_v + v * rise_u) / along);
+    along -= error;
+    if (!(along > 0)) return no_bound;
+    return std::min(no_bound, (across + error) / along);
 }
 
 // The linear function of a triangle.
@@ -143,13 +138,13 @@ bool is_apart(const ParameterBox& box, const LimitTriangle& t) {
     const auto cross = [](const glm::dvec2& a, const glm::dvec2& b) {
         return a.x * b.y - a.y * b.x;
     };
-    const double turn = cross(p[1] - p[0], p[2] - p[0]) > 0 ? 1 : -1;
+    const double side = cross(p[1] - p[0], p[2] - p[0]) > 0 ? 1 : -1;
     for (std::size_t k = 0; k < 3; ++k) {
         const glm::dvec2 from = p[k], along = p[(k + 1) % 3] - from;
         bool outside = true;
         for (const double x : {box.low.x, box.high.x})
             for (const double y : {box.low.y, box.high.y})
-                outside = outside && turn * cross(along, glm::dvec2(x, y) - from) <= 0;
+                outside = outside && side * cross(along, glm::dvec2(x, y) - from) <= 0;
         if (outside) return true;
     }
     return false;
@@ -160,11 +155,17 @@ double farthest(const glm::dvec3& from, const std::array<glm::dvec3, 3>& to) {
         {glm::length(from - to[0]), glm::length(from - to[1]), glm::length(from - to[2])});
 }
 
+// Of its normals: the one in its middle.
+glm::dvec3 axis_of(const BezierPatch& patch, const LimitTriangle& triangle) {
+    const auto middle = middle_derivatives(patch);
+    return unit_or(glm::cross(middle[0], middle[1]), triangle.normals[0]);
+}
+
 // Of first order: how far the normal turns within the patch, and between it and the corners.
 double cone_deviation(const BezierPatch& patch, const LimitTriangle& triangle) {
-    const auto middle = middle_derivatives(patch);
-    const glm::dvec3 e = unit_or(glm::cross(middle[0], middle[1]), triangle.normals[0]);
-    return cone_about(patch, e) + farthest(e, triangle.normals);
+    const glm::dvec3 e = axis_of(patch, triangle);
+    const NormalNet net = normal_net(patch);
+    return cone_about(net, e, net.error) + farthest(e, triangle.normals);
 }
 
 BaseDeviation at_vertex(const ChannelSurface& surface, const RingCones* cones,
@@ -214,6 +215,8 @@ RingCones::RingCones(const ChannelSurface& surface, int threads) {
             float* const cones = cones_.data() + first_[r] * std::size_t(levels);
             RingLevels walked;
             walked.start(ring, 3, surface.rings.level(surface.tree, std::uint32_t(r), 0));
+            // Without a margin: where rings grow thin, level by level, roundings are in the end as
+            // large as they are wide, here and in what evaluation takes for the normal.
             for (int k = 0; k < levels; ++k) {
                 const double* const rings = walked.level(k);
                 const double* const next = walked.after();
@@ -221,7 +224,7 @@ RingCones::RingCones(const ChannelSurface& surface, int threads) {
                     double most = 0;
                     for (const BezierPatch& patch :
                          ring_level_patches(ring.shape, rings, next, j, k))
-                        most = std::max(most, cone_about(patch, normal));
+                        most = std::max(most, cone_about(normal_net(patch), normal, 0));
                     cones[std::size_t(j) * levels + std::size_t(k)] =
                         std::nextafter(float(most), std::numeric_limits<float>::infinity());
                 }
@@ -248,22 +251,21 @@ BaseDeviation limit_deviation(const ChannelSurface& surface, const RingCones* co
     thread_local LimitPieces pieces;
     collect_pieces(surface, triangle.root, box, pieces);
     if (!pieces.tips.empty()) return at_vertex(surface, cones, triangle, pieces);
-    BaseDeviation most;
-    // Each argument over all pieces: from one piece to a corner in another both are met.
-    double by_cones = 0;
+    Curvature curvature;
+    NormalCurvature normal_curvature;
     for (const BezierPatch& patch : pieces.patches) {
         if (is_apart(patch.box, triangle)) continue;
-        const auto middle = middle_derivatives(patch);
-        const glm::dvec3 normal = glm::cross(middle[0], middle[1]);
         const glm::dvec2 factor = box.size() / patch.box.size();
-        most.position = std::max(most.position, filip(patch, factor));
-        if (!cones) continue;
-        most.direction = std::max(
-            most.direction, normal_filip(patch, unit_or(normal, triangle.normals[0]), factor));
+        curvature.widen(patch, factor);
+        if (cones) normal_curvature.widen(patch, axis_of(patch, triangle), factor);
     }
+    BaseDeviation most;
+    most.position = curvature.deviation();
+    if (cones) most.direction = normal_curvature.deviation();
     // Beside an extraordinary vertex the second derivatives are as large at every scale.
     constexpr double worth_a_second_look = 0.01;
     if (cones && most.direction > worth_a_second_look) {
+        double by_cones = 0;
         for (const BezierPatch& patch : pieces.patches)
             if (!is_apart(patch.box, triangle))
                 by_cones = std::max(by_cones, cone_deviation(patch, triangle));

@@ -26,14 +26,12 @@ double rounding_gap(const std::array<glm::dvec3, 3>& corners) {
 constexpr float unknown = -1;  // a bound that was not computed
 
 // What there is over what is asked for: above 1 the triangle has to be halved. What refinement
-// cannot take away is made up for as long as that is less than half of all.
-double excess_over(const TriangleBound& bound, double scale, double asked) {
-    const double gap = scale * double(bound.gap);
-    const double left = std::max(asked - gap, 0.5 * asked);
-    // As exact as the certificate is: not by what the subtraction rounds.
-    const bool misses = left > 0.5 * asked && scale * bound.sum() > asked;
-    return std::max(misses ? std::nextafter(1.0, 2.0) : 0.0,
-                    scale * double(bound.refinable) / left);
+// cannot take away is made up for as long as that is less than half of all. `misses`: whether the
+// certificate will say so, which is exact, and not by what the subtraction rounds.
+double excess_over(const TriangleBound& bound, double asked, bool misses) {
+    const double left = std::max(asked - double(bound.gap), 0.5 * asked);
+    return std::max(misses && left > 0.5 * asked ? std::nextafter(1.0, 2.0) : 0.0,
+                    double(bound.refinable) / left);
 }
 
 }  // namespace
@@ -44,10 +42,8 @@ Refinement::Refinement(const Mesh& cage, const Domain& domain, const DisplacedSu
       domain_(domain),
       surface_(surface),
       options_(options),
-      mesh_(domain.cage_vertices + domain.fans(), domain.vertices, domain.next_half_edges) {
-    if (!options.pixel_error) return;
-    for (const ScreenMetric& screen : options.screens) screens_.emplace_back(screen);
-}
+      screens_(options.pixel_error ? options.screens : std::vector<ScreenMetric>{}),
+      mesh_(domain.cage_vertices + domain.fans(), domain.vertices, domain.next_half_edges) {}
 
 void Refinement::make_first_vertices() {
     const std::uint32_t cage = domain_.cage_vertices, count = mesh_.vertex_count();
@@ -108,9 +104,11 @@ bool Refinement::is_shared(const BisectedTriangle& triangle) const {
 double Refinement::enough(const BisectedTriangle& triangle) const {
     if (options_.max_triangles || !(options_.chord_error || options_.pixel_error)) return 0;
     double most = options_.chord_error.value_or(std::numeric_limits<double>::infinity());
-    if (options_.pixel_error)
-        for (const ScreenBound& screen : screens_)
-            most = std::min(most, screen.length_of(corners(triangle), *options_.pixel_error));
+    if (options_.pixel_error) {
+        const auto corners = this->corners(triangle);
+        for (const ScreenBound& screen : screens_.around(corners, 0))
+            most = std::min(most, screen.length_of(corners, *options_.pixel_error));
+    }
     return is_shared(triangle) ? 0.5 * most
                                : std::max(0.5 * most, most - rounding_gap(corners(triangle)));
 }
@@ -131,7 +129,8 @@ bool Refinement::surely_misses(const BisectedTriangle& triangle) const {
     const double refinable = error - rounding_gap(corners);  // the least that the bound may be
     if (options_.chord_error && refinable > *options_.chord_error) return true;
     return options_.pixel_error &&
-           refinable * pixels_per_unit(screens_, corners, error) > *options_.pixel_error;
+           refinable * pixels_per_unit(screens_.around(corners, error), corners, error) >
+               *options_.pixel_error;
 }
 
 void Refinement::measure(const std::vector<std::uint32_t>& fresh, Effort effort) {
@@ -157,23 +156,26 @@ void Refinement::measure(const std::vector<std::uint32_t>& fresh, Effort effort)
 
 double Refinement::proved_pixels(std::uint32_t t) const {
     const double error = bounds_[t].sum();
-    const double scale = pixels_per_unit(screens_, corners(mesh_.triangles()[t]), error);
+    const auto corners = this->corners(mesh_.triangles()[t]);
+    const double scale = pixels_per_unit(screens_.around(corners, error), corners, error);
     return scale == 0 || error == 0 ? 0 : scale * error;
 }
 
 float Refinement::excess(std::uint32_t t) const {
     const TriangleBound& bound = bounds_[t];
     double most = 0;
-    if (options_.chord_error) most = excess_over(bound, 1, *options_.chord_error);
+    const double error = bound.sum();
+    if (options_.chord_error)
+        most = excess_over(bound, *options_.chord_error, error > *options_.chord_error);
     if (options_.pixel_error) {
         const auto corners = this->corners(mesh_.triangles()[t]);
-        const double asked = *options_.pixel_error, error = bound.sum();
-        for (const ScreenBound& screen : screens_) {
-            // Errors as large as the way to the eye are all too large: by their length, then.
-            const double least = screen.length_of(corners, asked);
-            double scale = screen.pixels_per_unit(corners, error);
-            if (!std::isfinite(scale)) scale = asked / least;
-            if (scale > 0) most = std::max(most, excess_over(bound, scale, asked));
+        const double asked = *options_.pixel_error;
+        for (const ScreenBound& screen : screens_.around(corners, error)) {
+            const double scale = screen.pixels_per_unit(corners, error);
+            if (scale == 0) continue;
+            // By lengths, not by pixels, which have no order where they reach the eye.
+            most = std::max(
+                most, excess_over(bound, screen.length_of(corners, asked), scale * error > asked));
         }
     }
     if (options_.edge_length) {
@@ -290,6 +292,47 @@ Result<void> Refinement::refine_to_budget() {
     return {};
 }
 
+// The box is larger than the mesh, so that few triangles and their errors reach out of it.
+Result<void> Refinement::focus_screens() {
+    glm::dvec3 low(std::numeric_limits<double>::infinity()), high(-low);
+    for (std::uint32_t t = 0; t < mesh_.triangles().size(); ++t)
+        for (const glm::dvec3& p : corners(mesh_.triangles()[t])) {
+            low = glm::min(low, p);
+            high = glm::max(high, p);
+        }
+    const double around = 0.25 * glm::length(high - low);
+    screens_.focus(low - around, high + around);
+    constexpr std::size_t most = 4096;
+    if (screens_.count() <= most) return {};
+    return Error{ErrorCode::limit,
+                 fmt::format("{} pictures of nodes decide how fine the mesh has to be, more than "
+                             "{}: ask for fewer views, or for a chord error",
+                             screens_.count(), most),
+                 cage_.name.empty() ? "" : "mesh '" + cage_.name + "'"};
+}
+
+// Corners that are seen, and stay: half a step of their floats is the least that can be asked for.
+// With a budget refinement ends in any case.
+Result<void> Refinement::check_pixels() const {
+    if (options_.max_triangles) return {};
+    constexpr double half_step = 0x1p-25;
+    double least = 0;
+    for (std::uint32_t t = 0; t < mesh_.triangles().size(); ++t)
+        for (const glm::dvec3& p : corners(mesh_.triangles()[t])) {
+            const glm::dvec3 size = glm::abs(p);
+            const double step = half_step * std::max({size.x, size.y, size.z});
+            const std::array<glm::dvec3, 3> alone{p, p, p};
+            const double scale = pixels_per_unit(screens_.around(alone, 0), alone, 0);
+            if (step > 0 && std::isfinite(scale)) least = std::max(least, step * scale);
+        }
+    if (least <= *options_.pixel_error) return {};
+    return Error{ErrorCode::limit,
+                 fmt::format("an error of {:.3g} pixels is finer than floats of the mesh's size "
+                             "hold where it is seen: ask for at least {:.3g}",
+                             *options_.pixel_error, 8 * least),
+                 cage_.name.empty() ? "" : "mesh '" + cage_.name + "'"};
+}
+
 Result<void> Refinement::run(const std::vector<std::uint8_t>& first_halving) {
     make_first_vertices();
     constexpr double float_steps = 0x1p-22;  // twice what rounding a position moves it by, and more
@@ -305,6 +348,10 @@ Result<void> Refinement::run(const std::vector<std::uint8_t>& first_halving) {
     make_new_vertices();
     mesh_.forget();
     if (Result<void> range = check_range(0); !range) return range;
+    if (options_.pixel_error) {
+        if (Result<void> focused = focus_screens(); !focused) return focused;
+        if (Result<void> checked = check_pixels(); !checked) return checked;
+    }
     std::vector<std::uint32_t> all(mesh_.triangles().size());
     std::iota(all.begin(), all.end(), 0U);
     measure(all, options_.max_triangles ? Effort::proving : Effort::looking);

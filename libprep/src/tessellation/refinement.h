@@ -54,6 +54,10 @@ class Refinement {
     Result<void> refine_to_error(std::vector<std::uint32_t> fresh);
     Result<void> refine_to_budget();
     Error too_many() const;
+    // Of the first triangles. Errors: limit (more screens than can be looked at for every triangle;
+    // fewer pixels than floats hold).
+    Result<void> focus_screens();
+    Result<void> check_pixels() const;
     // Of vertices from `first` on.
     Result<void> check_range(std::uint32_t first) const;
 
@@ -61,7 +65,7 @@ class Refinement {
     const Domain& domain_;
     const DisplacedSurface& surface_;
     const TessellateOptions& options_;
-    std::vector<ScreenBound> screens_;
+    Screens screens_;
     BisectionMesh mesh_;
     VertexSamples samples_;
     std::vector<TriangleBound> bounds_;

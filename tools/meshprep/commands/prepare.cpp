@@ -278,9 +278,14 @@ void check(const PrepareCommand& c) {
         usage_error("--json",
                     "is one document, --json-lines a line for each file; give one of them");
     check_camera(c.camera);
+    const bool placed = std::holds_alternative<PlaceChoice>(c.camera.camera);
+    const char* const given = placed                         ? "--look-from"
+                              : c.camera.camera.index() != 0 ? "--camera"
+                              : c.camera.yfov                ? "--fov"
+                                                             : "--ortho";
     if (c.camera.any() && !c.prepare.tessellation.pixel_error)
         usage_error(
-            "--camera",
+            given,
             "and the other options of a view say where --pixel-error is meant; give that as well");
 }
 

@@ -42,6 +42,17 @@ bool is_of_file(const ViewChoices& choices, const prep::Scene& scene) {
     return camera.index() == 0 && !choices.orbit && scene.active_camera != prep::no_index;
 }
 
+// As prepared meshes have them: those of faces, lines and points alone.
+std::vector<glm::vec3> drawn_positions(const prep::Mesh& mesh) {
+    std::vector<bool> drawn(mesh.positions.size(), false);
+    for (const auto* vertices : {&mesh.corner_vertices, &mesh.line_vertices, &mesh.points})
+        for (const std::uint32_t v : *vertices) drawn[v] = true;
+    std::vector<glm::vec3> positions;
+    for (std::size_t v = 0; v < drawn.size(); ++v)
+        if (drawn[v]) positions.push_back(mesh.positions[v]);
+    return positions;
+}
+
 // Views from all around the scene, each made anew, so that its near plane fits.
 class Viewer {
   public:
@@ -198,7 +209,7 @@ Result<std::vector<rast::View>> screen_views(const ViewChoices& choices, const p
     framed.scene.active_camera = scene.active_camera;
     for (const prep::Mesh& mesh : scene.meshes) {
         prep::VertexMesh& points = framed.meshes.emplace_back();
-        points.positions = mesh.positions;
+        points.positions = drawn_positions(mesh);
         points.origin = mesh.origin;
     }
     const Result<std::vector<std::optional<rast::View>>> chosen = views_of(choices, framed, aspect);

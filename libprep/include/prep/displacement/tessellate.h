@@ -175,13 +175,13 @@ struct TessellatedMesh {
     std::uint64_t uv_sets_left_out = 0, color_sets_left_out = 0;
 };
 
-// Errors: nothing asked for, an option that is not a positive number, or a pixel error without a
-// screen (invalid); positions or
-// UVs that are not finite, faces without the UVs that their displacement reads (invalid, with the
-// face); an error finer than floats of that size can hold, heights beyond floats (limit); morph
-// targets or skins (unsupported: they would not fit the new points); more triangles than
-// triangle_limit (limit); those of LimitSurface; Loop's scheme (unsupported). An empty mesh gives
-// an empty mesh. O(triangles), O(log) times that with max_triangles. Lines and points are left out.
+// Errors: nothing asked for, an option that is not a positive number, a pixel error without a
+// screen (invalid) or with more than 4096 that can decide (limit); positions or UVs that are not
+// finite, faces without the UVs that their displacement reads (invalid, with the face); an error
+// finer than floats of that size can hold, heights beyond floats (limit); morph targets or skins
+// (unsupported: they would not fit the new points); more triangles than triangle_limit (limit);
+// those of LimitSurface; Loop's scheme (unsupported). An empty mesh gives an empty mesh.
+// O(triangles), O(log) times that with max_triangles. Lines and points are left out.
 Result<TessellatedMesh> tessellate(const Mesh& cage, const TessellateOptions& options);
 
 }  // namespace prep
