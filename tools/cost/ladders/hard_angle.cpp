@@ -9,9 +9,9 @@
 namespace cost {
 namespace {
 
-constexpr int around = 240;  // 1.5° from facet to facet
+constexpr int facets_around = 240;  // 1.5° from facet to facet
 
-struct State {
+struct HardAngleState {
     prep::Mesh mesh;
     std::vector<Vector> truth;  // by corner
     prep::MeshView view;
@@ -21,39 +21,42 @@ struct State {
 };
 
 // Of one rung: what is overwritten while the clock runs is its own.
-struct Result {
+struct HardAngleResult {
     prep::CornerLayer<glm::vec3> normals;
     prep::VertexMesh split;
 };
 
-void add_face(State& s, const std::vector<std::uint32_t>& vertices, TurnedFace face) {
+void add_face(HardAngleState& s, const std::vector<std::uint32_t>& vertices, TurnedFace face) {
     for (const std::uint32_t v : vertices) {
         s.mesh.corner_vertices.push_back(v);
-        s.truth.push_back(turned_normal(face, Real(v % around) / around));
+        s.truth.push_back(turned_normal(face, Real(v % facets_around) / facets_around));
     }
     s.mesh.face_offsets.push_back(std::uint32_t(s.mesh.corner_vertices.size()));
 }
 
 // Two rings of quads between three rings of vertices, and two polygons.
-void make_part(State& s) {
+void make_part(HardAngleState& s) {
     for (const ProfilePoint& p : turned_profile())
-        for (int i = 0; i < around; ++i) {
-            const Vector out = turned_normal(TurnedFace::side, Real(i) / around) * p.radius;
+        for (int i = 0; i < facets_around; ++i) {
+            const Vector out = turned_normal(TurnedFace::side, Real(i) / facets_around) * p.radius;
             s.mesh.positions.push_back(glm::vec3(out + Vector(0, 0, p.z)));
         }
     std::vector<std::uint32_t> bottom, top;
-    for (std::uint32_t i = 0; i < around; ++i) {
-        const std::uint32_t j = (i + 1) % around;
-        add_face(s, {i, j, around + j, around + i}, TurnedFace::side);
-        add_face(s, {around + i, around + j, 2 * around + j, 2 * around + i}, TurnedFace::chamfer);
-        bottom.push_back(around - 1 - i);
-        top.push_back(2 * around + i);
+    for (std::uint32_t i = 0; i < facets_around; ++i) {
+        const std::uint32_t j = (i + 1) % facets_around;
+        add_face(s, {i, j, facets_around + j, facets_around + i}, TurnedFace::side);
+        add_face(
+            s, {facets_around + i, facets_around + j, 2 * facets_around + j, 2 * facets_around + i},
+            TurnedFace::chamfer);
+        bottom.push_back(facets_around - 1 - i);
+        top.push_back(2 * facets_around + i);
     }
     add_face(s, bottom, TurnedFace::bottom);
     add_face(s, top, TurnedFace::top);
 }
 
-prep::Result<void> compute(State& s, std::optional<double> angle, Result& result) {
+prep::Result<void> compute(HardAngleState& s, std::optional<double> angle,
+                           HardAngleResult& result) {
     prep::HardEdgeOptions edges;
     edges.angle_degrees = angle;
     edges.threads = s.threads;
@@ -77,7 +80,7 @@ prep::Result<void> compute(State& s, std::optional<double> angle, Result& result
 }  // namespace
 
 prep::Result<Ladder> hard_angle_ladder(const Subject& subject) {
-    const auto s = std::make_shared<State>();
+    const auto s = std::make_shared<HardAngleState>();
     s->threads = subject.threads;
     make_part(*s);
     s->view = prep::MeshView(s->mesh);
@@ -104,7 +107,7 @@ prep::Result<Ladder> hard_angle_ladder(const Subject& subject) {
         rung.name = word;
         if (angle) rung.name += "°";
         rung.command = std::string("prepare --hard-angle ") + word;
-        const auto result = std::make_shared<Result>();
+        const auto result = std::make_shared<HardAngleResult>();
         rung.run = [s, result, a = angle] { return compute(*s, a, *result); };
         rung.judge = [s, result] {
             std::vector<double> numbers = three_of(corner_errors(

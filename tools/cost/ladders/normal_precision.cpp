@@ -20,7 +20,7 @@ using prep::Result;
 // Degrees; a unit in the last place of a double is 1.3e-14.
 constexpr double most_doubt = 1e-14;
 
-struct State {
+struct PrecisionState {
     prep::Mesh mesh;
     prep::MeshView view;
     prep::Topology topology;
@@ -43,7 +43,7 @@ prep::Mesh torus_with_needles() {
     return mesh;
 }
 
-Result<prep::CornerNormals> computed(const State& s, Precision precision, bool doubles) {
+Result<prep::CornerNormals> computed(const PrecisionState& s, Precision precision, bool doubles) {
     prep::NormalOptions options;
     options.precision = precision;
     options.keep_doubles = doubles;
@@ -53,7 +53,7 @@ Result<prep::CornerNormals> computed(const State& s, Precision precision, bool d
 }
 
 template <class Value>
-std::vector<double> errors_of(const State& s, const std::vector<Value>& normals) {
+std::vector<double> errors_of(const PrecisionState& s, const std::vector<Value>& normals) {
     std::vector<double> errors;
     for (std::size_t i = 0; i < s.truth.sums.size(); ++i)
         if (s.judged[i]) errors.push_back(degrees_between(Vector(normals[i]), s.truth.sums[i]));
@@ -62,7 +62,7 @@ std::vector<double> errors_of(const State& s, const std::vector<Value>& normals)
 
 // What the truth itself loses when it is rounded to such vectors.
 template <class Rounded>
-double largest_rounding(const State& s) {
+double largest_rounding(const PrecisionState& s) {
     std::vector<double> errors;
     for (std::size_t i = 0; i < s.truth.sums.size(); ++i) {
         if (!s.judged[i]) continue;
@@ -76,7 +76,7 @@ double largest_rounding(const State& s) {
 }  // namespace
 
 Result<Ladder> normal_precision_ladder(const Subject& subject) {
-    const auto s = std::make_shared<State>();
+    const auto s = std::make_shared<PrecisionState>();
     s->mesh = subject.mesh ? *subject.mesh : torus_with_needles();
     s->threads = subject.threads;
     s->view = prep::MeshView(s->mesh);

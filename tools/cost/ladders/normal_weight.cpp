@@ -8,7 +8,7 @@
 namespace cost {
 namespace {
 
-struct State {
+struct WeightState {
     KnownMesh known;
     prep::MeshView view;
     prep::Topology topology;
@@ -21,7 +21,7 @@ struct State {
 }  // namespace
 
 prep::Result<Ladder> normal_weight_ladder(const Subject& subject) {
-    const auto s = std::make_shared<State>();
+    const auto s = std::make_shared<WeightState>();
     s->known = known_torus(96, 48, 0.25);
     s->threads = subject.threads;
     s->view = prep::MeshView(s->known.mesh);

@@ -9,22 +9,22 @@
 namespace cost {
 namespace {
 
-constexpr std::uint32_t width = 192, height = 144;
+constexpr std::uint32_t ball_width = 192, ball_height = 144;
 
 // Which pixels the sphere of so many triangles covers fully, as it is seen from +z.
 std::vector<bool> covered_by(const prep::Mesh& shape, const LitSphere& look) {
-    const Real scale = Real(height) / (2 * Real(look.half));
+    const Real scale = Real(ball_height) / (2 * Real(look.half));
     std::vector<Triangle2> triangles;
     for (std::size_t c = 0; c < shape.corner_vertices.size(); c += 3) {
         Triangle2 triangle;
         for (std::size_t k = 0; k < 3; ++k) {
             const glm::vec3& p = shape.positions[shape.corner_vertices[c + k]];
-            triangle[k] = {Real(width) / 2 + p.x * scale, Real(height) / 2 - p.y * scale};
+            triangle[k] = {Real(ball_width) / 2 + p.x * scale, Real(ball_height) / 2 - p.y * scale};
         }
         triangles.push_back(triangle);
     }
     std::vector<bool> covered;
-    for (const double area : sampled_coverage(triangles, width, height).values)
+    for (const double area : sampled_coverage(triangles, ball_width, ball_height).values)
         covered.push_back(area == 1);
     return covered;
 }
@@ -42,8 +42,8 @@ std::shared_ptr<const prep::PreparedScene> ball(const prep::Mesh& shape, const L
 
 rast::RenderRequest request_of(const LitSphere& look, prep::Shading shading, int threads) {
     rast::RenderRequest request;
-    request.width = width;
-    request.height = height;
+    request.width = ball_width;
+    request.height = ball_height;
     request.shading = shading;
     request.supersample = 3;
     request.threads = threads;
@@ -67,12 +67,12 @@ prep::Result<Ladder> shading_frequency_ladder(const Subject& subject) {
     LitSphere look;
     look.towards = Vector(2, 3, 6) / Real(7);
     const auto s = std::make_shared<State>();
-    s->truth = lit_sphere(look, width, height, 12);
+    s->truth = lit_sphere(look, ball_width, ball_height, 12);
     LitSphere shape = look;  // white where the sphere is
     shape.ambient = 1;
     shape.diffuse = 1;
     shape.light = 0;
-    const Pixels area = lit_sphere(shape, width, height, 12);
+    const Pixels area = lit_sphere(shape, ball_width, ball_height, 12);
     // Shading is judged where every rung has something to shade: which pixels a coarse ball misses
     // is no matter of shading. Finer balls lie around coarser ones, whose vertices they share.
     const std::vector<bool> coarsest = covered_by(shapes::icosphere(1), look);
@@ -99,7 +99,8 @@ prep::Result<Ladder> shading_frequency_ladder(const Subject& subject) {
         {"RMSE, rest", "", "linear light, the sphere's other pixels: also what is missing"},
         {"PSNR", "dB", domain}};
     // 9 samples instead of 144 of the same sphere.
-    ladder.floor = picture_error(lit_sphere(look, width, height, 3), s->truth, s->shared).rmse;
+    ladder.floor =
+        picture_error(lit_sphere(look, ball_width, ball_height, 3), s->truth, s->shared).rmse;
     ladder.reference_is_default = false;
     ladder.floor_text = "the sphere itself with as many samples as are drawn";
     for (const int level : {1, 2, 3, 4, 5}) {

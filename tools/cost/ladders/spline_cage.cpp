@@ -6,15 +6,15 @@
 namespace cost {
 namespace {
 
-constexpr int around = 8, across = 6;
+constexpr int cage_around = 8, cage_across = 6;
 
 // Points of a torus, every other ring pushed out: no circle, so that nothing is exact by symmetry.
 // Floats, as meshes have them.
 std::vector<Vector> control_points() {
     std::vector<Vector> points;
-    for (int i = 0; i < around; ++i) {
-        for (int j = 0; j < across; ++j) {
-            const SurfaceSample s = torus_at(Real(i) / around, Real(j) / across, 1,
+    for (int i = 0; i < cage_around; ++i) {
+        for (int j = 0; j < cage_across; ++j) {
+            const SurfaceSample s = torus_at(Real(i) / cage_around, Real(j) / cage_across, 1,
                                              i % 2 == 0 ? Real(0.5) : Real(0.375));
             points.push_back(Vector(glm::vec3(s.position)));
         }
@@ -24,7 +24,7 @@ std::vector<Vector> control_points() {
 
 }  // namespace
 
-SplineCage::SplineCage() : limit(control_points(), around, across) {
+SplineCage::SplineCage() : limit(control_points(), cage_around, cage_across) {
     glm::vec3 low(1e30f), high(-1e30f);
     for (const Vector& p : control_points()) {
         mesh.positions.push_back(glm::vec3(p));
@@ -33,10 +33,10 @@ SplineCage::SplineCage() : limit(control_points(), around, across) {
     }
     diagonal = double(glm::length(high - low));
     const auto vertex = [](int i, int j) {
-        return std::uint32_t((i % around) * across + j % across);
+        return std::uint32_t((i % cage_around) * cage_across + j % cage_across);
     };
-    for (int i = 0; i < around; ++i) {
-        for (int j = 0; j < across; ++j) {
+    for (int i = 0; i < cage_around; ++i) {
+        for (int j = 0; j < cage_across; ++j) {
             for (const std::uint32_t v :
                  {vertex(i, j), vertex(i + 1, j), vertex(i + 1, j + 1), vertex(i, j + 1)})
                 mesh.corner_vertices.push_back(v);

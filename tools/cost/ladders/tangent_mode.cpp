@@ -10,9 +10,9 @@
 namespace cost {
 namespace {
 
-constexpr int around = 96, across = 48;
+constexpr int torus_around = 96, torus_across = 48;
 
-struct State {
+struct TangentState {
     KnownMesh known;
     prep::CornerTangents result;
     int threads = 0;
@@ -20,7 +20,7 @@ struct State {
 
 // UVs and normals of the surface; triangles in random order, as files have them; every 101st
 // triangle has all its UVs in one point, as unwrapping leaves some.
-void add_attributes(State& s) {
+void add_attributes(TangentState& s) {
     prep::Mesh& mesh = s.known.mesh;
     std::mt19937_64 random(7);
     const std::size_t triangles = mesh.face_count();
@@ -35,7 +35,8 @@ void add_attributes(State& s) {
         float least_u = 2, least_v = 2;
         for (std::size_t k = 0; k < 3; ++k) {
             const std::uint32_t v = mesh.corner_vertices[3 * t + k];
-            uv[k] = {float(v / across) / around, float(v % across) / across};
+            uv[k] = {float(v / torus_across) / torus_around,
+                     float(v % torus_across) / torus_across};
             least_u = std::min(least_u, uv[k].x);
             least_v = std::min(least_v, uv[k].y);
         }
@@ -55,9 +56,9 @@ void add_attributes(State& s) {
 }  // namespace
 
 prep::Result<Ladder> tangent_mode_ladder(const Subject& subject) {
-    const auto s = std::make_shared<State>();
+    const auto s = std::make_shared<TangentState>();
     s->threads = subject.threads;
-    s->known = known_torus(around, across, 0);
+    s->known = known_torus(torus_around, torus_across, 0);
     add_attributes(*s);
 
     Ladder ladder;

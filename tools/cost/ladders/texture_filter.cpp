@@ -8,7 +8,7 @@
 namespace cost {
 namespace {
 
-constexpr std::uint32_t width = 128, height = 96, texels = 128;
+constexpr std::uint32_t floor_width = 128, floor_height = 96, texels = 128;
 
 // Black and white only: sRGB and linear light agree about those. Blocks of 8, 4 and 2 texels.
 TexturedPlane floor_of_blocks() {
@@ -62,8 +62,10 @@ prep::Result<Ladder> texture_filter_ladder(const Subject& subject) {
     auto made = scene_of_floor(plane);
     if (!made) return made.error();
     const auto scene = std::make_shared<const prep::PreparedScene>(*std::move(made));
-    const auto truth = std::make_shared<const Pixels>(textured_plane(plane, width, height));
-    const double noise = picture_error(textured_plane(plane, width, height, 24), *truth).rmse;
+    const auto truth =
+        std::make_shared<const Pixels>(textured_plane(plane, floor_width, floor_height));
+    const double noise =
+        picture_error(textured_plane(plane, floor_width, floor_height, 24), *truth).rmse;
     const auto shown = [](const Pixels& grey) {  // as FLIP takes it
         Pixels out{grey.width, grey.height, 3, {}};
         for (const double v : grey.values) out.values.insert(out.values.end(), {v, v, v});
@@ -100,8 +102,8 @@ prep::Result<Ladder> texture_filter_ladder(const Subject& subject) {
                                 {F::ripmap},         {F::ewa, 8},         {F::ewa, 16}};
     for (const Setting& setting : settings) {
         rast::RenderRequest request;
-        request.width = width;
-        request.height = height;
+        request.width = floor_width;
+        request.height = floor_height;
         request.filter = setting.filter;
         if (setting.anisotropy > 0) request.max_anisotropy = setting.anisotropy;
         request.threads = subject.threads;
