@@ -26,7 +26,7 @@ const TypedLine typed_lines[] = {
      "'meshprep help' lists what there is.\n"},
     {"convert cube.obj x.glb", 2,
      "meshprep: error: 'convert' is no subcommand; there are prepare, inspect, render, validate, "
-     "diff\n"
+     "cost, diff, height-to-normal\n"
      "'meshprep help' lists what there is.\n"},
     {"cube.obj", 2,
      "meshprep: error: 'cube.obj' is a file, and a subcommand says what to do with it: meshprep "
