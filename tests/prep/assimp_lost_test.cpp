@@ -53,6 +53,21 @@ struct Triangle {
     }
     Strings warnings() const { return read().warnings; }
     Strings remarks() const { return read().remarks; }
+    // Of the root, with its last key at 4 ticks.
+    void add_animation(double duration, double ticks_per_second) {
+        auto* channel = new aiNodeAnim();
+        channel->mNodeName = "root";
+        channel->mNumPositionKeys = 2;
+        channel->mPositionKeys =
+            new aiVectorKey[2]{{0, aiVector3D(0, 0, 0)}, {4, aiVector3D(1, 0, 0)}};
+        auto* animation = new aiAnimation();
+        animation->mDuration = duration;
+        animation->mTicksPerSecond = ticks_per_second;
+        animation->mNumChannels = 1;
+        animation->mChannels = new aiNodeAnim* [1] { channel };
+        scene.mNumAnimations = 1;
+        scene.mAnimations = new aiAnimation* [1] { animation };
+    }
 
     aiScene scene;
     aiMesh* mesh = nullptr;
@@ -186,17 +201,7 @@ TEST(AssimpLost, WhatElseHasNoPlaceIsCounted) {
     t.scene.mNumTextures = 1;
     t.scene.mTextures = new aiTexture* [1] { new aiTexture() };
     t.scene.mTextures[0]->mFilename = "spare.png";
-    t.scene.mNumAnimations = 1;
-    t.scene.mAnimations = new aiAnimation* [1] { new aiAnimation() };
-    aiAnimation& animation = *t.scene.mAnimations[0];
-    animation.mDuration = 10;
-    animation.mTicksPerSecond = 1;
-    animation.mNumChannels = 1;
-    animation.mChannels = new aiNodeAnim* [1] { new aiNodeAnim() };
-    animation.mChannels[0]->mNodeName = "root";
-    animation.mChannels[0]->mNumPositionKeys = 2;
-    animation.mChannels[0]->mPositionKeys =
-        new aiVectorKey[2]{{0, aiVector3D(0, 0, 0)}, {4, aiVector3D(1, 0, 0)}};
+    t.add_animation(10, 1);
     EXPECT_EQ(t.warnings(),
               (Strings{"1 embedded picture that no map names not kept: spare.png",
                        "2 texture coordinates with a third component, which is not kept",
@@ -209,17 +214,7 @@ TEST(AssimpLost, WhatElseHasNoPlaceIsCounted) {
 // Some writers count frames, others the time from the first to the last.
 TEST(AssimpLost, ATickMoreThanTheLastKeyIsNoLongerAnimation) {
     Triangle t;
-    t.scene.mNumAnimations = 1;
-    t.scene.mAnimations = new aiAnimation* [1] { new aiAnimation() };
-    aiAnimation& animation = *t.scene.mAnimations[0];
-    animation.mDuration = 5;
-    animation.mTicksPerSecond = 24;
-    animation.mNumChannels = 1;
-    animation.mChannels = new aiNodeAnim* [1] { new aiNodeAnim() };
-    animation.mChannels[0]->mNodeName = "root";
-    animation.mChannels[0]->mNumPositionKeys = 2;
-    animation.mChannels[0]->mPositionKeys =
-        new aiVectorKey[2]{{0, aiVector3D(0, 0, 0)}, {4, aiVector3D(1, 0, 0)}};
+    t.add_animation(5, 24);
     EXPECT_EQ(t.warnings(), Strings{});
 }
 
