@@ -42,6 +42,36 @@ void crease_normals(benchmark::State& state, prep::Precision precision) {
     report(state);
 }
 
+// The same bits from raw indexed triangles in one call, the weld included or not.
+void crease_normals_at_once(benchmark::State& state, prep::Precision precision, bool weld) {
+    const prep::Mesh& mesh = torus(state.range(0));
+    const prep::MeshView view(mesh);
+    prep::NormalOptions options;
+    options.precision = precision;
+    options.threads = int(state.range(1));
+    for (auto _ : state) {
+        std::vector<std::uint32_t> welded;
+        if (weld) welded = prep::weld_exact(view.positions, options.threads);
+        auto normals = prep::crease_normals(view, welded, {}, options);
+        benchmark::DoNotOptimize(normals);
+    }
+    report(state);
+}
+
+// One normal a vertex, no edge looked at.
+void vertex_normals(benchmark::State& state, prep::Precision precision) {
+    const prep::Mesh& mesh = torus(state.range(0));
+    const prep::MeshView view(mesh);
+    prep::VertexNormalOptions options;
+    options.precision = precision;
+    options.threads = int(state.range(1));
+    for (auto _ : state) {
+        auto normals = prep::vertex_normals(view, options);
+        benchmark::DoNotOptimize(normals);
+    }
+    report(state);
+}
+
 void openmesh_vertex_normals(benchmark::State& state, bool with_building) {
     using Halfedges = OpenMesh::TriMesh_ArrayKernelT<>;
     const prep::Mesh& mesh = torus(state.range(0));
@@ -76,6 +106,33 @@ BENCHMARK_CAPTURE(crease_normals, fast, prep::Precision::fast)
     ->ArgsProduct({{980'000}, {1, 2}})
     ->ArgNames({"triangles", "threads"})
     ->UseRealTime()
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(crease_normals_at_once, accurate, prep::Precision::accurate, false)
+    ->ArgsProduct({{980'000, 4'000'000}, {1, 2}})
+    ->ArgNames({"triangles", "threads"})
+    ->UseRealTime()
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(crease_normals_at_once, fast, prep::Precision::fast, false)
+    ->ArgsProduct({{980'000}, {1, 2}})
+    ->ArgNames({"triangles", "threads"})
+    ->UseRealTime()
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(crease_normals_at_once, accurate_welded, prep::Precision::accurate, true)
+    ->ArgsProduct({{980'000}, {1, 2}})
+    ->ArgNames({"triangles", "threads"})
+    ->UseRealTime()
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(vertex_normals, accurate, prep::Precision::accurate)
+    ->ArgsProduct({{980'000, 4'000'000}, {1, 2}})
+    ->ArgNames({"triangles", "threads"})
+    ->UseRealTime()
+    ->MeasureProcessCPUTime()
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(vertex_normals, fast, prep::Precision::fast)
+    ->ArgsProduct({{980'000, 4'000'000}, {1, 2}})
+    ->ArgNames({"triangles", "threads"})
+    ->UseRealTime()
+    ->MeasureProcessCPUTime()
     ->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(openmesh_vertex_normals, on_its_mesh, false)
     ->Args({980'000})

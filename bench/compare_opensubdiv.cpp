@@ -303,10 +303,10 @@ int compare_limits(const prep::Mesh& mesh, int rate) {
     for (int level = 2; level <= 10; level += 2) {
         const double error = bfr_error(mesh, level, places, exact) / diagonal;
         const Comparison one = compare(
-            5, true, [&] { time_our_grids(mesh, rate, 1); },
+            7, true, [&] { time_our_grids(mesh, rate, 1); },
             [&] { bfr_grids(mesh, rate, level, 1, true); });
         const Comparison two = compare(
-            5, false, [&] { time_our_grids(mesh, rate, 2); },
+            7, false, [&] { time_our_grids(mesh, rate, 2); },
             [&] { bfr_grids(mesh, rate, level, 2, true); });
         std::printf(
             "Bfr, level %2d: error %.1e; ns a point, one thread: %6.1f, ours %6.1f (%.2f x); two: "
@@ -391,9 +391,9 @@ std::size_t our_mesh(const prep::Mesh& mesh, int level, int threads) {
 int compare_mesh(const prep::Mesh& mesh, int level) {
     std::size_t faces = 0;
     const Comparison one = compare(
-        3, true, [&] { faces = our_mesh(mesh, level, 1); }, [&] { far_mesh(mesh, level); });
+        7, true, [&] { faces = our_mesh(mesh, level, 1); }, [&] { far_mesh(mesh, level); });
     const Comparison two = compare(
-        3, false, [&] { our_mesh(mesh, level, 2); }, [&] { far_mesh(mesh, level); });
+        7, false, [&] { our_mesh(mesh, level, 2); }, [&] { far_mesh(mesh, level); });
     std::printf(
         "level %d, %zu faces: Far %.2f s; ours %.2f s on one thread (%.2f x), %.2f s on two (%.2f "
         "x)\n",

@@ -46,19 +46,23 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const auto first = prepared(std::move(*scene));
     if (!first) return 0;
     using prep::Compression;
-    for (const Compression compression :
-         {Compression::keep, Compression::none, Compression::draco, Compression::meshopt}) {
-        std::vector<std::string> notes;
-        const auto glb = prep::detail::encode_glb(*first, notes, compression);
-        if (!glb) return 0;
-        std::vector<std::byte> file;
-        for (const std::span<const std::byte> part : glb->parts())
-            file.insert(file.end(), part.begin(), part.end());
-        auto again = prep::parse_gltf(file, options);
-        if (!again) std::abort();
-        const auto second = prepared(std::move(*again));
-        if (!second) std::abort();
-        if (finite(*first) && triangles(*second) != triangles(*first)) std::abort();
-    }
+    for (const int bits : {0, 8})
+        for (const Compression compression :
+             {Compression::keep, Compression::none, Compression::draco, Compression::meshopt}) {
+            std::vector<std::string> notes;
+            prep::SaveOptions save;
+            save.compression = compression;
+            save.quantization = {bits, bits, bits, bits};
+            const auto glb = prep::detail::encode_glb(*first, notes, save);
+            if (!glb) return 0;
+            std::vector<std::byte> file;
+            for (const std::span<const std::byte> part : glb->parts())
+                file.insert(file.end(), part.begin(), part.end());
+            auto again = prep::parse_gltf(file, options);
+            if (!again) std::abort();
+            const auto second = prepared(std::move(*again));
+            if (!second) std::abort();
+            if (finite(*first) && triangles(*second) != triangles(*first)) std::abort();
+        }
     return 0;
 }

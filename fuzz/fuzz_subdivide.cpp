@@ -53,6 +53,13 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
             if (v >= out.vertex_count()) std::abort();
         for (const glm::vec3& n : out.normals.values)
             if (!unit(n)) std::abort();
+        for (const auto& set : out.uvs)
+            for (const std::uint32_t value : set.indices)
+                if (value >= set.values.size()) std::abort();
+        for (const prep::SkinInfluences& set : out.skin_influences)
+            for (const glm::vec4& weights : set.weights)
+                for (int k = 0; k < 4; ++k)
+                    if (!std::isfinite(weights[k])) std::abort();
     }
     const auto surface = prep::LimitSurface::make(mesh, options);
     if (!surface) return 0;

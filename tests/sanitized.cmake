@@ -9,7 +9,7 @@ set(sanitized_tests
     prep_obj_values prep_odd_files prep_off prep_openmesh prep_ply prep_scene_bytes prep_scene_json
     prep_stl
     # meshes
-    prep_height_map prep_limit_surface prep_prepare prep_prepare_subdivide prep_recover_quads prep_repair
+    prep_crease_fans prep_height_map prep_limit_surface prep_prepare prep_prepare_subdivide prep_recover_quads prep_repair
     prep_repair_holes prep_split prep_subdivide prep_subdivide_attributes prep_tangents_cases
     prep_tessellation_hard_cases
     prep_tangents_identity prep_topology prep_triangulate prep_weld
@@ -17,7 +17,8 @@ set(sanitized_tests
     rast_bands rast_coverage rast_hard_cases rast_hazards rast_partial_pixels rast_texture
     rast_texture_instructions rast_triangulation
     # the command
-    tools_contained tools_cost_pages tools_input_file tools_typed_lines tools_world)
+    tools_contained tools_cost_pages tools_gate_json tools_input_file tools_large_blocks
+    tools_odd_inputs tools_typed_lines tools_world)
 list(TRANSFORM sanitized_tests APPEND _test)
 
 # Builds them.

@@ -254,14 +254,9 @@ TEST(Srgb, HasTheStandardsValuesBothWays) {
     EXPECT_NEAR(prep::detail::linear_to_srgb(0.0031308), 0.04045, 1e-6);
 }
 
-// Without order, so that neighbours are far apart: the way that sorts by bucket.
-TEST(CornersByVertex, AreEveryVertexsCornersAscendingForAnyThreadCount) {
-    std::mt19937_64 random(7);
-    constexpr std::size_t vertices = 70001, corners = 300000;  // more than a block of work
-    std::vector<Index> corner_vertices(corners);
-    for (Index& v : corner_vertices) v = Index(random() % vertices);
+void expect_corners_by_vertex(const std::vector<Index>& corner_vertices, std::size_t vertices) {
     std::vector<std::vector<Index>> expected(vertices);
-    for (Index c = 0; c < corners; ++c) expected[corner_vertices[c]].push_back(c);
+    for (Index c = 0; c < corner_vertices.size(); ++c) expected[corner_vertices[c]].push_back(c);
     for (const int threads : {1, 2, 5}) {
         const auto found = prep::detail::corners_by_vertex(corner_vertices, vertices, threads);
         ASSERT_EQ(found.offsets.size(), vertices + 1);
@@ -272,6 +267,29 @@ TEST(CornersByVertex, AreEveryVertexsCornersAscendingForAnyThreadCount) {
                                    found.corners.begin() + found.offsets[v + 1]))
                 << v << " with " << threads << " threads";
     }
+}
+
+// Without order, so that neighbours are far apart: the way that sorts by bucket.
+TEST(CornersByVertex, AreEveryVertexsCornersAscendingForAnyThreadCount) {
+    std::mt19937_64 random(7);
+    constexpr std::size_t vertices = 70001, corners = 300000;  // more than a block of work
+    std::vector<Index> corner_vertices(corners);
+    for (Index& v : corner_vertices) v = Index(random() % vertices);
+    expect_corners_by_vertex(corner_vertices, vertices);
+}
+
+// In order as files have it, over several blocks of work, in a ring that ends at its beginning.
+TEST(CornersByVertex, OfNeighboursAreTheSame) {
+    std::mt19937_64 random(11);
+    constexpr std::size_t vertices = 150007, corners = 900000;
+    std::vector<Index> corner_vertices(corners);
+    for (std::size_t c = 0; c < corners; ++c)
+        corner_vertices[c] = Index((c / 6 + random() % 700) % vertices);
+    expect_corners_by_vertex(corner_vertices, vertices);
+    // Each block of corners over all vertices: neighbours still, but no ranges of their own.
+    for (std::size_t c = 0; c < corners; ++c)
+        corner_vertices[c] = Index((c + random() % 100) % vertices);
+    expect_corners_by_vertex(corner_vertices, vertices);
 }
 
 std::vector<Index> lowest_equal(const std::vector<glm::vec3>& positions) {

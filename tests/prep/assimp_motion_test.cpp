@@ -421,6 +421,10 @@ TEST(AssimpMotion, OgreMeshesHaveTheirSkeletonsAndMaterials) {
     EXPECT_EQ(stone.diffuse, glm::vec4(0.25f, 0.5f, 0.75f, 1));
     EXPECT_EQ(stone.specular, glm::vec3(0.5f));
     EXPECT_TRUE(bool(stone.diffuse_map));
+
+    std::vector<fs::path> beside = converted.loaded.libraries;  // what it was read from
+    std::sort(beside.begin(), beside.end());
+    EXPECT_EQ(beside, (std::vector<fs::path>{dir / "strip.material", dir / "strip.skeleton.xml"}));
 }
 
 TEST(AssimpMotion, TheSameBytesForAnyNumberOfThreads) {

@@ -142,6 +142,86 @@ TEST(BilinearDeviation, HasAMarginForHeightsThatCancel) {
     }
 }
 
+// All 0 but for one texel, with rows of texels 64 a side.
+detail::HeightMapData spike(std::size_t x, std::size_t y) {
+    detail::HeightMapData data;
+    data.options = plain(HeightFilter::bilinear, Wrap::clamp);
+    data.x = {64, Wrap::clamp};
+    data.y = {64, Wrap::clamp};
+    data.raw.assign(64 * 64, 0.0F);
+    data.raw[64 * y + x] = 1;
+    data.pyramid = detail::make_height_pyramid(data, 1);
+    return data;
+}
+
+// The parameter of a line before the end is rounded to 1: the row is met there all the same, and
+// searched.
+TEST(BilinearDeviation, MeetsRowsThatEndsAreAnUlpBeyond) {
+    const detail::HeightMapData data = spike(8, 3);
+    for (const double y : {2.9999999999999996, 3.0, 3.0000000000000004}) {
+        const std::array<glm::dvec2, 3> at{{{12, 26.436669190780016}, {2.2, y}, {12, 0.7}}};
+        for (std::size_t first = 0; first < 3; ++first)
+            for (const std::size_t way : {1U, 2U}) {
+                std::array<glm::dvec2, 3> uv;
+                for (std::size_t k = 0; k < 3; ++k)
+                    uv[k] = (at[(first + way * k) % 3] + 0.5) / 64.0;
+                const auto found = detail::bilinear_deviation(data, uv, {{0, 0, 0}});
+                ASSERT_TRUE(found);
+                EXPECT_GE(found->upper, 1.0) << y << ' ' << first << ' ' << way;
+            }
+    }
+}
+
+// Corners some ulps from rows and columns, one texel inside that alone is not 0.
+TEST(BilinearDeviation, HoldsForCornersBesideLines) {
+    std::mt19937 random(47);
+    detail::HeightMapData data = spike(8, 3);
+    std::size_t inside = 0;
+    const auto beside = [&](int line) {
+        double at = (line + 0.5) / 64;
+        for (int ulps = int(random() % 7) - 3; ulps != 0; ulps -= ulps > 0 ? 1 : -1)
+            at = std::nextafter(at, ulps > 0 ? 2 : -2);
+        return at;
+    };
+    for (int k = 0; k < 60000; ++k) {
+        const int line = 16 + int(random() % 32);
+        std::array<glm::dvec2, 3> uv;
+        for (glm::dvec2& c : uv) c = 0.25 + 0.5 * glm::dvec2(part(random), part(random));
+        const std::size_t corner = random() % 3;
+        uv[corner].y = beside(line);
+        if (k % 2 == 0) uv[corner].x = beside(16 + int(random() % 32));
+        if (k % 3 == 0) uv[(corner + 1) % 3].y = beside(line + int(random() % 3) - 1);
+        if (k % 5 == 0) uv[(corner + 2) % 3].x = beside(16 + int(random() % 32));
+        // Of the texels in that row the one in the middle of the triangle.
+        using Real = long double;
+        const auto cross = [&](const glm::dvec2& from, const glm::dvec2& to, Real x, Real y) {
+            return (Real(to.x) - Real(from.x)) * (y - Real(from.y)) -
+                   (Real(to.y) - Real(from.y)) * (x - Real(from.x));
+        };
+        Real deepest = 0.01L / 64;
+        int texel = -1;
+        for (int i = 15; i <= 49; ++i) {
+            const Real x = (i + 0.5L) / 64, y = (line + 0.5L) / 64;
+            const std::array<Real, 3> c{cross(uv[0], uv[1], x, y), cross(uv[1], uv[2], x, y),
+                                        cross(uv[2], uv[0], x, y)};
+            const Real least = std::min({c[0], c[1], c[2]}), most = std::max({c[0], c[1], c[2]});
+            const Real depth = std::max(least, -most);
+            if (depth > deepest) deepest = depth, texel = i;
+        }
+        if (texel < 0) continue;
+        ++inside;
+        float& height = data.raw[std::size_t(64 * line + texel)];
+        data.raw[64 * 3 + 8] = 0;
+        height = 1;
+        const auto found = detail::bilinear_deviation(data, uv, {{0.25, 0.25, 0.25}});
+        height = 0;
+        if (!found) continue;  // larger than the walk takes
+        ASSERT_GE(found->upper, 0.75) << k;
+        ASSERT_LE(found->upper, 0.75 + 1e-9) << k;
+    }
+    EXPECT_GT(inside, 10000U);
+}
+
 TEST(BilinearDeviation, LeavesTheRestToTheSearch) {
     detail::HeightMapData data;
     const auto map = [&](HeightFilter filter) {

@@ -380,4 +380,24 @@ TEST(GltfBuild, TheBinaryIsNamedByAUri) {
     EXPECT_EQ(file.fault(), "");
 }
 
+// A vertex that no triangle uses and that no file may hold, where all else is one primitive's.
+TEST(GltfBuild, UnusedVertexThatIsNotFiniteIsLeftOut) {
+    prep::Mesh mesh = mesh_of({0, 1, 2, 2, 1, 3}, 4);
+    prep::PreparedScene prepared = test::untouched(scene_of(mesh));
+    prep::VertexMesh& out = prepared.meshes[0];
+    ASSERT_EQ(out.ranges.size(), 1u);
+    out.positions.insert(out.positions.begin(), {0, nan, 0});
+    for (std::uint32_t& i : out.indices) ++i;
+    const test::TempDir dir;
+    ASSERT_TRUE(prep::save_scene(prepared, dir / "a.glb").has_value());
+    const test::GltfFile file(dir / "a.glb");
+    EXPECT_EQ(file.fault(), "");
+    const test::GltfValues positions = file.attribute(0, 0, "POSITION");
+    const Indices indices = file.triangles(0, 0);
+    ASSERT_EQ(indices.size(), 6u);
+    for (std::size_t c = 0; c < 6; ++c)
+        EXPECT_EQ(positions.at(indices[c]), numbers(mesh.positions[mesh.corner_vertices[c]]));
+    EXPECT_EQ(file.json["accessors"][0]["count"], 4);
+}
+
 }  // namespace

@@ -2,10 +2,12 @@
 // buffer views and accessors, each tried at its last good and its first bad value.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstring>
 #include <filesystem>
 #include <span>
 
+#include "formats/gltf/binary_parts.h"
 #include "formats/gltf/document.h"
 #include "gltf_maker.h"
 #include "mesh_files.h"
@@ -367,6 +369,44 @@ TEST(GltfStructure, CompressedViewsHoldWhatTheyAnnounceAndNoMoreThanTheCodecsCan
     EXPECT_SAYS(compressed(15, 256), place);
     EXPECT_SAYS(compressed(17, 256), place);
     EXPECT_SAYS(compressed(1 << 20, 16 << 20), place);
+}
+
+// Small pieces, pieces that are kept as they are, and what is lent, in one order.
+TEST(BinaryParts, AreInOrderHoweverTheyCame) {
+    std::vector<std::byte> expected;
+    unsigned next = 0;
+    const auto bytes = [&](std::size_t size) {
+        std::vector<std::byte> made;
+        for (std::size_t i = 0; i < size; ++i) made.push_back(std::byte(next++ * 7919 >> 3));
+        expected.insert(expected.end(), made.begin(), made.end());
+        return made;
+    };
+    prep::detail::BinaryParts binary;
+    EXPECT_TRUE(binary.empty());
+    EXPECT_TRUE(binary.joined().empty());
+    const std::vector<std::byte> lent = [&] {
+        binary.append(bytes(3));
+        binary.append(bytes(65536));  // closes what was appended before it
+        binary.append(bytes(5));
+        return bytes(70000);
+    }();
+    binary.lend(lent);
+    binary.lend({});
+    binary.append(bytes(65535));
+    binary.append(bytes(2));
+    binary.take(bytes(9));
+    binary.append(bytes(1));
+    EXPECT_EQ(binary.size(), expected.size());
+    EXPECT_TRUE(binary.joined() == expected);
+    const auto parts = binary.parts();
+    EXPECT_EQ(std::count_if(parts.begin(), parts.end(),
+                            [&](const auto& part) { return part.data() == lent.data(); }),
+              1);
+    binary.pad();
+    while (expected.size() % 4 != 0) expected.emplace_back();
+    EXPECT_TRUE(binary.joined() == expected);
+    binary.pad();
+    EXPECT_EQ(binary.size(), expected.size());
 }
 
 }  // namespace

@@ -3,7 +3,9 @@
 
 #include <cmath>
 #include <limits>
+#include <set>
 
+#include "formats/gltf/references.h"
 #include "gltf_maker.h"
 #include "gltf_source.h"
 #include "mesh_files.h"
@@ -251,6 +253,21 @@ TEST(GltfRewrite, MeshoptIsUndone) {
             written(d.read(), with_normals ? prep::PrepareOptions{} : nothing());
         EXPECT_EQ(file.attribute(0, 0, "POSITION").values, Numbers(square.begin(), square.end()));
         EXPECT_EQ(file.json.dump().find("EXT_meshopt_compression"), std::string::npos);
+    }
+}
+
+// Vertices that lie together and vertices that do not are numbered in two ways.
+TEST(GltfRewrite, NumbersVerticesInTheirOrder) {
+    for (const std::vector<std::uint32_t>& indices : {std::vector<std::uint32_t>{7, 9, 7, 12, 8, 9},
+                                                      {},
+                                                      {5, 5, 5},
+                                                      {4'000'000'000, 3, 70, 3}}) {
+        const std::set<std::uint32_t> expected(indices.begin(), indices.end());
+        std::vector<std::uint32_t> places = indices;
+        const std::vector<std::uint32_t> used = prep::detail::number_anew(places);
+        EXPECT_EQ(used, std::vector<std::uint32_t>(expected.begin(), expected.end()));
+        ASSERT_EQ(places.size(), indices.size());
+        for (std::size_t i = 0; i < indices.size(); ++i) EXPECT_EQ(used.at(places[i]), indices[i]);
     }
 }
 

@@ -6,8 +6,10 @@
 #include <filesystem>
 #include <limits>
 
+#include "displacement/band_limit.h"
 #include "displacement/height_data.h"
 #include "displacement/height_field.h"
+#include "displacement/map_regions.h"
 #include "height_maps.h"
 
 namespace prep {
@@ -206,6 +208,47 @@ TEST(HeightMap, WhatIsNoHeightIsAnErrorThatNamesIt) {
     options = plain();
     options.placement.offset.x = std::numeric_limits<float>::quiet_NaN();
     EXPECT_FALSE(HeightMap::make(random_picture(2, 2, 1), options));
+}
+
+// Inside of the map cells are found without its regions: the same bits on both sides of the seams,
+// values as defined.
+TEST(HeightMap, SeamsAreReadAsTheRestIs) {
+    for (const auto& [width, height] :
+         std::initializer_list<std::pair<std::uint32_t, std::uint32_t>>{{8, 4}, {1, 8}, {1, 1}})
+        for (const HeightFilter filter : filters)
+            for (const Wrap wrap : wraps) {
+                const Image image = random_picture(width, height, 12);
+                detail::HeightMapData data;
+                data.options = plain(filter, wrap);
+                data.x = {width, wrap};
+                data.y = {height, wrap};
+                data.raw = image.pixels;
+                const auto seams = [](double size) {
+                    std::vector<double> at{0.3, 0.5 * size};  // of map coordinates, and a half
+                    for (const double line : {0.0, 0.5, 1.5, size - 0.5, size, size + 0.5})
+                        for (const double to : {-HUGE_VAL, line, HUGE_VAL})
+                            at.push_back(std::nextafter(line, to));
+                    return at;
+                };
+                for (const double x : seams(width))
+                    for (const double y : seams(height)) {
+                        const glm::dvec2 uv(x / width, y / height), p = data.map_point(uv);
+                        const auto of = [](const detail::HeightAxis& axis, double along) {
+                            const auto r = detail::region(axis, detail::region_of(axis, along));
+                            return std::pair(detail::cell_point(axis, r.cell(along)), r.turn);
+                        };
+                        const auto [cx, turn_x] = of(data.x, p.x);
+                        const auto [cy, turn_y] = of(data.y, p.y);
+                        glm::dvec2 gradient;
+                        const double value =
+                            detail::raw_at(data, cx.cell + data.x.first(), cy.cell + data.y.first(),
+                                           cx.part, cy.part, &gradient);
+                        const detail::RawSample sample = detail::raw_sample(data, uv);
+                        ASSERT_EQ(sample.value, value) << p.x << ", " << p.y;
+                        ASSERT_EQ(sample.gradient, gradient * glm::dvec2(turn_x, turn_y));
+                        EXPECT_NEAR(value, by_definition(image, filter, wrap, uv), 1e-13);
+                    }
+            }
 }
 
 TEST(HeightMap, OddCoordinatesReadSomething) {

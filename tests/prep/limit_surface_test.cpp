@@ -11,6 +11,7 @@
 #include "limit_surface/extraordinary_ring.h"
 #include "limit_surface/loop_patch.h"
 #include "prep/subdivide.h"
+#include "subdivision_cages.h"
 
 namespace prep {
 namespace {
@@ -309,6 +310,48 @@ TEST(GridTables, CreasesWithoutStoredTablesGiveTheSameBits) {
             }
         }
         EXPECT_EQ(results[0], results[1]);
+    }
+}
+
+// Rings of many sectors stay while all of their levels are within the budget; others are walked,
+// two levels at a time. Values are the same.
+TEST(PatchEvaluator, KeepsRingsWithinItsBudget) {
+    const test::Cage pole = test::pole(SubdivisionScheme::catmark, 64);
+    const auto cage = detail::position_cage(pole.mesh, {});
+    ASSERT_TRUE(cage);
+    std::vector<double> numbers;
+    for (const glm::vec3& p : pole.mesh.positions) numbers.insert(numbers.end(), {p.x, p.y, p.z});
+    const auto surface = detail::ChannelSurface::make(*cage, numbers, 3, false, 5, 1);
+    ASSERT_TRUE(surface);
+    const detail::PatchTree& tree = surface->tree;
+    std::size_t points = 0, rings = 0;
+    for (const detail::Ring& ring : tree.rings)
+        if (ring.shape.sectors == 64) points = ring.shape.point_count(), ++rings;
+    ASSERT_EQ(rings, 1U);
+    const detail::SurfacePieces pieces{
+        &surface->cage, &surface->tree, {surface->values.numbers.data(), 3, nullptr}, nullptr};
+    const detail::GridTables tables(5, tree.sharpnesses, false);
+    const std::size_t all = 3 * points * 7;  // levels 0 to 5, and the one after
+    std::vector<double> expected;
+    std::uint64_t least_gathered = 0;
+    for (const std::size_t budget : {all, all - 1, 3 * points, std::size_t(0)}) {
+        detail::PatchEvaluator evaluator(pieces, SimdLevel::automatic, budget);
+        std::vector<double> results, out(3 * 33 * 33);
+        detail::GridOutput to;
+        to.value = out.data(), to.stride = 3 * 33;
+        for (std::uint32_t root = 0; root < tree.roots.size(); ++root) {
+            evaluator.grid(root, 32, false, tables, to);
+            results.insert(results.end(), out.begin(), out.end());
+        }
+        const std::size_t walked = 2 * 3 * points;
+        EXPECT_LE(evaluator.held_ring_numbers(), budget == all ? all + walked : walked) << budget;
+        if (budget == all) {
+            expected = results;
+            least_gathered = evaluator.gathered_ring_points();
+            continue;
+        }
+        EXPECT_EQ(results, expected) << budget;
+        EXPECT_GT(evaluator.gathered_ring_points(), least_gathered + 32 * points) << budget;
     }
 }
 

@@ -3,13 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdlib>
 #include <cstring>
-#include <iostream>
 #include <limits>
 #include <nlohmann/json.hpp>
 
 #include "formats/gltf/gltf.h"
+#include "gltf_oracle.h"
 #include "mesh_files.h"
 #include "npm_tools.h"
 #include "prep/save.h"
@@ -354,12 +353,8 @@ TEST(MorphTargets, TheFormatsValidatorFindsNoFault) {
                          {"input", (dir / "in.gltf").string()},
                          {"output", (dir / "out.glb").string()},
                          {"before", nullptr}}};
-        test::write_text(dir / "list.json", list.dump());
-        const auto script = test::source_dir() / "tests/tools/validate_gltf.mjs";
-        const std::string command = "node '" + script.string() + "' '" + validator.string() +
-                                    "' '" + (dir / "list.json").string() + "' 2>&1";
-        std::cout.flush();
-        EXPECT_EQ(std::system(command.c_str()), 0) << "its complaints stand above";
+        EXPECT_TRUE(test::validates(validator, list, dir / "list.json"))
+            << "its complaints stand above";
     }
 }
 

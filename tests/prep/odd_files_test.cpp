@@ -4,11 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ctime>
 #include <tuple>
 
 #include "formats/obj/obj.h"
 #include "formats/off/off.h"
 #include "formats/ply/ply.h"
+#include "formats/scene_json/merge.h"
 #include "formats/stl/stl.h"
 #include "mesh_files.h"
 #include "prep/load.h"
@@ -114,6 +116,53 @@ TEST(OddFiles, AreNothingWithoutFacesLinesOrPoints) {
     EXPECT_EQ(said("hello\nthere\n"),
               "no faces, lines or points are in the file; found nothing; the reader says: t.obj:1: "
               "unknown statement 'hello' was skipped (2 in all)");
+}
+
+// Programs fill scenes by hand.
+TEST(OddFiles, VerticesThatAreNotThereAreNowhere) {
+    const auto some = [](const prep::Mesh& mesh) {
+        prep::Scene scene;
+        scene.meshes.push_back(mesh);
+        return prep::require_geometry(scene).has_value();
+    };
+    prep::Mesh mesh;
+    mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    mesh.face_offsets = {0, 3};
+    mesh.corner_vertices = {0, 1, 2};
+    EXPECT_TRUE(some(mesh));
+    mesh.corner_vertices = {0, 1, 3};
+    EXPECT_FALSE(some(mesh));
+    mesh.corner_vertices = {0, 1, 0xffffffff};
+    EXPECT_FALSE(some(mesh));
+    mesh.corner_vertices = {0, 1};
+    EXPECT_FALSE(some(mesh));
+    mesh.points = {7};
+    EXPECT_FALSE(some(mesh));
+    mesh.points = {2};
+    EXPECT_TRUE(some(mesh));
+}
+
+// Each file once, and its neighbours are not all looked at for that.
+TEST(OddFiles, ManyFilesOfASceneTakeTimeInProportion) {
+    const auto seconds = [](std::size_t count) {
+        double best = 1e9;
+        for (int k = 0; k < 3; ++k) {
+            prep::Scene scene;
+            prep::detail::ReadFiles files;
+            const std::clock_t start = std::clock();
+            for (std::size_t n = 0; n < count; ++n) {
+                prep::Scene part;
+                part.source = "parts/" + std::to_string(n) + ".obj";
+                part.libraries = {"parts/shared.mtl"};
+                prep::detail::merge_scene(scene, std::move(part), "part", files);
+            }
+            best = std::min(best, double(std::clock() - start) / CLOCKS_PER_SEC);
+            EXPECT_EQ(scene.libraries.size(), count + 1);
+        }
+        return best;
+    };
+    // 16 times the files: 16 times the time, or 256 where all are looked at.
+    EXPECT_LT(seconds(16000), 64 * seconds(1000));
 }
 
 TEST(OddFiles, CubeGlb) {

@@ -106,6 +106,33 @@ TEST(PrepareSubdivide, TriangulatedQuadsAreToldAndRecovered) {
     EXPECT_EQ(loop->meshes[0].triangle_count(), 12U * 16);
 }
 
+// A seam beside a crease of 6,000 edges, where one of its vertices has creases of its own.
+TEST(PrepareSubdivide, SeamsThatAreApproximateAreTold) {
+    constexpr std::uint32_t length = 6000, middle = 2 * (length + 1);
+    prep::Mesh strip = shapes::grid(length, 4);
+    for (std::uint32_t x = 0; x < length; ++x)
+        strip.subdivision.creases.push_back({middle + x, middle + x + 1, 9.75F});
+    const std::uint32_t v = length + 1 + 10;  // on the seam
+    strip.subdivision.creases.push_back({v, v - (length + 1), 1.5F});
+    strip.subdivision.creases.push_back({v, v + 1, 2.5F});
+    prep::CornerLayer<glm::vec2> uvs;
+    for (std::uint32_t c = 0; c < strip.corner_count(); ++c) {
+        const glm::vec3 p = strip.positions[strip.corner_vertices[c]];
+        uvs.indices.push_back(c);
+        uvs.values.emplace_back(p.x, p.y + p.z + (c < 4 * length ? 0.0F : 9.0F));
+    }
+    strip.uvs.push_back(std::move(uvs));
+    for (const prep::FaceVaryingRule rule :
+         {prep::FaceVaryingRule::corners_only, prep::FaceVaryingRule::corners_plus1}) {
+        prep::PrepareOptions options = catmark(0);
+        options.subdivision.face_varying = rule;
+        const auto prepared = prep::prepare(scene_of(strip), options);
+        ASSERT_TRUE(prepared) << prepared.error().text;
+        EXPECT_EQ(count(*prepared, "approximate-seams"),
+                  rule == prep::FaceVaryingRule::corners_only ? 0U : 1U);
+    }
+}
+
 TEST(PrepareSubdivide, ErrorsNameTheMesh) {
     prep::Mesh bad = shapes::cube();
     bad.name = "box";

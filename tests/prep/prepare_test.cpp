@@ -6,9 +6,11 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <random>
 
 #include "mesh_files.h"
 #include "prep/load.h"
+#include "shapes.h"
 
 namespace {
 
@@ -450,6 +452,34 @@ TEST(Prepare, SameBytesForAnyThreadCount) {
         EXPECT_EQ(many->meshes[0].tangents, one->meshes[0].tangents);
         EXPECT_EQ(many->meshes[0].indices, one->meshes[0].indices);
     }
+}
+
+// Doubles of the normals are what the walk around each point does not give.
+TEST(Prepare, BothWaysToNormalsGiveTheSameVertices) {
+    std::mt19937_64 random(31);
+    prep::Mesh surface = shapes::fan_triangulated(shapes::torus(50, 24));
+    shapes::jitter(surface, 0.05f, random);
+    for (const bool soup : {false, true})
+        for (const auto weld : {prep::WeldMode::none, prep::WeldMode::exact}) {
+            SCOPED_TRACE(std::to_string(soup) + std::to_string(weld == prep::WeldMode::exact));
+            prep::PrepareOptions options;
+            options.weld = weld;
+            options.hard_edges.angle_degrees = 20;
+            const prep::Mesh mesh = soup ? shapes::soup(surface) : surface;
+            const auto walked = prep::prepare(scene_of(mesh), options);
+            options.normal.keep_doubles = true;
+            const auto general = prep::prepare(scene_of(mesh), options);
+            ASSERT_TRUE(walked.has_value());
+            ASSERT_TRUE(general.has_value());
+            const prep::VertexMesh &a = walked->meshes[0], &b = general->meshes[0];
+            ASSERT_EQ(a.normals.size(), a.vertex_count());
+            EXPECT_EQ(a.positions, b.positions);
+            EXPECT_EQ(a.normals, b.normals);
+            EXPECT_EQ(a.indices, b.indices);
+            EXPECT_EQ(a.source_corners, b.source_corners);
+            EXPECT_EQ(a.split_reasons, b.split_reasons);
+            EXPECT_EQ(walked->splits.hard_edge, general->splits.hard_edge);
+        }
 }
 
 }  // namespace

@@ -83,17 +83,18 @@ TEST(RenderChoices, WishesChangeWhatTheyGiveAndNothingElse) {
                    prep::DepthFormat::fixed16,
                    16,
                    prep::ToneMap::reinhard,
-                   2.5f};
+                   2.5f,
+                   0.5f};
     const auto members = [](const RenderChoices& c) {
         return std::tuple(c.width, c.height, c.shading, c.background.x, c.cull, c.filter, c.samples,
                           c.supersample, c.coverage, c.depth_format, c.max_anisotropy, c.tone_map,
-                          c.exposure);
+                          c.exposure, c.allow_error);
     };
     EXPECT_EQ(members(with_wishes({}, all)), members({}));  // none is given
     std::set<std::string_view> keys;
     prep::for_each_render_choice(
         [&](std::string_view key, auto, const auto&, const char*) { keys.insert(key); });
-    EXPECT_EQ(keys.size(), 12u);
+    EXPECT_EQ(keys.size(), 13u);
     for (const std::string_view key : keys) {
         all.given = {key};
         EXPECT_NE(members(with_wishes({}, all)), members({})) << key;

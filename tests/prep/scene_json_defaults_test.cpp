@@ -221,6 +221,10 @@ TEST(SceneLimits, OfPicturesAreThoseOfThePage) {
     EXPECT_EQ(at(R"("exposure": 1e6)"), "");
     EXPECT_EQ(at(R"("exposure": 1.1e6)"), "/picture/exposure");
     EXPECT_EQ(at(R"("exposure": 9e-7)"), "/picture/exposure");
+    EXPECT_EQ(at(R"("allow_error": 0)"), "");
+    EXPECT_EQ(at(R"("allow_error": 1e6)"), "");
+    EXPECT_EQ(at(R"("allow_error": 1.1e6)"), "/picture/allow_error");
+    EXPECT_EQ(at(R"("allow_error": -1)"), "/picture/allow_error");
     EXPECT_EQ(at(R"("tone_map": "filmic")"), "/picture/tone_map");
     EXPECT_EQ(at(R"("shading": "toon")"), "/picture/shading");
     EXPECT_EQ(at(R"("cull": "all")"), "/picture/cull");
@@ -244,7 +248,7 @@ TEST(SceneLimits, MoreThan64MebibytesAreRefused) {
     EXPECT_EQ(prep::parse_scene_json(text, "s.json").error().code, prep::ErrorCode::limit);
 }
 
-TEST(SceneLimits, AFileBringsNoSceneAndNoLightsCamerasOrSkins) {
+TEST(SceneLimits, AFileBringsNoSceneAndNothingThatMovesOrLights) {
     const test::TempDir dir;
     const std::string head = R"({"meshprep": 1, "meshes": {"t": {"file": ")";
     test::write_text(dir / "inner.json", R"({"meshprep": 1, "meshes": {"a": {"shape": {"kind":
@@ -261,9 +265,14 @@ TEST(SceneLimits, AFileBringsNoSceneAndNoLightsCamerasOrSkins) {
         "cameras": [{"type": "perspective", "perspective": {"yfov": 1, "znear": 0.1}}],
         "extensionsUsed": ["KHR_lights_punctual"],
         "extensions": {"KHR_lights_punctual": {"lights": [{"type": "point"}]}},
-        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "_HEAT": 0},
+            "targets": [{"POSITION": 0}]}]}],
+        "animations": [{"channels": [{"sampler": 0, "target": {"node": 1, "path": "translation"}}],
+            "samplers": [{"input": 1, "output": 2}]}],
         "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3",
-        "min": [0, 0, 0], "max": [1, 1, 0]}], "bufferViews": [{"buffer": 0, "byteLength": 36}],
+        "min": [0, 0, 0], "max": [1, 1, 0]}, {"bufferView": 0, "componentType": 5126, "count": 1,
+        "type": "SCALAR", "min": [0], "max": [0]}, {"bufferView": 0, "componentType": 5126,
+        "count": 1, "type": "VEC3"}], "bufferViews": [{"buffer": 0, "byteLength": 36}],
         "buffers": [{"byteLength": 36, "uri": "data:application/octet-stream;base64,)"
                                      R"(AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}]})");
     test::write_text(dir / "s.json", head + "t.gltf\"}}}");
@@ -277,7 +286,10 @@ TEST(SceneLimits, AFileBringsNoSceneAndNoLightsCamerasOrSkins) {
                     node.skin == prep::no_index);
     EXPECT_EQ(scene.warnings,
               std::vector<std::string>{
-                  "mesh 't': the file's own lights, cameras, skins are not part of the scene"});
+                  "mesh 't': the file's own lights, cameras, skins, animations, morph targets, "
+                  "attributes of other names are not part of the scene"});
+    EXPECT_TRUE(scene.animations.empty());
+    EXPECT_TRUE(scene.meshes[0].morph_targets.empty() && scene.meshes[0].vertex_attributes.empty());
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <limits>
 #include <map>
+#include <random>
 
 #include "prep/corner_normals.h"
 #include "prep/split_vertices.h"
@@ -12,6 +13,8 @@
 #include "shapes.h"
 #include "split_oracle.h"
 #include "steps.h"
+#include "surface/vertex_corners.h"
+#include "vertices/split_vertices.h"
 
 namespace {
 
@@ -339,6 +342,31 @@ TEST(Split, ThreadsChangeNothing) {
         EXPECT_EQ(one.corner_vertices, many.corner_vertices);
         EXPECT_EQ(one.split_reasons, many.split_reasons);
         EXPECT_EQ(one.triangle_faces, many.triangle_faces);
+    }
+}
+
+// The corners by vertex may come from who has them already.
+TEST(Split, WithCornersByVertexIsTheSame) {
+    std::mt19937_64 random(13);
+    Mesh mesh = shapes::fan_triangulated(shapes::torus(60, 30));
+    shapes::jitter(mesh, 0.05f, random);
+    mesh = shapes::joined(mesh, shapes::grid(4, 3));
+    mesh.positions.push_back({7, 7, 7});  // no face's
+    const HardEdges hard = add_normals(mesh, {.angle_degrees = 20});
+    for (const int threads : {1, 4}) {
+        const auto around =
+            prep::detail::corners_by_vertex(mesh.corner_vertices, mesh.vertex_count(), threads);
+        const VertexMesh one = split_of(mesh, &hard, {.threads = threads});
+        const auto other = prep::detail::split_vertices(mesh, &hard, &around, {.threads = threads});
+        ASSERT_TRUE(other.has_value());
+        ASSERT_GT(one.vertex_count(), mesh.vertex_count());
+        EXPECT_EQ(other->positions, one.positions);
+        EXPECT_EQ(other->normals, one.normals);
+        EXPECT_EQ(other->indices, one.indices);
+        EXPECT_EQ(other->corner_vertices, one.corner_vertices);
+        EXPECT_EQ(other->source_vertices, one.source_vertices);
+        EXPECT_EQ(other->source_corners, one.source_corners);
+        EXPECT_EQ(other->split_reasons, one.split_reasons);
     }
 }
 

@@ -1,11 +1,15 @@
 // What else a cage carries: skins, morph targets, colours, named attributes, materials and parts.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <cstring>
 
+#include "mesh_files.h"
 #include "prep/subdivide.h"
 #include "shapes.h"
+#include "subdivision/refined_skins.h"
 #include "subdivision_cages.h"
 
 namespace {
@@ -74,6 +78,103 @@ TEST(SubdivideAttributes, SkinWeightsSumToOneAndStayPositive) {
                 EXPECT_EQ(refined->mesh.skin_influences.size(), most == 8 ? 2U : 1U);
                 expect_weights(*refined, most == 0 ? 4 : std::size_t(most));
             }
+    }
+}
+
+// The surface of a cage's positions, and what its skins make of it.
+struct SkinWork {
+    prep::detail::RootGroups groups;
+    prep::detail::RefinedSkins skins;
+};
+SkinWork skin_work(const Cage& cage) {
+    namespace detail = prep::detail;
+    const auto positions = detail::position_cage(cage.mesh, cage.options);
+    std::vector<double> numbers;
+    for (const glm::vec3& p : cage.mesh.positions) numbers.insert(numbers.end(), {p.x, p.y, p.z});
+    const auto surface =
+        detail::ChannelSurface::make(*positions, numbers, 3, true, cage.options.level, 1);
+    const detail::UniformRefinement refinement(cage.mesh, cage.options, *positions, surface->cage,
+                                               surface->tree);
+    const auto topology = refinement.topology(positions->corner_vertices, positions->vertex_count);
+    return {detail::RootGroups(*surface, refinement.roots),
+            detail::refined_skins(refinement, *surface, refinement.numbering(topology))};
+}
+
+// Gathered for each face again, what all faces of a pole share costs the square of its valence.
+TEST(SubdivideAttributes, SkinWeightsOfAPoleGrowWithItsValence) {
+    double gathered[2];
+    for (const int k : {0, 1}) {
+        const std::uint32_t valence = k == 0 ? 64 : 512;
+        Cage cage = test::pole(prep::SubdivisionScheme::catmark, valence);
+        add_skin(cage.mesh, 1, 4, 7);
+        gathered[k] = double(skin_work(cage).skins.gathered) / valence;
+    }
+    std::printf("points a face: %.1f of valence 64, %.1f of 512\n", gathered[0], gathered[1]);
+    EXPECT_GT(gathered[0], 16);
+    EXPECT_LT(gathered[1], 1.05 * gathered[0]);
+}
+
+// What threads share out is of like size, however large the groups are; the largest come first.
+TEST(SubdivideAttributes, SkinsOfManyPolesAreSharedOutByTheirRoots) {
+    constexpr std::uint32_t poles = 30, valence = 64;
+    const prep::Mesh one = test::pole(prep::SubdivisionScheme::catmark, valence).mesh;
+    Cage cage{"poles", {}, {}};
+    cage.options.level = 0;
+    for (std::uint32_t k = 0; k < poles; ++k) {
+        const auto vertices = std::uint32_t(cage.mesh.vertex_count());
+        for (const std::uint32_t v : one.corner_vertices)
+            cage.mesh.corner_vertices.push_back(vertices + v);
+        const std::uint32_t corners = cage.mesh.face_offsets.back();
+        for (std::size_t f = 1; f < one.face_offsets.size(); ++f)
+            cage.mesh.face_offsets.push_back(corners + one.face_offsets[f]);
+        for (const glm::vec3& p : one.positions)
+            cage.mesh.positions.push_back(p + glm::vec3(10.0F * float(k), 0, 0));
+    }
+    add_skin(cage.mesh, 1, 4, 7);
+    const prep::detail::RootGroups groups = skin_work(cage).groups;
+    std::vector<std::uint32_t> roots = groups.roots;
+    std::sort(roots.begin(), roots.end());
+    ASSERT_EQ(roots.size(), cage.mesh.face_count());
+    for (std::uint32_t k = 0; k < roots.size(); ++k) ASSERT_EQ(roots[k], k);
+    for (std::size_t group = 0; group < groups.count(); ++group)
+        ASSERT_EQ(groups[group].size(), group < poles ? valence : 1) << group;
+    ASSERT_EQ(groups.blocks.front(), 0U);
+    ASSERT_EQ(groups.blocks.back(), groups.count());
+    for (std::size_t block = 1; block < groups.blocks.size(); ++block) {
+        const std::uint32_t begin = groups.blocks[block - 1], end = groups.blocks[block];
+        ASSERT_LT(begin, end);
+        EXPECT_LE(groups.offsets[end] - groups.offsets[begin], roots.size() / 64) << block;
+    }
+    EXPECT_LE(groups.blocks.size(), 128U);
+}
+
+void expect_same(const prep::Mesh& a, const prep::Mesh& b) {
+    EXPECT_EQ(test::exact_difference(a, b), "");
+    ASSERT_EQ(a.skin_influences.size(), b.skin_influences.size());
+    for (std::size_t k = 0; k < a.skin_influences.size(); ++k) {
+        EXPECT_EQ(a.skin_influences[k].joints, b.skin_influences[k].joints);
+        EXPECT_EQ(a.skin_influences[k].weights, b.skin_influences[k].weights);
+    }
+}
+
+// Weights of poles are gathered in groups of faces; UVs and colours are channels of their own.
+TEST(SubdivideAttributes, SameBytesForAnyThreadsAndInstructionSet) {
+    std::vector<Cage> cages = test::own_cages();
+    cages.push_back(test::pole(prep::SubdivisionScheme::catmark, 100));
+    cages.push_back(test::pole(prep::SubdivisionScheme::loop, 40));
+    for (Cage& cage : cages) {
+        SCOPED_TRACE(cage.name);
+        add_skin(cage.mesh, 2, 6, 11);
+        prep::CornerLayer<glm::vec2> uvs;
+        for (std::uint32_t c = 0; c < cage.mesh.corner_count(); ++c) {
+            const glm::vec3 p = cage.mesh.positions[cage.mesh.corner_vertices[c]];
+            uvs.values.emplace_back(p.x + (c % 11 == 0 ? 1.0F : 0.0F), p.y - 0.3F * p.z);
+            uvs.indices.push_back(c);
+        }
+        cage.mesh.uvs.push_back(std::move(uvs));
+        prep::SubdivideOptions options = cage.options;
+        options.creasing = prep::CreasingMethod::chaikin;
+        test::expect_same_of_any_threads(cage.mesh, options, expect_same);
     }
 }
 

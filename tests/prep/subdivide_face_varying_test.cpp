@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <map>
+#include <random>
 #include <span>
 
 #include "opensubdiv_peer.h"
@@ -106,8 +107,11 @@ std::vector<bool> vertices_without_far_limit(const prep::Mesh& mesh) {
         borders[edge.first] += count == 1;
         borders[edge.second] += count == 1;
     }
+    std::map<std::pair<std::uint32_t, std::uint32_t>, float> creases;  // the last mark counts
     for (const prep::EdgeMark& mark : mesh.subdivision.creases)
-        if (mark.sharpness >= 10) ++sharp[mark.v0], ++sharp[mark.v1];
+        creases[std::minmax(mark.v0, mark.v1)] = mark.sharpness;
+    for (const auto& [edge, sharpness] : creases)
+        if (sharpness >= 10) ++sharp[edge.first], ++sharp[edge.second];
     std::vector<bool> found;
     for (std::size_t v = 0; v < faces.size(); ++v)
         found.push_back(!borders[v] && (faces[v] == 2 || sharp[v] == 1));
@@ -305,53 +309,217 @@ TEST(SubdivideFaceVarying, SixRulesAreOpenSubdivsOnTheCorpus) {
     EXPECT_EQ(with_uvs, 18U);  // all but the two poles
 }
 
-// Chaikin's averages are of the creases that meet at a vertex of the mesh: so they are in Far. Ours
-// are of those that meet at a value of the channel, to which an edge with a seam along it is a
-// border. The two differ where such an edge is semi-sharp and meets others, and nowhere else.
-TEST(SubdivideFaceVarying, ChaikinsAveragesDifferAtSemiSharpSeamsAlone) {
-    for (Cage& cage : test::own_cages()) {
-        if (cage.name != "cube_chaikin") continue;
-        prep::Mesh other = cage.mesh;
-        other.subdivision.creases.clear();
-        // Around the bottom, none of them on the seam; then along it.
-        for (const std::uint32_t c : {0U, 1U, 2U, 3U})
-            other.subdivision.creases.push_back({other.corner_vertices[c],
-                                                 other.corner_vertices[(c + 1) % 4],
-                                                 0.7F + 0.9F * float(c)});
-        for (const bool seam_on_crease : {false, true}) {
-            Cage one = cage;
-            one.mesh = other;
-            add_uvs(one.mesh, {seam_on_crease ? 0U : 1U});
-            double largest = 0;
-            for (const FaceVaryingRule rule : every_rule)
-                for (const bool limit : {false, true})
-                    largest = std::max(largest, difference(one, 0, rule, 3, limit).uv);
-            std::printf("UVs differ by %.1e of their extent, seam on crease: %d\n", largest,
-                        seam_on_crease);
-            if (seam_on_crease) {
-                EXPECT_LE(largest, 1e-2);
-            } else {
-                EXPECT_LE(largest, 1e-6);
-            }
+// The largest difference under all rules; control points and limits.
+double largest_difference(const Cage& cage, std::size_t set, int level) {
+    double largest = 0;
+    for (const FaceVaryingRule rule : every_rule)
+        for (const bool limit : {false, true}) {
+            SCOPED_TRACE(cage.name + " " + std::string(prep::name_of(rule)) +
+                         (limit ? " limits" : " control points") + ", set " + std::to_string(set));
+            const Difference d = difference(cage, set, rule, level, limit);
+            EXPECT_GT(d.corners, 0U);
+            EXPECT_EQ(d.unmatched, 0U);
+            EXPECT_LE(d.uv, 1e-6);
+            largest = std::max(largest, d.uv);
         }
-        // Of several creases at a vertex, some on the seam and some not.
-        other.subdivision.creases.clear();
-        for (std::uint32_t c = 0; c < other.corner_count(); ++c)
-            if (const std::uint32_t v0 = other.corner_vertices[c],
-                v1 = other.corner_vertices[c % 4 == 3 ? c - 3 : c + 1];
-                v0 < v1)
-                other.subdivision.creases.push_back({v0, v1, 0.4F + 0.3F * float(c % 7)});
-        Cage mixed = cage;
-        mixed.mesh = other;
-        add_uvs(mixed.mesh, {0, 2});
-        double largest = 0;
-        for (const FaceVaryingRule rule : every_rule)
-            for (const bool limit : {false, true})
-                largest = std::max(largest, difference(mixed, 0, rule, 3, limit).uv);
-        std::printf("UVs differ by %.1e of their extent\n", largest);
-        EXPECT_GT(largest, 1e-6);
-        EXPECT_LE(largest, 1e-2);
+    return largest;
+}
+
+// Gives edges a sharpness of many: each with a chance of share / 5.
+void crease_some_edges(prep::Mesh& mesh, std::uint32_t share, std::mt19937_64& random) {
+    const auto sharpness = [&] { return 0.25F + float(random() % 11) / 4; };
+    mesh.subdivision.creases.clear();
+    for (std::size_t f = 0; f < mesh.face_count(); ++f)
+        for (std::uint32_t c = mesh.face_offsets[f]; c < mesh.face_offsets[f + 1]; ++c) {
+            const std::uint32_t to =
+                c + 1 == mesh.face_offsets[f + 1] ? mesh.face_offsets[f] : c + 1;
+            if (random() % 5 < share)
+                mesh.subdivision.creases.push_back(
+                    {mesh.corner_vertices[c], mesh.corner_vertices[to], sharpness()});
+        }
+    mesh.subdivision.corners.clear();
+    for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v)
+        if (random() % 3 == 0) mesh.subdivision.corners.push_back({v, sharpness()});
+}
+
+// Chaikin's averages are of the creases that meet at a vertex of the mesh, on both sides of a seam
+// and along it: to the UVs of one side some of these edges are borders, or not there. Under the
+// rules corners-plus1 and -plus2 one side is sharp because the other is. Each way of creasing with
+// one share of edges; with MESHPREP_LONG_TESTS=1, with both.
+TEST(SubdivideFaceVarying, CreasesOfEverySharpnessAtSeamsOfEveryKind) {
+    const bool long_tests = std::getenv("MESHPREP_LONG_TESTS") != nullptr;
+    std::mt19937_64 random(15);
+    double largest = 0;
+    std::size_t cages = 0;
+    for (const Cage& given : cages_with_seams())
+        for (const prep::CreasingMethod creasing :
+             {prep::CreasingMethod::uniform, prep::CreasingMethod::chaikin})
+            for (const std::uint32_t share : {2U, 5U}) {
+                const bool uniform = creasing == prep::CreasingMethod::uniform;
+                if (!long_tests && uniform != (share == 2)) continue;
+                Cage cage = given;
+                if (cage.options.scheme == prep::SubdivisionScheme::bilinear) continue;
+                cage.options.creasing = creasing;
+                cage.name += uniform ? " uniform" : " chaikin";
+                crease_some_edges(cage.mesh, share, random);
+                for (const std::size_t set : {0U, 1U})
+                    largest = std::max(largest, largest_difference(cage, set, 2));
+                ++cages;
+            }
+    std::printf("UVs of %zu cages differ by %.1e of their extent\n", cages, largest);
+    EXPECT_EQ(cages, long_tests ? 48U : 24U);
+}
+
+// Two faces on each side of a seam, with a crease on one side: the other is sharp as long as it is,
+// to the last step where an edge on the seam is sharp longer; at a vertex that is sharp itself it
+// is so by that alone.
+TEST(SubdivideFaceVarying, SharpnessOfTheOtherSideOfASeam) {
+    Cage cage{"grid", shapes::grid(2, 2), {}};
+    prep::Mesh& mesh = cage.mesh;
+    constexpr std::uint32_t centre = 4, right = 5, above = 7;
+    for (glm::vec3& p : mesh.positions) p -= glm::vec3(1, 1, 0);
+    mesh.positions[centre].y += 0.3F;
+    add_two_islands(mesh);
+    for (const float on_seam : {0.0F, 1.75F, 2.5F})
+        for (const float own : {0.0F, 0.5F, 2.5F}) {
+            mesh.subdivision.creases = {{centre, right, 1.75F}, {centre, above, on_seam}};
+            mesh.subdivision.corners = {{centre, own}};
+            EXPECT_LE(largest_difference(cage, 0, 3), 1e-6) << on_seam << ", " << own;
+        }
+}
+
+// Islands of random faces, some of them apart at single corners too.
+void add_random_islands(prep::Mesh& mesh, std::mt19937_64& random) {
+    prep::CornerLayer<glm::vec2> layer;
+    const std::uint32_t islands = 1 + std::uint32_t(random() % 4);
+    const bool tears = random() % 2 == 0;
+    std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> known;
+    for (std::size_t f = 0; f < mesh.face_count(); ++f) {
+        const auto island = std::uint32_t(random() % islands);
+        for (std::uint32_t c = mesh.face_offsets[f]; c < mesh.face_offsets[f + 1]; ++c) {
+            const std::uint32_t v = mesh.corner_vertices[c];
+            const std::uint32_t side = tears && random() % 8 == 0 ? 4 + c : island;
+            const auto [at, fresh] =
+                known.try_emplace({v, side}, std::uint32_t(layer.values.size()));
+            if (fresh) {
+                const glm::vec3 p = mesh.positions[v];
+                layer.values.push_back(glm::vec2(p.x - 0.2F * p.z, p.y + 0.3F * p.z) +
+                                       glm::vec2(float(side), 0.5F * float(v % 7)));
+            }
+            layer.indices.push_back(at->second);
+        }
     }
+    mesh.uvs.push_back(std::move(layer));
+}
+
+// A few cages; many with MESHPREP_LONG_TESTS=1.
+TEST(SubdivideFaceVarying, RandomSeamsOnRandomCages) {
+    const bool long_tests = std::getenv("MESHPREP_LONG_TESTS") != nullptr;
+    double largest = 0;
+    std::size_t cages = 0;
+    for (std::uint64_t seed = 80; seed < (long_tests ? 200 : 96); ++seed) {
+        std::mt19937_64 random(seed);
+        Cage cage = test::random_cage(random);
+        if (cage.options.scheme == prep::SubdivisionScheme::bilinear) continue;
+        cage.name = "seed " + std::to_string(seed);
+        const auto lowered = [](float sharpness) {
+            return sharpness < 10 ? std::fmod(sharpness, 3.0F) : sharpness;
+        };
+        for (prep::EdgeMark& mark : cage.mesh.subdivision.creases)
+            mark.sharpness = lowered(mark.sharpness);
+        for (prep::VertexMark& mark : cage.mesh.subdivision.corners)
+            mark.sharpness = lowered(mark.sharpness);
+        for (std::uint32_t v = 0; v < cage.mesh.vertex_count(); ++v)
+            if (seed % 3 == 0 && random() % 2 == 0)
+                cage.mesh.subdivision.corners.push_back({v, float(random() % 24) / 8});
+        add_random_islands(cage.mesh, random);
+        const auto refined = prep::subdivide(cage.mesh, cage.options);
+        ASSERT_TRUE(refined) << refined.error().text;
+        if (refined->mesh.face_count() == 0) continue;  // a border at every face, without a rule
+        largest = std::max(largest, largest_difference(cage, 0, 3));
+        ++cages;
+    }
+    std::printf("UVs of %zu cages differ by %.1e of their extent\n", cages, largest);
+    EXPECT_GT(cages, long_tests ? 50U : 5U);
+}
+
+constexpr std::uint32_t strip_length = 6000;
+
+// Four quads wide, with a crease along its middle that would be 70 million faces if it were cut.
+Cage strip_with_long_crease() {
+    Cage cage{"strip", shapes::grid(strip_length, 4), {}};
+    cage.options.level = 1;
+    for (std::uint32_t x = 0; x < strip_length; ++x) {
+        const std::uint32_t v = 2 * (strip_length + 1) + x;
+        cage.mesh.subdivision.creases.push_back({v, v + 1, 9.75F});
+    }
+    return cage;
+}
+
+// UVs of islands: a face's is `island(x, y)`.
+template <class Island>
+void add_islands(prep::Mesh& mesh, const Island& island) {
+    prep::CornerLayer<glm::vec2> layer;
+    for (std::uint32_t f = 0; f < mesh.face_count(); ++f)
+        for (std::uint32_t c = mesh.face_offsets[f]; c < mesh.face_offsets[f + 1]; ++c) {
+            const glm::vec3& p = mesh.positions[mesh.corner_vertices[c]];
+            layer.indices.push_back(std::uint32_t(layer.values.size()));
+            layer.values.push_back(glm::vec2(p.x + p.y + p.z, 0.3F * p.x + p.y) +
+                                   glm::vec2(float(island(f % strip_length, f / strip_length))));
+        }
+    mesh.uvs.push_back(std::move(layer));
+}
+
+// One vertex of a seam, far from most of a long crease, is not what the crease is cut for.
+TEST(SubdivideFaceVarying, LongCreasesAreCutAtSeamsAlone) {
+    Cage cage = strip_with_long_crease();
+    add_islands(cage.mesh, [](std::uint32_t x, std::uint32_t) { return x < 10 ? 0 : 7; });
+    const std::uint32_t v = (strip_length + 1) + 10;  // on the seam
+    cage.mesh.subdivision.creases.push_back({v, v + 1, 1.5F});
+    cage.mesh.subdivision.creases.push_back({v, v - (strip_length + 1), 2.5F});
+    cage.options.face_varying = FaceVaryingRule::corners_plus1;
+    const auto refined = prep::subdivide(cage.mesh, cage.options);
+    ASSERT_TRUE(refined) << refined.error().text;
+    EXPECT_EQ(refined->approximate_seams, 0U);
+    EXPECT_LE(difference(cage, 0, FaceVaryingRule::corners_plus1, 1, false).uv, 1e-6);
+}
+
+// Where the seam runs beside the crease, UVs are refined as a cage of their own, and that is told.
+TEST(SubdivideFaceVarying, TooLongCreasesBesideSeamsAreToldAndRefined) {
+    Cage cage = strip_with_long_crease();
+    add_islands(cage.mesh, [](std::uint32_t, std::uint32_t y) { return y < 1 ? 0 : 7; });
+    cage.options.face_varying = FaceVaryingRule::corners_plus1;
+    const auto alike = prep::subdivide(cage.mesh, cage.options);
+    ASSERT_TRUE(alike) << alike.error().text;
+    EXPECT_EQ(alike->approximate_seams, 0U);
+    const std::uint32_t v = (strip_length + 1) + 10;  // on the seam
+    cage.mesh.subdivision.creases.push_back({v, v - (strip_length + 1), 1.5F});
+    cage.mesh.subdivision.creases.push_back({v, v + 1, 2.5F});
+    const auto refined = prep::subdivide(cage.mesh, cage.options);
+    ASSERT_TRUE(refined) << refined.error().text;
+    EXPECT_EQ(refined->approximate_seams, 1U);
+    // Far from that vertex nothing is different.
+    ASSERT_EQ(refined->mesh.corner_count(), alike->mesh.corner_count());
+    const auto at = [](const prep::Mesh& mesh, std::uint32_t c) {
+        return mesh.uvs[0].values[mesh.uvs[0].indices[c]];
+    };
+    for (std::uint32_t f = 0; f < refined->mesh.face_count(); ++f)
+        for (std::uint32_t c = 4 * f; c < 4 * f + 4; ++c) {
+            if (refined->cage_faces[f] % strip_length <= 20) continue;
+            ASSERT_EQ(at(refined->mesh, c), at(alike->mesh, c)) << f;
+        }
+}
+
+// A cage of its own is bounded too: the error says of what.
+TEST(SubdivideFaceVarying, CreasesThatSeamsCutTooOftenAreNamed) {
+    Cage cage = strip_with_long_crease();
+    add_islands(cage.mesh, [](std::uint32_t, std::uint32_t) { return 0; });
+    add_islands(cage.mesh, [](std::uint32_t x, std::uint32_t) { return x % 2; });
+    cage.mesh.name = "road";
+    const auto refused = prep::subdivide(cage.mesh, cage.options);
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().code, prep::ErrorCode::limit);
+    EXPECT_EQ(refused.error().place, "mesh 'road', UV set 1") << refused.error().text;
 }
 
 // Faces that use the same few values in different places are apart all the same.

@@ -355,27 +355,10 @@ TEST(Subdivide, SameBytesForAnyThreadsAndInstructionSet) {
     for (const Cage& cage : test::own_cages()) {
         SCOPED_TRACE(cage.name);
         prep::SubdivideOptions options = at_level(cage, 3);
-        options.threads = 1;
-        const auto reference = prep::subdivide(cage.mesh, options);
-        if (!reference) {
-            ADD_FAILURE() << reference.error().text;
-            continue;
-        }
-        for (const int threads : {2, 3, 8}) {
-            options.threads = threads;
-            const auto other = prep::subdivide(cage.mesh, options);
-            ASSERT_TRUE(other);
-            EXPECT_EQ(test::exact_difference(reference->mesh, other->mesh), "");
-        }
-        options.threads = 2;
-        for (const prep::SimdLevel simd : {prep::SimdLevel::scalar, prep::SimdLevel::sse4,
-                                           prep::SimdLevel::avx2, prep::SimdLevel::avx512}) {
-            if (!prep::simd_available(simd)) continue;
-            options.simd = simd;
-            const auto other = prep::subdivide(cage.mesh, options);
-            ASSERT_TRUE(other);
-            EXPECT_EQ(test::exact_difference(reference->mesh, other->mesh), "");
-        }
+        test::expect_same_of_any_threads(cage.mesh, options,
+                                         [](const prep::Mesh& a, const prep::Mesh& b) {
+                                             EXPECT_EQ(test::exact_difference(a, b), "");
+                                         });
     }
 }
 

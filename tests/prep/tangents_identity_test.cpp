@@ -5,10 +5,14 @@
 #include <cmath>
 #include <cstring>
 #include <random>
+#include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include "corner_soup.h"
+#include "tangents/accumulate.h"
+#include "tangents/one_rings.h"
 
 namespace {
 
@@ -142,21 +146,27 @@ TEST(TangentsIdentity, SameWhetherVerticesAreListedOrNot) {
     }
 }
 
-// So many triangles that threads take ranges of them, in an order in which nearly every vertex is
-// in several ranges: what ranges note for each other's vertices is added in the triangles' order.
-TEST(TangentsIdentity, SameForManyThreadsOnShuffledTriangles) {
-    constexpr int n = 260;  // so many triangles that each thread's share is cut
-    const CornerSoup ordered = wavy_grid(n);
-    std::vector<std::uint32_t> order(2 * n * n);
+CornerSoup in_random_order(const CornerSoup& ordered, std::mt19937& random) {
+    std::vector<std::uint32_t> order(ordered.corners() / 3);
     for (std::uint32_t t = 0; t < order.size(); ++t) order[t] = t;
-    std::shuffle(order.begin(), order.end(), std::mt19937(7));
+    std::shuffle(order.begin(), order.end(), random);
     CornerSoup shuffled;
     for (const std::uint32_t t : order) {
         for (std::uint32_t c = 3 * t; c < 3 * t + 3; ++c)
             shuffled.add(ordered.positions[c], ordered.normals[c], ordered.uvs[c]);
         shuffled.end_face();
     }
-    for (const CornerSoup* soup : {&ordered, &std::as_const(shuffled)}) {
+    return shuffled;
+}
+
+// So many triangles that threads take ranges of them, in an order in which nearly every vertex is
+// in several ranges: what ranges note for each other's vertices is added in the triangles' order.
+TEST(TangentsIdentity, SameForManyThreadsOnShuffledTriangles) {
+    constexpr int n = 260;  // so many triangles that each thread's share is cut
+    const CornerSoup ordered = wavy_grid(n);
+    std::mt19937 random(7);
+    const CornerSoup shuffled = in_random_order(ordered, random);
+    for (const CornerSoup* soup : {&ordered, &shuffled}) {
         const auto indexed = test::share_values(*soup);
         const auto want = tangents(indexed.input(), TangentMode::mikktspace, 1, SimdLevel::scalar);
         for (const int threads : {2, 3, 8})
@@ -164,6 +174,80 @@ TEST(TangentsIdentity, SameForManyThreadsOnShuffledTriangles) {
                 tangents(indexed.input(), TangentMode::mikktspace, threads, SimdLevel::automatic),
                 want);
     }
+}
+
+// What the streaming path finds, gone through the one way or the other.
+struct Streamed {
+    bool done = false;
+    std::vector<glm::vec4> values;
+    std::vector<std::uint8_t> states, flags;
+    std::size_t ranges = 0;
+};
+
+Streamed streamed(const prep::TangentInput& input, bool scattered, int threads) {
+    prep::TangentOptions options;
+    options.threads = threads;
+    const prep::detail::CornerReader read{input, {}, true};
+    const auto triangles = prep::detail::tangent_triangles(input, true, threads);
+    const auto rings = prep::detail::welded_vertices(input, triangles, {}, threads);
+    const prep::detail::BlockContributions contributions(read, triangles, options);
+    auto valences = prep::detail::count_valences(triangles, rings.vertices, rings.positions,
+                                                 scattered, threads, nullptr);
+    prep::detail::ContributionStore store;
+    Streamed result;
+    result.values.resize(rings.positions);
+    result.done = prep::detail::accumulate(read, triangles, rings.vertices, contributions,
+                                           {-1.0f, true}, options, valences, store, result.values);
+    result.states.assign(valences.states.data(), valences.states.data() + valences.states.size());
+    result.flags.assign(store.triangle_flags.data(),
+                        store.triangle_flags.data() + store.triangle_flags.size());
+    result.ranges = valences.ranges.size();
+    return result;
+}
+
+// One range that fetches ahead, and as many as threads like: each way on meshes of either order.
+TEST(TangentsIdentity, ScatteredAndPlainWaysGiveTheSame) {
+    std::mt19937 random(19);
+    int both = 0;
+    for (int round = 0; round < 60; ++round) {
+        SCOPED_TRACE("round " + std::to_string(round));
+        const bool large = round % 10 == 0;
+        CornerSoup soup = large ? wavy_grid(100 + round) : test::seamed_surface(random);
+        if (round % 4 != 3) soup = in_random_order(soup, random);
+        const auto indexed = test::share_values(soup);
+        const Streamed want = streamed(indexed.input(), false, 1);
+        for (const int threads : {1, 2, 8}) {
+            for (const bool scattered : {false, true}) {
+                const Streamed got = streamed(indexed.input(), scattered, threads);
+                EXPECT_TRUE(!scattered || got.ranges == 1);
+                EXPECT_TRUE(!large || got.done);
+                if (!got.done || !want.done) continue;
+                ++both;
+                ASSERT_EQ(std::memcmp(got.values.data(), want.values.data(),
+                                      sizeof(glm::vec4) * want.values.size()),
+                          0);
+                ASSERT_EQ(got.states, want.states);
+                ASSERT_EQ(got.flags, want.flags);
+            }
+        }
+    }
+    EXPECT_GE(both, 36);
+}
+
+// The order alone tells; few triangles fit in a cache in any.
+TEST(TangentsIdentity, ScatteredOrderIsToldFromTheVertices) {
+    std::mt19937 random(5);
+    const auto ordered = test::share_values(wavy_grid(60));
+    EXPECT_FALSE(prep::detail::are_scattered(ordered.vertices, ordered.positions.size()));
+    std::vector<std::uint32_t> shuffled(ordered.vertices);
+    for (std::size_t t = shuffled.size() / 3; t-- > 1;) {
+        const std::size_t other = random() % (t + 1);
+        std::swap_ranges(&shuffled[3 * t], &shuffled[3 * t] + 3, &shuffled[3 * other]);
+    }
+    EXPECT_TRUE(prep::detail::are_scattered(shuffled, ordered.positions.size()));
+    EXPECT_FALSE(
+        prep::detail::are_scattered(std::span(shuffled).first(3 * 1023), ordered.positions.size()));
+    EXPECT_FALSE(prep::detail::are_scattered({}, 0));
 }
 
 // Differences of positions times those of UVs pass the largest float: infinite and NaN gradients.

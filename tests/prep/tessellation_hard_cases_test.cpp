@@ -3,6 +3,8 @@
 
 #include "hard_cases.h"
 #include "prep/displacement/tessellate.h"
+#include "tessellation/limit_base.h"
+#include "tessellation/tessellation.h"
 #include "tessellation_checks.h"
 
 namespace prep {
@@ -202,6 +204,58 @@ TEST(TessellationHardCases, EveryCaseGivesAMeshOrAnError) {
     EXPECT_GT(done, refused);
     std::printf("%llu meshes, %llu errors\n", (unsigned long long)done,
                 (unsigned long long)refused);
+}
+
+// A dome of quads whose first edges are all the tip.
+Mesh dome(std::uint32_t around) {
+    Mesh mesh;
+    constexpr std::uint32_t rows = 4;
+    for (std::uint32_t row = 0; row < rows; ++row)
+        for (std::uint32_t k = 0; k < around; ++k) {
+            const double a = 2 * std::numbers::pi * k / around, b = 0.4 * row;
+            mesh.positions.emplace_back(0.1 + std::sin(b) * std::cos(a),
+                                        0.3 + std::sin(b) * std::sin(a), 0.7 + std::cos(b));
+        }
+    for (std::uint32_t row = 0; row + 1 < rows; ++row)
+        for (std::uint32_t k = 0; k < around; ++k) {
+            const std::uint32_t next = (k + 1) % around, at = row * around;
+            add_face(mesh, {at + k, at + next, at + around + next, at + around + k});
+        }
+    return mesh;
+}
+
+// Beside the tip they are those of a little further away.
+TEST(TessellationHardCases, FramesBesideCollapsedEdgesTurnQuietly) {
+    const Mesh cage = dome(7);
+    auto base = detail::LimitBase::make(cage, {}, true);
+    ASSERT_TRUE(base) << to_string(base.error());
+    const detail::Domain domain = detail::make_domain(cage, base->left_out(), false, 1);
+    base->set_domain(domain);
+    int beside = 0;
+    for (std::uint32_t root = 0; root < domain.roots.size(); ++root) {
+        const detail::DomainRoot& at = domain.roots[root];
+        const std::uint32_t first = cage.face_offsets[at.face];
+        const std::uint32_t a = at.corners[0] - first, b = at.corners[1] - first;
+        if (at.face >= 7 || std::min(a, b) != 0 || std::max(a, b) != 1) continue;
+        ++beside;
+        for (const double y : {0.2, 0.3, 0.7}) {
+            const auto frame = [&](int k) {
+                const double z = std::ldexp(1.0, -k);
+                const detail::RootPoint point{root, {1 - y - z, y, z}};
+                detail::BaseFrame made;
+                base->frames({&point, 1}, {&made, 1});
+                return made;
+            };
+            const detail::BaseFrame far = frame(10);
+            for (int k = 12; k <= 44; ++k) {
+                const detail::BaseFrame near = frame(k);
+                for (std::size_t s = 0; s < 2; ++s)
+                    EXPECT_LE(glm::length(near.direction_steps[s] - far.direction_steps[s]), 0.02)
+                        << root << ' ' << y << ' ' << k << ' ' << s;
+            }
+        }
+    }
+    EXPECT_EQ(beside, 7);
 }
 
 }  // namespace

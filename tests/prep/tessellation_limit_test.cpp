@@ -41,6 +41,7 @@ TEST(TessellationLimit, BoundsHoldOverSampledTriangles) {
     std::mt19937 random(11);
     std::vector<double> position_looseness, direction_looseness, direction_at_corners,
         direction_of_small;
+    int coarse_bounds = 0;
     for (const Mesh& cage : cages()) {
         auto base = detail::LimitBase::make(cage, {}, true);
         ASSERT_TRUE(base) << to_string(base.error());
@@ -89,6 +90,11 @@ TEST(TessellationLimit, BoundsHoldOverSampledTriangles) {
                 }
             EXPECT_LE(position, bound.position + 1e-13) << trial;
             EXPECT_LE(direction, bound.direction + 1e-11) << trial;
+            if (const auto coarse = base->coarse_deviation(root, weights)) {
+                ++coarse_bounds;
+                EXPECT_LE(position, coarse->position + 1e-13) << trial;
+                EXPECT_LE(direction, coarse->direction + 1e-11) << trial;
+            }
             if (position > 1e-12) position_looseness.push_back(bound.position / position);
             if (direction > 1e-11)
                 (at_corner ? direction_at_corners : direction_looseness)
@@ -97,6 +103,7 @@ TEST(TessellationLimit, BoundsHoldOverSampledTriangles) {
                 direction_of_small.push_back(bound.direction / direction);
         }
     }
+    EXPECT_GE(coarse_bounds, 500);
     const auto median = [](std::vector<double> v) {
         std::nth_element(v.begin(), v.begin() + std::ptrdiff_t(v.size() / 2), v.end());
         return v[v.size() / 2];
@@ -114,18 +121,197 @@ TEST(TessellationLimit, BoundsHoldOverSampledTriangles) {
     EXPECT_LE(median(direction_at_corners), 20);
 }
 
+// Against differences of the directions themselves. Points that come together, piece after piece
+// and back, are those that come alone.
+TEST(TessellationLimit, FramesTurnAsDirectionsDo) {
+    std::mt19937 random(17);
+    const auto part = [&] { return 0.1 + 0.3 * double(random()) / 4294967296.0; };
+    for (const Mesh& cage : cages()) {
+        auto base = detail::LimitBase::make(cage, {}, true);
+        ASSERT_TRUE(base) << to_string(base.error());
+        const detail::Domain domain = detail::make_domain(cage, base->left_out(), false, 1);
+        base->set_domain(domain);
+        std::vector<detail::RootPoint> at;
+        for (int k = 0; k < 200; ++k) {
+            const auto root = std::uint32_t(random() % domain.roots.size());
+            // Towards a corner of the cage, or away from all; then once more.
+            const double y = k % 3 == 0 ? 0.01 * part() : part(), z = part() * (k % 3 == 0 ? y : 1);
+            at.push_back({root, {1 - y - z, y, z}});
+            if (k % 2 == 1) at.push_back(at[at.size() - 2]);
+        }
+        std::vector<detail::BaseFrame> frames(at.size());
+        base->frames(at, frames);
+        for (std::size_t k = 0; k < at.size(); ++k) {
+            detail::BaseFrame alone;
+            base->frames({&at[k], 1}, {&alone, 1});
+            ASSERT_EQ(alone.point.position, frames[k].point.position) << k;
+            ASSERT_EQ(alone.direction_steps, frames[k].direction_steps) << k;
+            for (glm::length_t s = 0; s < 2; ++s) {
+                constexpr double step = 1e-6;
+                std::array<detail::RootPoint, 2> beside{at[k], at[k]};
+                for (std::size_t side = 0; side < 2; ++side) {
+                    const double by = side == 0 ? -step : step;
+                    beside[side].weights[0] -= by;
+                    beside[side].weights[s + 1] += by;
+                }
+                std::array<detail::BasePoint, 2> points;
+                base->evaluate(beside, points);
+                const glm::dvec3 turn = (points[1].direction - points[0].direction) / (2 * step);
+                EXPECT_LE(glm::length(turn - frames[k].direction_steps[std::size_t(s)]),
+                          2e-3 * (1 + glm::length(turn)))
+                    << k;
+            }
+        }
+    }
+}
+
+Result<detail::ChannelSurface> channel_surface(const Mesh& cage) {
+    const auto channel = detail::position_cage(cage, {});
+    if (!channel) return channel.error();
+    std::vector<double> numbers;
+    for (const glm::vec3& p : cage.positions)
+        for (int k = 0; k < 3; ++k) numbers.push_back(double(p[k]));
+    return detail::ChannelSurface::make(*channel, numbers, 3, true, 12, 1);
+}
+
+// Against one that has never been asked: two surfaces in turn, with normals and without.
+TEST(TessellationLimit, CellsAreThoseOfTheSurfaceAndOfWhatIsAsked) {
+    std::mt19937 random(21);
+    const auto a = channel_surface(torus(6, 5)), b = channel_surface(torus(5, 6));
+    ASSERT_TRUE(a && b);
+    const std::array<const detail::ChannelSurface*, 2> surfaces{&*a, &*b};
+    std::vector<std::unique_ptr<detail::CellBounds>> asked;
+    for (const auto* surface : surfaces)
+        for (const bool with_normals : {false, true})
+            asked.push_back(std::make_unique<detail::CellBounds>(*surface, with_normals));
+    int bounded = 0;
+    for (int trial = 0; trial < 20000; ++trial) {
+        const std::size_t which = random() % 4;
+        const auto root = std::uint32_t(random() % 30);
+        const double side = std::ldexp(1.0, -3 - int(random() % 3)), cell = 4 * side;
+        const glm::dvec2 low = cell * glm::dvec2(std::floor(double(random() % 1024) / 1024 / cell),
+                                                 std::floor(double(random() % 1024) / 1024 / cell));
+        const std::array<glm::dvec2, 3> p{low, low + glm::dvec2(side, 0),
+                                          low + glm::dvec2(0, side)};
+        const auto known = asked[which]->deviation(root, p);
+        const detail::CellBounds fresh(*surfaces[which / 2], which % 2 == 1);
+        const auto made = fresh.deviation(root, p);
+        ASSERT_EQ(known.has_value(), made.has_value());
+        if (!known) continue;
+        ++bounded;
+        ASSERT_EQ(known->position, made->position);
+        ASSERT_EQ(known->direction, made->direction);
+        ASSERT_EQ(known->direction > 0, which % 2 == 1);
+    }
+    EXPECT_GT(bounded, 10000);
+}
+
+// A base without bounds of cells.
+class WithoutCells final : public detail::BaseSurface {
+  public:
+    explicit WithoutCells(const detail::BaseSurface& base) : base_(base) {}
+    void evaluate(std::span<const detail::RootPoint> at,
+                  std::span<detail::BasePoint> points) const override {
+        base_.evaluate(at, points);
+    }
+    void frames(std::span<const detail::RootPoint> at,
+                std::span<detail::BaseFrame> frames) const override {
+        base_.frames(at, frames);
+    }
+    detail::BaseDeviation deviation(
+        std::uint32_t root, const std::array<glm::dvec3, 3>& weights,
+        const std::array<detail::BasePoint, 3>& corners) const override {
+        return base_.deviation(root, weights, corners);
+    }
+
+  private:
+    const detail::BaseSurface& base_;
+};
+
+Mesh uneven_torus() {
+    Mesh mesh = torus(24, 12);
+    std::mt19937 random(3);
+    std::uniform_real_distribution<float> part(-0.02F, 0.02F);
+    for (glm::vec3& p : mesh.positions)
+        p = 0.5F * p + glm::vec3(part(random), part(random), part(random));
+    return mesh;
+}
+
+TEST(TessellationLimit, CellsHalveTheSameTriangles) {
+    const Mesh cage = uneven_torus();
+    auto base = detail::LimitBase::make(cage, {}, true);
+    ASSERT_TRUE(base) << to_string(base.error());
+    const detail::Domain domain = detail::make_domain(cage, base->left_out(), false, 1);
+    base->set_domain(domain);
+    for (const auto& [frequency, scale, asked] :
+         {std::array{5.0, 0.05, 0.015}, std::array{5.0, 0.05, 0.004}, std::array{6.0, 0.02, 0.008},
+          std::array{3.0, 0.2, 0.03}}) {
+        NoiseOptions noise;
+        noise.frequency = frequency;
+        noise.scale = scale;
+        const auto function = noise_function(noise);
+        ASSERT_TRUE(function) << to_string(function.error());
+        TessellateOptions options;
+        options.scheme = SubdivisionScheme::catmark;
+        options.chord_error = asked;
+        options.displacements.resize(1);
+        options.displacements[0].noise = *function;
+        const auto count = [&](const detail::BaseSurface& surface) -> std::uint64_t {
+            const auto made =
+                detail::tessellate(cage, domain, surface, options, base->first_halving(), {});
+            EXPECT_TRUE(made) << to_string(made.error());
+            return made ? made->certificate.triangles : 0;
+        };
+        EXPECT_EQ(count(*base), count(WithoutCells(*base))) << asked;
+    }
+}
+
+// A vector that is 0: quick bounds are for heights alone, and a look is taken at every triangle.
+class NoVector final : public VectorFunction {
+  public:
+    Sample at(const glm::dvec2&) const override { return {}; }
+    double deviation(const std::array<glm::dvec2, 3>&, const std::array<glm::dvec3, 3>&,
+                     double) const override {
+        return 0;
+    }
+};
+
+TEST(TessellationLimit, QuickBoundsHalveTheSameTriangles) {
+    Mesh cage = uneven_torus();
+    cage.uvs.resize(1);
+    for (std::uint32_t f = 0; f < cage.face_count(); ++f)
+        for (std::uint32_t c = 0; c < 4; ++c) {
+            cage.uvs[0].indices.push_back(std::uint32_t(cage.uvs[0].values.size()));
+            cage.uvs[0].values.emplace_back((float(f % 24) + float(c == 1 || c == 2)) / 24.0F,
+                                            (float(f / 24) + float(c >= 2)) / 12.0F);
+        }
+    Image image{.width = 96, .height = 64, .channels = 1, .pixels = {}};
+    std::mt19937 random(4);
+    for (int k = 0; k < 96 * 64; ++k) image.pixels.push_back(float(random() % 1024) / 1024.0F);
+    const auto map = height_function(image);
+    ASSERT_TRUE(map) << to_string(map.error());
+    TessellateOptions options;
+    options.scheme = SubdivisionScheme::catmark;
+    options.displacements = {{*map, 0.01, 0, 0}};
+    for (const double asked : {0.012, 0.004, 0.001}) {
+        options.chord_error = asked;
+        options.displacements[0].vector = nullptr;
+        const auto quick = tessellate(cage, options);
+        options.displacements[0].vector = std::make_shared<NoVector>();
+        const auto slow = tessellate(cage, options);
+        ASSERT_TRUE(quick && slow);
+        EXPECT_EQ(quick->certificate.triangles, slow->certificate.triangles) << asked;
+        EXPECT_TRUE(quick->mesh.positions == slow->mesh.positions) << asked;
+    }
+}
+
 // Of the innermost part no bound of a triangle shows what it adds: pieces around it reach farther.
 TEST(TessellationLimit, WhatIsLeftAroundAVertexIsBounded) {
     std::mt19937 random(16);
     std::uniform_real_distribution<double> number(0, 1);
     std::size_t tips = 0;
     for (const Mesh& cage : cages()) {
-        const auto channel = detail::position_cage(cage, {});
-        ASSERT_TRUE(channel);
-        std::vector<double> numbers;
-        for (const glm::vec3& p : cage.positions)
-            for (int k = 0; k < 3; ++k) numbers.push_back(double(p[k]));
-        const auto surface = detail::ChannelSurface::make(*channel, numbers, 3, true, 12, 1);
+        const auto surface = channel_surface(cage);
         ASSERT_TRUE(surface);
         const detail::RingCones cones(*surface, 1);
         detail::PatchEvaluator evaluator(surface->pieces(), SimdLevel::automatic);

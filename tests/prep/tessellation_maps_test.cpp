@@ -1,6 +1,8 @@
 // Height maps in tessellation: the smallest detail is found, what lies between charts is not read.
 #include <gtest/gtest.h>
 
+#include <numbers>
+
 #include "prep/displacement/tessellate.h"
 #include "tessellation_checks.h"
 
@@ -147,6 +149,95 @@ TEST(TessellationMaps, PoisonedGuttersMoveNothing) {
     const auto made = tessellate(mesh, options);
     ASSERT_TRUE(made) << to_string(made.error());
     for (const glm::vec3& p : made->mesh.positions) EXPECT_NEAR(p.z, 0.5, 1e-6);
+}
+
+// Four charts of a plane, turned, one of them mirrored and with half a texel's shift, a height that
+// is continuous over all of them, and a thousand between the charts.
+struct Atlas {
+    static constexpr std::uint32_t size = 256;
+    static double height(const glm::dvec2& p) {
+        return 0.1 * std::sin(3 * p.x + 1) * std::cos(2 * p.y);
+    }
+    static glm::dvec2 slope(const glm::dvec2& p) {
+        return {0.3 * std::cos(3 * p.x + 1) * std::cos(2 * p.y),
+                -0.2 * std::sin(3 * p.x + 1) * std::sin(2 * p.y)};
+    }
+    static constexpr double chart_size = 0.4, steepest = 0.3;
+    static constexpr double texel = 1 / (chart_size * size);  // on the plane
+
+    Mesh mesh;
+    Image image = flat_map(size);
+
+    Atlas() {
+        std::fill(image.pixels.begin(), image.pixels.end(), 1000.0F);
+        for (const glm::dvec2 at :
+             {glm::dvec2(0, 0), {1, 0}, {2, 0}, {0, 1}, {1, 1}, {2, 1}, {0, 2}, {1, 2}, {2, 2}})
+            mesh.positions.emplace_back(at.x, at.y, 0);
+        mesh.uvs.resize(1);
+        for (std::uint32_t q = 0; q < 4; ++q) add_quad(q);
+    }
+    void add_quad(std::uint32_t q) {
+        const std::uint32_t first = q % 2 + q / 2 * 3;
+        add_face(mesh, {first, first + 1, first + 4, first + 3});
+        const glm::dvec2 square[] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+        const glm::dvec2 low = glm::dvec2(0.5 * (q % 2) + 0.05, 0.5 * double(q / 2) + 0.05) +
+                               (q == 3 ? 0.5 / size : 0.0);
+        std::array<glm::dvec2, 4> corners;
+        for (std::uint32_t k = 0; k < 4; ++k) {
+            glm::dvec2 at = square[(k + q) % 4];
+            if (q == 2) at.x = 1 - at.x;
+            corners[k] = low + chart_size * at;
+            mesh.uvs[0].indices.push_back(std::uint32_t(mesh.uvs[0].values.size()));
+            mesh.uvs[0].values.emplace_back(corners[k]);
+        }
+        const glm::dvec2 x = corners[1] - corners[0], y = corners[3] - corners[0];
+        for (std::uint32_t j = 0; j < size; ++j)
+            for (std::uint32_t i = 0; i < size; ++i) {
+                const glm::dvec2 d = glm::dvec2(i + 0.5, j + 0.5) / double(size) - corners[0];
+                const glm::dvec2 p =
+                    glm::dvec2(glm::dot(d, x), glm::dot(d, y)) / (chart_size * chart_size);
+                if (p.x < 0 || p.y < 0 || p.x > 1 || p.y > 1) continue;
+                image.pixels[std::size_t(j) * size + i] =
+                    float(height(p + glm::dvec2(mesh.positions[first])));
+            }
+    }
+};
+
+TEST(TessellationMaps, SeamsOfAContinuousHeightAreFair) {
+    const Atlas atlas;
+    for (const HeightFilter filter : {HeightFilter::bilinear, HeightFilter::bicubic}) {
+        HeightMapOptions as = as_stored();
+        as.filter = filter;
+        const auto map = height_function(atlas.image, as, &atlas.mesh);
+        ASSERT_TRUE(map) << to_string(map.error());
+        TessellateOptions options;
+        options.edge_length = 0.05;
+        options.triangle_limit = 100'000;  // cliffs of a thousand take more
+        options.displacements = {{*map, 1, 0, 0}};
+        const auto made = tessellate(atlas.mesh, options);
+        ASSERT_TRUE(made) << to_string(made.error());
+        const Mesh& mesh = made->mesh;
+        int on_seams = 0;
+        double farthest = 0, most_degrees = 0;
+        for (std::size_t c = 0; c < mesh.corner_count(); ++c) {
+            const glm::dvec3 p(mesh.positions[mesh.corner_vertices[c]]);
+            if (std::min(std::abs(p.x - 1), std::abs(p.y - 1)) > 1e-6) continue;
+            ++on_seams;
+            const glm::dvec2 slope = Atlas::slope({p.x, p.y});
+            const glm::dvec3 truth = glm::normalize(glm::dvec3(-slope.x, -slope.y, 1));
+            const glm::dvec3 normal(mesh.normals.values[mesh.normals.indices[c]]);
+            farthest = std::max(farthest, std::abs(p.z - Atlas::height({p.x, p.y})));
+            most_degrees = std::max(
+                most_degrees,
+                180 / std::numbers::pi *
+                    std::atan2(glm::length(glm::cross(normal, truth)), glm::dot(normal, truth)));
+        }
+        std::printf("%d corners on seams: at most %.2g of a texel's step, %.2g degrees\n", on_seams,
+                    farthest / (Atlas::steepest * Atlas::texel), most_degrees);
+        EXPECT_GT(on_seams, 300);
+        EXPECT_LE(farthest, 0.05 * Atlas::steepest * Atlas::texel);
+        EXPECT_LE(most_degrees, 0.5);
+    }
 }
 
 TEST(TessellationMaps, BadMapsAreErrors) {

@@ -7,7 +7,7 @@
 namespace test {
 namespace {
 
-using Json = GltfMaker::Json;
+using OrderedJson = GltfMaker::Json;
 
 class Values {
   public:
@@ -36,7 +36,7 @@ class Values {
 
 constexpr std::size_t vertices = 12;
 
-Json with_positions(GltfMaker& maker, Values& values) {
+OrderedJson with_positions(GltfMaker& maker, Values& values) {
     return {{"POSITION", maker.accessor(values.of<float>(3 * vertices), "VEC3")}};
 }
 
@@ -44,16 +44,16 @@ Json with_positions(GltfMaker& maker, Values& values) {
 GltfMaker component_types() {
     GltfMaker maker;
     Values values(1);
-    Json primitives = Json::array();
+    OrderedJson primitives = OrderedJson::array();
     const auto add = [&](const auto& example, bool normalized) {
         using T = std::decay_t<decltype(example)>;
         const auto accessor = [&](const char* type) {
             return maker.accessor(values.of<T>(std::size_t(type[3] - '0') * vertices), type,
                                   normalized);
         };
-        Json attributes{{"POSITION", accessor("VEC3")},
-                        {"TEXCOORD_0", accessor("VEC2")},
-                        {"TEXCOORD_1", accessor("VEC2")}};
+        OrderedJson attributes{{"POSITION", accessor("VEC3")},
+                               {"TEXCOORD_0", accessor("VEC2")},
+                               {"TEXCOORD_1", accessor("VEC2")}};
         if (std::is_signed_v<T> && (normalized || std::is_floating_point_v<T>)) {
             attributes["NORMAL"] = accessor("VEC3");
             attributes["TANGENT"] = accessor("VEC4");
@@ -66,7 +66,7 @@ GltfMaker component_types() {
             attributes["JOINTS_0"] = maker.accessor(values.of<std::uint8_t>(4 * vertices), "VEC4");
             attributes["JOINTS_1"] = maker.accessor(values.of<std::uint16_t>(4 * vertices), "VEC4");
         }
-        Json target{{"POSITION", accessor("VEC3")}};
+        OrderedJson target{{"POSITION", accessor("VEC3")}};
         if (attributes.contains("NORMAL")) target["NORMAL"] = accessor("VEC3");
         attributes["_CUSTOM"] = accessor("VEC3");
         primitives.push_back({{"attributes", attributes}, {"targets", {target}}});
@@ -85,7 +85,7 @@ GltfMaker component_types() {
 GltfMaker sparse() {
     GltfMaker maker;
     Values values(2);
-    Json primitives = Json::array();
+    OrderedJson primitives = OrderedJson::array();
     for (const bool has_base : {false, true}) {
         const auto accessor = [&](const auto& index, const auto& example, const char* type,
                                   bool normalized) {
@@ -96,10 +96,10 @@ GltfMaker sparse() {
             for (std::size_t v = values.below(3); v < vertices; v += 1 + values.below(4))
                 indices.push_back(I(v));
             const std::size_t n = indices.size();
-            Json json{{"componentType", gltf_component_type<T>()},
-                      {"count", vertices},
-                      {"type", type},
-                      {"normalized", normalized}};
+            OrderedJson json{{"componentType", gltf_component_type<T>()},
+                             {"count", vertices},
+                             {"type", type},
+                             {"normalized", normalized}};
             if (has_base) json["bufferView"] = maker.view(values.of<T>(width * vertices));
             json["sparse"] = {{"count", n},
                               {"indices",
@@ -108,11 +108,12 @@ GltfMaker sparse() {
                               {"values", {{"bufferView", maker.view(values.of<T>(width * n))}}}};
             return maker.accessor(json);
         };
-        Json attributes{{"POSITION", accessor(std::uint8_t(), float(), "VEC3", false)},
-                        {"TEXCOORD_0", accessor(std::uint16_t(), std::uint16_t(), "VEC2", true)},
-                        {"TANGENT", accessor(std::uint32_t(), std::int8_t(), "VEC4", true)},
-                        {"COLOR_0", accessor(std::uint8_t(), std::uint8_t(), "VEC4", true)}};
-        Json target{{"POSITION", accessor(std::uint16_t(), float(), "VEC3", false)}};
+        OrderedJson attributes{
+            {"POSITION", accessor(std::uint8_t(), float(), "VEC3", false)},
+            {"TEXCOORD_0", accessor(std::uint16_t(), std::uint16_t(), "VEC2", true)},
+            {"TANGENT", accessor(std::uint32_t(), std::int8_t(), "VEC4", true)},
+            {"COLOR_0", accessor(std::uint8_t(), std::uint8_t(), "VEC4", true)}};
+        OrderedJson target{{"POSITION", accessor(std::uint16_t(), float(), "VEC3", false)}};
         primitives.push_back({{"attributes", attributes}, {"targets", {target}}});
     }
     maker.mesh(primitives);
@@ -131,9 +132,9 @@ GltfMaker modes() {
             shorts.push_back(std::uint16_t(values.below(vertices)));
             words.push_back(std::uint32_t(values.below(vertices)));
         }
-        Json primitives = Json::array();
+        OrderedJson primitives = OrderedJson::array();
         for (int kind = 0; kind < 4; ++kind) {
-            Json primitive{{"attributes", with_positions(maker, values)}, {"mode", mode}};
+            OrderedJson primitive{{"attributes", with_positions(maker, values)}, {"mode", mode}};
             if (kind == 1) primitive["indices"] = maker.accessor(bytes, "SCALAR");
             if (kind == 2) primitive["indices"] = maker.accessor(shorts, "SCALAR");
             if (kind == 3) primitive["indices"] = maker.accessor(words, "SCALAR");
@@ -177,14 +178,14 @@ GltfMaker meshopt() {
     }
     std::vector<std::uint32_t> exponential = values.of<std::uint32_t>(3 * vertices);
     for (std::uint32_t& e : exponential) e = (e & 0xffffff) | std::uint32_t(values.below(40)) << 24;
-    Json attributes{
+    OrderedJson attributes{
         {"POSITION", attribute("EXPONENTIAL", exponential, 5126, "VEC3")},
         {"TANGENT", attribute("OCTAHEDRAL", tangents, 5120, "VEC4")},
         {"_MORE", attribute("OCTAHEDRAL", more, 5122, "VEC4")},
         {"_TURN", attribute("QUATERNION", quaternions, 5122, "VEC4")},
         {"TEXCOORD_0", attribute("NONE", values.of<std::uint16_t>(2 * vertices), 5123, "VEC2")}};
     attributes["NORMAL"] = attribute("", values.of<float>(3 * vertices), 5126, "VEC3");
-    Json primitives = Json::array();
+    OrderedJson primitives = OrderedJson::array();
     for (const char* mode : {"TRIANGLES", "INDICES"})
         for (const bool wide : {false, true}) {
             std::vector<std::uint16_t> shorts(30);
@@ -240,14 +241,14 @@ GltfMaker draco() {
 GltfMaker everything_else() {
     GltfMaker maker;
     Values values(6);
-    Json attributes = with_positions(maker, values);
+    OrderedJson attributes = with_positions(maker, values);
     attributes["JOINTS_0"] = maker.accessor(std::vector<std::uint8_t>(4 * vertices, 1), "VEC4");
     attributes["WEIGHTS_0"] = maker.accessor(values.of<std::uint8_t>(4 * vertices), "VEC4", true);
-    Json variant{{"material", 2}, {"variants", {0}}};
-    Json primitive{{"attributes", attributes}, {"material", 1}};
-    primitive["extensions"]["KHR_materials_variants"]["mappings"] = Json::array({variant});
+    OrderedJson variant{{"material", 2}, {"variants", {0}}};
+    OrderedJson primitive{{"attributes", attributes}, {"material", 1}};
+    primitive["extensions"]["KHR_materials_variants"]["mappings"] = OrderedJson::array({variant});
     maker.mesh({primitive, {{"attributes", with_positions(maker, values)}}});
-    maker.json["samplers"] = Json::parse(R"([
+    maker.json["samplers"] = OrderedJson::parse(R"([
         {"wrapS": 33071, "wrapT": 33648, "magFilter": 9728, "minFilter": 9984},
         {"wrapS": 33648, "wrapT": 10497, "magFilter": 9729, "minFilter": 9985}, {}])");
     for (int i = 0; i < 3; ++i) {
@@ -256,7 +257,7 @@ GltfMaker everything_else() {
         maker.push("textures", {{"source", 2 - i}, {"sampler", i}});
     }
     maker.push("textures", {{"source", 1}});
-    maker.json["materials"] = Json::parse(R"([
+    maker.json["materials"] = OrderedJson::parse(R"([
         {"pbrMetallicRoughness": {"baseColorFactor": [0.1, 0.2, 0.3, 0.4], "metallicFactor": 0.6,
              "roughnessFactor": 0.7, "baseColorTexture": {"index": 1},
              "metallicRoughnessTexture": {"index": 2, "texCoord": 1}},
@@ -273,27 +274,27 @@ GltfMaker everything_else() {
              "glossinessFactor": 0.625, "diffuseTexture": {"index": 2},
              "specularGlossinessTexture": {"index": 3, "texCoord": 1}}}},
         {"extensions": {"KHR_materials_unlit": {}}}])");
-    maker.json["extensions"] = Json::parse(R"({
+    maker.json["extensions"] = OrderedJson::parse(R"({
         "KHR_materials_variants": {"variants": [{"name": "other"}]},
         "KHR_lights_punctual": {"lights": [
             {"type": "spot", "color": [0.1, 0.2, 0.3], "intensity": 40, "range": 50,
              "spot": {"innerConeAngle": 0.25, "outerConeAngle": 0.75}},
             {"type": "directional", "color": [0.5, 0, 1], "intensity": 0.5},
             {"type": "point", "range": 7}, {"type": "spot", "spot": {}}]}})");
-    maker.json["cameras"] = Json::parse(R"([
+    maker.json["cameras"] = OrderedJson::parse(R"([
         {"type": "perspective",
          "perspective": {"yfov": 0.7, "aspectRatio": 1.5, "znear": 0.25, "zfar": 90}},
         {"type": "perspective", "perspective": {"yfov": 1.1, "znear": 2}},
         {"type": "orthographic", "orthographic": {"xmag": 3, "ymag": 4, "znear": 0, "zfar": 5}}])");
-    maker.json["nodes"][0].update(Json::parse(R"({"skin": 0, "scale": [2, 3, 4],
+    maker.json["nodes"][0].update(OrderedJson::parse(R"({"skin": 0, "scale": [2, 3, 4],
         "rotation": [0.5, -0.5, 0.5, 0.5], "translation": [7, 8, 9], "children": [1, 2]})"));
-    maker.push("nodes", Json::parse(R"({"camera": 0, "children": [3],
+    maker.push("nodes", OrderedJson::parse(R"({"camera": 0, "children": [3],
         "matrix": [1, 2, 3, 0, 4, 5, 6, 0, 7, 8, 10, 0, 11, 12, 13, 1],
         "extensions": {"KHR_lights_punctual": {"light": 2}}})"));
-    maker.push("nodes", Json::parse(R"({"camera": 2, "rotation": [0.6, 0, 0, 0.8]})"));
-    maker.push("nodes", Json::parse(R"({"translation": [1, 2, 3],
+    maker.push("nodes", OrderedJson::parse(R"({"camera": 2, "rotation": [0.6, 0, 0, 0.8]})"));
+    maker.push("nodes", OrderedJson::parse(R"({"translation": [1, 2, 3],
         "extensions": {"KHR_lights_punctual": {"light": 0}}})"));
-    maker.root(Json::parse(R"({"rotation": [0, 0.28, 0, 0.96], "camera": 1})"));
+    maker.root(OrderedJson::parse(R"({"rotation": [0, 0.28, 0, 0.96], "camera": 1})"));
     maker.push("nodes", {{"mesh", 0}});  // in no scene
     maker.push("skins", {{"joints", {3, 1, 2}},
                          {"inverseBindMatrices", maker.accessor(values.of<float>(48), "MAT4")}});

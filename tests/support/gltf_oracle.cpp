@@ -4,6 +4,7 @@
 
 #include <cstdlib>
 #include <cstring>
+#include <iostream>
 
 #include "mesh_files.h"
 #include "shared_data.h"
@@ -57,6 +58,16 @@ std::optional<std::vector<DecodedGltf>> decode_gltf(const std::filesystem::path&
         if (!out[i].json.contains("error")) out[i].data = file_text(output + ".bin");
     }
     return out;
+}
+
+bool validates(const std::filesystem::path& validator, const nlohmann::json& list,
+               const std::filesystem::path& list_file) {
+    write_text(list_file, list.dump());
+    const std::string command = "node '" +
+                                (source_dir() / "tests/tools/validate_gltf.mjs").string() + "' '" +
+                                validator.string() + "' '" + list_file.string() + "' 2>&1";
+    std::cout.flush();
+    return std::system(command.c_str()) == 0;
 }
 
 std::uint32_t fnv1a(std::span<const std::byte> bytes) {

@@ -1,4 +1,5 @@
-// What another program (@gltf-transform/core, by tests/tools/decode_gltf.mjs) reads in glTF files.
+// What other programs say of glTF files: what @gltf-transform/core reads in them, by
+// tests/tools/decode_gltf.mjs, and the complaints of the format's validator, by validate_gltf.mjs.
 #pragma once
 
 #include <cstddef>
@@ -27,6 +28,11 @@ struct DecodedGltf {
 std::optional<std::vector<DecodedGltf>> decode_gltf(const std::filesystem::path& node_modules,
                                                     const std::vector<std::filesystem::path>& files,
                                                     const std::filesystem::path& folder);
+
+// Whether the format's validator (its package in `validator`) finds no error in files: `list` is as
+// validate_gltf.mjs reads it, and goes to `list_file`. Complaints go to standard output.
+bool validates(const std::filesystem::path& validator, const nlohmann::json& list,
+               const std::filesystem::path& list_file);
 
 // FNV-1a of 32 bits: the "hash" of an image.
 std::uint32_t fnv1a(std::span<const std::byte> bytes);

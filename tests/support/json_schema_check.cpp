@@ -59,6 +59,14 @@ class Check {
                 if (!value.is_array()) continue;
                 for (std::size_t i = 0; i < value.size(); ++i)
                     append(of(value[i], rule, at + "/" + std::to_string(i)));
+            } else if (keyword == "minimum" || keyword == "maximum") {
+                if (!value.is_number()) continue;
+                const double v = value.get<double>(), bound = rule.get<double>();
+                if (keyword == "minimum" ? v < bound : v > bound)
+                    complain("is " + value.dump() + ", beyond the " + keyword + " " + rule.dump());
+            } else if (keyword == "minItems") {
+                if (value.is_array() && value.size() < rule.get<std::size_t>())
+                    complain("has fewer than " + rule.dump() + " items");
             } else if (keyword == "anyOf") {
                 append(nearest(value, rule, at));
             } else if (keyword == "$ref") {

@@ -1,5 +1,6 @@
 // JSON held against a JSON Schema, of which the subset that docs/schema uses is known: type, const,
-// enum, properties, required, additionalProperties, items, anyOf and $ref into $defs.
+// enum, properties, required, additionalProperties, items, minItems, minimum, maximum, anyOf and
+// $ref into $defs.
 #pragma once
 
 #include <nlohmann/json.hpp>

@@ -15,7 +15,6 @@
 #include <glm/glm.hpp>
 #include <map>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <random>
 #include <set>

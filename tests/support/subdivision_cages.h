@@ -1,6 +1,8 @@
 // Cages for tests of subdivision: small ones of our own for every rule, and the shared corpus.
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <filesystem>
 #include <optional>
 #include <random>
@@ -21,6 +23,31 @@ struct Cage {
 // Smooth, creased (fractional, infinite, darts, crossings, Chaikin's averages), sharp vertices,
 // borders under all three rules, n-gons, holes, valences 2 to 64, non-manifold edges and vertices.
 std::vector<Cage> own_cages();
+
+// same(first, other): for what one thread makes, and 2, 3 and 8 and each instruction set.
+template <class Same>
+void expect_same_of_any_threads(const prep::Mesh& mesh, prep::SubdivideOptions options,
+                                const Same& same) {
+    options.threads = 1;
+    const auto first = prep::subdivide(mesh, options);
+    ASSERT_TRUE(first) << first.error().text;
+    const auto again = [&] {
+        const auto other = prep::subdivide(mesh, options);
+        ASSERT_TRUE(other) << other.error().text;
+        same(first->mesh, other->mesh);
+    };
+    for (const int threads : {2, 3, 8}) {
+        options.threads = threads;
+        again();
+    }
+    options.threads = 2;
+    for (const prep::SimdLevel simd : {prep::SimdLevel::scalar, prep::SimdLevel::sse4,
+                                       prep::SimdLevel::avx2, prep::SimdLevel::avx512}) {
+        if (!prep::simd_available(simd)) continue;
+        options.simd = simd;
+        again();
+    }
+}
 Cage pole(prep::SubdivisionScheme scheme, std::uint32_t valence);
 // A random closed or open surface with random creases and sharp vertices.
 Cage random_cage(std::mt19937_64& random);

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <sstream>
+
 #include "command_runner.h"
 
 namespace {
@@ -48,6 +50,29 @@ TEST(Console, ColumnsStandBelowOneAnotherWhateverTheirLetters) {
     // What would be blanks at the end is not written.
     EXPECT_EQ(meshprep::align_table({{"a", "b"}, {"long", "c d"}}, {}),
               (std::vector<std::string>{"  a     b", "  long  c d"}));
+}
+
+// Whatever a name holds, it makes no line of its own, and a terminal obeys none of it.
+TEST(Console, AMessageIsOneLine) {
+    std::ostringstream out, err;
+    meshprep::Console console(out, err, false);
+    const meshprep::CommonOptions common;
+    const std::string name =
+        "a\nmeshprep: error: b\x1b[2J\xc2\x9b"
+        "2J.obj";
+    const std::string shown = "a?meshprep: error: b?[2J?2J.obj";
+    console.warning(common, name);
+    console.error(name);
+    console.result(common, name);
+    EXPECT_EQ(err.str(), "meshprep: warning: " + shown + "\nmeshprep: error: " + shown + "\n");
+    EXPECT_EQ(out.str(), shown + "\n");
+    // What a reader printed is lines, with nothing in place of what is not shown.
+    err.str("");
+    console.note(name,
+                 "one\x07\xc2\x9b"
+                 "2J\nMöbel\n");
+    EXPECT_EQ(err.str(),
+              "meshprep: note: " + shown + ": one2J\nmeshprep: note: " + shown + ": Möbel\n");
 }
 
 TEST(FileList, DirectoriesGiveTheirMeshesInOrderAndNoScenes) {

@@ -165,13 +165,13 @@ bool comes_true(const Condition& condition) {
     return false;
 }
 
-// The command, busy with a file that never ends: a pipe that nobody writes to.
+// The command, busy with a file that its reader never ends with.
 class BusyCommand {
   public:
     BusyCommand() {
-        ::mkfifo((dir / "endless.fbx").c_str(), 0600);
+        write_text(dir / "hangs.fbx", "x");
         std::string program = test::command_path().string(), verb = "prepare",
-                    in = (dir / "endless.fbx").string(), option = "-o",
+                    in = (dir / "hangs.fbx").string(), option = "-o",
                     out = (dir / "out.glb").string();
         char* const argv[] = {program.data(), verb.data(), in.data(),
                               option.data(),  out.data(),  nullptr};
@@ -179,7 +179,13 @@ class BusyCommand {
         posix_spawn_file_actions_init(&actions);
         for (const int stream : {1, 2})
             posix_spawn_file_actions_addopen(&actions, stream, "/dev/null", O_WRONLY, 0);
-        EXPECT_EQ(::posix_spawn(&process, program.c_str(), &actions, nullptr, argv, environ), 0);
+        std::string reader = std::string("MESHPREP_READER=") + MESHPREP_BAD_READER;
+        std::vector<char*> environment{reader.data()};
+        for (char** variable = environ; *variable; ++variable) environment.push_back(*variable);
+        environment.push_back(nullptr);
+        EXPECT_EQ(
+            ::posix_spawn(&process, program.c_str(), &actions, nullptr, argv, environment.data()),
+            0);
         posix_spawn_file_actions_destroy(&actions);
         EXPECT_TRUE(comes_true([&] { return !children_of(process).empty(); }));
         readers = children_of(process);
@@ -198,7 +204,7 @@ TEST(ReaderProcess, EndsWithTheCommandHoweverThatEnds) {
         int status = 0;
         EXPECT_EQ(::waitpid(command.process, &status, 0), command.process);
         EXPECT_TRUE(comes_true([&] { return !runs(command.readers[0]); }));
-        EXPECT_EQ(command.dir.names(), std::vector<std::string>{"endless.fbx"});
+        EXPECT_EQ(command.dir.names(), std::vector<std::string>{"hangs.fbx"});
     }
 }
 
@@ -293,9 +299,11 @@ TEST(ContainedCommand, APictureThatEndsItsDecoderEndsNoBatch) {
 
 TEST(ReaderProcess, LimitsAreOptions) {
     const TemporaryDirectory dir;
-    ::mkfifo((dir / "endless.fbx").c_str(), 0600);
-    const std::string file = (dir / "endless.fbx").string();
-    const test::Ran late = run_command({"inspect", file, "--reader-seconds", "0.1"});
+    write_text(dir / "hangs.fbx", "x");
+    const std::string file = (dir / "hangs.fbx").string();
+    test::Circumstances circumstances;
+    circumstances.environment = {{"MESHPREP_READER", MESHPREP_BAD_READER}};
+    const test::Ran late = run_command({"inspect", file, "--reader-seconds", "0.1"}, circumstances);
     EXPECT_EQ(late.exit_code, 1);
     EXPECT_NE(late.err.find("0.1 s of processor time or 0.4 s by the clock"), std::string::npos)
         << late.err;

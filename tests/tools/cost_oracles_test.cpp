@@ -12,6 +12,7 @@
 #include <string>
 
 #include "cost/oracles/fan_normals.h"
+#include "cost/oracles/partitions.h"
 #include "cost/oracles/pictures.h"
 #include "cost/oracles/surfaces.h"
 
@@ -46,6 +47,18 @@ TEST(CostOracles, NameNoSymbolOfWhatTheyJudge) {
         EXPECT_EQ(symbols.find("prep::"), std::string::npos) << archive;
         EXPECT_EQ(symbols.find("rast::"), std::string::npos) << archive;
     }
+}
+
+TEST(CostOracles, PartitionsThatDifferAreCounted) {
+    const std::vector<std::uint32_t> points = {0, 0, 1, 1, 2, 3, 3, 4};
+    EXPECT_EQ(cost::partition_mistakes(points, points).wrong, 0u);
+    // 0 is torn; 1 and 2 melt; 3 is torn and melts with 4.
+    const auto m =
+        cost::partition_mistakes(points, std::vector<std::uint32_t>{9, 8, 5, 5, 5, 6, 7, 7});
+    EXPECT_EQ(m.points, 5u);
+    EXPECT_EQ(m.torn, 2u);
+    EXPECT_EQ(m.melted, 4u);
+    EXPECT_EQ(m.wrong, 5u);
 }
 
 // A cube's corner: three faces of area vector 4 a side, as quads.

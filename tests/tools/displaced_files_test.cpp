@@ -1,7 +1,8 @@
 // Seeded closed cages of any genus, displaced by the command with seams, mirrored charts, creases
 // and several materials; the written files are read by other programs and welded by bits: every
-// edge once each way, the cage's Euler number, no edge without length. MESHPREP_LONG_TESTS=1 takes
-// 200 cages. Creases are infinitely sharp; no cage is seen in pixels.
+// edge once each way, the cage's Euler number, no edge without length, and in GLB along 4 random
+// directions as many hits of fronts as of backs in each of 64² pixels (what is narrower than a
+// pixel is seen by welding alone). MESHPREP_LONG_TESTS=1 takes 200 cages and 20 directions.
 #include <assimp/scene.h>
 #include <gtest/gtest.h>
 
@@ -11,6 +12,7 @@
 
 #include "command_runner.h"
 #include "gltf_oracle.h"
+#include "hits.h"
 #include "npm_tools.h"
 #include "prep/image.h"
 #include "tessellation_checks.h"
@@ -161,6 +163,56 @@ Cage random_cage(std::mt19937& random) {
     return cage;
 }
 
+// Each edge with a chance of a fourth, of sharpness 0 to 10.
+std::string random_creases(const Cage& cage, std::mt19937& random) {
+    std::uniform_real_distribution<double> sharpness(0, 10);
+    std::string lines;
+    for (const Face& face : cage.faces)
+        for (std::size_t k = 0; k < face.size(); ++k) {
+            const std::uint32_t a = face[k], b = face[(k + 1) % face.size()];
+            if (a > b || random() % 4 != 0) continue;
+            lines += "t crease 2/1/0 " + std::to_string(a) + ' ' + std::to_string(b) + ' ' +
+                     std::to_string(sharpness(random)) + '\n';
+        }
+    return lines;
+}
+
+// How many pixels have another number of hits of fronts than of backs, seen along a direction
+// chance gives, without perspective.
+std::size_t uneven_pixels(const prep::Mesh& mesh, std::mt19937& random) {
+    constexpr std::uint32_t extent = 64;
+    std::normal_distribution<double> number;
+    const auto direction = [&] {
+        return glm::normalize(glm::dvec3(number(random), number(random), number(random)));
+    };
+    const glm::dvec3 along = direction(), x = glm::normalize(glm::cross(along, direction()));
+    const glm::dvec3 y = glm::cross(along, x);
+    glm::dvec3 low(1e9), high(-1e9);
+    for (const glm::vec3& p : mesh.positions) {
+        low = glm::min(low, glm::dvec3(p));
+        high = glm::max(high, glm::dvec3(p));
+    }
+    const double pixels = 0.9 * extent / glm::length(high - low);
+    std::vector<hits::ScreenVertex> seen;
+    for (const glm::vec3& p : mesh.positions) {
+        const glm::dvec3 d = pixels * (glm::dvec3(p) - 0.5 * (low + high));
+        seen.push_back({glm::dot(d, x), glm::dot(d, y), 0.5, 1});
+    }
+    std::vector<hits::Triangle> triangles;
+    for (std::size_t f = 0; f < mesh.face_count(); ++f) {
+        const std::uint32_t* const v = mesh.corner_vertices.data() + 3 * f;
+        triangles.push_back({v[0], v[1], v[2]});
+    }
+    const hits::Hits counted = hits::count_hits(seen, triangles, extent, extent);
+    std::size_t uneven = 0, hit = 0;
+    for (std::size_t i = 0; i < counted.front.size(); ++i) {
+        uneven += counted.front[i] != counted.back[i];
+        hit += counted.front[i] > 0;
+    }
+    EXPECT_GT(hit, 100U);
+    return uneven;
+}
+
 // OBJ with one to four charts, mirrored, turned and half a texel off, and one to three materials.
 std::string obj_of(const Cage& cage, std::mt19937& random) {
     std::ostringstream out;
@@ -245,7 +297,9 @@ class DisplacedFiles : public testing::Test {
                     std::max(corners_[1], cage.most_corners)};
         highest_valence_ = std::max(highest_valence_, cage.highest_valence);
         const std::string in = (dir_ / "cage.obj").string();
-        test::write_text(in, obj_of(cage, random));
+        std::string text = obj_of(cage, random);
+        if (seed % 4 == 2) text += random_creases(cage, random);
+        test::write_text(in, text);
         for (const char* const ending : {".glb", ".obj"}) {
             std::vector<std::string> options = {
                 "prepare",           in,           "-o",
@@ -264,6 +318,13 @@ class DisplacedFiles : public testing::Test {
         return 2 - 2 * cage.genus;
     }
     std::string name(int seed) const { return (dir_ / ("out" + std::to_string(seed))).string(); }
+
+    void expect_even(const prep::Mesh& mesh, int seed) {
+        std::mt19937 random{std::uint32_t(seed)};
+        const int views = std::getenv("MESHPREP_LONG_TESTS") ? 20 : 4;
+        for (int view = 0; view < views; ++view)
+            EXPECT_EQ(uneven_pixels(mesh, random), 0U) << seed << ", view " << view;
+    }
 
     void expect_closed(const prep::Mesh& mesh, std::int64_t euler, const std::string& what) {
         const Closedness c = closedness(mesh);
@@ -285,9 +346,11 @@ TEST_F(DisplacedFiles, AreClosedInWhatOthersRead) {
     std::vector<std::int64_t> eulers;
     for (int seed = 0; seed < count; ++seed) {
         eulers.push_back(write(seed));
-        for (const char* const ending : {".glb", ".obj"})
-            expect_closed(read_by_assimp(name(seed) + ending), eulers.back(),
-                          "Assimp, " + std::to_string(seed) + ending);
+        for (const char* const ending : {".glb", ".obj"}) {
+            const prep::Mesh mesh = read_by_assimp(name(seed) + ending);
+            expect_closed(mesh, eulers.back(), "Assimp, " + std::to_string(seed) + ending);
+            if (ending == std::string(".glb")) expect_even(mesh, seed);
+        }
         files.emplace_back(name(seed) + ".glb");
     }
     EXPECT_EQ(corners_[0], 3U);
@@ -297,6 +360,11 @@ TEST_F(DisplacedFiles, AreClosedInWhatOthersRead) {
         "%d cages, faces of %zu to %zu corners, up to %zu around a vertex, %llu triangles "
         "read\n",
         count, corners_[0], corners_[1], highest_valence_, (unsigned long long)triangles_);
+    // A hole is seen.
+    prep::Mesh open = read_by_assimp(name(0) + ".glb");
+    std::mt19937 random(1);
+    open.face_offsets.resize(open.face_count() * 7 / 8);
+    EXPECT_GT(uneven_pixels(open, random), 10U);
     MESHPREP_REQUIRE_GLTF_TRANSFORM(modules);
     const auto decoded = test::decode_gltf(modules, files, dir_.path());
     ASSERT_TRUE(decoded);

@@ -191,6 +191,52 @@ TEST_F(Explain, SeveralMeshesAreCounted) {
                "file's own normals are kept");
 }
 
+// Bytes against sums by hand, memory against what the kernel says of the process.
+TEST_F(Explain, MemoryOfEachStage) {
+    write_text(dir_ / "ball.obj", test::sphere_obj(200, 100));
+    const std::string in = (dir_ / "ball.obj").string(), out = (dir_ / "ball.glb").string();
+    const test::Ran ran = test::run_command({"prepare", in, "-o", out, "--json", "--explain"});
+    ASSERT_EQ(ran.exit_code, 0) << ran.err;
+    const json file = ran.json()["files"][0];
+    const std::uint64_t vertices = file["before"]["vertices"], faces = file["before"]["faces"];
+    const std::uint64_t triangles = file["before"]["triangles"], corners = triangles + 2 * faces;
+    const std::uint64_t surface = 12 * vertices + 4 * (faces + 1) + 4 * corners;
+    std::uint64_t faults = 0, peak = file["memory"]["read"]["peak_bytes"];
+    for (const json& stage : file["stages"]) {
+        const std::string name = stage["stage"];
+        if (!stage["run"]) {
+            EXPECT_EQ(stage["page_faults"], 0) << name;
+            EXPECT_FALSE(stage.contains("moved_bytes")) << name;
+            continue;
+        }
+        faults += stage["page_faults"].get<std::uint64_t>();
+        EXPECT_GE(stage["peak_bytes"], peak) << name;
+        peak = stage["peak_bytes"];
+        const std::uint64_t moved = stage.value("moved_bytes", std::uint64_t(0));
+        // Three doubles and a byte a face.
+        if (name == "face normals") {
+            EXPECT_EQ(moved, surface + 25 * faces);
+        }
+        // A double-checked lower bound: what is read of the surface, what is written of vertices.
+        if (name == "split") {
+            EXPECT_GT(moved, surface + 24 * vertices + 12 * triangles);
+            EXPECT_LT(moved, 4 * (surface + 24 * vertices + 12 * triangles));
+        }
+        EXPECT_EQ(moved > 0, name != "requirements") << name;
+    }
+    const json prepare = file["memory"]["prepare"];
+    EXPECT_LE(faults, prepare["page_faults"]);
+    EXPECT_LE(peak, prepare["peak_bytes"]);
+    EXPECT_LE(prepare["peak_bytes"], file["memory"]["write"]["peak_bytes"]);
+    // The process holds its input and its output at once, in bytes and not in pages or kB.
+    EXPECT_GT(peak, surface);
+    EXPECT_LT(peak, std::uint64_t(1) << 30);
+    const std::string words = test::run_command({"prepare", in, "-o", out, "--explain"}).out;
+    EXPECT_NE(words.find(" moved "), std::string::npos) << words;
+    EXPECT_NE(words.find(" page fault"), std::string::npos) << words;
+    EXPECT_NE(words.find(" at most "), std::string::npos) << words;
+}
+
 // In words: one line a stage, with what exact arithmetic decided beside its reason.
 TEST_F(Explain, WordsAreThoseOfTheReport) {
     write_text(dir_ / "cube.obj", test::cube_obj());

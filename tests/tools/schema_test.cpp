@@ -5,6 +5,7 @@
 
 #include "command_runner.h"
 #include "json_schema_check.h"
+#include "prep/calls/reason.h"
 #include "shared_data.h"
 
 namespace {
@@ -72,7 +73,7 @@ TEST_F(Schema, HoldsForPrepare) {
                                           at("points.obj")};
     for (const bool lines : {false, true}) {
         std::vector<std::string> words = all;
-        words.insert(words.end(), {"-o", at("out"), "--repair", "all", "--manifest",
+        words.insert(words.end(), {"-o", at("out"), "--repair", "all", "--optimize", "--manifest",
                                    at("out/made.json"), "--skip-unchanged"});
         check(words, 1, lines);
         check(words, 1, lines);  // now with files that are skipped
@@ -83,6 +84,22 @@ TEST_F(Schema, HoldsForPrepare) {
         check({"prepare", "-o", at("x.glb")}, 2, lines);
     }
     check({"prepare", at("map.gltf"), "-o", at("one.glb"), "--explain"}, 0);
+    for (const bool lines : {false, true})
+        for (const char* const degrees : {"0.1", "0"})
+            check({"prepare", at("cube.obj"), "-o", at("few.glb"), "--quantize", "auto",
+                   "--normal-error", degrees, "--tangent-error", degrees, "--manifest",
+                   at("few.json")},
+                  degrees == std::string("0") ? 1 : 0, lines);
+    expect_valid(json::parse(test::read_text(dir_ / "few.json"), nullptr, false), "manifest");
+}
+
+// Where reasons are told, each code that there is, and no other.
+TEST_F(Schema, ListsTheCodesOfReasons) {
+    json codes = json::array();
+    for (const prep::ReasonRow& row : prep::reason_rows())
+        if (row.code != prep::ReasonCode::none) codes.push_back(row.key);
+    for (const char* const name : {"prepare", "render"})
+        EXPECT_EQ(schema(name)["$defs"]["reason"]["properties"]["code"]["enum"], codes) << name;
 }
 
 TEST_F(Schema, HoldsForInspect) {
@@ -97,9 +114,16 @@ TEST_F(Schema, HoldsForInspect) {
 
 TEST_F(Schema, HoldsForRender) {
     check({"render", at("ball.obj"), "-o", at("x.png"), "--size", "32x32"}, 0);
+    check({"render", at("ball.obj"), "-o", at("x.png"), "--size", "32x32", "--explain", "--samples",
+           "4", "--allow-error", "0.1"},
+          0);
     check({"render", at("map.gltf"), "-o", at("y.png"), "--size", "32x32", "--buffers", "depth",
            "--turntable", "2"},
           0);
+    check({"render", at("ball.obj"), "-o", at("x.png"), "--size", "32x32", "--image-error", "9"},
+          0);
+    check({"render", at("ball.obj"), "-o", at("x.png"), "--size", "32x32", "--image-error", "0"},
+          1);
     check({"render", at("bad.obj"), "-o", at("x.png")}, 1);
     check({"render", at("none.obj"), "-o", at("x.png")}, 1);
     check({"render", at("ball.obj"), "-o", at("x.zzz")}, 2);
@@ -143,6 +167,16 @@ TEST_F(Schema, HoldsForDiff) {
               0);
     ASSERT_EQ(run_here({"render", at("cube.obj"), "-o", at("y.png"), "--size", "16x16"}).exit_code,
               0);
+    check({"diff", at("b.glb"), at("c.glb"), "--views", "0"}, 0);
+    check({"diff", at("ball.obj"), at("cube.obj"), "--views", "2", "--report", at("p.html")}, 0);
+    // What a gate is, by its schema and by the reader, and what it finds.
+    const std::string gate = R"({"gate":1,"scope":{"meshes":["m"]},"limits":{"normals":0.5,)"
+                             R"("flip":0.1,"rmse":null},"views":1,"size":32,"replay":"x"})";
+    expect_valid(json::parse(gate), "gate");
+    test::write_text(at("gate.json"), gate);
+    check({"diff", at("map.gltf"), at("map.gltf"), "--gate", at("gate.json")}, 0);
+    check({"diff", at("x.png"), at("x.png"), "--flip"}, 0);
+    check({"diff", at("x.png"), at("x.png"), "--gate", at("cube.obj")}, 1);
     check({"diff", at("x.png"), at("x.png")}, 0);
     check({"diff", at("x.png"), at("y.png")}, 0);
     check({"diff", at("x.png"), at("b.glb")}, 1);
@@ -166,7 +200,11 @@ TEST(SchemaCheck, ComplainsOfWhatTheSchemaForbids) {
     EXPECT_EQ(count(R"({"n":1,"k":"c"})"), 1u);
     EXPECT_EQ(count(R"({"n":1,"l":[2,true]})"), 2u);
     EXPECT_EQ(count(R"({"n":1,"more":0})"), 1u);
-    EXPECT_EQ(test::schema_complaints(1, json{{"minimum", 0}}).size(), 1u);
+    EXPECT_EQ(test::schema_complaints(0, json{{"minimum", 0}}).size(), 0u);
+    EXPECT_EQ(test::schema_complaints(-1, json{{"minimum", 0}}).size(), 1u);
+    EXPECT_EQ(test::schema_complaints(2, json{{"maximum", 1}}).size(), 1u);
+    EXPECT_EQ(test::schema_complaints(json::array(), json{{"minItems", 1}}).size(), 1u);
+    EXPECT_EQ(test::schema_complaints(1, json{{"multipleOf", 1}}).size(), 1u);  // not known
     EXPECT_EQ(test::schema_complaints(1, json{{"$ref", "#/$defs/none"}}).size(), 1u);
 }
 

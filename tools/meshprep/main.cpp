@@ -25,5 +25,6 @@ int main(int argc, char** argv) {
     const int code = meshprep::run(argc, argv, std::cout, std::cerr, ::isatty(STDERR_FILENO) != 0);
     std::cout.flush();
     std::cerr.flush();
+    meshprep::yield_to_interrupt();
     return code;
 }

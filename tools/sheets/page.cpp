@@ -75,6 +75,24 @@ prep::Result<std::string> panel_html(const Panel& p, const std::string& anchor) 
     return html + "</figcaption></figure>\n";
 }
 
+std::string tables_html(const std::vector<Table>& tables) {
+    std::string html;
+    for (const Table& table : tables) {
+        html += "<section>\n<h2>" + html_escaped(table.title) +
+                "</h2>\n<div class=\"scroll\"><table>\n<thead><tr>";
+        for (const std::string& cell : table.head)
+            html += "<th scope=\"col\">" + html_escaped(cell) + "</th>";
+        html += "</tr></thead>\n<tbody>\n";
+        for (const auto& row : table.rows) {
+            html += "<tr>";
+            for (const std::string& cell : row) html += "<td>" + html_escaped(cell) + "</td>";
+            html += "</tr>\n";
+        }
+        html += "</tbody></table></div>\n</section>\n";
+    }
+    return html;
+}
+
 }  // namespace
 
 std::string base64(const std::vector<std::byte>& bytes) {
@@ -126,6 +144,7 @@ prep::Result<std::string> html_page(const Page& page) {
         html_escaped(page.title) + "</title>\n<style>" + style_sheet +
         "</style>\n</head>\n<body>\n<main>\n<h1>" + html_escaped(page.title) + "</h1>\n<p>" +
         html_escaped(page.subtitle) + "</p>\n";
+    if (page.tables_first) html += tables_html(page.tables);
     for (std::size_t s = 0; s < page.sheets.size(); ++s) {
         const Sheet& sheet = page.sheets[s];
         html += "<section>\n";
@@ -150,19 +169,7 @@ prep::Result<std::string> html_page(const Page& page) {
         }
         html += "</div>\n</section>\n";
     }
-    for (const Table& table : page.tables) {
-        html += "<section>\n<h2>" + html_escaped(table.title) +
-                "</h2>\n<div class=\"scroll\"><table>\n<thead><tr>";
-        for (const std::string& cell : table.head)
-            html += "<th scope=\"col\">" + html_escaped(cell) + "</th>";
-        html += "</tr></thead>\n<tbody>\n";
-        for (const auto& row : table.rows) {
-            html += "<tr>";
-            for (const std::string& cell : row) html += "<td>" + html_escaped(cell) + "</td>";
-            html += "</tr>\n";
-        }
-        html += "</tbody></table></div>\n</section>\n";
-    }
+    if (!page.tables_first) html += tables_html(page.tables);
     if (!page.sheets.empty() && !page.sheets[0].footer.empty())
         html += "<footer>" + html_escaped(page.sheets[0].footer) + "</footer>\n";
     return html + "</main>\n</body>\n</html>\n";

@@ -19,7 +19,8 @@ struct Table {
 struct Page {
     std::string title, subtitle;
     std::vector<Sheet> sheets;
-    std::vector<Table> tables;  // after the sheets: stages, findings, …
+    std::vector<Table> tables;  // stages, findings, …
+    bool tables_first = false;  // before the sheets
 };
 
 // Errors: those of encode_png. The same page gives the same bytes.

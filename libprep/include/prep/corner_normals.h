@@ -12,12 +12,14 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "prep/face_normals.h"
 #include "prep/hard_edges.h"
 #include "prep/mesh.h"
 #include "prep/result.h"
+#include "prep/simd.h"
 #include "prep/topology.h"
 
 namespace prep {
@@ -76,5 +78,56 @@ inline constexpr double exact_normal_error = 0x1p-50;     // 5.1e-14°
 Result<CornerNormals> corner_normals(const MeshView& mesh, const Topology& topology,
                                      const FaceNormals& faces, const HardEdges& hard,
                                      const NormalOptions& options = {});
+
+// Corner normals with everything they need, in one call.
+struct CreaseNormals {
+    CornerNormals normals;
+    HardEdges hard;
+};
+
+// What build_topology(), face_normals(), hard_edges() and corner_normals() give one after the
+// other, bit for bit. Triangles whose edges have two faces at most take half of the time: the
+// corners of a point are matched among themselves and nothing is stored of the adjacency.
+//
+// `welded`: weld_exact(), or empty where every vertex is its own point. Threads: options.threads.
+// Errors: those of hard_edges(). O(corners).
+Result<CreaseNormals> crease_normals(const MeshView& mesh,
+                                     std::span<const std::uint32_t> welded = {},
+                                     const HardEdgeOptions& hard_options = {},
+                                     const NormalOptions& options = {});
+
+// Smooth normals: one per vertex, the area-weighted mean of all faces that use it, whatever their
+// edges. For meshes whose vertices are what is to be shaded (scans, terrain, isosurfaces); nothing
+// of the adjacency is needed.
+struct VertexNormalOptions {
+    Precision precision = Precision::accurate;
+    int threads = 0;
+    SimdLevel simd = SimdLevel::automatic;
+};
+struct VertexNormals {
+    std::vector<glm::vec3> normals;  // one per vertex; (0, 0, 1) where no face uses it
+    // One a vertex, as in CornerNormals; a neighbour's face is not looked for.
+    std::vector<CornerNormals::Fallback> fallbacks;
+    // Vertices that were summed in exact arithmetic. What the work came to, not a property of the
+    // surface: another order of faces may change it, threads and instructions do not.
+    std::uint64_t exact_sums = 0;
+};
+
+// Never NaN, always unit, with the errors above. Accurate and exact normals do not depend on the
+// order of faces, vertices or threads, and are corner_normals' wherever all faces at a vertex are
+// one fan there. Those of Precision::fast are sums of floats in the order of the triangles: another
+// order may change their last bits, but no number of threads nor instruction set does.
+//
+// Faces of no area, or with a position that is not finite, count nothing; where that leaves a
+// vertex nothing, or what is left cancels exactly, `fallbacks` says so.
+//
+// Triangles are gone through once, in ranges whose sums stay in a cache; a vertex' sum is taken
+// where its error bound tells which float the accurate normal is. What is left goes corner by
+// corner; and so does everything where it is more than a few, where the mesh has larger faces or no
+// order by neighbours. Errors: invalid (face_offsets that do not cover the corners by faces of
+// three and more, corners of vertices that are not there). O(corners + vertices), plus microseconds
+// a corner where sums are exact. Memory beside what is returned: some 25 bytes a corner and 20 a
+// vertex at most, and 7 MB a thread.
+Result<VertexNormals> vertex_normals(const MeshView& mesh, const VertexNormalOptions& options = {});
 
 }  // namespace prep

@@ -85,8 +85,8 @@ struct LoadOptions {
 Result<Scene> load_scene(const std::filesystem::path& path, const LoadOptions& options = {});
 
 // For what needs something to convert or to draw: an error (invalid) where the scene has no faces,
-// lines or points, that says what it has instead. Text that is no mesh at all can be read as OBJ
-// without an error of its own.
+// lines or points, or none of finite coordinates, that says what it has instead. Text that is no
+// mesh at all can be read as OBJ without an error of its own.
 Result<void> require_geometry(const Scene& scene);
 
 }  // namespace prep

@@ -208,6 +208,10 @@ enum class SplitReason : std::uint8_t {
 };
 using SplitReasons = std::uint8_t;  // bits of SplitReason
 
+// What must stay where a part's triangles and vertices are put in another order: nothing, the order
+// of its triangles, or also that of its vertices among themselves (where no other part has them).
+enum class KeptOrder : std::uint8_t { none, triangles, all };
+
 // Triangles, one index per corner into vertices that carry every attribute.
 struct VertexMesh {
     glm::dvec3 origin{0.0};

@@ -1,8 +1,8 @@
 // prepare(): the whole pipeline, from a loaded scene to meshes that a renderer can shade.
 //
 // requirements → repair → subdivide or tessellate (these where asked for) → weld/topology → hard
-// edges → normals → tangents → split. Each stage says whether it ran and why; what no material and
-// no request calls for is not computed.
+// edges → normals → tangents → split → optimize (where asked for). Each stage says whether it ran
+// and why; what no material and no request calls for is not computed.
 #pragma once
 
 #include <cstdint>
@@ -92,7 +92,13 @@ struct PrepareOptions {
     HardEdgeOptions hard_edges;  // angle, borders
     Authored tangents = Authored::keep;
     TangentOptions tangent;  // neighbour rule, fallback, threshold
-    int threads = 0;         // 0: all cores; the result does not depend on it
+    // Triangles and vertices in an order that graphics hardware reads with less work
+    // (vertex_order.h). Triangles of materials that blend stay in theirs, which is seen.
+    bool optimize = false;
+    // Whether the document that a scene came from is written back, as glTF's are: for one picture
+    // alone, its textures and the UV sets that they refer to stay all the same.
+    bool document_stays = true;
+    int threads = 0;  // 0: all cores; the result does not depend on it
 };
 
 // Takes the scene by value: move it in to avoid a copy. Errors: limit (more than 2^32 − 2

@@ -9,6 +9,7 @@
 #include "prep/displacement/residual.h"
 #include "prep/displacement/tessellate.h"
 #include "prep/findings.h"
+#include "prep/output/vertex_order.h"
 #include "prep/repair.h"
 #include "prep/requirements.h"
 #include "prep/scene.h"
@@ -19,9 +20,16 @@ struct StageReport {
     std::string stage;  // "weld", "normals", …
     bool run = false;
     std::string reason;  // why it ran or was skipped, tied to scene data
+    // Hard edges and normals that come out of one walk are both timed under "hard edges".
     double milliseconds = 0;
     // Faces, edges or fans that doubles could not tell: exact arithmetic decided them.
     std::uint64_t exact = 0;
+    // Of the whole process: pages touched first while the stage ran, and memory at most, from the
+    // process' start to the stage's end.
+    std::uint64_t page_faults = 0, peak_bytes = 0;
+    // The arrays that the stage read and wrote, each once: what memory has to carry at the least.
+    // 0: not counted.
+    std::uint64_t moved_bytes = 0;
 };
 
 struct SplitCounts {  // vertices added, by reason (a vertex can count under several)
@@ -67,6 +75,7 @@ struct PreparedScene {
     std::vector<ResidualMap> residual_maps;                           // by material, ascending
     std::vector<Mesh> cages;         // by mesh: what was refined, where keep_cages asks for it
     std::vector<bool> normals_made;  // by mesh: none of its normals is the file's
+    std::vector<std::optional<OrderChange>> orders;  // by mesh: its triangles are in another order
     std::vector<StageReport> stages;
     std::vector<Finding> findings;
     std::vector<RepairStep> repairs;  // by mesh, in the order in which they ran

@@ -107,6 +107,10 @@ struct RenderChoices {
     ToneMap tone_map = ToneMap::off;
     // automatic_exposure: found from the picture (rast/exposure.h), by whoever draws.
     float exposure = 1;
+    // Of linear light, before the exposure: lights are left out that together add at most so much
+    // to any channel of any pixel, beside the rounding of sums (2⁻²⁰ of a pixel's value). 0: what
+    // is left out changes no bit.
+    float allow_error = 0;
 };
 inline constexpr float automatic_exposure = 0;
 
@@ -155,6 +159,9 @@ void for_each_render_choice(Row&& row) {
     row("exposure", &C::exposure, RangeOrAuto{1e-6, 1e6},
         "Light is multiplied by this; auto: found from the picture (default for files, scene files "
         "aside, that bring lights of their own; else 1)");
+    row("allow_error", &C::allow_error, Range{0, 1e6},
+        "Lights may be left out that together add at most so much linear light to any channel, "
+        "before the exposure (default 0: nothing that changes the picture)");
 }
 
 // Some of the choices: those of a scene file, those of a command line.

@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "prep/calls/calls_for.h"
+#include "prep/calls/reason.h"
 #include "prep/scene.h"
 
 namespace prep {
@@ -13,12 +15,14 @@ struct Request {
     enum class Level : std::uint8_t { never, as_called_for, always };
     Level normals = Level::as_called_for;   // as_called_for: wherever there are faces to be lit
     Level tangents = Level::as_called_for;  // as_called_for: where a tangent-space map is used
+    Consumer consumer = {};                 // who calls for them: any renderer, or one picture
 };
 
 struct Need {
     bool needed = false;
     std::string reason;  // names the scene data that decided: "material 'brick' has a normal map"
     bool asked = false;  // the request asks for it, whatever the scene calls for
+    Reason why = {};     // of which the reason is the sentence
 };
 
 struct MeshRequirements {  // one per Scene::meshes entry
@@ -26,6 +30,7 @@ struct MeshRequirements {  // one per Scene::meshes entry
     Need tangents;
     Need uvs;                          // whether any material samples a texture on this mesh
     std::uint32_t tangent_uv_set = 0;  // the set that the normal map samples
+    AttributeReads provided = {};      // the attributes that are to be there
 };
 
 // Pure: the same scene and request give the same answer. O(faces + materials).

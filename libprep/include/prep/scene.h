@@ -20,6 +20,8 @@ namespace prep {
 // that format knows what is in it.
 struct RetainedFile {
     virtual ~RetainedFile() = default;
+    // What else the file says of a mesh's part by the order of its triangles and vertices.
+    virtual KeptOrder kept_order(std::size_t, std::size_t) const { return KeptOrder::none; }
 };
 
 struct ImageOptions;

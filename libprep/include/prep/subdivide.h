@@ -119,6 +119,10 @@ struct SubdividedMesh {
     std::uint64_t uv_sets_left_out = 0, color_sets_left_out = 0;
     // The file's own attributes with numbers that are not finite: they would spread to neighbours.
     std::uint64_t attributes_left_out = 0;
+    // UV sets, colours and the file's own attributes that were refined with seams for borders,
+    // where OpenSubdiv's rules for them would cut the creases into too many faces: values at seams
+    // are not OpenSubdiv's where sides of unlike creases depend on each other.
+    std::uint64_t approximate_seams = 0;
 };
 
 // Errors, with face or vertex: positions that are not finite (invalid), tags out of range

@@ -114,14 +114,14 @@ std::optional<Error> FileSet::refusal(const std::filesystem::path& path, bool ex
                      "this file is read for another result and would be written over; give the "
                      "output another name or directory",
                      path.string()};
-    if (path == rules_.target) return std::nullopt;
-    for (const std::filesystem::path& source : rules_.spare)
-        if (same_file(path, source))
-            return Error{ErrorCode::io,
-                         "this file was read for the result and would be written over by it; give "
-                         "the output another name",
-                         path.string()};
-    return std::nullopt;
+    bool spared = path != rules_.target && !rules_.source.empty() && same_file(path, rules_.source);
+    for (const std::filesystem::path& file : rules_.spare) spared |= same_file(path, file);
+    if (!spared) return std::nullopt;
+    return Error{
+        ErrorCode::io,
+        "this file was read for the result and would be written over by it; give the output "
+        "another name",
+        path.string()};
 }
 
 namespace {

@@ -14,9 +14,10 @@
 namespace prep::detail {
 
 struct FileSetRules {
-    bool replace = true;                       // files that exist may be replaced
-    std::vector<std::filesystem::path> spare;  // but not these, other than as `target`
-    std::filesystem::path target;
+    bool replace = true;                            // files that exist may be replaced
+    std::vector<std::filesystem::path> spare = {};  // but not these
+    std::filesystem::path source = {};              // nor this, other than by `target`
+    std::filesystem::path target = {};
     // Asked of files that exist; those it is true for are no one's to replace, `target` as well.
     std::function<bool(const std::filesystem::path&)> spared = {};
     std::vector<std::filesystem::path>* written = nullptr;  // commit() fills it, in their order

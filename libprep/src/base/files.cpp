@@ -59,6 +59,14 @@ Result<std::vector<std::byte>> detail::read_open_file(int fd, const std::filesys
     return bytes;
 }
 
+Result<std::vector<std::byte>> detail::read_regular_file(const std::filesystem::path& path) {
+    std::error_code ec;
+    const auto status = std::filesystem::status(path, ec);
+    if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status))
+        return Error{ErrorCode::io, "this is no regular file", path.string()};
+    return read_file(path);
+}
+
 Result<std::vector<std::byte>> read_file(const std::filesystem::path& path) {
     const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
     if (fd < 0) return Error{ErrorCode::io, "cannot open the file: " + reason(), path.string()};

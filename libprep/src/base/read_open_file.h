@@ -12,4 +12,7 @@ namespace prep::detail {
 // All that is left of it; `path` is for messages. Errors: io, limit (over 2^40 bytes).
 Result<std::vector<std::byte>> read_open_file(int fd, const std::filesystem::path& path);
 
+// For names that stand in files: a device or a pipe may never end. Errors: io, limit.
+Result<std::vector<std::byte>> read_regular_file(const std::filesystem::path& path);
+
 }  // namespace prep::detail

@@ -8,6 +8,12 @@ namespace {
 
 constexpr int most_texels = 32;  // a side: larger ones are searched by blocks
 
+// std::floor of what 64 bits hold, without a call.
+double floor_of(double x) {
+    const auto whole = double(std::int64_t(x));
+    return whole > x ? whole - 1 : whole;
+}
+
 struct Point {
     double x, y, value;
 };
@@ -25,35 +31,50 @@ class TexelWalk {
 
     double largest() const { return largest_; }
 
-    // Its points, and where it crosses rows of texels.
+    // Its points, and where it crosses rows of texels, cell by cell: what the map has where one
+    // is left is what it has where the next is entered. Lines are counted, so that rounding leads
+    // into no cell beyond the last.
     void edge(const Point& a, const Point& b) {
-        const double dx = b.x - a.x, dy = b.y - a.y;
-        const double step_x = dx > 0 ? 1 : -1, step_y = dy > 0 ? 1 : -1;
-        // The next lines between texels, strictly further on.
-        double line_x = dx > 0 ? std::floor(a.x) + 1 : std::ceil(a.x) - 1;
-        double line_y = dy > 0 ? std::floor(a.y) + 1 : std::ceil(a.y) - 1;
-        const auto reached = [](double line, double from, double by) {
-            return by == 0 ? 2.0 : (line - from) / by;
-        };
-        double at_x = reached(line_x, a.x, dx), at_y = reached(line_y, a.y, dy);
-        if (a.y == std::floor(a.y)) meet(a);
-        if (b.y == std::floor(b.y)) meet(b);
-        double s = 0;
+        Lines along_x(a.x, b.x), along_y(a.y, b.y);
+        if (a.y == floor_of(a.y)) meet(a);
+        if (b.y == floor_of(b.y)) meet(b);
+        double x = along_x.cell, y = along_y.cell;
+        Cell cell = this->cell(x, y);
+        double before = departure(cell, a);
+        see(before);
         Point from = a;
-        while (s < 1) {
-            const double next = std::min({at_x, at_y, 1.0});
+        for (;;) {
+            const double next = std::min(along_x.at, along_y.at);
+            const bool last = next > 1;
+            const bool over_x = along_x.at <= next, over_y = along_y.at <= next;
             Point to = b;
             if (next < 1)
-                to = {a.x + next * dx, a.y + next * dy, a.value + next * (b.value - a.value)};
-            if (next < 1 && at_y <= next) {
-                to.y = line_y;
+                to = {a.x + next * along_x.way, a.y + next * along_y.way,
+                      a.value + next * (b.value - a.value)};
+            if (!last && over_y) {
+                to.y = along_y.line;
                 meet(to);
             }
-            if (at_x <= next) at_x = reached(line_x += step_x, a.x, dx);
-            if (at_y <= next) at_y = reached(line_y += step_y, a.y, dy);
-            within_cell(from, to);
+            const double after = departure(cell, to);
+            see(after);
+            see_between(cell, from, to, before, after);
+            if (last) return;
+            if (over_x) x += along_x.step, along_x.advance(a.x);
+            if (over_y) y += along_y.step, along_y.advance(a.y);
+            cell = this->cell(x, y);
             from = to;
-            s = next;
+            before = after;
+        }
+    }
+
+    // Of a triangle that lies in one cell: there its edges are all, as inside there is only a
+    // saddle.
+    void in_cell(double x, double y, const std::array<Point, 3>& p) {
+        const Cell cell = this->cell(x, y);
+        const double g[3] = {departure(cell, p[0]), departure(cell, p[1]), departure(cell, p[2])};
+        for (std::size_t k = 0; k < 3; ++k) {
+            see(g[k]);
+            see_between(cell, p[k], p[(k + 1) % 3], g[k], g[(k + 1) % 3]);
         }
     }
 
@@ -61,8 +82,9 @@ class TexelWalk {
     void rows() {
         for (int r = 0; r < rows_; ++r) {
             const Ends& e = ends_[std::size_t(r)];
-            const double first = std::ceil(e.low.x), last = std::floor(e.high.x);
-            if (!e.any || !(first <= last)) continue;
+            if (!e.any) continue;
+            const double first = -floor_of(-e.low.x), last = floor_of(e.high.x);
+            if (!(first <= last)) continue;
             const double width = e.high.x - e.low.x;
             const double slope = width > 0 ? (e.high.value - e.low.value) / width : 0;
             const std::int64_t j = row0_ + r;
@@ -94,16 +116,55 @@ class TexelWalk {
         return inside_ ? double(map_.raw[std::size_t(j * map_.x.size + i)]) : map_.texel(i, j);
     }
 
-    // A piece of an edge that lies in one cell.
-    void within_cell(const Point& a, const Point& b) {
-        const double cx = std::floor(0.5 * (a.x + b.x)), cy = std::floor(0.5 * (a.y + b.y));
-        const auto i = std::int64_t(cx), j = std::int64_t(cy);
-        const double t[4] = {texel(i, j), texel(i + 1, j), texel(i, j + 1), texel(i + 1, j + 1)};
-        const double g0 = map_.height(bilinear(t, a.x - cx, a.y - cy)) - a.value;
-        const double g1 = map_.height(bilinear(t, b.x - cx, b.y - cy)) - b.value;
-        see(g0);
-        see(g1);
-        const double bend = map_.unit * ((t[0] - t[1]) - (t[2] - t[3])) * (b.x - a.x) * (b.y - a.y);
+    // The lines between texels that an edge crosses along one axis, one after the other.
+    struct Lines {
+        double way, step, line, cell, inverse;
+        double at;    // of the edge, where the next one is; 2: there is none
+        double left;  // of them
+        Lines(double from, double to) : way(to - from) {
+            const bool up = way > 0;
+            step = up ? 1 : -1;
+            line = up ? floor_of(from) + 1 : -floor_of(-from) - 1;
+            cell = way < 0 ? line : floor_of(from);
+            left = up ? -floor_of(-to) - line : line - floor_of(to);
+            inverse = 1 / way;
+            find(from);
+        }
+        void advance(double from) {
+            line += step;
+            left -= 1;
+            find(from);
+        }
+        // One that is left is before the end, wherever rounding has it: rows need both of their
+        // meeting points.
+        void find(double from) { at = left > 0 ? std::min((line - from) * inverse, 1.0) : 2; }
+    };
+
+    // c0 + cx x + cy y + cxy x y, from its first texel; of equal texels that itself.
+    struct Cell {
+        double x, y, c0, cx, cy, cxy;
+    };
+    Cell cell(double x, double y) const {
+        const auto i = std::int64_t(x), j = std::int64_t(y);
+        double t[4];
+        if (inside_) {
+            const float* const row = map_.raw.data() + (j * map_.x.size + i);
+            const float* const next = row + map_.x.size;
+            t[0] = double(row[0]), t[1] = double(row[1]);
+            t[2] = double(next[0]), t[3] = double(next[1]);
+        } else {
+            load_texels(map_, i, j, 2, 2, t);
+        }
+        return {x, y, t[0], t[1] - t[0], t[2] - t[0], (t[3] - t[2]) - (t[1] - t[0])};
+    }
+    double departure(const Cell& c, const Point& p) const {
+        const double x = p.x - c.x, y = p.y - c.y;
+        return map_.height(c.c0 + (x * c.cx + y * (c.cy + x * c.cxy))) - p.value;
+    }
+
+    // A piece of an edge that lies in one cell, with its departures at the ends.
+    void see_between(const Cell& cell, const Point& a, const Point& b, double g0, double g1) {
+        const double bend = map_.unit * cell.cxy * (b.x - a.x) * (b.y - a.y);
         const double slope = g1 - g0 - bend;
         // g0 + slope t + bend t², level at t = −slope/(2 bend), where that lies on the piece.
         if (bend == 0 || slope * bend > 0 || std::abs(slope) > 2 * std::abs(bend)) return;
@@ -153,10 +214,15 @@ std::optional<Deviation> bilinear_deviation(const HeightMapData& map,
     constexpr double most_coordinate = 0x1p40;  // cells are whole numbers there
     if (x1 - x0 > most_texels || y1 - y0 > most_texels || farthest > most_coordinate)
         return std::nullopt;
-    TexelWalk walk(map, std::int64_t(std::floor(x0)), std::int64_t(std::floor(y0)),
-                   std::int64_t(std::floor(x1)) + 1, std::int64_t(std::floor(y1)) + 1);
-    for (std::size_t k = 0; k < 3; ++k) walk.edge(p[k], p[(k + 1) % 3]);
-    walk.rows();
+    const double x = floor_of(x0), y = floor_of(y0);
+    TexelWalk walk(map, std::int64_t(x), std::int64_t(y), std::int64_t(floor_of(x1)) + 1,
+                   std::int64_t(floor_of(y1)) + 1);
+    if (x1 <= x + 1 && y1 <= y + 1) {
+        walk.in_cell(x, y, p);
+    } else {
+        for (std::size_t k = 0; k < 3; ++k) walk.edge(p[k], p[(k + 1) % 3]);
+        walk.rows();
+    }
     return Deviation{walk.largest() + deviation_slack(map, farthest, largest), walk.largest()};
 }
 

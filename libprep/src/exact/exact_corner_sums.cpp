@@ -37,14 +37,13 @@ void add(Vector& to, const Vector& v) {
 
 class CornerSum {
   public:
-    CornerSum(const MeshView& mesh, std::span<const Index> corner_faces, NormalWeight weight)
-        : mesh_(mesh), corner_faces_(corner_faces), weight_(weight) {}
+    CornerSum(const MeshView& mesh, NormalWeight weight) : mesh_(mesh), weight_(weight) {}
 
-    glm::dvec3 sum(std::span<const Index> corners) const {
+    glm::dvec3 sum(std::span<const Index> corners, std::span<const Index> faces) const {
         Vector total{0, 0, 0};
         Real size = 0;
-        for (const Index c : corners) {
-            const Vector t = term(c);
+        for (std::size_t i = 0; i < corners.size(); ++i) {
+            const Vector t = term(corners[i], faces[i]);
             add(total, t);
             size += abs(t.x) + abs(t.y) + abs(t.z);
         }
@@ -74,8 +73,7 @@ class CornerSum {
         return total;
     }
 
-    Vector term(Index corner) const {
-        const Index face = corner_faces_[corner];
+    Vector term(Index corner, Index face) const {
         const Index begin = mesh_.face_offsets[face], end = mesh_.face_offsets[face + 1];
         const Vector area = area_vector(begin, end);
         const Real length = sqrt(dot(area, area));
@@ -98,20 +96,15 @@ class CornerSum {
     }
 
     const MeshView& mesh_;
-    std::span<const Index> corner_faces_;
     NormalWeight weight_;
 };
 
 }  // namespace
 
-glm::dvec3 exact_corner_sum(const MeshView& mesh, std::span<const Index> corner_faces,
-                            std::span<const Index> corners, NormalWeight weight) {
-    if (weight == NormalWeight::area) {
-        std::vector<Index> faces;
-        for (const Index c : corners) faces.push_back(corner_faces[c]);
-        return exact_area_sum(mesh, faces);
-    }
-    return CornerSum(mesh, corner_faces, weight).sum(corners);
+glm::dvec3 exact_corner_sum(const MeshView& mesh, std::span<const Index> corners,
+                            std::span<const Index> faces, NormalWeight weight) {
+    if (weight == NormalWeight::area) return exact_area_sum(mesh, faces);
+    return CornerSum(mesh, weight).sum(corners, faces);
 }
 
 }  // namespace prep::detail

@@ -10,10 +10,10 @@
 
 namespace prep::detail {
 
-// `corners` of one fan, all of faces with finite positions; `corner_faces` per corner of the mesh.
+// `corners` of one fan and their faces, all with finite positions.
 // Area weights: exact rationals, the result is zero only if the sum is. Other weights: 256-bit
 // floats, zero where the sum is below 2⁻¹⁵⁰ of its terms. Scaled by some power of two.
-glm::dvec3 exact_corner_sum(const MeshView& mesh, std::span<const std::uint32_t> corner_faces,
-                            std::span<const std::uint32_t> corners, NormalWeight weight);
+glm::dvec3 exact_corner_sum(const MeshView& mesh, std::span<const std::uint32_t> corners,
+                            std::span<const std::uint32_t> faces, NormalWeight weight);
 
 }  // namespace prep::detail

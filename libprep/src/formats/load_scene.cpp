@@ -1,6 +1,9 @@
+#include <algorithm>
 #include <cmath>
+#include <span>
 #include <string_view>
 
+#include "base/finite.h"
 #include "contained/pictures.h"
 #include "contained/reader_process.h"
 #include "formats/registry.h"
@@ -21,6 +24,34 @@ void warn_of_infinities(Scene& scene) {
         scene.warnings.push_back(std::to_string(count) +
                                  (count == 1 ? " vertex is" : " vertices are") +
                                  " infinite, or beyond the range of float (3.4e38)");
+}
+
+// Faces, lines and points, and those of them that can be somewhere: looked for until one is found.
+// Scenes of programs may name vertices that are not there.
+struct Elements {
+    bool any = false, finite = false;
+};
+Elements elements_of(const Mesh& mesh) {
+    Elements found;
+    const auto look = [&](std::span<const std::uint32_t> vertices) {
+        found.any |= !vertices.empty();
+        found.finite |=
+            !vertices.empty() &&
+            std::all_of(vertices.begin(), vertices.end(), [&](std::uint32_t v) {
+                return v < mesh.positions.size() && detail::is_finite(mesh.positions[v]);
+            });
+    };
+    const auto look_at_all = [&](const std::vector<std::uint32_t>& offsets,
+                                 const std::vector<std::uint32_t>& vertices) {
+        for (std::size_t i = 0; i + 1 < offsets.size() && !found.finite; ++i)
+            if (offsets[i] <= offsets[i + 1] && offsets[i + 1] <= vertices.size())
+                look(std::span(vertices).subspan(offsets[i], offsets[i + 1] - offsets[i]));
+    };
+    look_at_all(mesh.face_offsets, mesh.corner_vertices);
+    look_at_all(mesh.line_offsets, mesh.line_vertices);
+    for (std::size_t i = 0; i < mesh.points.size() && !found.finite; ++i)
+        look({&mesh.points[i], 1});
+    return found;
 }
 
 // Light that its picture would have shaped is none without it: the surface would be a white patch.
@@ -77,9 +108,11 @@ Result<Scene> load_scene(const std::filesystem::path& path, const LoadOptions& o
 
 Result<void> require_geometry(const Scene& scene) {
     std::size_t vertices = 0, nodes = 0;
+    bool any = false;
     for (const Mesh& mesh : scene.meshes) {
-        if (mesh.face_count() > 0 || mesh.line_offsets.size() > 1 || !mesh.points.empty())
-            return {};
+        const Elements elements = elements_of(mesh);
+        if (elements.finite) return {};
+        any |= elements.any;
         vertices += mesh.positions.size();
     }
     for (const Node& node : scene.nodes) nodes += node.mesh == no_index;
@@ -99,8 +132,10 @@ Result<void> require_geometry(const Scene& scene) {
         if (kind.count > 0)
             found += (found.empty() ? "" : ", ") + std::to_string(kind.count) + " " +
                      (kind.count == 1 ? kind.one : kind.many);
-    std::string text = "no faces, lines or points are in the file; found " +
-                       (found.empty() ? std::string("nothing") : found);
+    std::string text =
+        (any ? std::string("no face, line or point has coordinates that are all finite; found ")
+             : std::string("no faces, lines or points are in the file; found ")) +
+        (found.empty() ? std::string("nothing") : found);
     if (!scene.warnings.empty()) text += "; the reader says: " + scene.warnings.front();
     return Error{ErrorCode::invalid, std::move(text), scene.source.string()};
 }

@@ -126,12 +126,12 @@ void append_instance(const Instance& instance, bool moved, bool normals, bool ta
     for (const Index v : mesh.lines) to.lines.push_back(base + v);
 }
 
-// Vertices of the source that are not in the split mesh.
+// Vertices of the source that are not in the split mesh, whatever its order.
 std::size_t unused_vertices(const VertexMesh& mesh, const Mesh& source) {
-    std::size_t used = 0;  // they come sorted by source vertex
-    for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
-        used += v == 0 || mesh.source_vertices[v] != mesh.source_vertices[v - 1];
-    return source.vertex_count() - used;
+    std::vector<bool> used(source.vertex_count(), false);
+    for (const Index v : mesh.source_vertices)
+        if (v < used.size()) used[v] = true;
+    return std::size_t(std::count(used.begin(), used.end(), false));
 }
 
 void flatten(const PreparedScene& prepared, const char* format, std::vector<std::string>& notes,

@@ -84,7 +84,7 @@ const std::vector<Format>& formats() {
          is_gltf,
          load_gltf,
          write_gltf,
-         {.compression = true, .everything = true}},
+         {.compression = true, .triangle_order = true, .everything = true}},
         {{"OBJ", "OBJ", {".obj"}, {".obj"}},
          is_obj,
          load_wavefront,

@@ -13,9 +13,10 @@ namespace prep::detail {
 
 // What a writer cannot keep is said in the notes of save_scene().
 struct FormatHolds {
-    bool compression = false;   // of vertices and triangles
-    bool everything = false;    // the writer says itself what it leaves out
-    bool corner_values = true;  // values by corner; false: by split vertex
+    bool compression = false;     // of vertices and triangles
+    bool triangle_order = false;  // that of PreparedScene::meshes
+    bool everything = false;      // the writer says itself what it leaves out
+    bool corner_values = true;    // values by corner; false: by split vertex
     bool uvs = true;
     bool float_colors = true;  // false: none, or integers
     bool notes_skins = false;  // the writer says itself that it leaves skins out

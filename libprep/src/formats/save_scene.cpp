@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include "base/finite.h"
@@ -17,10 +18,15 @@ FileSetRules rules_for(const PreparedScene& prepared, const std::filesystem::pat
     rules.spared = options.spared;
     if (options.replace_sources) return rules;
     rules.spare = prepared.scene.libraries;
-    if (!prepared.scene.source.empty()) rules.spare.push_back(prepared.scene.source);
+    rules.source = prepared.scene.source;
     for (const ImageRef& image : prepared.scene.images)
         for (std::filesystem::path& file : files_of(image)) rules.spare.push_back(std::move(file));
     return rules;
+}
+
+bool is_reordered(const PreparedScene& prepared) {
+    return std::any_of(prepared.orders.begin(), prepared.orders.end(),
+                       [](const auto& order) { return order.has_value(); });
 }
 
 void note_groups(const PreparedScene& prepared, const std::string& format,
@@ -111,6 +117,25 @@ Result<std::vector<std::string>> save_scene(const PreparedScene& prepared,
                      "the compression " + std::string(name_of(options.compression)) +
                          " is one of glTF files: write .glb or .gltf, or leave it out",
                      path.string()};
+    if (!format->holds.triangle_order && detail::is_reordered(prepared))
+        return Error{ErrorCode::unsupported,
+                     std::string(format->file.name) +
+                         " files hold polygons in the order of the input: --optimize is for glTF; "
+                         "write .glb or .gltf, or leave it out",
+                     path.string()};
+    if (!format->holds.compression && options.quantization.any())
+        return Error{ErrorCode::unsupported,
+                     "quantised attributes are those of glTF files: write .glb or .gltf, or leave "
+                     "the quantisation out",
+                     path.string()};
+    for (const QuantizationRow& row : quantization_rows)
+        if (const int bits = options.quantization.*row.bits;
+            bits != 0 && (bits < row.least || bits > row.most))
+            return Error{ErrorCode::invalid,
+                         std::string(row.name) + " are quantised to " + std::to_string(row.least) +
+                             " to " + std::to_string(row.most) + " bits, not " +
+                             std::to_string(bits),
+                         path.string()};
     auto notes = format->write(prepared, path, options);
     if (notes && !format->holds.everything) {
         const std::string name(format->file.name);

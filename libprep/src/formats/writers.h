@@ -16,6 +16,9 @@ using WriteResult = Result<std::vector<std::string>>;
 FileSetRules rules_for(const PreparedScene& prepared, const std::filesystem::path& path,
                        const SaveOptions& options);
 
+// Whether the triangles of a mesh are in another order than its faces.
+bool is_reordered(const PreparedScene& prepared);
+
 // Says how many group names a format without groups loses; nothing where there are none.
 void note_groups(const PreparedScene& prepared, const std::string& format,
                  std::vector<std::string>& notes);

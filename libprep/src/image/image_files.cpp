@@ -7,7 +7,8 @@
 namespace prep {
 
 struct ImageFiles::State {
-    explicit State(Rules rules) : files({rules.replace, std::move(rules.spare), {}}) {}
+    explicit State(Rules rules)
+        : files({.replace = rules.replace, .spare = std::move(rules.spare)}) {}
     struct Open {
         std::string place;
         ImageLayout layout;

@@ -9,7 +9,8 @@ BicubicWeights bicubic_weights(double t) {
     const double s = 1 - t;
     return {{s * s * s / 6, ((3 * t - 6) * t * t + 4) / 6, ((3 * s - 6) * s * s + 4) / 6,
              t * t * t / 6},
-            {-0.5 * s * s, 0.5 * (3 * t - 4) * t, 0.5 * (4 - 3 * s) * s, 0.5 * t * t}};
+            {-0.5 * s * s, 0.5 * (3 * t - 4) * t, 0.5 * (4 - 3 * s) * s, 0.5 * t * t},
+            {s, 3 * t - 2, 3 * s - 2, t}};
 }
 
 namespace {
@@ -55,13 +56,15 @@ BicubicWeights crease_weights(double t, float sharpness) {
         for (int r = 0; r < 4; ++r) {
             weights.value[k] += plain.value[r] * rows[r][k];
             weights.derivative[k] += scale * plain.derivative[r] * rows[r][k];
+            weights.second[k] += scale * scale * plain.second[r] * rows[r][k];
         }
     return weights;
 }
 
 BicubicWeights reversed(const BicubicWeights& w) {
     return {{w.value[3], w.value[2], w.value[1], w.value[0]},
-            {-w.derivative[3], -w.derivative[2], -w.derivative[1], -w.derivative[0]}};
+            {-w.derivative[3], -w.derivative[2], -w.derivative[1], -w.derivative[0]},
+            {w.second[3], w.second[2], w.second[1], w.second[0]}};
 }
 
 BicubicTable BicubicTable::make(std::uint32_t n) {
@@ -107,24 +110,46 @@ BicubicTable BicubicTable::reversed() const {
     return table;
 }
 
-void bicubic_point(std::uint32_t width, const double* controls, const BicubicWeights& a,
-                   const BicubicWeights& b, double* value, double* du, double* dv) {
+namespace {
+
+double sum_of_four(const double* w, const double* p) {
+    return ((w[0] * p[0] + w[1] * p[1]) + w[2] * p[2]) + w[3] * p[3];
+}
+
+// With the number of numbers known loops over them become vectors; bits are the same.
+template <std::uint32_t known_width, bool with_second>
+void point_of(std::uint32_t any_width, const double* controls, const BicubicWeights& a,
+              const BicubicWeights& b, double* value, double* du, double* dv,
+              const SecondDerivatives* second) {
+    const std::uint32_t width = known_width == 0 ? any_width : known_width;
     for (std::uint32_t d = 0; d < width; ++d) {
-        double row[4], slope[4];
+        double row[4], slope[4], turn[4];
         for (std::uint32_t j = 0; j < 4; ++j) {
             const double* p = controls + std::size_t(4 * j) * width + d;
-            const double p0 = p[0], p1 = p[width], p2 = p[2 * width], p3 = p[3 * width];
-            row[j] = ((a.value[0] * p0 + a.value[1] * p1) + a.value[2] * p2) + a.value[3] * p3;
-            slope[j] = ((a.derivative[0] * p0 + a.derivative[1] * p1) + a.derivative[2] * p2) +
-                       a.derivative[3] * p3;
+            const double four[4] = {p[0], p[width], p[2 * width], p[3 * width]};
+            row[j] = sum_of_four(a.value, four);
+            slope[j] = sum_of_four(a.derivative, four);
+            if (with_second) turn[j] = sum_of_four(a.second, four);
         }
-        const auto along = [](const double* w, const double* r) {
-            return ((w[0] * r[0] + w[1] * r[1]) + w[2] * r[2]) + w[3] * r[3];
-        };
-        value[d] = along(b.value, row);
-        du[d] = along(b.value, slope);
-        dv[d] = along(b.derivative, row);
+        value[d] = sum_of_four(b.value, row);
+        du[d] = sum_of_four(b.value, slope);
+        dv[d] = sum_of_four(b.derivative, row);
+        if (!with_second) continue;
+        second->uu[d] = sum_of_four(b.value, turn);
+        second->uv[d] = sum_of_four(b.derivative, slope);
+        second->vv[d] = sum_of_four(b.second, row);
     }
+}
+
+}  // namespace
+
+void bicubic_point(std::uint32_t width, const double* controls, const BicubicWeights& a,
+                   const BicubicWeights& b, double* value, double* du, double* dv,
+                   const SecondDerivatives* second) {
+    if (second && width == 3) return point_of<3, true>(3, controls, a, b, value, du, dv, second);
+    if (second) return point_of<0, true>(width, controls, a, b, value, du, dv, second);
+    if (width == 3) return point_of<3, false>(3, controls, a, b, value, du, dv, second);
+    point_of<0, false>(width, controls, a, b, value, du, dv, second);
 }
 
 }  // namespace prep::detail

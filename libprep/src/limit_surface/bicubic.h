@@ -26,14 +26,20 @@ struct BicubicTable {
 };
 
 struct BicubicWeights {
-    double value[4], derivative[4];
+    double value[4], derivative[4], second[4];
 };
 BicubicWeights bicubic_weights(double t);
 BicubicWeights crease_weights(double t, float sharpness);
 BicubicWeights reversed(const BicubicWeights& weights);  // of the other end's t
 
+// Where second derivatives go, `width` numbers each.
+struct SecondDerivatives {
+    double *uu = nullptr, *uv = nullptr, *vv = nullptr;
+};
+// `second` may be null.
 void bicubic_point(std::uint32_t width, const double* controls, const BicubicWeights& u,
-                   const BicubicWeights& v, double* value, double* du, double* dv);
+                   const BicubicWeights& v, double* value, double* du, double* dv,
+                   const SecondDerivatives* second = nullptr);
 
 // Where a grid goes: (i, j) is `width` numbers at i · width + j · stride. Derivatives are times
 // `scale`, a power of two; du and dv may both be null.

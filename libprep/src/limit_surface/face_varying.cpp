@@ -36,7 +36,11 @@ class Builder {
             if (const float sharpness = refined_.edge_sharpness(c); sharpness > 0)
                 cage.creases.push_back(
                     {cage.corner_vertices[c], cage.corner_vertices[next(c)], sharpness});
-        for (std::uint32_t v = 0; v < positions_.vertex_count; ++v) sharpen(v);
+        for (std::uint32_t v = 0; v < positions_.vertex_count; ++v) {
+            sharpen(v);
+            as_channel_ |= has_mixed_averages(v);
+        }
+        if (as_channel_) cage.channel_of = &positions_, cage.rule = rule_;
         return std::move(made_);
     }
 
@@ -141,9 +145,11 @@ class Builder {
             all_sharp |= spans[0].disjoint || spans[1].disjoint;
             if (rule_ == FaceVaryingRule::corners_plus2)
                 all_sharp |= spans[0].size == 1 || spans[1].size == 1;
-            if ((spans[0].semi_sharp > 0) != (spans[1].semi_sharp > 0)) {
+            // A vertex that is semi-sharp itself makes both sides so, for as long as it is.
+            if (sharpness <= 0 && (spans[0].semi_sharp > 0) != (spans[1].semi_sharp > 0)) {
                 dependent[0] = spans[1].semi_sharp;
                 dependent[1] = spans[0].semi_sharp;
+                as_channel_ |= !all_sharp && !are_alike(v);
             }
         }
         for (std::size_t k = 0; k < spans.size(); ++k) {
@@ -151,6 +157,38 @@ class Builder {
                 all_sharp || spans[k].disjoint || (spans[k].size == 1 && sharp_corners);
             set(spans[k], sharp ? infinitely_sharp : std::max(sharpness, k < 2 ? dependent[k] : 0));
         }
+    }
+
+    // Whether all semi-sharp edges at a vertex, those on seams too, wear off together. Where they
+    // do not, a value that is sharp because of the other side has no fractional step of that
+    // side's.
+    bool are_alike(std::uint32_t v) const {
+        float known = 0;
+        for (const std::uint32_t c : corners_of(v)) {  // each such edge leaves v once
+            const float sharpness = refined_.edge_sharpness(c);
+            if (sharpness <= 0 || sharpness >= infinitely_sharp) continue;
+            if (known > 0 && sharpness != known) return false;
+            known = sharpness;
+        }
+        return true;
+    }
+
+    // Chaikin's averages are of all semi-sharp edges at a vertex of the mesh: here they are not of
+    // those inside one span alone. By the rules for vertices they would be.
+    bool has_mixed_averages(std::uint32_t v) const {
+        if (positions_.creasing != CreasingMethod::chaikin) return false;
+        const auto& names = made_.cage.corner_vertices;
+        std::uint32_t inside = no_index;
+        bool elsewhere = false;
+        for (const std::uint32_t c : corners_of(v)) {
+            const float sharpness = refined_.edge_sharpness(c);
+            if (sharpness <= 0 || sharpness >= infinitely_sharp) continue;
+            if (!seams_[base_.edges[c]] && (inside == no_index || inside == names[c]))
+                inside = names[c];
+            else
+                elsewhere = true;
+        }
+        return elsewhere && inside != no_index;
     }
 
     std::vector<Span> spans_of(std::uint32_t v) const {
@@ -195,6 +233,7 @@ class Builder {
     FaceVaryingCage made_;
     std::vector<std::uint32_t> offsets_, corners_, corner_faces_;
     std::vector<std::uint8_t> seams_, mismatch_;
+    bool as_channel_ = false;
 };
 
 }  // namespace

@@ -6,7 +6,6 @@
 
 #include "base/parallel.h"
 #include "limit_surface/channel_surface.h"
-#include "limit_surface/corner_classes.h"
 #include "limit_surface/face_varying.h"
 #include "prep/subdivide.h"
 

@@ -1,9 +1,10 @@
 #include "limit_surface/patch_evaluator.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
-#include "limit_surface/ring_view.h"
+#include "limit_surface/ring_masks.h"
 
 namespace prep::detail {
 
@@ -27,20 +28,20 @@ GridTables::GridTables(int log2_most, std::span<const float> sharpnesses, bool t
 void PatchEvaluator::grid(std::uint32_t root, std::uint32_t n, bool control_points,
                           const GridTables& tables, const GridOutput& out) {
     tables_ = &tables;
+    kept_levels_ = tables.log2_most() + 2;
     control_points_ = control_points;
     const PatchRoot& at = pieces_.tree->roots[root];
     root_level_ = at.level;
     scratch_.resize(bicubic_scratch(pieces_.source.width, n));
-    if (!pieces_.rings) walked_ring_ = no_index;  // values may be others than last time
     if (pieces_.cage->corners_per_face == 3) return triangle_grid(at, n, out);
     quad_cell({at.level, at.face, 0, 0, n}, out);
 }
 
 PointTraits PatchEvaluator::point(std::uint32_t root, double u, double v, double* value, double* du,
-                                  double* dv) {
+                                  double* dv, const SecondDerivatives* second) {
     const PatchRoot& at = pieces_.tree->roots[root];
-    if (!pieces_.rings) walked_ring_ = no_index;
-    if (pieces_.cage->corners_per_face != 3) return quad_point(at, u, v, value, du, dv);
+    if (pieces_.cage->corners_per_face != 3) return quad_point(at, u, v, value, du, dv, second);
+    assert(!second);
     return triangle_point(at.level, at.face, u, v, value, du, dv);
 }
 
@@ -61,18 +62,42 @@ PatchEvaluator::RingAccess PatchEvaluator::ring_access(std::uint32_t ring, int k
     if (stored && k < stored->stored_levels())
         return {stored->level(tree, ring, k), stored->level(tree, ring, k + 1),
                 stored->centre(ring)};
-    if (walked_ring_ != ring || walked_level_ > k) {
-        walked_ring_ = ring;
-        walked_from_ = stored ? stored->stored_levels() : 0;
-        if (stored)
-            walked_.start(tree.rings[ring], pieces_.source.width,
-                          stored->level(tree, ring, walked_from_));
-        else
-            own_centre_ = walked_.start(tree.rings[ring], tree, pieces_.source).numbers;
+    const int from = stored ? stored->stored_levels() : 0;
+    WalkedRing& walked = walked_ring(ring, k - from);
+    const double* const rings = walked.levels.level(k - from);
+    return {rings, walked.levels.after(), stored ? stored->centre(ring) : walked.centre.data()};
+}
+
+PatchEvaluator::WalkedRing& PatchEvaluator::walked_ring(std::uint32_t ring, int k) {
+    const Ring& shape = pieces_.tree->rings[ring];
+    const RingValues* stored = pieces_.rings;
+    WalkedRing* walked = &walked_;
+    if (!stored && shape.shape.sectors >= many_sectors && k + 1 < kept_levels_) {
+        const auto known = kept_.find(ring);
+        if (known != kept_.end()) return known->second;
+        const std::size_t numbers = std::size_t(shape.shape.point_count()) * pieces_.source.width *
+                                    std::size_t(kept_levels_);
+        if (kept_numbers_ + numbers <= most_kept_numbers_) {
+            kept_numbers_ += numbers;
+            walked = &kept_[ring];
+            walked->levels = RingLevels(true);
+        }
     }
-    walked_level_ = k;
-    const double* rings = walked_.level(k - walked_from_);
-    return {rings, walked_.after(), stored ? stored->centre(ring) : own_centre_.data()};
+    if (walked->ring == ring && walked->levels.can_give(k)) return *walked;
+    walked->ring = ring;
+    if (stored)
+        walked->levels.start(shape, pieces_.source.width,
+                             stored->level(*pieces_.tree, ring, stored->stored_levels()));
+    else
+        walked->centre = walked->levels.start(shape, *pieces_.tree, pieces_.source).numbers;
+    gathered_points_ += shape.shape.point_count();
+    return *walked;
+}
+
+std::size_t PatchEvaluator::held_ring_numbers() const {
+    std::size_t sum = walked_.levels.held_numbers();
+    for (const auto& [ring, kept] : kept_) sum += kept.levels.held_numbers();
+    return sum;
 }
 
 void PatchEvaluator::sector_limit(const RingSector& sector, const RingAccess& access, int x, int y,

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <span>
+#include <unordered_map>
 #include <vector>
 
 #include "limit_surface/bicubic.h"
@@ -45,17 +46,26 @@ struct SurfacePieces {
     const RefinedCage* cage = nullptr;
     const PatchTree* tree = nullptr;
     ControlSource source;
-    const RingValues* rings = nullptr;  // none: rings are refined where they are met
+    // None: rings are refined where they are met, and those of many sectors kept for the others.
+    const RingValues* rings = nullptr;
 };
+
+// Rings of so many sectors are worth keeping for the roots that share them.
+inline constexpr std::uint32_t many_sectors = 32;
 
 struct PointTraits {
     std::uint32_t ring = no_index;  // the point is this ring's vertex, …
     std::uint32_t sector = 0;       // … seen from this sector
 };
 
+// Values stay as they are while it lives.
 class PatchEvaluator {
   public:
-    PatchEvaluator(const SurfacePieces& pieces, SimdLevel simd) : pieces_(pieces), simd_(simd) {}
+    // Rings that are not stored are refined here; those of many sectors stay while all of their
+    // levels are `most_kept_numbers` at most (64 MB).
+    PatchEvaluator(const SurfacePieces& pieces, SimdLevel simd,
+                   std::size_t most_kept_numbers = std::size_t(1) << 23)
+        : pieces_(pieces), simd_(simd), most_kept_numbers_(most_kept_numbers) {}
 
     // The root's (n + 1)² points or, with `control_points`, vertices of the cage refined log2 n
     // times; derivatives (null, or with points on the surface) by the root's parameters, 0 … 1.
@@ -64,9 +74,15 @@ class PatchEvaluator {
     void grid(std::uint32_t root, std::uint32_t n, bool control_points, const GridTables& tables,
               const GridOutput& out);
 
-    // u, v in 0 … 1. Derivatives by the root's parameters.
-    PointTraits point(std::uint32_t root, double u, double v, double* value, double* du,
-                      double* dv);
+    // u, v in 0 … 1. Derivatives by the root's parameters. `second` (null for Loop's scheme, where
+    // they are not made): at a ring's vertex they are none, and 0. Points that follow each other in
+    // one piece take much less time than others.
+    PointTraits point(std::uint32_t root, double u, double v, double* value, double* du, double* dv,
+                      const SecondDerivatives* second = nullptr);
+
+    // Of rings: what is held now, and the points that were gathered so far.
+    std::size_t held_ring_numbers() const;
+    std::uint64_t gathered_ring_points() const { return gathered_points_; }
 
   private:
     // Below this parameter, of a power of two, a point is taken for the vertex of a ring.
@@ -100,10 +116,13 @@ class PatchEvaluator {
     void quad_corner(std::uint32_t level, std::uint32_t face, std::uint32_t c, double* value,
                      double* du, double* dv);
     PointTraits quad_point(const PatchRoot& root, double u, double v, double* value, double* du,
-                           double* dv);
+                           double* dv, const SecondDerivatives* second);
     void quad_patch_point(const PatchNode& node, double u, double v, double* value, double* du,
-                          double* dv);
+                          double* dv, const SecondDerivatives* second);
     void gather_quad(const RegularPatch& patch);
+    // Control points of a patch of a ring's sector, relative to its centre, which is kept with
+    // them.
+    void hold_ring_patch(std::uint32_t sector, int k, int qa, int qb);
     // Stored, or made where there are too many.
     const BicubicTable& crease_table(const CreasePatch& crease, std::uint32_t n);
 
@@ -127,11 +146,24 @@ class PatchEvaluator {
     bool control_points_ = false;
     std::uint32_t root_level_ = 0;
     std::size_t triangle_n_ = 1;
-    std::vector<double> controls_, scratch_, own_centre_, spare_;
+    std::vector<double> controls_, scratch_, spare_;
+    // Whose control points point() left there; none where something else is.
+    static constexpr std::uint64_t nothing_held = ~std::uint64_t(0);
+    std::uint64_t held_ = nothing_held;
+    std::vector<double> held_centre_;
     BicubicTable own_crease_;
-    RingLevels walked_;
-    std::uint32_t walked_ring_ = no_index;
-    int walked_from_ = 0, walked_level_ = 0;
+    struct WalkedRing {
+        std::uint32_t ring = no_index;
+        RingLevels levels;
+        std::vector<double> centre;  // where none is stored
+    };
+    // One whose level k can be had.
+    WalkedRing& walked_ring(std::uint32_t ring, int k);
+    WalkedRing walked_;  // the one met last
+    std::unordered_map<std::uint32_t, WalkedRing> kept_;
+    int kept_levels_ = 0;  // that grids ask for, with the one after
+    std::size_t most_kept_numbers_, kept_numbers_ = 0;
+    std::uint64_t gathered_points_ = 0;
 };
 
 }  // namespace prep::detail

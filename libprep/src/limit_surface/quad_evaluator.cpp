@@ -61,6 +61,17 @@ void turn_derivatives(std::uint32_t r, std::uint32_t width, double scale, double
     }
 }
 
+// Second derivatives likewise.
+void turn_second(std::uint32_t r, std::uint32_t width, double scale, const SecondDerivatives& of) {
+    const double square = scale * scale;
+    for (std::uint32_t d = 0; d < width; ++d) {
+        const double aa = of.uu[d] * square, ab = of.uv[d] * square, bb = of.vv[d] * square;
+        of.uu[d] = r % 2 == 0 ? aa : bb;
+        of.uv[d] = r % 2 == 0 ? ab : -ab;
+        of.vv[d] = r % 2 == 0 ? bb : aa;
+    }
+}
+
 void bilinear(const std::array<const double*, 4>& p, std::uint32_t width, double u, double v,
               double* value, double* du, double* dv) {
     for (std::uint32_t d = 0; d < width; ++d) {
@@ -70,6 +81,13 @@ void bilinear(const std::array<const double*, 4>& p, std::uint32_t width, double
         if (!du) continue;
         du[d] = (1 - v) * (p[1][d] - p[0][d]) + v * (p[2][d] - p[3][d]);
         dv[d] = top - bottom;
+    }
+}
+void bilinear_second(const std::array<const double*, 4>& p, std::uint32_t width,
+                     const SecondDerivatives& second) {
+    for (std::uint32_t d = 0; d < width; ++d) {
+        second.uu[d] = second.vv[d] = 0;
+        second.uv[d] = (p[0][d] - p[1][d]) + (p[2][d] - p[3][d]);
     }
 }
 
@@ -105,6 +123,7 @@ const BicubicTable& PatchEvaluator::crease_table(const CreasePatch& crease, std:
 
 void PatchEvaluator::gather_quad(const RegularPatch& patch) {
     const std::uint32_t width = pieces_.source.width;
+    held_ = nothing_held;
     controls_.resize(bicubic_controls(width));
     double* const p = controls_.data();
     const std::uint8_t sides = patch.sharp_sides;
@@ -166,21 +185,25 @@ void PatchEvaluator::quad_patch_grid(const PatchNode& node, const QuadCell& cell
 }
 
 void PatchEvaluator::quad_patch_point(const PatchNode& node, double u, double v, double* value,
-                                      double* du, double* dv) {
+                                      double* du, double* dv, const SecondDerivatives* second) {
     const PatchTree& tree = *pieces_.tree;
+    const bool is_crease = node.kind == PatchNode::crease;
+    const std::uint64_t held = std::uint64_t(node.kind) << 32 | node.index;
+    if (held != held_) {
+        gather_quad(is_crease ? tree.crease_patches[node.index].patch
+                              : tree.regular_patches[node.index]);
+        held_ = held;
+    }
     BicubicWeights along_u = bicubic_weights(u), along_v = bicubic_weights(v);
-    if (node.kind == PatchNode::crease) {
+    if (is_crease) {
         const CreasePatch& crease = tree.crease_patches[node.index];
-        gather_quad(crease.patch);
         const float sharpness = tree.sharpnesses[crease.sharpness];
         const double t = runs_along_u(crease) ? v : u;
         (runs_along_u(crease) ? along_v : along_u) =
             is_at_far_end(crease) ? reversed(crease_weights(1 - t, sharpness))
                                   : crease_weights(t, sharpness);
-    } else {
-        gather_quad(tree.regular_patches[node.index]);
     }
-    bicubic_point(pieces_.source.width, controls_.data(), along_u, along_v, value, du, dv);
+    bicubic_point(pieces_.source.width, controls_.data(), along_u, along_v, value, du, dv, second);
 }
 
 void PatchEvaluator::quad_corners(const QuadCell& cell, const GridOutput& out) {
@@ -214,7 +237,7 @@ void PatchEvaluator::quad_corner(std::uint32_t level, std::uint32_t face, std::u
                      du, dv);
         return turn_derivatives(sector.corner, width, scale_of(level), du, dv);
     }
-    quad_patch_point(node, corner_x(c), corner_y(c), value, du, dv);
+    quad_patch_point(node, corner_x(c), corner_y(c), value, du, dv, nullptr);
     turn_derivatives(0, width, scale_of(level), du, dv);
 }
 
@@ -223,6 +246,7 @@ void PatchEvaluator::quad_ring_grid(const QuadCell& cell, const GridOutput& out)
     const RingSector sector = tree.sectors[tree.nodes[cell.level][cell.face].index];
     const RingShape& shape = tree.rings[sector.ring].shape;
     const std::uint32_t width = pieces_.source.width, r = sector.corner;
+    held_ = nothing_held;
     controls_.resize(bicubic_controls(width));
     std::uint32_t i0 = cell.i, j0 = cell.j, n = cell.n;
     int k = 0;
@@ -282,8 +306,22 @@ void PatchEvaluator::quad_linear_grid(const QuadCell& cell, const GridOutput& ou
         }
 }
 
+void PatchEvaluator::hold_ring_patch(std::uint32_t sector, int k, int qa, int qb) {
+    const std::uint64_t held =
+        std::uint64_t(PatchNode::ring) << 32 | sector | std::uint64_t(4 * k + 2 * qb + qa) << 40;
+    if (held == held_) return;
+    const RingSector& of = pieces_.tree->sectors[sector];
+    const std::uint32_t width = pieces_.source.width;
+    const RingAccess access = ring_access(of.ring, k);
+    controls_.resize(bicubic_controls(width));
+    ring_patch(pieces_.tree->rings[of.ring].shape, width, access.rings, access.next, of.sector, qa,
+               qb, controls_.data());
+    held_centre_.assign(access.centre, access.centre + width);
+    held_ = held;
+}
+
 PointTraits PatchEvaluator::quad_point(const PatchRoot& root, double u, double v, double* value,
-                                       double* du, double* dv) {
+                                       double* du, double* dv, const SecondDerivatives* second) {
     const PatchTree& tree = *pieces_.tree;
     const std::uint32_t width = pieces_.source.width;
     std::uint32_t level = root.level, face = root.face;
@@ -298,11 +336,15 @@ PointTraits PatchEvaluator::quad_point(const PatchRoot& root, double u, double v
         node = tree.nodes[++level][face];
     }
     if (node.kind != PatchNode::ring) {
-        if (node.kind == PatchNode::linear)
-            bilinear(corner_values(level, face), width, u, v, value, du, dv);
-        else
-            quad_patch_point(node, u, v, value, du, dv);
+        if (node.kind == PatchNode::linear) {
+            const Corners corners = corner_values(level, face);
+            bilinear(corners, width, u, v, value, du, dv);
+            if (second) bilinear_second(corners, width, *second);
+        } else {
+            quad_patch_point(node, u, v, value, du, dv, second);
+        }
         turn_derivatives(0, width, scale_of(level), du, dv);
+        if (second) turn_second(0, width, scale_of(level), *second);
         return {};
     }
     const RingSector sector = tree.sectors[node.index];
@@ -312,17 +354,17 @@ PointTraits PatchEvaluator::quad_point(const PatchRoot& root, double u, double v
     if (k == deepest_ring_level || std::max(p.a, p.b) == 0) {
         sector_limit(sector, ring_access(sector.ring, 0), 0, 0, value, du, dv);
         turn_derivatives(sector.corner, width, scale_of(level), du, dv);
+        for (std::uint32_t d = 0; second && d < width; ++d)
+            second->uu[d] = second->uv[d] = second->vv[d] = 0;
         return {sector.ring, sector.sector};
     }
-    const RingAccess access = ring_access(sector.ring, k);
     const int qa = p.a > 0.5, qb = p.b > 0.5;
-    controls_.resize(bicubic_controls(width));
-    ring_patch(tree.rings[sector.ring].shape, width, access.rings, access.next, sector.sector, qa,
-               qb, controls_.data());
+    hold_ring_patch(node.index, k, qa, qb);
     bicubic_point(width, controls_.data(), bicubic_weights(2 * p.a - qa),
-                  bicubic_weights(2 * p.b - qb), value, du, dv);
-    for (std::uint32_t d = 0; d < width; ++d) value[d] += access.centre[d];
+                  bicubic_weights(2 * p.b - qb), value, du, dv, second);
+    for (std::uint32_t d = 0; d < width; ++d) value[d] += held_centre_[d];
     turn_derivatives(sector.corner, width, scale_of(level, k + 1), du, dv);
+    if (second) turn_second(sector.corner, width, scale_of(level, k + 1), *second);
     return {};
 }
 

@@ -6,16 +6,29 @@
 #include <algorithm>
 #include <cmath>
 
+#include "limit_surface/far_levels.h"
 #include "limit_surface/scheme_pieces.h"
 
 namespace Osd = OpenSubdiv::OPENSUBDIV_VERSION;
 using prep::detail::SurfaceCage;
 
+namespace prep::detail {
+namespace {
+
+// What the refiner refines, of a face-varying channel too.
+const SurfaceCage& refined_mesh(const SurfaceCage& cage) {
+    return cage.channel_of ? *cage.channel_of : cage;
+}
+
+}  // namespace
+}  // namespace prep::detail
+
 namespace OpenSubdiv::OPENSUBDIV_VERSION::Far {
 
 template <>
 bool TopologyRefinerFactory<SurfaceCage>::resizeComponentTopology(TopologyRefiner& refiner,
-                                                                  const SurfaceCage& cage) {
+                                                                  const SurfaceCage& channel) {
+    const SurfaceCage& cage = prep::detail::refined_mesh(channel);
     setNumBaseVertices(refiner, int(cage.vertex_count));
     setNumBaseFaces(refiner, int(cage.face_count()));
     for (std::uint32_t f = 0; f < cage.face_count(); ++f)
@@ -25,7 +38,8 @@ bool TopologyRefinerFactory<SurfaceCage>::resizeComponentTopology(TopologyRefine
 
 template <>
 bool TopologyRefinerFactory<SurfaceCage>::assignComponentTopology(TopologyRefiner& refiner,
-                                                                  const SurfaceCage& cage) {
+                                                                  const SurfaceCage& channel) {
+    const SurfaceCage& cage = prep::detail::refined_mesh(channel);
     for (std::uint32_t f = 0; f < cage.face_count(); ++f) {
         IndexArray vertices = getBaseFaceVertices(refiner, int(f));
         for (std::uint32_t c = 0; c < cage.face_size(f); ++c)
@@ -36,7 +50,8 @@ bool TopologyRefinerFactory<SurfaceCage>::assignComponentTopology(TopologyRefine
 
 template <>
 bool TopologyRefinerFactory<SurfaceCage>::assignComponentTags(TopologyRefiner& refiner,
-                                                              const SurfaceCage& cage) {
+                                                              const SurfaceCage& channel) {
+    const SurfaceCage& cage = prep::detail::refined_mesh(channel);
     const auto clamped = [](float sharpness) {
         return std::min(sharpness, prep::detail::infinitely_sharp);
     };
@@ -51,8 +66,17 @@ bool TopologyRefinerFactory<SurfaceCage>::assignComponentTags(TopologyRefiner& r
 }
 
 template <>
-bool TopologyRefinerFactory<SurfaceCage>::assignFaceVaryingTopology(TopologyRefiner&,
-                                                                    const SurfaceCage&) {
+bool TopologyRefinerFactory<SurfaceCage>::assignFaceVaryingTopology(TopologyRefiner& refiner,
+                                                                    const SurfaceCage& cage) {
+    if (!cage.channel_of) return true;
+    Sdc::Options rule;
+    rule.SetFVarLinearInterpolation(Sdc::Options::FVarLinearInterpolation(int(cage.rule)));
+    const int channel = createBaseFVarChannel(refiner, int(cage.vertex_count), rule);
+    for (std::uint32_t f = 0; f < cage.face_count(); ++f) {
+        IndexArray values = getBaseFaceFVarValues(refiner, int(f), channel);
+        for (std::uint32_t c = 0; c < cage.face_size(f); ++c)
+            values[int(c)] = int(cage.corner_vertices[cage.face_offsets[f] + c]);
+    }
     return true;
 }
 
@@ -69,12 +93,11 @@ namespace Sdc = Osd::Sdc;
 // The cage's base and what is cut deep; and, where that is not all, what is cut once.
 struct RefinedCage::Rules {
     std::unique_ptr<Far::TopologyRefiner> refiner, shallow;
+    bool channel = false;             // values are those of channel 0
     std::uint32_t deep_vertices = 0;  // of level 1: the refiner's, before those of `shallow`
 };
 
 namespace {
-
-using FarLevel = Far::TopologyLevel;
 
 Sdc::SchemeType scheme_type(const SurfaceCage& cage) {
     return cage.scheme == SubdivisionScheme::loop ? Sdc::SCHEME_LOOP
@@ -110,18 +133,23 @@ int isolation_level(const FarLevel& base) {
 
 // Triangles or quads that semi-sharp edges have to be cut into until their sharpness is used up, at
 // most: a crease that goes on alike over both of its ends is a patch for catmark's uniform creases.
-double faces_of_creases(const SurfaceCage& cage, const FarLevel& base) {
-    const bool patches =
-        cage.scheme == SubdivisionScheme::catmark && cage.creasing == CreasingMethod::uniform;
+// Of a channel as such it is one beside faces that are not cut alone.
+double faces_of_creases(const SurfaceCage& cage, const FarLevel& base,
+                        const std::vector<int>& deep_and_beside) {
+    const bool patches = cage.scheme == SubdivisionScheme::catmark &&
+                         cage.creasing == CreasingMethod::uniform && !cage.channel_of;
     const auto goes_on = [&](int v, float sharpness) {
         int alike = 0;
         for (const int e : base.GetVertexEdges(v)) alike += base.GetEdgeSharpness(e) == sharpness;
         return alike == 2;
     };
+    std::vector<std::uint8_t> at_cut(std::size_t(base.GetNumEdges()), 0);
+    for (const int f : deep_and_beside)
+        for (const int e : base.GetFaceEdges(f)) at_cut[std::size_t(e)] = 1;
     double faces = 0;
     for (int e = 0; e < base.GetNumEdges(); ++e) {
         const float sharpness = base.GetEdgeSharpness(e);
-        if (sharpness <= 0 || sharpness >= infinitely_sharp) continue;
+        if (!at_cut[std::size_t(e)] || sharpness <= 0 || sharpness >= infinitely_sharp) continue;
         const auto ends = base.GetEdgeVertices(e);
         if (patches && goes_on(ends[0], sharpness) && goes_on(ends[1], sharpness)) continue;
         faces += 12 * std::exp2(std::ceil(double(sharpness)));
@@ -132,104 +160,6 @@ double faces_of_creases(const SurfaceCage& cage, const FarLevel& base) {
 // million triangles are to be made in.
 constexpr double most_crease_faces = 1 << 26;
 
-std::uint8_t flags_of(const FarLevel& level, int v, bool triangles) {
-    std::uint8_t flags = 0;
-    const auto faces = level.GetVertexFaces(v);
-    const auto edges = level.GetVertexEdges(v);
-    const auto semi_sharp = [](float s) { return s > 0 && s < infinitely_sharp; };
-    bool sharp_edge = false;
-    if (level.GetVertexSharpness(v) > 0) flags |= VertexFlags::own_sharpness;
-    if (semi_sharp(level.GetVertexSharpness(v))) flags |= VertexFlags::semi_sharp;
-    for (int k = 0; k < edges.size(); ++k) {
-        const float s = level.GetEdgeSharpness(edges[k]);
-        if (semi_sharp(s)) flags |= VertexFlags::semi_sharp;
-        sharp_edge |= s >= infinitely_sharp;
-    }
-    const Sdc::Crease::Rule rule = level.GetVertexRule(v);
-    if (rule == Sdc::Crease::RULE_CORNER) flags |= VertexFlags::corner_rule;
-    if (rule == Sdc::Crease::RULE_DART) flags |= VertexFlags::dart_rule;
-    if (level.IsVertexBoundary(v)) flags |= VertexFlags::border;
-    const int valence = triangles ? 6 : 4;
-    bool simple = rule == Sdc::Crease::RULE_SMOOTH && !sharp_edge && flags == 0 &&
-                  !level.IsVertexNonManifold(v) && faces.size() == valence &&
-                  edges.size() == valence;
-    for (int k = 0; simple && k < faces.size(); ++k)
-        simple = level.GetFaceVertices(faces[k]).size() == (triangles ? 3 : 4);
-    if (simple) flags |= VertexFlags::simple;
-    return flags;
-}
-
-// Of an edge of two faces that run along it in opposite directions.
-void set_opposites(const FarLevel& level, const std::vector<std::uint32_t>& edges,
-                   const std::vector<std::uint32_t>& corner_faces, RefinedLevel& out) {
-    std::vector<std::uint32_t> first(std::size_t(level.GetNumEdges()), no_index);
-    out.opposite.assign(edges.size(), no_index);
-    for (std::uint32_t h = 0; h < edges.size(); ++h) {
-        std::uint32_t& other = first[edges[h]];
-        if (other == no_index) {
-            other = h;
-            continue;
-        }
-        const int e = int(edges[h]);
-        if (level.GetEdgeFaces(e).size() != 2 || level.IsEdgeNonManifold(e) ||
-            corner_faces[h] == corner_faces[other] ||
-            out.corner_vertices[h] == out.corner_vertices[other])
-            continue;
-        out.opposite[h] = other;
-        out.opposite[other] = h;
-    }
-}
-
-RefinedLevel copied_level(const FarLevel& level, int depth, bool triangles) {
-    RefinedLevel out;
-    const int faces = level.GetNumFaces();
-    const auto corners = std::size_t(level.GetNumFaceVertices());
-    out.vertex_count = std::uint32_t(level.GetNumVertices());
-    if (depth == 0) {
-        out.face_offsets.reserve(std::size_t(faces) + 1);
-        out.face_offsets.push_back(0);
-    }
-    std::vector<std::uint32_t> edges, corner_faces;
-    out.corner_vertices.reserve(corners);
-    edges.reserve(corners);
-    corner_faces.reserve(corners);
-    for (int f = 0; f < faces; ++f) {
-        const auto vertices = level.GetFaceVertices(f);
-        const auto face_edges = level.GetFaceEdges(f);
-        for (int c = 0; c < vertices.size(); ++c) {
-            out.corner_vertices.push_back(std::uint32_t(vertices[c]));
-            edges.push_back(std::uint32_t(face_edges[c]));
-            corner_faces.push_back(std::uint32_t(f));
-        }
-        if (depth == 0) out.face_offsets.push_back(std::uint32_t(edges.size()));
-    }
-    set_opposites(level, edges, corner_faces, out);
-    bool semi_sharp = false;
-    for (int e = 0; e < level.GetNumEdges(); ++e)
-        semi_sharp |= level.GetEdgeSharpness(e) > 0 && level.GetEdgeSharpness(e) < infinitely_sharp;
-    out.sharp.resize(edges.size());
-    if (semi_sharp) out.sharpness.resize(edges.size());
-    for (std::size_t h = 0; h < edges.size(); ++h) {
-        const float sharpness = level.GetEdgeSharpness(int(edges[h]));
-        out.sharp[h] = sharpness >= infinitely_sharp || out.opposite[h] == no_index;
-        if (semi_sharp) out.sharpness[h] = sharpness;
-    }
-    out.vertex_flags.resize(out.vertex_count);
-    for (int v = 0; v < level.GetNumVertices(); ++v)
-        out.vertex_flags[std::size_t(v)] = flags_of(level, v, triangles);
-    out.first_child.assign(std::size_t(faces), no_index);
-    if (depth == 0) out.edges = std::move(edges);
-    return out;
-}
-
-// The first of a face's children, or no_index where not all are there.
-std::uint32_t first_child(const FarLevel& level, int face) {
-    const auto children = level.GetFaceChildFaces(face);
-    for (int c = 0; c < children.size(); ++c)
-        if (!Osd::Vtr::IndexIsValid(children[c]) || children[c] != children[0] + c) return no_index;
-    return children.size() > 0 ? std::uint32_t(children[0]) : no_index;
-}
-
 template <class Pieces>
 std::vector<PieceKind> kinds_of(const RefinedLevel& level, bool linear) {
     const LevelFaces faces(level, Pieces::corners);
@@ -237,26 +167,6 @@ std::vector<PieceKind> kinds_of(const RefinedLevel& level, bool linear) {
     std::vector<PieceKind> all(level.first_child.size());
     for (std::uint32_t f = 0; f < all.size(); ++f) all[f] = kinds.of(f);
     return all;
-}
-
-// Faces of no more levels follow those of this one.
-void append(RefinedLevel& level, const RefinedLevel& more) {
-    const auto half_edges = std::uint32_t(level.corner_vertices.size());
-    if (!level.sharpness.empty() || !more.sharpness.empty()) {
-        level.sharpness.resize(half_edges, 0.0F);
-        level.sharpness.insert(level.sharpness.end(), more.sharpness.begin(), more.sharpness.end());
-        level.sharpness.resize(half_edges + more.corner_vertices.size(), 0.0F);
-    }
-    for (const std::uint32_t v : more.corner_vertices)
-        level.corner_vertices.push_back(level.vertex_count + v);
-    for (const std::uint32_t h : more.opposite)
-        level.opposite.push_back(h == no_index ? no_index : half_edges + h);
-    level.sharp.insert(level.sharp.end(), more.sharp.begin(), more.sharp.end());
-    level.vertex_flags.insert(level.vertex_flags.end(), more.vertex_flags.begin(),
-                              more.vertex_flags.end());
-    level.first_child.insert(level.first_child.end(), more.first_child.begin(),
-                             more.first_child.end());
-    level.vertex_count += more.vertex_count;
 }
 
 // The faces that have to be cut. Around vertices of n-gons, or where something is semi-sharp, once
@@ -296,38 +206,6 @@ FacesToCut faces_to_cut(const RefinedLevel& base, const std::vector<PieceKind>& 
     for (const int f : cut.all)
         if (marked(std::uint32_t(f), beside)) cut.deep_and_beside.push_back(f);
     return cut;
-}
-
-// Far's sums take for granted that what is smooth has all its faces, refined, around it. Where a
-// face uses a vertex twice its sparse refinement can leave some out.
-bool can_be_summed(const Far::TopologyRefiner& refiner, bool triangles) {
-    const auto refined = [&](const FarLevel& level, const Far::ConstIndexArray& faces) {
-        bool all = true;
-        for (int k = 0; k < faces.size(); ++k)
-            all &= triangles || Osd::Vtr::IndexIsValid(level.GetFaceChildVertex(faces[k]));
-        return all;
-    };
-    const auto smooth = [](const FarLevel& level, int v) {
-        const Sdc::Crease::Rule rule = level.GetVertexRule(v);
-        return rule == Sdc::Crease::RULE_SMOOTH || rule == Sdc::Crease::RULE_DART;
-    };
-    for (int l = 0; l + 1 < refiner.GetNumLevels(); ++l) {
-        const FarLevel& level = refiner.GetLevel(l);
-        for (int v = 0; v < level.GetNumVertices(); ++v) {
-            const int child = level.GetVertexChildVertex(v);
-            if (!Osd::Vtr::IndexIsValid(child) ||
-                !(smooth(level, v) || smooth(refiner.GetLevel(l + 1), child)))
-                continue;
-            const auto faces = level.GetVertexFaces(v);
-            if (faces.size() != level.GetVertexEdges(v).size() || !refined(level, faces))
-                return false;
-        }
-        for (int e = 0; e < level.GetNumEdges(); ++e)
-            if (Osd::Vtr::IndexIsValid(level.GetEdgeChildVertex(e)) &&
-                level.GetEdgeSharpness(e) < 1 && !refined(level, level.GetEdgeFaces(e)))
-                return false;
-    }
-    return true;
 }
 
 // Numbers as Far's refiner wants them.
@@ -395,7 +273,8 @@ Result<RefinedCage> RefinedCage::make(const SurfaceCage& cage) {
         refined.levels[0].vertex_count = cage.vertex_count;
         return refined;
     }
-    refiner.reset(Factory::Create(cage, {scheme_type(cage), refiner_options(cage)}));
+    const SurfaceCage& mesh = refined_mesh(cage);
+    refiner.reset(Factory::Create(cage, {scheme_type(mesh), refiner_options(mesh)}));
     if (!refiner) return not_taken;
     const bool triangles = cage.scheme == SubdivisionScheme::loop;
     const FarLevel& base = refiner->GetLevel(0);
@@ -407,27 +286,43 @@ Result<RefinedCage> RefinedCage::make(const SurfaceCage& cage) {
         for (std::uint32_t c = cage.face_offsets[f]; c < cage.face_offsets[f + 1]; ++c)
             if (base.IsVertexBoundary(int(cage.corner_vertices[c]))) refined.has_surface[f] = 0;
     }
-    if (const double faces = cage.linear ? 0 : faces_of_creases(cage, base);
-        faces > most_crease_faces)
+    const bool channel = refined.rules_->channel = cage.channel_of != nullptr;
+    SharpValues sharp(channel ? cage.vertex_count : 0);
+    for (const VertexMark& mark : cage.corners)
+        if (channel && mark.sharpness >= infinitely_sharp) sharp[mark.vertex] = 1;
+    refined.levels.push_back(copied_level(base, 0, triangles));
+    if (channel) take_values(base, sharp, refined.levels[0]);
+    refined.base_kinds = triangles ? kinds_of<TrianglePieces>(refined.levels[0], cage.linear)
+                                   : kinds_of<QuadPieces>(refined.levels[0], cage.linear);
+    const FacesToCut cut =
+        faces_to_cut(refined.levels[0], refined.base_kinds, refined.corners_per_face);
+    if (const double faces = cage.linear ? 0 : faces_of_creases(cage, base, cut.deep_and_beside);
+        faces > most_crease_faces) {
+        if (channel) {
+            SurfaceCage own = cage;
+            own.channel_of = nullptr;
+            Result<RefinedCage> by_seams = make(own);
+            if (by_seams) by_seams->approximate_seams = true;
+            return by_seams;
+        }
         return Error{ErrorCode::limit,
                      "the semi-sharp creases would be cut into some " +
                          std::to_string(std::uint64_t(faces)) + " faces; the limit is " +
                          std::to_string(std::uint64_t(most_crease_faces)) +
                          ": use fewer, lower or infinite (10) sharpnesses",
                      ""};
-    refined.levels.push_back(copied_level(base, 0, triangles));
-    refined.base_kinds = triangles ? kinds_of<TrianglePieces>(refined.levels[0], cage.linear)
-                                   : kinds_of<QuadPieces>(refined.levels[0], cage.linear);
-    const FacesToCut cut =
-        faces_to_cut(refined.levels[0], refined.base_kinds, refined.corners_per_face);
+    }
     const auto refine = [&](Far::TopologyRefiner& one, int level, const std::vector<int>& faces) {
         if (faces.empty()) return;
         Far::TopologyRefiner::AdaptiveOptions options(level);
         // By Chaikin's averages the halves of an edge differ: a vertex may be smooth levels before
-        // its neighbours are, and its other faces have to come along.
-        options.SetSecondaryLevel(cage.creasing == CreasingMethod::chaikin ? unsigned(level) : 2);
+        // its neighbours are, and its other faces have to come along. Of a channel as such, seams
+        // may part what is one crease to the mesh.
+        const bool uniform = cage.creasing == CreasingMethod::uniform && !channel;
+        options.SetSecondaryLevel(uniform ? 2 : unsigned(level));
         options.useInfSharpPatch = true;
-        options.useSingleCreasePatch = cage.creasing == CreasingMethod::uniform;
+        options.considerFVarChannels = channel;
+        options.useSingleCreasePatch = uniform;
         one.RefineAdaptive(options, {faces.data(), int(faces.size())});
     };
     auto& shallow = refined.rules_->shallow;
@@ -447,11 +342,22 @@ Result<RefinedCage> RefinedCage::make(const SurfaceCage& cage) {
                      ""};
     for (int l = 1; l < refiner->GetNumLevels(); ++l) {
         const FarLevel& before = refiner->GetLevel(l - 1);
-        RefinedLevel level = copied_level(refiner->GetLevel(l), l, triangles);
+        const auto copied = [&](const Far::TopologyRefiner& from, SharpValues& of_values) {
+            RefinedLevel level = copied_level(from.GetLevel(l), l, triangles);
+            if (!channel) return level;
+            of_values = sharp_children(from.GetLevel(l - 1), from.GetLevel(l), of_values,
+                                       refined.corners_per_face);
+            take_values(from.GetLevel(l), of_values, level);
+            return level;
+        };
+        SharpValues of_shallow = sharp;
+        RefinedLevel level = copied(*refiner, sharp);
         RefinedLevel& above = refined.levels.back();
         const std::uint64_t first = std::uint64_t(above.first_vertex) + above.vertex_count;
-        const std::uint64_t more = shallow && l == 1 ? shallow->GetLevel(1).GetNumVertices() : 0;
-        if (const std::uint64_t all = first + level.vertex_count + more; all >= no_index)
+        RefinedLevel more;
+        if (shallow && l == 1) more = copied(*shallow, of_shallow);
+        if (const std::uint64_t all = first + level.vertex_count + more.vertex_count;
+            all >= no_index)
             return Error{ErrorCode::limit,
                          "the refined cage would have more than " + std::to_string(all) +
                              " vertices; 32-bit indices name " + std::to_string(no_index - 1) +
@@ -467,7 +373,7 @@ Result<RefinedCage> RefinedCage::make(const SurfaceCage& cage) {
                     !cut.deep[std::size_t(f)])
                     above.first_child[std::size_t(f)] = child == no_index ? child : faces + child;
             refined.rules_->deep_vertices = level.vertex_count;
-            append(level, copied_level(shallow->GetLevel(1), 1, triangles));
+            append(level, more);
         }
         refined.levels.push_back(std::move(level));
     }
@@ -489,10 +395,15 @@ RefinedValues RefinedCage::refine(std::span<const double> cage_values, std::uint
         const NumberRows from{
             values.numbers.data() + std::size_t(levels[l - 1].first_vertex) * width, width};
         NumberRows to{values.numbers.data() + std::size_t(levels[l].first_vertex) * width, width};
-        refiner.Interpolate(int(l), from, to);
+        const auto interpolate = [&](const Far::PrimvarRefinerReal<double>& rules,
+                                     NumberRows& out) {
+            rules_->channel ? rules.InterpolateFaceVarying(int(l), from, out, 0)
+                            : rules.Interpolate(int(l), from, out);
+        };
+        interpolate(refiner, to);
         if (l > 1 || !rules_->shallow) continue;
         NumberRows after{to.numbers + std::size_t(rules_->deep_vertices) * width, width};
-        Far::PrimvarRefinerReal<double>(*rules_->shallow).Interpolate(1, from, after);
+        interpolate(Far::PrimvarRefinerReal<double>(*rules_->shallow), after);
     }
     return values;
 }

@@ -77,7 +77,9 @@ struct SparseValue {
 
 class RefinedCage {
   public:
-    // Adaptively, as above. An error (invalid) where the refiner does not take the topology.
+    // Adaptively, as above. Errors: the refiner does not take the topology (invalid), semi-sharp
+    // creases would be cut into too many faces (limit). A channel that is refined as such is then
+    // taken for a cage of its own.
     static Result<RefinedCage> make(const SurfaceCage& cage);
     RefinedCage();
     RefinedCage(RefinedCage&&) noexcept;
@@ -88,6 +90,7 @@ class RefinedCage {
     std::vector<PieceKind> base_kinds;   // per face of level 0: scheme_pieces.h
     std::uint32_t corners_per_face = 4;  // of refined faces
     bool linear = false;
+    bool approximate_seams = false;         // a channel taken for a cage of its own
     std::uint32_t edge_count = 0;           // of the cage
     std::vector<std::uint8_t> has_surface;  // per cage face
 

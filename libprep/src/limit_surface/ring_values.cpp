@@ -1,6 +1,7 @@
 #include "limit_surface/ring_values.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 #include "base/parallel.h"
@@ -69,10 +70,9 @@ glm::dvec3 normal_of(const glm::dvec3& du, const glm::dvec3& dv) {
 void RingLevels::reset(const RingShape& shape, std::uint32_t width) {
     shape_ = shape;
     width_ = width;
-    level_ = 0;
-    next_known_ = false;
-    current_.resize(std::size_t(shape.point_count()) * width);
-    next_.resize(current_.size());
+    size_ = std::size_t(shape.point_count()) * width;
+    known_ = last_ = 0;
+    if (numbers_.size() < size_) numbers_.resize(size_);
 }
 
 RingCentre RingLevels::start(const Ring& ring, const PatchTree& tree, const ControlSource& source) {
@@ -80,40 +80,41 @@ RingCentre RingLevels::start(const Ring& ring, const PatchTree& tree, const Cont
     const std::size_t count = shape_.point_count();
     for (std::size_t p = 0; p < count; ++p)
         std::copy_n(source.of(tree.ring_points[ring.first_point + p]), width_,
-                    current_.data() + p * width_);
+                    numbers_.data() + p * width_);
     RingCentre centre;
     centre.numbers.resize(3 * std::size_t(width_));
     double* const value = centre.numbers.data();
-    std::vector<double> scratch(shape_.closed && shape_.sharp_edge ? 2 * current_.size() : 0);
-    centre.has_tangents = ring_limit(shape_, width_, current_.data(), value, value + width_,
+    std::vector<double> scratch(shape_.closed && shape_.sharp_edge ? 2 * size_ : 0);
+    centre.has_tangents = ring_limit(shape_, width_, numbers_.data(), value, value + width_,
                                      value + 2 * width_, scratch)
                               .has_tangents;
     for (std::size_t p = 0; p < count; ++p)
-        for (std::uint32_t d = 0; d < width_; ++d) current_[p * width_ + d] -= value[d];
+        for (std::uint32_t d = 0; d < width_; ++d) numbers_[p * width_ + d] -= value[d];
     return centre;
 }
 
 void RingLevels::start(const Ring& ring, std::uint32_t width, const double* numbers) {
     reset(ring.shape, width);
-    std::copy_n(numbers, current_.size(), current_.data());
+    std::copy_n(numbers, size_, numbers_.data());
 }
 
-void RingLevels::advance() {
-    after();
-    std::swap(current_, next_);
-    next_known_ = false;
-    ++level_;
-}
-
-const double* RingLevels::after() {
-    if (!next_known_) refine_ring(shape_, width_, current_.data(), next_.data());
-    next_known_ = true;
-    return next_.data();
+void RingLevels::refine_to(int k) {
+    for (; known_ < k; ++known_) refine_ring(shape_, width_, at(known_), at(known_ + 1));
 }
 
 const double* RingLevels::level(int k) {
-    while (level_ < k) advance();
-    return current_.data();
+    assert(can_give(k));
+    const std::size_t needed =
+        std::size_t(keeps_all_ ? k + 2 : 2) * size_;  // after() moves nothing
+    if (numbers_.size() < needed) numbers_.resize(needed);
+    refine_to(k);
+    last_ = k;
+    return at(k);
+}
+
+const double* RingLevels::after() {
+    refine_to(last_ + 1);
+    return at(last_ + 1);
 }
 
 RingValues::RingValues(const PatchTree& tree, const ControlSource& source, int levels, bool normals,

@@ -28,25 +28,31 @@ struct RingCentre {
     bool has_tangents = false;
 };
 
-// One ring, level by level.
+// One ring, level by level. Two levels are held, and the level asked for never goes back; or all
+// that were asked for.
 class RingLevels {
   public:
+    explicit RingLevels(bool keeps_all = false) : keeps_all_(keeps_all) {}
     // Gathers level 0.
     RingCentre start(const Ring& ring, const PatchTree& tree, const ControlSource& source);
     // From numbers of some level of the ring.
     void start(const Ring& ring, std::uint32_t width, const double* numbers);
-    // Level k from where it started; k never goes back.
+    // Level k from where it started; in place until another one is asked for.
     const double* level(int k);
     const double* after();  // the next level of the one asked for last
+    bool can_give(int k) const { return keeps_all_ || k >= last_; }
+    std::size_t held_numbers() const { return numbers_.size(); }
 
   private:
     void reset(const RingShape& shape, std::uint32_t width);
-    void advance();
+    double* at(int k) { return numbers_.data() + std::size_t(keeps_all_ ? k : k % 2) * size_; }
+    void refine_to(int k);
+    bool keeps_all_;
     RingShape shape_;
     std::uint32_t width_ = 0;
-    int level_ = 0;
-    bool next_known_ = false;
-    std::vector<double> current_, next_;
+    std::size_t size_ = 0;      // of a level
+    int known_ = 0, last_ = 0;  // the deepest level that is there, the one asked for last
+    std::vector<double> numbers_;
 };
 
 // A normal and how it came about.

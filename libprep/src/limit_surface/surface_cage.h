@@ -28,6 +28,11 @@ struct SurfaceCage {
     std::vector<VertexMark> corners;
     // Per face: no surface, by tags. Holes take part in the rules of their neighbours.
     std::vector<std::uint8_t> holes;
+    // Set where a face-varying channel has to be refined as OpenSubdiv's own, by the rules for
+    // face-varying values: the mesh it is of, whose cage outlives this one. `creases` and
+    // semi-sharp `corners` are those of a cage of its own, for where that costs too much.
+    const SurfaceCage* channel_of = nullptr;
+    FaceVaryingRule rule = FaceVaryingRule::corners_only;
 
     std::uint32_t corners_per_face() const { return scheme == SubdivisionScheme::loop ? 3 : 4; }
     std::size_t face_count() const { return face_offsets.size() - 1; }

@@ -25,6 +25,15 @@ inline double largest_component(const glm::dvec3& v) {
 // the product of the edges' largest components, and each addition by 2·2⁻⁵³ of their sum so far.
 AreaVector plain_area_vector(const MeshView& mesh, std::uint32_t face);
 
+// Of a triangle: the same bits.
+inline AreaVector plain_triangle_area(const glm::vec3& p, const glm::vec3& q, const glm::vec3& r) {
+    const glm::dvec3 first(p), a = glm::dvec3(q) - first, b = glm::dvec3(r) - first;
+    AreaVector area;
+    area.value += glm::dvec3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
+    area.error = 16 * 0x1p-53 * (largest_component(a) * largest_component(b));
+    return area;
+}
+
 // The same with error-free transformations: the edges are exact unless their coordinates differ by
 // more than 2²⁹ in size, each term's component keeps its rounding error, and so does the sum.
 AreaVector compensated_area_vector(const MeshView& mesh, std::uint32_t face);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <limits>
 
 #include "base/parallel.h"
 #include "exact/exact_normals.h"
@@ -39,6 +40,24 @@ class FaceMaker {
         const glm::dvec3 area = area_vector(face);
         result_.area_vectors[face] = area;
         if (area == glm::dvec3(0.0)) result_.states[face] = FaceState::zero_area;
+    }
+
+    // compute() for triangles, of which plain doubles can do nearly all.
+    void compute_triangles(Index first, Index last) {
+        const glm::vec3* const positions = mesh_.positions.data();
+        const Index* corners = mesh_.corner_vertices.data() + 3 * std::size_t(first);
+        for (Index face = first; face < last; ++face, corners += 3) {
+            const detail::AreaVector area = detail::plain_triangle_area(
+                positions[corners[0]], positions[corners[1]], positions[corners[2]]);
+            const double length = detail::largest_component(area.value);
+            // Where a position is not finite, the error is infinite or NaN, or the area's x is NaN
+            // and with it the largest component: one of the comparisons fails.
+            if (area.error <= accurate_face_error * length && length > 0 &&
+                length <= std::numeric_limits<double>::max())
+                result_.area_vectors[face] = area.value;
+            else
+                compute(face);
+        }
     }
 
     // Many triangles at once, in floats; those that floats cannot do go the scalar way.
@@ -81,13 +100,14 @@ FaceNormals face_normals(const MeshView& mesh, Precision precision, int threads)
     result.relative_error = precision == Precision::fast       ? fast_face_error
                             : precision == Precision::accurate ? accurate_face_error
                                                                : exact_face_error;
-    const bool vectorised =
-        precision == Precision::fast && mesh.corner_count() == 3 * mesh.face_count();
+    const bool triangles = mesh.corner_count() == 3 * mesh.face_count();
     std::atomic<std::uint64_t> exact_faces{0};
     detail::parallel_blocks(faces, face_grain, threads, [&](std::size_t first, std::size_t last) {
         FaceMaker maker(mesh, precision, result);
-        if (vectorised)
+        if (triangles && precision == Precision::fast)
             maker.compute_fast(Index(first), Index(last));
+        else if (triangles && precision == Precision::accurate)
+            maker.compute_triangles(Index(first), Index(last));
         else
             for (std::size_t f = first; f < last; ++f) maker.compute(Index(f));
         exact_faces += maker.exact_faces();

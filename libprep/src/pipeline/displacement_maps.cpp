@@ -193,6 +193,7 @@ void DisplacementMaps::forget(PreparedScene& prepared) const {
             for (const Index m : scene.meshes[i].face_materials)
                 if (used_.contains(m)) kept.emplace(m, i);
     for (const Index m : used_) {
+        if (!scene.materials[m].displacement_map) continue;
         const auto found = kept.find(m);
         if (found == kept.end()) {
             scene.materials[m].displacement_map = {};

@@ -14,6 +14,7 @@
 #include "prep/prepare.h"
 #include "prep/subdivide.h"
 #include "prep/topology.h"
+#include "surface/vertex_corners.h"
 
 namespace prep::detail {
 
@@ -68,13 +69,18 @@ class MeshPreparation {
     Result<void> morph_limit_normals(const SubdivideOptions& options, const SubdividedMesh& rest);
     Result<void> prepare_normals();
     Result<void> prepare_tangents();
+    void drop_unread();
     Result<void> split_mesh();
     // What was computed for the mesh its morph targets need as well: the file's deltas, if it has
     // any, belong to normals and tangents that are gone.
     Result<void> prepare_morph_targets();
+    void optimize_mesh();
 
     Result<CornerNormals> compute_normals(const std::string& reason);
     void skip_normals(const std::string& reason);
+    // What topology, face normals and hard edges read and wrote; `walked`: the last made normals.
+    void count_moved(const MeshView& view, std::span<const std::uint32_t> welded,
+                     const HardEdges& hard, const CornerNormals* walked);
     bool keeps_lengths() const;
     void make_normals_unit();
     void report_review(const NormalReview& review);
@@ -105,7 +111,8 @@ class MeshPreparation {
 
     struct Geometry {  // computed once, when the first stage asks
         std::optional<FaceNormals> faces;
-        std::optional<Topology> topology;
+        std::optional<Topology> topology;     // where `around` did not do
+        std::optional<VertexCorners> around;  // the mesh's own vertices'
         std::optional<HardEdges> hard;
         bool shared = false;  // equal positions share a vertex already
     } geometry_;
@@ -121,5 +128,8 @@ class MeshPreparation {
     std::vector<CornerLayer<glm::vec3>> limit_morph_normals_;  // by target
     std::vector<bool> normal_replaced_;  // per corner; empty: none of the file's own
 };
+
+// Of materials, where they are prepared for one picture: the maps that it does not read.
+void drop_unread_maps(PreparedScene& out, const PrepareOptions& options, StageLog& log);
 
 }  // namespace prep::detail

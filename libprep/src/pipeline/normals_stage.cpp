@@ -3,6 +3,8 @@
 #include <algorithm>
 
 #include "normals/authored_normals.h"
+#include "normals/crease_fans.h"
+#include "pipeline/array_bytes.h"
 #include "pipeline/mesh_preparation.h"
 #include "surface/share_vertices.h"
 
@@ -105,6 +107,7 @@ Result<CornerNormals> MeshPreparation::compute_normals(const std::string& reason
     if (weld) {
         welded = log_.run("weld", "vertices are repeated at seams: equal positions are one point",
                           [&] { return weld_exact(view.positions, options_.threads); });
+        log_.count_moved("weld", array_bytes(view.positions) + array_bytes(welded));
     } else if (!geometry_.shared) {
         const bool attributes =
             !mesh_.normals.empty() || !mesh_.tangents.empty() || !mesh_.uvs.empty();
@@ -113,8 +116,19 @@ Result<CornerNormals> MeshPreparation::compute_normals(const std::string& reason
                                  ? "the file indexes positions apart from attributes"
                                  : "the file's faces share vertices, and nothing repeats them");
     }
-    geometry_.topology = log_.run("topology", reason,
-                                  [&] { return build_topology(view, welded, options_.threads); });
+    // Morph targets are shaded over the same topology later.
+    const bool walk = mesh_.morph_targets.empty() && may_have_crease_fans(view, options_.normal);
+    std::optional<CornerPoints> points;
+    log_.run("topology", reason, [&] {
+        if (!walk) {
+            geometry_.topology = build_topology(view, welded, options_.threads);
+            return true;
+        }
+        points.emplace(view, welded, options_.threads);
+        geometry_.around =
+            corners_by_vertex(points->of_corners(), view.positions.size(), options_.threads);
+        return true;
+    });
     if (!geometry_.faces) {
         geometry_.faces = log_.run("face normals", reason, [&] {
             return face_normals(view, options_.normal.precision, options_.threads);
@@ -126,21 +140,58 @@ Result<CornerNormals> MeshPreparation::compute_normals(const std::string& reason
         hard_options.angle_degrees.reset();
         hard_options.smoothing_groups = false;
     }
-    auto hard = log_.run("hard edges", reason, [&] {
+    NormalOptions normal_options = options_.normal;
+    normal_options.threads = options_.threads;
+    const auto general_edges = [&] {
         return hard_edges(view, *geometry_.topology, *geometry_.faces, hard_options);
+    };
+    // The walk's normals are made with its edges: their time is theirs.
+    std::optional<CreaseNormals> walked;
+    auto hard = log_.run("hard edges", reason, [&]() -> Result<HardEdges> {
+        if (!walk) return general_edges();
+        walked = crease_fans(view, points->of_corners(), welded, *geometry_.around,
+                             *geometry_.faces, hard_options, normal_options);
+        return walked ? std::move(walked->hard) : HardEdges{};
     });
+    if (walk && !walked) {
+        log_.run_on("topology", [&] {
+            geometry_.topology = build_topology(view, welded, options_.threads);
+            return true;
+        });
+        hard = log_.run_on("hard edges", general_edges);
+    }
     if (!hard) return std::move(hard).error();
+    count_moved(view, welded, *hard, walked ? &walked->normals : nullptr);
+    if (!welded.empty()) geometry_.around.reset();  // they are by point
     log_.count_exact("face normals", geometry_.faces->exact_faces);
     log_.count_exact("hard edges", hard->exact_decisions);
     geometry_.hard = *std::move(hard);
-    NormalOptions normal_options = options_.normal;
-    normal_options.threads = options_.threads;
-    auto normals = log_.run("normals", reason, [&] {
+    auto normals = log_.run("normals", reason, [&]() -> Result<CornerNormals> {
+        if (walked) return std::move(walked->normals);
         return corner_normals(view, *geometry_.topology, *geometry_.faces, *geometry_.hard,
                               normal_options);
     });
     if (normals) log_.count_exact("normals", normals->exact_sums);
+    if (normals && !walked)
+        log_.count_moved("normals", surface_bytes(view) + array_bytes(*geometry_.topology) +
+                                        array_bytes(*geometry_.faces) +
+                                        array_bytes(*geometry_.hard) +
+                                        array_bytes(normals->normals));
+    geometry_.faces.reset();
+    if (mesh_.morph_targets.empty()) geometry_.topology.reset();
     return normals;
+}
+
+void MeshPreparation::count_moved(const MeshView& view, std::span<const std::uint32_t> welded,
+                                  const HardEdges& hard, const CornerNormals* walked) {
+    const std::uint64_t around = geometry_.around ? array_bytes(*geometry_.around) : 0;
+    const std::uint64_t topology = geometry_.topology ? array_bytes(*geometry_.topology) : 0;
+    const std::uint64_t faces = array_bytes(*geometry_.faces);
+    log_.count_moved("topology",
+                     array_bytes(view.corner_vertices) + array_bytes(welded) + around + topology);
+    log_.count_moved("face normals", surface_bytes(view) + faces);
+    log_.count_moved("hard edges", surface_bytes(view) + faces + array_bytes(hard) +
+                                       (walked ? around + array_bytes(walked->normals) : topology));
 }
 
 void MeshPreparation::skip_normals(const std::string& reason) {

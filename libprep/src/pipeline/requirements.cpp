@@ -5,139 +5,124 @@
 namespace prep {
 namespace {
 
-std::string quoted(const std::string& name, std::size_t index, const char* what) {
-    return name.empty() ? std::string(what) + " " + std::to_string(index)
-                        : std::string(what) + " '" + name + "'";
-}
+using Code = ReasonCode;
 
-// The materials that the mesh's faces use, ascending; a mesh without any uses the default material.
-struct UsedMaterials {
-    std::vector<std::uint32_t> indices;
-    bool uses_default = false;
+// What one mesh's calls come to, by the request.
+class MeshNeeds {
+  public:
+    MeshNeeds(const Scene& scene, const Mesh& mesh, const Request& request)
+        : scene_(scene),
+          mesh_(mesh),
+          request_(request),
+          contents_(contents_of(mesh, scene.materials.size())),
+          calls_(calls_for(scene, contents_, request.consumer)) {}
+
+    MeshRequirements run() {
+        MeshRequirements r;
+        r.normals = normals();
+        r.uvs = uvs();
+        r.tangents = tangents(r.tangent_uv_set);
+        r.tangents.asked = r.tangents.needed && request_.tangents == Request::Level::always;
+        // A tangent frame is built about the normal.
+        if (r.tangents.needed && !r.normals.needed) {
+            if (request_.normals == Request::Level::never && mesh_.normals.empty())
+                r.tangents = no(Code::tangents_without_normals);
+            else
+                r.normals = yes(Code::tangents_need_normals);
+        }
+        r.provided = reads_of(calls_);
+        r.provided.normals = r.normals.needed || (r.provided.normals && contents_.normals);
+        // Those of the file that nobody shall touch stay with the picture that reads them.
+        const bool untouched =
+            request_.tangents == Request::Level::never && !mesh_.tangents.empty();
+        r.provided.tangents = r.tangents.needed || (r.provided.tangents && untouched);
+        // Tangents that are asked for stay with the UVs that they follow.
+        if (r.tangents.asked) r.provided |= {false, false, false, {r.tangent_uv_set}};
+        // Points and lines are in no picture: who prepares them has another reader in mind.
+        const bool loose = !mesh_.points.empty() || !mesh_.line_vertices.empty();
+        if (request_.consumer.exact && contents_.faces && !loose) return r;
+        // What the file brings stays, for whoever reads it.
+        r.provided |=
+            {contents_.normals, !mesh_.tangents.empty(), contents_.colors, contents_.uv_sets};
+        return r;
+    }
+
+  private:
+    Need with(bool needed, const Reason& why) const {
+        return {needed, sentence(why, scene_), false, why};
+    }
+    Need yes(Code code) const { return with(true, reason(code)); }
+    Need no(Code code) const { return with(false, reason(code)); }
+
+    bool is_unlit(std::uint32_t material) const {
+        return material != no_index && scene_.materials[material].unlit;
+    }
+
+    template <class Test>
+    const Call* first(const Test& test) const {
+        const auto found = std::find_if(calls_.begin(), calls_.end(), test);
+        return found == calls_.end() ? nullptr : &*found;
+    }
+
+    Need normals() const {
+        if (!contents_.faces) return no(Code::no_faces_normals);
+        if (request_.normals == Request::Level::never) return no(Code::request_off);
+        if (request_.normals == Request::Level::always) return yes(Code::request_on);
+        const Call* const call = first([&](const Call& c) {
+            // What is not lit shows the normals that there are.
+            return c.feature == Feature::lighting ||
+                   (c.feature == Feature::normal_buffer && !is_unlit(c.material));
+        });
+        if (call != nullptr) return with(true, call->why);
+        const Consumer& c = request_.consumer;
+        const bool unlit = !contents_.default_material &&
+                           std::all_of(contents_.materials.begin(), contents_.materials.end(),
+                                       [&](std::uint32_t m) { return scene_.materials[m].unlit; });
+        return no(unlit                        ? Code::all_unlit
+                  : !c.colors                  ? Code::no_colors_kept
+                  : c.shading == Shading::flat ? Code::flat_shading
+                                               : Code::no_directed_light);
+    }
+
+    Need uvs() const {
+        if (!contents_.faces) return no(Code::no_faces_uvs);
+        const Call* const call = first(
+            [](const Call& c) { return c.feature == Feature::texture_map && !c.missing_uvs; });
+        if (call != nullptr) return with(true, call->why);
+        return no(Code::no_map);
+    }
+
+    // The first map in the tangent frame whose UV set exists decides which set the tangents follow.
+    Need tangents(std::uint32_t& uv_set) const {
+        const auto in_frame = [](const Call& c) {
+            return c.feature == Feature::tangent_map || c.feature == Feature::anisotropy;
+        };
+        const Call* const call =
+            first([&](const Call& c) { return in_frame(c) && !c.missing_uvs; });
+        if (call != nullptr) uv_set = call->uv_set;
+        if (!contents_.faces) return no(Code::no_faces_tangents);
+        if (request_.tangents == Request::Level::never) return no(Code::request_off);
+        if (call != nullptr) return with(true, call->why);
+        const bool has_uvs = !contents_.uv_sets.empty() && contents_.uv_sets.front() == 0;
+        if (request_.tangents == Request::Level::always)
+            return has_uvs ? yes(Code::request_on) : no(Code::request_on_without_uvs);
+        if (const Call* const missing = first(in_frame)) return with(false, missing->why);
+        return no(Code::no_tangent_map);
+    }
+
+    const Scene& scene_;
+    const Mesh& mesh_;
+    const Request& request_;
+    MeshContents contents_;
+    std::vector<Call> calls_;
 };
-
-UsedMaterials used_materials(const Mesh& mesh, std::size_t material_count) {
-    UsedMaterials used;
-    std::vector<bool> seen(material_count, false);
-    if (mesh.face_materials.empty()) used.uses_default = true;
-    for (const std::uint32_t m : mesh.face_materials) {
-        if (m < material_count)
-            seen[m] = true;
-        else
-            used.uses_default = true;
-    }
-    for (std::uint32_t m = 0; m < material_count; ++m)
-        if (seen[m]) used.indices.push_back(m);
-    // Behind the mesh's own, which decide first.
-    for (const std::uint32_t m : mesh.variant_materials)
-        if (m < material_count && !seen[m]) used.indices.push_back(m);
-    return used;
-}
-
-bool has_uv_set(const Mesh& mesh, std::uint32_t set) {
-    return set < mesh.uvs.size() && !mesh.uvs[set].empty();
-}
-
-Need need_normals(const Scene& scene, const Mesh& mesh, const UsedMaterials& used,
-                  Request::Level level) {
-    if (mesh.face_count() == 0) return {false, "no faces: points and lines carry no normals"};
-    if (level == Request::Level::never) return {false, "switched off by the request"};
-    if (level == Request::Level::always) return {true, "asked for by the request"};
-    if (used.uses_default) return {true, "faces without a material are lit by the default one"};
-    for (const std::uint32_t m : used.indices) {
-        if (!scene.materials[m].unlit)
-            return {true, quoted(scene.materials[m].name, m, "material") + " is lit"};
-    }
-    return {false, "every material used is unlit"};
-}
-
-Need need_uvs(const Scene& scene, const Mesh& mesh, const UsedMaterials& used) {
-    if (mesh.face_count() == 0) return {false, "no faces to be textured"};
-    for (const std::uint32_t m : used.indices) {
-        for (const MaterialMap& map : material_maps) {
-            const TextureRef& ref = scene.materials[m].*map.ref;
-            if (!ref) continue;
-            const std::string text =
-                quoted(scene.materials[m].name, m, "material") + " has a " + map.name + " map";
-            if (has_uv_set(mesh, ref.uv_set)) return {true, text};
-        }
-    }
-    return {false, "no material in use samples a texture on this mesh"};
-}
-
-struct TangentCall {
-    std::string reason;      // empty: nothing calls for tangents
-    std::string missing_uv;  // what would, had the mesh its UVs
-    std::uint32_t uv_set = 0;
-};
-
-// The first map in the tangent frame whose UV set exists decides which set the tangents follow.
-TangentCall tangent_call(const Scene& scene, const Mesh& mesh, const UsedMaterials& used) {
-    TangentCall call;
-    const auto ask = [&](std::uint32_t m, const std::string& what, std::uint32_t uv_set) {
-        const std::string material = quoted(scene.materials[m].name, m, "material");
-        if (has_uv_set(mesh, uv_set)) {
-            call.reason = material + " has " + what;
-            call.uv_set = uv_set;
-        } else if (call.missing_uv.empty()) {
-            call.missing_uv = material + " has " + what + ", but UV set " + std::to_string(uv_set) +
-                              " is missing";
-        }
-        return !call.reason.empty();
-    };
-    for (const std::uint32_t m : used.indices) {
-        const Material& material = scene.materials[m];
-        for (const MaterialMap& map : material_maps) {
-            if (!calls_for_tangents(material, map)) continue;
-            const std::string what = map.kind == MapKind::normal
-                                         ? "a tangent-space normal map"
-                                         : "a map in the tangent frame: " + std::string(map.name);
-            if (ask(m, what, (material.*map.ref).uv_set)) return call;
-        }
-        if (material.anisotropy != 0 && !material.unlit && ask(m, "anisotropy", 0)) return call;
-    }
-    return call;
-}
 
 }  // namespace
 
 std::vector<MeshRequirements> requirements(const Scene& scene, const Request& request) {
     std::vector<MeshRequirements> result;
     result.reserve(scene.meshes.size());
-    for (const Mesh& mesh : scene.meshes) {
-        const UsedMaterials used = used_materials(mesh, scene.materials.size());
-        MeshRequirements r;
-        r.normals = need_normals(scene, mesh, used, request.normals);
-        r.uvs = need_uvs(scene, mesh, used);
-
-        const TangentCall call = tangent_call(scene, mesh, used);
-        r.tangent_uv_set = call.uv_set;
-        if (mesh.face_count() == 0) {
-            r.tangents = {false, "no faces: points and lines carry no tangents"};
-        } else if (request.tangents == Request::Level::never) {
-            r.tangents = {false, "switched off by the request"};
-        } else if (!call.reason.empty()) {
-            r.tangents = {true, call.reason};
-        } else if (request.tangents == Request::Level::always) {
-            if (has_uv_set(mesh, 0))
-                r.tangents = {true, "asked for by the request"};
-            else
-                r.tangents = {false, "asked for by the request, but the mesh has no UVs"};
-        } else if (!call.missing_uv.empty()) {
-            r.tangents = {false, call.missing_uv};
-        } else {
-            r.tangents = {false, "no material in use has a tangent-space normal map"};
-        }
-        r.tangents.asked = r.tangents.needed && request.tangents == Request::Level::always;
-        // A tangent frame is built about the normal.
-        if (r.tangents.needed && !r.normals.needed) {
-            if (request.normals == Request::Level::never && mesh.normals.empty())
-                r.tangents = {false, "tangents need normals, which are switched off"};
-            else
-                r.normals = {true, "tangents need normals"};
-        }
-        result.push_back(std::move(r));
-    }
+    for (const Mesh& mesh : scene.meshes) result.push_back(MeshNeeds(scene, mesh, request).run());
     return result;
 }
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "base/process_memory.h"
 #include "prep/prepared_scene.h"
 
 namespace prep::detail {
@@ -20,22 +21,35 @@ class StageLog {
     }
     template <class Work>
     auto run(const std::string& stage, const std::string& reason, const Work& work) {
-        const std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
-        auto result = work();
+        auto result = run_on(stage, work);
         Entry& e = entry(stage);
         ++e.run;
-        e.milliseconds +=
-            std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
-                .count();
         if (e.run_reason.empty()) e.run_reason = reason;
         return result;
     }
+    // Time alone: the mesh was counted, or will be.
+    template <class Work>
+    auto run_on(const std::string& stage, const Work& work) {
+        const ProcessMemory before = process_memory();
+        const std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
+        auto result = work();
+        Entry& e = entry(stage);
+        e.milliseconds +=
+            std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
+                .count();
+        const ProcessMemory after = process_memory();
+        e.page_faults += after.page_faults - before.page_faults;
+        e.peak_bytes = after.peak_bytes;
+        return result;
+    }
+    void count_moved(const std::string& stage, std::uint64_t bytes) { entry(stage).moved += bytes; }
     void count_exact(const std::string& stage, std::uint64_t count) { entry(stage).exact += count; }
     std::vector<StageReport> reports() const {
         std::vector<StageReport> result;
         for (const Entry& e : entries_) {
-            StageReport r{e.stage, e.run > 0, e.run > 0 ? e.run_reason : e.skip_reason,
-                          e.milliseconds, e.exact};
+            StageReport r{e.stage,        e.run > 0, e.run > 0 ? e.run_reason : e.skip_reason,
+                          e.milliseconds, e.exact,   e.page_faults,
+                          e.peak_bytes,   e.moved};
             if (e.run > 0 && e.skipped > 0)
                 r.reason = std::to_string(e.run) + " of " + std::to_string(e.run + e.skipped) +
                            " meshes: " + r.reason + "; others: " + e.skip_reason;
@@ -49,7 +63,7 @@ class StageLog {
         std::string stage, run_reason, skip_reason;
         std::size_t run = 0, skipped = 0;
         double milliseconds = 0;
-        std::uint64_t exact = 0;
+        std::uint64_t exact = 0, page_faults = 0, peak_bytes = 0, moved = 0;
     };
     Entry& entry(const std::string& stage) {
         for (Entry& e : entries_)

@@ -119,6 +119,11 @@ Result<void> MeshPreparation::subdivide_mesh() {
     }
     add_finding("attribute-not-finite", Severity::warning, refined->attributes_left_out, {},
                 "attributes with numbers that are not finite were left out", PlaceKind::vertex);
+    add_finding("approximate-seams", Severity::warning, refined->approximate_seams, {},
+                "channels (UV sets, colours, attributes) by whose rules the creases would be cut "
+                "into too many faces: values at seams are not OpenSubdiv's where creases of "
+                "different sharpness meet them; --face-varying corners-only needs no such rules",
+                PlaceKind::corner);
     report_left_out(refined->holes, refined->uv_sets_left_out, refined->color_sets_left_out);
     take_surface(std::move(refined->mesh));
     return {};

@@ -1,4 +1,5 @@
 // What happens to authored tangents, and how those that are missing are made.
+#include "pipeline/array_bytes.h"
 #include "pipeline/mesh_preparation.h"
 #include "tangents/authored_tangents.h"
 
@@ -26,9 +27,11 @@ Result<void> MeshPreparation::prepare_tangents() {
     }
     const bool untouched =
         options_.request.tangents == Request::Level::never && normal_replaced_.empty();
-    if (!mesh_.tangents.empty() && !normals_made_ && !untouched) return keep_tangents(view, reason);
+    const bool unread = options_.request.consumer.exact && !need_.provided.tangents;
+    if (!mesh_.tangents.empty() && !normals_made_ && !untouched && !unread)
+        return keep_tangents(view, reason);
     log_.skipped("tangents", reason);
-    if (normals_made_) drop_tangents();
+    if (normals_made_ && !unread) drop_tangents();
     return {};
 }
 
@@ -82,6 +85,8 @@ Result<void> MeshPreparation::replace_tangents(const MeshView& view, const std::
     auto tangents =
         log_.run("tangents", reason, [&] { return corner_tangents(input, tangent_options); });
     if (!tangents) return std::move(tangents).error();
+    log_.count_moved("tangents", surface_bytes(view) + array_bytes(view.normals) +
+                                     array_bytes(view.uv) + array_bytes(tangents->tangents));
     TangentReview review;
     const bool surgical = replace != everywhere;
     if (surgical) {

@@ -189,11 +189,12 @@ void MeshPreparation::choose_residuals(const TessellateOptions& options) {
     auto of = residuals_->choose(out_.scene, index_, options, residual_report());
     if (of.materials.empty()) return;
     MeshRequirements& need = out_.requirements[index_];
-    const std::string reason = "a residual normal map was asked for";
-    if (!need.normals.needed) need.normals = {true, reason};
-    need.tangents = {true, reason};
-    need.uvs = {true, reason};
+    const Reason why = reason(ReasonCode::request_on);  // a residual map, which needs them all
+    const Need made{true, sentence(why, out_.scene), false, why};
+    if (!need.normals.needed) need.normals = made;
+    need.tangents = need.uvs = made;
     need.tangent_uv_set = of.uv_set;
+    need.provided |= {true, true, false, {of.uv_set}};
     baking_.emplace();
     baking_->of = std::move(of);
 }

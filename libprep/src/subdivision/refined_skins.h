@@ -2,7 +2,8 @@
 //
 // A cage vertex' weights are a sparse sum over joints; refined vertices have sparse sums of those.
 // For each root the joints that reach it become a small dense channel, which is evaluated like any
-// other.
+// other; roots around a vertex of many faces have one channel together. So the cost of a pole is
+// that of its points, each with the joints that reach it, not the square of its valence.
 #pragma once
 
 #include <utility>
@@ -14,6 +15,21 @@ namespace prep::detail {
 struct RefinedSkins {
     std::vector<SkinInfluences> sets;  // by output vertex
     float largest_dropped = 0;         // share of a vertex' sum
+    std::uint64_t gathered = 0;  // control points whose weights were copied, or refined in rings
+};
+
+// Roots whose weights are gathered together: those that share a ring of many sectors, so that its
+// points are not gathered and refined for each of them again; others alone. Large groups first.
+struct RootGroups {
+    std::vector<std::uint32_t> roots, offsets{0};
+    // Groups that one thread works on: of few roots in all, or one group.
+    std::vector<std::uint32_t> blocks{0};
+
+    RootGroups(const ChannelSurface& surface, const std::vector<std::uint32_t>& kept);
+    std::size_t count() const { return offsets.size() - 1; }
+    std::span<const std::uint32_t> operator[](std::size_t group) const {
+        return std::span(roots).subspan(offsets[group], offsets[group + 1] - offsets[group]);
+    }
 };
 
 // Gives `vertex` of the sets the largest `most` of its influences (weight, joint), scaled so that

@@ -8,7 +8,7 @@
 #include <cstring>
 
 #include "base/finite.h"
-#include "limit_surface/corner_classes.h"
+#include "limit_surface/face_varying.h"
 #include "prep/topology.h"
 #include "subdivision/refined_positions.h"
 #include "subdivision/refined_skins.h"
@@ -123,9 +123,17 @@ class Subdivision {
         return ChannelSurface::make(cage_, numbers, 3, true, options_.level, options_.threads);
     }
 
+    // An error of one channel, with its name.
+    Error of_channel(Error error, const std::string& name) const {
+        const std::string mesh = place_of(mesh_);
+        error.place = mesh.empty() ? name : mesh + ", " + name;
+        return error;
+    }
+
     template <class T>
     Result<void> layer(const UniformRefinement& refinement, const CornerLayer<T>& in,
-                       std::vector<CornerLayer<T>>& out, std::uint64_t& left_out) {
+                       const std::string& name, std::vector<CornerLayer<T>>& out,
+                       std::uint64_t& left_out) {
         constexpr std::uint32_t width = T::length();
         const std::vector<std::uint32_t> corner_values = corner_classes(in.values, in.indices);
         if (corner_values.size() != mesh_.corner_count() || mesh_.corner_count() == 0) {
@@ -141,10 +149,10 @@ class Subdivision {
                 numbers.push_back(in.values[in.indices[corner]][int(d)]);
         std::vector<float> values;
         CornerLayer<T> made;
-        if (Result<void> done =
-                refinement.refine_channel(channel.cage, numbers, width, values, made.indices);
-            !done)
-            return done.error();
+        const Result<bool> approximate =
+            refinement.refine_channel(channel.cage, numbers, width, values, made.indices);
+        if (!approximate) return of_channel(approximate.error(), name);
+        out_.approximate_seams += *approximate;
         made.values.resize(values.size() / width);
         for (std::size_t k = 0; k < made.values.size(); ++k)
             for (std::uint32_t d = 0; d < width; ++d)
@@ -154,13 +162,15 @@ class Subdivision {
     }
 
     Result<void> face_varying_layers(const UniformRefinement& refinement) {
-        for (const auto& set : mesh_.uvs)
-            if (Result<void> done = layer(refinement, set, out_.mesh.uvs, out_.uv_sets_left_out);
+        for (std::size_t k = 0; k < mesh_.uvs.size(); ++k)
+            if (Result<void> done = layer(refinement, mesh_.uvs[k], fmt::format("UV set {}", k),
+                                          out_.mesh.uvs, out_.uv_sets_left_out);
                 !done)
                 return done.error();
-        for (const auto& set : mesh_.colors)
+        for (std::size_t k = 0; k < mesh_.colors.size(); ++k)
             if (Result<void> done =
-                    layer(refinement, set, out_.mesh.colors, out_.color_sets_left_out);
+                    layer(refinement, mesh_.colors[k], fmt::format("colour set {}", k),
+                          out_.mesh.colors, out_.color_sets_left_out);
                 !done)
                 return done.error();
         return {};
@@ -372,10 +382,10 @@ Result<void> Subdivision::attributes(const UniformRefinement& refinement) {
             cage_, refinement.refined, attribute_classes(width, numbers_of), rule_);
         for (const std::uint32_t corner : channel.first_corner)
             numbers_of(mesh_.corner_file_vertex(corner), numbers);
-        if (Result<void> done =
-                refinement.refine_channel(channel.cage, numbers, width, values, corners);
-            !done)
-            return done.error();
+        const Result<bool> approximate =
+            refinement.refine_channel(channel.cage, numbers, width, values, corners);
+        if (!approximate) return of_channel(approximate.error(), "vertex attributes");
+        out_.approximate_seams += *approximate;
     }
     // File vertices are this channel's values; appended vertices follow.
     const std::size_t count = values.size() / width;

@@ -135,7 +135,7 @@ void UniformRefinement::write_corners(const PatchRoot& root, std::uint32_t index
         }
 }
 
-Result<void> UniformRefinement::refine_channel(const SurfaceCage& cage,
+Result<bool> UniformRefinement::refine_channel(const SurfaceCage& cage,
                                                std::span<const double> numbers, std::uint32_t width,
                                                std::vector<float>& out,
                                                std::vector<std::uint32_t>& corners) const {
@@ -164,7 +164,7 @@ Result<void> UniformRefinement::refine_channel(const SurfaceCage& cage,
         }
     });
     if (options.level == 0) write_cage_corners(numbering, cage.corner_vertices, corners);
-    return {};
+    return surface->cage.approximate_seams;
 }
 
 void UniformRefinement::write_cage_corners(const GridNumbering& numbering,

@@ -59,8 +59,9 @@ class UniformRefinement {
     void write_cage_corners(const GridNumbering& numbering,
                             std::span<const std::uint32_t> corner_vertices,
                             std::vector<std::uint32_t>& corners) const;
-    // Refines a channel: out[id · width …] in float. Not with derivatives.
-    Result<void> refine_channel(const SurfaceCage& cage, std::span<const double> numbers,
+    // Refines a channel: out[id · width …] in float. Not with derivatives. Whether its seams are
+    // approximate (RefinedCage).
+    Result<bool> refine_channel(const SurfaceCage& cage, std::span<const double> numbers,
                                 std::uint32_t width, std::vector<float>& out,
                                 std::vector<std::uint32_t>& corners) const;
     std::uint32_t face_size(std::uint32_t face) const { return positions.face_size(face); }

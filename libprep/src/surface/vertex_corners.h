@@ -5,6 +5,8 @@
 #include <span>
 #include <vector>
 
+#include "prep/mesh.h"
+
 namespace prep::detail {
 
 struct VertexCorners {
@@ -15,5 +17,19 @@ struct VertexCorners {
 // Counting sort; O(corners + vertices). The same for any thread count.
 VertexCorners corners_by_vertex(std::span<const std::uint32_t> corner_vertices,
                                 std::size_t vertices, int threads);
+
+// Per corner its point: its vertex, or what that is welded to.
+class CornerPoints {
+  public:
+    // `welded`: weld_exact(), or empty. Both outlive this object.
+    CornerPoints(const MeshView& mesh, std::span<const std::uint32_t> welded, int threads);
+    CornerPoints(const CornerPoints&) = delete;
+    CornerPoints& operator=(const CornerPoints&) = delete;
+    std::span<const std::uint32_t> of_corners() const { return of_corners_; }
+
+  private:
+    std::vector<std::uint32_t> own_;
+    std::span<const std::uint32_t> of_corners_;
+};
 
 }  // namespace prep::detail

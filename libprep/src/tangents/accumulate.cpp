@@ -152,7 +152,12 @@ class Accumulation {
             finish(work.pool, {done_vertices.data(), done}, done_words.data());
             done = 0;
         };
+        // Nearly all will be at work at once: what grows is copied.
+        const std::size_t all = valences_.words.size();
+        if (valences_.scattered && all <= range.end - range.begin && all < VertexWord::most_slots)
+            work.pool.ensure(all, all);
         for (std::size_t t = range.begin; t < range.end && !given_up_;) {
+            if (valences_.scattered) fetch_ahead(t, range.end);
             const std::uint64_t degenerate = work.counts.degenerate;
             const std::size_t n = contributions_.run(t, range.end, *scratch, work.counts);
             const bool any_degenerate = work.counts.degenerate != degenerate;
@@ -185,6 +190,14 @@ class Accumulation {
         flush();
     }
 
+    // The words of the block at t come while its contributions are made, the inputs of the next one
+    // meanwhile.
+    void fetch_ahead(std::size_t t, std::size_t end) const {
+        const std::size_t next = std::min(t + TriangleBlock::size, end);
+        for (std::size_t i = 3 * t; i < 3 * next; ++i) __builtin_prefetch(words_ + vertices_[i], 1);
+        contributions_.fetch_ahead(next, end);
+    }
+
     // Adds the contributions of n triangles from t on; gives the number of vertices that are done
     // with.
     std::size_t add_block(std::size_t t, std::size_t n, bool any_degenerate,
@@ -193,9 +206,15 @@ class Accumulation {
         const Contribution* const planes[3] = {scratch.planes[0], scratch.planes[1],
                                                scratch.planes[2]};
         Pool& pool = work.pool;
-        AccumulateState state{
-            words_,          pool.sums.data(), pool.rings.data(), pool.free.data(),
-            pool.free_count, done_vertices,    done_words,        done};
+        AccumulateState state{words_,
+                              pool.sums.data(),
+                              pool.rings.data(),
+                              pool.free.data(),
+                              pool.free_count,
+                              done_vertices,
+                              done_words,
+                              done,
+                              valences_.scattered};
         AccumulateLists& lists = work.lists;
         add_(input_, t, n, any_degenerate, planes, state, lists);
         pool.free_count = state.free_count;

@@ -59,13 +59,21 @@ struct Valences {
     // Per vertex the number of used ones before it; empty where all are used.
     ScratchBuffer<std::uint32_t> places;
     std::vector<Range> ranges;
+    bool scattered = false;             // are_scattered(vertices)
     std::vector<std::uint64_t> shared;  // a bit per vertex; empty where there is one range
 };
 
-// vertices: three per triangle, below `count`. copy: one thread only, gets them while they are at
-// hand; or nullptr. O(triangles); up to 64 ranges.
+// Are successive triangles far apart in vertices' numbers? Ranges of such would share most
+// vertices, and what a triangle looks up is in no cache: it then pays to go through them in one
+// range, and to fetch ahead. Tells speed alone, from a sample of the vertices, so for all threads
+// alike.
+bool are_scattered(std::span<const std::uint32_t> vertices, std::size_t count);
+
+// vertices: three per triangle, below `count`. scattered: one range for all. copy: one thread only,
+// gets them while they are at hand; or nullptr. O(triangles); up to 64 ranges.
 Valences count_valences(const TangentTriangles& triangles, std::span<const std::uint32_t> vertices,
-                        std::size_t count, int threads, std::vector<std::uint32_t>* copy);
+                        std::size_t count, bool scattered, int threads,
+                        std::vector<std::uint32_t>* copy);
 
 // Of a vertex' corners.
 struct alignas(32) VertexSum {
@@ -100,6 +108,7 @@ struct AccumulateState {
     // Those that have met all their triangles, and their words; room for a vector more.
     std::uint32_t *done_vertices, *done_words;
     std::size_t done_count;
+    bool fetch_ahead;  // slots are in no cache
 };
 
 // Corners by their place in a block: four times the triangle plus 0, 1 or 2.

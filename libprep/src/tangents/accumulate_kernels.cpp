@@ -6,6 +6,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include <algorithm>
 #include <cstring>
 
 HWY_BEFORE_NAMESPACE();
@@ -155,8 +156,17 @@ HWY_INLINE void add_all(const AccumulateInput& in, std::size_t first, std::size_
                        *const uvs = in.uvs;
     const Index* const corners = own_corners ? in.corners + 3 * first : nullptr;
     const Contribution *const term0 = planes[0], *const term1 = planes[1], *const term2 = planes[2];
+    // Far enough for memory, near enough for the first-level cache.
+    constexpr std::size_t ahead = 12;
+    const std::size_t fetched = state.fetch_ahead && count > ahead ? 3 * (count - ahead) : 0;
     for (std::size_t i = 0; i < count; ++i) {
         const Index* const v = vertices + 3 * i;
+        for (std::size_t at = 3 * i; at < std::min(3 * i + 3, fetched); ++at) {
+            const Index later = met.corners[at + 3 * ahead];
+            if (later == Met::none) continue;
+            __builtin_prefetch(sums + later / VertexWord::slot_one);
+            __builtin_prefetch(rings + later / VertexWord::slot_one);
+        }
         const auto add = [&](std::size_t k, std::uint64_t next_previous,
                              const Contribution& contribution) HWY_ATTR {
             const std::size_t at = 3 * i + k, c = own_corners ? corners[at] : 3 * first + at;

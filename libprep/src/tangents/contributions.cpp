@@ -164,6 +164,19 @@ void BlockContributions::run(std::span<const Index> list, Scratch& scratch) cons
     finish(list.size(), scratch);
 }
 
+void BlockContributions::fetch_ahead(std::size_t first, std::size_t end) const {
+    const GatherInput& in = input_;
+    if (gather_ == nullptr) return;
+    const std::size_t stop = 3 * std::min(first + TriangleBlock::size, end);
+    for (std::size_t c = 3 * first; c < stop; ++c) {
+        const Index p = in.position_indices[c], n = in.normal_indices[c], uv = in.uv_indices[c];
+        // Some indices are no_index.
+        if (p < in.positions.size()) __builtin_prefetch(in.positions.data() + p);
+        if (n < in.normals.size()) __builtin_prefetch(in.normals.data() + n);
+        if (uv < in.uvs.size()) __builtin_prefetch(in.uvs.data() + uv);
+    }
+}
+
 TriangleCounts BlockContributions::finish(std::size_t count, Scratch& scratch) const {
     Contribution* const planes[3] = {scratch.planes[0], scratch.planes[1], scratch.planes[2]};
     BlockResult done = kernel_(scratch.inputs, count, check_unit_, planes);

@@ -111,6 +111,8 @@ class BlockContributions {
                     TriangleCounts& counts) const;
     // The same for up to TriangleBlock::size triangles by number; halves of quads need not agree.
     void run(std::span<const std::uint32_t> list, Scratch& scratch) const;
+    // Asks for the inputs of a block that comes later, where they are in no cache.
+    void fetch_ahead(std::size_t first, std::size_t end) const;
 
   private:
     template <class Number>

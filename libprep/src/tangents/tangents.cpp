@@ -120,9 +120,10 @@ class TangentComputation {
             options_.threads,
             [&] {
                 if (streamed_)
-                    valences_ =
-                        detail::count_valences(triangles_, rings_.vertices, rings_.positions,
-                                               options_.threads, at_once ? &indices : nullptr);
+                    valences_ = detail::count_valences(
+                        triangles_, rings_.vertices, rings_.positions,
+                        detail::are_scattered(rings_.vertices, rings_.positions), options_.threads,
+                        at_once ? &indices : nullptr);
             },
             [&] { reserve_values(); });
         if (streamed_)

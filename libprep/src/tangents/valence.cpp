@@ -16,6 +16,7 @@ constexpr std::size_t vertex_grain = 65536;
 constexpr std::size_t least_share = 4096, least_piece = 32768;  // triangles
 constexpr std::size_t most_ranges = 64;
 constexpr std::size_t pieces_of_share = 3;
+constexpr std::size_t sampled_triangles = 1024;
 constexpr std::size_t copied_at_once = 8192;  // corners: they stay in the first-level cache
 
 // A share for each thread, in pieces that become smaller: one that is done early takes what another
@@ -95,10 +96,24 @@ class ClaimedCounts {
 
 }  // namespace
 
+bool are_scattered(std::span<const Index> vertices, std::size_t count) {
+    const std::size_t triangles = vertices.size() / 3;
+    if (triangles < sampled_triangles) return false;
+    std::uint64_t distance = 0;
+    for (std::size_t i = 0; i < sampled_triangles; ++i) {
+        const std::size_t t = i * (triangles - 1) / sampled_triangles;
+        const Index a = vertices[3 * t], b = vertices[3 * t + 3];
+        distance += a < b ? b - a : a - b;
+    }
+    // A third of all is what chance gives.
+    return distance / sampled_triangles > count / 16;
+}
+
 Valences count_valences(const TangentTriangles& triangles, std::span<const Index> vertices,
-                        std::size_t count, int threads, std::vector<Index>* copy) {
+                        std::size_t count, bool scattered, int threads, std::vector<Index>* copy) {
     Valences result;
-    result.ranges = cut_ranges(triangles, threads);
+    result.scattered = scattered;
+    result.ranges = cut_ranges(triangles, scattered ? 1 : threads);
     const std::size_t n = result.ranges.size();
     result.states = ScratchBuffer<std::uint8_t>(count);
     result.words = ScratchBuffer<Index>(count);

@@ -2,16 +2,31 @@
 
 namespace prep::detail {
 
+// In whole numbers, 2³⁰ to 1, those of a and b side by side: every second halving halves lengths,
+// so that so many hold all of them, and no sum of two reaches into its neighbour.
 std::array<glm::dvec3, 3> path_weights(std::uint64_t path) {
-    std::array<glm::dvec3, 3> w{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+    constexpr int bits = deepest_bisection / 2;
+    constexpr std::uint64_t one = std::uint64_t(1) << bits;
+    std::uint64_t a = one << 32, b = one, c = 0;
     for (int bit = int(std::bit_width(path)) - 2; bit >= 0; --bit) {
-        const glm::dvec3 middle = 0.5 * (w[0] + w[1]);
-        if ((path >> bit & 1) == 0)
-            w = {w[2], w[0], middle};
-        else
-            w = {w[1], w[2], middle};
+        const std::uint64_t middle = (a + b) >> 1;
+        const bool second = (path >> bit & 1) != 0;
+        const std::uint64_t from = second ? b : c, to = second ? c : a;
+        a = from;
+        b = to;
+        c = middle;
     }
-    return w;
+    const auto three = [](std::uint64_t w) {
+        constexpr double unit = 1 / double(one);
+        const auto x = std::uint32_t(w >> 32), y = std::uint32_t(w);
+        return unit * glm::dvec3(double(x), double(y), double(std::uint32_t(one) - x - y));
+    };
+    return {three(a), three(b), three(c)};
+}
+
+RootPoint BisectionMesh::HalvedEdge::middle() const {
+    const std::array<glm::dvec3, 3> w = path_weights(path);
+    return {root, 0.5 * (w[0] + w[1])};
 }
 
 BisectionMesh::BisectionMesh(std::uint32_t vertices,
@@ -30,8 +45,16 @@ BisectionMesh::BisectionMesh(std::uint32_t vertices,
 void BisectionMesh::forget() {
     news_.first = vertices_;
     news_.offsets.assign(1, 0);
-    news_.points.clear();
+    news_.edges.clear();
     news_.touched.clear();
+}
+
+std::vector<std::uint32_t> BisectionMesh::touched() const {
+    std::vector<std::uint32_t> once;
+    once.reserve(news_.touched.size());
+    for (const NewVertices::Touched& t : news_.touched)
+        if (triangles_[t.triangle].path == t.path) once.push_back(t.triangle);
+    return once;
 }
 
 std::uint64_t BisectionMesh::cost(std::uint32_t t) {
@@ -91,16 +114,12 @@ void BisectionMesh::halve_ring(std::uint32_t h0) {
     } while (h != h0);
     const std::uint32_t middle = vertices_++;
     const std::uint32_t start = triangles_[members_[0]].vertices[0];
-    bool border_of_root = true;
+    const bool border_of_root = (triangles_[members_[0]].on_border & 1) != 0;
     near_.clear();
     far_.clear();
     for (const std::uint32_t t : members_) {
-        if (border_of_root) {
-            const std::array<glm::dvec3, 3> w = weights(t);
-            border_of_root = w[0].z == 0 && w[1].z == 0;
-            if (border_of_root || t == members_[0])
-                news_.points.push_back({triangles_[t].root, 0.5 * (w[0] + w[1])});
-        }
+        if (border_of_root || t == members_[0])
+            news_.edges.push_back({triangles_[t].path, triangles_[t].root});
         const auto n = std::uint32_t(triangles_.size());
         triangles_.emplace_back();
         const BisectedTriangle old = triangles_[t];
@@ -113,16 +132,19 @@ void BisectionMesh::halve_ring(std::uint32_t h0) {
         second.vertices = {b, c, middle};
         second.path = 2 * old.path + 1;
         second.root = old.root;
+        // Of the first the edges ca, am and mc; of the second bc, cm and mb.
+        first.on_border = std::uint8_t((old.on_border >> 2 & 1) | (old.on_border & 1) << 1);
+        second.on_border = std::uint8_t((old.on_border >> 1 & 1) | (old.on_border & 1) << 2);
         first.next[2] = 3 * n + 1;
         second.next[1] = 3 * t + 2;
         (a == start ? near_ : far_).push_back(3 * t + 1);
         (a == start ? far_ : near_).push_back(3 * n + 2);
-        news_.touched.push_back(t);
-        news_.touched.push_back(n);
+        news_.touched.push_back({first.path, t});
+        news_.touched.push_back({second.path, n});
     }
     link(near_);
     link(far_);
-    news_.offsets.push_back(std::uint32_t(news_.points.size()));
+    news_.offsets.push_back(std::uint32_t(news_.edges.size()));
 }
 
 }  // namespace prep::detail

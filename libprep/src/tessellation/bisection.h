@@ -17,6 +17,8 @@
 #include <span>
 #include <vector>
 
+#include "base/large_vector.h"
+
 namespace prep::detail {
 
 // A point of a root triangle: weights of its corners, multiples of powers of two that add up to 1.
@@ -32,6 +34,7 @@ struct BisectedTriangle {
     // of the ring at that edge.
     std::array<std::uint32_t, 3> next{};
     std::uint32_t root = 0;
+    std::uint8_t on_border = 1;  // a bit an edge: it is a part of the root's ab
 
     int depth() const { return int(std::bit_width(path)) - 1; }
 };
@@ -59,15 +62,29 @@ class BisectionMesh {
     // child's.
     void bisect(std::uint32_t t);
 
-    // What bisect() did since forget(): vertices made, in order, and their points: several where a
-    // root's ab was halved (one of each triangle there), else one.
+    // The middle of the refinement edge of the triangle that `path` led to.
+    struct HalvedEdge {
+        std::uint64_t path = 1;
+        std::uint32_t root = 0;
+        RootPoint middle() const;
+    };
+    // What bisect() did since forget(): vertices made, in order, and the edges that they halve:
+    // several where a root's ab was halved (one of each triangle there), else one.
     struct NewVertices {
         std::uint32_t first = 0;                // vertex first + k …
-        std::vector<std::uint32_t> offsets{0};  // … has the points offsets[k] … offsets[k + 1] − 1
-        std::vector<RootPoint> points;
-        std::vector<std::uint32_t> touched;  // triangles that changed or are new; may repeat
+        std::vector<std::uint32_t> offsets{0};  // … has the edges offsets[k] … offsets[k + 1] − 1
+        std::vector<HalvedEdge> edges;
+        struct Touched {
+            std::uint64_t path;
+            std::uint32_t triangle;
+        };
+        std::vector<Touched> touched;  // some were halved again
     };
     const NewVertices& news() const { return news_; }
+    // Triangles that changed or are new, each once, in the order of halving: the two halves of a
+    // triangle follow each other, so neighbours in order are mostly neighbours in space (numbers
+    // are bit-reversed).
+    std::vector<std::uint32_t> touched() const;
     void forget();
 
   private:
@@ -76,7 +93,7 @@ class BisectionMesh {
     void replace(std::uint32_t old, std::uint32_t by);
     void link(std::span<const std::uint32_t> ring);
 
-    std::vector<BisectedTriangle> triangles_;
+    LargeVector<BisectedTriangle> triangles_;
     std::uint32_t vertices_;
     NewVertices news_;
     std::vector<std::uint32_t> worklist_, members_, near_, far_;

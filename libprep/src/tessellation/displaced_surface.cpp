@@ -15,6 +15,9 @@ namespace {
 // operations on numbers of this size.
 constexpr double relative_slack = 0x1p-40, absolute_slack = 0x1p-46;
 
+// Of a bound that is to be as tight as may be, what the base's coarse share may be.
+constexpr double small_part = 0x1p-6;
+
 template <class T>
 T middle_of_extremes(const T& least, const T& greatest) {
     return 0.5 * least + 0.5 * greatest;
@@ -39,16 +42,16 @@ glm::dvec3 common_direction(std::vector<glm::dvec3>& sides) {
     return unit_or(sum, kept.back());
 }
 
+// Over the plane triangle of the points.
 double noise_deviation(const SpaceFunction& noise, const std::array<BasePoint, 3>& points,
-                       double base, double enough) {
-    const double of_base = base > 0 ? noise.steepest() * base : 0;
+                       double enough) {
     std::array<glm::dvec3, 3> p;
     std::array<double, 3> values;
     for (std::size_t k = 0; k < 3; ++k) {
         p[k] = points[k].position;
         values[k] = noise.at(p[k]).value;
     }
-    return of_base + noise.deviation(p, values, std::max(0.0, enough - of_base));
+    return noise.deviation(p, values, enough);
 }
 
 }  // namespace
@@ -133,19 +136,25 @@ glm::dvec3 RootHeights::vector(const RootPoint& at) const {
                                                 : glm::dvec3(0.0);
 }
 
-void VertexSamples::resize(std::size_t count) {
-    points.resize(count);
-    raw.resize(count);
-    positions.resize(count);
-    shared.resize(count);
+glm::dvec3 DisplacedSurface::truth(const RootPoint& at) const {
+    glm::dvec3 truth;
+    truths({&at, 1}, {&truth, 1});
+    return truth;
 }
 
-glm::dvec3 DisplacedSurface::truth(const RootPoint& at) const {
-    BasePoint point;
-    base_.evaluate({&at, 1}, {&point, 1});
-    return point.position +
-           heights_.height(at, heights_.raw(at), point.position) * point.direction +
-           heights_.vector(at);
+void DisplacedSurface::truths(std::span<const RootPoint> at, std::span<glm::dvec3> truths) const {
+    constexpr std::size_t most = 64;
+    std::array<BasePoint, most> points;
+    for (std::size_t first = 0; first < at.size(); first += most) {
+        const std::size_t count = std::min(most, at.size() - first);
+        base_.evaluate(at.subspan(first, count), std::span(points).first(count));
+        for (std::size_t k = 0; k < count; ++k) {
+            const RootPoint& location = at[first + k];
+            const BasePoint& base = points[k];
+            const double height = heights_.height(location, heights_.raw(location), base.position);
+            truths[first + k] = base.position + height * base.direction + heights_.vector(location);
+        }
+    }
 }
 
 glm::dvec3 DisplacedSurface::normal(const BaseFrame& frame, const RootPoint& at) const {
@@ -178,19 +187,17 @@ glm::dvec3 DisplacedSurface::normal(const BaseFrame& frame, const RootPoint& at)
     return unit_or(faces_back ? -normal : normal, frame.normal);
 }
 
-void DisplacedSurface::make_vertex(std::span<const RootPoint> at, std::uint32_t vertex,
-                                   VertexSamples& samples) const {
+void DisplacedSurface::make_vertex(std::span<const RootPoint> at, std::span<const BasePoint> sides,
+                                   std::uint32_t vertex, VertexSamples& samples) const {
     BasePoint point;
     double height = 0;
     glm::dvec3 vector(0.0);
     if (at.size() == 1) {
-        base_.evaluate(at, {&point, 1});
-        samples.raw[vertex] = heights_.raw(at[0]);
-        height = heights_.height(at[0], samples.raw[vertex], point.position);
+        point = sides[0];
+        samples[vertex].raw = heights_.raw(at[0]);
+        height = heights_.height(at[0], samples[vertex].raw, point.position);
         vector = heights_.vector(at[0]);
     } else {
-        std::vector<BasePoint> sides(at.size());
-        base_.evaluate(at, sides);
         std::vector<glm::dvec3> directions;
         glm::dvec3 low = sides[0].position, high = low;
         glm::dvec3 shortest = heights_.vector(at[0]), longest = shortest;
@@ -211,63 +218,129 @@ void DisplacedSurface::make_vertex(std::span<const RootPoint> at, std::uint32_t 
         height = middle_of_extremes(least, greatest);
         vector = middle_of_extremes(shortest, longest);
     }
-    samples.points[vertex] = point;
-    samples.shared[vertex] = at.size() > 1;
-    samples.positions[vertex] = glm::vec3(point.position + height * point.direction + vector);
+    samples[vertex].point = point;
+    samples[vertex].shared = at.size() > 1;
+    samples[vertex].position = glm::vec3(point.position + height * point.direction + vector);
 }
 
-TriangleBound DisplacedSurface::bound(const BisectedTriangle& triangle,
-                                      const VertexSamples& samples, double enough) const {
-    const std::array<glm::dvec3, 3> weights = path_weights(triangle.path);
+struct DisplacedSurface::Corners {
+    std::uint32_t root = 0;
+    const Displacement* displacement = nullptr;
+    std::array<glm::dvec3, 3> weights;
     std::array<BasePoint, 3> points;
     std::array<double, 3> raw, heights;
     std::array<glm::dvec3, 3> vectors;
     double gap = 0, size = 0;
+    double cross = 0, highest = 0;  // of the heights
+
+    TriangleBound bound(double sum) const {
+        TriangleBound result;
+        result.refinable =
+            sum == 0 ? 0.0F : float_not_below(sum * (1 + relative_slack) + size * absolute_slack);
+        result.gap = float_not_below(gap * (1 + relative_slack) + size * absolute_slack);
+        return result;
+    }
+};
+
+DisplacedSurface::Corners DisplacedSurface::corners(const BisectedTriangle& triangle,
+                                                    const std::array<glm::dvec3, 3>& weights,
+                                                    const VertexSamples& samples) const {
+    Corners c;
+    c.root = triangle.root;
+    c.displacement = heights_.of(c.root);
+    c.weights = weights;
+    const auto squared = [](const glm::dvec3& v) { return glm::dot(v, v); };
+    double gap = 0;
     for (std::size_t k = 0; k < 3; ++k) {
         const std::uint32_t v = triangle.vertices[k];
-        const RootPoint at{triangle.root, weights[k]};
-        points[k] = samples.points[v];
-        raw[k] = samples.raw[v];
-        if (samples.shared[v]) {
-            base_.evaluate({&at, 1}, {&points[k], 1});
-            raw[k] = heights_.raw(at);
+        const RootPoint at{c.root, c.weights[k]};
+        c.points[k] = samples[v].point;
+        c.raw[k] = samples[v].raw;
+        if (samples[v].shared) {
+            base_.evaluate({&at, 1}, {&c.points[k], 1});
+            c.raw[k] = heights_.raw(at);
         }
-        heights[k] = heights_.height(at, raw[k], points[k].position);
-        vectors[k] = heights_.vector(at);
-        const glm::dvec3 own = points[k].position + heights[k] * points[k].direction + vectors[k];
-        gap = std::max(gap, glm::length(glm::dvec3(samples.positions[v]) - own));
-        size = std::max(
-            size, glm::length(points[k].position) + std::abs(heights[k]) + glm::length(vectors[k]));
+        c.heights[k] = heights_.height(at, c.raw[k], c.points[k].position);
+        c.vectors[k] = heights_.vector(at);
+        const glm::dvec3 own =
+            c.points[k].position + c.heights[k] * c.points[k].direction + c.vectors[k];
+        gap = std::max(gap, squared(glm::dvec3(samples[v].position) - own));
+        c.size = std::max(c.size, glm::length(c.points[k].position) + std::abs(c.heights[k]) +
+                                      glm::length(c.vectors[k]));
     }
-    const BaseDeviation base = base_.deviation(triangle.root, weights, points);
+    c.gap = std::sqrt(gap);
+    for (std::size_t k = 0; k < 3 && c.displacement; ++k) {
+        const std::size_t l = (k + 1) % 3;
+        c.cross = std::max(c.cross, std::abs(c.heights[k] - c.heights[l]) *
+                                        glm::length(c.points[k].direction - c.points[l].direction));
+        c.highest = std::max(c.highest, std::abs(c.heights[k]));
+    }
+    return c;
+}
+
+double DisplacedSurface::of_base(const Corners& c, const BaseDeviation& base) {
     double sum = base.position;
-    if (const Displacement* displacement = heights_.of(triangle.root)) {
-        double cross = 0, highest = 0;
-        for (std::size_t k = 0; k < 3; ++k) {
-            const std::size_t l = (k + 1) % 3;
-            cross = std::max(cross, std::abs(heights[k] - heights[l]) *
-                                        glm::length(points[k].direction - points[l].direction));
-            highest = std::max(highest, std::abs(heights[k]));
-        }
-        if (highest > 0) sum += highest * base.direction;
-        sum += cross / 3;
-        std::array<glm::dvec2, 3> uv;
-        for (std::size_t k = 0; k < 3; ++k) uv[k] = heights_.uv({triangle.root, weights[k]});
-        const double scale = std::abs(displacement->scale);
-        if (displacement->height && scale > 0)
-            sum += scale *
-                   displacement->height->deviation(uv, raw, std::max(0.0, enough - sum) / scale);
-        if (displacement->vector)
-            sum += displacement->vector->deviation(uv, vectors, std::max(0.0, enough - sum));
-        if (displacement->noise)
-            sum += noise_deviation(*displacement->noise, points, base.position,
-                                   std::max(0.0, enough - sum));
+    if (c.highest > 0) sum += c.highest * base.direction;
+    if (c.displacement && c.displacement->noise && base.position > 0)
+        sum += c.displacement->noise->steepest() * base.position;
+    return sum;
+}
+
+double DisplacedSurface::beside_base(const Corners& c, double base, double enough) const {
+    const Displacement* const displacement = c.displacement;
+    double sum = 0;
+    if (!displacement) return sum;
+    const auto left = [&] { return std::max(0.0, enough - base - sum); };
+    sum += c.cross / 3;
+    std::array<glm::dvec2, 3> uv;
+    for (std::size_t k = 0; k < 3; ++k) uv[k] = heights_.uv({c.root, c.weights[k]});
+    const double scale = std::abs(displacement->scale);
+    if (displacement->height && scale > 0)
+        sum += scale * displacement->height->deviation(uv, c.raw, left() / scale);
+    if (displacement->vector) sum += displacement->vector->deviation(uv, c.vectors, left());
+    if (displacement->noise) sum += noise_deviation(*displacement->noise, c.points, left());
+    return sum;
+}
+
+// What the height has in the middle of the edge that would be halved is no more than the bound has
+// for all of the triangle, but for roundings, which the slack is more than.
+std::optional<TriangleBound> DisplacedSurface::quick_bound(const BisectedTriangle& triangle,
+                                                           const VertexSamples& samples,
+                                                           const Asked& asked) const {
+    const Displacement* const displacement = heights_.of(triangle.root);
+    if (displacement && (displacement->noise || displacement->vector)) return std::nullopt;
+    const std::array<glm::dvec3, 3> weights = path_weights(triangle.path);
+    if (displacement && displacement->height) {
+        const RootPoint middle{triangle.root, 0.5 * (weights[0] + weights[1])};
+        const auto& v = triangle.vertices;
+        const double off = heights_.raw(middle) - 0.5 * (samples[v[0]].raw + samples[v[1]].raw);
+        if (std::abs(displacement->scale * off) * (1 - relative_slack) > asked.hopeless)
+            return TriangleBound{std::numeric_limits<float>::infinity(), 0};
     }
-    TriangleBound result;
-    result.refinable =
-        sum == 0 ? 0.0F : float_not_below(sum * (1 + relative_slack) + size * absolute_slack);
-    result.gap = float_not_below(gap * (1 + relative_slack) + size * absolute_slack);
-    return result;
+    const auto coarse = base_.coarse_deviation(triangle.root, weights);
+    if (!coarse) return std::nullopt;
+    const Corners c = corners(triangle, weights, samples);
+    const double base = of_base(c, *coarse);
+    if (!(base <= asked.enough)) return std::nullopt;
+    const double rest = beside_base(c, base, asked.enough);
+    if (base + rest <= asked.enough || rest > asked.too_much) return c.bound(base + rest);
+    return std::nullopt;
+}
+
+TriangleBound DisplacedSurface::bound(const BisectedTriangle& triangle,
+                                      const VertexSamples& samples, const Asked& asked) const {
+    const Corners c = corners(triangle, path_weights(triangle.path), samples);
+    const auto tight = [&] { return of_base(c, base_.deviation(c.root, c.weights, c.points)); };
+    const auto coarse = base_.coarse_deviation(c.root, c.weights);
+    double base = coarse ? of_base(c, *coarse) : tight();
+    // What a smaller allowance led to holds beside a smaller share of the base as well.
+    const double rest = beside_base(c, base, asked.enough);
+    if (coarse) {
+        const bool decides = base + rest <= asked.enough || rest > asked.too_much;
+        const bool is_small = asked.enough == 0 && base <= small_part * (base + rest);
+        if (!decides && !is_small) base = std::min(base, tight());
+    }
+    return c.bound(base + rest);
 }
 
 }  // namespace prep::detail

@@ -18,9 +18,12 @@
 #include <array>
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <limits>
+#include <optional>
 #include <span>
 #include <vector>
 
+#include "base/large_vector.h"
 #include "prep/displacement/tessellate.h"
 #include "prep/result.h"
 #include "tessellation/domain.h"
@@ -55,20 +58,29 @@ class RootHeights {
 };
 
 // Vertices of the tessellation. Those on the edges of the cage are shared between roots.
-struct VertexSamples {
-    std::vector<BasePoint> points;
-    std::vector<double> raw;  // not of shared ones
-    std::vector<glm::vec3> positions;
-    std::vector<std::uint8_t> shared;
-
-    void resize(std::size_t count);
+struct VertexSample {
+    BasePoint point;
+    double raw = 0;  // not of shared ones
+    glm::vec3 position{0.0F};
+    bool shared = false;
 };
+using VertexSamples = LargeVector<VertexSample>;
 
 struct TriangleBound {
     float refinable = 0;  // what finer triangles make smaller; rounded up
     float gap = 0;        // max |e|; rounded up
     // Their slack is more than this addition loses.
     double sum() const { return double(refinable) + double(gap); }
+};
+
+// Bounds of `refinable` up to `enough` need not be tight, nor those of triangles that exceed
+// `too_much` without the base's own share. With 0 the base's share is at most 1/64 of the bound
+// where it is not tight.
+struct Asked {
+    double enough = 0;
+    double too_much = std::numeric_limits<double>::infinity();
+    // An error of a single point that is larger decides, wherever it is seen from.
+    double hopeless = std::numeric_limits<double>::infinity();
 };
 
 class DisplacedSurface {
@@ -78,22 +90,34 @@ class DisplacedSurface {
     const BaseSurface& base() const { return base_; }
     const RootHeights& heights() const { return heights_; }
 
-    // The truth at a point, as its own root has it.
+    // The truth at points, as their own roots have it.
     glm::dvec3 truth(const RootPoint& at) const;
+    void truths(std::span<const RootPoint> at, std::span<glm::dvec3> truths) const;
     // Its unit normal, from the derivatives dP + dh n + h dn + dd; of the base those along its
     // shading's surface.
     glm::dvec3 normal(const BaseFrame& frame, const RootPoint& at) const;
 
     // Sets vertex `vertex` from its points: all roots' that it is in, or one where it is in but
-    // one fan.
-    void make_vertex(std::span<const RootPoint> at, std::uint32_t vertex,
-                     VertexSamples& samples) const;
+    // one fan. `sides`: the base there.
+    void make_vertex(std::span<const RootPoint> at, std::span<const BasePoint> sides,
+                     std::uint32_t vertex, VertexSamples& samples) const;
 
-    // `enough`: bounds of `refinable` below need not be tight.
     TriangleBound bound(const BisectedTriangle& triangle, const VertexSamples& samples,
-                        double enough) const;
+                        const Asked& asked) const;
+    // The same where little time decides what is asked, else nothing: without the base's tight
+    // bound, noise and vectors. Infinite where a height alone is hopeless. Of triangles without
+    // shared vertices.
+    std::optional<TriangleBound> quick_bound(const BisectedTriangle& triangle,
+                                             const VertexSamples& samples,
+                                             const Asked& asked) const;
 
   private:
+    struct Corners;  // of a triangle, as its root has them
+    Corners corners(const BisectedTriangle& triangle, const std::array<glm::dvec3, 3>& weights,
+                    const VertexSamples& samples) const;
+    static double of_base(const Corners& corners, const BaseDeviation& base);
+    double beside_base(const Corners& corners, double base, double enough) const;
+
     const BaseSurface& base_;
     const RootHeights& heights_;
 };

@@ -34,6 +34,7 @@ Result<LimitBase> LimitBase::make(const Mesh& mesh, const SubdivideOptions& opti
     for (std::size_t f = 0; f < mesh.face_count(); ++f)
         base.left_out_[f] = !base.surface_->cage.has_surface[f];
     if (has_heights) base.cones_ = std::make_unique<RingCones>(*base.surface_, options.threads);
+    base.cells_ = std::make_unique<CellBounds>(*base.surface_, has_heights);
     return base;
 }
 
@@ -57,19 +58,29 @@ LimitBase::Chart LimitBase::chart(std::uint32_t root, bool towards_a) const {
     return {tree_root + b, {{{0, 2}, {0, 0}, {1, 1}}}};
 }
 
+LimitBase::Chart LimitBase::chart(std::uint32_t root,
+                                  const std::array<glm::dvec3, 3>& weights) const {
+    const double side = (weights[0].x - weights[0].y) + (weights[1].x - weights[1].y) +
+                        (weights[2].x - weights[2].y);
+    return chart(root, side > 0);
+}
+
 LimitBase::Point LimitBase::point(PatchEvaluator& evaluator, std::uint32_t root,
-                                  std::uint32_t tree_root, const glm::dvec2& uv) const {
+                                  std::uint32_t tree_root, const glm::dvec2& uv,
+                                  SecondSteps* second) const {
     const std::uint32_t face = domain_->roots[root].face;
     const std::uint32_t first = mesh_->face_offsets[face];
     Point p{};
-    const PointTraits traits =
-        evaluator.point(tree_root, uv.x, uv.y, &p.position.x, &p.du.x, &p.dv.x);
+    SecondDerivatives to;
+    if (second) to = {&second->uu.x, &second->uv.x, &second->vv.x};
+    const PointTraits traits = evaluator.point(tree_root, uv.x, uv.y, &p.position.x, &p.du.x,
+                                               &p.dv.x, second ? &to : nullptr);
     p.extraordinary = traits.ring != no_index;
-    p.normal =
-        point_normal(
-            *surface_, evaluator, tree_root, uv.x, uv.y, p.du, p.dv,
-            std::span(mesh_->corner_vertices).subspan(first, mesh_->face_offsets[face + 1] - first))
-            .normal;
+    const PointNormal normal = point_normal(
+        *surface_, evaluator, tree_root, uv.x, uv.y, p.du, p.dv,
+        std::span(mesh_->corner_vertices).subspan(first, mesh_->face_offsets[face + 1] - first));
+    p.normal = normal.normal;
+    p.fallback = normal.fallback;
     return p;
 }
 
@@ -82,43 +93,67 @@ void LimitBase::evaluate(std::span<const RootPoint> at, std::span<BasePoint> poi
     }
 }
 
+glm::dvec3 LimitBase::turn_by_differences(PatchEvaluator& evaluator, std::uint32_t root,
+                                          std::uint32_t tree_root, const glm::dvec2& uv,
+                                          const glm::dvec3& normal, glm::length_t axis) const {
+    constexpr double step = 0x1p-10;
+    const double inside = uv[axis] < 0.5 ? step : -step;
+    const auto moved = [&](double by) {
+        glm::dvec2 to = uv;
+        to[axis] += by;
+        return point(evaluator, root, tree_root, to).normal;
+    };
+    if (uv[axis] >= step && uv[axis] <= 1 - step) return (moved(step) - moved(-step)) / (2 * step);
+    return (4.0 * moved(inside) - 3.0 * normal - moved(2 * inside)) / (2 * inside);
+}
+
+// Of directions nearly parallel, or one that is nearly none, the normal's derivative is noise.
+bool LimitBase::tells_turn(const Point& p) {
+    const double lengths = glm::length(p.du) + glm::length(p.dv);
+    return !p.fallback && glm::length(glm::cross(p.du, p.dv)) > 0x1p-20 * lengths * lengths;
+}
+
 void LimitBase::frames(std::span<const RootPoint> at, std::span<BaseFrame> frames) const {
     PatchEvaluator evaluator(surface_->pieces(), SimdLevel::automatic);
     for (std::size_t k = 0; k < at.size(); ++k) {
         const std::uint32_t root = at[k].root;
         const Chart chart = this->chart(root, at[k].weights.x >= at[k].weights.y);
         glm::dvec2 uv = chart.at(at[k].weights);
-        Point p = point(evaluator, root, chart.tree_root, uv);
+        SecondSteps second;
+        Point p = point(evaluator, root, chart.tree_root, uv, &second);
         BaseFrame& frame = frames[k];
         frame.point = {p.position, p.normal};
         frame.normal = p.normal;
+        const glm::dvec2 nearby = uv + 0x1p-7 * (glm::dvec2(0.5) - uv);
         // Derivatives at an extraordinary vertex are none by (u, v): those nearby.
         if (p.extraordinary) {
-            constexpr double inwards = 0x1p-7;
-            uv += inwards * (glm::dvec2(0.5) - uv);
-            p = point(evaluator, root, chart.tree_root, uv);
+            uv = nearby;
+            p = point(evaluator, root, chart.tree_root, uv, &second);
         }
-        // Of the normal by differences of second order, within the piece's square; its derivative
-        // is across it.
+        const glm::dvec3 du = p.du, dv = p.dv;
+        // Beside a collapsed edge the normal turns by a rounding error over next to nothing.
+        if (!tells_turn(p)) {
+            uv = nearby;
+            p = point(evaluator, root, chart.tree_root, uv, &second);
+        }
+        const bool by_differences = !tells_turn(p);
+        // n = N/|N|, N = S_u × S_v: its derivative is that of N, across n, by |N|.
+        const double length = glm::length(glm::cross(p.du, p.dv));
+        const std::array<glm::dvec3, 2> rises{
+            glm::cross(second.uu, p.dv) + glm::cross(p.du, second.uv),
+            glm::cross(second.uv, p.dv) + glm::cross(p.du, second.vv)};
         std::array<glm::dvec3, 2> turns;
         for (glm::length_t axis = 0; axis < 2; ++axis) {
-            constexpr double step = 0x1p-10;
-            const double inside = uv[axis] < 0.5 ? step : -step;
-            const auto normal = [&](double by) {
-                glm::dvec2 moved = uv;
-                moved[axis] += by;
-                return point(evaluator, root, chart.tree_root, moved).normal;
-            };
-            const bool central = uv[axis] >= step && uv[axis] <= 1 - step;
+            const glm::dvec3& rise = rises[std::size_t(axis)];
             const glm::dvec3 turn =
-                central
-                    ? (normal(step) - normal(-step)) / (2 * step)
-                    : (4.0 * normal(inside) - 3.0 * p.normal - normal(2 * inside)) / (2 * inside);
+                by_differences
+                    ? turn_by_differences(evaluator, root, chart.tree_root, uv, p.normal, axis)
+                    : (rise - glm::dot(rise, p.normal) * p.normal) / length;
             turns[std::size_t(axis)] = turn - glm::dot(turn, frame.normal) * frame.normal;
         }
         for (std::size_t s = 0; s < 2; ++s) {
             const glm::dvec2 by = chart.corners[s + 1] - chart.corners[0];
-            frame.position_steps[s] = by.x * p.du + by.y * p.dv;
+            frame.position_steps[s] = by.x * du + by.y * dv;
             frame.direction_steps[s] = by.x * turns[0] + by.y * turns[1];
         }
     }
@@ -126,9 +161,7 @@ void LimitBase::frames(std::span<const RootPoint> at, std::span<BaseFrame> frame
 
 BaseDeviation LimitBase::deviation(std::uint32_t root, const std::array<glm::dvec3, 3>& weights,
                                    const std::array<BasePoint, 3>& corners) const {
-    const double side = (weights[0].x - weights[0].y) + (weights[1].x - weights[1].y) +
-                        (weights[2].x - weights[2].y);
-    const Chart chart = this->chart(root, side > 0);
+    const Chart chart = this->chart(root, weights);
     LimitTriangle triangle;
     triangle.root = chart.tree_root;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -137,6 +170,13 @@ BaseDeviation LimitBase::deviation(std::uint32_t root, const std::array<glm::dve
         triangle.normals[k] = corners[k].direction;
     }
     return limit_deviation(*surface_, cones_.get(), triangle);
+}
+
+std::optional<BaseDeviation> LimitBase::coarse_deviation(
+    std::uint32_t root, const std::array<glm::dvec3, 3>& weights) const {
+    const Chart chart = this->chart(root, weights);
+    return cells_->deviation(chart.tree_root,
+                             {chart.at(weights[0]), chart.at(weights[1]), chart.at(weights[2])});
 }
 
 }  // namespace prep::detail

@@ -33,6 +33,8 @@ class LimitBase final : public BaseSurface {
     void frames(std::span<const RootPoint> at, std::span<BaseFrame> frames) const override;
     BaseDeviation deviation(std::uint32_t root, const std::array<glm::dvec3, 3>& weights,
                             const std::array<BasePoint, 3>& corners) const override;
+    std::optional<BaseDeviation> coarse_deviation(
+        std::uint32_t root, const std::array<glm::dvec3, 3>& weights) const override;
 
   private:
     // A root of the patch tree, the parameters' values at the corners a, b and the centre.
@@ -45,17 +47,27 @@ class LimitBase final : public BaseSurface {
     };
     // `towards_a`: of an n-gon's two halves.
     Chart chart(std::uint32_t root, bool towards_a) const;
+    Chart chart(std::uint32_t root, const std::array<glm::dvec3, 3>& weights) const;
     struct Point {
         glm::dvec3 position, du, dv, normal;
-        bool extraordinary;
+        bool extraordinary, fallback;  // the normal is not that of the derivatives
+    };
+    struct SecondSteps {
+        glm::dvec3 uu{0.0}, uv{0.0}, vv{0.0};
     };
     Point point(PatchEvaluator& evaluator, std::uint32_t root, std::uint32_t tree_root,
-                const glm::dvec2& uv) const;
+                const glm::dvec2& uv, SecondSteps* second = nullptr) const;
+    static bool tells_turn(const Point& p);
+    // The normal's derivative by u (axis 0) or v, by differences within the piece's square.
+    glm::dvec3 turn_by_differences(PatchEvaluator& evaluator, std::uint32_t root,
+                                   std::uint32_t tree_root, const glm::dvec2& uv,
+                                   const glm::dvec3& normal, glm::length_t axis) const;
 
     const Mesh* mesh_ = nullptr;
     const Domain* domain_ = nullptr;
     std::unique_ptr<ChannelSurface> surface_;
     std::unique_ptr<RingCones> cones_;
+    std::unique_ptr<CellBounds> cells_;
     std::vector<std::uint8_t> left_out_;
 };
 

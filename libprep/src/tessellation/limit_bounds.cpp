@@ -1,5 +1,6 @@
 #include "tessellation/limit_bounds.h"
 
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -12,18 +13,26 @@ namespace {
 
 constexpr double no_bound = 2;  // no two unit vectors are further apart
 
-// Suprema over all pieces that the triangle meets: ways from a point to the corners lead through
-// several, and the largest derivative by u may be in one, that by v in another.
-// `factor`: the triangle's extent over the patch's box.
+// a² M₁ + 2ab M₂ + b² M₃.
+double over_extent(const glm::dvec2& extent, double uu, double uv, double vv) {
+    return extent.x * extent.x * uu + 2 * extent.x * extent.y * uv + extent.y * extent.y * vv;
+}
+
+// Suprema over all pieces that the triangle meets, by its root's parameters: ways from a point to
+// the corners lead through several, and the largest derivative by u may be in one, that by v in
+// another.
 class Curvature {
   public:
-    void widen(const BezierPatch& patch, const glm::dvec2& factor) {
+    void widen(const BezierPatch& patch) {
         const auto [uu, uv, vv] = second_derivative_bounds(patch);
+        const glm::dvec2 factor = 1.0 / patch.box.size();
         uu_ = std::max(uu_, factor.x * factor.x * uu);
         uv_ = std::max(uv_, factor.x * factor.y * uv);
         vv_ = std::max(vv_, factor.y * factor.y * vv);
     }
-    double deviation() const { return (uu_ + 2 * uv_ + vv_) / 8; }
+    double deviation(const glm::dvec2& extent) const {
+        return over_extent(extent, uu_, uv_, vv_) / 8;
+    }
 
   private:
     double uu_ = 0, uv_ = 0, vv_ = 0;
@@ -33,12 +42,13 @@ class Curvature {
 class NormalCurvature {
   public:
     // `e`: a unit vector that is near the patch's normals.
-    void widen(const BezierPatch& patch, const glm::dvec3& e, const glm::dvec2& factor);
-    double deviation() const {
+    void widen(const BezierPatch& patch, const glm::dvec3& e);
+    double deviation(const glm::dvec2& extent) const {
         if (!bounded_) return no_bound;
-        const double along = u_.along + v_.along, across = u_.across + v_.across;
-        const double first = across * std::hypot(across, 2 * along);
-        return std::min(no_bound, (uu_ + 2 * uv_ + vv_ + first) / 8);
+        const double along = extent.x * u_.along + extent.y * v_.along;
+        const double across = extent.x * u_.across + extent.y * v_.across;
+        const double first = across * std::sqrt(across * across + 4 * along * along);
+        return std::min(no_bound, (over_extent(extent, uu_, uv_, vv_) + first) / 8);
     }
 
   private:
@@ -54,8 +64,8 @@ class NormalCurvature {
     bool bounded_ = true;
 };
 
-void NormalCurvature::widen(const BezierPatch& patch, const glm::dvec3& e,
-                            const glm::dvec2& factor) {
+void NormalCurvature::widen(const BezierPatch& patch, const glm::dvec3& e) {
+    const glm::dvec2 factor = 1.0 / patch.box.size();
     const NormalNet net = normal_net(patch);
     const auto& n = net.n;
     struct Suprema {
@@ -156,14 +166,14 @@ double farthest(const glm::dvec3& from, const std::array<glm::dvec3, 3>& to) {
 }
 
 // Of its normals: the one in its middle.
-glm::dvec3 axis_of(const BezierPatch& patch, const LimitTriangle& triangle) {
+glm::dvec3 axis_of(const BezierPatch& patch, const glm::dvec3& otherwise) {
     const auto middle = middle_derivatives(patch);
-    return unit_or(glm::cross(middle[0], middle[1]), triangle.normals[0]);
+    return unit_or(glm::cross(middle[0], middle[1]), otherwise);
 }
 
 // Of first order: how far the normal turns within the patch, and between it and the corners.
 double cone_deviation(const BezierPatch& patch, const LimitTriangle& triangle) {
-    const glm::dvec3 e = axis_of(patch, triangle);
+    const glm::dvec3 e = axis_of(patch, triangle.normals[0]);
     const NormalNet net = normal_net(patch);
     return cone_about(net, e, net.error) + farthest(e, triangle.normals);
 }
@@ -243,6 +253,78 @@ double RingCones::from_level(std::uint32_t ring, std::uint32_t sector, int k) co
     return double(cones_[(first_[ring] + sector) * std::size_t(levels) + std::size_t(k)]);
 }
 
+// A square of the root's parameters: (i, j) of 2^level each way.
+struct CellBounds::Key {
+    std::uint64_t owner = 0;  // none has 0
+    std::uint32_t root = 0;
+    int level = 0;
+    std::uint64_t i = 0, j = 0;
+
+    bool operator==(const Key&) const = default;
+    std::uint64_t hash() const {
+        std::uint64_t hash = (owner << 40) ^ (std::uint64_t(root) << 8) ^ std::uint64_t(level);
+        for (const std::uint64_t part : {i, j}) hash = (hash ^ part) * 0x9e3779b97f4a7c15U;
+        return hash >> 40;
+    }
+};
+
+struct CellBounds::Cell {
+    Key key;
+    bool bounded = false;
+    Curvature curvature;
+    NormalCurvature normal_curvature;
+
+    // With the key last: what is made in part is nobody's.
+    void make(const Key& wanted, const ChannelSurface& surface, bool with_normals) {
+        key = {};
+        thread_local LimitPieces pieces;
+        const double side = std::ldexp(1.0, -wanted.level);
+        const glm::dvec2 low = side * glm::dvec2(double(wanted.i), double(wanted.j));
+        collect_pieces(surface, wanted.root, {low, low + side}, pieces);
+        bounded = pieces.tips.empty();
+        curvature = {};
+        normal_curvature = {};
+        for (const BezierPatch& patch : pieces.patches) {
+            if (!bounded) break;
+            curvature.widen(patch);
+            if (with_normals) normal_curvature.widen(patch, axis_of(patch, glm::dvec3(0, 0, 1)));
+        }
+        key = wanted;
+    }
+};
+
+CellBounds::CellBounds(const ChannelSurface& surface, bool with_normals)
+    : surface_(surface), with_normals_(with_normals) {
+    static std::atomic<std::uint64_t> made{0};
+    owner_ = ++made;
+}
+
+std::optional<BaseDeviation> CellBounds::deviation(std::uint32_t root,
+                                                   const std::array<glm::dvec2, 3>& p) const {
+    const glm::dvec2 low = glm::min(p[0], glm::min(p[1], p[2]));
+    const glm::dvec2 high = glm::max(p[0], glm::max(p[1], p[2]));
+    const glm::dvec2 extent = high - low;
+    // A cell is four triangles wide: some dozens share it, and derivatives differ little in it.
+    int exponent = 0;
+    std::frexp(std::max(extent.x, extent.y), &exponent);
+    const int level = std::max(0, -exponent - 1);
+    constexpr int deepest = 48;
+    if (!(low.x >= 0 && low.y >= 0 && high.x <= 1 && high.y <= 1) || level > deepest)
+        return std::nullopt;
+    const double cells = std::ldexp(1.0, level);
+    const double x = std::min(std::floor(low.x * cells), cells - 1);
+    const double y = std::min(std::floor(low.y * cells), cells - 1);
+    if (high.x * cells > x + 1 || high.y * cells > y + 1) return std::nullopt;
+    constexpr std::size_t kept = 1024;
+    thread_local std::vector<Cell> cache(kept);
+    const Key key{owner_, root, level, std::uint64_t(x), std::uint64_t(y)};
+    Cell& cell = cache[std::size_t(key.hash()) % kept];
+    if (cell.key != key) cell.make(key, surface_, with_normals_);
+    if (!cell.bounded) return std::nullopt;
+    return BaseDeviation{cell.curvature.deviation(extent),
+                         with_normals_ ? cell.normal_curvature.deviation(extent) : 0};
+}
+
 BaseDeviation limit_deviation(const ChannelSurface& surface, const RingCones* cones,
                               const LimitTriangle& triangle) {
     const auto& p = triangle.parameters;
@@ -255,13 +337,12 @@ BaseDeviation limit_deviation(const ChannelSurface& surface, const RingCones* co
     NormalCurvature normal_curvature;
     for (const BezierPatch& patch : pieces.patches) {
         if (is_apart(patch.box, triangle)) continue;
-        const glm::dvec2 factor = box.size() / patch.box.size();
-        curvature.widen(patch, factor);
-        if (cones) normal_curvature.widen(patch, axis_of(patch, triangle), factor);
+        curvature.widen(patch);
+        if (cones) normal_curvature.widen(patch, axis_of(patch, triangle.normals[0]));
     }
     BaseDeviation most;
-    most.position = curvature.deviation();
-    if (cones) most.direction = normal_curvature.deviation();
+    most.position = curvature.deviation(box.size());
+    if (cones) most.direction = normal_curvature.deviation(box.size());
     // Beside an extraordinary vertex the second derivatives are as large at every scale.
     constexpr double worth_a_second_look = 0.01;
     if (cones && most.direction > worth_a_second_look) {

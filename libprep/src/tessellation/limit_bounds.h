@@ -26,6 +26,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "tessellation/limit_pieces.h"
@@ -55,5 +56,30 @@ struct LimitTriangle {
 // `cones` null: the direction's deviation is not asked for, and 0.
 BaseDeviation limit_deviation(const ChannelSurface& surface, const RingCones* cones,
                               const LimitTriangle& triangle);
+
+// Away from extraordinary vertices bounds by suprema over cells of the root's parameters, a few
+// times as wide as the triangle: looser than limit_deviation's, and known already where a neighbour
+// has asked. What it gives does not depend on what is known.
+//
+// Each thread keeps the cells it asked for last, of all surfaces (1024 of them, some 150 KB until
+// the thread ends), so that threads share nothing: a cell belongs to one CellBounds by a number
+// that no other has.
+class CellBounds {
+  public:
+    // `surface` must outlive it. Without normals the direction's deviation is 0.
+    CellBounds(const ChannelSurface& surface, bool with_normals);
+    CellBounds(const CellBounds&) = delete;
+    CellBounds& operator=(const CellBounds&) = delete;
+    // Of triangles of bisections; nothing where there is no such bound.
+    std::optional<BaseDeviation> deviation(std::uint32_t root,
+                                           const std::array<glm::dvec2, 3>& parameters) const;
+
+  private:
+    struct Key;
+    struct Cell;
+    const ChannelSurface& surface_;
+    bool with_normals_;
+    std::uint64_t owner_;
+};
 
 }  // namespace prep::detail

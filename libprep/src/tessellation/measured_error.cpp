@@ -31,7 +31,7 @@ double measured_error(const DisplacedSurface& surface, const BisectionMesh& mesh
             glm::dvec3 facet(0.0);
             for (int c = 0; c < 3; ++c) {
                 at.weights += w[c] * corners[std::size_t(c)];
-                facet += w[c] * glm::dvec3(vertices.positions[triangle.vertices[std::size_t(c)]]);
+                facet += w[c] * glm::dvec3(vertices[triangle.vertices[std::size_t(c)]].position);
             }
             most = std::max(most, glm::length(surface.truth(at) - facet));
         }

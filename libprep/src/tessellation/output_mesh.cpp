@@ -169,19 +169,21 @@ class Output {
         return {side.root, path_weights(t.path)[side.corner % 3]};
     }
     bool is_separate(const Side& side) const {
-        return !hooks_.share_positions && refinement_.samples().shared[side.vertex] != 0;
+        return !hooks_.share_positions && refinement_.samples()[side.vertex].shared;
     }
 
     void vertices() {
         const auto& sides = sides_.sides;
         std::vector<Index> vertex_of_side(sides.size());
         Mesh& mesh = out_.mesh;
+        mesh.positions.reserve(refinement_.mesh().vertex_count());
+        out_.cage_vertices.reserve(refinement_.mesh().vertex_count());
         for (Index s = 0; s < sides.size(); ++s) {
             const Index v = sides[s].vertex;
             if (s == 0 || sides[s - 1].vertex != v || is_separate(sides[s])) {
                 mesh.positions.push_back(is_separate(sides[s])
                                              ? glm::vec3(surface_.truth(point(sides[s])))
-                                             : refinement_.samples().positions[v]);
+                                             : refinement_.samples()[v].position);
                 out_.cage_vertices.push_back(v < domain_.cage_vertices ? v : no_index);
             }
             vertex_of_side[s] = Index(mesh.positions.size() - 1);
@@ -232,8 +234,14 @@ class Output {
         constexpr double same = 1e-6;
         std::vector<Index> value(sides.size());
         std::vector<Index> group;
+        mesh.normals.values.reserve(mesh.positions.size());
         for (Index first = 0, last = 0; first < sides.size(); first = last) {
             while (last < sides.size() && sides[last].vertex == sides[first].vertex) ++last;
+            if (last - first == 1 && displaced[first] == displaced[first]) {
+                value[first] = Index(mesh.normals.values.size());
+                mesh.normals.values.push_back(glm::vec3(displaced[first]));
+                continue;
+            }
             std::vector<std::uint8_t> done(last - first, 0);
             const NearDirections near(
                 std::span<const glm::dvec3>(shading).subspan(first, last - first), same);
@@ -302,6 +310,11 @@ class Output {
         std::vector<Index> value(sides.size());
         for (Index first = 0, last = 0; first < sides.size(); first = last) {
             while (last < sides.size() && sides[last].vertex == sides[first].vertex) ++last;
+            if (last - first == 1) {
+                value[first] = Index(made.values.size());
+                made.values.push_back(values[first]);
+                continue;
+            }
             constexpr Index few = 32;  // comparisons take less than a table
             std::unordered_map<Bits<T>, Index, BitsHash<T>> known;
             for (Index s = first; s < last; ++s) {

@@ -28,6 +28,11 @@ class PolygonSurface final : public BaseSurface {
     void frames(std::span<const RootPoint> at, std::span<BaseFrame> frames) const override;
     BaseDeviation deviation(std::uint32_t root, const std::array<glm::dvec3, 3>& weights,
                             const std::array<BasePoint, 3>& corners) const override;
+    // No coarser, as that takes little time.
+    std::optional<BaseDeviation> coarse_deviation(
+        std::uint32_t root, const std::array<glm::dvec3, 3>& weights) const override {
+        return deviation(root, weights, {});
+    }
 
   private:
     struct Corner {

@@ -58,74 +58,84 @@ void Refinement::make_first_vertices() {
         points[next[domain_.vertices[r][0]]++] = {r, {1, 0, 0}};
     parallel_blocks(count, block, options_.threads, [&](std::size_t begin, std::size_t end) {
         for (auto v = std::uint32_t(begin); v < end; ++v) {
-            if (v >= cage) {
-                const RootPoint centre{domain_.fan_roots[v - cage], {0, 0, 1}};
-                surface_.make_vertex({&centre, 1}, v, samples_);
-            } else if (offsets[v] < offsets[v + 1]) {
-                surface_.make_vertex(
-                    std::span(points).subspan(offsets[v], offsets[v + 1] - offsets[v]), v,
-                    samples_);
-            }
+            RootPoint centre;
+            std::span<const RootPoint> at{&centre, 1};
+            if (v >= cage)
+                centre = {domain_.fan_roots[v - cage], {0, 0, 1}};
+            else
+                at = std::span(points).subspan(offsets[v], offsets[v + 1] - offsets[v]);
+            if (at.empty()) continue;
+            std::vector<BasePoint> sides(at.size());
+            surface_.base().evaluate(at, sides);
+            surface_.make_vertex(at, sides, v, samples_);
         }
     });
-    for (const glm::vec3& p : samples_.positions)
+    for (const VertexSample& v : samples_)
         for (int k = 0; k < 3; ++k)
-            if (std::isfinite(p[k]))
-                largest_coordinate_ = std::max(largest_coordinate_, std::abs(double(p[k])));
+            if (std::isfinite(v.position[k]))
+                largest_coordinate_ =
+                    std::max(largest_coordinate_, std::abs(double(v.position[k])));
 }
 
 void Refinement::make_new_vertices() {
     const BisectionMesh::NewVertices& news = mesh_.news();
     samples_.resize(mesh_.vertex_count());
-    parallel_blocks(
-        news.offsets.size() - 1, block, options_.threads, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t k = begin; k < end; ++k)
-                surface_.make_vertex(
-                    std::span(news.points)
-                        .subspan(news.offsets[k], news.offsets[k + 1] - news.offsets[k]),
-                    news.first + std::uint32_t(k), samples_);
-        });
+    const auto make = [&](std::size_t begin, std::size_t end) {
+        const std::size_t first = news.offsets[begin], count = news.offsets[end] - first;
+        std::vector<RootPoint> points(count);
+        for (std::size_t k = 0; k < count; ++k) points[k] = news.edges[first + k].middle();
+        std::vector<BasePoint> sides(count);
+        surface_.base().evaluate(points, sides);
+        for (std::size_t k = begin; k < end; ++k) {
+            const std::size_t from = news.offsets[k] - first;
+            const std::size_t of_vertex = news.offsets[k + 1] - news.offsets[k];
+            surface_.make_vertex(std::span(points).subspan(from, of_vertex),
+                                 std::span(sides).subspan(from, of_vertex),
+                                 news.first + std::uint32_t(k), samples_);
+        }
+    };
+    parallel_blocks(news.offsets.size() - 1, block, options_.threads, make);
 }
 
 std::array<glm::dvec3, 3> Refinement::corners(const BisectedTriangle& triangle) const {
     std::array<glm::dvec3, 3> corners;
     for (std::size_t k = 0; k < 3; ++k)
-        corners[k] = glm::dvec3(samples_.positions[triangle.vertices[k]]);
+        corners[k] = glm::dvec3(samples_[triangle.vertices[k]].position);
     return corners;
 }
 
 bool Refinement::is_shared(const BisectedTriangle& triangle) const {
     return std::any_of(triangle.vertices.begin(), triangle.vertices.end(),
-                       [&](std::uint32_t v) { return samples_.shared[v] != 0; });
+                       [&](std::uint32_t v) { return samples_[v].shared; });
 }
 
-// What is left of what is asked beside the gap, or half of it where that is not known yet; 0, as
-// tight as may be, where errors are compared with each other.
-double Refinement::enough(const BisectedTriangle& triangle) const {
-    if (options_.max_triangles || !(options_.chord_error || options_.pixel_error)) return 0;
-    double most = options_.chord_error.value_or(std::numeric_limits<double>::infinity());
+// Enough is what is left beside the gap, or half where that is not known yet; never more is left
+// than all.
+Asked Refinement::asked(const BisectedTriangle& triangle) const {
+    const double chord = options_.chord_error.value_or(std::numeric_limits<double>::infinity());
+    double most = chord;
     if (options_.pixel_error) {
         const auto corners = this->corners(triangle);
         for (const ScreenBound& screen : screens_.around(corners, 0))
             most = std::min(most, screen.length_of(corners, *options_.pixel_error));
     }
-    return is_shared(triangle) ? 0.5 * most
-                               : std::max(0.5 * most, most - rounding_gap(corners(triangle)));
+    const double left = is_shared(triangle) ? 0 : most - rounding_gap(corners(triangle));
+    return {std::max(0.5 * most, left), most, chord};
 }
 
-// Whether a look at it is enough to see that it has to be halved: an edge, or the true point in the
-// middle of the edge that would be halved. Never true where the bound would say otherwise: no bound
-// is below the error of a point.
-bool Refinement::surely_misses(const BisectedTriangle& triangle) const {
-    const auto corners = this->corners(triangle);
-    if (options_.edge_length)
-        for (std::size_t k = 0; k < 3; ++k)
-            if (glm::length(corners[k] - corners[(k + 1) % 3]) / *options_.edge_length > 1)
-                return true;
-    if (!(options_.chord_error || options_.pixel_error) || is_shared(triangle)) return false;
-    const auto weights = path_weights(triangle.path);
-    const glm::dvec3 truth = surface_.truth({triangle.root, 0.5 * (weights[0] + weights[1])});
-    const double error = glm::length(truth - 0.5 * (corners[0] + corners[1]));
+bool Refinement::has_long_edge(std::uint32_t t) const {
+    if (!options_.edge_length) return false;
+    const auto corners = this->corners(mesh_.triangles()[t]);
+    for (std::size_t k = 0; k < 3; ++k)
+        if (glm::length(corners[k] - corners[(k + 1) % 3]) / *options_.edge_length > 1) return true;
+    return false;
+}
+
+// By the true point in the middle of the edge that would be halved. Never true where the bound
+// would say otherwise: no bound is below the error of a point.
+bool Refinement::surely_misses(std::uint32_t t, const glm::dvec3& middle) const {
+    const auto corners = this->corners(mesh_.triangles()[t]);
+    const double error = glm::length(middle - 0.5 * (corners[0] + corners[1]));
     const double refinable = error - rounding_gap(corners);  // the least that the bound may be
     if (options_.chord_error && refinable > *options_.chord_error) return true;
     return options_.pixel_error &&
@@ -133,24 +143,50 @@ bool Refinement::surely_misses(const BisectedTriangle& triangle) const {
                *options_.pixel_error;
 }
 
+// Those that a look shows to be halved get no bound; nor do those that nothing is asked of. Looks
+// take a point of the base each, which costs more than a quick bound and less than a tight one.
+void Refinement::look(std::span<const std::uint32_t> fresh) {
+    std::vector<std::uint32_t> unsure;
+    std::vector<RootPoint> middles;
+    for (const std::uint32_t t : fresh) {
+        const BisectedTriangle& triangle = mesh_.triangles()[t];
+        bounds_[t].refinable = unknown;
+        if (has_long_edge(t)) {
+            excess_[t] = std::numeric_limits<float>::infinity();
+        } else if (!(options_.chord_error || options_.pixel_error)) {
+            excess_[t] = 0;
+        } else if (is_shared(triangle)) {
+            prove(t, asked(triangle));
+        } else if (const auto quick = surface_.quick_bound(triangle, samples_, asked(triangle))) {
+            bounds_[t] = *quick;
+            excess_[t] = excess(t);
+        } else {
+            unsure.push_back(t);
+            middles.push_back(BisectionMesh::HalvedEdge{triangle.path, triangle.root}.middle());
+        }
+    }
+    std::vector<glm::dvec3> truths(middles.size());
+    surface_.truths(middles, truths);
+    for (std::size_t k = 0; k < unsure.size(); ++k) {
+        if (surely_misses(unsure[k], truths[k]))
+            excess_[unsure[k]] = std::numeric_limits<float>::infinity();
+        else
+            prove(unsure[k], asked(mesh_.triangles()[unsure[k]]));
+    }
+}
+
+void Refinement::prove(std::uint32_t t, const Asked& asked) {
+    bounds_[t] = surface_.bound(mesh_.triangles()[t], samples_, asked);
+    excess_[t] = excess(t);
+}
+
 void Refinement::measure(const std::vector<std::uint32_t>& fresh, Effort effort) {
     bounds_.resize(mesh_.triangles().size());
     excess_.resize(mesh_.triangles().size());
     parallel_blocks(fresh.size(), block, options_.threads, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t k = begin; k < end; ++k) {
-            const std::uint32_t t = fresh[k];
-            const BisectedTriangle& triangle = mesh_.triangles()[t];
-            bounds_[t].refinable = unknown;
-            if (effort == Effort::looking && surely_misses(triangle)) {
-                excess_[t] = std::numeric_limits<float>::infinity();
-            } else if (effort == Effort::looking &&
-                       !(options_.chord_error || options_.pixel_error)) {
-                excess_[t] = 0;
-            } else {
-                bounds_[t] = surface_.bound(triangle, samples_, enough(triangle));
-                excess_[t] = excess(t);
-            }
-        }
+        const auto part = std::span(fresh).subspan(begin, end - begin);
+        if (effort == Effort::looking) return look(part);
+        for (const std::uint32_t t : part) prove(t, {});
     });
 }
 
@@ -181,8 +217,8 @@ float Refinement::excess(std::uint32_t t) const {
     if (options_.edge_length) {
         const auto& v = mesh_.triangles()[t].vertices;
         for (std::size_t k = 0; k < 3; ++k)
-            most = std::max(most, glm::length(glm::dvec3(samples_.positions[v[k]]) -
-                                              glm::dvec3(samples_.positions[v[(k + 1) % 3]])) /
+            most = std::max(most, glm::length(glm::dvec3(samples_[v[k]].position) -
+                                              glm::dvec3(samples_[v[(k + 1) % 3]].position)) /
                                       *options_.edge_length);
     }
     if (!options_.chord_error && !options_.pixel_error && !options_.edge_length)
@@ -194,8 +230,8 @@ float Refinement::excess(std::uint32_t t) const {
 bool Refinement::can_be_halved(std::uint32_t t) const {
     const BisectedTriangle& triangle = mesh_.triangles()[t];
     if (triangle.depth() >= deepest_bisection) return false;
-    const glm::dvec3 a(samples_.positions[triangle.vertices[0]]);
-    const glm::dvec3 b(samples_.positions[triangle.vertices[1]]);
+    const glm::dvec3 a(samples_[triangle.vertices[0]].position);
+    const glm::dvec3 b(samples_[triangle.vertices[1]].position);
     const glm::dvec3 step = glm::abs(a - b), size = glm::max(glm::abs(a), glm::abs(b));
     constexpr double few_steps = 0x1p-20;
     return step.x > few_steps * size.x || step.y > few_steps * size.y ||
@@ -203,9 +239,7 @@ bool Refinement::can_be_halved(std::uint32_t t) const {
 }
 
 Result<std::vector<std::uint32_t>> Refinement::take_news() {
-    std::vector<std::uint32_t> fresh = mesh_.news().touched;
-    std::sort(fresh.begin(), fresh.end());
-    fresh.erase(std::unique(fresh.begin(), fresh.end()), fresh.end());
+    std::vector<std::uint32_t> fresh = mesh_.touched();
     make_new_vertices();
     if (Result<void> range = check_range(mesh_.news().first); !range) return range.error();
     mesh_.forget();
@@ -214,8 +248,8 @@ Result<std::vector<std::uint32_t>> Refinement::take_news() {
 
 // Heights may be beyond floats, or no numbers: refinement would have no end.
 Result<void> Refinement::check_range(std::uint32_t first) const {
-    for (std::size_t v = first; v < samples_.positions.size(); ++v)
-        if (!is_finite(samples_.positions[v]))
+    for (std::size_t v = first; v < samples_.size(); ++v)
+        if (!is_finite(samples_[v].position))
             return Error{ErrorCode::limit,
                          "the displacement moves a point out of the range of floats: check its "
                          "scale and its heights",
@@ -232,14 +266,20 @@ Error Refinement::too_many() const {
 
 Result<void> Refinement::refine_to_error(std::vector<std::uint32_t> fresh) {
     std::vector<Mark> marks;
+    const auto exceeds = [](const Mark& mark) { return mark.excess > 1; };
     for (;;) {
-        marks.clear();
-        for (const std::uint32_t t : fresh)
-            if (excess_[t] > 1 && can_be_halved(t))
-                marks.push_back({t, mesh_.triangles()[t].path, excess_[t]});
-        if (marks.empty()) break;
+        marks.resize(fresh.size());
+        parallel_blocks(fresh.size(), block, options_.threads,
+                        [&](std::size_t begin, std::size_t end) {
+                            for (std::size_t k = begin; k < end; ++k) {
+                                const std::uint32_t t = fresh[k];
+                                const float excess = can_be_halved(t) ? excess_[t] : 0.0F;
+                                marks[k] = {t, mesh_.triangles()[t].path, excess};
+                            }
+                        });
+        if (std::none_of(marks.begin(), marks.end(), exceeds)) break;
         for (const Mark& mark : marks) {
-            if (mesh_.triangles()[mark.triangle].path != mark.path) continue;
+            if (!exceeds(mark) || mesh_.triangles()[mark.triangle].path != mark.path) continue;
             mesh_.bisect(mark.triangle);
             if (mesh_.triangles().size() > options_.triangle_limit) return too_many();
         }
@@ -248,10 +288,10 @@ Result<void> Refinement::refine_to_error(std::vector<std::uint32_t> fresh) {
         fresh = std::move(*news);
         measure(fresh, Effort::looking);
     }
-    // What was seen by a look, and what nobody had to know.
+    // What a look decided, what nothing depended on, and what cannot be halved.
     fresh.clear();
     for (std::uint32_t t = 0; t < bounds_.size(); ++t)
-        if (bounds_[t].refinable == unknown) fresh.push_back(t);
+        if (bounds_[t].refinable == unknown || excess_[t] > 1) fresh.push_back(t);
     measure(fresh, Effort::proving);
     return {};
 }

@@ -1,11 +1,12 @@
 // Halves triangles until what was asked for holds, or a budget is used up.
 //
-// Rounds: the bounds of all new triangles on all threads, then the halvings, in order of triangles
-// (for a budget: of excess), on one. So nothing depends on the number of threads. What an error
-// asks for does not depend on the order either: it is the coarsest mesh of its kind where all
-// triangles comply.
+// Rounds: the bounds of all new triangles on all threads, then the halvings on one, in the order of
+// BisectionMesh::touched() (for a budget: of excess). So nothing depends on the number of threads.
+// What an error asks for does not depend on the order either: it is the coarsest mesh of its kind
+// where all triangles comply.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "prep/result.h"
@@ -27,7 +28,7 @@ class Refinement {
     const BisectionMesh& mesh() const { return mesh_; }
     const VertexSamples& samples() const { return samples_; }
     // Per triangle.
-    const std::vector<TriangleBound>& bounds() const { return bounds_; }
+    std::span<const TriangleBound> bounds() const { return bounds_; }
     std::uint64_t unresolved() const { return unresolved_; }
     std::uint64_t over_budget() const { return over_budget_; }
     // What is proved of a triangle on the screens.
@@ -41,13 +42,18 @@ class Refinement {
     };
     void make_first_vertices();
     void make_new_vertices();
-    // Looking: bounds are left out where something cheaper decides, or nothing depends on them.
+    // Looking: bounds are left out where something cheaper decides, or nothing depends on them, and
+    // are no tighter than a decision takes. Proving: as tight as may be, for comparisons with each
+    // other and for what is reported.
     enum class Effort : std::uint8_t { looking, proving };
     void measure(const std::vector<std::uint32_t>& fresh, Effort effort);
-    bool surely_misses(const BisectedTriangle& triangle) const;
+    void look(std::span<const std::uint32_t> fresh);
+    void prove(std::uint32_t t, const Asked& asked);
+    bool has_long_edge(std::uint32_t t) const;
+    bool surely_misses(std::uint32_t t, const glm::dvec3& middle) const;
     bool is_shared(const BisectedTriangle& triangle) const;
     float excess(std::uint32_t t) const;
-    double enough(const BisectedTriangle& triangle) const;
+    Asked asked(const BisectedTriangle& triangle) const;
     std::array<glm::dvec3, 3> corners(const BisectedTriangle& triangle) const;
     bool can_be_halved(std::uint32_t t) const;
     Result<std::vector<std::uint32_t>> take_news();
@@ -68,8 +74,8 @@ class Refinement {
     Screens screens_;
     BisectionMesh mesh_;
     VertexSamples samples_;
-    std::vector<TriangleBound> bounds_;
-    std::vector<float> excess_;
+    LargeVector<TriangleBound> bounds_;
+    LargeVector<float> excess_;
     double largest_coordinate_ = 0;
     std::uint64_t unresolved_ = 0, over_budget_ = 0;
 };

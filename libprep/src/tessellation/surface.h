@@ -4,6 +4,7 @@
 
 #include <array>
 #include <glm/glm.hpp>
+#include <optional>
 #include <span>
 
 #include "tessellation/bisection.h"
@@ -38,6 +39,11 @@ class BaseSurface {
     // `corners`: the surface there, as the root has it.
     virtual BaseDeviation deviation(std::uint32_t root, const std::array<glm::dvec3, 3>& weights,
                                     const std::array<BasePoint, 3>& corners) const = 0;
+    // A bound as well, mostly larger, where it takes much less time.
+    virtual std::optional<BaseDeviation> coarse_deviation(
+        std::uint32_t /*root*/, const std::array<glm::dvec3, 3>& /*weights*/) const {
+        return std::nullopt;
+    }
 };
 
 }  // namespace prep::detail

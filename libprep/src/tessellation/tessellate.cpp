@@ -94,7 +94,7 @@ void certify(const TessellateOptions& options, const Domain& domain, const Refin
         certificate.asked_pixels = options.pixel_error;
         certificate.proved_pixels = 0;
     }
-    const auto& bounds = refinement.bounds();
+    const std::span<const TriangleBound> bounds = refinement.bounds();
     for (std::uint32_t t = 0; t < bounds.size(); ++t) {
         const BisectedTriangle& triangle = refinement.mesh().triangles()[t];
         certificate.deepest = std::max(certificate.deepest, triangle.depth());

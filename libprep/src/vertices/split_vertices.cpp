@@ -1,14 +1,14 @@
-#include "prep/split_vertices.h"
+#include "vertices/split_vertices.h"
 
 #include <algorithm>
 #include <cstring>
 #include <unordered_map>
 
 #include "base/parallel.h"
+#include "base/scratch_buffer.h"
 #include "base/step_count.h"
 #include "prep/triangulate.h"
 #include "surface/corner_steps.h"
-#include "surface/vertex_corners.h"
 
 namespace prep {
 namespace {
@@ -39,6 +39,7 @@ class Layer {
         const T x = at(a), y = at(b);
         return std::memcmp(&x, &y, sizeof(T)) == 0;
     }
+    const Index* indices() const { return layer_->indices.data(); }
     void hash(Index corner, std::uint64_t& h) const {
         const T x = at(corner);
         std::uint32_t words[sizeof(T) / 4];
@@ -65,6 +66,14 @@ class Attributes {
         if (!mesh.corner_file_vertices.empty() &&
             !(mesh.morph_targets.empty() && mesh.vertex_attributes.empty()))
             file_vertices_ = mesh.corner_file_vertices.data();
+        const auto list = [&](const auto& layers) {
+            for (const auto& l : layers) lists_.push_back(l.indices());
+        };
+        list(normals_);
+        list(tangents_);
+        list(uvs_);
+        list(colors_);
+        if (file_vertices_) lists_.push_back(file_vertices_);
         parts_apart_ = options.parts_apart && !uniform(mesh.face_parts);
         materials_apart_ = !uniform(mesh.face_materials);
         triangles_ = detail::all_triangles(MeshView(mesh));
@@ -74,6 +83,20 @@ class Attributes {
                 for (Index c = mesh.face_offsets[f]; c < mesh.face_offsets[f + 1]; ++c)
                     corner_faces_[c] = f;
         }
+    }
+
+    // Whether all have the same entries of every layer, which is nearly always so; others may have
+    // the same values still.
+    bool alike(std::span<const Index> corners) const {
+        unsigned differ = 0;
+        for (const Index* const list : lists_) {
+            const Index first = list[corners[0]];
+            for (const Index c : corners.subspan(1)) differ |= unsigned(list[c] != first);
+        }
+        if (differ != 0) return false;
+        for (const Index c : corners.subspan(1))
+            if (!same_group(corners[0], c)) return false;
+        return true;
     }
 
     bool same(Index a, Index b) const {
@@ -156,66 +179,71 @@ class Attributes {
     std::vector<Layer<glm::vec4>> tangents_;
     std::vector<Layer<glm::vec2>> uvs_;
     std::vector<Layer<glm::vec4>> colors_;
+    std::vector<const Index*> lists_;  // of all of them
     std::vector<Index> corner_faces_;
 };
 
-struct Block {                         // the vertices made from one block of source vertices
-    std::vector<Index> first_corners;  // no_index: a vertex that only lines or points use
-    std::vector<Index> sources;
-    std::vector<SplitReasons> reasons;
+// What a block of source vertices makes beside the first vertex of each.
+struct Block {
+    struct Copy {  // a further vertex of one, and why
+        Index source, first_corner;
+        SplitReasons reasons;
+    };
+    struct Place {  // a corner of such a vertex: the how many-th of its source
+        Index corner, copy;
+    };
+    std::vector<Copy> copies;
+    std::vector<Place> places;
+    Index sources = 0;  // that are used
+    std::size_t vertices() const { return sources + copies.size(); }
 };
 
 class VertexSplitter {
   public:
-    VertexSplitter(const Attributes& attributes, Block& block, std::vector<Index>& corner_out)
-        : attributes_(attributes), block_(block), corner_out_(corner_out) {}
+    VertexSplitter(const Attributes& attributes, Block& block)
+        : attributes_(attributes), block_(block) {}
 
     ~VertexSplitter() { detail::count_steps(steps_); }
     VertexSplitter(const VertexSplitter&) = delete;
     VertexSplitter& operator=(const VertexSplitter&) = delete;
 
-    // `corner_out` gets numbers within the block.
     void split(Index v, std::span<const Index> corners) {
-        first_copy_ = block_.first_corners.size();
+        if (attributes_.alike(corners)) return;
+        firsts_.clear();
         if (!by_hash_.empty()) by_hash_.clear();
         for (const Index c : corners) {
-            const bool hashed = block_.first_corners.size() - first_copy_ > linear_search_limit;
+            const bool hashed = firsts_.size() > linear_search_limit;
             Index found = hashed ? find_by_hash(c) : find(c);
             if (found == no_index) {
-                found = Index(block_.first_corners.size());
-                block_.reasons.push_back(
-                    found == first_copy_
-                        ? SplitReasons(0)
-                        : attributes_.reasons(block_.first_corners[first_copy_], c));
-                block_.first_corners.push_back(c);
-                block_.sources.push_back(v);
+                found = Index(firsts_.size());
+                if (found > 0) block_.copies.push_back({v, c, attributes_.reasons(firsts_[0], c)});
+                firsts_.push_back(c);
                 if (hashed) by_hash_.emplace(attributes_.hash(c), found);
             }
-            corner_out_[c] = found;
+            if (found > 0) block_.places.push_back({c, found});
         }
     }
 
   private:
     Index find(Index c) {
-        for (std::size_t k = first_copy_; k < block_.first_corners.size(); ++k, ++steps_)
-            if (attributes_.same(block_.first_corners[k], c)) return Index(k);
+        for (std::size_t k = 0; k < firsts_.size(); ++k, ++steps_)
+            if (attributes_.same(firsts_[k], c)) return Index(k);
         return no_index;
     }
     Index find_by_hash(Index c) {
         if (by_hash_.empty())
-            for (std::size_t k = first_copy_; k < block_.first_corners.size(); ++k)
-                by_hash_.emplace(attributes_.hash(block_.first_corners[k]), Index(k));
+            for (std::size_t k = 0; k < firsts_.size(); ++k)
+                by_hash_.emplace(attributes_.hash(firsts_[k]), Index(k));
         const auto [begin, end] = by_hash_.equal_range(attributes_.hash(c));
         for (auto it = begin; it != end; ++it, ++steps_)
-            if (attributes_.same(block_.first_corners[it->second], c)) return it->second;
+            if (attributes_.same(firsts_[it->second], c)) return it->second;
         return no_index;
     }
 
     const Attributes& attributes_;
     Block& block_;
-    std::vector<Index>& corner_out_;
-    std::size_t first_copy_ = 0;
-    std::size_t steps_ = 0;  // comparisons of corners that differ
+    std::vector<Index> firsts_;  // per copy of the vertex its first corner
+    std::size_t steps_ = 0;      // comparisons of corners that differ
     std::unordered_multimap<std::uint64_t, Index> by_hash_;
 };
 
@@ -232,8 +260,6 @@ class RangeMaker {
         const MeshView view(mesh_);
         triangles_ = view.corner_count() - 2 * view.face_count();
         if (!detail::all_triangles(view)) cut_ = triangulate(view, threads_);
-        out_.indices.resize(triangles_ * 3);
-        out_.triangle_faces.resize(triangles_);
         const std::vector<Index> order = sorted_order();
         const bool whole = cut_.corners.empty();
         detail::parallel_blocks(
@@ -292,103 +318,155 @@ class RangeMaker {
     Triangulation cut_;  // empty where every face is a triangle
 };
 
+// The mesh's vertices, once their number is known.
+class VertexMaker {
+  public:
+    VertexMaker(const Mesh& mesh, std::span<const Block> blocks, int threads, VertexMesh& out)
+        : mesh_(mesh), blocks_(blocks), threads_(threads), out_(out), bases_(blocks.size() + 1, 0) {
+        for (std::size_t b = 0; b < blocks.size(); ++b)
+            bases_[b + 1] = bases_[b] + Index(blocks[b].vertices());
+    }
+
+    std::size_t vertices() const { return bases_.back(); }
+
+    // All lists at their full size: memory is first touched here, by several threads.
+    void make_room() {
+        const std::size_t n = vertices(), corners = mesh_.corner_count();
+        const std::size_t triangles = corners - 2 * mesh_.face_count();
+        out_.uvs.resize(mesh_.uvs.size());
+        // Loose vertices bring colours of their own where no face layer exists.
+        out_.colors.resize(
+            std::max<std::size_t>(mesh_.colors.size(), mesh_.vertex_colors.empty() ? 0 : 1));
+        constexpr std::size_t lists = 9;
+        detail::parallel_tasks(lists + out_.uvs.size() + out_.colors.size(), threads_,
+                               [&](std::size_t list) {
+                                   if (list == 0) out_.corner_vertices.resize(corners);
+                                   if (list == 1) out_.indices.resize(3 * triangles);
+                                   if (list == 2 && !mesh_.tangents.empty())
+                                       out_.tangents.resize(n);
+                                   if (list == 3 && !mesh_.normals.empty()) out_.normals.resize(n);
+                                   if (list == 4) out_.positions.resize(n);
+                                   if (list == 5) out_.triangle_faces.resize(triangles);
+                                   if (list == 6) out_.source_vertices.resize(n);
+                                   if (list == 7) out_.source_corners.resize(n);
+                                   if (list == 8) out_.split_reasons.resize(n);
+                                   if (list < lists) return;
+                                   list -= lists;
+                                   if (list < out_.uvs.size())
+                                       out_.uvs[list].resize(n, missing_uv);
+                                   else
+                                       out_.colors[list - out_.uvs.size()].resize(n, missing_color);
+                               });
+    }
+
+    // `around`: corners by source vertex; `loose`: those that lines or points use.
+    void fill(const detail::VertexCorners& around, const std::vector<bool>& loose) {
+        const std::size_t sources = mesh_.vertex_count();
+        detail::ScratchBuffer<Index> numbers(sources);
+        detail::parallel_blocks(
+            sources, vertex_grain, threads_, [&](std::size_t begin, std::size_t end) {
+                const Block& block = blocks_[begin / vertex_grain];
+                Index number = bases_[begin / vertex_grain];
+                auto copy = block.copies.begin();
+                for (Index v = Index(begin); v < end; ++v) {
+                    numbers[v] = number;
+                    if (around.offsets[v] == around.offsets[v + 1]) {
+                        if (loose[v]) fill_loose(number++, v);
+                        continue;
+                    }
+                    fill_vertex(number++, v, around.corners[around.offsets[v]], 0);
+                    for (; copy != block.copies.end() && copy->source == v; ++copy)
+                        fill_vertex(number++, v, copy->first_corner, copy->reasons);
+                }
+            });
+        detail::parallel_blocks(mesh_.corner_count(), 3 * triangle_grain, threads_,
+                                [&](std::size_t begin, std::size_t end) {
+                                    for (std::size_t c = begin; c < end; ++c)
+                                        out_.corner_vertices[c] = numbers[mesh_.corner_vertices[c]];
+                                });
+        detail::parallel_blocks(blocks_.size(), 1, threads_, [&](std::size_t b, std::size_t) {
+            for (const Block::Place& place : blocks_[b].places)
+                out_.corner_vertices[place.corner] += place.copy;
+        });
+    }
+
+  private:
+    void fill_vertex(std::size_t i, Index source, Index corner, SplitReasons reasons) {
+        out_.positions[i] = mesh_.positions[source];
+        out_.source_vertices[i] = source;
+        out_.source_corners[i] = corner;
+        out_.split_reasons[i] = reasons;
+        if (!out_.normals.empty()) out_.normals[i] = normals_.at(corner);
+        if (!out_.tangents.empty()) out_.tangents[i] = tangents_.at(corner);
+        for (std::size_t s = 0; s < mesh_.uvs.size(); ++s)
+            if (!mesh_.uvs[s].empty()) out_.uvs[s][i] = Layer(mesh_.uvs[s], missing_uv).at(corner);
+        for (std::size_t s = 0; s < mesh_.colors.size(); ++s)
+            if (!mesh_.colors[s].empty())
+                out_.colors[s][i] = Layer(mesh_.colors[s], missing_color).at(corner);
+    }
+    void fill_loose(std::size_t i, Index source) {
+        out_.positions[i] = mesh_.positions[source];
+        out_.source_vertices[i] = source;
+        out_.source_corners[i] = no_index;
+        if (!out_.normals.empty()) out_.normals[i] = missing_normal;
+        if (!out_.tangents.empty()) out_.tangents[i] = missing_tangent;
+        if (!mesh_.vertex_colors.empty()) out_.colors[0][i] = mesh_.vertex_colors[source];
+    }
+
+    const Mesh& mesh_;
+    std::span<const Block> blocks_;
+    int threads_;
+    VertexMesh& out_;
+    std::vector<Index> bases_;  // per block its first vertex, and their number
+    Layer<glm::vec3> normals_{mesh_.normals, missing_normal};
+    Layer<glm::vec4> tangents_{mesh_.tangents, missing_tangent};
+};
+
 }  // namespace
 
-Result<VertexMesh> split(const Mesh& mesh, const HardEdges* hard, const SplitOptions& options) {
+namespace detail {
+
+Result<VertexMesh> split_vertices(const Mesh& mesh, const HardEdges* hard,
+                                  const VertexCorners* around, const SplitOptions& options) {
     const std::size_t sources = mesh.vertex_count();
     if (mesh.corner_count() + sources >= no_index)
         return Error{ErrorCode::limit,
                      "more than 2^32 - 2 corners and vertices: cut the mesh into pieces",
                      mesh.name};
     const Attributes attributes(mesh, hard, options);
-    const detail::VertexCorners at =
-        detail::corners_by_vertex(mesh.corner_vertices, sources, options.threads);
+    VertexCorners own;
+    if (around == nullptr) {
+        own = corners_by_vertex(mesh.corner_vertices, sources, options.threads);
+        around = &own;
+    }
     std::vector<bool> loose(sources, false);
     for (const Index v : mesh.line_vertices) loose[v] = true;
     for (const Index v : mesh.points) loose[v] = true;
 
-    VertexMesh out;
-    out.origin = mesh.origin;
-    out.corner_vertices.resize(mesh.corner_count());
     std::vector<Block> blocks((sources + vertex_grain - 1) / vertex_grain);
-    detail::parallel_blocks(
+    parallel_blocks(
         sources, vertex_grain, options.threads, [&](std::size_t begin, std::size_t end) {
             Block& block = blocks[begin / vertex_grain];
-            const std::size_t likely = (end - begin) + (end - begin) / 8;
-            block.first_corners.reserve(likely);
-            block.sources.reserve(likely);
-            block.reasons.reserve(likely);
-            VertexSplitter splitter(attributes, block, out.corner_vertices);
+            VertexSplitter splitter(attributes, block);
             for (std::size_t v = begin; v < end; ++v) {
-                const std::span<const Index> corners(at.corners.data() + at.offsets[v],
-                                                     at.offsets[v + 1] - at.offsets[v]);
-                if (!corners.empty()) {
-                    splitter.split(Index(v), corners);
-                } else if (loose[v]) {
-                    block.first_corners.push_back(no_index);
-                    block.sources.push_back(Index(v));
-                    block.reasons.push_back(0);
-                }
+                const Index first = around->offsets[v], last = around->offsets[v + 1];
+                if (first < last)
+                    splitter.split(Index(v), {around->corners.data() + first, last - first});
+                block.sources += first < last || loose[v];
             }
         });
-
-    std::vector<Index> bases(blocks.size() + 1, 0);
-    for (std::size_t b = 0; b < blocks.size(); ++b)
-        bases[b + 1] = bases[b] + Index(blocks[b].sources.size());
-    detail::parallel_blocks(mesh.corner_count(), 3 * triangle_grain, options.threads,
-                            [&](std::size_t begin, std::size_t end) {
-                                for (std::size_t c = begin; c < end; ++c)
-                                    out.corner_vertices[c] +=
-                                        bases[mesh.corner_vertices[c] / vertex_grain];
-                            });
-    const std::size_t vertices = bases.back();
-    out.positions.resize(vertices);
-    out.source_vertices.resize(vertices);
-    out.source_corners.resize(vertices);
-    out.split_reasons.resize(vertices);
-    if (!mesh.normals.empty()) out.normals.resize(vertices);
-    if (!mesh.tangents.empty()) out.tangents.resize(vertices);
-    out.uvs.resize(mesh.uvs.size());
-    for (auto& set : out.uvs) set.resize(vertices, missing_uv);
-    // Loose vertices bring colours of their own where no face layer exists.
-    const std::size_t color_sets =
-        std::max<std::size_t>(mesh.colors.size(), mesh.vertex_colors.empty() ? 0 : 1);
-    out.colors.resize(color_sets);
-    for (auto& set : out.colors) set.resize(vertices, missing_color);
-
-    const Layer<glm::vec3> normals(mesh.normals, missing_normal);
-    const Layer<glm::vec4> tangents(mesh.tangents, missing_tangent);
-    detail::parallel_blocks(
-        sources, vertex_grain, options.threads, [&](std::size_t begin, std::size_t) {
-            const Block& block = blocks[begin / vertex_grain];
-            const Index base = bases[begin / vertex_grain];
-            for (std::size_t k = 0; k < block.sources.size(); ++k) {
-                const std::size_t i = base + k;
-                const Index c = block.first_corners[k], v = block.sources[k];
-                out.positions[i] = mesh.positions[v];
-                out.source_vertices[i] = v;
-                out.source_corners[i] = c;
-                out.split_reasons[i] = block.reasons[k];
-                const bool on_face = c != no_index;
-                if (!out.normals.empty()) out.normals[i] = on_face ? normals.at(c) : missing_normal;
-                if (!out.tangents.empty())
-                    out.tangents[i] = on_face ? tangents.at(c) : missing_tangent;
-                for (std::size_t s = 0; s < mesh.uvs.size(); ++s)
-                    if (on_face && !mesh.uvs[s].empty())
-                        out.uvs[s][i] = Layer<glm::vec2>(mesh.uvs[s], missing_uv).at(c);
-                for (std::size_t s = 0; s < mesh.colors.size(); ++s)
-                    if (on_face && !mesh.colors[s].empty())
-                        out.colors[s][i] = Layer<glm::vec4>(mesh.colors[s], missing_color).at(c);
-                if (!on_face && !mesh.vertex_colors.empty())
-                    out.colors[0][i] = mesh.vertex_colors[v];
-            }
-        });
-
+    VertexMesh out;
+    out.origin = mesh.origin;
+    VertexMaker maker(mesh, blocks, options.threads, out);
+    maker.make_room();
+    maker.fill(*around, loose);
+    own = {};
     RangeMaker(mesh, options, out).run();
 
     if (!mesh.line_vertices.empty() || !mesh.points.empty()) {
         std::vector<Index> first_vertex(sources, no_index);
-        for (Index i = Index(vertices); i-- > 0;) first_vertex[out.source_vertices[i]] = i;
+        for (Index i = Index(out.vertex_count()); i-- > 0;)
+            first_vertex[out.source_vertices[i]] = i;
         for (std::size_t l = 0; l + 1 < mesh.line_offsets.size(); ++l)
             for (Index k = mesh.line_offsets[l]; k + 1 < mesh.line_offsets[l + 1]; ++k) {
                 out.lines.push_back(first_vertex[mesh.line_vertices[k]]);
@@ -397,6 +475,12 @@ Result<VertexMesh> split(const Mesh& mesh, const HardEdges* hard, const SplitOpt
         for (const Index v : mesh.points) out.points.push_back(first_vertex[v]);
     }
     return out;
+}
+
+}  // namespace detail
+
+Result<VertexMesh> split(const Mesh& mesh, const HardEdges* hard, const SplitOptions& options) {
+    return detail::split_vertices(mesh, hard, nullptr, options);
 }
 
 }  // namespace prep

@@ -1,14 +1,18 @@
 // Drawing a prepared scene: a plan first (what will be done and why), then the picture.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <glm/glm.hpp>
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "prep/calls/calls_for.h"
+#include "prep/calls/reason.h"
 #include "prep/image.h"
 #include "prep/prepared_scene.h"
 #include "prep/render_choices.h"
@@ -36,6 +40,27 @@ struct Crop {
     std::uint32_t x = 0, y = 0, width = 0, height = 0;
 };
 
+// What a plan would know of a texture's texels.
+struct TexelQuestions {
+    bool constant = false;      // are all alike, their blue 1?
+    bool not_negative = false;  // are red, green and blue at least 0?
+    bool alpha = false;         // is every alpha at least
+    float least_alpha = 0;      // this?
+    explicit operator bool() const { return constant || not_negative || alpha; }
+    friend bool operator==(const TexelQuestions&, const TexelQuestions&) = default;
+};
+
+// What the texels of a texture are like: gathered when it has been read, until each question is
+// answered with no. They hold for the decoding and the levels of the plan that asked: plans of
+// another filter, or of other materials, gather their own.
+struct TexelFacts {
+    bool known = false;  // and all are finite
+    // Bounds of every texel, decoded, and of what lies beyond a border: tight unless each question
+    // is answered with no. `constant`: of every level alike.
+    glm::vec4 low{0.0f}, high{0.0f};
+    bool constant = false;
+};
+
 // What is asked for. Unset choices are made by plan().
 struct RenderRequest : prep::RenderChoices {
     std::optional<View> view;  // unset: the scene's camera, else the whole scene
@@ -49,6 +74,9 @@ struct RenderRequest : prep::RenderChoices {
     // (a neutral one where it has none), all buffers are kept, all levels of detail made: the same
     // picture, for tests and for measuring what leaving out is worth.
     bool prune = true;
+    // By Scene::textures; SceneRenderer::texel_facts() gathers them. Null: nothing is known, and
+    // nothing is left out for what texels are like.
+    std::shared_ptr<const std::vector<TexelFacts>> texel_facts;
     std::optional<Crop> crop;  // unset: the whole picture
     PixelFormat pixels = PixelFormat::floats;
     // Of a band's pixels in render_bands(). Lists of triangles by tile take as much at most, beside
@@ -64,24 +92,57 @@ struct PlanStep {
     std::string name;  // "vertex lighting", "normal maps", "mip levels", …
     bool run = false;
     std::string reason;  // tied to scene data
+    prep::ReasonLabel label = prep::ReasonLabel::run;
+    // As data: its own first, then by light, material and map.
+    std::vector<prep::Reason> reasons = {};
+};
+
+// What is left out though it is asked for: it is proved to change no bit of the picture, or, of
+// lights, to add no more than RenderChoices::allow_error.
+struct PlanSkips {
+    struct OfMaterial {
+        bool highlights = false, mask = false;
+        std::uint32_t maps = 0;  // bit k: MapKind k
+    };
+    std::vector<bool> lights;           // by RenderPlan::lights; empty: none is left out
+    std::vector<OfMaterial> materials;  // by Scene::materials; empty: as well
+    bool inside_samples = false;        // tiles inside one triangle take one sample a pixel
+    OfMaterial of(std::uint32_t material) const {
+        return material < materials.size() ? materials[material] : OfMaterial{};
+    }
+    bool light(std::size_t index) const { return index < lights.size() && lights[index]; }
 };
 
 // Draws that are shaded by the same steps.
 struct PlanVariant {
     std::string name;             // "tangent-space normal map, diffuse map, masked"
     std::uint64_t triangles = 0;  // instanced
+    // What its points take, beside their surface.
+    std::uint32_t maps = 0;  // read
+    bool lit = false, highlights = false, bends_normals = false, masked = false;
 };
+
+namespace detail {
+struct FramePass;
+}
 
 struct RenderPlan {         // a value; made by plan(), obeyed by render()
     RenderRequest request;  // with every choice made
     View view;
     std::vector<LightInstance> lights;
+    PlanSkips skips;
     std::vector<PlanStep> steps;
     std::vector<PlanVariant> variants;  // by falling number of triangles
+    // Passes before and after the main one (none has been made yet), and how many pixels beyond a
+    // crop or a band are drawn for what those after it look at.
+    std::vector<std::shared_ptr<const detail::FramePass>> passes = {};
+    std::uint32_t halo = 0;
     std::vector<bool> textures_used;    // per Scene::textures entry
-    std::vector<bool> colour_textures;  // of those: decoded from sRGB
-    std::uint64_t triangles = 0;        // instanced
-    std::uint32_t band_rows = 0;        // of what render_bands() draws at a time
+    std::vector<bool> colour_textures;  // decoded from sRGB, where they are
+    // Of those: texel_facts() might leave something out by them.
+    std::vector<TexelQuestions> texel_questions;
+    std::uint64_t triangles = 0, vertices = 0;  // instanced
+    std::uint32_t band_rows = 0;                // of what render_bands() draws at a time
     std::uint64_t memory_estimate = 0;  // bytes, of the whole picture at once, without textures
     std::uint64_t band_memory_estimate = 0;  // the same for render_bands()
     std::vector<std::string> warnings;
@@ -91,6 +152,18 @@ struct RenderPlan {         // a value; made by plan(), obeyed by render()
 // an anisotropy or a supersampling that is not offered; samples beside exact areas), limit (larger
 // than max_picture_extent, times the supersampling).
 prep::Result<RenderPlan> plan(const prep::PreparedScene& scene, const RenderRequest& request = {});
+
+// What the plan's consumer reads of the meshes' vertices, by PreparedScene::meshes: the table of
+// prep::calls_for(), and so never more than prep::requirements() provides for the same consumer.
+prep::Consumer consumer_of(const RenderPlan& plan);
+std::vector<prep::AttributeReads> reads_of(const prep::PreparedScene& scene,
+                                           const RenderPlan& plan);
+
+// Stages of shading, in the order in which points go through them; names for what counts them.
+inline constexpr std::array<std::string_view, 9> shade_stage_names = {
+    "interpolation", "maps",       "normals", "eye", "light", "light without highlights",
+    "exponents",     "highlights", "color"};
+inline constexpr std::size_t shade_stages = shade_stage_names.size();
 
 struct Counters {
     std::uint64_t triangles = 0;        // submitted
@@ -103,10 +176,16 @@ struct Counters {
     std::uint64_t vertices_lit = 0;     // Gouraud
     std::uint64_t pixels_shaded = 0;
     std::uint64_t texture_samples = 0;  // maps read at shaded points
-    std::uint64_t textures_read = 0;    // files and embedded pictures decoded
-    std::uint64_t texture_levels = 0;   // made of them, first levels included
-    std::uint64_t buffer_bytes = 0;     // of the frame's buffers
-    std::uint64_t list_bytes = 0;       // of the lists of triangles by tile, at most at a time
+    // Stages at shaded points: lights, highlights of lights, normals bent by a map.
+    std::uint64_t light_points = 0, highlight_points = 0, normal_map_points = 0;
+    // All stages of shading: points that went through each, as often as they did.
+    std::array<std::uint64_t, shade_stages> stage_points{};
+    std::uint64_t masked_triangles = 0;  // in tiles, for each of their samples
+    std::uint64_t sample_points = 0;     // pixels of tiles that are not empty, times their samples
+    std::uint64_t textures_read = 0;     // files and embedded pictures decoded
+    std::uint64_t texture_levels = 0;    // made of them, first levels included
+    std::uint64_t buffer_bytes = 0;      // of the frame's buffers
+    std::uint64_t list_bytes = 0;        // of the lists of triangles by tile, at most at a time
 };
 
 struct Frame {
@@ -152,6 +231,9 @@ class SceneRenderer {
     // As render(), into a frame whose memory is used again.
     prep::Result<void> render(const RenderPlan& plan, Frame& frame);
     prep::Result<Frame> render_bands(const RenderPlan& plan, const BandSink& take);
+    // Reads the textures of plan.texel_questions. They are kept: drawing does not read them again.
+    // For RenderRequest::texel_facts; null where there are none to be read.
+    std::shared_ptr<const std::vector<TexelFacts>> texel_facts(const RenderPlan& plan);
 
   private:
     std::unique_ptr<detail::Painter> painter_;

@@ -32,6 +32,7 @@ struct LightInstance {
     glm::vec3 color{1.0f};           // linear, times intensity
     float range = 0;                 // 0: no limit
     float inner_cone = 0, outer_cone = 0.785398163f;
+    std::uint32_t node = prep::no_index;  // of the scene that it stands at
 };
 
 // The box of everything that is drawn, in world space; nothing when there is no finite position.

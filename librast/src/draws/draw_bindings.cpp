@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "plan/sampled_maps.h"
+#include "plan/draw_choice.h"
 
 namespace rast::detail {
 namespace {
@@ -12,8 +12,7 @@ void copy3(const glm::dvec3& from, float to[3]) {
     for (int k = 0; k < 3; ++k) to[k] = float(from[k]);
 }
 
-// Maps of one draw. Where nothing is to be left out, those that a material does not have are
-// neutral ones: factors of 1, and normals straight up.
+// Maps of one draw. Neutral ones are factors of 1, and normals straight up.
 class Binder {
   public:
     Binder(const RenderPlan& plan, const prep::VertexMesh& mesh, const TextureSet& textures,
@@ -21,10 +20,7 @@ class Binder {
         : plan_(plan), mesh_(mesh), textures_(textures), draw_(draw) {}
 
     bool bind(MapKind kind, const prep::TextureRef& ref) {
-        if (!ref || !plan_.request.textures || ref.texture >= textures_.size()) return false;
-        if (!textures_[ref.texture] || ref.uv_set >= mesh_.uvs.size() ||
-            mesh_.uvs[ref.uv_set].empty())
-            return false;
+        if (ref.texture >= textures_.size() || !textures_[ref.texture]) return false;
         MapPlace place;
         place.uv = &mesh_.uvs[ref.uv_set][0].x;
         // KHR_texture_transform: offset + rotation · scale · uv.
@@ -38,11 +34,12 @@ class Binder {
         set(kind, *textures_[ref.texture], place, ref.strength);
         return true;
     }
-    bool factor(MapKind kind, const prep::TextureRef& ref) {
-        return bind(kind, ref) || neutral(kind, white_map);
-    }
-    bool normals(const prep::TextureRef& ref) {
-        return bind(MapKind::normal, ref) || neutral(MapKind::normal, flat_map);
+    bool neutral(MapKind kind, std::size_t from_end) {
+        if (plan_.request.prune || mesh_.uvs.empty() || mesh_.uvs[0].empty()) return false;
+        MapPlace place;
+        place.uv = &mesh_.uvs[0][0].x;
+        set(kind, *textures_[textures_.size() - from_end], place, 1);
+        return true;
     }
 
     // Those that read the same texels next to each other.
@@ -80,36 +77,25 @@ class Binder {
         map.strength = strength;
     }
 
-    bool neutral(MapKind kind, std::size_t from_end) {
-        if (plan_.request.prune || mesh_.uvs.empty() || mesh_.uvs[0].empty()) return false;
-        MapPlace place;
-        place.uv = &mesh_.uvs[0][0].x;
-        set(kind, *textures_[textures_.size() - from_end], place, 1);
-        return true;
-    }
-
     const RenderPlan& plan_;
     const prep::VertexMesh& mesh_;
     const TextureSet& textures_;
     ShadeDraw& draw_;
 };
 
-// The material's maps and what depends on them.
-void bind_maps(const RenderPlan& plan, const prep::Material& material, Binder& binder,
+// The maps of the plan's choice. What cannot be read drops out; where nothing is to be left out, a
+// neutral one takes the place of what is not there.
+void bind_maps(const DrawChoice& choice, const prep::Material& material, Binder& binder,
                ShadeDraw& s) {
     for (const prep::MaterialMap& map : prep::material_maps) {
-        if (!is_sampled(map, material, plan.request.shading)) continue;
-        const prep::TextureRef& ref = material.*map.ref;
-        if (map.use != prep::MapUse::normals) {
-            binder.factor(map.kind, ref);
-        } else if (s.normals == nullptr) {
-            continue;
-        } else if (material.normal_map_space == prep::NormalMapSpace::object) {
-            // A neutral map is one in tangent space.
-            if (binder.bind(map.kind, ref)) s.source = NormalSource::object_map;
-        } else if (s.tangents != nullptr) {
-            if (binder.normals(ref)) s.source = NormalSource::tangent_map;
+        if (map.use == prep::MapUse::not_drawn) break;
+        const bool normals = map.use == prep::MapUse::normals;
+        bool bound = choice.has(map.kind) && binder.bind(map.kind, material.*map.ref);
+        if (!bound && (choice.could_be >> unsigned(map.kind) & 1u) != 0) {
+            bound = binder.neutral(map.kind, normals ? flat_map : white_map);
+            if (bound && normals) s.source = NormalSource::tangent_map;
         }
+        if (!bound && normals && choice.has(map.kind)) s.source = NormalSource::interpolated;
     }
 }
 
@@ -144,7 +130,9 @@ void set_up_frame(const RenderPlan& plan, FrameInputs& out) {
     }
     const glm::dvec3 eye = plan.view.eye();
     glm::dvec3 ambient(0);
-    for (const LightInstance& light : plan.lights) {
+    for (std::size_t l = 0; l < plan.lights.size(); ++l) {
+        const LightInstance& light = plan.lights[l];
+        if (plan.skips.light(l)) continue;
         if (light.kind == prep::LightKind::ambient) {
             ambient += glm::dvec3(light.color);
             continue;
@@ -155,7 +143,6 @@ void set_up_frame(const RenderPlan& plan, FrameInputs& out) {
         copy3(light.position - eye, s.position);
         copy3(glm::dvec3(light.color), s.color);
         if (light.kind != prep::LightKind::directional) {
-            frame.needs_position = true;
             if (light.range > 0) s.inv_range = 1 / light.range;
         }
         if (light.kind == prep::LightKind::spot) {
@@ -167,7 +154,6 @@ void set_up_frame(const RenderPlan& plan, FrameInputs& out) {
         }
         out.lights.push_back(s);
     }
-    if (!plan.request.prune) frame.needs_position = true;
     copy3(ambient, frame.ambient);
     frame.lights = out.lights.data();
     frame.light_count = out.lights.size();
@@ -189,11 +175,11 @@ ShadeDraw shade_draw(const RenderPlan& plan, const prep::PreparedScene& scene, c
     s.colors = instance.colors();
     s.first_triangle = draw.first_triangle;
     s.triangle_count = draw.triangle_count;
-    s.masked = material.alpha_mode == prep::AlphaMode::mask;
+    const DrawChoice choice = choose(plan, consumer_of(plan), mesh, material, draw.material);
+    s.masked = choice.masked;
+    s.highlights = choice.highlights;
     s.unlit = material.unlit;
-    s.source = plan.request.shading == Shading::flat || s.normals == nullptr
-                   ? NormalSource::face
-                   : NormalSource::interpolated;
+    s.source = choice.source;
     for (int r = 0; r < 3; ++r) {
         for (int c = 0; c < 3; ++c)
             s.normal_matrix[r * 3 + c] = float(instance.normal_matrix()[c][r]);
@@ -210,6 +196,7 @@ ShadeDraw shade_draw(const RenderPlan& plan, const prep::PreparedScene& scene, c
             ? prep::blinn_phong(glm::vec3(0), material.metallic, material.roughness).shininess
             : material.shininess;
     s.shininess = std::max(shininess, 0.0f);
+    s.glows = material.emissive != glm::vec3(0.0f);
     s.alpha_cutoff = material.alpha_cutoff;
     s.flip_green = material.normal_map_flip_green;
     s.metallic_roughness = !material.unlit && material.metallic_roughness;
@@ -217,7 +204,7 @@ ShadeDraw shade_draw(const RenderPlan& plan, const prep::PreparedScene& scene, c
     s.roughness = material.roughness;
     copy3(glm::dvec3(material.reflectance), s.reflectance);
     Binder binder(plan, mesh, textures, s);
-    bind_maps(plan, material, binder, s);
+    bind_maps(choice, material, binder, s);
     binder.order();
     return s;
 }

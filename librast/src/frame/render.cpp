@@ -34,6 +34,13 @@ prep::Result<void> SceneRenderer::render(const RenderPlan& plan, Frame& frame) {
     return {};
 }
 
+std::shared_ptr<const std::vector<TexelFacts>> SceneRenderer::texel_facts(const RenderPlan& plan) {
+    const std::vector<TexelQuestions>& asked = plan.texel_questions;
+    if (std::none_of(asked.begin(), asked.end(), [](const TexelQuestions& q) { return bool(q); }))
+        return nullptr;
+    return std::make_shared<const std::vector<TexelFacts>>(painter_->texel_facts(plan));
+}
+
 prep::Result<Frame> render(const prep::PreparedScene& scene, const RenderPlan& plan) {
     Frame frame;
     if (auto done = SceneRenderer(scene).render(plan, frame); !done) return done.error();

@@ -68,6 +68,12 @@ void add_counters(Counters& to, const Counters& from) {
     to.vertices_lit += from.vertices_lit;
     to.pixels_shaded += from.pixels_shaded;
     to.texture_samples += from.texture_samples;
+    to.light_points += from.light_points;
+    to.highlight_points += from.highlight_points;
+    to.normal_map_points += from.normal_map_points;
+    to.masked_triangles += from.masked_triangles;
+    to.sample_points += from.sample_points;
+    for (std::size_t k = 0; k < shade_stages; ++k) to.stage_points[k] += from.stage_points[k];
     // Held by all parts, or by one at a time.
     to.textures_read = std::max(to.textures_read, from.textures_read);
     to.texture_levels = std::max(to.texture_levels, from.texture_levels);
@@ -149,6 +155,13 @@ void Renderer::draw_rows(std::uint32_t first, std::uint32_t rows, Frame& frame) 
     for (const TileCounts& counts : tile_counts_) {
         frame.counters.pixels_shaded += counts.shaded;
         frame.counters.texture_samples += counts.texture_samples;
+        frame.counters.light_points += counts.light_points;
+        frame.counters.highlight_points += counts.highlight_points;
+        frame.counters.normal_map_points += counts.normal_map_points;
+        frame.counters.masked_triangles += counts.masked_triangles;
+        frame.counters.sample_points += counts.sample_points;
+        for (std::size_t k = 0; k < shade_stages; ++k)
+            frame.counters.stage_points[k] += counts.stage_points[k];
     }
     frame.counters.textures_read = textures_read_;
     frame.counters.texture_levels = texture_levels();
@@ -176,33 +189,58 @@ prep::Image checker() {
 
 }  // namespace
 
+// Unless it is there.
+void Renderer::load_texture(std::size_t t) {
+    const prep::Scene& scene = prepared_.scene;
+    const prep::Texture& texture = scene.textures[t];
+    KeptTexture& kept = kept_[t];
+    const bool colour = plan_->colour_textures[t];
+    const TextureLevels levels =
+        levels_for(filter_for(plan_->request.filter, texture), texture.mip);
+    if (kept.tried && kept.colour == colour && kept.levels == levels) return;
+    kept = {true, colour, levels, nullptr, {}, {}, {}};
+    auto image = prep::load_image(scene.images[texture.image]);
+    if (!image) {
+        // A picture of a kind that is known and not read is no reason for a bare surface.
+        const bool known = image.error().code == prep::ErrorCode::unsupported;
+        kept.warning = (known ? "texture drawn as a checker: " : "texture left out: ") +
+                       prep::to_string(image.error());
+        if (known && colour) image = checker();
+    }
+    if (image)
+        kept.texture =
+            std::make_shared<MipTexture>(*image, texture, colour && !image->floating, levels);
+}
+
+std::vector<TexelFacts> Renderer::texel_facts(const RenderPlan& plan) {
+    plan_ = &plan;
+    const prep::Scene& scene = prepared_.scene;
+    kept_.resize(scene.textures.size());
+    std::vector<TexelFacts> facts(scene.textures.size());
+    for (std::size_t t = 0; t < facts.size(); ++t) {
+        const TexelQuestions& asked = plan.texel_questions[t];
+        if (!asked || scene.textures[t].image >= scene.images.size()) continue;
+        load_texture(t);
+        KeptTexture& kept = kept_[t];
+        if (kept.texture && kept.asked != asked) {
+            kept.asked = asked;
+            kept.facts = kept.texture->facts(asked, plan.request.threads);
+        }
+        facts[t] = kept.facts;
+    }
+    return facts;
+}
+
 void Renderer::load_textures() {
     const prep::Scene& scene = prepared_.scene;
-    const TextureFilter filter = plan_->request.filter;
     kept_.resize(scene.textures.size());
     textures_.assign(scene.textures.size(), nullptr);
     textures_read_ = 0;
     warnings_.clear();
     for (std::size_t t = 0; t < scene.textures.size(); ++t) {
-        const prep::Texture& texture = scene.textures[t];
-        if (!plan_->textures_used[t] || texture.image >= scene.images.size()) continue;
-        KeptTexture& kept = kept_[t];
-        const bool colour = plan_->colour_textures[t];
-        const TextureLevels levels = levels_for(filter_for(filter, texture), texture.mip);
-        if (!kept.tried || kept.colour != colour || kept.levels != levels) {
-            kept = {true, colour, levels, nullptr, {}};
-            auto image = prep::load_image(scene.images[texture.image]);
-            if (!image) {
-                // A picture of a kind that is known and not read is no reason for a bare surface.
-                const bool known = image.error().code == prep::ErrorCode::unsupported;
-                kept.warning = (known ? "texture drawn as a checker: " : "texture left out: ") +
-                               prep::to_string(image.error());
-                if (known && colour) image = checker();
-            }
-            if (image)
-                kept.texture = std::make_shared<MipTexture>(*image, texture,
-                                                            colour && !image->floating, levels);
-        }
+        if (!plan_->textures_used[t] || scene.textures[t].image >= scene.images.size()) continue;
+        load_texture(t);
+        const KeptTexture& kept = kept_[t];
         textures_[t] = kept.texture;
         if (kept.warning.empty())
             ++textures_read_;
@@ -213,7 +251,7 @@ void Renderer::load_textures() {
     if (plan_->request.prune) return;
     for (const auto& texture : textures_)
         if (texture) texture->make_all_levels();
-    add_neutral_maps(textures_, levels_for(filter_for(filter, {})));
+    add_neutral_maps(textures_, levels_for(filter_for(plan_->request.filter, {})));
 }
 
 // Maps of one material that are read at the same places.
@@ -295,6 +333,11 @@ void Renderer::make_draws() {
     const bool colors = plan_->request.keep_color || !plan_->request.prune;
     if (plan_->request.shading == Shading::gouraud && colors)
         for (std::size_t d = 0; d < draws_.size(); ++d) light_vertices(d);
+    stage_lists_.begin(*plan_, inputs_.frame);
+    for (std::size_t d = 0; d < draws_.size(); ++d) {
+        const prep::VertexMesh& mesh = instances_[draws_[d].instance].mesh();
+        stage_lists_.bind(!mesh.uvs.empty() && !mesh.uvs[0].empty(), shade_draws_[d]);
+    }
 }
 
 void Renderer::light_vertices(std::size_t d) {

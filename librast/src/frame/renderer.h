@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "draws/draw_stages.h"
 #include "passes/tile_renderer.h"
 
 namespace rast::detail {
@@ -23,6 +24,8 @@ class Renderer {
     // Textures, vertices and draws for this plan, which must stay while it is drawn.
     void begin(const RenderPlan& plan);
     const std::vector<std::string>& warnings() const { return warnings_; }  // of begin()
+    // Of the plan's texel_questions, whose textures are read and kept.
+    std::vector<TexelFacts> texel_facts(const RenderPlan& plan);
     // A part of the picture: its triangles are culled and sorted by tile, once for all its rows or,
     // where their lists would take too much, for groups of rows when these are drawn.
     void place(const Crop& part);
@@ -32,6 +35,7 @@ class Renderer {
     void draw_rows(std::uint32_t first, std::uint32_t rows, Frame& frame);
 
   private:
+    void load_texture(std::size_t index);
     void load_textures();
     void pair_textures();
     void transform();
@@ -63,6 +67,8 @@ class Renderer {
         TextureLevels levels = TextureLevels::base;
         std::shared_ptr<MipTexture> texture;
         std::string warning;  // set: it cannot be read
+        TexelQuestions asked;
+        TexelFacts facts;
     };
     std::vector<KeptTexture> kept_;
     TextureSet textures_;
@@ -71,6 +77,7 @@ class Renderer {
     std::vector<std::vector<VertexRecord>> record_pool_;
     std::vector<Draw> draws_;
     std::vector<ShadeDraw> shade_draws_;
+    StageLists stage_lists_;
     std::vector<TriangleChunk> chunks_;
     std::size_t chunk_count_ = 0;
     std::vector<TileRows> groups_;           // rows of tiles whose lists are made together

@@ -23,11 +23,18 @@ void to_bytes(const Kernels& kernels, Frame& frame) {
 
 void Painter::begin(const RenderPlan& plan) {
     plan_ = &plan;
-    const RenderRequest& r = plan.request;
+    RenderRequest r = plan.request;
+    for (const auto& pass : plan.passes) {
+        r.keep_depth |= pass->reads_depth;
+        r.keep_normals |= pass->reads_normals;
+        r.keep_positions |= pass->reads_positions;
+        r.pixels = PixelFormat::floats;
+    }
     draws_fine_ = r.supersample > 1 && r.keep_color;
     draws_plain_ = !draws_fine_ || keeps_buffers(r);
     if (draws_plain_) {
         plain_plan_ = plan;
+        plain_plan_.request = r;
         // The finer picture's colours take their place.
         if (draws_fine_) plain_plan_.request.keep_color = false;
         if (r.coverage == Coverage::area || draws_fine_)
@@ -39,21 +46,39 @@ void Painter::begin(const RenderPlan& plan) {
         fine_plan_.request.pixels = PixelFormat::floats;
         fine_.begin(fine_plan_);
     }
+    passes_.begin(plan);
+    if (plan.passes.empty()) wide_frame_ = {};
 }
 
 void Painter::place(const Crop& part) {
     part_ = part;
-    if (draws_plain_) plain_.place(part);
+    drawn_ = with_halo(*plan_, part);
+    if (draws_plain_) plain_.place(drawn_);
     if (!draws_fine_) return;
     const auto factor = std::uint32_t(plan_->request.supersample);
-    fine_.place({part.x * factor, part.y * factor, part.width * factor, part.height * factor});
+    fine_.place(
+        {drawn_.x * factor, drawn_.y * factor, drawn_.width * factor, drawn_.height * factor});
 }
 
 void Painter::draw_rows(std::uint32_t first, std::uint32_t rows, Frame& frame) {
-    draw_floats(first, rows, frame);
+    if (plan_->passes.empty())
+        draw_floats(first, rows, frame);
+    else
+        draw_for_passes(first, rows, frame);
     if (plan_->request.pixels == PixelFormat::bytes && frame.bytes.empty())
         to_bytes(kernels_for(plan_->request.simd), frame);
-    frame.counters.buffer_bytes = buffer_bytes(frame);
+    frame.counters.buffer_bytes =
+        buffer_bytes(frame) + buffer_bytes(wide_frame_) + passes_.plane_bytes();
+}
+
+void Painter::draw_for_passes(std::uint32_t first, std::uint32_t rows, Frame& frame) {
+    const RowRange range = rows_with_halo(*plan_, part_, drawn_, first, rows);
+    draw_floats(range.first, range.count, wide_frame_);
+    passes_.finish({drawn_.x, drawn_.y + range.first, drawn_.width, range.count}, wide_frame_);
+    frame.width = part_.width;
+    frame.height = rows;
+    cut_out(wide_frame_, part_.x - drawn_.x, part_.y - drawn_.y + first - range.first,
+            plan_->request, frame);
 }
 
 void Painter::draw_floats(std::uint32_t first, std::uint32_t rows, Frame& frame) {
@@ -62,7 +87,7 @@ void Painter::draw_floats(std::uint32_t first, std::uint32_t rows, Frame& frame)
     else
         frame = {};
     if (!draws_fine_) return;
-    frame.width = part_.width;
+    frame.width = drawn_.width;
     frame.height = rows;
     frame.color.resize(std::size_t(frame.width) * rows);
     const std::uint64_t plain_lists = frame.counters.list_bytes;

@@ -255,6 +255,7 @@ std::vector<LightInstance> scene_lights(const prep::Scene& scene) {
         light.range = source.range;
         light.inner_cone = source.inner_cone;
         light.outer_cone = source.outer_cone;
+        light.node = std::uint32_t(n);
         lights.push_back(light);
     }
     return lights;

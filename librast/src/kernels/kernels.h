@@ -6,6 +6,8 @@
 #include <cstdint>
 
 #include "geometry/tile.h"
+#include "plan/draw_choice.h"
+#include "plan/shade_stages.h"
 #include "prep/material.h"
 #include "prep/scene.h"
 #include "prep/simd.h"
@@ -55,18 +57,6 @@ struct SetupTask {
     std::uint32_t count = 0;  // at most SetupBlock::capacity
 };
 
-enum class NormalSource : std::uint8_t { none, face, interpolated, tangent_map, object_map };
-
-using prep::MapKind;
-
-// Kinds of maps that are drawn, the first of prep::material_maps.
-inline constexpr std::size_t drawn_maps = [] {
-    std::size_t count = 0;
-    for (const prep::MaterialMap& map : prep::material_maps)
-        count += map.use != prep::MapUse::not_drawn;
-    return count;
-}();
-
 // Where maps are read: the UV layer, and uv' = offset + matrix · uv.
 struct MapPlace {
     const float* uv = nullptr;       // two per vertex
@@ -112,7 +102,6 @@ struct ShadeFrame {
     float ambient[3] = {};
     const ShadeLight* lights = nullptr;
     std::size_t light_count = 0;
-    bool needs_position = false;  // some light is at a place
 };
 
 // Floats per vertex of Gouraud light: diffuse and specular, on the front, then on the back.
@@ -131,6 +120,8 @@ struct ShadeDraw {
     std::uint32_t first_id = 0, first_triangle = 0, triangle_count = 0;
     NormalSource source = NormalSource::interpolated;
     bool masked = false, unlit = false, metallic_roughness = false;
+    bool highlights = true;  // false: their colour is 0 everywhere
+    bool glows = false;      // by its emissive factor
     float metallic = 0, roughness = 1, reflectance[3] = {};
     float normal_matrix[9] = {};  // row by row
     bool world_normals = false;   // that is the identity
@@ -142,6 +133,9 @@ struct ShadeDraw {
     MapPlace places[drawn_maps];
     MapKind used[drawn_maps] = {};  // the kinds of its maps, those on the same texels together
     std::uint8_t used_count = 0, place_count = 0;
+    // What is done at its points for colours and for what is kept beside them.
+    const StageList* color_stages = nullptr;
+    const StageList* attribute_stages = nullptr;
 };
 
 // Pixels of a row that show the same triangle.

@@ -10,28 +10,64 @@ struct SurfaceTable {
     RangeTable color[3], light[6], uv[2];
     PlaceTable places[drawn_maps];
 
-    inline void set_up(const ShadeDraw& draw, const TilePlace& place, const Wanted& wanted, I ids) {
+    inline void set_up(const ShadeDraw& draw, const TilePlace& place, const SurfacePlanes& asked,
+                       bool mapped, const float* uvs, I ids) {
         const Corners s = corners_of(draw, ids);
-        const TriangleTable::Slopes slopes = triangles.set_up(draw, s, place, wanted.maps);
-        store(ids, id);
-        if (wanted.normals) {
+        const TriangleTable::Slopes slopes = triangles.set_up(draw, s, place, mapped);
+        if (asked.id != nullptr) store(ids, id);
+        if (asked.normal != nullptr) {
             if (draw.source == NormalSource::face) {
                 const F zero = set(0.0f);
                 const V3 n = face_normal(draw, s, {zero, zero, zero});
                 store(n.x, face[0]);
                 store(n.y, face[1]);
                 store(n.z, face[2]);
-            } else if (draw.source != NormalSource::object_map) {
+            } else {
                 normal.set_up(s, draw.normals);
             }
-            if (draw.source == NormalSource::tangent_map) {
+            if (asked.tangent != nullptr) {
                 tangent.set_up<4>(s, draw.tangents);
                 store(corner_value<4>(s, draw.tangents, 0, 3), sign);
             }
         }
-        if (wanted.positions) position.set_up(s, draw.positions);
-        for (int c = 0; wanted.colors && c < 3; ++c) color[c].set_up<4>(s, draw.colors, c);
-        if (wanted.vertex_light) {
+        if (asked.rare) set_up_rare(draw, s, asked, uvs, ids);
+        for (int p = 0; mapped && p < draw.place_count; ++p)
+            if (asked.coordinates[p] != nullptr) places[p].set_up(draw.places[p], s, slopes);
+    }
+
+    // One vector's points, from point `n` on. `at`: their triangles, as Pick or OnePick.
+    template <class At>
+    RAST_INLINE void put(const ShadeDraw& draw, const TilePlace& place, bool mapped,
+                         const TriangleTable::Shares& shares, I entry, At at, I i, I j,
+                         const SurfacePlanes& to, std::size_t n) const {
+        const Weights w = triangles.weights(place, mapped, shares, entry, at, i, j);
+        if (to.id != nullptr) store(from_bits(pick(id, at)), to.id + n);
+        if (to.normal != nullptr) {
+            if (draw.source == NormalSource::face)
+                put3({pick(face[0], at), pick(face[1], at), pick(face[2], at)}, to.normal, n);
+            else
+                put3(normal(w, at), to.normal, n);
+            if (to.tangent != nullptr) {
+                put3(tangent(w, at), to.tangent, n);
+                put_plane(pick(sign, at), to.tangent, 3, n);
+            }
+        }
+        if (to.rare) put_rare(draw, w, at, to, n);
+        for (int p = 0; mapped && p < draw.place_count; ++p) {
+            float* const planes = to.coordinates[p];
+            if (planes == nullptr) continue;
+            const Coordinates c = places[p](w, at);
+            const F values[6] = {c.u, c.v, c.u_x, c.v_x, c.u_y, c.v_y};
+            for (int k = 0; k < 6; ++k) put_plane(values[k], planes, k, n);
+        }
+    }
+
+  private:
+    inline void set_up_rare(const ShadeDraw& draw, const Corners& s, const SurfacePlanes& asked,
+                            const float* uvs, I ids) {
+        if (asked.position != nullptr) position.set_up(s, draw.positions);
+        for (int c = 0; asked.color != nullptr && c < 3; ++c) color[c].set_up<4>(s, draw.colors, c);
+        if (asked.vertex_light != nullptr) {
             // The sums on the side that is seen.
             const I from = select(ids < set(0), set(6), set(0));
             for (int c = 0; c < 6; ++c) {
@@ -42,46 +78,20 @@ struct SurfaceTable {
                 light[c].set_up(values[0], values[1], values[2]);
             }
         }
-        for (int c = 0; wanted.uvs != nullptr && c < 2; ++c) uv[c].set_up<2>(s, wanted.uvs, c);
-        for (int p = 0; wanted.maps && p < draw.place_count; ++p)
-            places[p].set_up(draw.places[p], s, slopes);
+        for (int c = 0; asked.uv != nullptr && c < 2; ++c) uv[c].set_up<2>(s, uvs, c);
     }
-
-    // One vector's points, from point `n` on. `at`: their triangles, as Pick or OnePick.
     template <class At>
-    RAST_INLINE void put(const ShadeDraw& draw, const TilePlace& place, const Wanted& wanted,
-                         const TriangleTable::Shares& shares, I entry, At at, I i, I j,
-                         Points& points, std::size_t n) const {
-        const Weights w = triangles.weights(place, wanted.maps, shares, entry, at, i, j);
-        store(pick(id, at), points.id + n);
-        if (wanted.normals) {
-            if (draw.source == NormalSource::face)
-                points.put3({pick(face[0], at), pick(face[1], at), pick(face[2], at)},
-                            Points::normal, n);
-            else if (draw.source != NormalSource::object_map)
-                points.put3(normal(w, at), Points::normal, n);
-            if (draw.source == NormalSource::tangent_map) {
-                points.put3(tangent(w, at), Points::tangent, n);
-                points.put(pick(sign, at), Points::sign, n);
-            }
-        }
-        if (wanted.positions)
-            points.put3(point_from_eye(draw, position(w, at)), Points::position, n);
-        for (int c = 0; wanted.colors && c < 3; ++c)
-            points.put(color[c](w, at), Points::color + c, n);
-        for (int c = 0; wanted.vertex_light && c < 6; ++c)
-            points.put(light[c](w, at), Points::vertex_light + c, n);
-        for (int c = 0; wanted.uvs != nullptr && c < 2; ++c)
-            points.put(uv[c](w, at), Points::uv + c, n);
-        if (wanted.weights) {
-            points.put(w.b, Points::weights, n);
-            points.put(w.c, Points::weights + 1, n);
-        }
-        for (int p = 0; wanted.maps && p < draw.place_count; ++p) {
-            const Coordinates c = places[p](w, at);
-            const F values[6] = {c.u, c.v, c.u_x, c.v_x, c.u_y, c.v_y};
-            for (int k = 0; k < 6; ++k) points.put(values[k], Points::coordinates + 6 * p + k, n);
-        }
+    RAST_INLINE void put_rare(const ShadeDraw& draw, const Weights& w, At at,
+                              const SurfacePlanes& to, std::size_t n) const {
+        if (to.position != nullptr) put3(point_from_eye(draw, position(w, at)), to.position, n);
+        for (int c = 0; to.color != nullptr && c < 3; ++c)
+            put_plane(color[c](w, at), to.color, c, n);
+        for (int c = 0; to.vertex_light != nullptr && c < 6; ++c)
+            put_plane(light[c](w, at), to.vertex_light, c, n);
+        for (int c = 0; to.uv != nullptr && c < 2; ++c) put_plane(uv[c](w, at), to.uv, c, n);
+        if (to.weights == nullptr) return;
+        put_plane(w.b, to.weights, 0, n);
+        put_plane(w.c, to.weights, 1, n);
     }
 };
 
@@ -98,11 +108,13 @@ RAST_INLINE void load_places(const TilePlace& place, const std::uint16_t* pixels
     y = shift_left<subpixel_bits>(y) + set(place.y);
 }
 
-// Takes the runs' points in portions. `ask(points)` is called as soon as a portion's surface is
-// known, `take(points)` only when the next one has been asked: what was asked for comes meanwhile.
+// Takes the runs' points in portions. Where there are maps, `ask(points)` is called as soon as a
+// portion's surface is known, `take(points)` only when the next one has been asked: what was asked
+// for comes meanwhile. `uvs`: those that the list reads as such.
 template <class Task, class Ask, class Take>
-RAST_INLINE void for_each_portion(const ShadeDraw& draw, const Task& task, const Wanted& wanted,
-                                  const Ask& ask, const Take& take) {
+RAST_INLINE void for_each_portion(const ShadeDraw& draw, const StageList& list, const Task& task,
+                                  const float* uvs, const Ask& ask, const Take& take) {
+    const bool mapped = list.map_count > 0;
     SurfaceTable table;
     constexpr std::size_t most_vectors = points_at_once / vector_size;
     TriangleTable::Shares shares[most_vectors];
@@ -111,10 +123,12 @@ RAST_INLINE void for_each_portion(const ShadeDraw& draw, const Task& task, const
     Points both[2];
     Points *now = &both[0], *before = &both[1];
     std::size_t point = task.begin;
-    now->held = before->held = 0;
+    now->begin(list, draw.source);
+    before->held = 0;
+    if (mapped) before->begin(list, draw.source);
     const auto finish = [&] {
         now->first = point - now->held;
-        if (!wanted.maps) {  // nothing has to come
+        if (!mapped) {  // nothing has to come
             take(*now);
             now->held = 0;
             return;
@@ -126,7 +140,7 @@ RAST_INLINE void for_each_portion(const ShadeDraw& draw, const Task& task, const
     };
     for (std::size_t r = 0; r < task.run_count;) {
         const RunGroup group = next_group(task.runs + r, task.run_count - r);
-        table.set_up(draw, task.place, wanted, group.ids());
+        table.set_up(draw, task.place, now->surface, mapped, uvs, group.ids());
         std::size_t run = 0;
         while (point < group.end()) {
             // As many vectors as the group and the portion have, in two loops: else all
@@ -152,11 +166,11 @@ RAST_INLINE void for_each_portion(const ShadeDraw& draw, const Task& task, const
                 I i, j;
                 load_pixels(task.pixels + point + v * vector_size, i, j);
                 if (one[v] >= 0)
-                    table.put(draw, task.place, wanted, shares[v], entries[v], OnePick{one[v]}, i,
-                              j, *now, n);
+                    table.put(draw, task.place, mapped, shares[v], entries[v], OnePick{one[v]}, i,
+                              j, now->surface, n);
                 else
-                    table.put(draw, task.place, wanted, shares[v], entries[v], pick_of(entries[v]),
-                              i, j, *now, n);
+                    table.put(draw, task.place, mapped, shares[v], entries[v], pick_of(entries[v]),
+                              i, j, now->surface, n);
             }
             const std::size_t n = vectors * vector_size < left ? vectors * vector_size : left;
             point += n;

@@ -1,54 +1,67 @@
-// Where the values of visible points lie while they are shaded, and which of them are asked for.
+// Where the values of visible points lie while they are shaded.
 //
 // Points go through several short loops instead of one long one: the processor then works on
 // several vectors at a time, where one vector's chain of operations alone would keep it waiting.
-// Between the loops they lie in Points, few enough for the first-level cache.
+// Between the loops they lie in planes, few enough for the first-level cache, that the draw's list
+// of stages has assigned.
 // Included once per instruction set, inside the namespace that has its lanes.
 
 inline constexpr std::size_t points_at_once = 128;
-struct Points {
-    enum : int {
-        normal = 0,  // as it is interpolated, then unit
-        tangent = 3,
-        sign = 6,  // of the bitangent
-        color = 7,
-        position = 10,  // from the eye
-        vertex_light = 13,
-        light = 19,  // sums over the lights
-        gloss = 22,
-        eye = 25,  // towards it, and how long that is
-        distance = 28,
-        n_l,  // of one light, as HalfAngle has them
-        sine2,
-        cosine2,
-        length2,
-        exponent,
-        weights,  // of the second and the third corner
-        uv = weights + 2,
-        texels = uv + 2,  // of each kind of map
-        coordinates = texels + 3 * int(drawn_maps),
-        count = coordinates + 6 * int(drawn_maps)
-    };
-    alignas(64) float v[count][points_at_once + vector_size];
-    alignas(64) std::int32_t id[points_at_once + vector_size];
-    std::size_t held = 0, first = 0;            // first: of the task's points
-    Reads reads[points_at_once / vector_size];  // of the first maps on the same texels
+inline constexpr std::size_t plane_stride = points_at_once + vector_size;
 
-    RAST_INLINE F get(int plane, std::size_t at) const { return load(v[plane] + at); }
-    RAST_INLINE V3 get3(int plane, std::size_t at) const {
-        return {load(v[plane] + at), load(v[plane + 1] + at), load(v[plane + 2] + at)};
-    }
-    RAST_INLINE void put(F value, int plane, std::size_t at) { store(value, v[plane] + at); }
-    RAST_INLINE void put3(V3 value, int plane, std::size_t at) {
-        put(value.x, plane, at);
-        put(value.y, plane + 1, at);
-        put(value.z, plane + 2, at);
-    }
+// Values of several planes, from the first one's float on.
+RAST_INLINE F get_plane(const float* planes, int plane, std::size_t at) {
+    return load(planes + std::size_t(plane) * plane_stride + at);
+}
+RAST_INLINE void put_plane(F value, float* planes, int plane, std::size_t at) {
+    store(value, planes + std::size_t(plane) * plane_stride + at);
+}
+RAST_INLINE V3 get3(const float* planes, std::size_t at) {
+    return {get_plane(planes, 0, at), get_plane(planes, 1, at), get_plane(planes, 2, at)};
+}
+RAST_INLINE void put3(V3 value, float* planes, std::size_t at) {
+    put_plane(value.x, planes, 0, at);
+    put_plane(value.y, planes, 1, at);
+    put_plane(value.z, planes, 2, at);
+}
+
+// What is interpolated of the vertices; null: that is not asked for.
+struct SurfacePlanes {
+    float *id, *normal, *tangent;
+    bool rare;  // any of the next line
+    float *position, *color, *vertex_light, *uv, *weights;
+    float* coordinates[drawn_maps];
 };
 
-// What is asked of the points of a draw.
-struct Wanted {
-    bool normals = false, positions = false, colors = false, vertex_light = false, maps = false;
-    bool weights = false;
-    const float* uvs = nullptr;
+struct Points {
+    alignas(64) float v[most_planes][plane_stride];
+    SurfacePlanes surface;
+    std::size_t held, first;                    // first: of the task's points
+    Reads reads[points_at_once / vector_size];  // of the first maps on the same texels
+
+    // The value is in the list's planes.
+    RAST_INLINE float* at(const StageList& list, PointValue value) {
+        return v[list.first[std::size_t(value)]];
+    }
+    RAST_INLINE float* find(const StageList& list, PointValue value) {
+        return list.has(value) ? at(list, value) : nullptr;
+    }
+    // Normals that are read, but made of a map alone, are not interpolated.
+    inline void begin(const StageList& list, NormalSource source) {
+        held = first = 0;
+        surface.id = find(list, PointValue::id);
+        surface.normal =
+            source == NormalSource::object_map ? nullptr : find(list, PointValue::normal);
+        surface.tangent = find(list, PointValue::tangent);
+        surface.position = find(list, PointValue::position);
+        surface.color = find(list, PointValue::color);
+        surface.vertex_light = find(list, PointValue::vertex_light);
+        surface.uv = find(list, PointValue::uv);
+        surface.weights = find(list, PointValue::weights);
+        surface.rare = surface.position != nullptr || surface.color != nullptr ||
+                       surface.vertex_light != nullptr || surface.uv != nullptr ||
+                       surface.weights != nullptr;
+        for (std::size_t p = 0; p < drawn_maps; ++p)
+            surface.coordinates[p] = find(list, coordinates_of(p));
+    }
 };

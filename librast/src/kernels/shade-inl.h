@@ -27,49 +27,99 @@ RAST_INLINE void write_bytes(V3 color, const std::uint16_t* pixels, std::size_t 
     }
 }
 
+// What is reflected, the last light's highlights among it, and where it goes.
+RAST_INLINE void write_colors(const ShadeDraw& draw, const ShadeFrame& frame, const ShadeTask& task,
+                              const StageList& list, const ReflectionPlanes& planes,
+                              Points& points) {
+    const float* const lights = points.find(list, PointValue::light);
+    const float* const vertex_light = points.find(list, PointValue::vertex_light);
+    const bool glossy = list.has(PointValue::exponent), one_light = frame.light_count == 1;
+    const GlossPlanes gloss = gloss_planes(list, points);
+    // There need be no light.
+    const ShadeLight* const last = glossy ? frame.lights + frame.light_count - 1 : nullptr;
+    const std::size_t first = points.first;
+    const std::uint16_t* const pixels = task.pixels + first;
+    for (std::size_t n = 0; n < points.held; n += vector_size) {
+        const Reflection r = reflection_at(draw, frame, planes, n);
+        V3 color = r.base;
+        if (glossy) {
+            color = (color + r.lobe.diffuse * get3(lights, n)) +
+                    r.lobe.specular * gloss_with(draw, *last, one_light, gloss, n);
+        } else if (lights != nullptr) {
+            // 0 is what highlights would add; −0 becomes 0 by it.
+            const F none = set(0.0f);
+            color = (color + r.lobe.diffuse * get3(lights, n)) + V3{none, none, none};
+        }
+        if (vertex_light != nullptr)
+            color = (color + r.lobe.diffuse * get3(vertex_light, n)) +
+                    r.lobe.specular * get3(vertex_light + 3 * plane_stride, n);
+        if (task.bytes != nullptr) {
+            write_bytes(color, pixels + n, points.held - n, task);
+            continue;
+        }
+        store(color.x, task.out[0] + first + n);
+        store(color.y, task.out[1] + first + n);
+        store(color.z, task.out[2] + first + n);
+    }
+}
+
+// Surfaces of one colour have no planes to look for at each vector.
+inline void write_colors(const ShadeDraw& draw, const ShadeFrame& frame, const ShadeTask& task,
+                         const StageList& list, Points& points) {
+    const ReflectionPlanes planes = reflection_planes(list, points);
+    if (planes == ReflectionPlanes{})
+        write_colors(draw, frame, task, list, ReflectionPlanes{}, points);
+    else
+        write_colors(draw, frame, task, list, planes, points);
+}
+
+// The maps' first stage is asked for as soon as points have their surface; the others when the
+// first one's turn has come.
+RAST_INLINE const Stage& first_maps(const StageList& list) {
+    return list.stages[1];  // after interpolation
+}
+inline void run_maps(const ShadeDraw& draw, const StageList& list, const Stage& stage,
+                     Points& points) {
+    if (&stage != &first_maps(list)) ask_for(draw, list, stage, points);
+    read_maps(draw, list, stage, points);
+}
+
 inline void shade(const ShadeDraw& draw, const ShadeFrame& frame, const ShadeTask& task) {
-    const bool lit = !draw.unlit && draw.vertex_light == nullptr && frame.light_count > 0;
-    Wanted wanted;
-    wanted.normals = lit;
-    wanted.positions = lit && frame.needs_position;
-    wanted.colors = draw.colors != nullptr;
-    wanted.vertex_light = !draw.unlit && draw.vertex_light != nullptr;
-    wanted.maps = draw.used_count > 0;
-    const auto ask = [&](Points& points) {
-        if (wanted.maps) ask_for(draw, map_group(draw, 0), points);
-    };
-    for_each_portion(draw, task, wanted, ask, [&](Points& points) {
-        const std::size_t first = points.first;
-        const std::uint16_t* const pixels = task.pixels + first;
-        if (wanted.maps) read_maps(draw, points);
-        if (lit) {
-            finish_normals(draw, frame, task.place, pixels, points);
-            find_eye(frame, task.place, pixels, points);
-        }
-        for (std::size_t l = 0; lit && l < frame.light_count; ++l) {
-            add_light(frame, frame.lights[l], l == 0, points);
-            find_exponents(draw, points);
-            if (l + 1 == frame.light_count) break;  // the last one's highlights wait for the end
-            for (std::size_t n = 0; n < points.held; n += vector_size)
-                points.put3(gloss_with(draw, frame.lights[l], points, l == 0, n), Points::gloss, n);
-        }
-        for (std::size_t n = 0; n < points.held; n += vector_size) {
-            const Reflection r = reflection_at(draw, frame, points, n);
-            V3 color = r.base;
-            if (lit)
-                color = (color + r.lobe.diffuse * points.get3(Points::light, n)) +
-                        r.lobe.specular * gloss_with(draw, frame.lights[frame.light_count - 1],
-                                                     points, frame.light_count == 1, n);
-            if (wanted.vertex_light)
-                color = (color + r.lobe.diffuse * points.get3(Points::vertex_light, n)) +
-                        r.lobe.specular * points.get3(Points::vertex_light + 3, n);
-            if (task.bytes != nullptr) {
-                write_bytes(color, pixels + n, points.held - n, task);
-                continue;
+    const StageList& list = *draw.color_stages;
+    const auto ask = [&](Points& points) { ask_for(draw, list, first_maps(list), points); };
+    for_each_portion(draw, list, task, nullptr, ask, [&](Points& points) {
+        const std::uint16_t* const pixels = task.pixels + points.first;
+        for (const Stage& s : list.stages) {
+            switch (s.kind) {
+                case StageKind::maps:
+                    run_maps(draw, list, s, points);
+                    break;
+                case StageKind::normals:
+                    finish_normals(draw, frame, task.place, pixels, list, points);
+                    break;
+                case StageKind::eye:
+                    find_eye(frame, task.place, pixels, list, points);
+                    break;
+                case StageKind::light:
+                    add_light(frame.lights[s.begin], s.begin == 0, list, points);
+                    break;
+                case StageKind::matte_light:
+                    add_matte_light(frame.lights[s.begin], s.begin == 0, list, points);
+                    break;
+                case StageKind::exponents:
+                    find_exponents(draw, list, points);
+                    break;
+                case StageKind::gloss:
+                    add_gloss(draw, frame.lights[s.begin], s.begin == 0, list, points);
+                    break;
+                case StageKind::color:
+                    write_colors(draw, frame, task, list, points);
+                    break;
+                case StageKind::interpolation:  // has been done
+                case StageKind::attributes:
+                case StageKind::count:
+                    break;
             }
-            store(color.x, task.out[0] + first + n);
-            store(color.y, task.out[1] + first + n);
-            store(color.z, task.out[2] + first + n);
         }
     });
 }

@@ -112,11 +112,6 @@ bool find_box(const Window& window, ScreenPolygon& p) {
     return p.x0 <= p.x1 && p.y0 <= p.y1;
 }
 
-void add(TileCounts& to, const TileCounts& from) {
-    to.shaded += from.shaded;
-    to.texture_samples += from.texture_samples;
-}
-
 class Resolver {
   public:
     Resolver(const CoverageScene& scene, const Window& window, int threads, Frame& frame)
@@ -128,7 +123,7 @@ class Resolver {
         parallel_items(window_.tile_count(), threads_,
                        [&](std::size_t tile) { counts[tile] = draw_tile(std::uint32_t(tile)); });
         TileCounts sum;
-        for (const TileCounts& c : counts) add(sum, c);
+        for (const TileCounts& c : counts) sum += c;
         return sum;
     }
 
@@ -172,8 +167,8 @@ class Resolver {
         PixelCoverage coverage;
         for (std::int32_t y = top; y < bottom; ++y)
             for (std::int32_t x = left; x < right; ++x)
-                add(counts, draw_pixel(x, y, lists[std::size_t((y - top) * tile_size + x - left)],
-                                       coverage));
+                counts += draw_pixel(x, y, lists[std::size_t((y - top) * tile_size + x - left)],
+                                     coverage);
         return counts;
     }
 
@@ -200,11 +195,13 @@ class Resolver {
             local.clear();
             for (std::uint32_t k = 0; k < p.count; ++k) local.push_back(p.corner[k] - corner);
             const ShadeDraw& draw = (*scene_.shade_draws)[p.draw];
-            if (draw.masked) {
+            // A mask that is left out takes the same way: slivers are dropped by the same rounding.
+            const std::uint32_t material = (*scene_.draws)[p.draw].material;
+            if (draw.masked || scene_.plan->skips.of(material).mask) {
                 glm::dvec2 at;
-                if (!PixelCoverage::clip_to_pixel(local, inside, at) ||
-                    !scene_.kernels->covers(draw, corner_x + grid(at.x), corner_y + grid(at.y),
-                                            p.id))
+                if (!PixelCoverage::clip_to_pixel(local, inside, at)) continue;
+                if (draw.masked && !scene_.kernels->covers(draw, corner_x + grid(at.x),
+                                                           corner_y + grid(at.y), p.id))
                     continue;
             }
             coverage.add(local, plane(p), n);  // numbered in the order of drawing
@@ -217,8 +214,7 @@ class Resolver {
             const glm::vec3 color =
                 shade(p, corner_x + grid(share.centroid.x), corner_y + grid(share.centroid.y));
             sum += (glm::dvec4(glm::dvec3(color), 1.0) - empty) * share.area;
-            ++counts.shaded;
-            counts.texture_samples += (*scene_.shade_draws)[p.draw].used_count;
+            counts.add_points(*(*scene_.shade_draws)[p.draw].color_stages, 1);
         }
         frame_.color[std::size_t(y) * frame_.width + std::size_t(x)] = glm::vec4(sum);
         return counts;

@@ -37,9 +37,9 @@ class Tile {
         const bool areas = request_.coverage == Coverage::area;
         if (areas) fill(in_.frame->color, glm::vec4(request_.background, 0.0f));
         if (areas && !keeps_buffers(request_)) return counts;
-        raster();
+        const bool one_sample = raster(counts);
         if (request_.keep_color && !areas) {
-            if (in_.offsets->size() == 1) {
+            if (one_sample) {
                 collect_single();
                 add_to(counts);
                 shade_single();
@@ -115,12 +115,15 @@ class Tile {
         return out & 0x00ffffffu;
     }
 
-    void raster() {
+    // Returns whether one sample a pixel was enough: the first one, whose depth is kept.
+    bool raster(TileCounts& counts) {
+        const bool inside = in_.plan->skips.inside_samples && is_inside_one();
+        const std::size_t samples = inside ? 1 : in_.offsets->size();
         s_.samples.resize(in_.offsets->size());
         std::vector<TilePlace>& places = s_.places;
         places.assign(in_.offsets->size(), place_);
         for (std::size_t i = 0; i < places.size(); ++i) {
-            s_.samples[i].clear();
+            if (i < samples) s_.samples[i].clear();
             places[i].x += (*in_.offsets)[i].x;
             places[i].y += (*in_.offsets)[i].y;
         }
@@ -128,16 +131,75 @@ class Tile {
         for (const TileWork& work : work_) {
             const TriangleChunk& chunk = (*in_.chunks)[work.chunk];
             const ShadeDraw& draw = (*in_.shade_draws)[chunk.draw];
-            raster_slice(chunk, work.begin, work.end, count_, places, draw.masked ? &draw : nullptr,
-                         *in_.kernels, s_.samples);
+            raster_slice(chunk, work.begin, work.end, count_, std::span(places).first(samples),
+                         draw.masked ? &draw : nullptr, *in_.kernels,
+                         std::span(s_.samples).first(samples));
+            if (draw.masked) counts.masked_triangles += (work.end - work.begin) * samples;
             count_ += work.end - work.begin;
         }
+        counts.sample_points += std::uint64_t(place_.width * place_.height) * samples;
+        return samples == 1;
+    }
+
+    // Whether one triangle covers every sample of every pixel and no other one touches any: no edge
+    // comes within half a pixel of them, and no corner is beyond a plane. (Lists go by boxes: the
+    // other half of a wall is in them.)
+    bool is_inside_one() const {
+        constexpr std::uint32_t few = 8;
+        std::uint32_t entries = 0, covering = 0;
+        for (const TileWork& work : work_) entries += work.end - work.begin;
+        if (entries > few) return false;
+        for (const TileWork& work : work_) {
+            const TriangleChunk& chunk = (*in_.chunks)[work.chunk];
+            for (std::uint32_t i = work.begin; i < work.end; ++i)
+                if ((chunk.order[i] & entry_crossing) != 0) return false;
+            SetupBlock block;
+            SetupTask task;
+            task.records = chunk.records;
+            task.indices = chunk.indices;
+            task.first_id = chunk.first_id;
+            task.entries = chunk.order.data() + work.begin;
+            task.count = work.end - work.begin;
+            in_.kernels->set_up(task, block);
+            for (std::uint32_t t = 0; t < task.count; ++t) {
+                const Reach reach = reach_of(block, t);
+                if (reach == Reach::none) continue;
+                if (reach == Reach::some || !(block.z_low[t] > 0)) return false;
+                if ((*in_.shade_draws)[chunk.draw].masked || ++covering > 1) return false;
+            }
+        }
+        return covering == 1;
+    }
+
+    // Of the tile's pixels, half a pixel more on all sides. Exact.
+    enum class Reach : std::uint8_t { none, some, all };
+    Reach reach_of(const SetupBlock& block, std::uint32_t t) const {
+        constexpr std::int64_t half = subpixels / 2;
+        const std::int64_t x[2] = {place_.x - half,
+                                   place_.x + (place_.width - 1) * subpixels + half};
+        const std::int64_t y[2] = {place_.y - half,
+                                   place_.y + (place_.height - 1) * subpixels + half};
+        bool all = true;
+        for (int a = 0; a < 3; ++a) {
+            const int b = (a + 1) % 3, c = (a + 2) % 3;  // c: on the inner side
+            const std::int64_t ax = block.x[a][t], ay = block.y[a][t];
+            const std::int64_t dx = block.x[b][t] - ax, dy = block.y[b][t] - ay;
+            const std::int64_t area = dx * (block.y[c][t] - ay) - dy * (block.x[c][t] - ax);
+            int inside = 0, outside = 0;
+            for (int corner = 0; corner < 4; ++corner) {
+                const std::int64_t edge = dx * (y[corner / 2] - ay) - dy * (x[corner % 2] - ax);
+                inside += area > 0 ? edge > 0 : edge < 0;
+                outside += area > 0 ? edge < 0 : edge > 0;
+            }
+            if (outside == 4) return Reach::none;
+            all = all && inside == 4;
+        }
+        return all ? Reach::all : Reach::some;
     }
 
     void add_to(TileCounts& counts) const {
-        counts.shaded += fragments_;
         for (const TileScratch::Group& g : s_.groups)
-            counts.texture_samples += (*in_.shade_draws)[g.draw].used_count * (g.end - g.begin);
+            counts.add_points(*(*in_.shade_draws)[g.draw].color_stages, g.end - g.begin);
     }
 
     // One sample a pixel.
@@ -157,6 +219,16 @@ class Tile {
         for (std::int32_t y = 0; y < place_.height; ++y)
             for (std::int32_t x = 0; x < place_.width; ++x) {
                 const std::size_t at = std::size_t(y) * tile_size + std::size_t(x);
+                // Most pixels have one triangle, or none.
+                const std::uint32_t one = s_.samples[0].id[at];
+                std::size_t same = 1;
+                while (same < samples && s_.samples[same].id[at] == one) ++same;
+                if (same == samples) {
+                    if (one != id_none)
+                        s_.fragments.push_back(
+                            {one, std::uint16_t(at), std::uint16_t((1u << samples) - 1)});
+                    continue;
+                }
                 const std::size_t first = s_.fragments.size();
                 for (std::size_t i = 0; i < samples; ++i) {
                     const std::uint32_t number = s_.samples[i].id[at];
@@ -170,21 +242,30 @@ class Tile {
             }
     }
 
-    // Those to be shaded at one place: at sample `sample`, or at the pixel's centre (none).
-    // Returns whether there are any.
-    bool gather(std::size_t sample, const std::vector<std::uint8_t>& places) {
-        s_.counts.assign(count_ + 1, 0);
-        bool any = false;
+    // Fragments by where they are shaded, in their order: at a sample, or at the pixel's centre,
+    // which is the last place.
+    void sort_by_place(const std::vector<std::uint8_t>& places, std::size_t samples) {
+        s_.place_begin.assign(samples + 2, 0);
+        for (const std::uint8_t place : places) ++s_.place_begin[place + 1u];
+        for (std::size_t p = 1; p < s_.place_begin.size(); ++p)
+            s_.place_begin[p] += s_.place_begin[p - 1];
+        s_.by_place.resize(places.size());
+        std::vector<std::uint32_t>& next = s_.place_next;
+        next = s_.place_begin;
         for (std::size_t f = 0; f < places.size(); ++f)
-            if (places[f] == sample) {
-                ++s_.counts[s_.fragments[f].number];
-                any = true;
-            }
-        if (!any) return false;
+            s_.by_place[next[places[f]]++] = std::uint32_t(f);
+    }
+
+    // Those of one place. Returns whether there are any.
+    bool gather(std::size_t place) {
+        const std::span<const std::uint32_t> here(s_.by_place.begin() + s_.place_begin[place],
+                                                  s_.by_place.begin() + s_.place_begin[place + 1]);
+        if (here.empty()) return false;
+        s_.counts.assign(count_ + 1, 0);
+        for (const std::uint32_t f : here) ++s_.counts[s_.fragments[f].number];
         sort();
         s_.weight.resize(fragments_);
-        for (std::size_t f = 0; f < places.size(); ++f) {
-            if (places[f] != sample) continue;
+        for (const std::uint32_t f : here) {
             const std::uint32_t to = s_.counts[s_.fragments[f].number]++;
             s_.pixel[to] = s_.fragments[f].pixel;
             s_.weight[to] = std::uint16_t(std::popcount(s_.fragments[f].samples));
@@ -282,10 +363,11 @@ class Tile {
                         nearest = i;
             places.push_back(std::uint8_t(nearest));
         }
+        sort_by_place(places, samples);
         const glm::vec4 background(request_.background, 0.0f);
         s_.colors.assign(tile_pixels, background);
         for (std::size_t sample = 0; sample <= samples; ++sample) {
-            if (!gather(sample, places)) continue;
+            if (!gather(sample)) continue;
             add_to(counts);
             shade_to_planes(sample < samples ? s_.places[sample] : place_);
             for (std::size_t k = 0; k < fragments_; ++k) {
@@ -383,6 +465,29 @@ class Tile {
 };
 
 }  // namespace
+
+TileCounts& TileCounts::operator+=(const TileCounts& other) {
+    shaded += other.shaded;
+    texture_samples += other.texture_samples;
+    light_points += other.light_points;
+    highlight_points += other.highlight_points;
+    normal_map_points += other.normal_map_points;
+    masked_triangles += other.masked_triangles;
+    sample_points += other.sample_points;
+    for (std::size_t k = 0; k < stage_points.size(); ++k) stage_points[k] += other.stage_points[k];
+    return *this;
+}
+
+void TileCounts::add_points(const StageList& stages, std::uint64_t points) {
+    const auto times = [&](StageKind kind) { return stages.times[std::size_t(kind)]; };
+    shaded += points;
+    texture_samples += stages.map_count * points;
+    light_points += (times(StageKind::light) + times(StageKind::matte_light)) * points;
+    highlight_points += times(StageKind::exponents) * points;
+    if (stages.normal_maps) normal_map_points += points;
+    for (std::size_t k = 0; k < stage_points.size(); ++k)
+        stage_points[k] += stages.times[k] * points;
+}
 
 bool keeps_buffers(const RenderRequest& r) {
     return r.keep_depth || r.keep_ids || r.keep_normals || r.keep_uvs || r.keep_barycentrics ||

@@ -25,6 +25,7 @@ struct TileScratch {
     };
     std::vector<Fragment> fragments;
     std::vector<std::uint8_t> shaded_at;  // per fragment: the sample, or how many there are: centre
+    std::vector<std::uint32_t> place_begin, place_next, by_place;  // fragments by that
     struct Group {  // fragments of one draw, and the triangles that they belong to
         std::uint32_t draw = 0, begin = 0, end = 0, first_run = 0, run_count = 0;
     };
@@ -55,7 +56,13 @@ struct TileInputs {
 };
 
 struct TileCounts {
-    std::uint64_t shaded = 0, texture_samples = 0;
+    std::uint64_t shaded = 0, texture_samples = 0;  // as Counters has them
+    std::uint64_t light_points = 0, highlight_points = 0, normal_map_points = 0;
+    std::uint64_t masked_triangles = 0, sample_points = 0;
+    std::array<std::uint64_t, shade_stages> stage_points{};
+    TileCounts& operator+=(const TileCounts& other);
+    // Points that are shaded by these stages.
+    void add_points(const StageList& stages, std::uint64_t points);
 };
 
 // Whether something beside colours is asked for.

@@ -1,16 +1,19 @@
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <map>
 #include <set>
 
 #include "geometry/tile.h"
-#include "plan/sampled_maps.h"
+#include "plan/draw_choice.h"
+#include "plan/skips.h"
 #include "rast/render.h"
 #include "shading/texture.h"
 
 namespace rast {
 namespace {
 
+using Code = prep::ReasonCode;
 using prep::Material;
 using prep::TextureRef;
 
@@ -19,7 +22,7 @@ struct SceneContents {
     std::set<std::uint32_t> materials;
     bool default_material = false;
     std::uint64_t triangles = 0, vertices = 0;
-    bool normals_missing = false, tangents_missing = false;
+    bool normals_missing = false;
 };
 
 SceneContents contents_of(const prep::PreparedScene& prepared) {
@@ -36,9 +39,6 @@ SceneContents contents_of(const prep::PreparedScene& prepared) {
                 continue;
             }
             s.materials.insert(range.material);
-            const Material& m = prepared.scene.materials[range.material];
-            s.tangents_missing |= bool(m.normal_map) && mesh.tangents.empty() &&
-                                  m.normal_map_space == prep::NormalMapSpace::tangent;
         }
     }
     return s;
@@ -50,8 +50,10 @@ class Planner {
         : prepared_(prepared), contents_(contents_of(prepared)) {
         plan_.request = request;
         plan_.triangles = contents_.triangles;
+        plan_.vertices = contents_.vertices;
         const std::size_t textures = prepared.scene.textures.size();
         plan_.textures_used.assign(textures, false);
+        plan_.texel_questions.assign(textures, {});
         plan_.colour_textures.assign(textures, false);
     }
 
@@ -63,6 +65,12 @@ class Planner {
         camera();
         lights();
         shading();
+        proved_ = detail::prove_skips(prepared_, plan_,
+                                      {contents_.materials.begin(), contents_.materials.end()});
+        plan_.skips = proved_.skips;
+        plan_.texel_questions = proved_.texel_questions;
+        consumer_ = consumer_of(plan_);
+        proved_steps();
         textures();
         variants();
         anti_aliasing();
@@ -70,50 +78,106 @@ class Planner {
         step("culling", plan_.request.cull != Cull::none, cull_reason());
         step("alpha blending", false,
              any([](const Material& m) { return m.alpha_mode == prep::AlphaMode::blend; })
-                 ? "blended materials are drawn opaque by this renderer"
-                 : "no material in use is blended");
-        step("alpha mask",
-             any([](const Material& m) { return m.alpha_mode == prep::AlphaMode::mask; }),
-             any([](const Material& m) { return m.alpha_mode == prep::AlphaMode::mask; })
-                 ? "a material in use cuts by alpha"
-                 : "no material in use cuts by alpha");
-        step("depth output", plan_.request.keep_depth,
-             plan_.request.keep_depth ? "asked for" : "nothing reads it");
-        step("triangle numbers output", plan_.request.keep_ids,
-             plan_.request.keep_ids ? "asked for" : "nothing reads them");
-        const auto output = [&](const char* name, bool kept) {
-            step(name, kept, kept ? "asked for" : "nothing reads it");
+                 ? Code::blend_opaque
+                 : Code::no_blend);
+        mask();
+        const auto output = [&](const char* name, bool kept, Code not_kept = Code::not_kept) {
+            step(name, kept, kept ? Code::kept : not_kept);
         };
+        output("depth output", plan_.request.keep_depth);
+        output("triangle numbers output", plan_.request.keep_ids, Code::not_kept_numbers);
         output("normal output", plan_.request.keep_normals);
         output("UV output", plan_.request.keep_uvs);
         output("barycentric output", plan_.request.keep_barycentrics);
         output("position output", plan_.request.keep_positions);
         step("crop", plan_.request.crop.has_value(),
-             plan_.request.crop ? "a part of the picture is asked for" : "the whole picture");
+             plan_.request.crop ? Code::crop : Code::no_crop);
         memory();
         return std::move(plan_);
     }
 
   private:
-    void step(std::string name, bool run, std::string reason) {
-        plan_.steps.push_back({std::move(name), run, std::move(reason)});
+    // `words`: instead of the reason's own, where several things are told in one sentence.
+    void step(std::string name, bool run, const prep::Reason& why, std::string words = {}) {
+        if (words.empty()) words = prep::sentence(why, prepared_.scene);
+        plan_.steps.push_back({std::move(name), run, std::move(words), why.label, {why}});
+    }
+    void step(std::string name, bool run, Code code) {
+        step(std::move(name), run, prep::reason(code));
+    }
+    void add_reasons(const std::vector<prep::Reason>& more) {
+        std::vector<prep::Reason>& all = plan_.steps.back().reasons;
+        all.insert(all.end(), more.begin(), more.end());
+    }
+
+    // Highlights, and what the steps before say of each light and map.
+    void proved_steps() {
+        const auto runs = [](const std::vector<prep::Reason>& reasons) {
+            return std::any_of(reasons.begin(), reasons.end(), [](const prep::Reason& r) {
+                return r.label == prep::ReasonLabel::run;
+            });
+        };
+        const bool lit =
+            consumer_.colors && (consumer_.lights || plan_.request.shading == Shading::gouraud);
+        const std::vector<prep::Reason>& own = proved_.highlights;
+        const bool some = runs(own) || contents_.default_material;
+        if (!lit || (own.empty() && !some))
+            step("highlights", false, Code::highlights_none);
+        else
+            step("highlights", some, some ? Code::highlights_some : Code::highlights_all_zero);
+        if (lit) add_reasons(own);
+        for (PlanStep& s : plan_.steps) {
+            if (s.name == "lights")
+                s.reasons.insert(s.reasons.end(), proved_.lights.begin(), proved_.lights.end());
+            if (s.name != "normal maps" || !s.run) continue;
+            normal_map_step(s);
+        }
+    }
+
+    // Its maps one by one: those that bend normals, and those that are proved to bend none.
+    void normal_map_step(PlanStep& s) {
+        bool some = false;
+        for (const std::uint32_t m : contents_.materials) {
+            const Material& material = prepared_.scene.materials[m];
+            const prep::MaterialMap& map = prep::material_maps[std::size_t(prep::MapKind::normal)];
+            if (!material.normal_map || !prep::map_is_read(material, map, consumer_)) continue;
+            const bool skipped =
+                (plan_.skips.of(m).maps >> unsigned(prep::MapKind::normal) & 1u) != 0;
+            some |= !skipped;
+            s.reasons.push_back(prep::reason(skipped ? Code::normal_map_flat : Code::map,
+                                             prep::map_subject(m, map)));
+        }
+        if (some || s.reasons.size() < 2) return;
+        s.run = false;
+        s.label = prep::ReasonLabel::proved_zero;
+        s.reason = prep::sentence(s.reasons[1], prepared_.scene);
+    }
+
+    void mask() {
+        const auto cuts = [](const prep::Reason& r) { return r.label == prep::ReasonLabel::run; };
+        const std::vector<prep::Reason>& own = proved_.masks;
+        const bool run = std::any_of(own.begin(), own.end(), cuts);
+        step("alpha mask", run,
+             run           ? Code::mask
+             : own.empty() ? Code::no_mask
+                           : Code::all_masks_never_cut);
+        add_reasons(own);
     }
 
     void anti_aliasing() {
         const RenderRequest& r = plan_.request;
         const bool areas = r.coverage == Coverage::area;
-        step("multisampling", r.samples > 1,
-             r.samples > 1 ? std::to_string(r.samples) +
-                                 " samples a pixel asked for; shaded once per triangle and pixel"
-             : areas ? "exact areas take its place"
-                     : "one sample a pixel asked for");
-        step("exact areas", areas,
-             areas ? "asked for: every triangle counts by what is seen of it"
-                   : "samples decide what is seen");
-        step("supersampling", r.supersample > 1,
-             r.supersample > 1 ? "each pixel is the mean of " +
-                                     std::to_string(r.supersample * r.supersample) + " finer ones"
-                               : "none asked for");
+        if (r.samples > 1)
+            step("multisampling", true, prep::reason(Code::samples, {}, r.samples));
+        else
+            step("multisampling", false, areas ? Code::samples_areas : Code::one_sample);
+        if (plan_.skips.inside_samples) add_reasons({prep::reason(Code::samples_inside)});
+        step("exact areas", areas, areas ? Code::areas : Code::no_areas);
+        if (r.supersample > 1)
+            step("supersampling", true,
+                 prep::reason(Code::supersampling, {}, r.supersample * r.supersample));
+        else
+            step("supersampling", false, Code::no_supersampling);
     }
 
     // Bands are whole rows of tiles where that fits, so that no tile is drawn twice.
@@ -140,13 +204,10 @@ class Planner {
             factor > 1 ? 16 * width * factor * (tile + 2 * (factor - 1)) : 0;  // and what is left
         plan_.memory_estimate = height * row + fine + geometry;
         plan_.band_memory_estimate = plan_.band_rows * row + fine + geometry;
-        step("bands", plan_.band_rows < height,
-             plan_.band_rows < height
-                 ? "the whole picture's pixels would take more than " +
-                       std::to_string(r.band_bytes >> 20) +
-                       " MiB: " + std::to_string(plan_.band_rows) + " rows are drawn at a time"
-                 : "the whole picture's pixels take at most " + std::to_string(r.band_bytes >> 20) +
-                       " MiB");
+        const bool bands = plan_.band_rows < height;
+        step("bands", bands,
+             prep::reason(bands ? Code::bands : Code::no_bands, {}, plan_.band_rows,
+                          double(r.band_bytes >> 20)));
     }
 
     template <class Test>
@@ -160,15 +221,16 @@ class Planner {
         const double aspect = double(plan_.request.width) / plan_.request.height;
         if (plan_.request.view) {
             plan_.view = *plan_.request.view;
-            step("camera", true, "the view is given");
+            step("camera", true, Code::view_given);
         } else if (scene.active_camera != prep::no_index) {
             plan_.view = camera_view(scene, scene.active_camera, aspect);
-            step("camera", true, "camera '" + scene.nodes[scene.active_camera].name + "'");
+            step("camera", true,
+                 prep::reason(Code::camera, prep::node_subject(scene.active_camera)));
         } else {
             OrbitOptions orbit;
             orbit.aspect = aspect;
             plan_.view = orbit_view(prepared_, orbit);
-            step("camera", true, "the scene has none: the whole of it is framed");
+            step("camera", true, Code::view_framed);
         }
         plan_.view = bounded_view(prepared_, plan_.view);
         if (!(plan_.view.aspect > 0)) plan_.view.aspect = aspect;
@@ -177,87 +239,118 @@ class Planner {
     void lights() {
         if (plan_.request.lights) {
             plan_.lights = *plan_.request.lights;
-            step("lights", !plan_.lights.empty(), std::to_string(plan_.lights.size()) + " given");
+            step("lights", !plan_.lights.empty(),
+                 prep::reason(plan_.lights.empty() ? Code::no_lights_given : Code::lights_given, {},
+                              double(plan_.lights.size())));
             return;
         }
         plan_.lights = scene_lights(prepared_.scene);
         if (!plan_.lights.empty()) {
-            step("lights", true, "the scene brings " + std::to_string(plan_.lights.size()));
+            step("lights", true,
+                 prep::reason(Code::lights_of_scene, {}, double(plan_.lights.size())));
             return;
         }
         plan_.lights = three_light_setup(plan_.view);
-        step("lights", true, "the scene has none: key, fill, rim and ambient light are set up");
+        step("lights", true, Code::lights_set_up);
+    }
+
+    // Of all runs of triangles: whether some shading reads a normal map, and some draw has it.
+    struct NormalMaps {
+        bool wanted = false, bound = false, tangents_missing = false;
+    };
+    NormalMaps normal_maps() const {
+        NormalMaps found;
+        const prep::Consumer consumer = consumer_of(plan_);
+        const prep::MaterialMap& map = prep::material_maps[std::size_t(prep::MapKind::normal)];
+        for (const prep::Node& node : prepared_.scene.nodes) {
+            if (node.mesh == prep::no_index) continue;
+            const prep::VertexMesh& mesh = prepared_.meshes[node.mesh];
+            for (const prep::VertexMesh::Range& range : mesh.ranges) {
+                if (range.triangle_count == 0 || range.material >= prepared_.scene.materials.size())
+                    continue;
+                const Material& m = prepared_.scene.materials[range.material];
+                if (!m.normal_map || !prep::map_is_read(m, map, consumer)) continue;
+                found.wanted = true;
+                found.bound |= detail::choose(plan_, consumer, mesh, m, range.material)
+                                   .has(prep::MapKind::normal);
+                found.tangents_missing |=
+                    mesh.tangents.empty() && m.normal_map_space == prep::NormalMapSpace::tangent;
+            }
+        }
+        return found;
     }
 
     void shading() {
         Shading& shading = plan_.request.shading;
         const bool mapped = any([](const Material& m) { return bool(m.normal_map); });
+        const NormalMaps maps = normal_maps();
         if (plan_.request.prune && shading == Shading::normal_mapped &&
             (!mapped || !plan_.request.textures)) {
             step("normal maps", false,
-                 mapped ? "textures are switched off: shaded as Phong"
-                        : "no material in use has a normal map: shaded as Phong");
+                 mapped ? Code::normal_maps_textures_off : Code::no_normal_map);
             shading = Shading::phong;
+        } else if (plan_.request.prune && shading == Shading::normal_mapped && !maps.bound) {
+            step("normal maps", false,
+                 maps.wanted ? Code::normal_maps_not_placed : Code::normal_maps_unlit);
         } else {
             step("normal maps", shading == Shading::normal_mapped,
-                 shading == Shading::normal_mapped ? "a material in use has one"
-                                                   : "the shading asked for does not read them");
+                 shading == Shading::normal_mapped ? Code::normal_maps : Code::normal_maps_unread);
         }
         if (shading != Shading::flat && contents_.normals_missing) {
             plan_.warnings.push_back(
                 "some meshes carry no normals: they are shaded by their face normals");
         }
-        if (shading == Shading::normal_mapped && contents_.tangents_missing)
+        if (shading == Shading::normal_mapped && maps.tangents_missing)
             plan_.warnings.push_back(
                 "some normal-mapped meshes carry no tangents: their maps are left out");
         step("vertex lighting", shading == Shading::gouraud,
-             shading == Shading::gouraud ? "Gouraud: light is computed at vertices"
-                                         : "light is computed at pixels");
+             shading == Shading::gouraud ? Code::light_at_vertices : Code::light_at_pixels);
         step("vertex normals", shading != Shading::flat,
-             shading == Shading::flat ? "flat shading uses face normals" : "interpolated");
+             shading == Shading::flat ? Code::flat_shading : Code::normals_interpolated);
     }
 
     void textures() {
         bool colour_used = false, data_used = false;
-        const auto use = [&](const TextureRef& ref, bool colour) {
+        // What is left out has its say in how a texture is decoded that others read as well.
+        prep::Consumer any_light = consumer_;
+        any_light.lights = true;
+        const auto use = [&](const TextureRef& ref, bool colour, bool read) {
             if (!ref || ref.texture >= plan_.textures_used.size()) return;
-            plan_.textures_used[ref.texture] = true;
             if (colour) plan_.colour_textures[ref.texture] = true;
+            if (!read) return;
+            plan_.textures_used[ref.texture] = true;
             (colour ? colour_used : data_used) = true;
         };
         if (plan_.request.textures) {
             for (const std::uint32_t m : contents_.materials) {
                 const Material& material = prepared_.scene.materials[m];
                 for (const prep::MaterialMap& map : prep::material_maps) {
-                    if (!detail::is_sampled(map, material, plan_.request.shading)) continue;
-                    // Without colours, what is cut out still counts.
-                    const bool cuts = map.kind == prep::MapKind::diffuse &&
-                                      material.alpha_mode == prep::AlphaMode::mask;
-                    const bool kept =
-                        map.use == prep::MapUse::normals && plan_.request.keep_normals;
-                    if (plan_.request.keep_color || cuts || kept) use(material.*map.ref, map.color);
+                    const bool skipped = (plan_.skips.of(m).maps >> unsigned(map.kind) & 1u) != 0;
+                    if (prep::map_is_read(material, map, any_light))
+                        use(material.*map.ref, map.color,
+                            !skipped && prep::map_is_read(material, map, consumer_));
                 }
             }
         }
         const bool some = colour_used || data_used;
-        const std::string none =
-            plan_.request.textures ? "no material in use samples a texture" : "switched off";
-        step("textures", some, some ? "sampled by materials in use" : none);
-        step("sRGB decoding", colour_used,
-             colour_used ? "colour textures are stored encoded" : "no colour texture is sampled");
-        step("texture filter", some, some ? filter_reason() : none);
+        const Code none = plan_.request.textures ? Code::no_textures : Code::textures_off;
+        step("textures", some, some ? Code::textures : none);
+        add_reasons(proved_.maps);
+        step("sRGB decoding", colour_used, colour_used ? Code::srgb : Code::no_srgb);
+        step("texture filter", some, prep::reason(some ? Code::filter : none),
+             some ? filter_reason() : "");
         const auto level_step = [&](const char* name, TextureLevels kind) {
             bool read = false;
             for (std::size_t t = 0; t < plan_.textures_used.size(); ++t)
                 read |= plan_.textures_used[t] &&
                         levels_for(filter_of(t), prepared_.scene.textures[t].mip) == kind;
-            step(name, read,
-                 !some  ? none
-                 : read ? "the filter reads them; each is made when a pixel first asks for it"
-                        : "the filter does not read them");
+            step(name, read, !some ? none : read ? Code::levels : Code::no_levels);
         };
         level_step("mip levels", TextureLevels::mipmap);
         level_step("ripmap levels", TextureLevels::ripmap);
+        // What is not drawn need not be looked at.
+        for (std::size_t t = 0; t < plan_.texel_questions.size(); ++t)
+            if (!plan_.textures_used[t]) plan_.texel_questions[t] = {};
     }
 
     TextureFilter filter_of(std::size_t texture) const {
@@ -303,59 +396,63 @@ class Planner {
         return {};
     }
 
-    // How the triangles of one range are shaded: what shade_draw() will bind.
-    std::string variant_of(const prep::VertexMesh& mesh, std::uint32_t index) const {
+    // How the triangles of one range are shaded, in words: the choice that the draws obey.
+    PlanVariant variant_of(const prep::VertexMesh& mesh, std::uint32_t index) const {
         static const Material plain;
         const Material& m =
             index < prepared_.scene.materials.size() ? prepared_.scene.materials[index] : plain;
         const RenderRequest& r = plan_.request;
-        const auto bound = [&](const TextureRef& ref) {
-            return bool(ref) && r.textures && ref.uv_set < mesh.uvs.size() &&
-                   !mesh.uvs[ref.uv_set].empty();
-        };
-        std::string name;
+        const detail::DrawChoice choice = detail::choose(plan_, consumer_, mesh, m, index);
+        PlanVariant out;
+        std::string& name = out.name;
         const auto part = [&name](const std::string& text) {
             name += (name.empty() ? "" : ", ") + text;
         };
-        if (m.unlit) {
+        if (m.unlit)
             part("unlit");
-        } else if (r.shading == Shading::flat || mesh.normals.empty()) {
+        else if (choice.source == detail::NormalSource::face)
             part("face normals");
-        } else if (r.shading == Shading::gouraud) {
+        else if (r.shading == Shading::gouraud)
             part("light at vertices");
-        } else if (r.shading == Shading::normal_mapped && bound(m.normal_map) &&
-                   m.normal_map_space == prep::NormalMapSpace::object) {
+        else if (choice.source == detail::NormalSource::object_map)
             part("object-space normal map");
-        } else if (r.shading == Shading::normal_mapped && bound(m.normal_map) &&
-                   !mesh.tangents.empty()) {
+        else if (choice.source == detail::NormalSource::tangent_map)
             part("tangent-space normal map");
-        } else {
+        else
             part("vertex normals");
-        }
         if (!mesh.colors.empty()) part("vertex colours");
         const auto maps = [&](prep::MapUse use) {
             for (const prep::MaterialMap& map : prep::material_maps)
-                if (map.use == use && detail::is_sampled(map, m, r.shading) && bound(m.*map.ref))
-                    part(std::string(map.name) + " map");
+                if (map.use == use && choice.has(map.kind)) part(std::string(map.name) + " map");
         };
         maps(prep::MapUse::always);
         if (!m.unlit && m.metallic_roughness) part("metallic-roughness");
         for (const prep::MapUse use : {prep::MapUse::metallic_roughness, prep::MapUse::lit})
             maps(use);
-        if (m.alpha_mode == prep::AlphaMode::mask) part("alpha mask");
-        return name;
+        if (!choice.highlights) part("no highlights");
+        if (choice.masked) part("alpha mask");
+        out.maps = std::uint32_t(std::popcount(choice.maps));
+        out.lit = !m.unlit && consumer_.lights;
+        out.highlights = out.lit && choice.highlights;
+        out.bends_normals = out.lit && (choice.source == detail::NormalSource::tangent_map ||
+                                        choice.source == detail::NormalSource::object_map);
+        out.masked = choice.masked;
+        return out;
     }
 
     void variants() {
-        std::map<std::string, std::uint64_t> triangles;
+        std::map<std::string, PlanVariant> found;
         for (const prep::Node& node : prepared_.scene.nodes) {
             if (node.mesh == prep::no_index) continue;
             const prep::VertexMesh& mesh = prepared_.meshes[node.mesh];
             for (const prep::VertexMesh::Range& range : mesh.ranges)
-                if (range.triangle_count > 0)
-                    triangles[variant_of(mesh, range.material)] += range.triangle_count;
+                if (range.triangle_count > 0) {
+                    PlanVariant variant = variant_of(mesh, range.material);
+                    PlanVariant& all = found.try_emplace(variant.name, variant).first->second;
+                    all.triangles += range.triangle_count;
+                }
         }
-        for (const auto& [name, count] : triangles) plan_.variants.push_back({name, count});
+        for (const auto& [name, variant] : found) plan_.variants.push_back(variant);
         std::stable_sort(
             plan_.variants.begin(), plan_.variants.end(),
             [](const PlanVariant& a, const PlanVariant& b) { return a.triangles > b.triangles; });
@@ -363,41 +460,45 @@ class Planner {
         for (const PlanVariant& v : plan_.variants)
             list += (list.empty() ? "" : "; ") + v.name + " (" + std::to_string(v.triangles) +
                     (v.triangles == 1 ? " triangle)" : " triangles)");
-        step("shading", plan_.request.keep_color && !plan_.variants.empty(),
-             !plan_.request.keep_color ? "nothing reads colours"
-             : plan_.variants.empty()  ? "there are no triangles"
-                                       : list);
+        const bool some = plan_.request.keep_color && !plan_.variants.empty();
+        step("shading", some,
+             prep::reason(some                        ? Code::variants
+                          : !plan_.request.keep_color ? Code::no_colors_kept
+                                                      : Code::no_triangles),
+             some ? list : "");
     }
 
-    std::string depth_reason() const {
+    prep::Reason depth_reason() const {
         switch (plan_.request.depth_format) {
             case DepthFormat::fixed16:
-                return "fixed point of 16 bits asked for";
+                return prep::reason(Code::depth_fixed, {}, 16);
             case DepthFormat::fixed24:
-                return "fixed point of 24 bits asked for";
+                return prep::reason(Code::depth_fixed, {}, 24);
             case DepthFormat::float32:
                 break;
         }
-        return "reversed float, which has its fine steps far away";
+        return prep::reason(Code::depth_float);
     }
 
-    std::string cull_reason() const {
+    prep::Reason cull_reason() const {
         switch (plan_.request.cull) {
             case Cull::none:
-                return "switched off";
+                return prep::reason(Code::cull_off);
             case Cull::back:
-                return "back faces are left out";
+                return prep::reason(Code::cull_back);
             case Cull::front:
-                return "front faces are left out";
+                return prep::reason(Code::cull_front);
             case Cull::by_material:
-                return "back faces are left out but for double-sided materials";
+                break;
         }
-        return {};
+        return prep::reason(Code::cull_by_material);
     }
 
     const prep::PreparedScene& prepared_;
     SceneContents contents_;
     RenderPlan plan_;
+    detail::ProvedSkips proved_;
+    prep::Consumer consumer_;
 };
 
 }  // namespace
@@ -432,6 +533,12 @@ prep::Result<RenderPlan> plan(const prep::PreparedScene& scene, const RenderRequ
         return prep::Error{prep::ErrorCode::invalid,
                            "a pixel has 1, 2, 4, 8 or 16 samples, found " + std::to_string(samples),
                            ""};
+    if (!(request.allow_error >= 0) || !std::isfinite(request.allow_error))
+        return prep::Error{
+            prep::ErrorCode::invalid,
+            "what lights that are left out may add is finite and not negative, found " +
+                std::to_string(request.allow_error),
+            ""};
     if (request.supersample < 1 || request.supersample > max_supersample)
         return prep::Error{prep::ErrorCode::invalid,
                            "supersampling is 1 to " + std::to_string(max_supersample) +

@@ -150,6 +150,9 @@ class MipTexture {
     glm::vec4 texel(const Level& level, std::uint32_t x, std::uint32_t y) const {
         return finished(raw(level.at(x, y)));
     }
+    // Of the first level; where that may be constant, of all levels, which are made for it. Ends
+    // as soon as every question is answered with no. The same for any number of threads.
+    TexelFacts facts(const TexelQuestions& asked, int threads) const;
     const TextureView& view() const { return view_; }
     // For the kernels, which know no `by_sampler` that filter_for() can name.
     TextureFilter filter_for(TextureFilter asked) const {

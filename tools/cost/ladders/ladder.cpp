@@ -6,6 +6,8 @@ std::span<const LadderRow> ladder_rows() {
     static constexpr LadderRow rows[] = {
         {"normal-precision", "arithmetic of corner normals: fast, accurate, exact", true,
          normal_precision_ladder},
+        {"weld-distance", "how far vertices may be apart that become one", false,
+         weld_distance_ladder},
         {"normal-weight", "what a face counts in a corner's normal", false, normal_weight_ladder},
         {"hard-angle", "threshold of hard edges: normals against vertices", false,
          hard_angle_ladder},

@@ -63,6 +63,7 @@ struct LadderRow {
 std::span<const LadderRow> ladder_rows();
 
 // The rows' makers, each in the file of its name.
+prep::Result<Ladder> weld_distance_ladder(const Subject& subject);
 prep::Result<Ladder> normal_precision_ladder(const Subject& subject);
 prep::Result<Ladder> normal_weight_ladder(const Subject& subject);
 prep::Result<Ladder> hard_angle_ladder(const Subject& subject);

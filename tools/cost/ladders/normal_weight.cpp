@@ -3,6 +3,7 @@
 
 #include "cost/ladders/ladder.h"
 #include "cost/ladders/meshes.h"
+#include "cost/oracles/weighted_normals.h"
 #include "prep/corner_normals.h"
 
 namespace cost {
@@ -38,11 +39,13 @@ prep::Result<Ladder> normal_weight_ladder(const Subject& subject) {
     ladder.title = "Weights of normals";
     ladder.setting = "normals: --weight";
     ladder.subject = "a jittered torus of 9,216 triangles";
-    ladder.oracle = "the torus' own normals, in closed form";
+    ladder.oracle =
+        "the torus' own normals, in closed form; the weights' definitions in long double";
     ladder.timed = {"corner normals (face normals are at hand)"};
     ladder.metrics = {{"largest", "°", "normals at corners"},
                       {"99.9 %", "°", "normals at corners"},
-                      {"mean", "°", "normals at corners"}};
+                      {"mean", "°", "normals at corners"},
+                      {"from the definition", "°", "largest; the weight's own normals"}};
     ladder.primary = 2;
     for (const auto& entry : names_of(prep::NormalWeight{})) {
         Rung rung;
@@ -57,11 +60,18 @@ prep::Result<Ladder> normal_weight_ladder(const Subject& subject) {
             s->result = *std::move(result);
             return {};
         };
-        rung.judge = [s] {
+        rung.judge = [s, name = rung.name] {
             const prep::Mesh& mesh = s->known.mesh;
-            return three_of(corner_errors(mesh, s->result.normals, [&](std::uint32_t c) {
-                return s->known.at[mesh.corner_vertices[c]].normal;
-            }));
+            std::vector<double> numbers =
+                three_of(corner_errors(mesh, s->result.normals, [&](std::uint32_t c) {
+                    return s->known.at[mesh.corner_vertices[c]].normal;
+                }));
+            const std::vector<Vector> own =
+                weighted_normals(mesh.positions, mesh.corner_vertices, name);
+            numbers.push_back(three_of(corner_errors(mesh, s->result.normals, [&](std::uint32_t c) {
+                return own[mesh.corner_vertices[c]];
+            }))[0]);
+            return numbers;
         };
         ladder.rungs.push_back(std::move(rung));
     }

@@ -132,6 +132,64 @@ Pixels sampled_coverage(std::span<const Triangle2> triangles, std::uint32_t widt
     return out;
 }
 
+Pixels coverage_at(std::span<const Triangle2> triangles, std::uint32_t width, std::uint32_t height,
+                   std::span<const Point2> places) {
+    std::vector<std::vector<bool>> hit(places.size(),
+                                       std::vector<bool>(std::size_t(width) * height));
+    for (const Triangle2& t : triangles) {
+        const Point2 low = glm::min(glm::min(t[0], t[1]), t[2]),
+                     high = glm::max(glm::max(t[0], t[1]), t[2]);
+        for (std::int64_t y = bounded(low.y, height); y < bounded(high.y + 1, height); ++y)
+            for (std::int64_t x = bounded(low.x, width); x < bounded(high.x + 1, width); ++x)
+                for (std::size_t k = 0; k < places.size(); ++k) {
+                    const Point2 p = Point2(Real(x), Real(y)) + places[k];
+                    int left = 0, right = 0;
+                    for (std::size_t i = 0; i < 3; ++i) {
+                        const Point2 a = t[(i + 1) % 3] - t[i], b = p - t[i];
+                        const Real side = a.x * b.y - a.y * b.x;
+                        left += side >= 0;
+                        right += side <= 0;
+                    }
+                    if (left == 3 || right == 3)
+                        hit[k][std::size_t(y) * width + std::size_t(x)] = true;
+                }
+    }
+    Pixels out = blank(width, height);
+    for (const std::vector<bool>& one : hit)
+        for (std::size_t i = 0; i < out.values.size(); ++i)
+            out.values[i] += one[i] ? 1 / double(places.size()) : 0;
+    return out;
+}
+
+std::vector<Point2> standard_places(int samples) {
+    // Sixteenths of a pixel from its top left corner, as the standard's tables have them.
+    static constexpr int one[][2] = {{8, 8}}, two[][2] = {{12, 12}, {4, 4}};
+    static constexpr int four[][2] = {{6, 2}, {14, 6}, {2, 10}, {10, 14}};
+    static constexpr int eight[][2] = {{9, 5},  {7, 11}, {13, 9},  {5, 3},
+                                       {3, 13}, {1, 7},  {11, 15}, {15, 1}};
+    static constexpr int sixteen[][2] = {{9, 9},   {7, 5},  {5, 10},  {12, 7}, {3, 6}, {10, 13},
+                                         {13, 11}, {11, 3}, {6, 14},  {8, 1},  {4, 2}, {2, 12},
+                                         {0, 8},   {15, 4}, {14, 15}, {1, 0}};
+    std::vector<Point2> out;
+    const auto take = [&](const auto& table) {
+        for (const auto& [x, y] : table) out.emplace_back(Real(x) / 16, Real(y) / 16);
+    };
+    if (samples == 1) take(one);
+    if (samples == 2) take(two);
+    if (samples == 4) take(four);
+    if (samples == 8) take(eight);
+    if (samples == 16) take(sixteen);
+    return out;
+}
+
+std::vector<Point2> grid_places(int side) {
+    std::vector<Point2> out;
+    for (int j = 0; j < side; ++j)
+        for (int i = 0; i < side; ++i)
+            out.emplace_back((Real(i) + Real(0.5)) / side, (Real(j) + Real(0.5)) / side);
+    return out;
+}
+
 Pixels lit_sphere(const LitSphere& s, std::uint32_t width, std::uint32_t height, int side) {
     const Vector half_way = unit(s.towards + Vector(0, 0, 1));
     const Real scale = 2 * Real(s.half) / height;

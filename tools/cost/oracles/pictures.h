@@ -24,6 +24,15 @@ Pixels exact_coverage(std::span<const Triangle2> triangles, std::uint32_t width,
 Pixels sampled_coverage(std::span<const Triangle2> triangles, std::uint32_t width,
                         std::uint32_t height, int side = 32);
 
+// The same at these places of each pixel, from its top left corner on.
+Pixels coverage_at(std::span<const Triangle2> triangles, std::uint32_t width, std::uint32_t height,
+                   std::span<const Point2> places);
+
+// Places of 1, 2, 4, 8 and 16 samples as graphics interfaces state them ("standard sample
+// locations", Vulkan 1.3; the same in Direct3D 11.3), and of side × side evenly spaced ones.
+std::vector<Point2> standard_places(int samples);
+std::vector<Point2> grid_places(int side);
+
 // A unit sphere at the origin, seen along −z without perspective from y = −half to half over the
 // picture's height; ambient light and one light from `towards` (unit), Blinn and Phong's reflection
 // without 1/π. One channel, black around it, the mean of `side` × `side` samples a pixel.

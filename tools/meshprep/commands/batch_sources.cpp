@@ -9,10 +9,8 @@
 namespace meshprep {
 namespace {
 
-std::string full_name(const std::filesystem::path& file) {
-    std::error_code ec;
-    const std::filesystem::path full = std::filesystem::weakly_canonical(file, ec);
-    return (ec ? file.lexically_normal() : full).string();
+std::string name_of_file(const std::filesystem::path& file) {
+    return identity(file).string();
 }
 
 // Of what is in the file, without a dot.
@@ -30,17 +28,20 @@ bool stands_alone(const std::filesystem::path& input) {
 
 BatchSources::BatchSources(const std::vector<Job>& jobs, const CommonOptions& common,
                            Console& console)
-    : jobs_(jobs), common_(common), console_(console), known_(jobs.size(), false) {
-    if (jobs.size() < 2) return;  // there is no other
+    : jobs_(jobs), common_(common), console_(console), states_(jobs.size()) {
     for (std::size_t number = 0; number < jobs.size(); ++number) {
-        jobs_of_[full_name(jobs[number].input)].push_back(number);
-        known_[number] = jobs[number].error || is_standard_stream(jobs[number].input) ||
-                         stands_alone(jobs[number].input);
+        jobs_of_[name_of_file(jobs[number].input)].push_back(number);
+        states_[number].load = !jobs[number].error && !is_stream(jobs[number].input) &&
+                               !stands_alone(jobs[number].input);
     }
 }
 
+void BatchSources::add(const std::filesystem::path& file) {
+    const std::lock_guard lock(mutex_);
+    jobs_of_[name_of_file(file)].push_back(jobs_.size());
+}
+
 void BatchSources::add(const Job& job, const InputFile& input, const prep::Scene& scene) {
-    if (jobs_.size() < 2) return;
     std::vector<std::filesystem::path> files;
     const auto take = [&](const std::filesystem::path& file) {
         if (!input.passing(file)) files.push_back(file);
@@ -52,15 +53,16 @@ void BatchSources::add(const Job& job, const InputFile& input, const prep::Scene
 }
 
 void BatchSources::add(const Job& job, const std::vector<std::filesystem::path>& files) {
-    if (jobs_.size() > 1) keep(std::size_t(&job - jobs_.data()), files);
+    keep(std::size_t(&job - jobs_.data()), files);
 }
 
 void BatchSources::keep(std::size_t number, const std::vector<std::filesystem::path>& files) {
     std::vector<std::string> names;
-    for (const std::filesystem::path& file : files) names.push_back(full_name(file));
+    for (const std::filesystem::path& file : files) names.push_back(name_of_file(file));
     const std::lock_guard lock(mutex_);
-    if (known_[number]) return;
-    known_[number] = true;
+    State& state = states_[number];
+    if (state.known) return;
+    state = {false, true};
     for (const std::string& name : names) jobs_of_[name].push_back(number);
 }
 
@@ -77,6 +79,16 @@ void BatchSources::load(std::size_t number) {
     keep(number, {});
 }
 
+void BatchSources::make_known(std::size_t number) {
+    const std::lock_guard lock(loading_);
+    bool wanted = false;
+    {
+        const std::lock_guard data(mutex_);
+        wanted = states_[number].load;
+    }
+    if (wanted) load(number);
+}
+
 bool BatchSources::has_another(const std::string& name, std::size_t number) const {
     const std::lock_guard lock(mutex_);
     const auto found = jobs_of_.find(name);
@@ -86,22 +98,22 @@ bool BatchSources::has_another(const std::string& name, std::size_t number) cons
 }
 
 bool BatchSources::of_another(const Job& job, const std::filesystem::path& file) {
-    if (jobs_.size() < 2) return false;
     const auto number = std::size_t(&job - jobs_.data());
-    const std::string name = full_name(file);
+    const std::string name = name_of_file(file);
     if (has_another(name, number)) return true;
-    const bool own_output = name == full_name(job.output);
-    for (std::size_t other = 0; other < jobs_.size(); ++other) {
-        if (other == number || (own_output && ending_of(jobs_[other].input) != "json")) continue;
-        const std::lock_guard lock(loading_);
-        bool known = false;
-        {
-            const std::lock_guard data(mutex_);
-            known = known_[other];
-        }
-        if (!known) load(other);
-    }
+    const bool own_output = name == name_of_file(job.output);
+    for (std::size_t other = 0; other < jobs_.size(); ++other)
+        if (other != number && (!own_output || ending_of(jobs_[other].input) == "json"))
+            make_known(other);
     return has_another(name, number);
+}
+
+bool BatchSources::of_any(const std::filesystem::path& file) {
+    const std::string name = name_of_file(file);
+    const std::size_t none = jobs_.size() + 1;
+    if (has_another(name, none)) return true;
+    for (std::size_t number = 0; number < jobs_.size(); ++number) make_known(number);
+    return has_another(name, none);
 }
 
 }  // namespace meshprep

@@ -1,5 +1,6 @@
-// What the inputs of one command line are read from: a file beside an output (.mtl, .bin, a
-// picture) must not replace a file that another input has yet to be read from, or was.
+// What the inputs of one command line are read from: what is written beside an output (.mtl, .bin,
+// a picture, a sheet, a manifest) must not replace a file that an input has yet to be read from, or
+// was.
 #pragma once
 
 #include <cstddef>
@@ -22,6 +23,8 @@ class BatchSources {
   public:
     BatchSources(const std::vector<Job>& jobs, const CommonOptions& common, Console& console);
 
+    // A file that the command line names for all of them.
+    void add(const std::filesystem::path& file);
     // The scene as it was loaded for a job of the list, before InputFile::settle().
     void add(const Job& job, const InputFile& input, const prep::Scene& scene);
     // A job that is not done again, and what it was read from the last time.
@@ -31,8 +34,11 @@ class BatchSources {
     // be loaded for the answer, each once: ask only of files that exist. For a job's own output
     // those are scene files alone: other formats are not read from files that we write.
     bool of_another(const Job& job, const std::filesystem::path& file);
+    // Whether any input is read from it.
+    bool of_any(const std::filesystem::path& file);
 
   private:
+    void make_known(std::size_t number);
     void load(std::size_t number);
     void keep(std::size_t number, const std::vector<std::filesystem::path>& files);
     bool has_another(const std::string& name, std::size_t number) const;
@@ -42,7 +48,12 @@ class BatchSources {
     Console& console_;
     std::mutex loading_;  // taken before the other
     mutable std::mutex mutex_;
-    std::vector<bool> known_;                                  // by job
+    // `load`: files may be unknown that loading it for the answer would tell, which takes a file
+    // that can be read twice. `known`: its files are noted.
+    struct State {
+        bool load = false, known = false;
+    };
+    std::vector<State> states_;                                // by job
     std::map<std::string, std::vector<std::size_t>> jobs_of_;  // by canonical name
     SiblingLinks links_;
 };

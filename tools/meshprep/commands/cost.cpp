@@ -62,6 +62,7 @@ bool wanted(const CostCommand& command, const char* name) {
 struct Tried {
     std::string name;
     prep::Mesh mesh;
+    std::vector<std::filesystem::path> sources;  // what it was read from beside it: identities
 };
 
 Result<Tried> load(const std::filesystem::path& path, const CommonOptions& common,
@@ -77,7 +78,8 @@ Result<Tried> load(const std::filesystem::path& path, const CommonOptions& commo
         [](const prep::Mesh& a, const prep::Mesh& b) { return a.face_count() < b.face_count(); });
     if (most == scene->meshes.end() || most->face_count() == 0)
         return Error{ErrorCode::invalid, "has no faces to try anything on", path.string()};
-    Tried tried{path.filename().string(), std::move(*most)};
+    Tried tried{path.filename().string(), std::move(*most), {}};
+    tried.sources = read_beside(*scene);
     if (scene->meshes.size() > 1 && !tried.mesh.name.empty())
         tried.name += ", mesh " + tried.mesh.name;
     return tried;
@@ -95,21 +97,28 @@ Result<cost::LadderRecord> measured(const cost::LadderRow& row, const cost::Subj
     return cost::climb(*ladder, subject.threads, options, clock);
 }
 
-// Errors: files that cannot be read, before anything is measured. What a ladder cannot be tried on
-// is a failure of that ladder; the others go on.
-Result<Measured> measured_table(const CostCommand& command, Console& console) {
+// Before anything is measured. Errors: files that cannot be read.
+Result<std::vector<Tried>> load_all(const CostCommand& command, Console& console) {
+    std::vector<Tried> tried;
+    for (std::size_t i = 0; i < command.inputs.size(); ++i) {
+        if (const Result<void> fresh = require_unread(command.inputs, i); !fresh)
+            return fresh.error();
+        Result<Tried> one = load(command.inputs[i], command.common, console);
+        if (!one) return one.error();
+        tried.push_back(*std::move(one));
+    }
+    return tried;
+}
+
+// What a ladder cannot be tried on is a failure of that ladder; the others go on.
+Measured measured_table(const CostCommand& command, const std::vector<Tried>& tried,
+                        Console& console) {
     Measured out;
     out.table.version = std::string(prep::version());
     out.table.processor = cost::processor_name();
     out.table.threads = command.common.threads > 0
                             ? command.common.threads
                             : std::max(1, int(std::thread::hardware_concurrency()));
-    std::vector<Tried> tried;
-    for (const std::filesystem::path& path : command.inputs) {
-        Result<Tried> one = load(path, command.common, console);
-        if (!one) return one.error();
-        tried.push_back(*std::move(one));
-    }
     for (const cost::LadderRow& row : cost::ladder_rows()) {
         if (!wanted(command, row.name)) continue;
         std::vector<cost::Subject> subjects;
@@ -176,20 +185,34 @@ Result<void> keep_apart(const std::vector<std::filesystem::path>& inputs,
     return {};
 }
 
-// Before anything is measured: minutes are not to be lost to a file that cannot be written.
-// `ladders`: whose plots will be written, as far as that is known.
-Result<void> prepare_outputs(const CostCommand& command, const std::vector<std::string>& ladders,
-                             OutputDirectories& directories) {
-    std::vector<std::filesystem::path> inputs = command.inputs, files, plots;
-    if (!command.from.empty()) inputs.push_back(command.from);
+// Beside the plots.
+std::vector<std::filesystem::path> named_outputs(const CostCommand& command) {
+    std::vector<std::filesystem::path> files;
     for (const std::filesystem::path& file : {command.csv, command.page})
         if (!file.empty()) files.push_back(file);
-    if (!command.svg.empty()) plots = plot_files(command.svg, ladders);
-    plots.insert(plots.end(), files.begin(), files.end());
-    if (const Result<void> apart = keep_apart(inputs, plots); !apart) return apart.error();
+    return files;
+}
+
+// `ladders`: whose plots will be written, as far as that is known.
+std::vector<std::filesystem::path> all_outputs(const CostCommand& command,
+                                               const std::vector<std::string>& ladders) {
+    std::vector<std::filesystem::path> files = named_outputs(command);
+    if (command.svg.empty()) return files;
+    for (std::filesystem::path& plot : plot_files(command.svg, ladders))
+        files.push_back(std::move(plot));
+    return files;
+}
+
+// Before anything is measured: minutes are not to be lost to a file that cannot be written.
+Result<void> prepare_outputs(const CostCommand& command, const std::vector<std::string>& ladders,
+                             OutputDirectories& directories) {
+    std::vector<std::filesystem::path> inputs = command.inputs;
+    if (!command.from.empty()) inputs.push_back(command.from);
+    if (const Result<void> apart = keep_apart(inputs, all_outputs(command, ladders)); !apart)
+        return apart.error();
     if (!command.svg.empty())
         if (const Result<void> made = directories.make(command.svg); !made) return made.error();
-    for (const std::filesystem::path& file : files) {
+    for (const std::filesystem::path& file : named_outputs(command)) {
         if (const Result<void> made = directories.make_for(file); !made) return made.error();
         std::error_code ec;
         if (std::filesystem::is_directory(file, ec))
@@ -284,7 +307,15 @@ int run(const CostCommand& command, Console& console) {
             command.from.empty() ? ladders_to_come(command) : ladders_of(out.table);
         if (const Result<void> good = prepare_outputs(command, ladders, directories); !good)
             return good.error();
-        return command.from.empty() ? measured_table(command, console) : Result(std::move(out));
+        if (!command.from.empty()) return out;
+        const Result<std::vector<Tried>> tried = load_all(command, console);
+        if (!tried) return tried.error();
+        std::vector<std::filesystem::path> sources;
+        for (const Tried& one : *tried)
+            sources.insert(sources.end(), one.sources.begin(), one.sources.end());
+        if (const Result<void> apart = keep_apart(sources, all_outputs(command, ladders)); !apart)
+            return apart.error();
+        return measured_table(command, *tried, console);
     };
     const Result<Measured> result = made();
     console.progress(command.common, "");

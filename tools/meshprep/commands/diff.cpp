@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cost/measure/flip.h"
+#include "meshprep/commands/diff_gate.h"
 #include "meshprep/commands/mesh_diff.h"
 #include "meshprep/commands/subcommand.h"
 #include "meshprep/files/file_list.h"
@@ -10,6 +12,7 @@
 #include "meshprep/files/output_directories.h"
 #include "meshprep/output/load_options.h"
 #include "meshprep/output/report_json.h"
+#include "prep/files.h"
 #include "prep/image.h"
 #include "prep/load.h"
 #include "sheets/image_diff.h"
@@ -23,6 +26,12 @@ struct DiffCommand {
     bool tangents = false, normals = false;  // neither: what both files have
     std::filesystem::path heat_map;          // written when set
     std::optional<double> tolerance;         // degrees (meshes) or RMSE (pictures): above it exit 1
+    std::filesystem::path gate, page;        // judged by these limits, written when set
+    int views = -1;                          // outlines from so many places; -1: the gate's number
+    bool flip = false;
+
+    // Meshes are compared in all they are, not by directions alone.
+    bool judges() const { return !gate.empty() || !page.empty() || views >= 0; }
 };
 
 using prep::Error;
@@ -37,13 +46,54 @@ bool is_picture(const std::filesystem::path& path) {
                        [&](const char* e) { return ending == e; });
 }
 
-// Whether the tolerance holds, and what was found.
+// Whether the tolerance or the gate holds, and what was found.
 struct Verdict {
     bool within = true;
     Json json;
+    std::string beyond = {};  // which limits of a gate are not held
 };
 
-Verdict report_pictures(const DiffCommand& command, const report::ImageDiff& d, Console& console) {
+// The gate's limits, and what the command line has in their place. Without a gate file, its
+// defaults.
+Result<Gate> gate_of(const DiffCommand& command) {
+    Gate gate;
+    if (!command.gate.empty()) {
+        if (const Result<void> there = require_file(command.gate); !there) return there.error();
+        const Result<std::vector<std::byte>> bytes = prep::read_file(command.gate);
+        if (!bytes) return bytes.error();
+        Result<Gate> read =
+            gate_from({reinterpret_cast<const char*>(bytes->data()), bytes->size()});
+        if (!read)
+            return Error{read.error().code, read.error().text,
+                         command.gate.string() + read.error().place};
+        gate = *std::move(read);
+    }
+    if (command.views >= 0) gate.views = std::uint32_t(command.views);
+    if (command.tolerance) {
+        gate.limits.normals = gate.limits.tangents = command.tolerance;
+        gate.rmse = command.tolerance;
+    }
+    return gate;
+}
+
+// As FLIP takes them: three channels, sRGB-encoded. What is not a number counts as black.
+Result<cost::Pixels> flip_pixels(const prep::Image& image, const std::filesystem::path& path) {
+    if (image.channels > 4 || image.integer_channels != 0)
+        return Error{ErrorCode::invalid,
+                     "FLIP compares colours, and this file's channels are others", path.string()};
+    cost::Pixels pixels{image.width, image.height, 3, {}};
+    pixels.values.reserve(std::size_t(image.width) * image.height * 3);
+    for (std::uint32_t y = 0; y < image.height; ++y)
+        for (std::uint32_t x = 0; x < image.width; ++x)
+            for (std::uint32_t k = 0; k < 3; ++k) {
+                const double v = double(image.at(x, y)[image.channels < 3 ? 0 : k]);
+                pixels.values.push_back(std::isnan(v) ? 0 : v);
+            }
+    return image.srgb ? pixels : cost::srgb_encoded(pixels);
+}
+
+Verdict report_pictures(const DiffCommand& command, const report::ImageDiff& d,
+                        const std::optional<cost::Flip>& flip, const Gate& gate, Console& console) {
     const auto say = [&](const std::string& line) { console.result(command.common, line); };
     if (d.different == 0) {
         say(fmt::format("identical: {} pixels", with_commas(d.pixels)));
@@ -70,9 +120,21 @@ Verdict report_pictures(const DiffCommand& command, const report::ImageDiff& d, 
             figures("", where);
         }
     }
+    if (flip) say(fmt::format("  FLIP mean {:.6f}, largest {:.6f}", flip->mean, flip->largest));
     Verdict verdict;
-    verdict.within = !command.tolerance ||
-                     (d.rmse <= *command.tolerance && d.infinite == 0 && d.different_integers == 0);
+    const auto hold = [&](bool holds, const char* name) {
+        if (holds) return;
+        verdict.within = false;
+        verdict.beyond += (verdict.beyond.empty() ? "" : ", ") + std::string(name);
+    };
+    if (command.tolerance || !command.gate.empty()) {
+        const bool judged = gate.rmse.has_value();
+        hold(!judged || (d.rmse <= *gate.rmse && d.infinite == 0 && d.different_integers == 0),
+             "rmse");
+        // FLIP knows no infinity and no missing number: what either picture alone has holds none.
+        hold(!flip || !gate.limits.flip || (flip->mean <= *gate.limits.flip && d.infinite == 0),
+             "flip");
+    }
     // JSON knows no infinity: null, and the number of such values beside it.
     const auto figure = [&](double value) {
         return d.measured && d.infinite == 0 && std::isfinite(value) ? Json(value) : Json(nullptr);
@@ -87,7 +149,46 @@ Verdict report_pictures(const DiffCommand& command, const report::ImageDiff& d, 
                     {"mean", figure(d.mean)},
                     {"largest", figure(d.largest)},
                     {"worst", {d.worst_x, d.worst_y}}};
+    if (flip) verdict.json["flip"] = {{"mean", flip->mean}, {"largest", flip->largest}};
     return verdict;
+}
+
+report::Page picture_page(const DiffCommand& command, const prep::Image& a, const prep::Image& b,
+                          const report::ImageDiff& d, const cost::Flip& flip,
+                          const Verdict& verdict) {
+    report::Page page;
+    page.title = command.b.string() + " against " + command.a.string();
+    page.subtitle = !verdict.within        ? "Beyond its limit: " + verdict.beyond + "."
+                    : d.different == 0     ? "Identical."
+                    : command.gate.empty() ? "What differs."
+                                           : "Within the limits of " + command.gate.string() + ".";
+    report::Sheet sheet;
+    const auto panel = [&](const char* id, const char* title, const std::string& caption,
+                           const prep::Image& picture) {
+        report::Panel p;
+        p.id = id;
+        p.title = p.alt = title;
+        p.caption = caption;
+        p.picture = picture;
+        sheet.panels.push_back(std::move(p));
+    };
+    prep::Image seen{a.width, a.height, 3, {}, true};
+    for (const double e : flip.errors) seen.pixels.insert(seen.pixels.end(), 3, float(e));
+    panel("first", "First", command.a.string(), a);
+    panel("second", "Second", command.b.string(), b);
+    panel("heat", "Values", "from black for equal over blue, red and yellow to white", d.heat);
+    panel("flip", "FLIP", "black is equal, white as different as can be", seen);
+    page.sheets.push_back(std::move(sheet));
+    page.tables.push_back(
+        {"Figures",
+         {"figure", "value"},
+         {{"pixels that differ",
+           fmt::format("{} of {}", with_commas(d.different), with_commas(d.pixels))},
+          {"RMSE", fmt::format("{:.6g}", d.rmse)},
+          {"largest", fmt::format("{:.6g} at ({}, {})", d.largest, d.worst_x, d.worst_y)},
+          {"FLIP mean", fmt::format("{:.6g}", flip.mean)},
+          {"FLIP largest", fmt::format("{:.6g}", flip.largest)}}});
+    return page;
 }
 
 Verdict report_attribute(const DiffCommand& command, const AttributeDiff& d, Console& console) {
@@ -137,6 +238,18 @@ Result<Verdict> diff_pictures(const DiffCommand& command, Console& console) {
     if (command.tangents || command.normals)
         return Error{ErrorCode::invalid, "pictures have no normals or tangents to compare",
                      command.a.string()};
+    std::error_code ec;
+    for (const std::filesystem::path& picture : {command.a, command.b})
+        if (std::filesystem::equivalent(picture, command.heat_map, ec))
+            return Error{ErrorCode::invalid,
+                         "the heat map would be written over one of the pictures; give it another "
+                         "name",
+                         command.heat_map.string()};
+    if (command.views >= 0)
+        return Error{ErrorCode::invalid, "--views draws meshes, and these are pictures",
+                     command.a.string()};
+    const Result<Gate> gate = gate_of(command);
+    if (!gate) return gate.error();
     const prep::LoadOptions load = load_options(command.common, console);
     prep::ImageOptions options;
     options.channels = prep::ImageChannels::all;
@@ -148,6 +261,16 @@ Result<Verdict> diff_pictures(const DiffCommand& command, Console& console) {
     if (!b) return b.error();
     const Result<report::ImageDiff> diff = report::diff_images(*a, *b);
     if (!diff) return Error{diff.error().code, diff.error().text, command.b.string()};
+    std::optional<cost::Flip> flip;
+    const bool gated = !command.gate.empty() && gate->limits.flip;
+    if (command.flip || gated || !command.page.empty()) {
+        const Result<cost::Pixels> pa = flip_pixels(*a, command.a);
+        if (!pa) return pa.error();
+        const Result<cost::Pixels> pb = flip_pixels(*b, command.b);
+        if (!pb) return pb.error();
+        flip = cost::flip(*pa, *pb);
+    }
+    // After all that can fail.
     if (!command.heat_map.empty()) {
         OutputDirectories directories;
         if (const Result<void> made = directories.make_for(command.heat_map); !made)
@@ -155,27 +278,84 @@ Result<Verdict> diff_pictures(const DiffCommand& command, Console& console) {
         if (const Result<void> saved = prep::save_image(command.heat_map, diff->heat); !saved)
             return saved.error();
     }
-    return report_pictures(command, *diff, console);
+    Verdict verdict = report_pictures(command, *diff, flip, *gate, console);
+    if (!command.page.empty())
+        if (const Result<void> written =
+                write_page(command.page, picture_page(command, *a, *b, *diff, *flip, verdict));
+            !written)
+            return written.error();
+    return verdict;
 }
 
-Result<prep::Scene> load_mesh(const std::filesystem::path& path, const CommonOptions& common,
+// Refused where the page would replace what the mesh is read from.
+Result<prep::Scene> load_mesh(const std::filesystem::path& path, const DiffCommand& command,
                               Console& console) {
-    const Result<InputFile> input = InputFile::open(path, common.input_format);
+    const Result<InputFile> input = InputFile::open(path, command.common.input_format);
     if (!input) return input.error();
-    Result<prep::Scene> scene = prep::load_scene(input->path(), load_options(common, console));
+    Result<prep::Scene> scene =
+        prep::load_scene(input->path(), load_options(command.common, console));
     if (!scene) return input->relabelled(scene.error());
     input->settle(*scene);
+    if (!command.page.empty())
+        for (const std::filesystem::path& file : read_beside(*scene))
+            if (file == identity(command.page))
+                return Error{ErrorCode::invalid, "is an input as well; give the page another name",
+                             command.page.string()};
     return scene;
+}
+
+Result<Verdict> judge_meshes(const DiffCommand& command, const prep::Scene& a, const prep::Scene& b,
+                             Console& console) {
+    const Result<Gate> gate = gate_of(command);
+    if (!gate) return gate.error();
+    if (gate->views == 0 && !gate->drawn_limit.empty())
+        return Error{ErrorCode::invalid, "is a limit of what is drawn, and there are 0 views",
+                     command.gate.string() + "#/limits/" + gate->drawn_limit};
+    judge::JudgeOptions options;
+    options.limits = gate->limits;
+    options.meshes = gate->meshes;
+    options.views = gate->views;
+    options.size = gate->size;
+    options.always_views = command.views > 0;
+    options.pictures = !command.page.empty();
+    options.threads = command.common.threads;
+    const Result<judge::Judgement> judgement = judge::judge(a, b, options);
+    if (!judgement) return judgement.error();
+    say_judgement(command.common, *judgement, a, console);
+    if (!command.page.empty())
+        if (const Result<void> written = write_page(
+                command.page,
+                judgement_page({command.a.string(), command.b.string(), command.gate.string()},
+                               *judgement, a, gate->replay));
+            !written)
+            return written.error();
+    Verdict verdict;
+    if (!command.gate.empty() || command.tolerance) {
+        verdict.within = judgement->within();
+        verdict.beyond = failed_causes(*judgement);
+    }
+    verdict.json = to_json(*judgement, a);
+    if (!gate->replay.empty()) {
+        verdict.json["replay"] = gate->replay;
+        if (!verdict.within)
+            console.result(command.common, "the second file is made again by: " + gate->replay);
+    }
+    return verdict;
 }
 
 Result<Verdict> diff_meshes(const DiffCommand& command, Console& console) {
     if (!command.heat_map.empty())
         return Error{ErrorCode::invalid, "a heat map shows how pictures differ; these are meshes",
                      command.heat_map.string()};
-    const Result<prep::Scene> a = load_mesh(command.a, command.common, console);
+    if (command.flip)
+        return Error{ErrorCode::invalid,
+                     "--flip compares pictures; of meshes, a gate's limit \"flip\" does",
+                     command.a.string()};
+    const Result<prep::Scene> a = load_mesh(command.a, command, console);
     if (!a) return a.error();
-    const Result<prep::Scene> b = load_mesh(command.b, command.common, console);
+    const Result<prep::Scene> b = load_mesh(command.b, command, console);
     if (!b) return b.error();
+    if (command.judges()) return judge_meshes(command, *a, *b, console);
     std::vector<Attribute> attributes;
     if (command.normals) attributes.push_back(Attribute::normals);
     if (command.tangents) attributes.push_back(Attribute::tangents);
@@ -209,10 +389,20 @@ int run(const DiffCommand& command, Console& console) {
         for (const std::filesystem::path& path : {command.a, command.b})
             if (!is_standard_stream(path))
                 if (const Result<void> there = require_file(path); !there) return there.error();
+        if (is_standard_stream(command.a) && is_standard_stream(command.b))
+            return Error{ErrorCode::invalid,
+                         "both are standard input, which is read once; name a file for one of them",
+                         "-"};
+        if (const Result<void> fresh = require_unread({command.a, command.b}, 1); !fresh)
+            return fresh.error();
         if (is_picture(command.a) != is_picture(command.b))
             return Error{ErrorCode::invalid,
                          "one is a picture, the other a mesh; give two of a kind",
                          command.b.string()};
+        for (const std::filesystem::path& path : {command.a, command.b, command.gate})
+            if (!command.page.empty() && !path.empty() && identity(path) == identity(command.page))
+                return Error{ErrorCode::invalid, "is an input as well; give the page another name",
+                             command.page.string()};
         return is_picture(command.a) ? diff_pictures(command, console)
                                      : diff_meshes(command, console);
     };
@@ -228,8 +418,10 @@ int run(const DiffCommand& command, Console& console) {
     document["within_tolerance"] = verdict->within;
     if (command.common.json) console.json(json_text(document));
     if (!verdict->within)
-        console.error(
-            fmt::format("they are further apart than the tolerance of {:g}", *command.tolerance));
+        console.error(command.gate.empty() && !command.judges()
+                          ? fmt::format("they are further apart than the tolerance of {:g}",
+                                        *command.tolerance)
+                          : "the gate is not passed: " + verdict->beyond);
     return verdict->within ? exit_done : exit_failed;
 }
 
@@ -244,20 +436,33 @@ void define(OptionSet& options, DiffCommand& c) {
         "--tolerance", c.tolerance, "T",
         "Exit 1 when the largest angle (degrees) or the pictures' RMSE is above this, or "
         "a tangent's sign or an ID differs, or a value is infinite in one picture alone");
+    options.flag("--flip", c.flip, "Pictures: how different they look, by LDR-FLIP");
+    options.path("--gate", c.gate, "GATE.json",
+                 "Compare all that meshes are, or pictures, by these limits: exit 1 beyond one");
+    options.number("--views", c.views, 0, 64, "N",
+                   "Meshes: compare all that they are, outlines from N sides (default 6) among it");
+    options.path("--report", c.page, "PAGE.html", "The same, and write a page of what was found");
     add_input_options(options, c.common);
     add_loading_options(options, c.common.load);
     add_common_options(options, c.common);
     options.examples(
         "  meshprep diff --tangents baked.glb prepared.glb\n"
-        "  meshprep diff before.png after.png --heat-map difference.png --tolerance 0.004");
+        "  meshprep diff before.png after.png --heat-map difference.png --tolerance 0.004\n"
+        "  meshprep diff accepted.glb new.glb --gate gate.json --report difference.html");
+}
+
+void check(const DiffCommand& c) {
+    if (c.judges() && (c.normals || c.tangents))
+        usage_error(c.normals ? "--normals" : "--tangents",
+                    "compares directions alone; --gate, --views and --report compare everything");
 }
 
 }  // namespace
 
 Subcommand diff_subcommand() {
     return subcommand<DiffCommand>(
-        "diff", "How far two meshes' normals and tangents, or two pictures, are apart", define,
-        run);
+        "diff", "How far two meshes' normals and tangents, or two pictures, are apart", define, run,
+        check);
 }
 
 }  // namespace meshprep

@@ -4,6 +4,7 @@
 
 #include "meshprep/commands/selftest.h"
 #include "meshprep/commands/subcommand.h"
+#include "meshprep/files/file_list.h"
 #include "meshprep/files/input_file.h"
 #include "meshprep/output/cage_summary.h"
 #include "meshprep/output/conventions_text.h"
@@ -268,8 +269,9 @@ int run_selftest(const InspectCommand& command, Console& console) {
 }
 
 // What there is to say of one file.
-Json inspect_file(const std::filesystem::path& path, const InspectCommand& command,
-                  SiblingLinks& links, Console& console, bool& warned) {
+Json inspect_file(std::size_t number, const InspectCommand& command, SiblingLinks& links,
+                  Console& console, bool& warned) {
+    const std::filesystem::path& path = command.inputs[number];
     Json file;
     file["input"] = path.string();
     const auto failed = [&](const prep::Error& error) {
@@ -278,6 +280,8 @@ Json inspect_file(const std::filesystem::path& path, const InspectCommand& comma
         file["error"] = to_json(error);
         return file;
     };
+    if (const auto fresh = require_unread(command.inputs, number); !fresh)
+        return failed(fresh.error());
     const prep::Result<InputFile> input =
         InputFile::open(path, command.common.input_format, &links);
     if (!input) return failed(input.error());
@@ -289,7 +293,7 @@ Json inspect_file(const std::filesystem::path& path, const InspectCommand& comma
     input->settle(*scene);
     const prep::SceneCheck check = prep::check(*scene, {command.common.threads});
     for (const std::string& text : scene->warnings)
-        console.warning(command.common, path.string() + ": " + text);
+        console.warning(command.common, said_of(path, text));
     const SceneConventions conventions = scene_conventions(*scene, command.common.threads);
     print_file(path, *scene, check, conventions, gltf, command, console);
     for (const prep::Finding& f : check.findings) warned |= f.severity != prep::Severity::info;
@@ -316,10 +320,10 @@ int run(const InspectCommand& command, Console& console) {
     FileRecords records("inspect", command.common, console);
     SiblingLinks links;
     std::size_t failed = 0, with_warnings = 0;
-    for (const std::filesystem::path& path : command.inputs) {
-        console.progress(command.common, path.string() + " …");
+    for (std::size_t number = 0; number < command.inputs.size(); ++number) {
+        console.progress(command.common, command.inputs[number].string() + " …");
         bool warned = false;
-        Json file = inspect_file(path, command, links, console, warned);
+        Json file = inspect_file(number, command, links, console, warned);
         failed += file["status"] == "failed";
         with_warnings += warned;
         records.add(std::move(file));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
+#include <limits>
 #include <new>
 #include <thread>
 
@@ -29,18 +30,19 @@ class Batch {
           records_("prepare", common_, console),
           sources_(list.jobs, common_, console),
           earlier_(command.settings),
-          manifest_(command.settings) {}
+          manifest_(command.settings) {
+        if (command.prepare.displacement.map) sources_.add(command.prepare.displacement.map->path);
+    }
 
     int run() {
-        for (const Job& job : list_.jobs)
-            for (const std::filesystem::path& file : {job.input, job.output})
-                if (!command_.manifest.empty() &&
-                    file.lexically_normal() == command_.manifest.lexically_normal())
-                    return records_.fail({prep::ErrorCode::invalid,
-                                          "the manifest would be written over this file; give it "
-                                          "another name",
-                                          file.string()},
-                                         exit_usage);
+        if (const auto file = under_manifest())
+            return records_.fail(
+                {prep::ErrorCode::invalid,
+                 "the manifest would be written over this file; give it another name",
+                 file->string()},
+                exit_usage);
+        // That of an earlier run is no output's to replace.
+        if (!command_.manifest.empty()) sources_.add(command_.manifest);
         if (command_.skip_unchanged) {
             if (const prep::Result<void> read = earlier_.read(command_.manifest); !read)
                 return records_.fail(read.error(), exit_failed);
@@ -77,7 +79,7 @@ class Batch {
                          {"failed", failed_},
                          {"with_warnings", warned_},
                          {"milliseconds", milliseconds}});
-        return failed_ > 0 || !written ? exit_failed : exit_done;
+        return failed_ > 0 || unmet_ > 0 || !written ? exit_failed : exit_done;
     }
 
   private:
@@ -119,7 +121,7 @@ class Batch {
     void report(const Outcome& outcome) {
         const bool only = list_.jobs.size() == 1;
         for (const std::string& text : outcome.warnings)
-            console_.warning(common_, outcome.job.input.string() + ": " + text);
+            console_.warning(common_, said_of(outcome.job.input, text));
         for (const std::string& text : outcome.notes)
             console_.warning(common_, outcome.job.output.string() + ": " + text);
         if (outcome.error) {
@@ -136,15 +138,39 @@ class Batch {
         } else {
             print_details(outcome, command_, console_);
         }
+        if (outcome.certificate && !outcome.certificate->met()) {
+            ++unmet_;
+            console_.error(unmet_text(outcome));
+        }
         if (!outcome.bytes.empty()) console_.bytes(outcome.bytes);
         warned_ += outcome.warning_count() > 0;
-        if (records_.wanted()) records_.add(outcome_json(outcome));
+        if (records_.wanted()) records_.add(outcome_json(outcome, command_));
         if (command_.manifest.empty() || outcome.skipped) return;
-        manifest_.set(manifest_entry(outcome));
+        manifest_.set(manifest_entry(outcome, command_));
         // A run that is ended later has lost a few seconds' work, not all of it.
         constexpr double milliseconds_between = 5000;
         if (milliseconds_since(last_written_) > milliseconds_between && write_manifest())
             last_written_ = Clock::now();
+    }
+
+    // A file that is read or written otherwise, and has the manifest's name. Outputs beside a mesh
+    // are known when they are written.
+    std::optional<std::filesystem::path> under_manifest() {
+        if (command_.manifest.empty()) return std::nullopt;
+        std::error_code ec;
+        const std::filesystem::path own = identity(command_.manifest);
+        for (const Job& job : list_.jobs)
+            for (const std::filesystem::path& file : {job.input, job.output})
+                if (!is_standard_stream(file) &&
+                    (identity(file) == own ||
+                     std::filesystem::equivalent(file, command_.manifest, ec)))
+                    return file;
+        // Inputs are not loaded for a manifest of an earlier run.
+        const bool there = std::filesystem::is_regular_file(command_.manifest, ec) &&
+                           std::filesystem::file_size(command_.manifest, ec) > 0;
+        if (there && !Manifest::is_one(command_.manifest) && sources_.of_any(command_.manifest))
+            return command_.manifest;
+        return std::nullopt;
     }
 
     bool write_manifest() {
@@ -164,7 +190,7 @@ class Batch {
     BatchSources sources_;
     Manifest earlier_, manifest_;
     Clock::time_point last_written_;
-    std::size_t failed_ = 0, skipped_ = 0, warned_ = 0;
+    std::size_t failed_ = 0, skipped_ = 0, warned_ = 0, unmet_ = 0;
 };
 
 int run(const PrepareCommand& command, Console& console) {
@@ -174,12 +200,56 @@ int run(const PrepareCommand& command, Console& console) {
         return FileRecords("prepare", command.common, console)
             .fail(list.error(),
                   list.error().code == prep::ErrorCode::io ? exit_failed : exit_usage);
-    const int code = Batch(command, *list, console).run();
+    const prep::Result<ConsumerWish> consumer = read_scene_file(command.consumer);
+    if (!consumer)
+        return FileRecords("prepare", command.common, console).fail(consumer.error(), exit_failed);
+    PrepareCommand read = command;
+    read.consumer = *consumer;
+    const int code = Batch(read, *list, console).run();
     // Where nothing could be begun and no file is to blame, the command line is.
     const bool mistaken = std::all_of(list->jobs.begin(), list->jobs.end(), [](const Job& job) {
         return job.error && job.error->code != prep::ErrorCode::io;
     });
     return mistaken ? exit_usage : code;
+}
+
+void parse_quantization(const std::string& text, PrepareCommand& c) {
+    c.choose_bits = text == "auto";
+    if (c.choose_bits) {
+        c.quantization = usual_quantization();
+        return;
+    }
+    const auto wrong = [](const std::string& why) { usage_error("--quantize", why); };
+    c.quantization = {};
+    for (const std::string& word : parse_list(text)) {
+        const std::size_t at = word.find('=');
+        const auto* row =
+            std::find_if(std::begin(prep::quantization_rows), std::end(prep::quantization_rows),
+                         [&](const auto& r) { return word.substr(0, at) == r.name; });
+        if (row == std::end(prep::quantization_rows) || at == std::string::npos)
+            return wrong("'" + word +
+                         "' is not one of positions=BITS, normals=BITS, tangents=BITS, uvs=BITS, "
+                         "or auto");
+        const std::vector<double> bits = parse_numbers(word.substr(at + 1), ',');
+        if (bits.size() != 1 || bits[0] != std::floor(bits[0]) || bits[0] < row->least ||
+            bits[0] > row->most)
+            return wrong(fmt::format("{} have {} to {} bits, not '{}'", row->name, row->least,
+                                     row->most, word.substr(at + 1)));
+        int& to = c.quantization.*row->bits;
+        if (to != 0) return wrong(std::string(row->name) + " stand there twice");
+        to = int(bits[0]);
+    }
+    if (!c.quantization.any()) wrong("names nothing");
+}
+
+// What bits are chosen by is measured on a file that stays.
+void check_direction_errors(const PrepareCommand& c) {
+    if (!c.direction_errors.any()) return;
+    const char* const given = c.direction_errors.normals ? "--normal-error" : "--tangent-error";
+    if (!c.choose_bits)
+        usage_error(given, "chooses how directions are rounded; give --quantize auto as well");
+    if (c.files.in_place || is_standard_stream(c.files.output))
+        usage_error(given, "is measured on the file that is written; give -o FILE or -o DIR");
 }
 
 void define(OptionSet& options, PrepareCommand& c) {
@@ -198,6 +268,21 @@ void define(OptionSet& options, PrepareCommand& c) {
                   "Vertices and triangles of glTF files: as the glTF input has them (keep, the "
                   "default), as they are, by Draco, or by meshopt. No value is changed, but where "
                   "Draco rounded the input's: there its steps are kept");
+    options.flag("--optimize", c.prepare.optimize,
+                 "Triangles and vertices of glTF files in an order that graphics hardware reads "
+                 "with less work (vertex cache, overdraw, fetch); no value is changed, and "
+                 "triangles that blend keep their order");
+    options.value(
+        "--quantize", "NAME=BITS,…|auto",
+        [&c](const std::string& text) { parse_quantization(text, c); },
+        "Vertices of glTF files as whole numbers (KHR_mesh_quantization): positions and uvs of 4 "
+        "to 16 bits, normals and tangents of 8 to 16; auto: 16 and 12, or what the errors below "
+        "take. Values are rounded before they are compressed, and the error is told");
+    options.not_negative("--normal-error", c.direction_errors.normals, "DEG",
+                         "With --quantize auto: the fewest bits that turn no normal by more, "
+                         "measured; exit 1 with the best found where none do");
+    options.not_negative("--tangent-error", c.direction_errors.tangents, "DEG",
+                         "The same of tangents");
     options.flag("--in-place", c.files.in_place, "Write each result over its input");
     options.flag(
         "-r,--recursive", c.files.recursive,
@@ -221,13 +306,18 @@ void define(OptionSet& options, PrepareCommand& c) {
               "outputs that are byte for byte as they were written")
         .needs(manifest);
     options.flag("--explain", c.explain,
-                 "Each stage: run or skipped, its reason, its milliseconds");
+                 "Each stage: run or skipped, its reason, its milliseconds; and for each mesh, "
+                 "which material calls for which attributes");
+    add_consumer_option(options, c.consumer);
     options.value(
         "--scale", "FACTOR",
         [&c](const std::string& text) {
             const std::vector<double> numbers = parse_numbers(text, ',');
             if (numbers.size() != 1 || !(numbers[0] > 0) || !std::isfinite(numbers[0]))
                 usage_error("--scale", "not a number over 0");
+            using Limits = std::numeric_limits<float>;
+            if (numbers[0] < double(Limits::min()) || numbers[0] > double(Limits::max()))
+                usage_error("--scale", "beyond the range of float, 1.2e-38 to 3.4e38");
             c.scale = numbers[0];
         },
         "Multiplies all lengths, on top of the unit that the file states (FBX, DAE: metres "
@@ -261,9 +351,12 @@ void define(OptionSet& options, PrepareCommand& c) {
         "  meshprep prepare part.stl -o part.glb --hard-angle 30 --explain\n"
         "  meshprep prepare *.obj more/*.fbx -o out/        many files; a bad one stops no other\n"
         "  meshprep prepare assets -r -o out --format gltf  a tree of files\n"
+        "  meshprep prepare spot.obj -o spot.glb --for shading=phong    no tangents for its maps\n"
+        "  meshprep prepare spot.obj -o spot.glb --optimize --compress meshopt\n"
         "  meshprep prepare part.stl -o part.glb --scale 0.001 --up z   millimetres, z up\n"
         "  meshprep prepare assets -r -o out --jobs 0 --manifest out/made.json --skip-unchanged\n"
         "  curl -s $URL | meshprep prepare - -o - --format glb > chair.glb\n"
+        "  meshprep prepare rock.glb -o small.glb --quantize auto --normal-error 0.1\n"
         "  meshprep prepare rock.glb --in-place --tangents mikktspace");
 }
 
@@ -274,9 +367,17 @@ void check(const PrepareCommand& c) {
         usage_error("--in-place", "writes over the inputs; it takes no --output");
     if (is_standard_stream(c.files.output) && (c.common.json || c.common.json_lines))
         usage_error("--output", "- takes standard output, and so does JSON; leave one of them out");
+    if (is_standard_stream(c.manifest))
+        usage_error("--manifest",
+                    "is written to a file, - is none; --json writes to standard output");
     if (c.common.json && c.common.json_lines)
         usage_error("--json",
                     "is one document, --json-lines a line for each file; give one of them");
+    if (c.skip_unchanged && !c.consumer.scene_file.empty())
+        usage_error("--for",
+                    "a scene file may have changed, which --skip-unchanged does not see; name the "
+                    "choices instead, as in shading=phong");
+    check_direction_errors(c);
     check_camera(c.camera);
     const bool placed = std::holds_alternative<PlaceChoice>(c.camera.camera);
     const char* const given = placed                         ? "--look-from"

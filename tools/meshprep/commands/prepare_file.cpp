@@ -1,5 +1,11 @@
 #include "meshprep/commands/prepare_file.h"
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/process_memory.h"
+#include "meshprep/commands/prepare_report.h"
 #include "meshprep/commands/render_views.h"
 #include "meshprep/files/file_sizes.h"
 #include "meshprep/output/load_options.h"
@@ -12,7 +18,7 @@ namespace meshprep {
 namespace {
 
 // Files that were read for the scene, with their hashes; one that was named and not found makes the
-// result one that may change.
+// result one that may change, and so does a pipe, which nobody can look at again.
 void note_sources(const InputFile& input, const prep::Scene& scene,
                   const prep::DisplaceOptions& displacement, Outcome& out) {
     std::vector<std::filesystem::path> files;
@@ -26,11 +32,56 @@ void note_sources(const InputFile& input, const prep::Scene& scene,
     for (const std::string& text : scene.warnings)
         out.complete &= text.find("cannot be read") == std::string::npos;
     if (displacement.map) files.push_back(displacement.map->path);
-    if (const auto source = input.source()) out.sources.push_back(hashed(*source));
+    if (const auto source = input.source())
+        out.sources.push_back(hashed(*source));
+    else
+        out.complete = false;
     for (const std::filesystem::path& file : files) {
-        out.sources.push_back(hashed(file));
+        // Beside an unpacked file are links to what lies beside the packed one.
+        out.sources.push_back(hashed(input.relabelled(file.string())));
         out.complete &= out.sources.back().sha256.has_value();
     }
+}
+
+// Lengths are floats where they are written, and wherever they are read.
+std::optional<prep::Error> beyond_float(const prep::Scene& scene,
+                                        const std::filesystem::path& input) {
+    struct Bounds {
+        glm::dvec3 low{std::numeric_limits<double>::infinity()};
+        glm::dvec3 high{-std::numeric_limits<double>::infinity()};
+    };
+    std::vector<Bounds> bounds(scene.meshes.size());
+    for (std::size_t m = 0; m < scene.meshes.size(); ++m)
+        for (const glm::dvec3 p : scene.meshes[m].positions)
+            if (std::isfinite(p.x + p.y + p.z)) {
+                bounds[m].low = glm::min(bounds[m].low, p);
+                bounds[m].high = glm::max(bounds[m].high, p);
+            }
+    const std::vector<glm::dmat4> world = prep::world_transforms(scene);
+    double largest = 0;
+    for (std::size_t n = 0; n < scene.nodes.size(); ++n) {
+        if (scene.nodes[n].mesh >= bounds.size()) continue;
+        const Bounds& box = bounds[scene.nodes[n].mesh];
+        if (!(box.low.x <= box.high.x)) continue;
+        for (int corner = 0; corner < 8; ++corner) {
+            const glm::dvec4 p((corner & 1) != 0 ? box.high.x : box.low.x,
+                               (corner & 2) != 0 ? box.high.y : box.low.y,
+                               (corner & 4) != 0 ? box.high.z : box.low.z, 1);
+            const glm::dvec3 at(world[n] * p);
+            for (int k = 0; k < 3; ++k) largest = std::max(largest, std::abs(at[k]));
+        }
+    }
+    using Limits = std::numeric_limits<float>;
+    if (largest > double(Limits::max()))
+        return prep::Error{prep::ErrorCode::invalid,
+                           "coordinates are beyond the range of float (3.4e38) with this --scale",
+                           input.string()};
+    if (largest > 0 && largest < double(Limits::min()))
+        return prep::Error{
+            prep::ErrorCode::invalid,
+            "no coordinate is left in the range of float (1.2e-38) with this --scale",
+            input.string()};
+    return std::nullopt;
 }
 
 // Saves to standard output by way of a file: only formats of one file can go there.
@@ -54,6 +105,22 @@ prep::Result<std::vector<std::string>> save_for_output(const prep::PreparedScene
     out.written.clear();  // it is no file
     out.gltf_after = count_gltf_file(file);
     return notes;
+}
+
+// With the bits that were given, or those that an error takes.
+prep::Result<std::vector<std::string>> save_quantized(const prep::PreparedScene& prepared,
+                                                      const PrepareCommand& command,
+                                                      prep::SaveOptions save, int threads,
+                                                      Outcome& out) {
+    const bool any = command.quantization.any();
+    if (any) save.quantized = &out.quantized.emplace();
+    save.quantization = command.quantization;
+    if (is_standard_stream(out.job.output)) return save_for_output(prepared, save, out);
+    if (!command.direction_errors.any()) return prep::save_scene(prepared, out.job.output, save);
+    auto saved = save_within(prepared, out.job.output, save, command.direction_errors, threads);
+    if (!saved) return saved.error();
+    out.certificate = std::move(saved->certificate);
+    return std::move(saved->notes);
 }
 
 // With what a scene file says of its picture, where the command line says nothing.
@@ -90,6 +157,14 @@ Outcome prepare_file(const Job& job, const PrepareCommand& command, int threads,
 
     show("reading");
     Clock::time_point start = Clock::now();
+    prep::detail::ProcessMemory memory = prep::detail::process_memory();
+    // What the step since the last call used.
+    const auto used = [&memory] {
+        const prep::detail::ProcessMemory now = prep::detail::process_memory();
+        const MemoryUse use{now.page_faults - memory.page_faults, now.peak_bytes};
+        memory = now;
+        return use;
+    };
     const prep::Result<InputFile> input =
         InputFile::open(job.input, command.common.input_format, &links);
     if (!input) {
@@ -105,6 +180,7 @@ Outcome prepare_file(const Job& job, const PrepareCommand& command, int threads,
                                           ? load_with_picture(input->path(), load, orbit, picture)
                                           : prep::load_scene(input->path(), load);
     out.read_ms = milliseconds_since(start);
+    out.read_memory = used();
     if (!scene) {
         out.error = input->relabelled(scene.error());
         return out;
@@ -115,18 +191,22 @@ Outcome prepare_file(const Job& job, const PrepareCommand& command, int threads,
     sources.add(job, *input, *scene);
     input->settle(*scene);
     prep::place_scene(*scene, command.scale, command.up);
+    if (command.scale != 1) {
+        if (out.error = beyond_float(*scene, job.input); out.error) return out;
+    }
     out.before = count_scene(*scene);
     if (out.gltf_before.figures.empty()) out.parts = count_parts(*scene);
     out.placement = scene->placement;
     out.warnings = scene->warnings;
     out.remarks = scene->remarks;
+    const std::string format = job.format.empty() ? lower_ending(job.output) : job.format;
+    const bool is_gltf = format == "glb" || format == "gltf";
     if (const prep::Result<void> some = prep::require_geometry(*scene); !some) {
         // Cameras, lights and animations are something to convert, where the format holds them; and
         // a glTF document is whatever it is.
-        const std::string format = job.format.empty() ? lower_ending(job.output) : job.format;
         const bool others = !scene->cameras.empty() || !scene->lights.empty() ||
                             !scene->animations.empty() || scene->retained_file;
-        if (!others || (format != "glb" && format != "gltf")) {
+        if (!others || !is_gltf) {
             out.error = some.error();
             return out;
         }
@@ -136,6 +216,8 @@ Outcome prepare_file(const Job& job, const PrepareCommand& command, int threads,
     show("preparing");
     start = Clock::now();
     prep::PrepareOptions options = prepare_options(command.prepare, load, threads);
+    options.request.consumer = consumer_for(command.consumer, *scene);
+    options.document_stays = is_gltf;
     if (options.tessellation.pixel_error) {
         const std::uint32_t width = picture.choices.width, height = picture.choices.height;
         const auto views = screen_views({command.camera, 0, orbit}, *scene, double(width) / height);
@@ -145,8 +227,11 @@ Outcome prepare_file(const Job& job, const PrepareCommand& command, int threads,
         }
         options.tessellation.screens = screen_metrics(*views, width, height);
     }
+    std::vector<std::vector<prep::Call>> calls;
+    if (command.explain) calls = prep::calls_for(*scene, options.request.consumer);
     prep::Result<prep::PreparedScene> prepared = prep::prepare(*std::move(scene), options);
     out.prepare_ms = milliseconds_since(start);
+    out.prepare_memory = used();
     if (!prepared) {
         out.error = input->relabelled(prepared.error());
         return out;
@@ -157,10 +242,12 @@ Outcome prepare_file(const Job& job, const PrepareCommand& command, int threads,
     out.findings = prepared->findings;
     out.repairs = prepared->repairs;
     out.tessellated = prepared->tessellated;
+    out.orders = prepared->orders;
     out.residual_maps = prepared->residual_maps;
     for (const prep::ResidualMap& map : out.residual_maps)
         out.residual_names.push_back(prepared->scene.materials[map.material].name);
     for (const prep::Mesh& mesh : prepared->scene.meshes) out.mesh_names.push_back(mesh.name);
+    if (command.explain) out.requirements = requirements_json(*prepared, calls);
     if (command.strict && out.warning_count() > 0) {
         out.error = prep::Error{prep::ErrorCode::invalid,
                                 count_of(out.warning_count(), "warning") +
@@ -177,26 +264,24 @@ Outcome prepare_file(const Job& job, const PrepareCommand& command, int threads,
     save.replace = command.files.overwrite;
     save.replace_sources = command.files.in_place;
     save.written = &out.written;
-    const std::optional<prep::ImageRef>& heights = command.prepare.displacement.map;
-    save.spared = [&](const std::filesystem::path& file) {
-        std::error_code ec;
-        return (heights && std::filesystem::equivalent(file, heights->path, ec)) ||
-               sources.of_another(job, file);
-    };
+    save.spared = [&](const std::filesystem::path& file) { return sources.of_another(job, file); };
     const bool stream = is_standard_stream(job.output);
     if (const auto made = stream ? prep::Result<void>() : directories.make_for(job.output); !made) {
         out.error = made.error();
         return out;
     }
     prep::Result<std::vector<std::string>> notes =
-        stream ? save_for_output(*prepared, save, out)
-               : prep::save_scene(*prepared, job.output, save);
+        save_quantized(*prepared, command, save, threads, out);
     out.write_ms = milliseconds_since(start);
+    out.write_memory = used();
     if (!notes) {
         out.error = input->relabelled(notes.error());
         return out;
     }
     out.notes = *std::move(notes);
+    if (out.quantized)
+        out.remarks.insert(out.remarks.end(), out.quantized->remarks.begin(),
+                           out.quantized->remarks.end());
     if (command.strict && !out.notes.empty())
         out.error =
             prep::Error{prep::ErrorCode::invalid,

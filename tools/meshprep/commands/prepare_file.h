@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "meshprep/budgets/quantize_budget.h"
 #include "meshprep/commands/batch_sources.h"
 #include "meshprep/files/file_list.h"
 #include "meshprep/files/input_file.h"
@@ -14,8 +15,10 @@
 #include "meshprep/files/output_directories.h"
 #include "meshprep/options/camera_options.h"
 #include "meshprep/options/common_options.h"
+#include "meshprep/options/consumer_option.h"
 #include "meshprep/output/console.h"
 #include "meshprep/output/counts.h"
+#include "meshprep/output/report_json.h"
 #include "prep/prep.h"
 #include "prep/render_choices.h"
 
@@ -28,13 +31,23 @@ struct PrepareCommand {
     double scale = 1;
     prep::Axis up = prep::Axis::y;
     prep::Compression compression = prep::Compression::keep;
+    prep::Quantization quantization;
+    bool choose_bits = false;  // of directions, by
+    DirectionErrors direction_errors;
     int jobs = 1;  // files at once; 0: as many as there are cores
     std::filesystem::path manifest;
     bool skip_unchanged = false;
     Settings settings;  // what was given of what decides about the output
     prep::PrepareOptions prepare;
+    ConsumerWish consumer;       // who reads the result
     CameraWishes camera;         // of the picture that pixel errors are meant in,
     prep::RenderWishes picture;  // and its size
+};
+
+// Of the whole process: with --jobs, of other files too.
+struct MemoryUse {
+    std::uint64_t page_faults = 0;  // while the step ran
+    std::uint64_t peak_bytes = 0;   // from the process' start to the step's end
 };
 
 // What became of one file.
@@ -51,14 +64,19 @@ struct Outcome {
     prep::Placement placement;
     prep::SplitCounts splits;
     std::vector<prep::StageReport> stages;
+    Json requirements;  // by mesh, where they are to be explained
     std::vector<prep::Finding> findings;
     std::vector<prep::RepairStep> repairs;
     std::vector<std::optional<prep::TessellationCertificate>> tessellated;  // by mesh
+    std::vector<std::optional<prep::OrderChange>> orders;                   // by mesh
     std::vector<prep::ResidualMap> residual_maps;
     std::vector<std::string> residual_names;  // of their materials
     std::vector<std::string> mesh_names;
     std::vector<std::string> warnings, remarks, notes;
+    std::optional<prep::QuantizationReport> quantized;
+    std::optional<QuantizationCertificate> certificate;
     double read_ms = 0, prepare_ms = 0, write_ms = 0;
+    MemoryUse read_memory, prepare_memory, write_memory;
     std::uint64_t bytes_before = 0, bytes_after = 0;  // of all files read, and written
 
     std::size_t warning_count() const;

@@ -6,11 +6,16 @@
 
 namespace meshprep {
 
-Json outcome_json(const Outcome& outcome);
+// What is decided about each mesh, and the calls of prep::calls_for() that decided it.
+Json requirements_json(const prep::PreparedScene& prepared,
+                       const std::vector<std::vector<prep::Call>>& calls);
+Json outcome_json(const Outcome& outcome, const PrepareCommand& command);
 // For the manifest, which holds no times.
-ManifestEntry manifest_entry(const Outcome& outcome);
+ManifestEntry manifest_entry(const Outcome& outcome, const PrepareCommand& command);
 // Everything about the only file.
 void print_details(const Outcome& outcome, const PrepareCommand& command, Console& console);
+// What could not be kept of the errors that were asked for.
+std::string unmet_text(const Outcome& outcome);
 // One line of many.
 void print_row(const Outcome& outcome, const PrepareCommand& command, Console& console);
 

@@ -7,7 +7,10 @@
 #include <numbers>
 #include <optional>
 #include <set>
+#include <utility>
 
+#include "meshprep/budgets/explicit_command.h"
+#include "meshprep/budgets/render_budget.h"
 #include "meshprep/commands/render_command.h"
 #include "meshprep/commands/render_views.h"
 #include "meshprep/commands/subcommand.h"
@@ -16,6 +19,7 @@
 #include "meshprep/files/output_directories.h"
 #include "meshprep/output/load_options.h"
 #include "meshprep/output/report_json.h"
+#include "meshprep/output/step_costs.h"
 #include "prep/files.h"
 #include "prep/image.h"
 #include "prep/load.h"
@@ -73,6 +77,7 @@ std::vector<std::filesystem::path> files_read(const RenderCommand& command,
                                               const prep::PreparedScene& prepared) {
     std::vector<std::filesystem::path> files = prepared.scene.libraries;
     files.push_back(command.input);
+    if (command.prepare.displacement.map) files.push_back(command.prepare.displacement.map->path);
     for (const prep::ImageRef& image : prepared.scene.images)
         for (std::filesystem::path& file : files_of(image)) files.push_back(std::move(file));
     return files;
@@ -118,8 +123,20 @@ Result<rast::RenderPlan> plan_of(const RenderCommand& command, const prep::Prepa
     return rast::plan(prepared, request);
 }
 
-Json plan_json(const rast::RenderPlan& plan) {
+Json cost_json(const StepCost& cost) {
+    Json json = {{"count", cost.count}, {"of", cost.of}, {"bytes", cost.bytes}};
+    if (cost.milliseconds) json["milliseconds"] = *cost.milliseconds;
+    return json;
+}
+
+// `drawn`: the picture, where each step's cost is asked for; else null.
+Json plan_json(const rast::RenderPlan& plan, const prep::PreparedScene& prepared,
+               const rast::Frame* drawn) {
+    const prep::Scene& scene = prepared.scene;
+    const std::uint64_t points = drawn != nullptr ? expected_points(prepared, plan) : 0;
     Json json;
+    if (drawn != nullptr)
+        json["passes"] = {{"geometry", drawn->geometry_ms}, {"drawing", drawn->raster_ms}};
     json["width"] = plan.request.width;
     json["height"] = plan.request.height;
     json["shading"] = std::string(prep::name_of(plan.request.shading));
@@ -132,8 +149,21 @@ Json plan_json(const rast::RenderPlan& plan) {
     for (const rast::PlanVariant& v : plan.variants)
         json["variants"].push_back({{"shading", v.name}, {"triangles", v.triangles}});
     json["steps"] = Json::array();
-    for (const rast::PlanStep& s : plan.steps)
-        json["steps"].push_back({{"step", s.name}, {"run", s.run}, {"reason", s.reason}});
+    for (const rast::PlanStep& s : plan.steps) {
+        Json reasons = Json::array();
+        for (const prep::Reason& why : s.reasons) reasons.push_back(to_json(why, scene));
+        json["steps"].push_back({{"step", s.name},
+                                 {"run", s.run},
+                                 {"label", prep::name_of(s.label)},
+                                 {"reason", s.reason},
+                                 {"reasons", std::move(reasons)}});
+        if (drawn == nullptr) continue;
+        Json& step = json["steps"].back();
+        if (const std::optional<StepCost> before = estimate_of(s, plan, points))
+            step["estimate"] = cost_json(*before);
+        if (const std::optional<StepCost> cost = cost_of(s, plan, drawn->counters))
+            step["cost"] = cost_json(*cost);
+    }
     return json;
 }
 
@@ -148,20 +178,36 @@ Json counters_json(const rast::Counters& c) {
             {"vertices_lit", c.vertices_lit},
             {"pixels_shaded", c.pixels_shaded},
             {"texture_samples", c.texture_samples},
+            {"light_points", c.light_points},
+            {"highlight_points", c.highlight_points},
+            {"normal_map_points", c.normal_map_points},
+            {"masked_triangles", c.masked_triangles},
+            {"sample_points", c.sample_points},
             {"textures_read", c.textures_read},
             {"texture_levels", c.texture_levels},
             {"buffer_bytes", c.buffer_bytes},
             {"list_bytes", c.list_bytes}};
 }
 
-void explain(const rast::RenderPlan& plan, const CommonOptions& common, Console& console) {
+// A row for each step with what it came to, and below it one for each light, material and map that
+// has a say in it.
+void explain(const rast::RenderPlan& plan, const prep::PreparedScene& prepared,
+             const rast::Frame& drawn, const CommonOptions& common, Console& console) {
+    const std::uint64_t points = expected_points(prepared, plan);
     std::vector<std::vector<std::string>> rows;
-    for (const rast::PlanStep& s : plan.steps)
-        rows.push_back({s.name, s.run ? "run" : "skipped", s.reason});
+    for (const rast::PlanStep& s : plan.steps) {
+        const std::optional<StepCost> cost = cost_of(s, plan, drawn.counters);
+        rows.push_back({s.name, std::string(prep::name_of(s.label)),
+                        cost ? text_of(*cost, estimate_of(s, plan, points)) : "", s.reason});
+        for (std::size_t k = 1; k < s.reasons.size(); ++k)
+            rows.push_back({"", std::string(prep::name_of(s.reasons[k].label)), "",
+                            prep::sentence(s.reasons[k], prepared.scene)});
+    }
     console.table(common, rows, {});
-    console.result(
-        common, fmt::format("  {}, about {} beside textures", count_of(plan.triangles, "triangle"),
-                            byte_size(plan.band_memory_estimate)));
+    console.result(common, fmt::format("  {}, about {} beside textures; geometry {}, drawing {}",
+                                       count_of(plan.triangles, "triangle"),
+                                       byte_size(plan.band_memory_estimate),
+                                       duration(drawn.geometry_ms), duration(drawn.raster_ms)));
 }
 
 // How much of what is seen came out black, by some of the pixels.
@@ -275,6 +321,20 @@ Result<void> check_files(const RenderCommand& command) {
                                           : command.output);
 }
 
+void say_certificate(const CommonOptions& common, const ImageCertificate& c,
+                     const std::string& again, Console& console) {
+    console.result(common, fmt::format("  {:.4g} levels asked, {:.4g} with {}, {}", c.asked,
+                                       c.chosen.levels, c.chosen.rung.words(), c.scope()));
+    if (c.next)
+        console.result(common, fmt::format("  next: {:.4g} levels with {} in {:.2g} times the time",
+                                           c.next->levels, c.next->rung.words(),
+                                           c.next->milliseconds / c.chosen.milliseconds));
+    console.result(common, "  the same again: " + again);
+    if (!c.met)
+        console.error(fmt::format("no sampling keeps {:.4g} levels; the best found has {:.4g}",
+                                  c.asked, c.chosen.levels));
+}
+
 Result<Json> render_file(const RenderCommand& command, Console& console) {
     const CommonOptions& common = command.common;
     console.progress(common, command.input.string() + " … reading");
@@ -286,7 +346,7 @@ Result<Json> render_file(const RenderCommand& command, Console& console) {
     input->settle(loaded->scene);
     const double read_ms = milliseconds_since(start);
     for (const std::string& text : loaded->scene.warnings)
-        console.warning(common, command.input.string() + ": " + text);
+        console.warning(common, said_of(command.input, text));
 
     const bool scene_file = lower_ending(input->path()) == "json";
     rast::RenderRequest request = request_of(command, loaded->picture);
@@ -319,7 +379,8 @@ Result<Json> render_file(const RenderCommand& command, Console& console) {
     const bool find = request.exposure == prep::automatic_exposure ||
                       (own_lights && !command.wishes.has("exposure"));
     std::optional<rast::FoundExposure> found;
-    if (find) {
+    const auto find_exposure = [&]() -> Result<void> {
+        if (!find) return {};
         const Result<rast::RenderPlan> plan = plan_of(command, *prepared, request, views->front());
         if (!plan) return plan.error();
         const Result<rast::FoundExposure> exposure =
@@ -328,7 +389,34 @@ Result<Json> render_file(const RenderCommand& command, Console& console) {
         found = *exposure;
         request.exposure = found->exposure;
         request.background /= found->exposure;  // what is behind the scene is not lit by it
+        return {};
+    };
+    // Exposure and sampling are found with all lights: what may be left out is told apart from
+    // them.
+    const float allowed = std::exchange(request.allow_error, 0.0f);
+    std::optional<ImageCertificate> certificate;
+    if (command.image_error) {
+        console.progress(common, command.input.string() + " … measuring");
+        const rast::RenderRequest plain = request;
+        request.coverage = prep::Coverage::samples;
+        request.samples = request.supersample = 1;
+        if (const Result<void> exposed = find_exposure(); !exposed) return exposed.error();
+        Result<ImageCertificate> chosen = choose_sampling(
+            renderer, request, views->size(),
+            [&](const rast::RenderRequest& r, std::size_t view) {
+                return plan_of(command, *prepared, r, (*views)[view]);
+            },
+            *command.image_error);
+        if (!chosen) return chosen.error();
+        certificate = *std::move(chosen);
+        // From here on as if the command line had said it.
+        request = plain;
+        request.coverage = prep::Coverage::samples;
+        request.samples = certificate->chosen.rung.samples;
+        request.supersample = certificate->chosen.rung.supersample;
     }
+    if (const Result<void> exposed = find_exposure(); !exposed) return exposed.error();
+    request.allow_error = allowed;
 
     OutputOptions outputs;
     outputs.buffers = command.buffers;
@@ -346,8 +434,13 @@ Result<Json> render_file(const RenderCommand& command, Console& console) {
     double render_ms = 0, write_ms = 0;
     const auto count = std::uint32_t(views->size());
     for (std::uint32_t n = 0; n < count; ++n) {
-        const Result<rast::RenderPlan> plan = plan_of(command, *prepared, request, (*views)[n]);
+        Result<rast::RenderPlan> plan = plan_of(command, *prepared, request, (*views)[n]);
         if (!plan) return plan.error();
+        if (!request.texel_facts) {
+            request.texel_facts = renderer.texel_facts(*plan);
+            if (request.texel_facts) plan = plan_of(command, *prepared, request, (*views)[n]);
+            if (!plan) return plan.error();
+        }
         console.progress(common, command.input.string() + " … drawing" +
                                      (count > 1 ? fmt::format(" {}/{}", n + 1, count) : ""));
         const bool sequence = command.turntable > 0;
@@ -377,9 +470,11 @@ Result<Json> render_file(const RenderCommand& command, Console& console) {
             console.warning(common, text);
             json["warnings"].push_back(text);
         }
-        json["plan"] = plan_json(*plan);
-        json["counters"] = counters_json(drawn->frame.counters);
-        if (command.explain) explain(*plan, common, console);
+        const rast::Counters& counters = drawn->frame.counters;
+        const rast::Frame& frame = drawn->frame;
+        json["plan"] = plan_json(*plan, *prepared, command.explain ? &frame : nullptr);
+        json["counters"] = counters_json(counters);
+        if (command.explain) explain(*plan, *prepared, frame, common, console);
     }
     const Clock::time_point committing = Clock::now();
     if (const Result<void> saved = files.commit(); !saved) return saved.error();
@@ -407,6 +502,13 @@ Result<Json> render_file(const RenderCommand& command, Console& console) {
                                        "times white (--exposure sets another)",
                                        found->exposure, found->bright));
         json["exposure"] = {{"value", found->exposure}, {"bright", found->bright}};
+    }
+    if (certificate) {
+        const std::string again =
+            explicit_command("render", command.input, command.output, command.settings,
+                             certificate->chosen.rung.words());
+        json["certificate"] = to_json(*certificate, again);
+        say_certificate(common, *certificate, again, console);
     }
     json["milliseconds"] = {
         {"read", read_ms}, {"prepare", prepare_ms}, {"render", render_ms}, {"write", write_ms}};
@@ -443,7 +545,9 @@ int run(const RenderCommand& command, Console& console) {
     console.progress(command.common, "");
     if (command.common.json) console.json(json_text(document));
     if (!sound && sound.error().code != ErrorCode::io) return exit_usage;
-    return done ? exit_done : exit_failed;
+    const bool short_of =
+        done && done->contains("certificate") && !(*done)["certificate"]["met"].get<bool>();
+    return done && !short_of ? exit_done : exit_failed;
 }
 
 }  // namespace

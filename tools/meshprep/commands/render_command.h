@@ -9,6 +9,7 @@
 
 #include "meshprep/files/render_outputs.h"
 #include "meshprep/options/camera_options.h"
+#include "meshprep/options/option_set.h"
 #include "meshprep/options/shared_options.h"
 #include "rast/render.h"
 
@@ -35,6 +36,8 @@ struct RenderCommand : CameraWishes {
     std::optional<float> ambient;
     std::uint32_t band_mib = 64;
     bool textures = true;
+    std::optional<double> image_error;  // levels: the sampling is chosen by it
+    Settings settings;                  // what was given, for the command that is printed
     prep::PrepareOptions prepare;
 };
 

@@ -83,6 +83,10 @@ void define_render(OptionSet& options, RenderCommand& c) {
               "The picture: .png, .jpg, .exr and others, or - for standard output")
         .required();
     add_render_choices(options, c.wishes);
+    options.not_negative(
+        "--image-error", c.image_error, "LEVELS",
+        "The cheapest --samples or --supersample whose picture is within so many levels of 8 bits "
+        "(RMSE), measured; exit 1 with the best found where none is");
     options.values(
         "--light", "AZ,EL[,I]", [&c](const std::string& text) { parse_light(text, c); },
         "Instead of the file's lights: a directional one from this direction, in degrees seen "
@@ -90,7 +94,8 @@ void define_render(OptionSet& options, RenderCommand& c) {
     options.number("--ambient", c.ambient, 0, 100, "I",
                    "Ambient light beside --light (default 0.1)");
     options.flag("--no-textures", c.textures, "Material colours only", false);
-    options.flag("--explain", c.explain, "Print the plan: each step, run or skipped, and why");
+    options.flag("--explain", c.explain,
+                 "Print the plan: each step, run or skipped, why, and what it cost");
     options.group("Camera");
     add_camera_up_option(options, c, add_camera_options(options, c));
     options.number("--turntable", c.turntable, 1, 10000, "N",
@@ -102,6 +107,7 @@ void define_render(OptionSet& options, RenderCommand& c) {
     add_pixel_error_option(options, c.prepare);
     add_loading_options(options, c.common.load);
     add_common_options(options, c.common);
+    options.keep_settings(c.settings, {"--output", "--image-error", "--explain"});
     options.examples(
         "  meshprep render spot.obj -o spot.png --shading phong --camera 40,15\n"
         "  meshprep render room.json -o room.png --explain\n"
@@ -111,6 +117,7 @@ void define_render(OptionSet& options, RenderCommand& c) {
         "  meshprep render part.stl -o part.png --camera 0,90 --ortho fit\n"
         "  meshprep render rock.glb -o truth.exr --coverage area         exact edges, slowly\n"
         "  meshprep render rock.glb -o fine.png --supersample 4 --filter anisotropic\n"
+        "  meshprep render rock.glb -o rock.png --image-error 2          as fine as that takes\n"
         "  meshprep render rock.glb -o turn.png --turntable 36           turn_000.png, …\n"
         "  meshprep render rock.glb -o wall.png --size 16384x16384       drawn in bands\n"
         "  meshprep render rock.glb -o part.png --size 8192x8192 --crop 4096,0,512x512");
@@ -124,6 +131,11 @@ void check_render(const RenderCommand& c) {
         usage_error("--buffer-file",
                     "'" + c.buffer_file.filename().string() + "' holds no buffers; name it .exr");
     check_camera(c);
+    if (c.image_error)
+        for (const char* const chosen : {"samples", "supersample", "coverage"})
+            if (c.wishes.has(chosen))
+                usage_error("--image-error",
+                            std::string("chooses --") + chosen + "; leave one of them out");
     const std::string name = c.output.filename().string();
     if (const bool stream = is_standard_stream(c.output); stream || !c.format.empty()) {
         if (!stream) usage_error("--format", "is for -o -; the picture's ending says it otherwise");

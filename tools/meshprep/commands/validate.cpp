@@ -1,8 +1,10 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 
+#include "meshprep/commands/batch_sources.h"
 #include "meshprep/commands/subcommand.h"
 #include "meshprep/files/file_list.h"
 #include "meshprep/files/input_file.h"
@@ -52,7 +54,26 @@ std::string file_word(const std::string& text) {
             word += '-';
     }
     while (!word.empty() && (word.back() == '-' || word.back() == '.')) word.pop_back();
-    return word.substr(0, 60);
+    return word;
+}
+
+// A name that a file can have with an ending: of longer ones the rest is a hash.
+std::string short_enough(const std::string& name) {
+    constexpr std::size_t most = 255 - 5;  // ".html"
+    if (name.size() <= most) return name;
+    std::uint64_t hash = 0xcbf29ce484222325u;  // FNV-1a
+    for (const char c : name) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3u;
+    std::size_t kept = most - 17;
+    while (kept > 0 && (static_cast<unsigned char>(name[kept]) & 0xc0) == 0x80) --kept;  // UTF-8
+    return fmt::format("{}-{:016x}", name.substr(0, kept), hash);
+}
+
+// A mesh's name may be anything; its number keeps it apart, and is never cut.
+std::string sheet_stem(const std::string& stem, std::uint32_t number, const std::string& name) {
+    const std::string numbered = fmt::format("{}-{}", stem, number);
+    std::string word = file_word(name);
+    if (!word.empty()) word.insert(0, "-");
+    return short_enough((numbered + word).substr(0, std::max<std::size_t>(60, numbered.size())));
 }
 
 // What one file's sheets are of.
@@ -69,7 +90,8 @@ Result<Choice> choose(const prep::Scene& scene, const ValidateCommand& command) 
             bool found = false;
             for (std::uint32_t m = 0; m < scene.meshes.size(); ++m) {
                 if (scene.meshes[m].name != text && std::to_string(m) != text) continue;
-                choice.meshes.push_back(m);
+                if (std::find(choice.meshes.begin(), choice.meshes.end(), m) == choice.meshes.end())
+                    choice.meshes.push_back(m);
                 found = true;
                 break;
             }
@@ -122,33 +144,41 @@ Json figure_json(const std::string& text) {
     return number[0];
 }
 
+// What the inputs of one command line share.
+struct Shared {
+    OutputDirectories directories;
+    SiblingLinks links;
+    BatchSources sources;
+    std::set<std::filesystem::path> written = {};  // or about to be, by identity
+};
+
 class Validator {
   public:
-    Validator(const ValidateCommand& command, OutputDirectories& directories, SiblingLinks& links,
-              Console& console)
-        : command_(command), directories_(directories), links_(links), console_(console) {}
+    Validator(const ValidateCommand& command, Shared& shared, Console& console)
+        : command_(command), shared_(shared), console_(console) {}
 
-    Outcome run(const std::filesystem::path& input, const std::string& stem) {
+    Outcome run(const Job& job, const std::string& stem) {
         const Clock::time_point start = Clock::now();
         out_ = {};
-        out_.input = input;
-        out_.page = command_.output / (stem + ".html");
+        out_.input = job.input;
+        out_.page = job.output;
         const Result<InputFile> opened =
-            InputFile::open(input, command_.common.input_format, &links_);
-        out_.error = opened ? validate(*opened, stem) : opened.error();
+            InputFile::open(job.input, command_.common.input_format, &shared_.links);
+        out_.error = opened ? validate(*opened, job, stem) : opened.error();
         if (opened && out_.error) out_.error = opened->relabelled(*std::move(out_.error));
         out_.milliseconds = milliseconds_since(start);
         return std::move(out_);
     }
 
   private:
-    std::optional<Error> validate(const InputFile& input, const std::string& stem) {
+    std::optional<Error> validate(const InputFile& input, const Job& job, const std::string& stem) {
         const int threads = command_.common.threads;
         progress("reading");
         Result<prep::Scene> scene =
             prep::load_scene(input.path(), load_options(command_.common, console_));
         if (!scene) return scene.error();
         if (const Result<void> some = prep::require_geometry(*scene); !some) return some.error();
+        shared_.sources.add(job, input, *scene);
         input.settle(*scene);
         out_.warnings = scene->warnings;
         for (const prep::Mesh& mesh : scene->meshes) out_.mesh_names.push_back(mesh.name);
@@ -179,27 +209,27 @@ class Validator {
             if (!known) out_.findings.push_back(f);
         }
 
-        if (const Result<void> made = directories_.make(command_.output); !made)
+        const std::vector<std::string> stems = sheet_stems(*choice, prepared->scene, stem);
+        if (std::optional<Error> refused = claim(stems)) return refused;
+        if (const Result<void> made = shared_.directories.make(command_.output); !made)
             return made.error();
         report::Page page;
         page.title = out_.input.filename().string();
         page.subtitle = subtitle(*prepared, check.meshes);
+        std::size_t sheet = 0;
         if (choice->whole) {
             if (std::optional<Error> error =
                     add_sheet(page, report::whole_subject(*prepared, "whole scene"), check.meshes,
-                              called_for, out_.findings, options, stem))
+                              called_for, out_.findings, options, stems[sheet++]))
                 return error;
         }
         for (const std::uint32_t m : choice->meshes) {
             std::vector<prep::Finding> findings;
             for (const prep::Finding& f : out_.findings)
                 if (f.mesh == m) findings.push_back(f);
-            const std::string name =
-                file_word(fmt::format("{}-{}-{}", stem, m, prepared->scene.meshes[m].name));
-            const bool only = prepared->scene.meshes.size() == 1;
             if (std::optional<Error> error =
                     add_sheet(page, report::mesh_subject(*prepared, m), {check.meshes[m]},
-                              {called_for[m]}, findings, options, only ? stem : name))
+                              {called_for[m]}, findings, options, stems[sheet++]))
                 return error;
         }
         add_tables(page, *prepared);
@@ -209,6 +239,37 @@ class Validator {
         const Result<void> written = prep::write_file(
             out_.page, std::as_bytes(std::span<const char>(html->data(), html->size())));
         if (!written) return written.error();
+        return {};
+    }
+
+    // The whole scene's first, where it has one.
+    static std::vector<std::string> sheet_stems(const Choice& choice, const prep::Scene& scene,
+                                                const std::string& stem) {
+        std::vector<std::string> stems;
+        if (choice.whole) stems.push_back(stem);
+        for (const std::uint32_t m : choice.meshes)
+            stems.push_back(scene.meshes.size() == 1 ? stem
+                                                     : sheet_stem(stem, m, scene.meshes[m].name));
+        return stems;
+    }
+
+    // Pictures of a model often have its name: no sheet is drawn over one, nor over another sheet.
+    std::optional<Error> claim(const std::vector<std::string>& stems) {
+        std::vector<std::filesystem::path> files{out_.page};
+        for (const std::string& stem : stems) files.push_back(command_.output / (stem + ".png"));
+        for (const std::filesystem::path& file : files) {
+            std::error_code ec;
+            if (std::filesystem::exists(file, ec) && shared_.sources.of_any(file))
+                return Error{ErrorCode::io,
+                             "a model is read from this file, and a sheet would be written over "
+                             "it; give a directory of its own",
+                             file.string()};
+            if (!shared_.written.insert(identity(file)).second)
+                return Error{ErrorCode::invalid,
+                             "another sheet has this name; validate the inputs into directories of "
+                             "their own",
+                             file.string()};
+        }
         return {};
     }
 
@@ -326,8 +387,7 @@ class Validator {
     }
 
     const ValidateCommand& command_;
-    OutputDirectories& directories_;
-    SiblingLinks& links_;
+    Shared& shared_;
     Console& console_;
     Outcome out_;
 };
@@ -342,7 +402,7 @@ std::vector<std::string> stems_of(const std::vector<std::filesystem::path>& inpu
         std::string stem = named.stem().string();
         if (!taken.insert(stem).second) stem = named.filename().string();
         if (stem != named.stem().string() && !taken.insert(stem).second) stem.clear();
-        stems.push_back(stem);
+        stems.push_back(short_enough(stem));
     }
     return stems;
 }
@@ -374,7 +434,7 @@ Json outcome_json(const Outcome& outcome) {
 
 void print_outcome(const Outcome& outcome, const CommonOptions& common, Console& console) {
     for (const std::string& text : outcome.warnings)
-        console.warning(common, outcome.input.string() + ": " + text);
+        console.warning(common, said_of(outcome.input, text));
     if (outcome.error) {
         console.error(*outcome.error);
         return;
@@ -398,8 +458,12 @@ int run(const ValidateCommand& command, Console& console) {
              command.output.string()},
             exit_failed);
     const std::vector<std::string> stems = stems_of(command.inputs);
-    OutputDirectories directories;
-    SiblingLinks links;
+    std::vector<Job> jobs;
+    for (std::size_t i = 0; i < command.inputs.size(); ++i)
+        jobs.push_back({command.inputs[i], command.output / (stems[i] + ".html"), "html"});
+    Shared shared{{}, {}, BatchSources(jobs, common, console)};
+    if (command.prepare.displacement.map)
+        shared.sources.add(command.prepare.displacement.map->path);
     std::size_t failed = 0;
     for (std::size_t i = 0; i < command.inputs.size(); ++i) {
         Outcome outcome;
@@ -410,9 +474,10 @@ int run(const ValidateCommand& command, Console& console) {
                       "an earlier input has the sheets of this name; validate them into "
                       "directories of their own",
                       command.inputs[i].string()};
+        else if (const Result<void> fresh = require_unread(command.inputs, i); !fresh)
+            outcome.error = fresh.error();
         else
-            outcome =
-                Validator(command, directories, links, console).run(command.inputs[i], stems[i]);
+            outcome = Validator(command, shared, console).run(jobs[i], stems[i]);
         failed += outcome.error.has_value();
         print_outcome(outcome, common, console);
         if (records.wanted()) records.add(outcome_json(outcome));
@@ -461,6 +526,8 @@ void define(OptionSet& options, ValidateCommand& c) {
 }
 
 void check(const ValidateCommand& c) {
+    if (is_standard_stream(c.output))
+        usage_error("--output", "is a directory for several files, - is none; give -o DIR");
     if (c.common.json && c.common.json_lines)
         usage_error("--json",
                     "is one document, --json-lines a line for each file; give one of them");

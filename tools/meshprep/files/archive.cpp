@@ -269,7 +269,8 @@ bool is_zip(Bytes head) {
     return head.size() > 3 && (u32(head, 0) == 0x04034b50 || u32(head, 0) == 0x06054b50);
 }
 
-Result<void> unpack_gzip(const fs::path& archive, const fs::path& to, const ArchiveLimits& limits) {
+Result<std::uint64_t> unpack_gzip(const fs::path& archive, const fs::path& to,
+                                  const ArchiveLimits& limits) {
     const Result<std::vector<std::byte>> bytes = prep::read_file(archive);
     if (!bytes) return bytes.error();
     Bytes in = *bytes;
@@ -278,7 +279,7 @@ Result<void> unpack_gzip(const fs::path& archive, const fs::path& to, const Arch
                      archive.string()};
     const std::uint64_t most = limits.of(in.size());
     NewFile file;
-    if (Result<void> opened = file.open(to); !opened) return opened;
+    if (Result<void> opened = file.open(to); !opened) return opened.error();
     std::uint64_t count = 0;
     Inflater inflater(16 + MAX_WBITS);
     // Members stand in a row; zeros that pad the last one are nothing.
@@ -295,7 +296,9 @@ Result<void> unpack_gzip(const fs::path& archive, const fs::path& to, const Arch
                          archive.string()};
         if (count == 0) break;
     }
-    return {};
+    const bool padding =
+        std::all_of(in.begin(), in.end(), [](std::byte b) { return b == std::byte{0}; });
+    return padding ? 0 : std::uint64_t(in.size());
 }
 
 Result<std::vector<std::string>> unpack_zip(const fs::path& archive, const fs::path& directory,

@@ -25,10 +25,11 @@ struct ArchiveLimits {
 bool is_gzip(std::span<const std::byte> head);
 bool is_zip(std::span<const std::byte> head);
 
-// Unpacks one file, or several members in a row, to `to`, which must not be there.
-// Errors: io, syntax (cut short, damaged), limit.
-prep::Result<void> unpack_gzip(const std::filesystem::path& archive,
-                               const std::filesystem::path& to, const ArchiveLimits& limits = {});
+// Unpacks one file, or several members in a row, to `to`, which must not be there. Returns how many
+// bytes follow that are no member, zeros aside. Errors: io, syntax (cut short, damaged), limit.
+prep::Result<std::uint64_t> unpack_gzip(const std::filesystem::path& archive,
+                                        const std::filesystem::path& to,
+                                        const ArchiveLimits& limits = {});
 
 // Unpacks all files of `archive` below `directory`; returns their names in it, in the archive's
 // order. Names that lead out of the directory, links and encrypted entries are errors; what macOS

@@ -1,5 +1,6 @@
 #include "meshprep/files/file_list.h"
 
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -34,8 +35,9 @@ struct Input {
     std::optional<Error> error;  // why it cannot be read
 };
 
-// What is in a directory; where that is nothing, the directory itself with the reason.
-std::vector<Input> list_directory(const fs::path& path, bool recursive) {
+// What is in a directory; where that is nothing, the directory itself with the reason. `output`, an
+// identity, is where the results go: what an earlier run left there is no input.
+std::vector<Input> list_directory(const fs::path& path, bool recursive, const fs::path& output) {
     std::error_code ec;
     std::vector<Input> found;
     const auto take = [&](const fs::directory_entry& entry) {
@@ -46,8 +48,12 @@ std::vector<Input> list_directory(const fs::path& path, bool recursive) {
     if (recursive) {
         const auto options = fs::directory_options::skip_permission_denied;
         for (fs::recursive_directory_iterator it(path, options, ec), end; !ec && it != end;
-             it.increment(ec))
+             it.increment(ec)) {
+            std::error_code entry_ec;
+            if (it->is_directory(entry_ec) && identity(it->path()) == output)
+                it.disable_recursion_pending();
             take(*it);
+        }
     } else {
         for (fs::directory_iterator it(path, ec), end; !ec && it != end; it.increment(ec))
             take(*it);
@@ -73,6 +79,9 @@ std::vector<Input> list_directory(const fs::path& path, bool recursive) {
 
 std::vector<Input> list_inputs(const JobRequest& request) {
     std::vector<Input> inputs;
+    fs::path output = request.output;
+    if (!output.has_filename()) output = output.parent_path();
+    if (!output.empty()) output = identity(output);
     for (const fs::path& path : request.inputs) {
         std::error_code ec;
         if (is_standard_stream(path)) {
@@ -81,7 +90,7 @@ std::vector<Input> list_inputs(const JobRequest& request) {
             const Result<void> there = require_file(path);
             inputs.push_back({path, {}, there ? std::nullopt : std::optional(there.error())});
         } else {
-            for (Input& input : list_directory(path, request.recursive))
+            for (Input& input : list_directory(path, request.recursive, output))
                 inputs.push_back(std::move(input));
         }
     }
@@ -123,14 +132,40 @@ Result<void> check_idle_options(const JobList& list, const JobRequest& request, 
                  list.jobs[0].output.string()};
 }
 
+// identity() of many files: each directory is followed once, while none of them changes.
+class Identities {
+  public:
+    fs::path of(const fs::path& path) {
+        const fs::path name = path.filename();
+        if (!path.has_parent_path() || name.empty() || name == "." || name == "..")
+            return identity(path);
+        const auto [known, fresh] = directories_.try_emplace(path.parent_path());
+        std::error_code ec;
+        if (fresh) {
+            known->second = fs::weakly_canonical(known->first, ec);
+            if (ec) known->second.clear();
+        }
+        if (known->second.empty()) return identity(path);
+        const fs::path file = known->second / name;
+        const fs::file_type type = fs::symlink_status(file, ec).type();
+        // What is no link stands where its directory is; the rest is looked at as a whole.
+        const bool plain = type == fs::file_type::regular || type == fs::file_type::not_found;
+        return plain ? file : identity(path);
+    }
+
+  private:
+    std::map<fs::path, fs::path> directories_;
+};
+
 // What is wrong with one of the jobs alone: the others are done.
 void find_conflicts(JobList& list, const JobRequest& request) {
     std::map<fs::path, fs::path> outputs;
-    std::set<fs::path> inputs;
-    for (const Job& job : list.jobs) inputs.insert(identity(job.input));
+    std::set<fs::path> inputs, streams;
+    Identities identities;
+    for (const Job& job : list.jobs) inputs.insert(identities.of(job.input));
     const auto conflict = [&](const Job& job) -> std::optional<Error> {
         if (request.in_place) {
-            if (is_packed(job.input) || is_standard_stream(job.input))
+            if (is_packed(job.input) || is_stream(job.input))
                 return Error{
                     ErrorCode::invalid,
                     "nothing can be written in place of what it was unpacked or read from; "
@@ -140,7 +175,8 @@ void find_conflicts(JobList& list, const JobRequest& request) {
                 return good.error();
         }
         if (is_standard_stream(job.output)) return std::nullopt;
-        const auto [other, fresh] = outputs.emplace(identity(job.output), job.input);
+        const fs::path output = identities.of(job.output);
+        const auto [other, fresh] = outputs.emplace(output, job.input);
         if (!fresh)
             return Error{ErrorCode::invalid,
                          other->second == job.input
@@ -149,7 +185,11 @@ void find_conflicts(JobList& list, const JobRequest& request) {
                                    other->second.string() +
                                    " comes first; rename one or prepare them apart",
                          job.input.string()};
-        if (!request.in_place && inputs.count(identity(job.output)) != 0)
+        if (is_stream(job.input) && !streams.insert(identities.of(job.input)).second)
+            return Error{ErrorCode::invalid,
+                         "this is read once, and an earlier input is the same; give it once",
+                         job.input.string()};
+        if (!request.in_place && inputs.count(output) != 0)
             return Error{ErrorCode::invalid,
                          "the output is also an input; give another name, or --in-place",
                          job.output.string()};
@@ -241,10 +281,21 @@ static std::string meant(const fs::path& path) {
 Result<void> require_file(const fs::path& path) {
     std::error_code ec;
     const fs::file_status status = fs::status(path, ec);
-    if (!fs::exists(status))
+    if (!fs::exists(status)) {
+        std::error_code none;
+        if (const fs::path to = fs::read_symlink(path, none); !none)
+            return Error{ErrorCode::io,
+                         ec == std::errc::too_many_symbolic_link_levels
+                             ? "this is a link that leads back to itself"
+                             : "this is a link to '" + to.string() + "', which is not there",
+                         path.string()};
         return Error{ErrorCode::io, "there is no such file; " + meant(path), path.string()};
+    }
     if (fs::is_directory(status))
         return Error{ErrorCode::io, "this is a directory, expected a file; name the files in it",
+                     path.string()};
+    if (fs::is_other(status) && !is_stream(path))
+        return Error{ErrorCode::io, "this is a device or a socket, expected a file or a pipe",
                      path.string()};
     if (::access(path.c_str(), R_OK) != 0)
         return Error{ErrorCode::io, "no permission to read this file", path.string()};
@@ -257,8 +308,61 @@ fs::path identity(const fs::path& path) {
     return ec ? fs::absolute(path).lexically_normal() : canonical;
 }
 
+std::vector<fs::path> read_beside(const prep::Scene& scene) {
+    std::vector<fs::path> files;
+    for (const fs::path& library : scene.libraries) files.push_back(identity(library));
+    for (const prep::ImageRef& image : scene.images)
+        for (const fs::path& file : prep::files_of(image)) files.push_back(identity(file));
+    return files;
+}
+
 bool is_standard_stream(const fs::path& path) {
     return path == "-";
+}
+
+bool is_stream(const fs::path& path) {
+    if (is_standard_stream(path)) return true;
+    struct stat file {};
+    if (::stat(path.c_str(), &file) != 0) return false;
+    if (S_ISFIFO(file.st_mode)) return true;
+    // Of devices, which may never end, the terminal at standard input alone.
+    struct stat input {};
+    return S_ISCHR(file.st_mode) && ::isatty(STDIN_FILENO) == 1 &&
+           ::fstat(STDIN_FILENO, &input) == 0 && input.st_rdev == file.st_rdev;
+}
+
+Result<void> require_unread(const std::vector<fs::path>& inputs, std::size_t number) {
+    const fs::path& path = inputs[number];
+    if (!is_stream(path)) return {};
+    const auto same = [&](const fs::path& other) {
+        if (other == path) return true;
+        if (is_standard_stream(path) || is_standard_stream(other)) return false;
+        struct stat a {
+        }, b{};  // std::filesystem::equivalent() takes no pipes
+        return ::stat(path.c_str(), &a) == 0 && ::stat(other.c_str(), &b) == 0 &&
+               a.st_dev == b.st_dev && a.st_ino == b.st_ino;
+    };
+    for (std::size_t other = 0; other < number; ++other)
+        if (same(inputs[other]))
+            return Error{ErrorCode::invalid,
+                         "this is read once, and an earlier input is the same; give it once",
+                         path.string()};
+    return {};
+}
+
+bool is_of_descriptors(const fs::path& folder) {
+    const fs::path full = fs::absolute(folder).lexically_normal();
+    auto part = full.begin();
+    if (part == full.end() || ++part == full.end()) return false;
+    return *part == "proc" || full == "/dev" || full == "/dev/fd";
+}
+
+std::string said_of(const fs::path& input, const std::string& text) {
+    for (const std::string& name : {input.string(), input.filename().string()})
+        if (text.starts_with(name) && text.size() > name.size() &&
+            std::string_view(":#,").find(text[name.size()]) != std::string_view::npos)
+            return input.string() + text.substr(name.size());
+    return input.string() + ": " + text;
 }
 
 bool is_packed(const fs::path& path) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "prep/result.h"
+#include "prep/scene.h"
 
 namespace meshprep {
 
@@ -49,9 +50,22 @@ prep::Result<void> require_file(const std::filesystem::path& path);
 
 // The same path for the same file, whatever way it is named; it need not be there.
 std::filesystem::path identity(const std::filesystem::path& path);
+// Of the files that a scene was read from beside its own: libraries and pictures. To be asked while
+// its input is open: what is packed or piped reaches them by links that go with it.
+std::vector<std::filesystem::path> read_beside(const prep::Scene& scene);
 
 bool is_standard_stream(const std::filesystem::path& path);  // "-"
-bool is_packed(const std::filesystem::path& path);           // .gz, .zip
+// "-", pipes, and the terminal at standard input: what can be read once, and has no size.
+bool is_stream(const std::filesystem::path& path);
+// Error: the input is a stream, and an earlier one is the same.
+prep::Result<void> require_unread(const std::vector<std::filesystem::path>& inputs,
+                                  std::size_t number);
+// Whether a directory holds what processes have open (/dev, /dev/fd, all below /proc): it has no
+// files that belong together.
+bool is_of_descriptors(const std::filesystem::path& folder);
+// What a reader says of an input, after the input's name. Some name it themselves: "a.obj:4: …".
+std::string said_of(const std::filesystem::path& input, const std::string& text);
+bool is_packed(const std::filesystem::path& path);  // .gz, .zip
 // Whether a directory is meant to be read for this file.
 bool holds_mesh(const std::filesystem::path& path);
 

@@ -44,25 +44,42 @@ std::string ending_of(const std::vector<std::byte>& head) {
     return std::string(format->endings.front());
 }
 
+// Formats of other libraries may be archives themselves.
+const char* packed_as(const fs::path& path) {
+    const prep::FileFormat* const format = prep::file_format(path);
+    if (!format || format->name == "Assimp") return nullptr;
+    const std::vector<std::byte> head = head_of(path);
+    return is_gzip(head) ? "gz" : is_zip(head) ? "zip" : nullptr;
+}
+
 bool in_a_name(char c) {
     return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '/' ||
            c == '.' || c == '_' || c == '-';
 }
 
-Result<void> spool_standard_input(const fs::path& to) {
+// All that comes from `from`, which `place` names. What never ends would fill the disk.
+Result<void> spool(int from, const std::string& place, const fs::path& to, std::uint64_t most) {
     const int fd = ::open(to.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
     const auto failed = [&](const char* what) {
-        const Error error{ErrorCode::io, std::string(what) + std::strerror(errno), standard_input};
+        const Error error{ErrorCode::io, std::string(what) + std::strerror(errno), place};
         if (fd >= 0) ::close(fd);
         return error;
     };
     if (fd < 0) return failed("cannot be kept in the directory for temporary files: ");
     std::vector<char> buffer(std::size_t(1) << 20);
+    std::uint64_t all = 0;
     for (;;) {
-        const ssize_t got = ::read(STDIN_FILENO, buffer.data(), buffer.size());
+        const ssize_t got = ::read(from, buffer.data(), buffer.size());
         if (got < 0 && errno == EINTR) continue;
         if (got < 0) return failed("cannot be read: ");
         if (got == 0) break;
+        all += std::uint64_t(got);
+        if (all > most) {
+            ::close(fd);
+            return Error{ErrorCode::limit,
+                         "more than " + std::to_string(most) + " bytes came; give it as a file",
+                         place};
+        }
         for (ssize_t done = 0; done < got;) {
             const ssize_t n = ::write(fd, buffer.data() + done, std::size_t(got - done));
             if (n < 0 && errno == EINTR) continue;
@@ -92,10 +109,18 @@ bool stands_alone(const fs::path& file) {
     return ending == "stl" || ending == "off" || ending == "om";
 }
 
-Result<fs::path> make_place(const fs::path& directory) {
-    const fs::path place = directory / "above" / "here";
+// "/dev/fd/63" has none.
+bool has_neighbours(const fs::path& file) {
     std::error_code ec;
-    fs::create_directories(place, ec);
+    return !is_standard_stream(file) && !is_of_descriptors(fs::absolute(file, ec).parent_path());
+}
+
+// Never `directory` itself: where Ctrl-C has removed it, it stays removed.
+Result<fs::path> make_place(const fs::path& directory) {
+    const fs::path above = directory / "above", place = above / "here";
+    std::error_code ec;
+    fs::create_directory(above, ec);
+    if (!ec) fs::create_directory(place, ec);
     if (ec) return Error{ErrorCode::io, "cannot be made: " + ec.message(), place.string()};
     return place;
 }
@@ -130,22 +155,27 @@ Result<std::shared_ptr<const SiblingLinks::Folder>> SiblingLinks::of(const fs::p
 }
 
 Result<InputFile> InputFile::open(const fs::path& named, const std::string& format,
-                                  SiblingLinks* links) {
+                                  SiblingLinks* links, const StreamLimits& limits) {
     InputFile input;
     input.named_ = input.path_ = named;
     Result<void> done;
-    if (is_standard_stream(named)) {
-        done = input.read_standard_input(format);
-    } else if (const Result<void> there = require_file(named); !there) {
+    if (const Result<void> there = require_file(named); !is_standard_stream(named) && !there) {
         return there.error();
+    } else if (is_stream(named)) {
+        done = input.read_stream(format, limits);
     } else if (is_packed(named)) {
         done = input.unpack(named, format, links);
+    } else if (const char* const packed = packed_as(named); packed) {
+        return Error{ErrorCode::syntax,
+                     std::string("this is a ") + packed +
+                         " file, whatever its ending says; end its name with ." + packed,
+                     named.string()};
     } else if (!format.empty() && lower_ending(named) != format) {
         done = input.link_with_siblings(named, named.stem().string() + "." + format);
     }
     if (!done) return input.relabelled(done.error());
-    // Some readers name a file without its directory.
-    if (input.path_ != named) {
+    // Some readers name a file without its directory. What has no ending may be any word.
+    if (input.path_ != named && input.path_.has_extension()) {
         const std::string shown = input.relabelled(input.path_.string());
         input.labels_.emplace_back(input.path_.filename().string(), shown);
     }
@@ -207,63 +237,98 @@ bool InputFile::share_links(const fs::path& file, SiblingLinks& links) {
     return true;
 }
 
-Result<void> InputFile::read_standard_input(const std::string& format) {
+std::string InputFile::place() const {
+    return is_standard_stream(named_) ? std::string(standard_input) : named_.string();
+}
+
+// A named pipe is read like standard input, but has a name and what lies beside it.
+Result<void> InputFile::read_stream(const std::string& format, const StreamLimits& limits) {
     const Result<fs::path> made = directory();
     if (!made) return made.error();
-    const fs::path spooled = *made / "stdin";
-    labels_.emplace_back(spooled.string(), standard_input);
-    if (Result<void> done = spool_standard_input(spooled); !done) return done;
+    const bool standard = is_standard_stream(named_);
+    const fs::path spooled = *made / (standard ? "stdin" : "piped");
+    labels_.emplace_back(spooled.string(), place());
+    const int fd = standard ? STDIN_FILENO : ::open(named_.c_str(), O_RDONLY | O_CLOEXEC);
+    if (fd < 0)
+        return Error{ErrorCode::io, std::string("cannot be opened: ") + std::strerror(errno),
+                     place()};
+    const Result<void> read = spool(fd, place(), spooled, limits.most);
+    if (!standard) ::close(fd);
+    if (!read) return read;
     const std::vector<std::byte> head = head_of(spooled);
     if (head.empty())
         return Error{ErrorCode::syntax, "is empty; is the program before the pipe at fault?",
-                     standard_input};
+                     place()};
     if (is_zip(head) || is_gzip(head)) return unpack(spooled, format, nullptr);
-    const std::string ending = format.empty() ? ending_of(head) : "." + format;
+    std::string ending = "." + (format.empty() ? lower_ending(named_) : format);
+    if (!prep::file_format("x" + ending) && format.empty()) ending = ending_of(head);
     if (ending.empty())
         return Error{ErrorCode::unsupported,
                      "its first bytes tell no format; say it with --input-format, as in "
                      "--input-format fbx",
-                     standard_input};
+                     place()};
     std::error_code ec;
-    path_ = *made / ("stdin" + ending);
+    path_ = *made / ((standard ? "stdin" : named_.stem().string()) + ending);
     fs::rename(spooled, path_, ec);
-    if (ec) return Error{ErrorCode::io, "cannot be renamed: " + ec.message(), standard_input};
-    labels_.insert(labels_.begin(), {path_.string(), standard_input});
+    if (ec) return Error{ErrorCode::io, "cannot be renamed: " + ec.message(), place()};
+    labels_.insert(labels_.begin(), {path_.string(), place()});
+    if (!has_neighbours(named_)) return {};
+    const fs::path to_load = path_;
+    if (Result<void> linked = link_with_siblings(named_, path_.filename().string()); !linked)
+        return linked;
+    path_ = to_load;
     return {};
 }
 
-Result<void> InputFile::unpack(const fs::path& archive, const std::string& format,
+Result<void> InputFile::unpack(const fs::path& data, const std::string& format,
                                SiblingLinks* links) {
     const Result<fs::path> made = directory();
     if (!made) return made.error();
-    if (is_zip(head_of(archive)) || lower_ending(archive) == "zip") {
-        // In a directory of its own, whose name a message can do without.
-        const fs::path inside = *made / "unpacked";
-        labels_.emplace_back(inside.string(),
-                             is_standard_stream(named_) ? standard_input : named_.string());
-        const Result<std::vector<std::string>> names = unpack_zip(archive, inside);
-        return names ? choose_mesh(*names) : Result<void>(names.error());
-    }
-    const fs::path inner = is_standard_stream(named_) ? fs::path("stdin") : archive.stem();
-    const fs::path unpacked = *made / ("unpacked-" + inner.filename().string());
-    labels_.emplace_back(unpacked.string(),
-                         is_standard_stream(named_) ? standard_input : named_.string());
-    if (Result<void> done = unpack_gzip(archive, unpacked); !done) return done;
+    const std::vector<std::byte> head = head_of(data);
+    if (head.empty()) return Error{ErrorCode::syntax, "the file is empty", place()};
+    if (!is_zip(head) && (is_gzip(head) || lower_ending(named_) != "zip"))
+        return unpack_gzip_file(data, format, links);
+    // In a directory of its own, whose name a message can do without.
+    const fs::path inside = *made / "unpacked";
+    labels_.emplace_back(inside.string(), place());
+    const Result<std::vector<std::string>> names = unpack_zip(data, inside);
+    return names ? choose_mesh(*names) : Result<void>(names.error());
+}
+
+Result<void> InputFile::unpack_gzip_file(const fs::path& data, const std::string& format,
+                                         SiblingLinks* links) {
+    const bool standard = is_standard_stream(named_);
+    const fs::path inner = standard                       ? fs::path("stdin")
+                           : lower_ending(named_) == "gz" ? named_.stem()
+                                                          : named_.filename();
+    const fs::path unpacked = place_ / ("unpacked-" + inner.filename().string());
+    labels_.emplace_back(unpacked.string(), place());
+    const Result<std::uint64_t> left = unpack_gzip(data, unpacked);
+    if (!left) return left.error();
+    if (*left > 0)
+        warnings_.push_back("behind the packed file are " + std::to_string(*left) +
+                            (*left == 1 ? " byte" : " bytes") + " of something else: left out");
+    const std::vector<std::byte> head = head_of(unpacked);
+    if (head.empty())
+        return Error{ErrorCode::syntax, "the file that is packed in it is empty", place()};
+    if (is_gzip(head))
+        return Error{ErrorCode::unsupported,
+                     "a gzip file is packed in this one; unpack it once, with gunzip", place()};
     std::string ending = "." + (format.empty() ? lower_ending(inner) : format);
     if (ending == "." || (format.empty() && !prep::file_format("x" + ending)))
-        if (const std::string told = ending_of(head_of(unpacked)); !told.empty()) ending = told;
+        if (const std::string told = ending_of(head); !told.empty()) ending = told;
     // Under its own name, among what lies beside the packed file.
     std::error_code ec;
-    path_ = *made / (inner.stem().string() + (ending == "." ? "" : ending));
+    path_ = place_ / (inner.stem().string() + (ending == "." ? "" : ending));
     fs::rename(unpacked, path_, ec);
     if (ec) return Error{ErrorCode::io, "cannot be renamed: " + ec.message(), named_.string()};
-    if (is_standard_stream(named_)) {
-        labels_.insert(labels_.begin(), {path_.string(), standard_input});
+    if (!has_neighbours(named_)) {
+        labels_.insert(labels_.begin(), {path_.string(), place()});
         return {};
     }
-    if (links && !stands_alone(path_) && share_links(archive, *links)) return {};
+    if (links && !stands_alone(path_) && share_links(named_, *links)) return {};
     const fs::path to_load = path_;
-    if (Result<void> linked = link_with_siblings(archive, path_.filename().string()); !linked)
+    if (Result<void> linked = link_with_siblings(named_, path_.filename().string()); !linked)
         return linked;
     path_ = to_load;
     return {};
@@ -273,14 +338,12 @@ Result<void> InputFile::choose_mesh(const std::vector<std::string>& names) {
     std::vector<std::string> meshes;
     for (const std::string& name : names)
         if (holds_mesh(name) && !is_packed(name)) meshes.push_back(name);
-    const std::string place =
-        is_standard_stream(named_) ? std::string(standard_input) : named_.string();
     if (meshes.empty())
         return Error{ErrorCode::invalid,
                      "the archive holds no mesh file among its " + std::to_string(names.size()) +
                          (names.size() == 1 ? " file" : " files") + "; read are " +
                          input_endings_text(),
-                     place};
+                     place()};
     if (meshes.size() > 1) {
         std::string list;
         constexpr std::size_t most = 8;
@@ -290,14 +353,14 @@ Result<void> InputFile::choose_mesh(const std::vector<std::string>& names) {
         return Error{ErrorCode::invalid,
                      "the archive holds " + std::to_string(meshes.size()) + " mesh files (" + list +
                          "), and one is read; unpack it and name those you mean",
-                     place};
+                     place()};
     }
     path_ = place_ / "unpacked" / meshes[0];
     return {};
 }
 
 std::optional<fs::path> InputFile::source() const {
-    return is_standard_stream(named_) ? std::nullopt : std::optional(named_);
+    return is_stream(named_) ? std::nullopt : std::optional(named_);
 }
 
 bool InputFile::passing(const fs::path& file) const {
@@ -333,13 +396,21 @@ std::string InputFile::relabelled(std::string text) const {
 }
 
 Error InputFile::relabelled(Error error) const {
-    return {error.code, relabelled(std::move(error.text)), relabelled(std::move(error.place))};
+    // Readers name the file without its directory, "a.obj:4"; in a batch there may be several.
+    std::string place = relabelled(std::move(error.place));
+    const std::string name = named_.filename().string();
+    if (named_.has_parent_path() && place.starts_with(name) &&
+        (place.size() == name.size() ||
+         std::string_view(":#,").find(place[name.size()]) != std::string_view::npos))
+        place.replace(0, name.size(), named_.string());
+    return {error.code, relabelled(std::move(error.text)), std::move(place)};
 }
 
 void InputFile::settle(prep::Scene& scene) const {
     if (!directory_) return;
     scene.source = named_;
     for (std::string& text : scene.warnings) text = relabelled(std::move(text));
+    scene.warnings.insert(scene.warnings.begin(), warnings_.begin(), warnings_.end());
     // Pictures that are put together share their sources.
     std::map<const prep::ImageRef*, std::shared_ptr<const prep::ImageRef>> embedded;
     std::vector<std::shared_ptr<const prep::ImageRef>> alive;

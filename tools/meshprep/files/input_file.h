@@ -1,7 +1,8 @@
 // An input as a file that can be loaded: unpacked where it is packed, taken from standard input for
-// "-", under a name whose ending says the format it was said to have.
+// "-" and from named pipes, under a name whose ending says the format it was said to have.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -35,19 +36,25 @@ class SiblingLinks {
     std::unique_ptr<State> state_;
 };
 
+// Of what is read from pipes and standard input, and kept in the directory for temporary files.
+struct StreamLimits {
+    std::uint64_t most = std::uint64_t(16) << 30;  // bytes
+};
+
 class InputFile {
   public:
     // `format` is the ending that the input is read by, whatever its own; empty: its own, else the
     // first bytes tell. Of a .zip file the one mesh is meant, with what lies beside it.
     // Errors: io, those of archive.h, invalid (no mesh or several in a zip file), unsupported
-    // (standard input's first bytes tell no format).
+    // (standard input's first bytes tell no format), limit (a stream without an end).
     // With `links` many inputs of one folder share what is made for it.
     static prep::Result<InputFile> open(const std::filesystem::path& named,
-                                        const std::string& format, SiblingLinks* links = nullptr);
+                                        const std::string& format, SiblingLinks* links = nullptr,
+                                        const StreamLimits& limits = {});
 
     const std::filesystem::path& path() const { return path_; }  // to be loaded
     const std::filesystem::path& named() const { return named_; }
-    // Files that were read for it and will still be there: itself, unless it is standard input.
+    // Files that were read for it and will still be there: itself, unless it is a pipe.
     std::optional<std::filesystem::path> source() const;
     // Whether `file` goes with this input.
     bool passing(const std::filesystem::path& file) const;
@@ -63,9 +70,13 @@ class InputFile {
     bool share_links(const std::filesystem::path& file, SiblingLinks& links);
     prep::Result<void> link_with_siblings(const std::filesystem::path& file,
                                           const std::string& name);
-    prep::Result<void> read_standard_input(const std::string& format);
-    prep::Result<void> unpack(const std::filesystem::path& archive, const std::string& format,
+    prep::Result<void> read_stream(const std::string& format, const StreamLimits& limits);
+    // `data`: what was named, or all that came through it.
+    prep::Result<void> unpack(const std::filesystem::path& data, const std::string& format,
                               SiblingLinks* links);
+    prep::Result<void> unpack_gzip_file(const std::filesystem::path& data,
+                                        const std::string& format, SiblingLinks* links);
+    std::string place() const;
     prep::Result<void> choose_mesh(const std::vector<std::string>& names);
     prep::Result<std::filesystem::path> directory();
 
@@ -74,6 +85,7 @@ class InputFile {
     std::shared_ptr<const std::filesystem::path> shared_;  // its place among shared links
     std::filesystem::path place_;  // in it, where the unpacked or linked file lies
     std::vector<std::pair<std::string, std::string>> labels_;  // text of a path, what it stands for
+    std::vector<std::string> warnings_;                        // settle() hands them on
 };
 
 }  // namespace meshprep

@@ -4,12 +4,18 @@
 #include <signal.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <thread>
 
 #include "meshprep/files/private_directory.h"
 #include "prep/files.h"
 
 namespace meshprep {
+namespace {
+
+std::atomic<bool> interrupted = false;
+
+}  // namespace
 
 void watch_interrupts() {
     sigset_t signals;
@@ -25,10 +31,15 @@ void watch_interrupts() {
     std::thread([signals] {
         int number = 0;
         if (sigwait(&signals, &number) != 0) return;
+        interrupted = true;
         prep::discard_unfinished_files();
         remove_private_directories();
         ::_exit(128 + number);
     }).detach();
+}
+
+void yield_to_interrupt() {
+    while (interrupted) ::pause();
 }
 
 }  // namespace meshprep

@@ -10,4 +10,8 @@ namespace meshprep {
 // threads start.
 void watch_interrupts();
 
+// To be called before main ends: once a signal has come, its thread ends the process with the
+// signal's status, and what failed because files were being removed under it is no other status.
+void yield_to_interrupt();
+
 }  // namespace meshprep

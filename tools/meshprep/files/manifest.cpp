@@ -51,6 +51,14 @@ bool as_it_was(const HashedFile& file) {
     return file.sha256 && hashed(file.path).sha256 == file.sha256;
 }
 
+// Null where it is none.
+Json manifest_of(const std::vector<std::byte>& bytes) {
+    const auto* const text = reinterpret_cast<const char*>(bytes.data());
+    Json json = Json::parse(text, text + bytes.size(), nullptr, false);
+    if (!json.is_object() || !json.contains("manifest") || !json.contains("files")) return {};
+    return json;
+}
+
 }  // namespace
 
 HashedFile hashed(const std::filesystem::path& path) {
@@ -58,14 +66,18 @@ HashedFile hashed(const std::filesystem::path& path) {
     return {path.string(), hash ? std::optional(*hash) : std::nullopt};
 }
 
+bool Manifest::is_one(const std::filesystem::path& path) {
+    const Result<std::vector<std::byte>> bytes = prep::read_file(path);
+    return bytes && !manifest_of(*bytes).is_null();
+}
+
 Result<void> Manifest::read(const std::filesystem::path& path) {
     std::error_code ec;
     if (!std::filesystem::exists(path, ec)) return {};
     const Result<std::vector<std::byte>> bytes = prep::read_file(path);
     if (!bytes) return bytes.error();
-    const auto* const text = reinterpret_cast<const char*>(bytes->data());
-    const Json json = Json::parse(text, text + bytes->size(), nullptr, false);
-    if (!json.is_object() || !json.contains("manifest") || !json.contains("files"))
+    const Json json = manifest_of(*bytes);
+    if (json.is_null())
         return Error{ErrorCode::syntax,
                      "this is no manifest of meshprep, or a damaged one; remove it or name another",
                      path.string()};
@@ -105,6 +117,14 @@ void Manifest::set(ManifestEntry entry) {
 }
 
 Result<void> Manifest::write(const std::filesystem::path& path) const {
+    const std::filesystem::path own = identity(path);
+    for (const auto& [key, entry] : entries_)
+        for (const HashedFile& output : entry.outputs)
+            if (identity(output.path) == own)
+                return Error{ErrorCode::invalid,
+                             "the manifest would be written over this output of " + key.first +
+                                 "; give it another name",
+                             path.string()};
     Json json;
     json["manifest"] = format_version;
     json["version"] = std::string(prep::version());

@@ -28,13 +28,17 @@ struct ManifestEntry {
     Job job;                          // with the error of one that failed
     std::vector<HashedFile> sources;  // the input first, then what was read with it
     std::vector<HashedFile> outputs;
-    bool complete = true;  // false: something that the input names was not found
+    bool complete =
+        true;  // false: something that the input names was not found, or an error is unmet
     nlohmann::ordered_json said = nlohmann::ordered_json::object();  // findings, warnings, notes
 };
 
 class Manifest {
   public:
     explicit Manifest(Settings settings) : settings_(std::move(settings)) {}
+
+    // Whether what is there is a manifest, of whatever version and settings.
+    static bool is_one(const std::filesystem::path& path);
 
     // Takes over what an earlier run with these settings and this version wrote; nothing where
     // there is no such file. Errors: io, syntax (it is no manifest).
@@ -46,7 +50,7 @@ class Manifest {
 
     void set(ManifestEntry entry);
 
-    // Complete or not at all. Errors: io.
+    // Complete or not at all. Errors: io, invalid (the name is that of an output in it).
     prep::Result<void> write(const std::filesystem::path& path) const;
 
   private:

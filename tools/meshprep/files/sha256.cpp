@@ -100,6 +100,11 @@ std::string sha256(std::span<const std::byte> bytes) {
 }
 
 prep::Result<std::string> sha256_of_file(const std::filesystem::path& path) {
+    // Whoever wrote to a pipe has gone, and a device may never end.
+    std::error_code ec;
+    const auto status = std::filesystem::status(path, ec);
+    if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status))
+        return prep::Error{prep::ErrorCode::io, "this is no regular file", path.string()};
     const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
     const auto failed = [&] {
         return prep::Error{prep::ErrorCode::io,

@@ -77,6 +77,12 @@ std::optional<UsageError> unknown_option(const CommandTables& tables, const Comm
         } else if (!word.starts_with("--")) {
             option = word;
         }
+        std::error_code ec;
+        if (std::filesystem::exists(word, ec))
+            return UsageError{
+                option,
+                "is no option of " + table.name + "; the file of this name is meant by ./" + word,
+                advice_for(table.name)};
         return UsageError{option, "is no option of " + table.name + meant(option, table, tables),
                           advice_for(table.name)};
     }

@@ -5,6 +5,29 @@
 #include <algorithm>
 
 namespace meshprep {
+namespace {
+
+// Names in files may hold what a terminal obeys, control characters of ASCII and of Latin-1, and
+// ends of lines, which would forge lines of ours.
+std::string harmless(std::string_view text, std::string_view instead = "?") {
+    std::string out;
+    for (std::size_t i = 0; i < text.size(); ++i) {
+        const auto byte = [&](std::size_t at) {
+            return at < text.size() ? static_cast<unsigned char>(text[at]) : 0;
+        };
+        if (byte(i) == 0xc2 && byte(i + 1) >= 0x80 && byte(i + 1) < 0xa0) {
+            out += instead;
+            ++i;
+        } else if ((byte(i) < 0x20 && byte(i) != '\t') || byte(i) == 0x7f) {
+            out += instead;
+        } else {
+            out += text[i];
+        }
+    }
+    return out;
+}
+
+}  // namespace
 
 void Console::clear_progress() {
     if (progress_shown_) err_ << "\r\033[K";
@@ -15,7 +38,7 @@ void Console::result(const CommonOptions& common, const std::string& line) {
     if (common.json || common.json_lines || common.quiet) return;
     const std::lock_guard lock(mutex_);
     clear_progress();
-    *words_ << line << '\n';
+    *words_ << harmless(line) << '\n';
 }
 
 void Console::table(const CommonOptions& common, const std::vector<std::vector<std::string>>& rows,
@@ -42,13 +65,13 @@ void Console::warning(const CommonOptions& common, const std::string& text) {
     if (common.quiet) return;
     const std::lock_guard lock(mutex_);
     clear_progress();
-    err_ << "meshprep: warning: " << text << '\n';
+    err_ << "meshprep: warning: " << harmless(text) << '\n';
 }
 
 void Console::error(const std::string& text) {
     const std::lock_guard lock(mutex_);
     clear_progress();
-    err_ << "meshprep: error: " << text << '\n';
+    err_ << "meshprep: error: " << harmless(text) << '\n';
 }
 
 void Console::error(const prep::Error& e) {
@@ -60,17 +83,17 @@ void Console::note(const std::string& subject, std::string_view lines) {
     if (progress_shown_) err_ << "\r\033[K";
     progress_shown_ = false;
     while (!lines.empty()) {
-        std::string line(lines.substr(0, lines.find('\n')));
-        lines.remove_prefix(std::min(lines.size(), line.size() + 1));
-        std::erase_if(line, [](char c) { return static_cast<unsigned char>(c) < ' ' || c == 127; });
-        if (!line.empty()) err_ << "meshprep: note: " << subject << ": " << line << '\n';
+        const std::string_view whole = lines.substr(0, lines.find('\n'));
+        lines.remove_prefix(std::min(lines.size(), whole.size() + 1));
+        const std::string line = harmless(whole, "");
+        if (!line.empty()) err_ << "meshprep: note: " << harmless(subject) << ": " << line << '\n';
     }
 }
 
 void Console::progress(const CommonOptions& common, const std::string& text) {
     const std::lock_guard lock(mutex_);
     if (!terminal_ || common.quiet || (text.empty() && !progress_shown_)) return;
-    err_ << "\r\033[K" << text << std::flush;
+    err_ << "\r\033[K" << harmless(text) << std::flush;
     progress_shown_ = !text.empty();
 }
 

@@ -40,14 +40,27 @@ Json to_json(const prep::RepairStep& repair) {
     return json;
 }
 
-Json to_json(const prep::StageReport& stage) {
+Json to_json(const prep::StageReport& stage, bool memory) {
     Json json;
     json["stage"] = stage.stage;
     json["run"] = stage.run;
     json["reason"] = stage.reason;
     json["milliseconds"] = stage.milliseconds;
     json["decided_exactly"] = stage.exact;
+    if (stage.moved_bytes > 0) json["moved_bytes"] = stage.moved_bytes;
+    if (!memory) return json;
+    json["page_faults"] = stage.page_faults;
+    json["peak_bytes"] = stage.peak_bytes;
     return json;
+}
+
+Json to_json(const prep::Reason& why, const prep::Scene& scene) {
+    return {{"code", prep::name_of(why.code)},
+            {"label", prep::name_of(why.label)},
+            {"subject", why.subject},
+            {"value", why.value},
+            {"limit", why.limit},
+            {"sentence", prep::sentence(why, scene)}};
 }
 
 Json to_json(const prep::SplitCounts& splits) {
@@ -74,6 +87,17 @@ Json to_json(const prep::TessellationCertificate& certificate) {
     json["over_budget"] = certificate.over_budget;
     if (certificate.worst_face != prep::no_index) json["worst_face"] = certificate.worst_face;
     return json;
+}
+
+Json to_json(const prep::OrderChange& order) {
+    const auto cost = [](const prep::OrderCost& c) {
+        return Json{{"shaded", c.shaded}, {"acmr", c.acmr}, {"atvr", c.atvr}};
+    };
+    return {{"triangles_moved", order.triangles},
+            {"vertices_moved", order.vertices},
+            {"triangles_kept", order.kept_triangles},
+            {"before", cost(order.before)},
+            {"after", cost(order.after)}};
 }
 
 Json to_json(const prep::ResidualMap& map, const std::string& material_name) {

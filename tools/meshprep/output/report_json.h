@@ -15,11 +15,14 @@ using Json = nlohmann::ordered_json;
 // {"code": "syntax", "text": …, "place": …}, always these three: the place may be empty.
 Json to_json(const prep::Error& error);
 Json to_json(const prep::Finding& finding, const prep::Scene& scene);
-Json to_json(const prep::StageReport& stage);
+// `memory`: page faults and peaks too, which differ from run to run.
+Json to_json(const prep::StageReport& stage, bool memory);
+Json to_json(const prep::Reason& why, const prep::Scene& scene);
 Json to_json(const prep::RepairStep& repair);
 Json to_json(const prep::SplitCounts& splits);
 // Numbers that are not finite are null.
 Json to_json(const prep::TessellationCertificate& certificate);
+Json to_json(const prep::OrderChange& order);
 Json to_json(const prep::ResidualMap& map, const std::string& material_name);
 
 // The document's head: command and version.

@@ -1,6 +1,8 @@
+#include <assimp/DefaultIOSystem.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 
+#include <algorithm>
 #include <array>
 #include <assimp/Importer.hpp>
 #include <exception>
@@ -31,6 +33,22 @@ Result<Scene> read_scene(const aiScene& from, const std::filesystem::path& path,
     return std::move(import.scene);
 }
 
+// Notes which files are read: beside the model its skeleton, motions, materials.
+class NotingFiles : public Assimp::DefaultIOSystem {
+  public:
+    explicit NotingFiles(std::vector<std::filesystem::path>& read) : read_(read) {}
+
+    Assimp::IOStream* Open(const char* name, const char* mode) override {
+        Assimp::IOStream* const file = DefaultIOSystem::Open(name, mode);
+        if (file && std::find(read_.begin(), read_.end(), name) == read_.end())
+            read_.emplace_back(name);
+        return file;
+    }
+
+  private:
+    std::vector<std::filesystem::path>& read_;
+};
+
 std::optional<std::string> text_of_utf16_file(const std::filesystem::path& path) {
     std::array<std::byte, 2> head{};
     std::ifstream in(path, std::ios::binary);
@@ -50,7 +68,9 @@ bool assimp_reads(const std::string& extension) {
 
 Result<Scene> load_with_assimp(const std::filesystem::path& path, const LoadOptions& options) {
     try {
+        std::vector<std::filesystem::path> others;
         Assimp::Importer importer;
+        importer.SetIOHandler(new NotingFiles(others));  // it deletes it
         // Pivots come as nodes of their own, which are resolved here: without them, Assimp animates
         // nodes that it does not make. No meshes of bones where the file has none.
         importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_PRESERVE_PIVOTS, true);
@@ -68,6 +88,11 @@ Result<Scene> load_with_assimp(const std::filesystem::path& path, const LoadOpti
             return Error{ErrorCode::syntax, std::string("Assimp: ") + importer.GetErrorString(),
                          path.string()};
         auto read = read_scene(*scene, path, options);
+        std::error_code ec;
+        std::erase_if(others, [&](const std::filesystem::path& file) {
+            return std::filesystem::equivalent(file, path, ec);
+        });
+        if (read) read->libraries = std::move(others);
         if (read && converted)
             read->warnings.insert(read->warnings.begin(),
                                   "the file is in UTF-16, which its reader "

@@ -8,7 +8,10 @@
 #include <nlohmann/json.hpp>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
+
+#include "formats/gltf/binary_parts.h"
 
 namespace prep::detail {
 
@@ -26,35 +29,37 @@ class GltfBuffer {
 
     // Returns the bufferView's index. `target` 0: none.
     std::size_t add_view(std::span<const std::byte> bytes, int target, std::size_t stride = 0) {
-        bytes_.resize((bytes_.size() + 3) & ~std::size_t(3));
-        Json view{{"buffer", 0u}, {"byteOffset", bytes_.size()}, {"byteLength", bytes.size()}};
-        if (stride) view["byteStride"] = stride;
-        if (target) view["target"] = target;
-        bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
-        return push("bufferViews", std::move(view));
+        const std::size_t index = push_view(bytes.size(), target, stride);
+        binary_.append(bytes);
+        return index;
+    }
+    // The same without a copy: the bytes must outlive the binary part.
+    std::size_t lend_view(std::span<const std::byte> bytes, int target) {
+        const std::size_t index = push_view(bytes.size(), target, 0);
+        binary_.lend(bytes);
+        return index;
     }
 
     // Floats, `width` to an element. Returns the accessor's index.
     std::size_t add_floats(const float* data, std::size_t count, int width) {
-        static const char* const types[] = {"", "SCALAR", "VEC2", "VEC3", "VEC4"};
-        const std::size_t view =
-            add_view({reinterpret_cast<const std::byte*>(data), count * width * sizeof(float)},
-                     array_buffer);
-        return push("accessors", Json{{"bufferView", view},
-                                      {"componentType", 5126},
-                                      {"count", count},
-                                      {"type", types[width]}});
+        return push_floats(add_view(bytes_of(data, count, width), array_buffer), count, width);
+    }
+    std::size_t lend_floats(const float* data, std::size_t count, int width) {
+        return push_floats(lend_view(bytes_of(data, count, width), array_buffer), count, width);
     }
 
-    // The smallest type that holds them; the largest value of a type is primitive restart.
-    std::size_t add_indices(std::span<const std::uint32_t> indices, std::size_t vertices) {
+    // The smallest type that holds them; the largest value of a type is primitive restart. `lent`:
+    // they outlive the binary part.
+    std::size_t add_indices(std::span<const std::uint32_t> indices, std::size_t vertices,
+                            bool lent = false) {
         std::size_t view = 0;
         const bool narrow = vertices <= 65535;
         if (narrow) {
             std::vector<std::uint16_t> small(indices.begin(), indices.end());
             view = add_view(std::as_bytes(std::span(small)), element_array_buffer);
         } else {
-            view = add_view(std::as_bytes(indices), element_array_buffer);
+            view = lent ? lend_view(std::as_bytes(indices), element_array_buffer)
+                        : add_view(std::as_bytes(indices), element_array_buffer);
         }
         return push("accessors", Json{{"bufferView", view},
                                       {"componentType", narrow ? 5123 : 5125},
@@ -68,11 +73,29 @@ class GltfBuffer {
         return array.size() - 1;
     }
 
-    std::vector<std::byte>& bytes() { return bytes_; }
+    BinaryParts& binary() { return binary_; }
 
   private:
+    static std::span<const std::byte> bytes_of(const float* data, std::size_t count, int width) {
+        return {reinterpret_cast<const std::byte*>(data), count * width * sizeof(float)};
+    }
+    std::size_t push_view(std::size_t bytes, int target, std::size_t stride) {
+        binary_.pad();
+        Json view{{"buffer", 0u}, {"byteOffset", binary_.size()}, {"byteLength", bytes}};
+        if (stride) view["byteStride"] = stride;
+        if (target) view["target"] = target;
+        return push("bufferViews", std::move(view));
+    }
+    std::size_t push_floats(std::size_t view, std::size_t count, int width) {
+        static const char* const types[] = {"", "SCALAR", "VEC2", "VEC3", "VEC4"};
+        return push("accessors", Json{{"bufferView", view},
+                                      {"componentType", 5126},
+                                      {"count", count},
+                                      {"type", types[width]}});
+    }
+
     Json& document_;
-    std::vector<std::byte> bytes_;
+    BinaryParts binary_;
 };
 
 }  // namespace prep::detail

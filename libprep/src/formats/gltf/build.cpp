@@ -7,6 +7,7 @@
 #include <set>
 
 #include "base/finite.h"
+#include "base/read_open_file.h"
 #include "formats/gltf/material_extensions.h"
 #include "formats/gltf/nodes/build_morphs_skins.h"
 #include "formats/gltf/nodes/build_nodes.h"
@@ -106,9 +107,18 @@ class Builder {
         for (Index m = 0; m < scene_.meshes.size(); ++m) {
             Json primitives = Json::array();
             const VertexMesh& mesh = prepared_.meshes[m];
+            all_finite_ = std::all_of(mesh.positions.begin(), mesh.positions.end(),
+                                      [](const glm::vec3& p) { return is_finite(p); });
             for (const VertexMesh::Range& range : mesh.ranges) {
+                const std::span<const Index> whole(
+                    mesh.indices.data() + 3 * std::size_t(range.first_triangle),
+                    3 * std::size_t(range.triangle_count));
+                if (all_finite_) {
+                    add_primitive(m, whole, 4, range.material, primitives);
+                    continue;
+                }
                 std::vector<Index> indices;
-                indices.reserve(range.triangle_count * std::size_t(3));
+                indices.reserve(whole.size());
                 for (Index t = 0; t < range.triangle_count; ++t) {
                     const Index* i = &mesh.indices[3 * std::size_t(range.first_triangle + t)];
                     if (is_finite(mesh.positions[i[0]]) && is_finite(mesh.positions[i[1]]) &&
@@ -117,7 +127,7 @@ class Builder {
                     else
                         ++dropped_triangles_;
                 }
-                add_primitive(m, std::move(indices), 4, range.material, primitives);
+                add_primitive(m, indices, 4, range.material, primitives);
             }
             add_primitive(m, only_finite(mesh, mesh.lines, 2), 1, no_index, primitives);
             add_primitive(m, only_finite(mesh, mesh.points, 1), 0, no_index, primitives);
@@ -144,14 +154,15 @@ class Builder {
         return kept;
     }
 
-    void add_primitive(Index m, std::vector<Index> indices, int mode, Index material,
+    void add_primitive(Index m, std::span<const Index> indices, int mode, Index material,
                        Json& primitives) {
         if (indices.empty()) return;
         const VertexMesh& mesh = prepared_.meshes[m];
-        // The vertices that this primitive uses, in their order.
-        std::vector<Index> used, to_local;
-        const bool all = mesh.ranges.size() == 1 && mesh.lines.empty() && mesh.points.empty() &&
-                         indices.size() == mesh.indices.size();
+        // The vertices that this primitive uses, in their order. Where it uses all, the mesh's own
+        // lists are what is written.
+        std::vector<Index> used, to_local, local;
+        const bool all = all_finite_ && mesh.ranges.size() == 1 && mesh.lines.empty() &&
+                         mesh.points.empty() && indices.size() == mesh.indices.size();
         if (!all) {
             to_local.assign(mesh.vertex_count(), no_index);
             for (const Index i : indices) to_local[i] = 0;
@@ -160,11 +171,13 @@ class Builder {
                     to_local[v] = Index(used.size());
                     used.push_back(v);
                 }
-            for (Index& i : indices) i = to_local[i];
+            for (const Index i : indices) local.push_back(to_local[i]);
+            indices = local;
         }
         const std::size_t count = all ? mesh.vertex_count() : used.size();
-        const auto add = [&](const auto& values, int width) {
+        const auto add = [&](const auto& values, int width, bool lent = true) {
             using T = std::decay_t<decltype(values[0])>;
+            if (all && lent) return buffer_.lend_floats(&values[0].x, count, width);
             if (all) return buffer_.add_floats(&values[0].x, count, width);
             std::vector<T> gathered(count);
             for (std::size_t i = 0; i < count; ++i) gathered[i] = values[used[i]];
@@ -178,17 +191,21 @@ class Builder {
         if (faces && !mesh.normals.empty()) attributes["NORMAL"] = add(mesh.normals, 3);
         if (faces && !mesh.tangents.empty() && !mesh.normals.empty())
             attributes["TANGENT"] = add(mesh.tangents, 4);
+        const auto add_mended = [&](const auto& values, int width) {
+            return are_good(values) ? add(values, width) : add(mended(values), width, false);
+        };
         if (faces)
             for (std::size_t s = 0; s < mesh.uvs.size(); ++s)
-                attributes["TEXCOORD_" + std::to_string(s)] = add(finite_uvs(mesh.uvs[s]), 2);
+                attributes["TEXCOORD_" + std::to_string(s)] = add_mended(mesh.uvs[s], 2);
         for (std::size_t s = 0; s < mesh.colors.size(); ++s)
-            attributes["COLOR_" + std::to_string(s)] = add(clamped_colors(mesh.colors[s]), 4);
+            attributes["COLOR_" + std::to_string(s)] = add_mended(mesh.colors[s], 4);
         const PrimitiveVertices vertices{prepared_, m, all ? std::span<const Index>() : used,
                                          count};
         add_influences(vertices, buffer_, attributes);
         Json primitive{{"attributes", std::move(attributes)}};
         add_targets(vertices, primitive["attributes"], document_, buffer_, primitive);
-        primitive["indices"] = buffer_.add_indices(indices, count);
+        primitive["indices"] =
+            buffer_.add_indices(indices, count, indices.data() == mesh.indices.data());
         if (material < scene_.materials.size())
             primitive["material"] = material_for(mesh, material);
         if (mode != 4) primitive["mode"] = mode;
@@ -208,7 +225,18 @@ class Builder {
         document_["accessors"][accessor]["max"] = array3(high);
     }
 
-    std::vector<glm::vec2> finite_uvs(const std::vector<glm::vec2>& uvs) {
+    static bool are_good(const std::vector<glm::vec2>& uvs) {
+        return std::all_of(uvs.begin(), uvs.end(),
+                           [](const glm::vec2& uv) { return is_finite(uv); });
+    }
+    static bool are_good(const std::vector<glm::vec4>& colors) {
+        return std::all_of(colors.begin(), colors.end(), [](const glm::vec4& c) {
+            return c.r >= 0 && c.r <= 1 && c.g >= 0 && c.g <= 1 && c.b >= 0 && c.b <= 1 &&
+                   c.a >= 0 && c.a <= 1;
+        });
+    }
+
+    std::vector<glm::vec2> mended(const std::vector<glm::vec2>& uvs) {
         std::vector<glm::vec2> out = uvs;
         for (glm::vec2& uv : out)
             if (!is_finite(uv)) {
@@ -218,7 +246,7 @@ class Builder {
         return out;
     }
 
-    std::vector<glm::vec4> clamped_colors(const std::vector<glm::vec4>& colors) {
+    std::vector<glm::vec4> mended(const std::vector<glm::vec4>& colors) {
         std::vector<glm::vec4> out = colors;
         for (glm::vec4& c : out)
             for (int k = 0; k < 4; ++k)
@@ -282,7 +310,7 @@ class Builder {
         const ImageRef& ref = scene_.images[image];
         std::vector<std::byte> bytes = ref.bytes;
         if (bytes.empty() && ref.channels.empty()) {
-            auto file = read_file(ref.path);
+            auto file = read_regular_file(ref.path);
             if (file) bytes = *std::move(file);
         }
         std::string mime = mime_of(bytes);
@@ -525,6 +553,7 @@ class Builder {
     GltfBuffer& buffer_;
     std::vector<std::string>& notes_;
     std::uint64_t dropped_triangles_ = 0;
+    bool all_finite_ = false;  // the positions of the mesh at hand
     std::size_t limited_ = 0;  // highlights
     NameList unread_;          // textures
     std::vector<Index> mesh_index_, light_index_;

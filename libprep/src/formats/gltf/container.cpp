@@ -292,6 +292,10 @@ Result<GltfDocument> open_gltf(std::span<const std::byte> bytes, const GltfOptio
         container = *opened;
         if (container.uneven)
             document.warnings.push_back(options.name + ": a chunk's length is not a multiple of 4");
+        if (const std::size_t length = u32(bytes, 8); length < bytes.size())
+            document.warnings.push_back(
+                options.name + ": " + std::to_string(bytes.size() - length) +
+                " bytes stand behind the end that the header announces: left out");
     } else {
         container.json = {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
         if (container.json.starts_with("\xef\xbb\xbf")) container.json.remove_prefix(3);

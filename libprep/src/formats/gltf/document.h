@@ -75,6 +75,7 @@ class GltfDocument final : public RetainedFile {
 
     // "name#/pointer" for messages.
     std::string place(const std::string& pointer) const { return name + "#" + pointer; }
+    KeptOrder kept_order(std::size_t mesh, std::size_t part) const override;  // extensions.cpp
     Error bad(const std::string& pointer, std::string text,
               ErrorCode code = ErrorCode::invalid) const {
         return {code, std::move(text), place(pointer)};

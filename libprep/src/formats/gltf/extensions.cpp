@@ -110,7 +110,8 @@ Result<std::string> required_extension(const std::string& name,
     };
     const bool harmless = row && (row->use == read || row->use == carried || row->use == remapped);
     if (!harmless && (vouched(name) || vouched("all")) && !(row && row->use == undecodable))
-        return "the file requires the extension " + name + ", carried because it was allowed";
+        return "the file requires the extension " + name +
+               ", which --allow-extension carries as it is";
     if (!row)
         return Error{ErrorCode::unsupported,
                      "the file requires the extension " + name +
@@ -192,3 +193,26 @@ void adapt_extensions(const GltfDocument& document, Json& primitive,
 }
 
 }  // namespace prep::detail
+
+namespace prep {
+
+// Polygons are runs of triangles (FB_ngon_encoding), and an extension that is not known, or is
+// required and cannot be put right, may number anything.
+KeptOrder GltfDocument::kept_order(std::size_t mesh, std::size_t part) const {
+    const auto& parts = json["meshes"][mesh]["primitives"];
+    KeptOrder kept = KeptOrder::none;
+    if (part >= parts.size()) return kept;
+    const auto all = parts[part].find("extensions");
+    if (all == parts[part].end() || !all->is_object()) return kept;
+    for (const auto& item : all->items()) {
+        const detail::GltfExtension* const row = detail::gltf_extension(item.key());
+        if (!row || row->use == detail::ExtensionUse::undecodable ||
+            (row->use == detail::ExtensionUse::per_vertex &&
+             detail::listed(json, "extensionsRequired", row->name)))
+            return KeptOrder::all;
+        if (row->name == "FB_ngon_encoding") kept = KeptOrder::triangles;
+    }
+    return kept;
+}
+
+}  // namespace prep

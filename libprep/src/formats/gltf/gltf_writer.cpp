@@ -2,11 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
+#include <utility>
 
 #include "base/atomic_files.h"
 #include "formats/gltf/build.h"
 #include "formats/gltf/compression/compress.h"
+#include "formats/gltf/compression/quantize.h"
 #include "formats/gltf/rewrite.h"
 #include "formats/writers.h"
 #include "prep/version.h"
@@ -18,19 +19,6 @@ constexpr std::uint64_t glb_limit = 0xffffffffu;  // a GLB's length is 32-bit
 
 void append_u32(std::vector<std::byte>& out, std::uint32_t value) {
     for (int k = 0; k < 4; ++k) out.push_back(std::byte(value >> (8 * k)));
-}
-
-// What the meshes will take in the binary part, so that it need not grow; images come on top.
-std::size_t expected_bytes(const PreparedScene& prepared) {
-    std::size_t bytes = 0;
-    for (const VertexMesh& mesh : prepared.meshes) {
-        const std::size_t floats = 3 + (mesh.normals.empty() ? 0 : 3) +
-                                   (mesh.tangents.empty() ? 0 : 4) + 2 * mesh.uvs.size() +
-                                   4 * mesh.colors.size();
-        bytes += 4 * (floats * mesh.vertex_count() + mesh.indices.size() + mesh.lines.size() +
-                      mesh.points.size());
-    }
-    return bytes + bytes / 64;
 }
 
 // A URI reference to a file of this name (RFC 3986): everything but unreserved characters encoded.
@@ -57,39 +45,67 @@ void note_unwritten(const Scene& scene, std::vector<std::string>& notes) {
 }
 
 struct Encoded {
-    Json document;
-    PackedBuffer packed;  // its entries are still to be added
+    Json document;       // its buffers are still to be added
+    BinaryParts binary;  // in part the prepared scene's own arrays
+    std::uint64_t fallback_bytes = 0;
 };
 
-Result<Encoded> encode(const PreparedScene& prepared, Compression compression,
+// Whether a document has data by either codec: rounded anew, all of them are compressed by it.
+CompressionPlan compression_of(const GltfDocument& document) {
+    CompressionPlan plan;
+    for (const auto& primitives : document.primitives)
+        for (const GltfPrimitive& p : primitives) plan.draco |= !p.draco.empty();
+    if (const auto views = document.json.find("bufferViews"); views != document.json.end())
+        for (const Json& view : *views)
+            plan.meshopt |= extension_of(view, "EXT_meshopt_compression") != nullptr;
+    return plan;
+}
+
+Result<Encoded> encode(const PreparedScene& prepared, const SaveOptions& options,
                        std::vector<std::string>& notes) {
     Encoded out;
+    PackedBuffer packed;
     CompressionPlan plan;
-    if (gltf_document(prepared.scene)) {
-        auto rewritten = rewrite_gltf(prepared, compression, notes);
+    const bool rounds = options.quantization.any();
+    const Compression compression = options.compression;
+    if (const GltfDocument* const document = gltf_document(prepared.scene)) {
+        auto rewritten = rewrite_gltf(prepared, rounds ? Compression::none : compression, notes);
         if (!rewritten) return std::move(rewritten).error();
         out.document = std::move(rewritten->json);
-        out.packed = std::move(rewritten->packed);
+        packed = std::move(rewritten->packed);
         plan = std::move(rewritten->plan);
+        if (rounds && compression == Compression::keep) plan = compression_of(*document);
     } else {
         out.document["asset"] = {{"version", "2.0"}};
         GltfBuffer buffer(out.document);
-        buffer.bytes().reserve(expected_bytes(prepared));
         build_gltf(prepared, out.document, buffer, notes);
         note_groups(prepared, "glTF", notes);
         note_unwritten(prepared.scene, notes);
-        out.packed.bytes = std::move(buffer.bytes());
-        plan.draco = compression == Compression::draco;
-        plan.meshopt = compression == Compression::meshopt;
+        out.binary = std::move(buffer.binary());
     }
+    plan.draco |= compression == Compression::draco;
+    plan.meshopt |= compression == Compression::meshopt;
     out.document["asset"]["generator"] = fmt::format("meshprep {}", version());
-    if (!plan.nothing()) {
-        auto compressed = compress_gltf(out.document, std::move(out.packed), plan, notes);
-        if (!compressed) return std::move(compressed).error();
-        out.packed = *std::move(compressed);
+    plan.optimized = is_reordered(prepared);
+    if (rounds) {
+        if (!out.binary.empty()) packed.bytes = std::exchange(out.binary, {}).joined();
+        QuantizationReport unread;
+        auto quantized =
+            quantize_gltf(out.document, std::move(packed), options.quantization,
+                          options.quantized != nullptr ? *options.quantized : unread, notes);
+        if (!quantized) return std::move(quantized).error();
+        packed = *std::move(quantized);
+        notes.insert(notes.end(), unread.remarks.begin(), unread.remarks.end());
     }
-    std::vector<std::byte>& bytes = out.packed.bytes;
-    bytes.resize((bytes.size() + 3) & ~std::size_t(3));
+    if (!plan.nothing()) {
+        if (!out.binary.empty()) packed.bytes = std::exchange(out.binary, {}).joined();
+        auto compressed = compress_gltf(out.document, std::move(packed), plan, notes);
+        if (!compressed) return std::move(compressed).error();
+        packed = *std::move(compressed);
+    }
+    if (out.binary.empty()) out.binary.take(std::move(packed.bytes));
+    out.binary.pad();
+    out.fallback_bytes = packed.fallback_bytes;
     return out;
 }
 
@@ -100,15 +116,15 @@ std::string text_of(const Json& document, int indent) {
 WriteResult write_separate(const PreparedScene& prepared, const std::filesystem::path& path,
                            const SaveOptions& options) {
     std::vector<std::string> notes;
-    auto encoded = encode(prepared, options.compression, notes);
+    auto encoded = encode(prepared, options, notes);
     if (!encoded) return std::move(encoded).error();
     FileSet files(rules_for(prepared, path, options));
-    if (!encoded->packed.bytes.empty()) {
+    if (!encoded->binary.empty()) {
         std::filesystem::path bin = path;
         bin.replace_extension(".bin");
-        encoded->document["buffers"] = buffers_of(encoded->packed);
+        encoded->document["buffers"] = buffers_of(encoded->binary.size(), encoded->fallback_bytes);
         encoded->document["buffers"][0]["uri"] = percent_encoded(bin.filename().string());
-        if (auto done = files.add(bin, encoded->packed.bytes); !done)
+        if (auto done = files.add(bin, encoded->binary.parts()); !done)
             return std::move(done).error();
     }
     const std::string json = text_of(encoded->document, 2) + '\n';
@@ -120,17 +136,20 @@ WriteResult write_separate(const PreparedScene& prepared, const std::filesystem:
 
 }  // namespace
 
-std::array<std::span<const std::byte>, 4> GlbFile::parts() const {
-    return {head, std::as_bytes(std::span(json)), binary_head, binary};
+std::vector<std::span<const std::byte>> GlbFile::parts() const {
+    std::vector<std::span<const std::byte>> all{head, std::as_bytes(std::span(json)), binary_head};
+    for (const auto& part : binary.parts()) all.push_back(part);
+    return all;
 }
 
 Result<GlbFile> encode_glb(const PreparedScene& prepared, std::vector<std::string>& notes,
-                           Compression compression) {
-    auto encoded = encode(prepared, compression, notes);
+                           const SaveOptions& options) {
+    auto encoded = encode(prepared, options, notes);
     if (!encoded) return std::move(encoded).error();
     GlbFile out;
-    if (!encoded->packed.bytes.empty()) encoded->document["buffers"] = buffers_of(encoded->packed);
-    out.binary = std::move(encoded->packed.bytes);
+    if (!encoded->binary.empty())
+        encoded->document["buffers"] = buffers_of(encoded->binary.size(), encoded->fallback_bytes);
+    out.binary = std::move(encoded->binary);
     out.json = text_of(encoded->document, -1);
     while (out.json.size() % 4 != 0) out.json += ' ';
     const std::uint64_t total =
@@ -153,7 +172,7 @@ WriteResult write_gltf(const PreparedScene& prepared, const std::filesystem::pat
                        const SaveOptions& options) {
     if (path.extension() == ".gltf") return write_separate(prepared, path, options);
     std::vector<std::string> notes;
-    const auto glb = encode_glb(prepared, notes, options.compression);
+    const auto glb = encode_glb(prepared, notes, options);
     if (!glb) {
         Error error = glb.error();
         if (error.place.empty()) error.place = path.string();

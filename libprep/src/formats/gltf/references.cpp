@@ -124,6 +124,33 @@ std::vector<std::size_t> compact(Json& json, const char* key, bool keep_all,
 
 }  // namespace
 
+std::vector<std::uint32_t> number_anew(std::vector<std::uint32_t>& indices) {
+    using Index = std::uint32_t;
+    std::vector<Index> used;
+    if (indices.empty()) return used;
+    const auto [low, high] = std::minmax_element(indices.begin(), indices.end());
+    const Index first = *low;
+    const std::size_t range = std::size_t(*high - first) + 1;
+    // A primitive's vertices mostly lie together; those that do not must not cost the whole mesh.
+    if (range <= 4 * indices.size()) {
+        std::vector<Index> places(range, 0);
+        for (const Index i : indices) places[i - first] = 1;
+        for (std::size_t v = 0; v < range; ++v) {
+            if (places[v] == 0) continue;
+            places[v] = Index(used.size());
+            used.push_back(Index(first + v));
+        }
+        for (Index& i : indices) i = places[i - first];
+        return used;
+    }
+    used = indices;
+    std::sort(used.begin(), used.end());
+    used.erase(std::unique(used.begin(), used.end()), used.end());
+    for (Index& i : indices)
+        i = Index(std::lower_bound(used.begin(), used.end(), i) - used.begin());
+    return used;
+}
+
 void note_non_finite_data(const GltfDocument& document, Json& json,
                           std::vector<std::string>& notes) {
     const std::size_t count =
@@ -172,6 +199,10 @@ Result<PackedBuffer> pack_buffer(const GltfDocument& document, Json& json,
     compact(json, "accessors", keep_all, [&](const Visit& v) { visit_accessors(json, v); });
     const std::vector<std::size_t> views =
         compact(json, "bufferViews", keep_all, [&](const Visit& v) { visit_views(json, v); });
+    std::size_t expected = 0;
+    for (const std::size_t v : views)
+        if (const auto* made = appended.bytes_of(v)) expected += made->size() + 4;
+    binary.reserve(expected);
     for (std::size_t v = 0; v < views.size(); ++v) {
         Json& view = json["bufferViews"][v];
         const bool compressed = extension_of(view, "EXT_meshopt_compression") != nullptr;

@@ -25,6 +25,9 @@ struct PackedBuffer {
 Result<PackedBuffer> pack_buffer(const GltfDocument& document, Json& json,
                                  const AppendedData& appended, std::vector<std::string>& notes);
 
+// The indices' values, each once and ascending; the indices become places in this list.
+std::vector<std::uint32_t> number_anew(std::vector<std::uint32_t>& indices);
+
 // A note where data that are carried over untouched (lines and points, animations, skins,
 // instances) have values that are not finite.
 void note_non_finite_data(const GltfDocument& document, Json& json,

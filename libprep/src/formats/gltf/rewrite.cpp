@@ -134,11 +134,7 @@ class Rewriter {
             note_once("primitives without a triangle of finite positions were left as they are");
             return {};
         }
-        std::vector<Index> used(indices);
-        std::sort(used.begin(), used.end());
-        used.erase(std::unique(used.begin(), used.end()), used.end());
-        for (Index& i : indices)
-            i = Index(std::lower_bound(used.begin(), used.end(), i) - used.begin());
+        const std::vector<Index> used = number_anew(indices);
         if (is_subdivided(m)) {
             refined(m, p, used, indices);
             return {};
@@ -163,11 +159,11 @@ class Rewriter {
             if (!read) return std::move(read).error();
             coding = *std::move(read);
         }
-        auto gathered = gather_all(source, out, elements, coding);
+        auto gathered = gather_all(source, out, elements, coding, m);
         if (!gathered) return std::move(gathered).error();
         const std::vector<glm::vec3> normals = repaired_normals(mesh.normals, used);
         const std::vector<glm::vec4> tangents = repaired_tangents(mesh.tangents, normals, used);
-        if (!repaired_ && elements.of_corners.empty() &&
+        if (!changed_ && elements.of_corners.empty() &&
             untouched(m, out, source, elements.of_vertices, indices, normals, tangents))
             return {};
 
@@ -198,7 +194,7 @@ class Rewriter {
             if (auto done = frame("TANGENT", tangents); !done) return done;
         out["attributes"] = std::move(attributes);
         targets(m, used, std::move(gathered->targets), elements, out);
-        if (!same_numbers(source, out, elements.of_vertices, indices.size()))
+        if (!same_numbers(source, out, elements.of_vertices, indices))
             adapt_extensions(
                 document_, out, {elements.of_vertices, indices},
                 [&](const std::vector<Index>& list) {
@@ -242,15 +238,18 @@ class Rewriter {
 
     // Whether vertices and triangles still have the numbers that the file gave them.
     bool same_numbers(const GltfPrimitive& source, const Json& out, const std::vector<Index>& old,
-                      std::size_t corners) const {
+                      const std::vector<Index>& indices) const {
+        if (old.size() != source.vertex_count || out.value("mode", 4) != 4) return false;
         for (std::size_t i = 0; i < old.size(); ++i)
             if (old[i] != i) return false;
-        const Json& accessors = document_.json["accessors"];
-        const std::size_t before =
-            out.contains("indices")
-                ? accessors[out["indices"].get<std::size_t>()].value("count", std::size_t(0))
-                : source.vertex_count;
-        return old.size() == source.vertex_count && out.value("mode", 4) == 4 && corners == before;
+        if (!source.draco.empty()) return source.draco_indices == indices;
+        if (out.contains("indices")) {
+            const auto raw = document_.raw_accessor(out["indices"].get<std::size_t>());
+            return raw && to_indices(*raw) == indices;
+        }
+        for (std::size_t i = 0; i < indices.size(); ++i)
+            if (indices[i] != i) return false;
+        return indices.size() == source.vertex_count;
     }
 
     std::span<const MorphDeltas> morphs(std::size_t m) const {
@@ -259,7 +258,7 @@ class Rewriter {
     }
 
     // Morph targets: what was computed for them, else their own data at the new vertices. What
-    // turns an attribute that the primitive does not have is left out.
+    // moves an attribute that the primitive does not have is left out.
     void targets(std::size_t m, const std::vector<Index>& used, std::vector<AttributeMap> gathered,
                  const Elements& elements, Json& primitive) {
         if (!primitive.contains("targets")) return;
@@ -278,9 +277,9 @@ class Rewriter {
             const bool new_tangents = t < made.size() && !made[t].tangents.empty() && turns;
             Json result = Json::object();
             for (const auto& item : target.items()) {
-                const bool normal = item.key() == "NORMAL", tangent = item.key() == "TANGENT";
-                if ((normal && new_normals) || (tangent && new_tangents)) continue;
-                if ((normal || tangent) && !attributes.contains(item.key())) continue;
+                const bool made_anew = (item.key() == "NORMAL" && new_normals) ||
+                                       (item.key() == "TANGENT" && new_tangents);
+                if (made_anew || !attributes.contains(item.key())) continue;
                 result[item.key()] =
                     emit(item.key(), std::move(gathered[t].at(item.key())), elements);
             }
@@ -309,18 +308,21 @@ class Rewriter {
     bool note_repairs(unsigned kinds) {
         for (unsigned k = 0; k < repair_kinds; ++k)
             if (kinds >> k & 1u) note_once(repair_notes[k]);
-        repaired_ |= kinds != 0;
+        changed_ |= kinds != 0;
         return kinds != 0;
     }
 
-    // All that is carried over, valid: sets repaired_ where that took a change.
+    // All that is carried over, valid: sets changed_ where that took a change.
     Result<GatheredPrimitive> gather_all(const GltfPrimitive& source, const Json& primitive,
-                                         const Elements& elements, const DracoCoding& coding) {
+                                         const Elements& elements, const DracoCoding& coding,
+                                         std::size_t m) {
         GatheredPrimitive result;
-        repaired_ = false;
+        changed_ = false;
         std::vector<RawAccessor*> weights;
         for (const auto& item : primitive["attributes"].items()) {
-            if (item.key() == "NORMAL" || item.key() == "TANGENT") continue;
+            const bool left_out = is_left_out(prepared_, m, item.key());
+            changed_ |= left_out;
+            if (left_out || item.key() == "NORMAL" || item.key() == "TANGENT") continue;
             auto values = gather(source, item.key(), item.value().get<std::size_t>(),
                                  elements.of(item.key()));
             if (!values) return std::move(values).error();
@@ -397,7 +399,7 @@ class Rewriter {
             if (!is_finite(n)) {
                 n = glm::vec3(0, 0, 1);
                 note_once("normals that are not finite were written as (0, 0, 1)");
-                repaired_ = true;
+                changed_ = true;
             }
         return result;
     }
@@ -410,7 +412,7 @@ class Rewriter {
         for (std::size_t i = 0; i < result.size(); ++i) {
             glm::vec4& t = result[i];
             if (is_finite(t)) continue;
-            repaired_ = true;
+            changed_ = true;
             if (is_finite(glm::vec3(t))) {
                 t.w = 1;
                 note_once("signs of tangents that are not finite were written as 1");
@@ -434,25 +436,13 @@ class Rewriter {
                    const std::vector<glm::vec3>& normals,
                    const std::vector<glm::vec4>& tangents) const {
         if (!source.draco.empty() && !keeps_draco_) return false;
-        if (local.size() != source.vertex_count) return false;
-        for (std::size_t i = 0; i < local.size(); ++i)
-            if (local[i] != i) return false;
-        if (out.value("mode", 4) != 4) return false;
+        if (!same_numbers(source, out, local, indices)) return false;
         if (!morphs(m).empty() && out.contains("targets")) return false;
         const Json& attributes = out["attributes"];
         if (attributes.contains("NORMAL") != !normals.empty() ||
             (!tangents.empty() && wants_tangents(m, out) && !attributes.contains("TANGENT")) ||
             (tangents.empty() && attributes.contains("TANGENT")))
             return false;
-        if (!source.draco.empty()) {
-            if (source.draco_indices != indices) return false;
-        } else if (out.contains("indices")) {
-            const auto raw = document_.raw_accessor(out["indices"].get<std::size_t>());
-            if (!raw || to_indices(*raw) != indices) return false;
-        } else {
-            for (std::size_t i = 0; i < indices.size(); ++i)
-                if (indices[i] != i) return false;
-        }
         return same_values(source, attributes, "NORMAL", normals) &&
                same_values(source, attributes, "TANGENT", tangents);
     }
@@ -577,7 +567,7 @@ class Rewriter {
     std::vector<std::string>& notes_;
     std::uint64_t dropped_triangles_ = 0;
     Json json_;
-    bool repaired_ = false;  // the primitive at hand: values were made valid
+    bool changed_ = false;  // the primitive at hand: values were made valid, or left out
     AppendedData appended_{json_};
     KeptMeshopt meshopt_{document_, json_, appended_};
 };

@@ -375,12 +375,24 @@ class Assembler {
                                   "' cannot be read: its materials get the default look");
     }
 
+    static bool is_utf16(std::span<const std::byte> bytes) {
+        return bytes.size() > 1 && ((bytes[0] == std::byte{0xff} && bytes[1] == std::byte{0xfe}) ||
+                                    (bytes[0] == std::byte{0xfe} && bytes[1] == std::byte{0xff}));
+    }
+
     bool library(const std::string& name) {
         const auto path = files_.locate(name);
         if (!path) return false;
         const auto bytes = read_file(*path);
         if (!bytes) return false;
         scene_.libraries.push_back(*path);
+        if (is_utf16(*bytes)) {
+            missing_library_ = true;
+            scene_.warnings.push_back("material library '" + name +
+                                      "' is in UTF-16, which is not read: save it as UTF-8; its "
+                                      "materials get the default look");
+            return true;
+        }
         PictureSearch pictures(path->parent_path(), options_.texture_directories);
         MtlLibrary lib = parse_mtl({reinterpret_cast<const char*>(bytes->data()), bytes->size()},
                                    name, pictures);

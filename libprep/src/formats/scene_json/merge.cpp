@@ -1,5 +1,7 @@
 #include "formats/scene_json/merge.h"
 
+#include <algorithm>
+
 namespace prep::detail {
 namespace {
 
@@ -15,7 +17,7 @@ void shift(std::uint32_t& index, std::size_t by) {
 
 }  // namespace
 
-MergedPart merge_scene(Scene& into, Scene&& part, const std::string& name) {
+MergedPart merge_scene(Scene& into, Scene&& part, const std::string& name, ReadFiles& files) {
     instance_unused_meshes(part);
     std::string left;
     const auto leave = [&left](bool present, const char* what) {
@@ -24,6 +26,11 @@ MergedPart merge_scene(Scene& into, Scene&& part, const std::string& name) {
     leave(!part.lights.empty(), "lights");
     leave(!part.cameras.empty(), "cameras");
     leave(!part.skins.empty(), "skins");
+    leave(!part.animations.empty(), "animations");
+    leave(morph_target_count(part) > 0, "morph targets");
+    leave(std::any_of(part.meshes.begin(), part.meshes.end(),
+                      [](const Mesh& mesh) { return !mesh.vertex_attributes.empty(); }),
+          "attributes of other names");
     if (!left.empty())
         into.warnings.push_back("mesh '" + name + "': the file's own " + left +
                                 " are not part of the scene");
@@ -51,6 +58,12 @@ MergedPart merge_scene(Scene& into, Scene&& part, const std::string& name) {
         shift(node.mesh, into.meshes.size());
         node.camera = node.light = node.skin = no_index;
     }
+    // Each file once, however many meshes name it.
+    const auto read = [&](std::filesystem::path file) {
+        if (files.insert(file.native()).second) into.libraries.push_back(std::move(file));
+    };
+    if (!part.source.empty()) read(std::move(part.source));
+    for (std::filesystem::path& library : part.libraries) read(std::move(library));
     append(into.images, std::move(part.images));
     append(into.textures, std::move(part.textures));
     append(into.materials, std::move(part.materials));

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <unordered_set>
 #include <vector>
 
 #include "prep/scene.h"
@@ -14,9 +15,14 @@ struct MergedPart {
     std::vector<Node> nodes;  // parents within this list; meshes in the larger scene
 };
 
-// Moves meshes, materials, textures and images over; lights, cameras, skins, animations and the
-// retained document are left behind with a note in into.warnings. `name` is for that note.
-MergedPart merge_scene(Scene& into, Scene&& part, const std::string& name);
+// Names of the files that are in into.libraries: a scene may have many.
+using ReadFiles = std::unordered_set<std::string>;
+
+// Moves meshes, materials, textures and images over, and notes the files that they were read from;
+// lights, cameras, skins, animations, morph targets, attributes of other names and the retained
+// document are left behind with a note in into.warnings. `name` is for that note, `files` for all
+// parts of one scene.
+MergedPart merge_scene(Scene& into, Scene&& part, const std::string& name, ReadFiles& files);
 
 // Adds copies of the part's nodes under `parent` (or at the root).
 void instance_part(Scene& scene, const MergedPart& part, std::uint32_t parent);

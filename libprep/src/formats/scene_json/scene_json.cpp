@@ -211,7 +211,7 @@ class Builder {
             const auto first_material = static_cast<std::uint32_t>(out_.scene.materials.size());
             std::vector<std::string> part_materials;
             for (const Material& m : part.materials) part_materials.push_back(m.name);
-            parts_.push_back(merge_scene(out_.scene, std::move(part), entry.name.text));
+            parts_.push_back(merge_scene(out_.scene, std::move(part), entry.name.text, files_));
             part_names_[entry.name.text] = static_cast<std::uint32_t>(parts_.size() - 1);
             if (Step failed = override_materials(entry, first_material, part_materials))
                 return failed;
@@ -413,6 +413,7 @@ class Builder {
     JsonScene out_;
     Names textures_, materials_, part_names_;
     std::vector<MergedPart> parts_;
+    ReadFiles files_;
     std::uint64_t generated_faces_ = 0;
 };
 

@@ -23,10 +23,10 @@ bool order_says_something(const Json& primitive) {
                        [](const auto& item) { return item.key() != "KHR_materials_variants"; });
 }
 
-class Compression {
+class Compressor {
   public:
-    Compression(Json& json, PackedBuffer packed, const CompressionPlan& plan,
-                std::vector<std::string>& notes)
+    Compressor(Json& json, PackedBuffer packed, const CompressionPlan& plan,
+               std::vector<std::string>& notes)
         : json_(json), plan_(plan), notes_(notes) {
         document_.buffers.push_back(std::move(packed.bytes));
         document_.buffers.push_back(Error{ErrorCode::io, "a buffer without bytes", {}});
@@ -48,6 +48,7 @@ class Compression {
                         return std::move(done).error();
             }
         tell_left(left_, "primitive", "Draco");
+        if (plan_.optimized && reordered_ > 0) tell_reordered();
         if (plan_.meshopt)
             if (auto done = meshopt(); !done) return std::move(done).error();
         declare_compression(json_);
@@ -61,6 +62,13 @@ class Compression {
         if (count > 0)
             notes_.push_back(std::to_string(count) + " " + what + (count == 1 ? "" : "s") +
                              " that " + codec + " cannot hold left uncompressed");
+    }
+
+    void tell_reordered() {
+        notes_.push_back(std::to_string(reordered_) +
+                         (reordered_ == 1 ? " primitive is" : " primitives are") +
+                         " in Draco's order, not in the optimized one: --compress meshopt or none "
+                         "keeps that");
     }
 
     Result<void> draco(Json& primitive, const DracoCoding& how) {
@@ -96,6 +104,7 @@ class Compression {
             ++left_;
             return {};
         }
+        reordered_ += !made->keeps_order;
         store(*made, primitive);
         return targets_apart(primitive);
     }
@@ -252,7 +261,7 @@ class Compression {
     GltfDocument document_;
     const CompressionPlan& plan_;
     std::vector<std::string>& notes_;
-    std::size_t left_ = 0;  // primitives
+    std::size_t left_ = 0, reordered_ = 0;  // primitives
     std::map<std::vector<std::byte>, std::size_t> views_;
     std::map<std::size_t, std::size_t> apart_;  // accessors of targets, by those of the file
     AppendedData appended_{json_};
@@ -263,7 +272,7 @@ class Compression {
 Result<PackedBuffer> compress_gltf(Json& json, PackedBuffer packed, const CompressionPlan& plan,
                                    std::vector<std::string>& notes) {
     try {
-        return Compression(json, std::move(packed), plan, notes).run();
+        return Compressor(json, std::move(packed), plan, notes).run();
     } catch (const Json::exception& e) {  // members of a type that no reader here asks for
         return Error{ErrorCode::invalid, std::string("the glTF document: ") + e.what(), {}};
     }
@@ -314,11 +323,11 @@ void declare_compression(Json& json) {
         }
 }
 
-Json buffers_of(const PackedBuffer& packed) {
+Json buffers_of(std::size_t bytes, std::uint64_t fallback_bytes) {
     Json out = Json::array();
-    if (!packed.bytes.empty()) out.push_back({{"byteLength", packed.bytes.size()}});
-    if (packed.fallback_bytes > 0)
-        out.push_back({{"byteLength", packed.fallback_bytes},
+    if (bytes > 0) out.push_back({{"byteLength", bytes}});
+    if (fallback_bytes > 0)
+        out.push_back({{"byteLength", fallback_bytes},
                        {"extensions", {{meshopt_name, {{"fallback", true}}}}}});
     return out;
 }

@@ -17,8 +17,9 @@
 namespace prep::detail {
 
 struct CompressionPlan {
-    bool draco = false;    // every primitive of triangles
-    bool meshopt = false;  // every bufferView but pictures
+    bool draco = false;      // every primitive of triangles
+    bool meshopt = false;    // every bufferView but pictures
+    bool optimized = false;  // there is a note where Draco does not keep the order
     // Those that came by Draco, by mesh and primitive, with what is to be kept of how they came.
     std::map<std::pair<std::size_t, std::size_t>, DracoCoding> kept_draco;
     bool nothing() const { return !draco && !meshopt && kept_draco.empty(); }
@@ -42,6 +43,6 @@ void declare_compression(Json& json);
 
 // The document's "buffers": the one that there is, and the empty one that compressed views stand
 // for.
-Json buffers_of(const PackedBuffer& packed);
+Json buffers_of(std::size_t bytes, std::uint64_t fallback_bytes);
 
 }  // namespace prep::detail

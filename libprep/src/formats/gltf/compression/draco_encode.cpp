@@ -44,10 +44,11 @@ draco::DataType data_type(int component_type) {
     }
 }
 
-// Draco predicts the values of each kind in a way of its own.
-Attribute::Type kind_of(const std::string& semantic) {
+// Draco predicts the values of each kind in a way of its own; that of normals, beside positions
+// that are whole numbers, is one of octahedral coordinates, which whole numbers are not.
+Attribute::Type kind_of(const std::string& semantic, const RawAccessor& raw) {
     if (semantic == "POSITION") return Attribute::POSITION;
-    if (semantic == "NORMAL") return Attribute::NORMAL;
+    if (semantic == "NORMAL" && raw.component_type == 5126) return Attribute::NORMAL;
     if (semantic.starts_with("TEXCOORD_")) return Attribute::TEX_COORD;
     if (semantic.starts_with("COLOR_")) return Attribute::COLOR;
     return Attribute::GENERIC;
@@ -202,7 +203,7 @@ std::optional<DracoData> encode(const DracoSource& source, const DracoCoding& co
         const std::size_t size = raw.element_size();
         // Whether integers are normalised the accessor says; here they are what is stored.
         Attribute attribute;
-        attribute.Init(kind_of(semantic), nullptr, std::uint8_t(raw.width),
+        attribute.Init(kind_of(semantic, raw), nullptr, std::uint8_t(raw.width),
                        data_type(raw.component_type), false, std::int64_t(size), 0);
         ids.push_back(mesh.AddAttribute(attribute, true, std::uint32_t(points)));
         draco::PointAttribute& to = *mesh.attribute(ids.back());
@@ -278,11 +279,14 @@ Result<DracoCoding> draco_coding(const GltfDocument& document, const Json& primi
 std::optional<DracoData> encode_draco(const DracoSource& source, const DracoCoding& coding) {
     if (source.attributes.empty() || source.indices.size() < 3) return std::nullopt;
     try {
-        const bool keeps_order = coding.keeps_order || names_a_vertex_twice(source);
+        bool keeps_order = coding.keeps_order || names_a_vertex_twice(source);
         auto data = encode(source, coding, keeps_order);
         // What Edgebreaker cannot follow it leaves out.
-        if (!keeps_order && (!data || data->triangles != source.indices.size() / 3))
-            data = encode(source, coding, true);
+        if (!keeps_order && (!data || data->triangles != source.indices.size() / 3)) {
+            keeps_order = true;
+            data = encode(source, coding, keeps_order);
+        }
+        if (data) data->keeps_order = keeps_order;
         return data;
     } catch (const std::bad_alloc&) {
         throw;

@@ -43,6 +43,7 @@ struct DracoData {
     std::map<std::string, std::uint32_t> ids;  // by semantic
     // What comes out of the decoder: Edgebreaker joins vertices that are the same in everything.
     std::size_t vertices = 0, triangles = 0;
+    bool keeps_order = false;        // that of the source; else it is Edgebreaker's
     std::vector<float> least, most;  // of the positions
 };
 

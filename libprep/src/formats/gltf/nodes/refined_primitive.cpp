@@ -169,6 +169,11 @@ class RefinedPrimitive {
 
 }  // namespace
 
+bool is_left_out(const PreparedScene& prepared, std::size_t mesh, const std::string& semantic) {
+    return mesh < prepared.requirements.size() && !prepared.requirements[mesh].provided.colors &&
+           set_number(semantic, "COLOR_");
+}
+
 void write_refined_primitive(const PreparedScene& prepared, Index mesh,
                              const std::vector<Index>& used, const std::vector<Index>& indices,
                              bool with_tangents, AppendedData& data, Json& json, Json& primitive,
@@ -179,7 +184,7 @@ void write_refined_primitive(const PreparedScene& prepared, Index mesh,
     for (const auto& item : before.items()) {
         const std::string& name = item.key();
         if (name == "NORMAL" || name == "TANGENT" || set_number(name, "JOINTS_") ||
-            set_number(name, "WEIGHTS_"))
+            set_number(name, "WEIGHTS_") || is_left_out(prepared, mesh, name))
             continue;
         const Json accessor = json["accessors"][item.value().get<std::size_t>()];
         if (const auto made = refined.attribute(name, accessor)) {

@@ -11,6 +11,10 @@
 
 namespace prep::detail {
 
+// Whether preparation for one picture took this attribute of the document from the mesh. (Normals
+// and tangents are written where the mesh has them.)
+bool is_left_out(const PreparedScene& prepared, std::size_t mesh, const std::string& semantic);
+
 // Replaces attributes, targets and indices of `primitive`. `used` are the vertices of the mesh that
 // it has, ascending; `indices` are into these. Notes attributes that the refined mesh does not
 // carry.

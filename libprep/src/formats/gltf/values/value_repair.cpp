@@ -24,7 +24,7 @@ struct Weight {
     double value;  // 0 … 1
 };
 
-double read(int type, const std::byte* at) {
+double value_at(int type, const std::byte* at) {
     if (type == u8_type) return std::to_integer<int>(*at) / 255.0;
     if (type == u16_type) {
         std::uint16_t value;
@@ -51,7 +51,7 @@ class VertexWeights {
   public:
     void clear() { weights_.clear(); }
     void add(int type, std::byte* at) {
-        const double value = read(type, at);
+        const double value = value_at(type, at);
         if (value > 0) weights_.push_back({type, at, value});
     }
 

@@ -1,0 +1,174 @@
+// The normal of one fan: the weighted sum of its faces' normals, in the cheapest arithmetic whose
+// error bound meets the precision's.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <span>
+#include <vector>
+
+#include "exact/arc_tangent.h"
+#include "exact/exact_corner_sums.h"
+#include "exact/reproducible_sum.h"
+#include "normals/area_vector.h"
+#include "prep/corner_normals.h"
+
+namespace prep::detail {
+
+// What is told of the fans that were looked at.
+struct FanReport {
+    std::vector<CornerNormals::Fallback> fallbacks;
+    std::uint64_t exact_sums = 0;
+};
+
+inline glm::dvec3 unit_of(const glm::dvec3& v) {
+    const glm::dvec3 scaled = v / largest_component(v);
+    return scaled / std::sqrt(glm::dot(scaled, scaled));
+}
+
+// The sum of area vectors (w: sums of absolute components) that are good to relative_error, where
+// it is good enough; zero elsewhere.
+inline glm::dvec3 trusted_area_sum(std::span<const glm::dvec4> terms, double relative_error,
+                                   double allowed_error) {
+    const OrderFreeSum sum = order_free_sum(terms);
+    const double allowed = allowed_error * largest_component(sum.value);
+    return relative_error * sum.size + sum.error <= allowed ? sum.value : glm::dvec3(0.0);
+}
+
+template <class Steps>
+class FanNormal {
+    using Index = std::uint32_t;
+
+  public:
+    // `stand_ins`: stand_in_faces().
+    FanNormal(const MeshView& mesh, const FaceNormals& faces, const NormalOptions& options,
+              const Steps& steps, std::span<const std::uint32_t> stand_ins)
+        : mesh_(mesh), faces_(faces), options_(options), steps_(steps), stand_ins_(stand_ins) {}
+
+    // Unit, whatever the fan. Its corners in any order.
+    glm::dvec3 operator()(std::span<const Index> corners, FanReport& report) {
+        if (options_.precision != Precision::exact) {
+            const bool fast = options_.precision == Precision::fast;
+            const glm::dvec3 sum = trusted_sum(corners, !fast);
+            if (sum != glm::dvec3(0.0)) return unit_of(sum);
+            if (fast) {
+                const glm::dvec3 better = trusted_sum(corners, true);
+                if (better != glm::dvec3(0.0)) return unit_of(better);
+            }
+        }
+        finite_.clear();
+        finite_faces_.clear();
+        for (const Index c : corners) {
+            const Index face = steps_.face(c);
+            if (faces_.states[face] != FaceState::regular) continue;
+            finite_.push_back(c);
+            finite_faces_.push_back(face);
+        }
+        if (!finite_.empty()) {
+            ++report.exact_sums;
+            const glm::dvec3 exact =
+                exact_corner_sum(mesh_, finite_, finite_faces_, options_.weight);
+            if (exact != glm::dvec3(0.0)) return unit_of(exact);
+        }
+        return fallback(corners, report);
+    }
+
+  private:
+    // Zero where the sum's error bound is not small enough against the sum.
+    glm::dvec3 trusted_sum(std::span<const Index> corners, bool accurate) {
+        const bool compute_areas = accurate && faces_.relative_error > accurate_face_error;
+        terms_.clear();
+        for (const Index c : corners) {
+            const Index face = steps_.face(c);
+            const glm::dvec3 t = term(c, face,
+                                      compute_areas && faces_.states[face] == FaceState::regular
+                                          ? accurate_area_vector(mesh_, face)
+                                          : faces_.area_vectors[face]);
+            terms_.emplace_back(t, std::abs(t.x) + std::abs(t.y) + std::abs(t.z));
+        }
+        // The weights are good to a few ulps, less than the area vectors by far.
+        return trusted_area_sum(
+            terms_, accurate ? 2 * accurate_face_error : fast_face_error + accurate_face_error,
+            accurate ? accurate_normal_error : fast_normal_error);
+    }
+
+    // The corner's term: its face's normal, weighted; zero where the face has none.
+    glm::dvec3 term(Index corner, Index face, const glm::dvec3& area) const {
+        if (options_.weight == NormalWeight::area || faces_.states[face] != FaceState::regular)
+            return area;
+        const glm::dvec3 normal = unit_of(area);
+        if (options_.weight == NormalWeight::uniform) return normal;
+
+        const auto at = [&](Index c) { return mesh_.positions[mesh_.corner_vertices[c]]; };
+        const glm::vec3 p = at(corner), next = at(steps_.next(corner)),
+                        previous = at(steps_.previous(corner));
+        const glm::dvec3 e1 = glm::dvec3(next) - glm::dvec3(p);
+        const glm::dvec3 e2 = glm::dvec3(previous) - glm::dvec3(p);
+        // In a triangle the corner's cross product is the area vector.
+        const bool triangle = steps_.end(face) - steps_.begin(face) == 3;
+        const glm::dvec3 cross = triangle ? area : corner_cross(p, next, previous);
+        const double sine = glm::length(cross);  // times |e1||e2|
+        if (options_.weight == NormalWeight::edge_length) {
+            const double l1 = glm::dot(e1, e1), l2 = glm::dot(e2, e2);
+            return l1 > 0 && l2 > 0 ? normal * (sine / l1 / l2) : glm::dvec3(0.0);
+        }
+        const double cosine = glm::dot(e1, e2);
+        if (sine == 0 && cosine == 0) return glm::dvec3(0.0);
+        double angle = angle_of(sine, cosine);
+        if (!triangle && glm::dot(cross, normal) < 0) angle = 2 * pi - angle;
+        return (options_.weight == NormalWeight::angle ? normal : area) * angle;
+    }
+
+    glm::dvec3 fallback(std::span<const Index> corners, FanReport& report) {
+        const Index lowest = *std::min_element(corners.begin(), corners.end());
+        glm::dvec3 best = largest_area(corners, false);
+        NormalFallback kind = NormalFallback::largest_face;
+        if (best == glm::dvec3(0.0)) {
+            best = largest_area(corners, true);
+            kind = NormalFallback::neighbour_face;
+        }
+        if (best == glm::dvec3(0.0)) {
+            best = {0, 0, 1};
+            kind = NormalFallback::none_defined;
+        }
+        report.fallbacks.push_back({lowest, kind});
+        return unit_of(best);
+    }
+
+    glm::dvec3 largest_area(std::span<const Index> corners, bool of_stand_ins) const {
+        glm::dvec3 best(0.0);
+        double largest = 0;
+        for (const Index c : corners) {
+            Index face = steps_.face(c);
+            if (of_stand_ins && !stand_ins_.empty()) face = stand_ins_[face];
+            if (face == no_index) continue;
+            const glm::dvec3& area = faces_.area_vectors[face];
+            const double length = glm::dot(area, area);
+            // Ties go by value, not by index, so that the order of the faces does not matter.
+            if (length > largest ||
+                (length == largest && length > 0 && lexicographic(best, area))) {
+                largest = length;
+                best = area;
+            }
+        }
+        return best;
+    }
+
+    static bool lexicographic(const glm::dvec3& a, const glm::dvec3& b) {
+        if (a.x != b.x) return a.x < b.x;
+        if (a.y != b.y) return a.y < b.y;
+        return a.z < b.z;
+    }
+
+    const MeshView& mesh_;
+    const FaceNormals& faces_;
+    const NormalOptions& options_;
+    Steps steps_;
+    std::span<const Index> stand_ins_;
+    std::vector<glm::dvec4> terms_;
+    std::vector<Index> finite_, finite_faces_;
+};
+
+}  // namespace prep::detail

@@ -1,0 +1,153 @@
+#include "meshprep/output/step_costs.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "meshprep/output/console.h"
+#include "rast/view.h"
+
+namespace meshprep {
+namespace {
+
+using rast::Counters;
+
+// By the plan's name of the step. Prices: nanoseconds each, one thread, as bench/step_prices prints
+// them; 0: none.
+struct CountedStep {
+    const char* step;
+    std::uint64_t Counters::*count;
+    const char* of;
+    double price;
+};
+constexpr CountedStep counted_steps[] = {
+    {"lights", &Counters::light_points, "points by lights", 0.17},
+    {"highlights", &Counters::highlight_points, "points by lights", 0.8},
+    {"normal maps", &Counters::normal_map_points, "points", 0.6},
+    {"vertex lighting", &Counters::vertices_lit, "vertices", 9.0},
+    {"textures", &Counters::texture_samples, "samples", 3.8},
+    {"shading", &Counters::pixels_shaded, "points", 4.4},
+    {"multisampling", &Counters::sample_points, "samples", 1.2},
+    {"alpha mask", &Counters::masked_triangles, "triangles in tiles", 0},
+    {"culling", &Counters::facing_away, "triangles left out", 0},
+};
+
+struct KeptBuffer {
+    const char* step;
+    std::uint64_t bytes;  // a pixel
+};
+constexpr KeptBuffer kept_buffers[] = {{"depth output", 4},        {"triangle numbers output", 8},
+                                       {"normal output", 12},      {"UV output", 8},
+                                       {"barycentric output", 12}, {"position output", 12}};
+
+StepCost priced(const CountedStep& row, std::uint64_t count) {
+    StepCost cost{count, row.of, 0, {}};
+    if (row.price > 0) cost.milliseconds = double(count) * row.price * 1e-6;
+    return cost;
+}
+
+std::uint64_t pixels_of(const rast::RenderRequest& r) {
+    return r.crop ? std::uint64_t(r.crop->width) * r.crop->height
+                  : std::uint64_t(r.width) * r.height;
+}
+
+std::optional<StepCost> buffer_of(const rast::PlanStep& step, const rast::RenderPlan& plan) {
+    const std::uint64_t pixels = pixels_of(plan.request);
+    for (const KeptBuffer& row : kept_buffers)
+        if (step.name == row.step && step.run)
+            return StepCost{pixels, "pixels", pixels * row.bytes, {}};
+    return std::nullopt;
+}
+
+// Light at vertices has a row of its own, highlights and all.
+bool is_counted_elsewhere(const rast::PlanStep& step, const rast::RenderPlan& plan) {
+    return step.run && plan.request.shading == rast::Shading::gouraud &&
+           (step.name == "lights" || step.name == "highlights");
+}
+
+// How many of a step's things there are at each shaded point, in the mean over the triangles.
+double things_a_point(const std::string& step, const rast::RenderPlan& plan) {
+    double lights = 0;
+    for (std::size_t l = 0; l < plan.lights.size(); ++l)
+        lights += plan.lights[l].kind != prep::LightKind::ambient && !plan.skips.light(l);
+    double sum = 0, triangles = 0;
+    for (const rast::PlanVariant& v : plan.variants) {
+        const double things = step == "lights"        ? v.lit * lights
+                              : step == "highlights"  ? v.highlights * lights
+                              : step == "normal maps" ? v.bends_normals
+                              : step == "textures"    ? v.maps
+                                                      : 1;
+        sum += double(v.triangles) * things;
+        triangles += double(v.triangles);
+    }
+    return triangles > 0 ? sum / triangles : 0;
+}
+
+}  // namespace
+
+std::optional<StepCost> cost_of(const rast::PlanStep& step, const rast::RenderPlan& plan,
+                                const Counters& counters) {
+    for (const CountedStep& row : counted_steps) {
+        if (step.name != row.step) continue;
+        // One sample a pixel is none beside the points that are shaded.
+        if (!step.run && step.name == "multisampling") return std::nullopt;
+        if (is_counted_elsewhere(step, plan)) return std::nullopt;
+        return priced(row, counters.*row.count);
+    }
+    return buffer_of(step, plan);
+}
+
+std::optional<StepCost> estimate_of(const rast::PlanStep& step, const rast::RenderPlan& plan,
+                                    std::uint64_t points) {
+    if (!step.run || is_counted_elsewhere(step, plan)) return std::nullopt;
+    for (const CountedStep& row : counted_steps) {
+        if (step.name != row.step || row.price == 0) continue;
+        if (step.name == "vertex lighting") return priced(row, plan.vertices);
+        const double things =
+            step.name == "multisampling" ? plan.request.samples : things_a_point(step.name, plan);
+        return priced(row, std::uint64_t(std::llround(double(points) * things)));
+    }
+    return buffer_of(step, plan);
+}
+
+std::uint64_t expected_points(const prep::PreparedScene& scene, const rast::RenderPlan& plan) {
+    const rast::RenderRequest& r = plan.request;
+    const std::optional<rast::Bounds> box = rast::world_bounds(scene);
+    if (!box) return 0;
+    const std::uint64_t factor = std::uint64_t(r.supersample) * std::uint64_t(r.supersample);
+    const std::uint64_t all = pixels_of(r) * factor;
+    const rast::View& view = plan.view;
+    const double half_height = view.perspective ? std::tan(view.yfov / 2) : view.half_height;
+    glm::dvec2 low(HUGE_VAL), high(-HUGE_VAL);
+    for (int corner = 0; corner < 8; ++corner) {
+        const glm::dvec3 at((corner & 1) != 0 ? box->high.x : box->low.x,
+                            (corner & 2) != 0 ? box->high.y : box->low.y,
+                            (corner & 4) != 0 ? box->high.z : box->low.z);
+        const glm::dvec3 seen(view.world_to_view * glm::dvec4(at, 1.0));
+        if (view.perspective && !(-seen.z > view.znear)) return all;  // the eye may be in the box
+        const double size = half_height * (view.perspective ? -seen.z : 1.0);
+        const glm::dvec2 place((seen.x / (size * view.aspect) + 1) / 2 * r.width,
+                               (1 - seen.y / size) / 2 * r.height);
+        low = glm::min(low, place);
+        high = glm::max(high, place);
+    }
+    glm::dvec2 first(0), end(r.width, r.height);
+    if (r.crop) {
+        first = {r.crop->x, r.crop->y};
+        end = first + glm::dvec2(r.crop->width, r.crop->height);
+    }
+    const glm::dvec2 part = glm::max(glm::min(high, end) - glm::max(low, first), glm::dvec2(0));
+    const double pixels = part.x * part.y;
+    return std::isfinite(pixels) ? std::uint64_t(std::llround(pixels * double(factor))) : all;
+}
+
+std::string text_of(const StepCost& cost, const std::optional<StepCost>& estimate) {
+    std::string text = fmt::format("{} {}", with_commas(cost.count), cost.of);
+    if (cost.bytes > 0) return text + ", " + byte_size(cost.bytes);
+    if (cost.milliseconds && cost.count > 0) text += ", about " + duration(*cost.milliseconds);
+    if (estimate) text += fmt::format("; expected {}", with_commas(estimate->count));
+    return text;
+}
+
+}  // namespace meshprep
