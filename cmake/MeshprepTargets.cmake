@@ -69,11 +69,12 @@ function(meshprep_precompile target header)
   endif()
 endfunction()
 
-# With MESHPREP_UNITY (release and sanitizers): sources of one folder are compiled together, at most
+# With MESHPREP_UNITY (test, release and sanitizers): sources of one folder are compiled together, at most
 # `size` at a time, since headers, and the templates that each source makes anew, take most of the
 # time; what a format has in folders of its own counts as its folder's. Sources that are compiled
 # apart: those with flags of their own (CMake sees to that), and those of Highway, whose settings
-# hold for a whole file. What shadows what is seen by builds that compile each source alone.
+# hold for a whole file. A local name that shadows a local one is told as everywhere; what of one source
+a name of another shadows says nothing.
 function(meshprep_unity target)
   if(NOT MESHPREP_UNITY)
     return()
@@ -82,6 +83,7 @@ function(meshprep_unity target)
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
   target_compile_options(${target} PRIVATE -Wno-shadow)
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    target_compile_options(${target} PRIVATE -Wshadow=local)
     # What includes a source is no header; and g++ 12 at -O3 sees overflows and uninitialised values
     # inside std::string, vectors and variants where there are none.
     target_compile_options(${target} PRIVATE -Wno-subobject-linkage -Wno-stringop-overflow
