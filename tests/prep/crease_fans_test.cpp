@@ -192,6 +192,47 @@ TEST(CreaseFans, ObeyGroupsMarksMaterialsAndUvs) {
     EXPECT_TRUE(expect_the_same(mesh, options));
 }
 
+// Closed fans of few corners are summed without a ring where no edge can be hard, and where
+// attributes decide: there with as many exact decisions as the general way makes.
+std::vector<HardEdgeOptions> without_turns_by_far() {
+    HardEdgeOptions smooth;
+    smooth.angle_degrees.reset();
+    HardEdgeOptions in_groups = at_angle(12);
+    in_groups.angle_inside_groups = in_groups.uv_borders = in_groups.material_borders = true;
+    return {smooth, at_angle(12), in_groups};
+}
+
+TEST(CreaseFans, WithoutAnAngleAndByAttributes) {
+    std::mt19937_64 random(31);
+    Mesh bumpy = shapes::fan_triangulated(shapes::torus(40, 30));
+    shapes::jitter(bumpy, 0.05f, random);
+    Mesh grouped = hard_cases::with_uvs(bumpy);
+    for (std::size_t f = 0; f < grouped.face_count(); ++f) {
+        grouped.face_smoothing.push_back(std::uint32_t(1 + f / 400));
+        grouped.face_materials.push_back(std::uint32_t(f / 900));
+    }
+    for (const HardEdgeOptions& options : without_turns_by_far())
+        for (const Mesh& mesh : {bumpy, grouped, shapes::fan_triangulated(shapes::cube()),
+                                 shapes::fan_triangulated(shapes::grid(7, 5)), shapes::bow_tie(),
+                                 shapes::fan(8), shapes::fan(9), shapes::icosphere(3)})
+            for (const auto& precision : names_of(prep::Precision{})) {
+                NormalOptions normal;
+                normal.precision = precision.value;
+                EXPECT_TRUE(expect_the_same(mesh, options, normal));
+            }
+    // Two closed fans at one of seven vertices.
+    const Both both = both_ways(shapes::bow_tie(), without_turns_by_far()[0], {}, false);
+    ASSERT_TRUE(both.walked);
+    EXPECT_EQ(both.walked->normals.normals.values.size(), 8u);
+    // Coplanar faces at a threshold of none: every turn is decided exactly.
+    HardEdgeOptions flat = at_angle(0);
+    Mesh sheet = shapes::fan_triangulated(shapes::grid(9, 6));
+    sheet.face_smoothing.assign(sheet.face_count(), 1);
+    flat.angle_inside_groups = true;
+    EXPECT_TRUE(expect_the_same(sheet, flat));
+    EXPECT_GT(both_ways(sheet, flat, {}, false).walked->hard.exact_decisions, 50u);
+}
+
 TEST(CreaseFans, LeaveNonManifoldEdgesAndEmptyFacesToTheGeneralWay) {
     EXPECT_FALSE(expect_the_same(shapes::book(3)));
     EXPECT_FALSE(expect_the_same(shapes::book(4, true)));
@@ -233,14 +274,18 @@ TEST(CreaseFans, AgreeOnHardAndOddCases) {
             for (const bool weld : {false, true})
                 for (const double angle : {1.0, 60.0})
                     walked += expect_the_same(mesh, at_angle(angle), {}, weld);
+            expect_the_same(mesh, without_turns_by_far()[0]);
         }
     EXPECT_GT(walked, 20u);
     std::mt19937_64 random(3);
     walked = 0;
     for (int n = 0; n < 300; ++n) {
         SCOPED_TRACE(n);
-        walked += expect_the_same(
-            shapes::random_triangles(4 + std::size_t(n) % 40, 1 + std::size_t(n) % 12, random));
+        const Mesh mesh =
+            shapes::random_triangles(4 + std::size_t(n) % 40, 1 + std::size_t(n) % 12, random);
+        walked += expect_the_same(mesh);
+        for (const HardEdgeOptions& options : without_turns_by_far())
+            expect_the_same(mesh, options);
     }
     EXPECT_GT(walked, 60u);
 }

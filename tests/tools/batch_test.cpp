@@ -5,7 +5,9 @@
 #include <sstream>
 
 #include "command_runner.h"
+#include "meshprep/commands/batch_sources.h"
 #include "meshprep/files/sha256.h"
+#include "steps.h"
 
 namespace {
 
@@ -33,6 +35,33 @@ json without_times(json value) {
         for (auto& element : value) element = without_times(element);
     }
     return value;
+}
+
+// Of outputs that are there from an earlier run it is asked whether an input is read from them.
+TEST(Batch, WhatIsReadFromAnOutputTakesNoLookAtAllOtherInputs) {
+    const TemporaryDirectory dir;
+    std::vector<meshprep::Job> jobs;
+    for (int n = 0; n < 2000; ++n)
+        jobs.push_back(
+            {dir / (std::to_string(n) + ".obj"), dir / (std::to_string(n) + ".glb"), "glb"});
+    jobs.push_back({dir / "scene.json", dir / "scene.glb", "glb"});
+    const meshprep::CommonOptions common;
+    std::ostringstream said;
+    meshprep::Console console(said, said, false);
+    meshprep::BatchSources sources(jobs, common, console);
+    EXPECT_LT(test::steps_of([&] {
+                  for (const meshprep::Job& job : jobs)
+                      EXPECT_FALSE(sources.of_another(job, job.output));
+              }),
+              3u);
+    // What lies beside an output may be any input's, but each is loaded once.
+    EXPECT_LT(test::steps_of([&] {
+                  for (const meshprep::Job& job : jobs)
+                      EXPECT_FALSE(sources.of_another(job, dir / "beside.bin"));
+              }),
+              2 * jobs.size());
+    EXPECT_TRUE(sources.of_another(jobs[0], jobs[1].input));
+    EXPECT_FALSE(sources.of_another(jobs[1], jobs[1].input));
 }
 
 TEST(Batch, AMissingInputIsItsOwnErrorAndTheOthersAreDone) {

@@ -113,9 +113,11 @@ class PointWalk {
         const double cosine = std::max(decider.cosine() + quick_margin, quick_margin);
         quick_cosine_squared_ = cosine * cosine;
         quick_ =
-            decider.by_angle_alone() && options.weight == NormalWeight::area &&
-            options.precision != Precision::exact &&
+            options.weight == NormalWeight::area && options.precision != Precision::exact &&
             (options.precision == Precision::fast || faces.relative_error <= accurate_face_error);
+        edges_ = decider.never_hard()       ? Edges::never_hard
+                 : decider.by_angle_alone() ? Edges::by_angle
+                                            : Edges::by_attributes;
         const bool fast = options.precision == Precision::fast;
         relative_error_ = fast ? fast_face_error + accurate_face_error : 2 * accurate_face_error;
         allowed_error_ = fast ? fast_normal_error : accurate_normal_error;
@@ -135,6 +137,7 @@ class PointWalk {
                 const glm::dvec3 sum = trusted_area_sum({terms_.data(), corners.size()},
                                                         relative_error_, allowed_error_);
                 if (sum != glm::dvec3(0.0)) {
+                    block_.exact += small.exact;
                     units_.add(sum, point);
                     return true;
                 }
@@ -160,8 +163,11 @@ class PointWalk {
   private:
     static constexpr double quick_margin = 1e-3;
 
+    // What makes edges hard.
+    enum class Edges { never_hard, by_angle, by_attributes };
     struct Small {
         bool bad = false, one_smooth_fan = false;
+        std::uint64_t exact = 0;  // decisions, where one_smooth_fan
     };
 
     // Matches all with all without a branch; `terms_` get the faces' areas.
@@ -191,6 +197,27 @@ class PointWalk {
             to[i] = Index(std::countr_zero(mates | 1u << small_ring));
         }
         if (!closed) return {};  // a border: looked at once more
+        std::uint64_t exact = 0;
+        const bool smooth = edges_ == Edges::never_hard ? is_one_ring({to.data(), n})
+                            : edges_ == Edges::by_angle
+                                ? turns_little({to.data(), n}, {squares.data(), n})
+                                : is_smooth(corners, {to.data(), n}, exact);
+        return {false, smooth, exact};
+    }
+
+    // `to`: per corner around a point the next across an edge. Each of these: whether that comes by
+    // all of them, over smooth edges alone.
+    static bool is_one_ring(std::span<const Index> to) {
+        std::size_t steps = 0;
+        Index i = 0;
+        do {
+            i = to[i];
+            ++steps;
+        } while (i != 0);
+        return steps == to.size();
+    }
+    // Edges that are smooth by far.
+    bool turns_little(std::span<const Index> to, std::span<const double> squares) const {
         bool smooth = true;
         std::size_t steps = 0;
         Index i = 0;
@@ -205,7 +232,20 @@ class PointWalk {
             i = j;
             ++steps;
         } while (i != 0);
-        return {false, smooth && steps == n};
+        return smooth && steps == to.size();
+    }
+    bool is_smooth(std::span<const Index> corners, std::span<const Index> to,
+                   std::uint64_t& exact) {
+        const TriangleSteps steps;
+        for (Index i = 0; i < corners.size(); ++i) {
+            const Index c = corners[i], other = steps.previous(corners[to[i]]);
+            std::uint64_t open = 0;
+            ++decided_;
+            if (decider_.reasons(c, steps.face(c), other, steps.face(other), open) != hard_none)
+                return false;
+            if (c < other) exact += open;  // told once of both ends
+        }
+        return is_one_ring(to);
     }
     static constexpr double smallest_product = 0x1p-900, largest_product = 0x1p900;
 
@@ -306,7 +346,8 @@ class PointWalk {
     std::span<glm::vec3> firsts_;
     UnitBatch units_;
     Block& block_;
-    bool quick_ = false;
+    bool quick_ = false;  // may a sum do that order_free_sum() makes of the faces' own doubles?
+    Edges edges_ = Edges::by_attributes;
     std::uint64_t decided_ = 0;  // edges, for tests
     double quick_cosine_squared_ = 0, relative_error_ = 0, allowed_error_ = 0;
     std::array<glm::dvec4, small_ring> terms_;

@@ -56,15 +56,19 @@ class EdgeDecider {
     }
 
     // No edge is hard but by its angle, nor smooth but by it.
-    bool by_angle_alone() const {
-        return options_.angle_degrees && !grouped_ && marks_.empty() &&
-               !(options_.material_borders && !mesh_.face_materials.empty()) &&
-               !(options_.uv_borders && !mesh_.uv.empty());
-    }
+    bool by_angle_alone() const { return options_.angle_degrees && !by_attributes(); }
+    // No edge between two finite faces is hard.
+    bool never_hard() const { return !options_.angle_degrees && !by_attributes(); }
     double cosine() const { return threshold_.cosine.cosine; }
 
   private:
     static constexpr float infinitely_sharp = 10.0f;  // OpenSubdiv's SHARPNESS_INFINITE
+
+    bool by_attributes() const {
+        return grouped_ || !marks_.empty() ||
+               (options_.material_borders && !mesh_.face_materials.empty()) ||
+               (options_.uv_borders && !mesh_.uv.empty());
+    }
 
     bool in_common_group(std::uint32_t a, std::uint32_t b) const {
         if (mesh_.smoothing_kind == SmoothingKind::bit_mask) return (a & b) != 0;

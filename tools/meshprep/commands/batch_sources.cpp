@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "base/step_count.h"
 #include "meshprep/output/load_options.h"
 #include "prep/files.h"
 #include "prep/load.h"
@@ -28,11 +29,14 @@ bool stands_alone(const std::filesystem::path& input) {
 
 BatchSources::BatchSources(const std::vector<Job>& jobs, const CommonOptions& common,
                            Console& console)
-    : jobs_(jobs), common_(common), console_(console), states_(jobs.size()) {
+    : jobs_(jobs), common_(common), console_(console), known_(jobs.size(), false) {
     for (std::size_t number = 0; number < jobs.size(); ++number) {
         jobs_of_[name_of_file(jobs[number].input)].push_back(number);
-        states_[number].load = !jobs[number].error && !is_stream(jobs[number].input) &&
-                               !stands_alone(jobs[number].input);
+        if (jobs[number].error || is_stream(jobs[number].input) || stands_alone(jobs[number].input))
+            continue;
+        to_load_.insert(to_load_.end(), number);
+        if (ending_of(jobs[number].input) == "json")
+            scenes_to_load_.insert(scenes_to_load_.end(), number);
     }
 }
 
@@ -60,9 +64,10 @@ void BatchSources::keep(std::size_t number, const std::vector<std::filesystem::p
     std::vector<std::string> names;
     for (const std::filesystem::path& file : files) names.push_back(name_of_file(file));
     const std::lock_guard lock(mutex_);
-    State& state = states_[number];
-    if (state.known) return;
-    state = {false, true};
+    if (known_[number]) return;
+    known_[number] = true;
+    to_load_.erase(number);
+    scenes_to_load_.erase(number);
     for (const std::string& name : names) jobs_of_[name].push_back(number);
 }
 
@@ -79,14 +84,24 @@ void BatchSources::load(std::size_t number) {
     keep(number, {});
 }
 
-void BatchSources::make_known(std::size_t number) {
-    const std::lock_guard lock(loading_);
-    bool wanted = false;
+// Those that are known by the time of their turn are not loaded again.
+void BatchSources::make_known(const std::set<std::size_t>& of, std::size_t but) {
+    std::vector<std::size_t> numbers;
     {
         const std::lock_guard data(mutex_);
-        wanted = states_[number].load;
+        numbers.assign(of.begin(), of.end());
     }
-    if (wanted) load(number);
+    prep::detail::count_steps(numbers.size());
+    for (const std::size_t number : numbers) {
+        if (number == but) continue;
+        const std::lock_guard lock(loading_);
+        bool wanted = false;
+        {
+            const std::lock_guard data(mutex_);
+            wanted = !known_[number];
+        }
+        if (wanted) load(number);
+    }
 }
 
 bool BatchSources::has_another(const std::string& name, std::size_t number) const {
@@ -101,10 +116,8 @@ bool BatchSources::of_another(const Job& job, const std::filesystem::path& file)
     const auto number = std::size_t(&job - jobs_.data());
     const std::string name = name_of_file(file);
     if (has_another(name, number)) return true;
-    const bool own_output = name == name_of_file(job.output);
-    for (std::size_t other = 0; other < jobs_.size(); ++other)
-        if (other != number && (!own_output || ending_of(jobs_[other].input) == "json"))
-            make_known(other);
+    const bool own_output = file == job.output || name == name_of_file(job.output);
+    make_known(own_output ? scenes_to_load_ : to_load_, number);
     return has_another(name, number);
 }
 
@@ -112,7 +125,7 @@ bool BatchSources::of_any(const std::filesystem::path& file) {
     const std::string name = name_of_file(file);
     const std::size_t none = jobs_.size() + 1;
     if (has_another(name, none)) return true;
-    for (std::size_t number = 0; number < jobs_.size(); ++number) make_known(number);
+    make_known(to_load_, none);
     return has_another(name, none);
 }
 

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <map>
 #include <mutex>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -33,12 +34,13 @@ class BatchSources {
     // Whether an input of another job is read from this file. Inputs that nobody has loaded yet may
     // be loaded for the answer, each once: ask only of files that exist. For a job's own output
     // those are scene files alone: other formats are not read from files that we write.
+    // O(log jobs), beside what is loaded.
     bool of_another(const Job& job, const std::filesystem::path& file);
     // Whether any input is read from it.
     bool of_any(const std::filesystem::path& file);
 
   private:
-    void make_known(std::size_t number);
+    void make_known(const std::set<std::size_t>& of, std::size_t but);
     void load(std::size_t number);
     void keep(std::size_t number, const std::vector<std::filesystem::path>& files);
     bool has_another(const std::string& name, std::size_t number) const;
@@ -48,12 +50,10 @@ class BatchSources {
     Console& console_;
     std::mutex loading_;  // taken before the other
     mutable std::mutex mutex_;
-    // `load`: files may be unknown that loading it for the answer would tell, which takes a file
-    // that can be read twice. `known`: its files are noted.
-    struct State {
-        bool load = false, known = false;
-    };
-    std::vector<State> states_;                                // by job
+    std::vector<bool> known_;  // by job: its files are noted
+    // Jobs of which files may be unknown that loading it for the answer would tell, which takes a
+    // file that can be read twice; and those among them that are scene files.
+    std::set<std::size_t> to_load_, scenes_to_load_;
     std::map<std::string, std::vector<std::size_t>> jobs_of_;  // by canonical name
     SiblingLinks links_;
 };
