@@ -64,7 +64,7 @@ class Ladders {
         if (at != ladders_.end()) return at->second;
         for (const cost::LadderRow& row : cost::ladder_rows())
             if (name == row.name) {
-                auto made = row.make({"", nullptr, 1});
+                auto made = row.make({"", nullptr, 1, directory_.path()});
                 EXPECT_TRUE(made) << prep::to_string(made.error());
                 if (made) ladders_[name] = *std::move(made);
             }
@@ -78,6 +78,7 @@ class Ladders {
         known.resize(ladder.metrics.size());
         return known;
     }
+    test::TemporaryDirectory directory_;
     std::map<std::string, cost::Ladder> ladders_;
     std::map<std::string, std::vector<double>> numbers_;
 };
@@ -107,7 +108,7 @@ TEST(CostFaults, AreAsTheTableSays) {
             << "measured " << two_digits(measured) << (planted ? " with the fault" : " without")
             << ": " << row.line;
     }
-    EXPECT_GE(compared, planted ? 1u : 24u);
+    EXPECT_GE(compared, planted ? 1u : 38u);
 }
 
 TEST(CostFaults, TwoOfEachLadderRaiseItsErrorFivefold) {

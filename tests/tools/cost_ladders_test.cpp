@@ -5,7 +5,10 @@
 // error.
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <limits>
 #include <map>
+#include <numbers>
 #include <set>
 
 #include "command_runner.h"
@@ -19,7 +22,8 @@ using cost::Ladder;
 Ladder ladder_named(const std::string& name, const prep::Mesh* mesh = nullptr) {
     for (const cost::LadderRow& row : cost::ladder_rows()) {
         if (name != row.name) continue;
-        auto ladder = row.make({"mesh", mesh, 1});
+        static const test::TemporaryDirectory dir;  // of files that rungs write
+        auto ladder = row.make({"mesh", mesh, 1, dir.path()});
         EXPECT_TRUE(ladder) << name;
         return *std::move(ladder);
     }
@@ -318,6 +322,100 @@ TEST(CostLadders, DepthFormat) {
     EXPECT_GT(n["fixed16"][0], n["fixed24"][0]);
     EXPECT_NEAR(n["fixed24"][0], 0.2207, 0.01);
     EXPECT_NEAR(n["fixed16"][0], 0.7773, 0.02);
+}
+
+// Half a step in each of three coordinates at worst; the truth is the surface, so that what the
+// mesh itself rounds is in it.
+TEST(CostLadders, QuantizedPositions) {
+    auto n = climbed(ladder_named("quantized-positions"));
+    for (const int bits : {6, 8, 10, 12, 14, 16}) {
+        const auto& now = n[std::to_string(bits) + " bits"];
+        // The longest side, 2.8, of a diagonal of 4.0.
+        EXPECT_LE(now[0], std::sqrt(3.0) / 2 * 0.71 / (std::exp2(bits) - 1) + 1e-7) << bits;
+        EXPECT_GE(now[0], std::sqrt(3.0) / 2 * 0.6 / (std::exp2(bits) - 1)) << bits;
+        EXPECT_LT(now[3], n["floats"][3]) << bits;
+    }
+    expect_errors(n, 0,
+                  {{"6 bits", 8.97e-3},
+                   {"8 bits", 2.29e-3},
+                   {"10 bits", 5.54e-4},
+                   {"12 bits", 1.39e-4},
+                   {"14 bits", 3.40e-5},
+                   {"16 bits", 8.77e-6},
+                   {"floats", 1.63e-8}});
+    EXPECT_GT(n["floats"][0], 5e-9);
+    EXPECT_LT(n["8 bits"][3], n["10 bits"][3]);
+}
+
+TEST(CostLadders, QuantizedDirections) {
+    for (const char* name : {"quantized-normals", "quantized-tangents"}) {
+        auto n = climbed(ladder_named(name));
+        for (const int bits : {8, 9, 10, 12, 14, 16}) {
+            const double step = 1 / (std::exp2(bits - 1) - 1);  // of coordinates up to 1
+            const double worst = std::sqrt(3.0) / 2 * step * 180 / std::numbers::pi;
+            const auto& now = n[std::to_string(bits) + " bits"];
+            EXPECT_LE(now[0], worst) << name << ", " << bits;
+            EXPECT_GE(now[0], worst / 2) << name << ", " << bits;
+        }
+        EXPECT_LT(n["floats"][0], 5e-6) << name;
+    }
+}
+
+TEST(CostLadders, QuantizedUvs) {
+    auto n = climbed(ladder_named("quantized-uvs"));
+    for (const int bits : {6, 8, 10, 12, 14, 16}) {
+        const auto& now = n[std::to_string(bits) + " bits"];
+        // Half a step, and half of one of the type that it is stored in.
+        const double stored = bits == 6       ? 255
+                              : bits % 8 == 0 ? std::numeric_limits<double>::infinity()
+                                              : 65535;
+        EXPECT_LE(now[0], 0.5 / (std::exp2(bits) - 1) + 0.5 / stored + 1e-7) << bits;
+        EXPECT_GE(now[0], 0.45 / (std::exp2(bits) - 1)) << bits;
+    }
+    EXPECT_LT(n["floats"][0], 3e-8);
+}
+
+TEST(CostLadders, ThoseThatWriteFilesSayWhenTheyHaveNoPlace) {
+    const auto none = cost::quantized_uvs_ladder({"", nullptr, 1});
+    ASSERT_FALSE(none);
+    EXPECT_NE(none.error().text.find("no directory"), std::string::npos);
+    const auto missing = cost::quantized_uvs_ladder({"", nullptr, 1, "/nonexistent/place"});
+    ASSERT_TRUE(missing);
+    EXPECT_FALSE(missing->rungs[0].run());
+    EXPECT_EQ(missing->rungs[0].judge()[0], std::numeric_limits<double>::infinity());
+}
+
+TEST(CostLadders, DisplacementError) {
+    const Ladder ladder = ladder_named("displacement-error");
+    double last = 1;
+    for (const cost::Rung& rung : ladder.rungs) {
+        ASSERT_TRUE(rung.run());
+        const std::vector<double> n = rung.judge();
+        EXPECT_LE(n[0], n[4]) << "the certificate does not hold: " << rung.name;
+        EXPECT_LE(n[4], n[3]) << rung.name;
+        EXPECT_GT(n[0], n[3] / 4) << rung.name << " is finer than was asked";
+        EXPECT_LT(n[0], last);
+        last = n[0];
+    }
+}
+
+TEST(CostLadders, HeightFilter) {
+    auto n = climbed(ladder_named("height-filter"));
+    // Bilinear: a quarter with twice the texels, as far as triangles are fine enough.
+    EXPECT_NEAR(n["bilinear, 16²"][0] / n["bilinear, 32²"][0], 4, 0.6);
+    for (const char* size : {", 16²", ", 32²", ", 64²"})
+        EXPECT_LT(n[std::string("bicubic") + size][0], n[std::string("bilinear") + size][0] / 1.5)
+            << size;
+    expect_errors(n, 0,
+                  {{"bilinear, 16²", 2.32e-3},
+                   {"bicubic, 16²", 2.72e-4},
+                   {"bilinear, 32²", 5.89e-4},
+                   {"bicubic, 32²", 1.10e-4},
+                   {"bilinear, 64²", 1.84e-4},
+                   {"bicubic, 64²", 9.51e-5},
+                   {"bilinear, 128²", 1.32e-4},
+                   {"bicubic, 128²", 9.67e-5}},
+                  0.1);  // where the triangles lie may move
 }
 
 }  // namespace

@@ -12,6 +12,8 @@
 #include <string>
 
 #include "cost/oracles/fan_normals.h"
+#include "cost/oracles/glb_corners.h"
+#include "cost/oracles/height_wave.h"
 #include "cost/oracles/partitions.h"
 #include "cost/oracles/pictures.h"
 #include "cost/oracles/surfaces.h"
@@ -398,6 +400,109 @@ TEST(CostOracles, ATexturedPlaneShowsItsTexture) {
     // The pixel right of and below the middle is at (1/16, −pitched z): texel centre is at 1/8.
     EXPECT_NEAR(p.values[8 * 16 + 8], (1 - 0.25) * (1 - 0.25), 1e-9);
     EXPECT_NEAR(p.values[8 * 16 + 10], 0.75 * (1 - 0.75), 1e-9);
+}
+
+std::vector<std::byte> glb(const std::string& document, const std::vector<std::byte>& data) {
+    std::vector<std::byte> file;
+    const auto word = [&](std::size_t v) {
+        for (int k = 0; k < 4; ++k) file.push_back(std::byte(v >> (8 * k)));
+    };
+    std::string text = document;
+    while (text.size() % 4 != 0) text += ' ';
+    word(0x46546C67), word(2), word(28 + text.size() + data.size());
+    word(text.size()), word(0x4E4F534A);
+    for (const char c : text) file.push_back(std::byte(c));
+    word(data.size()), word(0x004E4942);
+    file.insert(file.end(), data.begin(), data.end());
+    return file;
+}
+
+// A triangle whose numbers are of every kind that is quantised, under a node that turns by 90°
+// about z and stretches, and one above it that moves.
+TEST(CostOracles, GlbCornersAreWhatTheSpecificationSays) {
+    const std::string document = R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[1]}],
+      "nodes":[{"mesh":0,"rotation":[0,0,0.70710678118654752,0.70710678118654752],"scale":[2,4,8]},
+               {"children":[0],"translation":[100,0,0]}],
+      "meshes":[{"primitives":[{"indices":0,"attributes":{"POSITION":1,"NORMAL":2,"TANGENT":3,
+        "TEXCOORD_0":4}}]}],
+      "accessors":[{"bufferView":0,"componentType":5121,"count":3,"type":"SCALAR"},
+       {"bufferView":1,"componentType":5123,"count":3,"type":"VEC3"},
+       {"bufferView":2,"componentType":5120,"normalized":true,"count":3,"type":"VEC3"},
+       {"bufferView":3,"componentType":5122,"normalized":true,"count":3,"type":"VEC4"},
+       {"bufferView":4,"byteOffset":1,"componentType":5121,"normalized":true,"count":3,
+        "type":"VEC2"}],
+      "bufferViews":[{"buffer":0,"byteLength":4},
+       {"buffer":0,"byteOffset":4,"byteLength":24,"byteStride":8},
+       {"buffer":0,"byteOffset":28,"byteLength":12,"byteStride":4},
+       {"buffer":0,"byteOffset":40,"byteLength":24},{"buffer":0,"byteOffset":64,"byteLength":12,
+        "byteStride":4}],"buffers":[{"byteLength":76}]})";
+    std::vector<std::byte> data;
+    const auto bytes = [&](std::initializer_list<int> values) {
+        for (const int v : values) data.push_back(std::byte(std::uint8_t(v)));
+    };
+    const auto words = [&](std::initializer_list<int> values) {
+        for (const int v : values) {
+            data.push_back(std::byte(std::uint8_t(v & 255)));
+            data.push_back(std::byte(std::uint8_t((v >> 8) & 255)));
+        }
+    };
+    bytes({2, 0, 1, 99});
+    words({1, 0, 0, 7, 0, 300, 0, 7, 0, 0, 65535, 7});
+    bytes({127, 0, 0, 55, 0, -127, 0, 55, 64, 0, -128, 55});
+    words({32767, 0, 0, 32767, 0, -32767, 0, 32767, 0, 0, -32768, 32767});
+    bytes({9, 0, 255, 9, 9, 51, 204, 9, 9, 255, 0, 9});
+    const auto file = glb(document, data);
+    const auto corners = cost::corners_of_glb(file);
+    ASSERT_TRUE(corners);
+    ASSERT_EQ(corners->positions.size(), 3u);
+    const auto near = [](const Vector& a, const Vector& b) {
+        return double(length(a - b) / std::max(length(b), Real(1))) < 1e-14;
+    };
+    // In the order of the indices: 2, 0, 1. x goes to y, y to −x.
+    EXPECT_TRUE(near(corners->positions[0], {100, 0, 8 * 65535.0L}));
+    EXPECT_TRUE(near(corners->positions[1], {100, 2, 0}));
+    EXPECT_TRUE(near(corners->positions[2], {100 - 1200, 0, 0}));
+    // Planes: z's normal by 2 · 4, x's by 4 · 8; −128 is −1.
+    EXPECT_TRUE(near(corners->normals[0], {0, 32 * Real(64) / 127, -8}));
+    EXPECT_TRUE(near(corners->normals[1], {0, 32, 0}));
+    EXPECT_TRUE(near(corners->normals[2], {16, 0, 0}));
+    EXPECT_TRUE(near(corners->tangents[0], {0, 0, -8}));
+    EXPECT_TRUE(near(corners->tangents[1], {0, 2, 0}));
+    EXPECT_TRUE(near(corners->tangents[2], {4, 0, 0}));
+    EXPECT_EQ(corners->uvs[0], (glm::vec<2, Real>(1, 0)));
+    EXPECT_EQ(corners->uvs[1], (glm::vec<2, Real>(0, 1)));
+    EXPECT_NEAR(double(corners->uvs[2].x), 0.2, 1e-16);
+    EXPECT_NEAR(double(corners->uvs[2].y), 0.8, 1e-16);
+    // A file that ends early is none.
+    for (std::size_t size = 0; size < file.size(); ++size)
+        EXPECT_FALSE(cost::corners_of_glb(std::span(file).first(size))) << size;
+    // Nor is one whose indices or children lead nowhere.
+    data[1] = std::byte(3);
+    EXPECT_FALSE(cost::corners_of_glb(glb(document, data)));
+    data[1] = std::byte(0);
+    std::string circle = document;
+    circle.replace(circle.find("\"children\":[0]"), 14, "\"children\":[1]");
+    EXPECT_FALSE(cost::corners_of_glb(glb(circle, data)));
+}
+
+TEST(CostOracles, WavesOfTexelsTendToTheWave) {
+    double last = 1;
+    for (const int size : {32, 64, 128}) {
+        const cost::WaveTexels wave(size);
+        double worst = 0;
+        for (int j = 0; j < 2 * size; ++j)
+            for (int i = 0; i < 2 * size; ++i) {
+                const Real u = Real(i) / (2 * size), v = Real(j) / (2 * size);
+                worst =
+                    std::max(worst, double(std::abs(wave.bilinear(u, v) - cost::wave_at(u, v))));
+                // Texels are at their centres, and copies repeat.
+                if (i % 2 == 0 || j % 2 == 0) continue;
+                EXPECT_NEAR(double(wave.bilinear(u + 3, v - 2) - cost::wave_at(u, v)), 0, 1e-7);
+            }
+        EXPECT_LT(worst, last / 3.5);
+        EXPECT_LT(worst, 16 * std::numbers::pi * std::numbers::pi / 4 / size / size);
+        last = worst;
+    }
 }
 
 }  // namespace

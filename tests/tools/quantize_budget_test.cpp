@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "command_runner.h"
 #include "gltf_maker.h"
@@ -363,6 +364,34 @@ TEST_F(QuantizeBudget, TheOutputIsReplacedOnce) {
     save.spared = [](const std::filesystem::path&) { return true; };
     EXPECT_FALSE(meshprep::save_within(*prepared, path, save, {0.05, {}}, 1));
     EXPECT_EQ(test::read_text(path), "old");
+}
+
+// What came as whole numbers stays so where nothing is rounded: the last rung takes what the file
+// takes, not what floats would.
+TEST_F(QuantizeBudget, BytesAreThoseOfTheFile) {
+    for (const char* bits : {"0", "8", "12"}) {
+        SCOPED_TRACE(bits);
+        std::vector<std::string> make = {"prepare", at("ball.obj"), "-o", at("came.glb")};
+        if (bits[0] != '0') make.push_back(std::string("--quantize=normals=") + bits);
+        ASSERT_EQ(run_here(make).exit_code, 0);
+        const test::Ran ran = run_here({"prepare", at("came.glb"), "-o", at("went.glb"), "--json",
+                                        "--quantize", "auto", "--normal-error", "1e-9"});
+        EXPECT_EQ(ran.exit_code, 1);
+        const json tried = ran.json()["files"][0]["certificate"]["directions"][0]["tried"];
+        const std::string file = test::read_text(dir_ / "came.glb");
+        std::uint32_t length = 0;
+        std::memcpy(&length, file.data() + 12, 4);
+        const json document = json::parse(file.substr(20, length));
+        const json& normals = document["accessors"].at(
+            document["meshes"][0]["primitives"][0]["attributes"]["NORMAL"].get<std::size_t>());
+        const std::uint64_t count = normals["count"];
+        const std::uint64_t one = bits[0] == '0' ? 12 : bits[0] == '8' ? 4 : 8;
+        ASSERT_EQ(tried.size(), 10u);
+        EXPECT_EQ(tried[9]["bits"], 0);
+        EXPECT_EQ(tried[9]["bytes"], count * one);
+        EXPECT_EQ(tried[0]["bytes"], count * 4);
+        EXPECT_EQ(tried[1]["bytes"], count * 8);
+    }
 }
 
 TEST_F(QuantizeBudget, WhatMakesNoSenseIsAUsageError) {

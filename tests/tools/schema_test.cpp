@@ -124,6 +124,12 @@ TEST_F(Schema, HoldsForRender) {
           0);
     check({"render", at("ball.obj"), "-o", at("x.png"), "--size", "32x32", "--image-error", "0"},
           1);
+    check({"render", at("ball.obj"), "-o", at("x.png"), "--size", "32x32", "--budget-ms", "1e6",
+           "--no-cache"},
+          0);
+    check({"render", at("ball.obj"), "-o", at("x.png"), "--size", "32x32", "--budget-ms", "0",
+           "--no-cache"},
+          1);
     check({"render", at("bad.obj"), "-o", at("x.png")}, 1);
     check({"render", at("none.obj"), "-o", at("x.png")}, 1);
     check({"render", at("ball.obj"), "-o", at("x.zzz")}, 2);

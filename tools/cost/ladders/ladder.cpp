@@ -17,12 +17,21 @@ std::span<const LadderRow> ladder_rows() {
          subdivision_level_ladder},
         {"chord-error", "error asked of adaptive triangles against the error they have", false,
          chord_error_ladder},
+        {"displacement-error", "error asked of displaced triangles against the error they have",
+         false, displacement_error_ladder},
+        {"height-filter", "sizes and filters of height maps against the surface they are of", false,
+         height_filter_ladder},
         {"shading-frequency", "flat, Gouraud and Phong shading over rising tessellation", false,
          shading_frequency_ladder},
         {"anti-aliasing", "samples, supersampling and exact areas", true, anti_aliasing_ladder},
         {"texture-filter", "texture filters and anisotropy", false, texture_filter_ladder},
         {"depth-format", "how depths are kept: surfaces close behind each other", false,
          depth_format_ladder},
+        {"quantized-positions", "bits of positions in glTF files", false,
+         quantized_positions_ladder},
+        {"quantized-normals", "bits of normals in glTF files", false, quantized_normals_ladder},
+        {"quantized-tangents", "bits of tangents in glTF files", false, quantized_tangents_ladder},
+        {"quantized-uvs", "bits of UVs in glTF files", false, quantized_uvs_ladder},
     };
     return rows;
 }

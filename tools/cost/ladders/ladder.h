@@ -2,6 +2,7 @@
 // result is held against. The truths are in cost/oracles, which sees nothing of the stages.
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <optional>
 #include <span>
@@ -49,6 +50,8 @@ struct Subject {
     std::string name;
     const prep::Mesh* mesh = nullptr;
     int threads = 0;
+    // For files of ladders that write some; empty: these cannot be tried.
+    std::filesystem::path directory = {};
 };
 
 struct LadderRow {
@@ -62,7 +65,7 @@ struct LadderRow {
 // In the order of pages and of --list.
 std::span<const LadderRow> ladder_rows();
 
-// The rows' makers, each in the file of its name.
+// The rows' makers, each in the file of its name, or of its stage's.
 prep::Result<Ladder> weld_distance_ladder(const Subject& subject);
 prep::Result<Ladder> normal_precision_ladder(const Subject& subject);
 prep::Result<Ladder> normal_weight_ladder(const Subject& subject);
@@ -70,9 +73,15 @@ prep::Result<Ladder> hard_angle_ladder(const Subject& subject);
 prep::Result<Ladder> tangent_mode_ladder(const Subject& subject);
 prep::Result<Ladder> subdivision_level_ladder(const Subject& subject);
 prep::Result<Ladder> chord_error_ladder(const Subject& subject);
+prep::Result<Ladder> displacement_error_ladder(const Subject& subject);
+prep::Result<Ladder> height_filter_ladder(const Subject& subject);
 prep::Result<Ladder> shading_frequency_ladder(const Subject& subject);
 prep::Result<Ladder> anti_aliasing_ladder(const Subject& subject);
 prep::Result<Ladder> texture_filter_ladder(const Subject& subject);
 prep::Result<Ladder> depth_format_ladder(const Subject& subject);
+prep::Result<Ladder> quantized_positions_ladder(const Subject& subject);
+prep::Result<Ladder> quantized_normals_ladder(const Subject& subject);
+prep::Result<Ladder> quantized_tangents_ladder(const Subject& subject);
+prep::Result<Ladder> quantized_uvs_ladder(const Subject& subject);
 
 }  // namespace cost

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "judge/judgement.h"
+#include "meshprep/budgets/stored_bytes.h"
 #include "meshprep/files/private_directory.h"
 #include "prep/load.h"
 
@@ -20,12 +21,13 @@ struct DirectionRow {
     std::optional<double> DirectionErrors::*asked;
     int Quantization::*bits;
     std::optional<double> judge::Limits::*limit;
-    std::uint64_t floats;  // of a value; stored ones begin at multiples of four bytes
+    const char* attribute;  // in glTF files
 };
 constexpr DirectionRow direction_rows[] = {
-    {"normals", 1, &DirectionErrors::normals, &Quantization::normals, &judge::Limits::normals, 3},
+    {"normals", 1, &DirectionErrors::normals, &Quantization::normals, &judge::Limits::normals,
+     "NORMAL"},
     {"tangents", 2, &DirectionErrors::tangents, &Quantization::tangents, &judge::Limits::tangents,
-     4},
+     "TANGENT"},
 };
 
 const DirectionRow& row_of(const DirectionChoice& choice) {
@@ -121,18 +123,17 @@ class Search {
         Quantization tried;
         for (const DirectionChoice& choice : choices_) tried.*row_of(choice).bits = bits;
         prep::QuantizationReport report;
-        if (const auto done = save(directory_ / "rung.glb", tried, &report); !done)
-            return done.error();
+        const std::filesystem::path file = directory_ / "rung.glb";
+        if (const auto done = save(file, tried, &report); !done) return done.error();
         std::vector<BitsTried> rows;
         for (const prep::QuantizationError& row : report.rows)
             rows.push_back({bits, row.largest + float_rounding_degrees, row.values});
         for (const DirectionChoice& choice : choices_) {
             const DirectionRow& row = row_of(choice);
-            BitsTried& tried_row = rows[row.row];
-            // Floats are what was rounded with fewest bits, which is the first rung.
-            const std::uint64_t there =
-                bits == 0 && !choice.tried.empty() ? choice.tried[0].values : tried_row.values;
-            tried_row.bytes = there * (bits == 0 ? 4 * row.floats : bits <= 8 ? 4 : 8);
+            // As the file has them: what came as whole numbers stays so where nothing is rounded.
+            const Result<std::uint64_t> bytes = stored_bytes(file, row.attribute);
+            if (!bytes) return bytes.error();
+            rows[row.row].bytes = *bytes;
         }
         return rows;
     }

@@ -30,7 +30,7 @@ struct BitsTried {
     int bits = 0;        // 0: floats
     double degrees = 0;  // the largest, by the writer's own numbers, with floats' own rounding
     std::uint64_t values = 0;  // that were rounded, wherever they are in the file
-    std::uint64_t bytes = 0;   // that these take, not compressed: 8 bits a byte, others two
+    std::uint64_t bytes = 0;   // that the attribute takes in the file, not compressed
 };
 
 struct DirectionChoice {

@@ -12,6 +12,7 @@
 #include "meshprep/files/file_list.h"
 #include "meshprep/files/input_file.h"
 #include "meshprep/files/output_directories.h"
+#include "meshprep/files/private_directory.h"
 #include "meshprep/output/cost_json.h"
 #include "meshprep/output/load_options.h"
 #include "prep/files.h"
@@ -111,9 +112,11 @@ Result<std::vector<Tried>> load_all(const CostCommand& command, Console& console
 }
 
 // What a ladder cannot be tried on is a failure of that ladder; the others go on.
-Measured measured_table(const CostCommand& command, const std::vector<Tried>& tried,
-                        Console& console) {
+Result<Measured> measured_table(const CostCommand& command, const std::vector<Tried>& tried,
+                                Console& console) {
     Measured out;
+    const Result<PrivateDirectory> directory = PrivateDirectory::make();
+    if (!directory) return directory.error();
     out.table.version = std::string(prep::version());
     out.table.processor = cost::processor_name();
     out.table.threads = command.common.threads > 0
@@ -124,8 +127,9 @@ Measured measured_table(const CostCommand& command, const std::vector<Tried>& tr
         std::vector<cost::Subject> subjects;
         if (row.of_meshes)
             for (const Tried& one : tried)
-                subjects.push_back({one.name, &one.mesh, out.table.threads});
-        if (subjects.empty()) subjects.push_back({"", nullptr, out.table.threads});
+                subjects.push_back({one.name, &one.mesh, out.table.threads, directory->path()});
+        if (subjects.empty())
+            subjects.push_back({"", nullptr, out.table.threads, directory->path()});
         for (const cost::Subject& subject : subjects) {
             console.progress(command.common, fmt::format("{} …", row.name));
             Result<cost::LadderRecord> record = measured(row, subject, command);

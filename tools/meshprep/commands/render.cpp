@@ -11,6 +11,7 @@
 
 #include "meshprep/budgets/explicit_command.h"
 #include "meshprep/budgets/render_budget.h"
+#include "meshprep/budgets/time_budget.h"
 #include "meshprep/commands/render_command.h"
 #include "meshprep/commands/render_views.h"
 #include "meshprep/commands/subcommand.h"
@@ -395,25 +396,36 @@ Result<Json> render_file(const RenderCommand& command, Console& console) {
     // them.
     const float allowed = std::exchange(request.allow_error, 0.0f);
     std::optional<ImageCertificate> certificate;
-    if (command.image_error) {
+    std::optional<TimeCertificate> times;
+    if (command.image_error || command.budget_ms) {
         console.progress(common, command.input.string() + " … measuring");
         const rast::RenderRequest plain = request;
         request.coverage = prep::Coverage::samples;
         request.samples = request.supersample = 1;
         if (const Result<void> exposed = find_exposure(); !exposed) return exposed.error();
-        Result<ImageCertificate> chosen = choose_sampling(
-            renderer, request, views->size(),
-            [&](const rast::RenderRequest& r, std::size_t view) {
-                return plan_of(command, *prepared, r, (*views)[view]);
-            },
-            *command.image_error);
-        if (!chosen) return chosen.error();
-        certificate = *std::move(chosen);
+        const auto plan_for = [&](const rast::RenderRequest& r, std::size_t view) {
+            return plan_of(command, *prepared, r, (*views)[view]);
+        };
+        SamplingRung rung;
+        if (command.image_error) {
+            Result<ImageCertificate> chosen =
+                choose_sampling(renderer, request, views->size(), plan_for, *command.image_error);
+            if (!chosen) return chosen.error();
+            certificate = *std::move(chosen);
+            rung = certificate->chosen.rung;
+        } else {
+            Result<TimeCertificate> chosen =
+                sampling_within(renderer, request, views->size(), plan_for, *command.budget_ms,
+                                command.cost_cache, common, console);
+            if (!chosen) return chosen.error();
+            times = *std::move(chosen);
+            rung = times->chosen.rung;
+        }
         // From here on as if the command line had said it.
         request = plain;
         request.coverage = prep::Coverage::samples;
-        request.samples = certificate->chosen.rung.samples;
-        request.supersample = certificate->chosen.rung.supersample;
+        request.samples = rung.samples;
+        request.supersample = rung.supersample;
     }
     if (const Result<void> exposed = find_exposure(); !exposed) return exposed.error();
     request.allow_error = allowed;
@@ -510,6 +522,13 @@ Result<Json> render_file(const RenderCommand& command, Console& console) {
         json["certificate"] = to_json(*certificate, again);
         say_certificate(common, *certificate, again, console);
     }
+    if (times) {
+        times->taken = render_ms;
+        const std::string again = explicit_command("render", command.input, command.output,
+                                                   command.settings, times->chosen.rung.words());
+        json["budget"] = to_json(*times, again);
+        say_time(common, *times, again, console);
+    }
     json["milliseconds"] = {
         {"read", read_ms}, {"prepare", prepare_ms}, {"render", render_ms}, {"write", write_ms}};
     return json;
@@ -545,9 +564,10 @@ int run(const RenderCommand& command, Console& console) {
     console.progress(command.common, "");
     if (command.common.json) console.json(json_text(document));
     if (!sound && sound.error().code != ErrorCode::io) return exit_usage;
-    const bool short_of =
-        done && done->contains("certificate") && !(*done)["certificate"]["met"].get<bool>();
-    return done && !short_of ? exit_done : exit_failed;
+    const auto short_of = [&](const char* asked) {
+        return done->contains(asked) && !(*done)[asked]["met"].get<bool>();
+    };
+    return done && !short_of("certificate") && !short_of("budget") ? exit_done : exit_failed;
 }
 
 }  // namespace

@@ -37,6 +37,8 @@ struct RenderCommand : CameraWishes {
     std::uint32_t band_mib = 64;
     bool textures = true;
     std::optional<double> image_error;  // levels: the sampling is chosen by it
+    std::optional<double> budget_ms;    // to draw in: the same
+    bool cost_cache = true;             // whether measured costs are kept, and read
     Settings settings;                  // what was given, for the command that is printed
     prep::PrepareOptions prepare;
 };

@@ -87,6 +87,12 @@ void define_render(OptionSet& options, RenderCommand& c) {
         "--image-error", c.image_error, "LEVELS",
         "The cheapest --samples or --supersample whose picture is within so many levels of 8 bits "
         "(RMSE), measured; exit 1 with the best found where none is");
+    options.not_negative(
+        "--budget-ms", c.budget_ms, "MS",
+        "The most accurate --samples or --supersample that is predicted to draw within so many "
+        "milliseconds, by costs measured on this machine; exit 1 with the fastest where none is");
+    options.flag("--no-cache", c.cost_cache,
+                 "Measure the costs for --budget-ms anew, and keep none", false);
     options.values(
         "--light", "AZ,EL[,I]", [&c](const std::string& text) { parse_light(text, c); },
         "Instead of the file's lights: a directional one from this direction, in degrees seen "
@@ -107,7 +113,8 @@ void define_render(OptionSet& options, RenderCommand& c) {
     add_pixel_error_option(options, c.prepare);
     add_loading_options(options, c.common.load);
     add_common_options(options, c.common);
-    options.keep_settings(c.settings, {"--output", "--image-error", "--explain"});
+    options.keep_settings(c.settings,
+                          {"--output", "--image-error", "--budget-ms", "--no-cache", "--explain"});
     options.examples(
         "  meshprep render spot.obj -o spot.png --shading phong --camera 40,15\n"
         "  meshprep render room.json -o room.png --explain\n"
@@ -118,6 +125,7 @@ void define_render(OptionSet& options, RenderCommand& c) {
         "  meshprep render rock.glb -o truth.exr --coverage area         exact edges, slowly\n"
         "  meshprep render rock.glb -o fine.png --supersample 4 --filter anisotropic\n"
         "  meshprep render rock.glb -o rock.png --image-error 2          as fine as that takes\n"
+        "  meshprep render rock.glb -o rock.png --budget-ms 40           as fine as fits\n"
         "  meshprep render rock.glb -o turn.png --turntable 36           turn_000.png, …\n"
         "  meshprep render rock.glb -o wall.png --size 16384x16384       drawn in bands\n"
         "  meshprep render rock.glb -o part.png --size 8192x8192 --crop 4096,0,512x512");
@@ -131,10 +139,14 @@ void check_render(const RenderCommand& c) {
         usage_error("--buffer-file",
                     "'" + c.buffer_file.filename().string() + "' holds no buffers; name it .exr");
     check_camera(c);
-    if (c.image_error)
+    if (c.image_error && c.budget_ms)
+        usage_error("--budget-ms", "and --image-error both choose the sampling; leave one out");
+    if (!c.cost_cache && !c.budget_ms)
+        usage_error("--no-cache", "is about the costs that --budget-ms reads; it is not given");
+    if (c.image_error || c.budget_ms)
         for (const char* const chosen : {"samples", "supersample", "coverage"})
             if (c.wishes.has(chosen))
-                usage_error("--image-error",
+                usage_error(c.image_error ? "--image-error" : "--budget-ms",
                             std::string("chooses --") + chosen + "; leave one of them out");
     const std::string name = c.output.filename().string();
     if (const bool stream = is_standard_stream(c.output); stream || !c.format.empty()) {

@@ -1,0 +1,135 @@
+#include "meshprep/budgets/sampling_costs.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <thread>
+
+#include "cost/ladders/meshes.h"
+#include "cost/ladders/scenes.h"
+#include "cost/pages/cost_table.h"
+#include "meshprep/budgets/cost_cache.h"
+#include "prep/version.h"
+
+namespace meshprep {
+namespace {
+
+using prep::Result;
+
+constexpr std::uint32_t calibration_size = 192;
+constexpr int calibration_rounds = 3;
+constexpr double least_factor = 1e-9, most_factor = 1e6;
+
+std::shared_ptr<const prep::PreparedScene> lit_torus(int around, int across) {
+    const cost::KnownMesh known = cost::known_torus(around, across, 0);
+    prep::VertexMesh mesh;
+    mesh.positions = known.mesh.positions;
+    mesh.indices = known.mesh.corner_vertices;
+    for (const cost::SurfaceSample& at : known.at) mesh.normals.emplace_back(at.normal);
+    prep::Material material;
+    material.specular = glm::vec3(0.4f);
+    material.shininess = 40;
+    return std::make_shared<const prep::PreparedScene>(cost::scene_of(std::move(mesh), material));
+}
+
+rast::RenderRequest calibration_request(const SamplingRung& rung, int threads) {
+    rast::RenderRequest request;
+    request.width = request.height = calibration_size;
+    request.samples = rung.samples;
+    request.supersample = rung.supersample;
+    request.shading = prep::Shading::phong;
+    request.threads = threads;
+    request.view = cost::flat_view(1.5);
+    return request;
+}
+
+}  // namespace
+
+SamplingCost cost_from_times(const SamplingRung& rung, double few, double many, double few_of_one,
+                             double many_of_one) {
+    const auto factor = [](double time, double of_one) {
+        if (!(of_one > 0) || !(time > 0)) return 1.0;
+        return std::clamp(time / of_one, least_factor, most_factor);
+    };
+    return {rung, factor(many - few, many_of_one - few_of_one), factor(few, few_of_one)};
+}
+
+Result<std::vector<SamplingCost>> measured_sampling_costs(int threads) {
+    const std::shared_ptr<const prep::PreparedScene> scenes[] = {lit_torus(32, 16),
+                                                                 lit_torus(320, 160)};
+    const std::vector<SamplingRung> rungs = sampling_rungs();
+    std::vector<std::array<double, 2>> least(rungs.size());
+    for (auto& times : least) times.fill(std::numeric_limits<double>::infinity());
+    // The first round touches memory for the first time: it does not count.
+    for (int round = 0; round <= calibration_rounds; ++round)
+        for (std::size_t s = 0; s < 2; ++s)
+            for (std::size_t r = 0; r < rungs.size(); ++r) {
+                if (round == 0 && rungs[r].supersample > 2) continue;
+                cost::Drawing drawing(scenes[s], calibration_request(rungs[r], threads));
+                const Clock::time_point start = Clock::now();
+                if (const Result<void> done = drawing.draw(); !done) return done.error();
+                if (round > 0) least[r][s] = std::min(least[r][s], milliseconds_since(start));
+            }
+    std::vector<SamplingCost> costs;
+    for (std::size_t r = 0; r < rungs.size(); ++r)
+        costs.push_back(
+            cost_from_times(rungs[r], least[r][0], least[r][1], least[0][0], least[0][1]));
+    return costs;
+}
+
+Json to_json(const std::vector<SamplingCost>& costs) {
+    Json json = Json::array();
+    for (const SamplingCost& cost : costs)
+        json.push_back({{"samples", cost.rung.samples},
+                        {"supersample", cost.rung.supersample},
+                        {"triangles", cost.triangles},
+                        {"pixels", cost.pixels}});
+    return json;
+}
+
+std::optional<std::vector<SamplingCost>> sampling_costs_from(const Json& json) {
+    const std::vector<SamplingRung> rungs = sampling_rungs();
+    if (!json.is_array() || json.size() != rungs.size()) return std::nullopt;
+    std::vector<SamplingCost> costs;
+    for (std::size_t r = 0; r < rungs.size(); ++r) {
+        const Json& one = json[r];
+        if (!one.is_object() || one.value("samples", Json()) != rungs[r].samples ||
+            one.value("supersample", Json()) != rungs[r].supersample)
+            return std::nullopt;
+        SamplingCost cost{rungs[r]};
+        for (const auto& [name, factor] :
+             {std::pair("triangles", &cost.triangles), std::pair("pixels", &cost.pixels)}) {
+            const auto value = one.find(name);
+            if (value == one.end() || !value->is_number()) return std::nullopt;
+            *factor = value->get<double>();
+            if (!(*factor >= least_factor && *factor <= most_factor)) return std::nullopt;
+        }
+        costs.push_back(cost);
+    }
+    return costs;
+}
+
+Result<FoundCosts> sampling_costs(int threads, bool keep) {
+    const int used = threads > 0 ? threads : std::max(1, int(std::thread::hardware_concurrency()));
+    const CostKey key{"sampling", std::string(prep::version()), cost::processor_name(), used};
+    const auto file = keep ? cost_cache_file() : std::nullopt;
+    FoundCosts found;
+    if (file)
+        if (const auto kept = cached_costs(*file, key))
+            if (auto costs = sampling_costs_from(*kept)) {
+                found.costs = *std::move(costs);
+                found.cached = true;
+                return found;
+            }
+    auto measured = measured_sampling_costs(used);
+    if (!measured) return measured.error();
+    found.costs = *std::move(measured);
+    if (file)
+        if (const Result<void> kept = keep_costs(*file, key, to_json(found.costs)); !kept)
+            found.not_kept = kept.error();
+    return found;
+}
+
+}  // namespace meshprep

@@ -1,0 +1,42 @@
+// What samplings cost beside one sample a pixel, on this machine: measured once, kept, and used to
+// predict how long a picture takes.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "meshprep/budgets/render_budget.h"
+
+namespace meshprep {
+
+// Times those of one sample: of what is done for each triangle whatever the picture's size, and of
+// what is done for each pixel.
+struct SamplingCost {
+    SamplingRung rung;
+    double triangles = 1, pixels = 1;
+};
+
+// Draws a lit torus of few and of many triangles with each sampling, in rounds, and takes each
+// one's least time. About a second. Errors: those of drawing.
+prep::Result<std::vector<SamplingCost>> measured_sampling_costs(int threads);
+
+// A sampling's cost from its times with few and with many triangles, in units of those of one
+// sample: what many triangles add to few is theirs.
+SamplingCost cost_from_times(const SamplingRung& rung, double few, double many, double few_of_one,
+                             double many_of_one);
+
+Json to_json(const std::vector<SamplingCost>& costs);
+// None where it is not what to_json() writes: every sampling of sampling_rungs(), in their order,
+// numbers over 0 and at most 10⁶.
+std::optional<std::vector<SamplingCost>> sampling_costs_from(const Json& json);
+
+struct FoundCosts {
+    std::vector<SamplingCost> costs;
+    bool cached = false;
+    std::optional<prep::Error> not_kept;  // measured, and could not be written
+};
+// From the user's cache; else measured and, unless `keep` is false, kept there. Errors: those of
+// drawing.
+prep::Result<FoundCosts> sampling_costs(int threads, bool keep);
+
+}  // namespace meshprep

@@ -1,0 +1,70 @@
+// The most accurate anti-aliasing that fits a time: `render --budget-ms`.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "meshprep/budgets/sampling_costs.h"
+#include "meshprep/output/console.h"
+
+namespace meshprep {
+
+// Time of all pictures with one sample: what does not depend on their size, and what does.
+struct PilotTimes {
+    double fixed = 0, pixels = 0;  // milliseconds
+};
+
+// From the times of pictures of a quarter and of half the width and height: t = fixed + pixels /
+// k².
+PilotTimes pilot_from_times(double quarter, double half);
+
+double predicted_ms(const PilotTimes& pilot, const SamplingCost& cost);
+
+struct SamplingPrediction {
+    SamplingRung rung;
+    double milliseconds = 0;
+};
+
+struct TimeCertificate {
+    double asked = 0;  // milliseconds, to draw all pictures
+    bool met = false;  // by the prediction
+    SamplingPrediction chosen;
+    std::optional<SamplingPrediction> next;  // the next more accurate one, which does not fit
+    std::vector<SamplingPrediction> tried;   // all, by accuracy
+    PilotTimes pilot;
+    double pilot_ms = 0;  // that measuring the pilot took
+    bool cached = false;
+    double taken = 0;  // what drawing took then
+    bool overrun() const { return taken > asked; }
+};
+
+// Coarsest first, by the errors of docs/accuracy.md: fixed.
+std::vector<SamplingRung> samplings_by_accuracy();
+
+// The most accurate sampling whose predicted time is at most `asked`, of those that a picture of
+// `extent` pixels a side can have; else the one of least time, and `met` is false.
+TimeCertificate chosen_within(double asked, const PilotTimes& pilot,
+                              const std::vector<SamplingCost>& costs, std::uint32_t extent);
+
+// Draws up to four of the views with one sample and a quarter and half of their size, the first
+// time without counting it. Errors: those of planning and drawing.
+prep::Result<PilotTimes> pilot_of(
+    rast::SceneRenderer& renderer, const rast::RenderRequest& request, std::size_t views,
+    const std::function<prep::Result<rast::RenderPlan>(const rast::RenderRequest&, std::size_t)>&
+        plan_for);
+
+// Of these together, with costs from the user's cache unless `keep` is false; what cannot be kept
+// is a warning. Errors: those of planning and drawing.
+prep::Result<TimeCertificate> sampling_within(
+    rast::SceneRenderer& renderer, const rast::RenderRequest& request, std::size_t views,
+    const std::function<prep::Result<rast::RenderPlan>(const rast::RenderRequest&, std::size_t)>&
+        plan_for,
+    double asked, bool keep, const CommonOptions& common, Console& console);
+
+Json to_json(const TimeCertificate& certificate, const std::string& command);
+void say_time(const CommonOptions& common, const TimeCertificate& certificate,
+              const std::string& command, Console& console);
+
+}  // namespace meshprep
