@@ -34,7 +34,7 @@ glm::vec3 off_normal(const glm::vec3& n, const glm::vec3& v) {
 void make_normals_unit(std::size_t count, TriangleBlock& block) {
     for (auto& corner : block.n) {
         for (std::size_t i = 0; i < count; ++i) {
-            const glm::vec3 n = unit_normal({corner[0][i], corner[1][i], corner[2][i]});
+            const glm::vec3 n = frame_normal({corner[0][i], corner[1][i], corner[2][i]});
             for (int d = 0; d < 3; ++d) corner[d][i] = n[d];
         }
     }

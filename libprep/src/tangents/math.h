@@ -55,7 +55,7 @@ inline bool far_from_unit(const glm::vec3& n) {
     return !(std::abs(mikk::length_squared(n) - 1.0f) <= 2e-3f);
 }
 // Zero and non-finite ones stay what they are.
-inline glm::vec3 unit_normal(const glm::vec3& n) {
+inline glm::vec3 frame_normal(const glm::vec3& n) {
     if (!far_from_unit(n)) return n;
     const glm::dvec3 d(n);
     const double largest = std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)});

@@ -56,7 +56,7 @@ struct CornerReader {
     // A normal by its index; none is NaN.
     glm::vec3 usable(std::uint32_t i) const {
         if (i == no_index) return glm::vec3(std::numeric_limits<float>::quiet_NaN());
-        return unit_normals ? unit_normal(in.normals.values[i]) : in.normals.values[i];
+        return unit_normals ? frame_normal(in.normals.values[i]) : in.normals.values[i];
     }
     glm::vec2 uv(std::uint32_t corner) const {
         const std::uint32_t i = in.uv.indices[source(corner)];
