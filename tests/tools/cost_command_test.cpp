@@ -21,7 +21,7 @@ TEST(Cost, SaysTheSameInEveryForm) {
     const std::string page = (dir / "out/page.html").string(), csv = (dir / "t.csv").string(),
                       svg = (dir / "plots").string();
     const test::Ran ran = run_here(quick({"--ladder", "normal-weight,hard-angle", "--json", "-o",
-                                          page, "--csv", csv, "--svg", svg}));
+                                          page, "--csv", csv, "--svg", svg, "--png", svg}));
     ASSERT_EQ(ran.exit_code, 0) << ran.err;
     const json document = ran.json();
     ASSERT_EQ(document["ladders"].size(), 2u);
@@ -36,12 +36,13 @@ TEST(Cost, SaysTheSameInEveryForm) {
     const std::string page2 = (dir / "page2.html").string(), csv2 = (dir / "2.csv").string(),
                       svg2 = (dir / "plots2").string();
     const test::Ran again = run_here({"cost", "--from", (dir / "times.json").string(), "-o", page2,
-                                      "--csv", csv2, "--svg", svg2, "--json"});
+                                      "--csv", csv2, "--svg", svg2, "--png", svg2, "--json"});
     ASSERT_EQ(again.exit_code, 0) << again.err;
     EXPECT_EQ(again.out, ran.out);
     EXPECT_EQ(read_text(page2), read_text(page));
     EXPECT_EQ(read_text(csv2), read_text(csv));
-    for (const char* name : {"normal-weight.svg", "hard-angle.svg"})
+    for (const char* name :
+         {"normal-weight.svg", "hard-angle.svg", "normal-weight.png", "hard-angle.png"})
         EXPECT_EQ(read_text(dir / "plots2" / name), read_text(dir / "plots" / name)) << name;
     // In words: a table for each ladder.
     const test::Ran words = run_here({"cost", "--from", (dir / "times.json").string()});

@@ -58,6 +58,36 @@ TEST(CostLadders, AreNamedOnceAndSayWhatTheyTime) {
     }
 }
 
+// What rungs that draw show: the middle of the picture as it is, and what it misses four times.
+TEST(CostLadders, LooksAreAPartOfThePictureAndItsError) {
+    cost::Pixels picture{128, 80, 1, {}}, truth = picture;
+    for (int i = 0; i < 128 * 80; ++i) {
+        picture.values.push_back(i % 128 / 128.0);
+        truth.values.push_back(i % 128 / 128.0 + (i / 128 == 4 ? 0.125 : 0));
+    }
+    const cost::Look look = cost::look_of(picture, truth);
+    EXPECT_EQ(look.picture.width, 96u);
+    EXPECT_EQ(look.picture.height, 72u);
+    EXPECT_EQ(look.picture.values[0], 16 / 128.0);
+    EXPECT_EQ(look.picture.values[96 * 72 - 1], 111 / 128.0);
+    EXPECT_EQ(look.difference.values[0], 0.5);  // row 4 is the first
+    EXPECT_EQ(look.difference.values[96], 0);
+    for (const cost::LadderRow& row : cost::ladder_rows()) {
+        const Ladder ladder = ladder_named(row.name);
+        std::size_t drawn = 0;
+        for (const cost::Rung& rung : ladder.rungs) drawn += bool(rung.look);
+        const std::set<std::string> draw = {"anti-aliasing", "texture-filter", "shading-frequency",
+                                            "depth-format"};
+        EXPECT_EQ(drawn, draw.count(row.name) ? ladder.rungs.size() : 0) << row.name;
+    }
+    const Ladder ladder = ladder_named("texture-filter");
+    ASSERT_TRUE(ladder.rungs[0].run());
+    const cost::Look nearest = ladder.rungs[0].look();
+    double sum = 0;
+    for (const double v : nearest.difference.values) sum += v;
+    EXPECT_GT(sum / double(nearest.difference.values.size()), 0.1);
+}
+
 // Each command of a rung, with a mesh and an output added, is one that runs.
 TEST(CostLadders, CommandsOfRungsRun) {
     const test::TemporaryDirectory dir;

@@ -7,7 +7,10 @@
 
 #include "cost/pages/page.h"
 #include "cost/pages/plot.h"
+#include "cost/pages/plot_image.h"
 #include "meshprep/output/cost_json.h"
+#include "prep/image.h"
+#include "sheets/page.h"
 
 namespace {
 
@@ -174,6 +177,38 @@ TEST(CostPlot, NoErrorIsNotExact) {
     EXPECT_NE(svg.find(">0</text>"), std::string::npos);
 }
 
+// Found in the pixels as a person would: the colours of marks stand where the layout says.
+TEST(CostPlot, PicturesHaveTheirPointsWhereTheDrawingHasThem) {
+    const CostTable table = table_of_two();
+    for (const LadderRecord& ladder : table.ladders) {
+        const cost::PlotLayout plot = cost::layout_of(ladder);
+        const prep::Image image = cost::plot_image(ladder, 3);
+        EXPECT_EQ(image.width, std::uint32_t(3 * plot.width));
+        EXPECT_EQ(image.height, std::uint32_t(3 * plot.height));
+        const auto is = [&](double x, double y, std::uint32_t color) {
+            const float* const p = image.at(std::uint32_t(3 * x), std::uint32_t(3 * y));
+            for (int k = 0; k < 3; ++k)
+                if (std::abs(p[k] * 255 - float((color >> (16 - 8 * k)) & 255)) > 2) return false;
+            return true;
+        };
+        for (const cost::PlotPoint& p : plot.points) {
+            const RungRecord& r = ladder.rungs[p.rung];
+            const bool front = r.verdict.standing == cost::Standing::front;
+            EXPECT_TRUE(is(p.x, p.y, r.exact ? 0x047857 : front ? 0x1d4ed8 : 0xffffff)) << r.name;
+            if (!r.exact && !front) {
+                EXPECT_TRUE(is(p.x + 5, p.y - 0.2,
+                               r.verdict.standing == cost::Standing::tied ? 0x6b7280 : 0xb45309))
+                    << r.name;
+            }
+            EXPECT_FALSE(is(p.x, p.y + 8, r.exact ? 0x047857 : 0x1d4ed8)) << r.name;
+        }
+        if (plot.floor > 0) {
+            EXPECT_TRUE(is(plot.left + 2, plot.floor, 0x047857));
+        }
+        EXPECT_EQ(image.pixels, cost::plot_image(ladder, 3).pixels);
+    }
+}
+
 TEST(CostPage, SaysWhichLineIsDrawn) {
     CostTable table = table_of_two();
     table.ladders.resize(1);
@@ -244,6 +279,64 @@ TEST(CostPage, HoldsEverythingAndAsksForNothing) {
         }
     EXPECT_NE(page.find("the machine was busy: 50 %"), std::string::npos);
     EXPECT_NE(page.find("before every ratio was known"), std::string::npos);
+}
+
+std::string small_png(float grey) {
+    prep::Image image;
+    image.width = 2;
+    image.height = 1;
+    image.channels = 1;
+    image.pixels = {grey, 1 - grey};
+    return report::base64(*prep::encode_png(image));
+}
+
+// Rungs that draw show what, and how far it is off, where they are pointed at, reached by Tab or
+// tapped: within their tooltip, on the page alone, and within the plot.
+TEST(CostPage, LooksStandInTheTooltipsOfTheirRungs) {
+    CostTable table = table_of_two();
+    table.ladders[0].rungs[1].picture = small_png(0.25f);
+    table.ladders[0].rungs[1].difference = small_png(0.75f);
+    const std::string plain = cost::cost_page(table_of_two()), page = cost::cost_page(table);
+    EXPECT_EQ(plain.find("<image"), std::string::npos);
+    const std::string alone = cost::plot_svg(table.ladders[0], true);
+    EXPECT_EQ(alone, cost::plot_svg(table_of_two().ladders[0], true));
+    const std::string svg = cost::plot_svg(table.ladders[0], false);
+    const std::size_t point = svg.find("data-rung=\"1\""), next = svg.find("data-rung=\"2\"");
+    const std::size_t first = svg.find("<image"), second = svg.find("<image", first + 1);
+    ASSERT_NE(second, std::string::npos);
+    EXPECT_EQ(svg.find("<image", second + 1), std::string::npos);
+    EXPECT_GT(first, svg.find("class=\"tip\"", point));
+    EXPECT_LT(second, next);
+    EXPECT_EQ(svg.substr(first, second - first).find(table.ladders[0].rungs[1].difference),
+              std::string::npos);
+    EXPECT_NE(svg.find(table.ladders[0].rungs[1].picture, first), std::string::npos);
+    EXPECT_NE(svg.find(table.ladders[0].rungs[1].difference, second), std::string::npos);
+    const std::regex box("<image x=\"([0-9.]+)\" y=\"([0-9.]+)\" width=\"96\" height=\"72\"");
+    const cost::PlotLayout plot = cost::layout_of(table.ladders[0]);
+    for (std::sregex_iterator i(svg.begin(), svg.end(), box), end; i != end; ++i) {
+        EXPECT_GE(std::stod((*i)[1]), 0);
+        EXPECT_LE(std::stod((*i)[1]) + 96, plot.width);
+        EXPECT_GE(std::stod((*i)[2]), 0);
+        EXPECT_LE(std::stod((*i)[2]) + 72, plot.height);
+    }
+    // Through JSON, to the byte; what is no PNG file comes on no page.
+    const meshprep::Json json = meshprep::to_json(table);
+    const auto again = meshprep::cost_table_from(meshprep::json_text(json));
+    ASSERT_TRUE(again);
+    EXPECT_EQ(cost::cost_page(*again), page);
+    const std::string good = table.ladders[0].rungs[1].picture;
+    for (const meshprep::Json& wrong : {meshprep::Json("x"), meshprep::Json(7), meshprep::Json(""),
+                                        meshprep::Json(good + "\"/><script>"),
+                                        meshprep::Json(good + std::string(1 << 17, 'A'))}) {
+        meshprep::Json changed = json;
+        changed["ladders"][0]["rungs"][1]["looks"][1] = wrong;
+        const auto read = meshprep::cost_table_from(meshprep::json_text(changed));
+        ASSERT_FALSE(read) << wrong;
+        EXPECT_EQ(read.error().place, "#/ladders/0/rungs/1/looks/1");
+    }
+    meshprep::Json one = json;
+    one["ladders"][0]["rungs"][1]["looks"].erase(1);
+    EXPECT_FALSE(meshprep::cost_table_from(meshprep::json_text(one)));
 }
 
 TEST(CostPage, TerminalAndValuesSayTheSame) {

@@ -167,6 +167,7 @@ prep::Result<Ladder> anti_aliasing_ladder(const Subject& subject) {
             return std::vector<double>{e.rmse, e.largest, e.psnr,
                                        picture_error(picture, **own).rmse};
         };
+        rung.look = [drawing, truth] { return look_of(first_channel(drawing->frame()), *truth); };
         ladder.rungs.push_back(std::move(rung));
     }
     return ladder;

@@ -1,4 +1,5 @@
 // How depths are kept: which surfaces close behind another one stay hidden.
+#include <algorithm>
 #include <cmath>
 
 #include "cost/ladders/scenes.h"
@@ -75,6 +76,12 @@ prep::Result<Ladder> depth_format_ladder(const Subject& subject) {
             const Pixels picture = first_channel(drawing->frame());
             for (const double v : picture.values) wrong += v < 0.5;
             return std::vector<double>{double(wrong) / double(picture.values.size())};
+        };
+        rung.look = [drawing] {
+            const Pixels picture = first_channel(drawing->frame());
+            Pixels white = picture;
+            std::fill(white.values.begin(), white.values.end(), 1.0);
+            return look_of(picture, white);
         };
         ladder.rungs.push_back(std::move(rung));
     }

@@ -1,6 +1,24 @@
 #include "cost/ladders/ladder.h"
 
+#include <algorithm>
+#include <cmath>
+
 namespace cost {
+
+Look look_of(const Pixels& picture, const Pixels& truth) {
+    const std::uint32_t width = std::min(look_width, picture.width),
+                        height = std::min(look_height, picture.height);
+    const std::uint32_t x = (picture.width - width) / 2, y = (picture.height - height) / 2;
+    Look look{{width, height, 1, {}}, {width, height, 1, {}}};
+    for (std::uint32_t j = y; j < y + height; ++j)
+        for (std::uint32_t i = x; i < x + width; ++i) {
+            const std::size_t at = (std::size_t(j) * picture.width + i) * picture.channels;
+            look.picture.values.push_back(picture.values[at]);
+            look.difference.values.push_back(look_gain *
+                                             std::abs(picture.values[at] - truth.values[at]));
+        }
+    return look;
+}
 
 std::span<const LadderRow> ladder_rows() {
     static constexpr LadderRow rows[] = {

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "cost/measure/metrics.h"
 #include "prep/mesh.h"
 #include "prep/result.h"
 
@@ -20,13 +21,24 @@ struct Metric {
     std::string name, unit, domain;
 };
 
+// A part of a picture, pixel for pixel, and how far each is from the truth, four times over. One
+// channel, linear.
+struct Look {
+    Pixels picture, difference;
+};
+inline constexpr std::uint32_t look_width = 96, look_height = 72;
+inline constexpr double look_gain = 4;
+// The part of that size, or all that there is, whose middle is that of both.
+Look look_of(const Pixels& picture, const Pixels& truth);
+
 struct Rung {
     std::string name;
     std::string command;                      // the settings, as `meshprep` takes them
     std::function<prep::Result<void>()> run;  // what is timed; keeps its result
     // Of the last result: one number for each metric. Not timed.
     std::function<std::vector<double>()> judge;
-    bool exact = false;  // meant as the truth: on a lane of its own
+    std::function<Look()> look = {};  // of the last result; empty: it is no picture
+    bool exact = false;               // meant as the truth: on a lane of its own
 };
 
 struct Ladder {

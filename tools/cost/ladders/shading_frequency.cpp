@@ -121,6 +121,7 @@ prep::Result<Ladder> shading_frequency_ladder(const Subject& subject) {
                                            picture_error(picture, s->truth, s->rest).rmse,
                                            within.psnr};
             };
+            rung.look = [s, drawing] { return look_of(first_channel(drawing->frame()), s->truth); };
             if (level == 4 && shading == prep::Shading::phong)
                 ladder.reference = ladder.rungs.size();
             ladder.rungs.push_back(std::move(rung));

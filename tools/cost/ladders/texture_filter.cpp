@@ -125,6 +125,7 @@ prep::Result<Ladder> texture_filter_ladder(const Subject& subject) {
             return std::vector<double>{e.rmse, e.largest, e.psnr,
                                        flip(*shown_truth, shown(picture)).mean};
         };
+        rung.look = [drawing, truth] { return look_of(first_channel(drawing->frame()), *truth); };
         if (setting.filter == F::trilinear) ladder.reference = ladder.rungs.size();
         ladder.rungs.push_back(std::move(rung));
     }

@@ -6,6 +6,10 @@
 #include <cmath>
 #include <fstream>
 #include <thread>
+#include <utility>
+
+#include "prep/image.h"
+#include "sheets/page.h"
 
 namespace cost {
 namespace {
@@ -17,6 +21,22 @@ constexpr double wide_spread = 0.1;
 
 int processors() {
     return std::max(1, int(std::thread::hardware_concurrency()));
+}
+
+// As shown on screens, in base64.
+prep::Result<std::string> png_text(const Pixels& linear) {
+    prep::Image image;
+    image.width = linear.width;
+    image.height = linear.height;
+    image.channels = 1;
+    for (const double v : linear.values) {
+        const double c = std::clamp(v, 0.0, 1.0);
+        image.pixels.push_back(
+            float(c <= 0.0031308 ? 12.92 * c : 1.055 * std::pow(c, 1 / 2.4) - 0.055));
+    }
+    const auto png = prep::encode_png(image);
+    if (!png) return png.error();
+    return report::base64(*png);
 }
 
 void derive(LadderRecord& ladder, int threads) {
@@ -100,6 +120,15 @@ prep::Result<LadderRecord> climb(const Ladder& ladder, int threads, const Timing
         r.command = rung.command;
         r.exact = rung.exact;
         r.errors = rung.judge();
+        if (rung.look) {
+            const Look look = rung.look();
+            for (const auto& [from, to] : {std::pair(&look.picture, &r.picture),
+                                           std::pair(&look.difference, &r.difference)}) {
+                auto png = png_text(*from);
+                if (!png) return png.error();
+                *to = *std::move(png);
+            }
+        }
         record.rungs.push_back(std::move(r));
         runs.push_back([&rung] { static_cast<void>(rung.run().has_value()); });
     }

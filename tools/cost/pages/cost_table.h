@@ -20,6 +20,8 @@ struct RungRecord {
     std::vector<double> errors;   // by metric
     std::vector<double> seconds;  // by round, of one run
     int repeats = 1;
+    // Of rungs that draw: PNG files as base64, as a page holds them; empty: there are none.
+    std::string picture, difference;
 
     // From these, by derive().
     Estimate time;   // median of `seconds`

@@ -63,34 +63,15 @@ std::string point_class(const RungRecord& rung) {
     return word_for(rung.verdict.standing);
 }
 
-// What stands on the lane: rungs that are exact, rungs without error, or both.
-std::string lane_text(const LadderRecord& ladder, const PlotLayout& plot) {
-    bool exact = false, without = false;
-    for (const PlotPoint& p : plot.points)
-        if (p.on_lane) (ladder.rungs[p.rung].exact ? exact : without) = true;
-    return exact && without ? "exact, 0" : exact ? "exact" : "0";
-}
-
 double text_width(const std::string& text) {  // in the plot's units, about
     std::size_t characters = 0;
     for (const char c : text) characters += (static_cast<unsigned char>(c) & 0xC0) != 0x80;
     return 6.0 * double(characters);
 }
 
-// The rungs of the front, by time.
-std::vector<const PlotPoint*> on_front(const LadderRecord& ladder, const PlotLayout& plot) {
-    std::vector<const PlotPoint*> points;
-    for (const PlotPoint& p : plot.points)
-        if (!p.on_lane && ladder.rungs[p.rung].verdict.standing == Standing::front)
-            points.push_back(&p);
-    std::sort(points.begin(), points.end(),
-              [](const PlotPoint* a, const PlotPoint* b) { return a->x < b->x; });
-    return points;
-}
-
 // Steps through them: what is the least error for so much time.
 std::string front_line(const LadderRecord& ladder, const PlotLayout& plot) {
-    const std::vector<const PlotPoint*> points = on_front(ladder, plot);
+    const std::vector<const PlotPoint*> points = front_points(ladder, plot);
     if (points.size() < 2) return {};
     std::string path = fmt::format("M{:.2f} {:.2f}", points[0]->x, points[0]->y);
     for (std::size_t i = 1; i < points.size(); ++i)
@@ -98,54 +79,34 @@ std::string front_line(const LadderRecord& ladder, const PlotLayout& plot) {
     return "<path class=\"front-line\" d=\"" + path + "\"/>\n";
 }
 
-// A place for each name beside its point where it covers nothing; none left: no name, the tooltip
-// and the table have it.
 std::string labels(const LadderRecord& ladder, const PlotLayout& plot) {
-    std::vector<Box> taken;
-    for (const PlotPoint& p : plot.points) {
-        taken.push_back({p.x - 6, p.y - 6, p.x + 6, p.y + 6});
-        taken.push_back({p.low_x, p.y - 2, p.high_x, p.y + 2});
-    }
-    if (plot.floor > 0) taken.push_back({plot.left, plot.floor - 1, plot.right, plot.floor + 1});
-    if (plot.lane > 0) taken.push_back({plot.left, plot.lane - 8, plot.left + 40, plot.lane + 8});
-    const std::vector<const PlotPoint*> front = on_front(ladder, plot);
-    for (std::size_t i = 1; i < front.size(); ++i) {
-        const PlotPoint &a = *front[i - 1], &b = *front[i];
-        taken.push_back({a.x, a.y - 1, b.x, a.y + 1});
-        taken.push_back({b.x - 1, std::min(a.y, b.y), b.x + 1, std::max(a.y, b.y)});
-    }
     std::string svg;
-    for (const PlotPoint& p : plot.points) {
-        const std::string& name = ladder.rungs[p.rung].name;
-        const double w = text_width(name), h = 12;
-        const struct {
-            double x, y;
-            const char* anchor;
-        } tries[] = {{p.x + 9, p.y + 4, "start"}, {p.x - 9, p.y + 4, "end"},
-                     {p.x, p.y - 10, "middle"},   {p.x, p.y + 19, "middle"},
-                     {p.x + 8, p.y - 7, "start"}, {p.x + 8, p.y + 15, "start"},
-                     {p.x - 8, p.y - 7, "end"},   {p.x - 8, p.y + 15, "end"}};
-        for (const auto& t : tries) {
-            const std::string anchor = t.anchor;
-            const double x0 = anchor == "start" ? t.x : anchor == "end" ? t.x - w : t.x - w / 2;
-            const Box box{x0, t.y - h + 2, x0 + w, t.y + 3};
-            if (box.x0 < plot.left + 2 || box.x1 > plot.width - 2 || box.y0 < plot.top ||
-                box.y1 > std::max(plot.bottom, plot.lane + 9))
-                continue;
-            if (std::any_of(taken.begin(), taken.end(), [&](const Box& b) { return b.meets(box); }))
-                continue;
-            taken.push_back(box);
-            svg += fmt::format(
-                "<text class=\"name\" x=\"{:.1f}\" y=\"{:.1f}\" "
-                "text-anchor=\"{}\">{}</text>\n",
-                t.x, t.y, anchor, html_escaped(name));
-            break;
-        }
+    for (const PlotName& name : names_in(ladder, plot))
+        svg += fmt::format(
+            "<text class=\"name\" x=\"{:.1f}\" y=\"{:.1f}\" "
+            "text-anchor=\"{}\">{}</text>\n",
+            name.x, name.y, name.anchor, html_escaped(ladder.rungs[name.rung].name));
+    return svg;
+}
+
+// What the rung draws and how far it is off, side by side, with a line of words below each.
+std::string looks(const RungRecord& rung, double x, double y) {
+    std::string svg;
+    for (const auto& [picture, words] :
+         {std::pair(&rung.picture, std::string("a part of it")),
+          std::pair(&rung.difference, fmt::format("its error, × {:g}", look_gain))}) {
+        svg += fmt::format(
+            "<image x=\"{:.1f}\" y=\"{:.1f}\" width=\"{}\" height=\"{}\" "
+            "href=\"data:image/png;base64,{}\"/><text x=\"{:.1f}\" y=\"{:.1f}\">{}</text>",
+            x, y, look_width, look_height, *picture, x, y + look_height + 14, words);
+        x += look_width + 8;
     }
     return svg;
 }
 
-std::string tooltip(const LadderRecord& ladder, const PlotLayout& plot, const PlotPoint& p) {
+// `pictures`: with what the rung draws, where it draws.
+std::string tooltip(const LadderRecord& ladder, const PlotLayout& plot, const PlotPoint& p,
+                    bool pictures) {
     const RungRecord& rung = ladder.rungs[p.rung];
     const Metric& metric = ladder.metrics[ladder.primary];
     const std::string lines[] = {
@@ -157,10 +118,13 @@ std::string tooltip(const LadderRecord& ladder, const PlotLayout& plot, const Pl
         standing_text(ladder, rung)};
     double w = 0;
     for (const std::string& line : lines) w = std::max(w, text_width(line) + 18);
+    pictures = pictures && !rung.picture.empty();
+    if (pictures) w = std::max(w, 2.0 * look_width + 26);
     w = std::min(w, plot.width - 4);
-    const double h = 70;
+    const double h = pictures ? 70 + look_height + 22 : 70;
     const double x = std::clamp(p.x - w / 2, 2.0, plot.width - w - 2);
-    const double y = p.y > h + 16 ? p.y - h - 12 : p.y + 12;
+    // Above the point or below it; where there is room for neither, at the top.
+    const double y = p.y > h + 16 ? p.y - h - 12 : p.y + 12 + h <= plot.height ? p.y + 12 : 2.0;
     std::string svg = fmt::format(
         "<g class=\"tip\" aria-hidden=\"true\"><rect x=\"{:.1f}\" "
         "y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" rx=\"5\"/>",
@@ -171,6 +135,7 @@ std::string tooltip(const LadderRecord& ladder, const PlotLayout& plot, const Pl
                            html_escaped(line));
         line_y += 16;
     }
+    if (pictures) svg += looks(rung, x + 9, line_y - 6);
     return svg + "</g>";
 }
 
@@ -238,6 +203,65 @@ PlotLayout layout_of(const LadderRecord& ladder) {
         for (const double v : tick_values(plot.y_low, plot.y_high))
             plot.y_ticks.push_back({v, plot.y_of(v), short_number(v)});
     return plot;
+}
+
+std::string lane_text(const LadderRecord& ladder, const PlotLayout& plot) {
+    bool exact = false, without = false;
+    for (const PlotPoint& p : plot.points)
+        if (p.on_lane) (ladder.rungs[p.rung].exact ? exact : without) = true;
+    return exact && without ? "exact, 0" : exact ? "exact" : "0";
+}
+
+std::vector<const PlotPoint*> front_points(const LadderRecord& ladder, const PlotLayout& plot) {
+    std::vector<const PlotPoint*> points;
+    for (const PlotPoint& p : plot.points)
+        if (!p.on_lane && ladder.rungs[p.rung].verdict.standing == Standing::front)
+            points.push_back(&p);
+    std::sort(points.begin(), points.end(),
+              [](const PlotPoint* a, const PlotPoint* b) { return a->x < b->x; });
+    return points;
+}
+
+std::vector<PlotName> names_in(const LadderRecord& ladder, const PlotLayout& plot) {
+    std::vector<Box> taken;
+    for (const PlotPoint& p : plot.points) {
+        taken.push_back({p.x - 6, p.y - 6, p.x + 6, p.y + 6});
+        taken.push_back({p.low_x, p.y - 2, p.high_x, p.y + 2});
+    }
+    if (plot.floor > 0) taken.push_back({plot.left, plot.floor - 1, plot.right, plot.floor + 1});
+    if (plot.lane > 0) taken.push_back({plot.left, plot.lane - 8, plot.left + 40, plot.lane + 8});
+    const std::vector<const PlotPoint*> front = front_points(ladder, plot);
+    for (std::size_t i = 1; i < front.size(); ++i) {
+        const PlotPoint &a = *front[i - 1], &b = *front[i];
+        taken.push_back({a.x, a.y - 1, b.x, a.y + 1});
+        taken.push_back({b.x - 1, std::min(a.y, b.y), b.x + 1, std::max(a.y, b.y)});
+    }
+    std::vector<PlotName> names;
+    for (const PlotPoint& p : plot.points) {
+        const std::string& name = ladder.rungs[p.rung].name;
+        const double w = text_width(name), h = 12;
+        const struct {
+            double x, y;
+            const char* anchor;
+        } tries[] = {{p.x + 9, p.y + 4, "start"}, {p.x - 9, p.y + 4, "end"},
+                     {p.x, p.y - 10, "middle"},   {p.x, p.y + 19, "middle"},
+                     {p.x + 8, p.y - 7, "start"}, {p.x + 8, p.y + 15, "start"},
+                     {p.x - 8, p.y - 7, "end"},   {p.x - 8, p.y + 15, "end"}};
+        for (const auto& t : tries) {
+            const std::string anchor = t.anchor;
+            const double x0 = anchor == "start" ? t.x : anchor == "end" ? t.x - w : t.x - w / 2;
+            const Box box{x0, t.y - h + 2, x0 + w, t.y + 3};
+            if (box.x0 < plot.left + 2 || box.x1 > plot.width - 2 || box.y0 < plot.top ||
+                box.y1 > std::max(plot.bottom, plot.lane + 9))
+                continue;
+            if (std::any_of(taken.begin(), taken.end(), [&](const Box& b) { return b.meets(box); }))
+                continue;
+            taken.push_back(box);
+            names.push_back({p.rung, t.x, t.y, t.anchor});
+            break;
+        }
+    }
+    return names;
 }
 
 std::string plot_style() {
@@ -323,7 +347,7 @@ std::string plot_svg(const LadderRecord& ladder, bool alone) {
             "y2=\"{:.2f}\"/>{}{}</g>\n",
             kind, p.rung, html_escaped(rung.name), short_time(rung.time.value),
             short_number(rung.errors[ladder.primary]), html_escaped(standing_text(ladder, rung)),
-            p.low_x, p.high_x, p.y, p.y, mark(p, kind), tooltip(ladder, plot, p));
+            p.low_x, p.high_x, p.y, p.y, mark(p, kind), tooltip(ladder, plot, p, !alone));
     }
     return svg + "</svg>\n";
 }

@@ -36,9 +36,25 @@ struct PlotLayout {
 
 PlotLayout layout_of(const LadderRecord& ladder);
 
+// The rungs of the front that are not on the lane, by time: a line steps through them.
+std::vector<const PlotPoint*> front_points(const LadderRecord& ladder, const PlotLayout& plot);
+
+// What stands on the lane: rungs that are exact, rungs without error, or both.
+std::string lane_text(const LadderRecord& ladder, const PlotLayout& plot);
+
+// A place for each name beside its point where it covers nothing; none left: no name, the tooltip
+// and the table have it.
+struct PlotName {
+    std::size_t rung = 0;
+    double x = 0, y = 0;      // of its baseline
+    const char* anchor = "";  // which end is there, as SVG says it
+};
+std::vector<PlotName> names_in(const LadderRecord& ladder, const PlotLayout& plot);
+
 // An <svg> element. As a file of its own (`alone`) it brings its colours along, light and dark by
 // the reader's preference; on a page the page's style sheet has them. Points can be reached with
-// Tab and say what they are.
+// Tab and say what they are; on a page those that draw show a part of what they draw, and its
+// error.
 std::string plot_svg(const LadderRecord& ladder, bool alone);
 
 // The rules that both forms share.

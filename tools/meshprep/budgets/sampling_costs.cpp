@@ -47,11 +47,19 @@ rast::RenderRequest calibration_request(const SamplingRung& rung, int threads) {
 
 }  // namespace
 
+Stopwatch::Stopwatch(int threads)
+    : alone_(threads == 1 || std::thread::hardware_concurrency() == 1), start_(clock_.now()) {}
+
+double Stopwatch::milliseconds() {
+    const cost::Instant now = clock_.now();
+    return 1e3 * (alone_ ? now.cpu - start_.cpu : now.wall - start_.wall);
+}
+
 SamplingCost cost_from_times(const SamplingRung& rung, double few, double many, double few_of_one,
                              double many_of_one) {
     const auto factor = [](double time, double of_one) {
         if (!(of_one > 0) || !(time > 0)) return 1.0;
-        return std::clamp(time / of_one, least_factor, most_factor);
+        return std::clamp(time / of_one, 1.0, most_factor);
     };
     return {rung, factor(many - few, many_of_one - few_of_one), factor(few, few_of_one)};
 }
@@ -68,9 +76,9 @@ Result<std::vector<SamplingCost>> measured_sampling_costs(int threads) {
             for (std::size_t r = 0; r < rungs.size(); ++r) {
                 if (round == 0 && rungs[r].supersample > 2) continue;
                 cost::Drawing drawing(scenes[s], calibration_request(rungs[r], threads));
-                const Clock::time_point start = Clock::now();
+                Stopwatch watch(threads);
                 if (const Result<void> done = drawing.draw(); !done) return done.error();
-                if (round > 0) least[r][s] = std::min(least[r][s], milliseconds_since(start));
+                if (round > 0) least[r][s] = std::min(least[r][s], watch.milliseconds());
             }
     std::vector<SamplingCost> costs;
     for (std::size_t r = 0; r < rungs.size(); ++r)

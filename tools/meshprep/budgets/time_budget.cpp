@@ -86,7 +86,7 @@ Result<PilotTimes> pilot_of(rast::SceneRenderer& renderer, const rast::RenderReq
                        std::numeric_limits<double>::infinity()};
     for (int run = 0; run <= pilot_runs; ++run)
         for (const std::uint32_t k : {4u, 2u}) {
-            const Clock::time_point start = Clock::now();
+            Stopwatch watch(request.threads);
             for (std::size_t v = 0; v < drawn; ++v) {
                 const Result<rast::RenderPlan> plan = plan_for(smaller(one, k), v * views / drawn);
                 if (!plan) return plan.error();
@@ -96,7 +96,7 @@ Result<PilotTimes> pilot_of(rast::SceneRenderer& renderer, const rast::RenderReq
             }
             double& to = least[k == 4 ? 0 : 1];
             // The first run reads textures and makes their levels.
-            if (run > 0) to = std::min(to, milliseconds_since(start));
+            if (run > 0) to = std::min(to, watch.milliseconds());
         }
     const double all = double(views) / double(drawn);
     return pilot_from_times(least[0] * all, least[1] * all);

@@ -8,6 +8,7 @@
 
 #include "cost/pages/page.h"
 #include "cost/pages/plot.h"
+#include "cost/pages/plot_image.h"
 #include "meshprep/commands/subcommand.h"
 #include "meshprep/files/file_list.h"
 #include "meshprep/files/input_file.h"
@@ -16,6 +17,7 @@
 #include "meshprep/output/cost_json.h"
 #include "meshprep/output/load_options.h"
 #include "prep/files.h"
+#include "prep/image.h"
 #include "prep/load.h"
 #include "prep/version.h"
 #include "text/suggestions.h"
@@ -31,7 +33,7 @@ struct CostCommand {
     CommonOptions common;
     std::vector<std::filesystem::path> inputs;
     std::vector<std::string> ladders;  // none: all
-    std::filesystem::path page, csv, svg, from;
+    std::filesystem::path page, csv, svg, png, from;
     bool list = false;
     int rounds = 0;  // 0: not given
     std::optional<float> seconds;
@@ -155,15 +157,16 @@ Result<cost::CostTable> read_table(const std::filesystem::path& path) {
     return table;
 }
 
-// The plots that --svg writes, by the order of the table.
+// The plots that --svg and --png write, by the order of the table.
 std::vector<std::filesystem::path> plot_files(const std::filesystem::path& directory,
-                                              const std::vector<std::string>& ladders) {
+                                              const std::vector<std::string>& ladders,
+                                              const char* ending) {
     std::vector<std::filesystem::path> files;
     std::map<std::string, int> times;  // several meshes: the ladder once for each
     for (const std::string& ladder : ladders) {
         const int before = times[ladder]++;
         files.push_back(directory /
-                        (ladder + (before > 0 ? fmt::format("-{}", before + 1) : "") + ".svg"));
+                        (ladder + (before > 0 ? fmt::format("-{}", before + 1) : "") + ending));
     }
     return files;
 }
@@ -201,9 +204,11 @@ std::vector<std::filesystem::path> named_outputs(const CostCommand& command) {
 std::vector<std::filesystem::path> all_outputs(const CostCommand& command,
                                                const std::vector<std::string>& ladders) {
     std::vector<std::filesystem::path> files = named_outputs(command);
-    if (command.svg.empty()) return files;
-    for (std::filesystem::path& plot : plot_files(command.svg, ladders))
-        files.push_back(std::move(plot));
+    for (const auto& [directory, ending] :
+         {std::pair(&command.svg, ".svg"), std::pair(&command.png, ".png")})
+        if (!directory->empty())
+            for (std::filesystem::path& plot : plot_files(*directory, ladders, ending))
+                files.push_back(std::move(plot));
     return files;
 }
 
@@ -214,8 +219,9 @@ Result<void> prepare_outputs(const CostCommand& command, const std::vector<std::
     if (!command.from.empty()) inputs.push_back(command.from);
     if (const Result<void> apart = keep_apart(inputs, all_outputs(command, ladders)); !apart)
         return apart.error();
-    if (!command.svg.empty())
-        if (const Result<void> made = directories.make(command.svg); !made) return made.error();
+    for (const std::filesystem::path& directory : {command.svg, command.png})
+        if (!directory.empty())
+            if (const Result<void> made = directories.make(directory); !made) return made.error();
     for (const std::filesystem::path& file : named_outputs(command)) {
         if (const Result<void> made = directories.make_for(file); !made) return made.error();
         std::error_code ec;
@@ -248,10 +254,18 @@ Result<void> write_text(const std::filesystem::path& path, const std::string& te
 
 Result<void> write_outputs(const CostCommand& command, const cost::CostTable& table) {
     if (!command.svg.empty()) {
-        const auto files = plot_files(command.svg, ladders_of(table));
+        const auto files = plot_files(command.svg, ladders_of(table), ".svg");
         for (std::size_t i = 0; i < files.size(); ++i)
             if (const Result<void> written =
                     write_text(files[i], cost::plot_svg(table.ladders[i], true));
+                !written)
+                return written.error();
+    }
+    if (!command.png.empty()) {
+        const auto files = plot_files(command.png, ladders_of(table), ".png");
+        for (std::size_t i = 0; i < files.size(); ++i)
+            if (const Result<void> written =
+                    prep::save_image(files[i], cost::plot_image(table.ladders[i]));
                 !written)
                 return written.error();
     }
@@ -365,6 +379,7 @@ void define(OptionSet& options, CostCommand& c) {
     options.path("-o,--output", c.page, "PAGE.html", "Write one page with plots and tables");
     options.path("--csv", c.csv, "FILE", "Write the numbers as comma-separated values");
     options.path("--svg", c.svg, "DIR", "Write each ladder's plot as a file of its own");
+    options.path("--png", c.png, "DIR", "The same plots as PNG files");
     options.path("--from", c.from, "TIMES.json",
                  "Measure nothing: make everything again from what --json wrote");
     options.number("--rounds", c.rounds, 1, 1000, "N",

@@ -12,6 +12,7 @@ using prep::ErrorCode;
 // What a table may hold, so that no document takes long, and no coordinate of a plot overflows.
 // Times from a picosecond to 30 years.
 constexpr std::size_t most_ladders = 1000, most_rungs = 64, most_metrics = 64, most_rounds = 1000;
+constexpr std::size_t most_picture = 1 << 16;
 constexpr double least_time = 1e-12, most_time = 1e9, largest_error = 1e300;
 
 // JSON knows no infinity: a number that is not finite is a string.
@@ -54,6 +55,20 @@ class CheckedDocument {
         const Json& value = member(object, pointer, name);
         if (value.is_string()) return value.get<std::string>();
         complain(pointer + "/" + name, "is no string");
+        return {};
+    }
+    // Of a PNG file, in base64: it stands in a page as it is.
+    std::string png(const Json& value, const std::string& pointer) {
+        constexpr std::string_view signature = "iVBORw0KGgo";
+        constexpr const char* digits =
+            "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/=";
+        if (value.is_string()) {
+            std::string text = value.get<std::string>();
+            if (text.size() <= most_picture && text.starts_with(signature) &&
+                text.find_first_not_of(digits) == std::string::npos)
+                return text;
+        }
+        complain(pointer, "is no small PNG file in base64");
         return {};
     }
     bool truth(const Json& object, const std::string& pointer, const char* name) {
@@ -124,6 +139,13 @@ cost::RungRecord rung_from(CheckedDocument& read, const Json& json, const std::s
                                           std::to_string(metrics) + " metrics");
     rung.seconds = read.times(json, at, "seconds");
     rung.repeats = int(read.count(json, at, "repeats", 1000000));
+    if (json.is_object() && json.contains("looks")) {
+        const Json& looks = read.list_of(json, at, "looks", 2);
+        if (looks.size() != 2) read.complain(at + "/looks", "is not two pictures");
+        for (std::size_t i = 0; i < looks.size(); ++i)
+            (i == 0 ? rung.picture : rung.difference) =
+                read.png(looks[i], at + "/looks/" + std::to_string(i));
+    }
     return rung;
 }
 
@@ -215,6 +237,7 @@ Json to_json(const cost::CostTable& table) {
             r["standing"] = rung.exact ? "exact" : cost::word_for(rung.verdict.standing);
             if (!rung.exact && rung.verdict.standing != cost::Standing::front)
                 r["by"] = ladder.rungs[rung.verdict.by].name;
+            if (!rung.picture.empty()) r["looks"] = {rung.picture, rung.difference};
             r["repeats"] = rung.repeats;
             r["seconds"] = numbers(rung.seconds);
             l["rungs"].push_back(std::move(r));
