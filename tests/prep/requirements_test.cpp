@@ -2,6 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <iterator>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "prep/calls/calls_for.h"
+
 namespace {
 
 prep::Scene textured_triangle() {
@@ -259,6 +267,156 @@ TEST(Requirements, TangentsGoWithTheFilesNormalsWhereNoneAreComputed) {
     const auto r = prep::requirements(scene, request)[0];
     EXPECT_TRUE(r.tangents.needed);
     EXPECT_EQ(r.normals.reason, "tangents need normals");
+}
+
+// Every reason of a mesh's requirements: what brings it, and which go for it.
+using Names = std::set<std::string>;
+struct ReasonCase {
+    void (*base)(prep::Scene&, prep::Request&);
+    void (*change)(prep::Scene&, prep::Request&);
+    Names come, go;
+};
+void none(prep::Scene&, prep::Request&) {}
+void with_normal_map(prep::Scene& s, prep::Request&) {
+    s.materials[0].normal_map.texture = 0;
+}
+void with_tangent_map(prep::Scene& s, prep::Request&) {
+    s.materials[0].layer_normal_map.texture = 0;
+}
+void with_anisotropy(prep::Scene& s, prep::Request&) {
+    s.materials[0].anisotropy = 0.5f;
+}
+void without_uvs(prep::Scene& s, prep::Request&) {
+    s.meshes[0].uvs.clear();
+}
+void exact(prep::Scene&, prep::Request& r) {
+    r.consumer.exact = true;
+}
+using Level = prep::Request::Level;
+const std::vector<ReasonCase>& reason_cases() {
+    using prep::Request, prep::Scene;
+    static const std::vector<ReasonCase> all = {
+        {none,
+         [](Scene& s, Request&) {
+             s.meshes[0] = {};
+             s.meshes[0].positions.resize(1);
+             s.meshes[0].points = {0};
+         },
+         {"no_faces_normals", "no_faces_tangents", "no_faces_uvs"},
+         {"material_lit", "no_map", "no_tangent_map"}},
+        {none, [](Scene&, Request& r) { r.normals = Level::never; }, {"request_off"}, {}},
+        {none, [](Scene&, Request& r) { r.normals = Level::always; }, {"request_on"}, {}},
+        {none,
+         [](Scene&, Request& r) { r.tangents = Level::never; },
+         {"request_off"},
+         {"no_tangent_map"}},
+        {none,
+         [](Scene&, Request& r) { r.tangents = Level::always; },
+         {"request_on"},
+         {"no_tangent_map"}},
+        {without_uvs,
+         [](Scene&, Request& r) { r.tangents = Level::always; },
+         {"request_on_without_uvs"},
+         {"no_tangent_map"}},
+        {none,
+         [](Scene& s, Request&) { s.meshes[0].face_materials.clear(); },
+         {"default_material_lit"},
+         {"material_lit"}},
+        {none,
+         [](Scene& s, Request&) { s.materials[0].unlit = true; },
+         {"all_unlit"},
+         {"material_lit"}},
+        {exact,
+         [](Scene&, Request& r) { r.consumer.shading = prep::Shading::flat; },
+         {"flat_shading"},
+         {"material_lit"}},
+        {exact,
+         [](Scene&, Request& r) { r.consumer.lights = false; },
+         {"no_directed_light"},
+         {"material_lit"}},
+        {exact,
+         [](Scene&, Request& r) { r.consumer.colors = false; },
+         {"no_colors_kept"},
+         {"material_lit"}},
+        {exact, [](Scene&, Request& r) { r.consumer.normals = true; }, {"normal_buffer"}, {}},
+        {exact, [](Scene&, Request& r) { r.consumer.uvs = true; }, {"uv_buffer"}, {}},
+        {none,
+         [](Scene& s, Request&) {
+             s.meshes[0].colors.push_back({{{1, 1, 1, 1}}, {0, 0, 0}});
+         },
+         {"vertex_colors"},
+         {}},
+        {none,
+         [](Scene& s, Request&) { s.materials[0].diffuse_map.texture = 0; },
+         {"map"},
+         {"no_map"}},
+        {without_uvs,
+         [](Scene& s, Request&) { s.materials[0].diffuse_map.texture = 0; },
+         {"map_without_uvs"},
+         {}},
+        {none, with_normal_map, {"map", "tangent_normal_map"}, {"no_map", "no_tangent_map"}},
+        {without_uvs,
+         with_normal_map,
+         {"map_without_uvs", "tangent_normal_map_without_uvs"},
+         {"no_tangent_map"}},
+        {none, with_tangent_map, {"map", "tangent_map"}, {"no_map", "no_tangent_map"}},
+        {without_uvs,
+         with_tangent_map,
+         {"map_without_uvs", "tangent_map_without_uvs"},
+         {"no_tangent_map"}},
+        {none, with_anisotropy, {"anisotropy"}, {"no_tangent_map"}},
+        {without_uvs, with_anisotropy, {"anisotropy_without_uvs"}, {"no_tangent_map"}},
+        {with_normal_map,
+         [](Scene& s, Request&) { s.materials[0].unlit = true; },
+         {"all_unlit", "no_tangent_map"},
+         {"material_lit", "tangent_normal_map"}},
+        {with_anisotropy,
+         [](Scene&, Request& r) { r.normals = Level::never; },
+         {"request_off", "tangents_without_normals"},
+         {}},
+        {[](Scene& s, Request&) { s.materials[0].unlit = true; },
+         [](Scene&, Request& r) { r.tangents = Level::always; },
+         {"request_on", "tangents_need_normals"},
+         {"all_unlit", "no_tangent_map"}},
+    };
+    return all;
+}
+
+Names codes_of(const prep::Scene& scene, const prep::Request& request) {
+    Names codes;
+    const auto add = [&](const prep::Reason& why) { codes.insert(std::string(name_of(why.code))); };
+    for (const prep::MeshRequirements& r : prep::requirements(scene, request))
+        for (const prep::Need* need : {&r.normals, &r.uvs, &r.tangents}) add(need->why);
+    for (const auto& calls : prep::calls_for(scene, request.consumer))
+        for (const prep::Call& call : calls) add(call.why);
+    return codes;
+}
+Names less(const Names& a, const Names& b) {
+    Names out;
+    std::set_difference(a.begin(), a.end(), b.begin(), b.end(), std::inserter(out, out.end()));
+    return out;
+}
+
+TEST(Requirements, EveryReasonComesAndGoes) {
+    Names found;
+    std::size_t number = 0;
+    for (const ReasonCase& c : reason_cases()) {
+        prep::Scene scene = textured_triangle();
+        prep::Request request;
+        c.base(scene, request);
+        const Names old = codes_of(scene, request);
+        c.change(scene, request);
+        const Names now = codes_of(scene, request);
+        EXPECT_EQ(less(now, old), c.come) << "row " << number;
+        EXPECT_EQ(less(old, now), c.go) << "row " << number;
+        found.insert(c.come.begin(), c.come.end());
+        found.insert(c.go.begin(), c.go.end());
+        ++number;
+    }
+    for (const prep::ReasonRow& row : prep::reason_rows())
+        if (row.code != prep::ReasonCode::none && row.code < prep::ReasonCode::view_given) {
+            EXPECT_EQ(found.count(std::string(row.key)), 1u) << row.key << " is in no row";
+        }
 }
 
 }  // namespace

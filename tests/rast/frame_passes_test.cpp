@@ -282,4 +282,61 @@ TEST(FramePasses, CostNothingWhereThereAreNone) {
     EXPECT_EQ(test::differing(frame, drawn(scene, bare)), "");
 }
 
+// What is drawn about a part, what passes read and their planes: estimated as they come.
+TEST(FramePasses, AreInTheEstimatesOfMemory) {
+    const prep::PreparedScene scene = scene_with_edges();
+    struct Case {
+        std::optional<rast::Crop> crop;
+        std::uint32_t first, second;
+        bool keeps_depth, bytes;
+    };
+    const Case cases[] = {{{}, 3, 0, false, false},
+                          {{}, 0, 0, true, true},
+                          {rast::Crop{40, 50, 30, 60}, 7, 20, true, false},
+                          {rast::Crop{0, 150, 150, 50}, 70, 0, false, true}};
+    for (const Case& c : cases) {
+        rast::RenderRequest request = usual_request();
+        request.crop = c.crop;
+        request.keep_depth = c.keeps_depth;
+        if (c.bytes) request.pixels = rast::PixelFormat::bytes;
+        request.band_bytes = 16 * 1024;
+        rast::RenderPlan plan = plan_of(scene, request);
+        const rast::Frame bare = drawn(scene, plan);
+        const std::uint64_t beside = plan.memory_estimate - bare.counters.buffer_bytes;
+        const std::uint64_t bare_rows = plan.band_rows;
+        add_pass(plan, depth_mean(c.first));
+        add_pass(plan, green_mean(c.second));
+        // Bytes are made of floats, which are gone when they are counted.
+        const std::uint64_t width = c.crop ? c.crop->width : 150,
+                            height = c.crop ? c.crop->height : 200,
+                            floats = c.bytes ? 12 * width : 0;
+        EXPECT_EQ(plan.memory_estimate - beside,
+                  drawn(scene, plan).counters.buffer_bytes + floats * height);
+        EXPECT_LE(plan.band_rows, bare_rows);
+        std::uint64_t most = 0;
+        const auto take = [&](const rast::Frame& band, std::uint32_t) -> prep::Result<void> {
+            most = std::max(most, band.counters.buffer_bytes);
+            return {};
+        };
+        ASSERT_TRUE(rast::render_bands(scene, plan, take));
+        most += floats * plan.band_rows;
+        const std::uint64_t tiles = 2 * 63 * (width + 2 * std::uint64_t(plan.halo)) * 36;
+        EXPECT_LE(most, plan.band_memory_estimate - beside);
+        EXPECT_GE(most + tiles, plan.band_memory_estimate - beside);
+    }
+    // Planes of a pass before the main one are as large as it says.
+    rast::RenderPlan plan = plan_of(scene, usual_request());
+    const std::uint64_t before = plan.memory_estimate;
+    FramePass shadows;
+    shadows.before = true;
+    shadows.bytes = 1000;
+    shadows.planes = 1;
+    shadows.run = [](const PassTask& task) {
+        task.planes[task.pass][0] = {25, 10, std::vector<float>(250)};
+    };
+    add_pass(plan, shadows);
+    EXPECT_EQ(drawn(scene, plan).counters.buffer_bytes, 150 * 200 * (16 + 16) + 1000);
+    EXPECT_EQ(plan.memory_estimate, before + 150 * 200 * 16 + 1000);
+}
+
 }  // namespace

@@ -59,8 +59,8 @@ TEST(RandomScenes, PicturesOfFloatsKeepTheirBits) {
 }
 
 // A line for each picture: its hash, and what it is of. MESHPREP_HASHES names the file, so that two
-// builds can be compared; MESHPREP_HASH_FOLDERS (divided by ':') what is drawn beside the random
-// scenes.
+// builds can be compared (scripts/picture-hashes); MESHPREP_HASH_FOLDERS (divided by ':') what is
+// drawn beside the random scenes.
 class HashList {
   public:
     HashList() {
@@ -80,9 +80,11 @@ class HashList {
 
 // Of formats whose readers are this project's own.
 bool ours(const std::filesystem::path& file) {
-    const std::string ending = file.extension().string();
-    return ending == ".obj" || ending == ".ply" || ending == ".stl" || ending == ".glb" ||
-           ending == ".gltf";
+    std::string ending = file.extension().string();
+    for (char& c : ending)
+        if (c >= 'A' && c <= 'Z') c = char(c - 'A' + 'a');
+    return ending == ".obj" || ending == ".ply" || ending == ".stl" || ending == ".off" ||
+           ending == ".glb" || ending == ".gltf";
 }
 
 // With 1 and 4 samples, on every instruction set: the same bits.

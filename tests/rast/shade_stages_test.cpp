@@ -6,11 +6,13 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <map>
 #include <set>
 #include <string>
 #include <vector>
 
+#include "kernels/kernels.h"
 #include "random_pictures.h"
 #include "skip_stage.h"
 
@@ -103,7 +105,7 @@ class Machine {
         if (light > 0) reads_.push_back(PointValue::gloss);
         if (r_.metallic_roughness && mapped(MapKind::metallic_roughness))
             reads_.push_back(texels_of(MapKind::metallic_roughness));
-        if (local_[light]) reads_.insert(reads_.end(), {PointValue::normal, PointValue::position});
+        if (local_[light]) reads_.push_back(PointValue::position);
     }
     void list(const Stage& s) {
         const std::size_t last = local_.size() - 1;
@@ -317,6 +319,90 @@ TEST(ShadeStages, CountTheirPoints) {
             EXPECT_EQ(c.highlight_points, 2 * all);
         }
     }
+}
+
+// After each stage, all planes that no later one reads are filled with something.
+struct Spoiler : rast::detail::StageWatch {
+    float with = 0;
+    std::uint64_t spoiled = 0, left = 0;
+    explicit Spoiler(float value) : with(value) {
+        after = [](StageWatch& self, const StageList& list, std::size_t stage, float* planes,
+                   std::size_t stride) {
+            auto& spoiler = static_cast<Spoiler&>(self);
+            for (std::size_t p = 0; p < rast::detail::most_planes; ++p) {
+                (list.live[stage].test(p) ? spoiler.left : spoiler.spoiled) += 1;
+                if (!list.live[stage].test(p))
+                    std::fill_n(planes + p * stride, stride, spoiler.with);
+            }
+        };
+    }
+};
+
+// Kernels read no plane that the list takes for free: whatever is in those, the picture is the
+// same.
+TEST(ShadeStages, PlanesThatNoLaterStageReadsMayHoldAnything) {
+    Spoiler spoilers[] = {Spoiler(std::numeric_limits<float>::quiet_NaN()), Spoiler(-3e30f)};
+    for (std::uint32_t seed = 0; seed < 200; ++seed) {
+        const prep::PreparedScene scene = test::prepared_random_scene(seed);
+        rast::RenderRequest request = test::random_request(seed);
+        request.threads = 1;
+        request.prune = seed % 8 != 0;
+        request.simd = prep::SimdLevel(seed % 5);
+        if (seed % 10 == 0) {
+            request.samples = 1;
+            request.coverage = rast::Coverage::area;
+        }
+        rast::RenderPlan plan = *rast::plan(scene, request);
+        const rast::Frame frame = *rast::render(scene, plan);
+        for (Spoiler& spoiler : spoilers) {
+            plan.watch = &spoiler;
+            EXPECT_EQ(test::differing(frame, *rast::render(scene, plan)), "") << "seed " << seed;
+        }
+    }
+    for (const Spoiler& spoiler : spoilers) {
+        EXPECT_GT(spoiler.spoiled, 100000u);
+        EXPECT_GT(spoiler.left, 10000u);
+    }
+}
+
+// And they read those that it does not: each plane in turn.
+TEST(ShadeStages, PlanesThatALaterStageReadsMatter) {
+    struct One : rast::detail::StageWatch {
+        std::size_t stage = 0, plane = 0;
+        bool live = false;
+        One() {
+            after = [](StageWatch& self, const StageList& list, std::size_t s, float* planes,
+                       std::size_t stride) {
+                auto& one = static_cast<One&>(self);
+                if (s != one.stage || !list.live[s].test(one.plane)) return;
+                one.live = true;
+                for (std::size_t n = 0; n < stride; ++n) {
+                    float& v = planes[one.plane * stride + n];
+                    v = -0.7f - 1.5f * v;
+                }
+            };
+        }
+    };
+    prep::Material material;
+    const prep::PreparedScene scene = test::stage_of(material);
+    rast::RenderRequest request = test::stage_request();
+    request.threads = 1;
+    request.lights->push_back(
+        test::light_of(prep::LightKind::point, glm::vec3(9), {2, 2, 2}, {0, 0, -1}));
+    rast::RenderPlan plan = *rast::plan(scene, request);
+    const rast::Frame frame = *rast::render(scene, plan);
+    int live = 0;
+    for (std::size_t s = 0; s < 10; ++s)
+        for (std::size_t p = 0; p < rast::detail::most_planes; ++p) {
+            One one;
+            one.stage = s;
+            one.plane = p;
+            plan.watch = &one;
+            const rast::Frame other = *rast::render(scene, plan);
+            live += one.live;
+            EXPECT_EQ(test::differing(frame, other) != "", one.live) << s << ", " << p;
+        }
+    EXPECT_GT(live, 40);
 }
 
 }  // namespace

@@ -1,7 +1,11 @@
 // `render --explain`: what each step came to, on a picture whose points are known beforehand.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <map>
+#include <set>
+#include <string>
+#include <vector>
 
 #include "command_runner.h"
 
@@ -90,10 +94,7 @@ TEST_F(RenderCosts, AreEstimatedBeforeTheyAreCounted) {
             EXPECT_EQ(step["run"], true);
             EXPECT_EQ(step["estimate"], step["cost"]) << step["step"];
         }
-        EXPECT_GE(all["plan"]["passes"]["drawing"], 0);
-        EXPECT_GE(all["plan"]["passes"]["geometry"], 0);
     }
-    EXPECT_FALSE(render("{}", {"--json"}).json()["plan"].contains("passes"));
     const auto expected = [&](std::vector<std::string> options) {
         return document("{}", std::move(options))["plan"]["steps"];
     };
@@ -131,6 +132,65 @@ TEST_F(RenderCosts, AreExpectedWhereTheBoxIs) {
         EXPECT_EQ(step["cost"]["count"], 20 * 20);
         EXPECT_GT(step["cost"]["milliseconds"], 0);
     }
+}
+
+// Steps that run say what they took, from the parts of drawing that are theirs; a part belongs to
+// one step, or says who else is in it.
+TEST_F(RenderCosts, AreMeasured) {
+    const std::vector<std::string> ways[] = {
+        {"--size", "320x240"},
+        {
+            "--size",
+            "320x240",
+            "--samples",
+            "4",
+            "--buffers",
+            "depth,normal",
+            "--buffer-file",
+            (dir_ / "b.exr").string(),
+        },
+        {"--size", "160x120", "--coverage", "area"},
+        {"--size", "160x120", "--supersample", "2", "--shading", "gouraud"}};
+    for (const std::vector<std::string>& way : ways) {
+        const json plan = document("{}", way)["plan"];
+        const json& all = plan["milliseconds"];
+        EXPECT_GT(all["geometry"], 0);
+        EXPECT_GT(all["drawing"], 0);
+        EXPECT_GT(all["writing"], 0);
+        std::map<std::string, std::set<std::string>> steps_of;
+        for (const json& step : plan["steps"]) {
+            if (!step.contains("measured")) continue;
+            EXPECT_EQ(step["run"], true) << step["step"];
+            double sum = 0;
+            for (const json& part : step["measured"]["parts"]) {
+                sum += all["parts"][part.get<std::string>()].get<double>();
+                steps_of[part].insert(step["step"]);
+            }
+            EXPECT_NEAR(step["measured"]["milliseconds"], sum, 1e-9);
+        }
+        for (const json& step : plan["steps"])
+            if (step.contains("measured"))
+                for (const json& part : step["measured"]["parts"])
+                    for (const std::string& other : steps_of[part])
+                        if (step["step"] != other) {
+                            const json& with = step["measured"]["with"];
+                            EXPECT_NE(std::find(with.begin(), with.end(), other), with.end())
+                                << step["step"] << " " << other;
+                        }
+        // Nothing that takes time at points is no step's.
+        for (const auto& [part, ms] : all["parts"].items())
+            if (ms > 0 && part != "clearing") {
+                EXPECT_EQ(steps_of.count(part), 1u) << part;
+            }
+    }
+    EXPECT_FALSE(render("{}", {"--json"}).json()["plan"].contains("milliseconds"));
+    const json counters = render("{}", {"--json"}).json()["counters"];
+    EXPECT_EQ(counters["stage_points"]["light"], 2 * points);
+    EXPECT_EQ(counters["stage_points"]["exponents"], counters["highlight_points"]);
+    EXPECT_EQ(counters["stage_points"]["color"], counters["pixels_shaded"]);
+    const std::string text = render("{}", {"--explain"}).out;
+    EXPECT_NE(text.find("; took "), std::string::npos) << text;
+    EXPECT_NE(text.find("parts of drawing"), std::string::npos) << text;
 }
 
 TEST_F(RenderCosts, OfBuffersAreTheirBytes) {

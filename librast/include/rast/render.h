@@ -74,6 +74,9 @@ struct RenderRequest : prep::RenderChoices {
     // (a neutral one where it has none), all buffers are kept, all levels of detail made: the same
     // picture, for tests and for measuring what leaving out is worth.
     bool prune = true;
+    // Whether what each part of drawing takes is measured: Frame::part_ms. The picture does not
+    // depend on it; clocks take some of its time.
+    bool timed = false;
     // By Scene::textures; SceneRenderer::texel_facts() gathers them. Null: nothing is known, and
     // nothing is left out for what texels are like.
     std::shared_ptr<const std::vector<TexelFacts>> texel_facts;
@@ -124,7 +127,8 @@ struct PlanVariant {
 
 namespace detail {
 struct FramePass;
-}
+struct StageWatch;
+}  // namespace detail
 
 struct RenderPlan {         // a value; made by plan(), obeyed by render()
     RenderRequest request;  // with every choice made
@@ -137,13 +141,15 @@ struct RenderPlan {         // a value; made by plan(), obeyed by render()
     // crop or a band are drawn for what those after it look at.
     std::vector<std::shared_ptr<const detail::FramePass>> passes = {};
     std::uint32_t halo = 0;
-    std::vector<bool> textures_used;    // per Scene::textures entry
-    std::vector<bool> colour_textures;  // decoded from sRGB, where they are
+    detail::StageWatch* watch = nullptr;  // looks at each stage of shading, for tests
+    std::vector<bool> textures_used;      // per Scene::textures entry
+    std::vector<bool> colour_textures;    // decoded from sRGB, where they are
     // Of those: texel_facts() might leave something out by them.
     std::vector<TexelQuestions> texel_questions;
     std::uint64_t triangles = 0, vertices = 0;  // instanced
     std::uint32_t band_rows = 0;                // of what render_bands() draws at a time
-    std::uint64_t memory_estimate = 0;  // bytes, of the whole picture at once, without textures
+    // Bytes, of the whole picture at once, without textures; planes of passes among them.
+    std::uint64_t memory_estimate = 0;
     std::uint64_t band_memory_estimate = 0;  // the same for render_bands()
     std::vector<std::string> warnings;
 };
@@ -164,6 +170,28 @@ inline constexpr std::array<std::string_view, 9> shade_stage_names = {
     "interpolation", "maps",       "normals", "eye", "light", "light without highlights",
     "exponents",     "highlights", "color"};
 inline constexpr std::size_t shade_stages = shade_stage_names.size();
+
+// Parts of drawing that have a time of their own: the stages of shading first, by their number.
+enum class DrawingPart : std::uint8_t {
+    bent_normals = shade_stages,  // normals of draws that have a map of them
+    buffers,                      // what is kept beside colours
+    textures,                     // read and decoded
+    levels,                       // texels as they are sampled, and levels of detail
+    vertices,                     // transformed
+    vertex_light,                 // Gouraud
+    culling,                      // and lists of triangles by tile
+    clearing,                     // memory for the picture, tiles
+    visibility,                   // depth test, alpha mask
+    sorting,                      // of points by triangle, one sample a pixel
+    resolving,                    // several samples: points found, sorted and summed
+    areas,                        // exact ones, their points shaded
+    reducing,                     // of a finer picture
+    passes,                       // before and after the main one
+    count
+};
+inline constexpr std::size_t drawing_parts = std::size_t(DrawingPart::count);
+// "light", "visibility", …; empty: there is no such part.
+std::string_view name_of(DrawingPart part);
 
 struct Counters {
     std::uint64_t triangles = 0;        // submitted
@@ -201,7 +229,11 @@ struct Frame {
     std::vector<glm::vec3> barycentric;  // of the triangle's corners, perspective-correct
     std::vector<glm::vec3> position;     // from View::eye(), in world axes
     Counters counters;
-    double geometry_ms = 0, raster_ms = 0;  // raster includes shading
+    double geometry_ms = 0, raster_ms = 0;  // by the clock on the wall; raster includes shading
+    // By DrawingPart, with RenderRequest::timed: milliseconds of all threads, summed. A thread that
+    // waits for the processor counts as well. Textures and levels: those of the plan, by the clock
+    // on the wall, whichever picture had them made. What is in no part: setting up, waiting.
+    std::array<double, drawing_parts> part_ms{};
     std::vector<std::string> warnings;
 };
 

@@ -51,6 +51,7 @@ void cut_out(const Frame& drawn, std::uint32_t x, std::uint32_t y, const RenderR
     part.counters = drawn.counters;
     part.geometry_ms = drawn.geometry_ms;
     part.raster_ms = drawn.raster_ms;
+    part.part_ms = drawn.part_ms;
 }
 
 void PassRunner::begin(const RenderPlan& plan) {
@@ -75,6 +76,7 @@ void PassRunner::run(std::size_t p, const Crop& part, Frame* frame) {
         plane.values.assign(pixels, 0.0f);
     }
     const FloatingPointMode mode;
+    const PartTimer timer(plan_->request.timed ? &clock_ : nullptr, DrawingPart::passes);
     pass.run({scene_, *plan_, part, frame, planes_, p});
 }
 

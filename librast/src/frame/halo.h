@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "passes/frame_pass.h"
+#include "passes/part_clock.h"
 
 namespace rast::detail {
 
@@ -33,12 +34,15 @@ class PassRunner {
     // And those after it, over what has been drawn of the picture.
     void finish(const Crop& part, Frame& frame);
     std::uint64_t plane_bytes() const;
+    // Adds what the passes took since they were last told of.
+    void tell(PartTimes& times) { clock_.tell(0, times); }
 
   private:
     void run(std::size_t pass, const Crop& part, Frame* frame);
 
     const prep::PreparedScene& scene_;
     const RenderPlan* plan_ = nullptr;
+    PartClock clock_;
     std::vector<std::vector<FramePlane>> planes_;  // by pass
 };
 

@@ -5,17 +5,10 @@
 
 #include "base/parallel.h"
 #include "frame/supersampled_renderer.h"
+#include "plan/memory_estimate.h"
 #include "shading/color.h"
 
 namespace rast {
-namespace {
-
-Crop picture_part(const RenderPlan& plan) {
-    return plan.request.crop.value_or(Crop{0, 0, plan.request.width, plan.request.height});
-}
-
-}  // namespace
-
 SceneRenderer::SceneRenderer(const prep::PreparedScene& scene)
     : painter_(std::make_unique<detail::Painter>(scene)) {}
 SceneRenderer::SceneRenderer(SceneRenderer&&) noexcept = default;
@@ -26,7 +19,7 @@ prep::Result<void> SceneRenderer::render(const RenderPlan& plan, Frame& frame) {
     // The stages share their threads: each would wait for its own to start.
     prep::detail::with_threads(plan.request.threads, [&](int) {
         painter_->begin(plan);
-        const Crop part = picture_part(plan);
+        const Crop part = detail::picture_part(plan.request);
         painter_->place(part);
         painter_->draw_rows(0, part.height, frame);
     });
@@ -54,7 +47,7 @@ prep::Result<Frame> render_bands(const prep::PreparedScene& scene, const RenderP
 
 prep::Result<Frame> SceneRenderer::render_bands(const RenderPlan& plan, const BandSink& take) {
     painter_->begin(plan);
-    const Crop part = picture_part(plan);
+    const Crop part = detail::picture_part(plan.request);
     Frame all, band;
     all.width = part.width;
     all.height = part.height;
@@ -69,6 +62,7 @@ prep::Result<Frame> SceneRenderer::render_bands(const RenderPlan& plan, const Ba
         detail::add_counters(all.counters, band.counters);
         all.geometry_ms += band.geometry_ms;
         all.raster_ms += band.raster_ms;
+        detail::add_times(all.part_ms, band.part_ms);
         if (prep::Result<void> taken = take(band, row); !taken) return taken.error();
         row += rows;
     }

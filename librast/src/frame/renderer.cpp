@@ -88,6 +88,8 @@ void Renderer::begin(const RenderPlan& plan) {
     threads_ = plan.request.threads;
     offsets_ = sample_offsets(plan.request.samples);
     shared_counters_ = {};
+    clocks_.clear();
+    if (plan.request.timed) clock_reading_ = PartClock::reading();
     load_textures();
     transform();
     make_draws();
@@ -122,7 +124,10 @@ void Renderer::draw_rows(std::uint32_t first, std::uint32_t rows, Frame& frame) 
     const Clock::time_point start = Clock::now();
     frame.width = std::uint32_t(window_.width);
     frame.height = rows;
-    size_buffers(frame);
+    {
+        const PartTimer timer(clock(), DrawingPart::clearing);
+        size_buffers(frame);
+    }
     TileInputs inputs;
     inputs.plan = plan_;
     inputs.kernels = kernels_;
@@ -166,7 +171,24 @@ void Renderer::draw_rows(std::uint32_t first, std::uint32_t rows, Frame& frame) 
     frame.counters.textures_read = textures_read_;
     frame.counters.texture_levels = texture_levels();
     frame.counters.buffer_bytes = buffer_bytes(frame);
+    frame.part_ms = part_times();
     frame.raster_ms = milliseconds_since(start);
+}
+
+PartClock* Renderer::clock() {
+    return plan_->request.timed ? &clocks_.local() : nullptr;
+}
+
+PartTimes Renderer::part_times() {
+    PartTimes times{};
+    if (!plan_->request.timed) return times;
+    for (PartClock& clock : clocks_) clock.tell(clock_reading_, times);
+    for (std::size_t t = 0; t < kept_.size(); ++t) {
+        if (!plan_->textures_used[t]) continue;
+        times[std::size_t(DrawingPart::textures)] += kept_[t].read_ms;
+        times[std::size_t(DrawingPart::levels)] += kept_[t].levels_ms;
+    }
+    return times;
 }
 
 namespace {
@@ -198,7 +220,8 @@ void Renderer::load_texture(std::size_t t) {
     const TextureLevels levels =
         levels_for(filter_for(plan_->request.filter, texture), texture.mip);
     if (kept.tried && kept.colour == colour && kept.levels == levels) return;
-    kept = {true, colour, levels, nullptr, {}, {}, {}};
+    kept = {true, colour, levels, nullptr, {}, 0, 0, {}, {}};
+    const Clock::time_point reading = Clock::now();
     auto image = prep::load_image(scene.images[texture.image]);
     if (!image) {
         // A picture of a kind that is known and not read is no reason for a bare surface.
@@ -207,9 +230,12 @@ void Renderer::load_texture(std::size_t t) {
                        prep::to_string(image.error());
         if (known && colour) image = checker();
     }
+    kept.read_ms = milliseconds_since(reading);
+    const Clock::time_point making = Clock::now();
     if (image)
         kept.texture =
             std::make_shared<MipTexture>(*image, texture, colour && !image->floating, levels);
+    kept.levels_ms = milliseconds_since(making);
 }
 
 std::vector<TexelFacts> Renderer::texel_facts(const RenderPlan& plan) {
@@ -303,6 +329,7 @@ void Renderer::transform() {
         for (std::size_t v = 0, n = instances_[i].mesh().vertex_count(); v < n; v += vertex_grain)
             blocks.push_back({i, v, std::min(n, v + vertex_grain)});
     parallel_items(blocks.size(), threads_, [&](std::size_t b) {
+        const PartTimer timer(clock(), DrawingPart::vertices);
         instances_[blocks[b].instance].transform(*kernels_, blocks[b].begin, blocks[b].end);
     });
 }
@@ -353,6 +380,7 @@ void Renderer::light_vertices(std::size_t d) {
     shared_counters_.vertices_lit += vertices.size();
     const std::size_t blocks = (vertices.size() + vertex_grain - 1) / vertex_grain;
     parallel_items(blocks, threads_, [&](std::size_t b) {
+        const PartTimer timer(clock(), DrawingPart::vertex_light);
         const std::size_t begin = b * vertex_grain;
         kernels_->light_vertices(draw, inputs_.frame, vertices.data() + begin,
                                  std::min(vertex_grain, vertices.size() - begin),
@@ -371,8 +399,9 @@ void Renderer::draw_tiles(const TileRows& rows, const TileInputs& shared, Frame&
     const std::size_t before = tile_counts_.size();
     tile_counts_.resize(before + tiles);
     parallel_items(tiles, threads_, [&](std::size_t tile) {
-        tile_counts_[before + tile] =
-            draw_tile(inputs, std::uint32_t(first + tile), tile_scratch_.local());
+        TileScratch& scratch = tile_scratch_.local();
+        scratch.clock = clock();
+        tile_counts_[before + tile] = draw_tile(inputs, std::uint32_t(first + tile), scratch);
     });
 }
 
@@ -397,6 +426,7 @@ std::uint64_t Renderer::list_limit() const {
 void Renderer::group_rows() {
     for (BinScratch& scratch : bin_scratch_) scratch.row_bytes.clear();
     parallel_items(chunk_count_, threads_, [&](std::size_t c) {
+        const PartTimer timer(clock(), DrawingPart::culling);
         BinScratch& scratch = bin_scratch_.local();
         const std::uint32_t kept = cull_chunk(geometry_of(chunks_[c]), window_, offsets_.size() > 1,
                                               *kernels_, scratch, chunks_[c]);
@@ -425,6 +455,7 @@ bool Renderer::list_rows(const TileRows& rows, std::uint64_t max_bytes) {
     ListMemory memory{max_bytes};
     std::atomic<bool> fits{true};
     parallel_items(chunk_count_, threads_, [&](std::size_t c) {
+        const PartTimer timer(clock(), DrawingPart::culling);
         TriangleChunk& chunk = chunks_[c];
         BinScratch& scratch = bin_scratch_.local();
         const std::uint32_t kept =
@@ -449,6 +480,7 @@ void Renderer::free_lists() {
 }
 
 void Renderer::sort_by_tile() {
+    const PartTimer timer(clock(), DrawingPart::culling);
     tile_begin_.assign(window_.tile_count() + 1, 0);
     for (std::size_t c = 0; c < chunk_count_; ++c)
         for (const TileSlice& slice : chunks_[c].slices) ++tile_begin_[slice.tile + 1];
@@ -466,6 +498,7 @@ TileCounts Renderer::resolve_areas(const Window& rows, Frame& frame) {
     CoverageScene scene{plan_, kernels_, &instances_, &draws_, &shade_draws_, &inputs_.frame, {}};
     for (const Draw& draw : draws_)
         scene.cull.push_back(cull_side(*plan_, prepared_, draw.material));
+    scene.clock = [this] { return clock(); };
     return resolve_coverage(scene, rows, threads_, frame);
 }
 

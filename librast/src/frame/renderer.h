@@ -51,6 +51,8 @@ class Renderer {
     TileCounts resolve_areas(const Window& rows, Frame& frame);
     void size_buffers(Frame& frame) const;
     std::uint64_t texture_levels() const;
+    PartClock* clock();  // of this thread; null: nothing is measured
+    PartTimes part_times();
 
     const prep::PreparedScene& prepared_;
     const RenderPlan* plan_ = nullptr;
@@ -67,6 +69,7 @@ class Renderer {
         TextureLevels levels = TextureLevels::base;
         std::shared_ptr<MipTexture> texture;
         std::string warning;  // set: it cannot be read
+        double read_ms = 0, levels_ms = 0;
         TexelQuestions asked;
         TexelFacts facts;
     };
@@ -88,6 +91,8 @@ class Renderer {
     std::uint64_t textures_read_ = 0;  // those of the plan
     tbb::enumerable_thread_specific<BinScratch> bin_scratch_;
     tbb::enumerable_thread_specific<TileScratch> tile_scratch_;
+    tbb::enumerable_thread_specific<PartClock> clocks_;
+    double clock_reading_ = 0;  // nanoseconds
 };
 
 }  // namespace rast::detail

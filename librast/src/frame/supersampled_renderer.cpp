@@ -77,6 +77,7 @@ void Painter::draw_for_passes(std::uint32_t first, std::uint32_t rows, Frame& fr
     passes_.finish({drawn_.x, drawn_.y + range.first, drawn_.width, range.count}, wide_frame_);
     frame.width = part_.width;
     frame.height = rows;
+    passes_.tell(wide_frame_.part_ms);
     cut_out(wide_frame_, part_.x - drawn_.x, part_.y - drawn_.y + first - range.first,
             plan_->request, frame);
 }
@@ -109,14 +110,20 @@ void Painter::draw_fine(std::uint32_t first, std::uint32_t rows, Frame& frame) {
         add_counters(frame.counters, fine_frame_.counters);
         frame.geometry_ms += fine_frame_.geometry_ms;
         frame.raster_ms += fine_frame_.raster_ms;
+        add_times(frame.part_ms, fine_frame_.part_ms);
         // What the row of tiles before left belongs in front.
         std::vector<glm::vec4>& color = fine_frame_.color;
         if (!left_over_.empty()) color.insert(color.begin(), left_over_.begin(), left_over_.end());
         const auto whole = std::uint32_t(color.size() / width) / factor;
-        reduce(color.data(), factor, done, whole, frame);
+        PartClock* const clock = plan_->request.timed ? &clock_ : nullptr;
+        {
+            const PartTimer timer(clock, DrawingPart::reducing);
+            reduce(color.data(), factor, done, whole, frame);
+        }
         done += whole;
         left_over_.assign(color.begin() + std::ptrdiff_t(whole * factor * width), color.end());
     }
+    clock_.tell(0, frame.part_ms);
 }
 
 std::vector<std::string> Painter::warnings() const {

@@ -35,6 +35,7 @@ class Painter {
     bool draws_plain_ = false, draws_fine_ = false;
     Renderer plain_, fine_;
     PassRunner passes_;
+    PartClock clock_;
     Crop part_, drawn_;  // what is asked for, and that with the plan's halo
     Frame fine_frame_, wide_frame_;
     std::vector<glm::vec4> left_over_;  // rows of the finer picture that do not yet make a pixel

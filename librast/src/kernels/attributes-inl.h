@@ -33,6 +33,9 @@ inline void attributes(const ShadeDraw& draw, const ShadeFrame& frame, const Att
             if (s.kind == StageKind::normals)
                 finish_normals(draw, frame, task.place, task.pixels + points.first, list, points);
             if (s.kind == StageKind::attributes) write_attributes(task, list, points);
+            if (task.watch != nullptr)
+                task.watch->after(*task.watch, list, std::size_t(&s - list.stages.data()),
+                                  points.v[0], plane_stride);
         }
     });
 }

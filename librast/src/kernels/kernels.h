@@ -149,6 +149,13 @@ struct TriangleRun {
     std::uint32_t id = 0, end = 0;  // one past its last point
 };
 
+// Is told when a stage has gone over a portion of points, by its number in the list, and where
+// their planes lie: `planes`, so many floats apart.
+struct StageWatch {
+    void (*after)(StageWatch& self, const StageList& list, std::size_t stage, float* planes,
+                  std::size_t stride) = nullptr;
+};
+
 // Points of one draw by triangle.
 struct ShadeTask {
     TilePlace place;
@@ -161,6 +168,7 @@ struct ShadeTask {
                             // end; or
     std::uint32_t* bytes = nullptr;  // of the tile's first pixel, as `pack` makes them, with
     std::size_t stride = 0;          // so many from row to row
+    StageWatch* watch = nullptr;     // null: nobody is told
 };
 
 // What can be asked of a point beside its colour; three, two, three and three planes, each as
@@ -176,6 +184,7 @@ struct AttributeTask {
     float* uv[2] = {};
     float* barycentric[3] = {};
     float* position[3] = {};
+    StageWatch* watch = nullptr;
 };
 
 struct Kernels {

@@ -76,14 +76,12 @@ inline void find_exponents(const ShadeDraw& draw, const StageList& list, Points&
 }
 // and the sum of highlights up to this light's.
 struct GlossPlanes {
-    const float *sum, *angles, *exponents, *metallic_roughness, *normals, *positions;
+    const float *sum, *angles, *exponents, *metallic_roughness, *positions;
 };
 RAST_INLINE GlossPlanes gloss_planes(const StageList& list, Points& points) {
-    return {points.find(list, PointValue::gloss),
-            points.find(list, PointValue::angle),
+    return {points.find(list, PointValue::gloss), points.find(list, PointValue::angle),
             points.find(list, PointValue::exponent),
             points.find(list, texels_of(MapKind::metallic_roughness)),
-            points.find(list, PointValue::normal),
             points.find(list, PointValue::position)};
 }
 RAST_INLINE V3 gloss_with(const ShadeDraw& draw, const ShadeLight& light, bool first,
@@ -97,7 +95,7 @@ RAST_INLINE V3 gloss_with(const ShadeDraw& draw, const ShadeLight& light, bool f
                                  shininess_at(draw, planes.metallic_roughness, n));
     V3 color = set3(light.color);
     if (light.kind != prep::LightKind::directional)
-        color = incoming(light, get3(planes.normals, n), get3(planes.positions, n)).color;
+        color = incoming(light, {none, none, none}, get3(planes.positions, n)).color;
     return first ? color * strength : sum + color * strength;
 }
 inline void add_gloss(const ShadeDraw& draw, const ShadeLight& light, bool first,

@@ -84,43 +84,56 @@ inline void run_maps(const ShadeDraw& draw, const StageList& list, const Stage& 
     read_maps(draw, list, stage, points);
 }
 
+// `watched`: the task's watch is told of each.
+template <bool watched>
+inline void run_stages(const ShadeDraw& draw, const ShadeFrame& frame, const ShadeTask& task,
+                       const StageList& list, Points& points) {
+    const std::uint16_t* const pixels = task.pixels + points.first;
+    for (const Stage& s : list.stages) {
+        switch (s.kind) {
+            case StageKind::maps:
+                run_maps(draw, list, s, points);
+                break;
+            case StageKind::normals:
+                finish_normals(draw, frame, task.place, pixels, list, points);
+                break;
+            case StageKind::eye:
+                find_eye(frame, task.place, pixels, list, points);
+                break;
+            case StageKind::light:
+                add_light(frame.lights[s.begin], s.begin == 0, list, points);
+                break;
+            case StageKind::matte_light:
+                add_matte_light(frame.lights[s.begin], s.begin == 0, list, points);
+                break;
+            case StageKind::exponents:
+                find_exponents(draw, list, points);
+                break;
+            case StageKind::gloss:
+                add_gloss(draw, frame.lights[s.begin], s.begin == 0, list, points);
+                break;
+            case StageKind::color:
+                write_colors(draw, frame, task, list, points);
+                break;
+            case StageKind::interpolation:  // has been done
+            case StageKind::attributes:
+            case StageKind::count:
+                break;
+        }
+        if constexpr (watched)
+            task.watch->after(*task.watch, list, std::size_t(&s - list.stages.data()), points.v[0],
+                              plane_stride);
+    }
+}
+
 inline void shade(const ShadeDraw& draw, const ShadeFrame& frame, const ShadeTask& task) {
     const StageList& list = *draw.color_stages;
     const auto ask = [&](Points& points) { ask_for(draw, list, first_maps(list), points); };
     for_each_portion(draw, list, task, nullptr, ask, [&](Points& points) {
-        const std::uint16_t* const pixels = task.pixels + points.first;
-        for (const Stage& s : list.stages) {
-            switch (s.kind) {
-                case StageKind::maps:
-                    run_maps(draw, list, s, points);
-                    break;
-                case StageKind::normals:
-                    finish_normals(draw, frame, task.place, pixels, list, points);
-                    break;
-                case StageKind::eye:
-                    find_eye(frame, task.place, pixels, list, points);
-                    break;
-                case StageKind::light:
-                    add_light(frame.lights[s.begin], s.begin == 0, list, points);
-                    break;
-                case StageKind::matte_light:
-                    add_matte_light(frame.lights[s.begin], s.begin == 0, list, points);
-                    break;
-                case StageKind::exponents:
-                    find_exponents(draw, list, points);
-                    break;
-                case StageKind::gloss:
-                    add_gloss(draw, frame.lights[s.begin], s.begin == 0, list, points);
-                    break;
-                case StageKind::color:
-                    write_colors(draw, frame, task, list, points);
-                    break;
-                case StageKind::interpolation:  // has been done
-                case StageKind::attributes:
-                case StageKind::count:
-                    break;
-            }
-        }
+        if (task.watch == nullptr)
+            run_stages<false>(draw, frame, task, list, points);
+        else
+            run_stages<true>(draw, frame, task, list, points);
     });
 }
 

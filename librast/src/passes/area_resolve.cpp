@@ -120,8 +120,10 @@ class Resolver {
     TileCounts run() {
         collect();
         std::vector<TileCounts> counts(window_.tile_count());
-        parallel_items(window_.tile_count(), threads_,
-                       [&](std::size_t tile) { counts[tile] = draw_tile(std::uint32_t(tile)); });
+        parallel_items(window_.tile_count(), threads_, [&](std::size_t tile) {
+            const PartTimer timer(scene_.clock(), DrawingPart::areas);
+            counts[tile] = draw_tile(std::uint32_t(tile));
+        });
         TileCounts sum;
         for (const TileCounts& c : counts) sum += c;
         return sum;
@@ -129,6 +131,7 @@ class Resolver {
 
   private:
     void collect() {
+        const PartTimer timer(scene_.clock(), DrawingPart::areas);
         tiles_.resize(window_.tile_count());
         for (std::uint32_t d = 0; d < scene_.draws->size(); ++d) {
             const Draw& draw = (*scene_.draws)[d];
@@ -229,6 +232,7 @@ class Resolver {
         task.pixels = pixels.data();
         task.runs = &run;
         task.run_count = 1;
+        task.watch = scene_.plan->watch;
         for (std::size_t c = 0; c < 3; ++c) task.out[c] = out[c].data();
         scene_.kernels->shade((*scene_.shade_draws)[p.draw], *scene_.shade_frame, task);
         return {out[0][0], out[1][0], out[2][0]};

@@ -12,6 +12,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "coverage/binning.h"
@@ -28,7 +29,8 @@ struct CoverageScene {
     const std::vector<Draw>* draws = nullptr;
     const std::vector<ShadeDraw>* shade_draws = nullptr;
     const ShadeFrame* shade_frame = nullptr;
-    std::vector<CullSide> cull;  // per draw
+    std::vector<CullSide> cull;                                  // per draw
+    std::function<PartClock*()> clock = [] { return nullptr; };  // of this thread; null: none
 };
 
 // Writes frame.color, which has its size, for the window's pixels. Returns what was shaded. Pixels

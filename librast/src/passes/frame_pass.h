@@ -41,13 +41,14 @@ struct FramePass {
     bool before = false;       // the main one
     std::uint32_t radius = 0;  // after it: so many pixels beyond its own it looks
     std::uint32_t planes = 0;  // that it fills
+    std::uint64_t bytes = 0;   // before the main one: of those planes, for the plan's estimates
     // Buffers that it reads, whether they are kept or not.
     bool reads_depth = false, reads_normals = false, reads_positions = false;
     // The value of a pixel must not depend on the part, but for what lies within the radius.
     std::function<void(const PassTask&)> run;
 };
 
-// As the plan's last one.
+// As the plan's last one. The plan's estimates of memory grow by what it takes.
 void add_pass(RenderPlan& plan, FramePass pass);
 
 }  // namespace rast::detail

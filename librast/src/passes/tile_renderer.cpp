@@ -28,31 +28,42 @@ class Tile {
 
     TileCounts draw() {
         TileCounts counts;
+        if (s_.clock != nullptr) s_.clock->start();
         if (work_.empty()) {
             clear_empty();
+            lap(DrawingPart::clearing);
             return counts;
         }
         clear();
         // Colours come later, from areas.
         const bool areas = request_.coverage == Coverage::area;
         if (areas) fill(in_.frame->color, glm::vec4(request_.background, 0.0f));
+        lap(DrawingPart::clearing);
         if (areas && !keeps_buffers(request_)) return counts;
         const bool one_sample = raster(counts);
+        lap(DrawingPart::visibility);
         if (request_.keep_color && !areas) {
             if (one_sample) {
                 collect_single();
                 add_to(counts);
+                lap(DrawingPart::sorting);
                 shade_single();
+                lap(DrawingPart(StageKind::color));
             } else {
                 shade_several(counts);
             }
         }
+        if (!keeps_buffers(request_)) return counts;
         write_buffers();
         write_attributes();
+        lap(DrawingPart::buffers);
         return counts;
     }
 
   private:
+    void lap(DrawingPart part) const {
+        if (s_.clock != nullptr) s_.clock->lap(part);
+    }
     std::size_t row_start(std::int32_t y) const {
         return std::size_t(top_ - in_.first_row + y) * in_.frame->width + std::size_t(left_);
     }
@@ -312,6 +323,7 @@ class Tile {
         task.runs = s_.triangles.data() + g.first_run;
         task.run_count = g.run_count;
         task.begin = g.begin;
+        task.watch = in_.plan->watch != nullptr ? in_.plan->watch : s_.clock;
         return task;
     }
 
@@ -369,6 +381,7 @@ class Tile {
         for (std::size_t sample = 0; sample <= samples; ++sample) {
             if (!gather(sample)) continue;
             add_to(counts);
+            lap(DrawingPart::resolving);
             shade_to_planes(sample < samples ? s_.places[sample] : place_);
             for (std::size_t k = 0; k < fragments_; ++k) {
                 glm::vec4& pixel = s_.colors[s_.pixel[k]];
@@ -380,6 +393,7 @@ class Tile {
             }
         }
         write_colors();
+        lap(DrawingPart::resolving);
     }
     static std::int32_t length2(const SampleOffset& o) { return o.x * o.x + o.y * o.y; }
 

@@ -10,6 +10,7 @@
 #include "coverage/binning.h"
 #include "coverage/samples.h"
 #include "draws/draw_bindings.h"
+#include "passes/part_clock.h"
 
 namespace rast::detail {
 
@@ -35,6 +36,7 @@ struct TileScratch {
     std::vector<TriangleRun> triangles;
     std::array<std::vector<float>, 11> planes;  // results of the kernels
     std::vector<glm::vec4> colors;              // per pixel
+    PartClock* clock = nullptr;                 // null: nothing is measured
 };
 
 // What the tiles of a picture share; all of it must stay while they are drawn.

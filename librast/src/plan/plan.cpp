@@ -6,6 +6,7 @@
 
 #include "geometry/tile.h"
 #include "plan/draw_choice.h"
+#include "plan/memory_estimate.h"
 #include "plan/skips.h"
 #include "rast/render.h"
 #include "shading/texture.h"
@@ -180,31 +181,10 @@ class Planner {
             step("supersampling", false, Code::no_supersampling);
     }
 
-    // Bands are whole rows of tiles where that fits, so that no tile is drawn twice.
     void memory() {
         const RenderRequest& r = plan_.request;
-        const std::uint64_t width = r.crop ? r.crop->width : r.width;
-        const std::uint64_t height = r.crop ? r.crop->height : r.height;
-        const bool bytes = r.pixels == PixelFormat::bytes && r.coverage != Coverage::area &&
-                           r.supersample == 1;  // those two are made of floats first
-        const std::uint64_t row =
-            width * ((r.keep_color ? (bytes ? 4 : 16) : 0) + (r.keep_depth ? 4 : 0) +
-                     (r.keep_ids ? 8 : 0) + (r.keep_normals ? 12 : 0) + (r.keep_uvs ? 8 : 0) +
-                     (r.keep_barycentrics ? 12 : 0) + (r.keep_positions ? 12 : 0));
-        constexpr std::uint64_t tile = detail::tile_size;
-        std::uint64_t rows =
-            std::max<std::uint64_t>(r.band_bytes / std::max<std::uint64_t>(row, 1), 1);
-        if (rows > tile) rows = rows / tile * tile;
-        plan_.band_rows = std::uint32_t(std::min(rows, height));
-        const std::uint64_t geometry = contents_.vertices * sizeof(detail::VertexRecord) +
-                                       contents_.triangles * sizeof(std::uint16_t);
-        // Supersampled, a row of tiles of the finer picture at a time.
-        const std::uint64_t factor = std::uint64_t(r.supersample);
-        const std::uint64_t fine =
-            factor > 1 ? 16 * width * factor * (tile + 2 * (factor - 1)) : 0;  // and what is left
-        plan_.memory_estimate = height * row + fine + geometry;
-        plan_.band_memory_estimate = plan_.band_rows * row + fine + geometry;
-        const bool bands = plan_.band_rows < height;
+        detail::estimate_memory(plan_, {});
+        const bool bands = plan_.band_rows < detail::picture_part(r).height;
         step("bands", bands,
              prep::reason(bands ? Code::bands : Code::no_bands, {}, plan_.band_rows,
                           double(r.band_bytes >> 20)));

@@ -43,6 +43,7 @@ class Compiler {
             if (s.stage.kind == StageKind::maps) list_.map_count += s.stage.end - s.stage.begin;
         }
         assign_planes();
+        note_live_planes();
         return std::move(list_);
     }
 
@@ -85,9 +86,7 @@ class Compiler {
         read(s, PointValue::angle);
         read(s, PointValue::exponent);
         if (r_.metallic_roughness) read_map(s, MapKind::metallic_roughness);
-        if (!local_[light]) return;
-        read(s, PointValue::normal);
-        read(s, PointValue::position);
+        if (local_[light]) read(s, PointValue::position);
     }
 
     void attributes() {
@@ -205,6 +204,18 @@ class Compiler {
                     list_.planes = std::max(list_.planes, std::uint32_t(at + width));
                 }
             if (!in_place) give_back(s);
+        }
+    }
+
+    // What a later stage reads before it is made anew.
+    void note_live_planes() {
+        list_.live.resize(steps_.size());
+        Values read;
+        for (std::size_t s = steps_.size(); s-- > 0;) {
+            for (std::size_t v = 0; v < point_values; ++v)
+                for (std::size_t p = 0; read.test(v) && p < planes_of(PointValue(v)); ++p)
+                    list_.live[s].set(list_.first[v] + p);
+            read = (read & ~steps_[s].writes) | steps_[s].reads;
         }
     }
 

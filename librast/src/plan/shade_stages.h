@@ -8,6 +8,7 @@
 #pragma once
 
 #include <array>
+#include <bitset>
 #include <compare>
 #include <cstddef>
 #include <cstdint>
@@ -117,6 +118,8 @@ struct StageList {
     static constexpr std::uint8_t no_plane = 255;
     static_assert(most_planes < no_plane);
     std::vector<Stage> stages;
+    // After each: the planes that a later one reads before it writes them.
+    std::vector<std::bitset<most_planes>> live;
     std::array<std::uint8_t, point_values> first{};  // plane of each value
     std::uint32_t planes = 0;                        // that a point takes
     std::array<std::uint32_t, stage_kinds> times{};  // how often each kind runs

@@ -124,93 +124,6 @@ Result<rast::RenderPlan> plan_of(const RenderCommand& command, const prep::Prepa
     return rast::plan(prepared, request);
 }
 
-Json cost_json(const StepCost& cost) {
-    Json json = {{"count", cost.count}, {"of", cost.of}, {"bytes", cost.bytes}};
-    if (cost.milliseconds) json["milliseconds"] = *cost.milliseconds;
-    return json;
-}
-
-// `drawn`: the picture, where each step's cost is asked for; else null.
-Json plan_json(const rast::RenderPlan& plan, const prep::PreparedScene& prepared,
-               const rast::Frame* drawn) {
-    const prep::Scene& scene = prepared.scene;
-    const std::uint64_t points = drawn != nullptr ? expected_points(prepared, plan) : 0;
-    Json json;
-    if (drawn != nullptr)
-        json["passes"] = {{"geometry", drawn->geometry_ms}, {"drawing", drawn->raster_ms}};
-    json["width"] = plan.request.width;
-    json["height"] = plan.request.height;
-    json["shading"] = std::string(prep::name_of(plan.request.shading));
-    json["triangles"] = plan.triangles;
-    json["lights"] = plan.lights.size();
-    json["memory_estimate"] = plan.memory_estimate;
-    json["band_rows"] = plan.band_rows;
-    json["band_memory_estimate"] = plan.band_memory_estimate;
-    json["variants"] = Json::array();
-    for (const rast::PlanVariant& v : plan.variants)
-        json["variants"].push_back({{"shading", v.name}, {"triangles", v.triangles}});
-    json["steps"] = Json::array();
-    for (const rast::PlanStep& s : plan.steps) {
-        Json reasons = Json::array();
-        for (const prep::Reason& why : s.reasons) reasons.push_back(to_json(why, scene));
-        json["steps"].push_back({{"step", s.name},
-                                 {"run", s.run},
-                                 {"label", prep::name_of(s.label)},
-                                 {"reason", s.reason},
-                                 {"reasons", std::move(reasons)}});
-        if (drawn == nullptr) continue;
-        Json& step = json["steps"].back();
-        if (const std::optional<StepCost> before = estimate_of(s, plan, points))
-            step["estimate"] = cost_json(*before);
-        if (const std::optional<StepCost> cost = cost_of(s, plan, drawn->counters))
-            step["cost"] = cost_json(*cost);
-    }
-    return json;
-}
-
-Json counters_json(const rast::Counters& c) {
-    return {{"triangles", c.triangles},
-            {"non_finite", c.non_finite},
-            {"degenerate", c.degenerate},
-            {"facing_away", c.facing_away},
-            {"outside", c.outside},
-            {"between_samples", c.between_samples},
-            {"crossing", c.crossing},
-            {"vertices_lit", c.vertices_lit},
-            {"pixels_shaded", c.pixels_shaded},
-            {"texture_samples", c.texture_samples},
-            {"light_points", c.light_points},
-            {"highlight_points", c.highlight_points},
-            {"normal_map_points", c.normal_map_points},
-            {"masked_triangles", c.masked_triangles},
-            {"sample_points", c.sample_points},
-            {"textures_read", c.textures_read},
-            {"texture_levels", c.texture_levels},
-            {"buffer_bytes", c.buffer_bytes},
-            {"list_bytes", c.list_bytes}};
-}
-
-// A row for each step with what it came to, and below it one for each light, material and map that
-// has a say in it.
-void explain(const rast::RenderPlan& plan, const prep::PreparedScene& prepared,
-             const rast::Frame& drawn, const CommonOptions& common, Console& console) {
-    const std::uint64_t points = expected_points(prepared, plan);
-    std::vector<std::vector<std::string>> rows;
-    for (const rast::PlanStep& s : plan.steps) {
-        const std::optional<StepCost> cost = cost_of(s, plan, drawn.counters);
-        rows.push_back({s.name, std::string(prep::name_of(s.label)),
-                        cost ? text_of(*cost, estimate_of(s, plan, points)) : "", s.reason});
-        for (std::size_t k = 1; k < s.reasons.size(); ++k)
-            rows.push_back({"", std::string(prep::name_of(s.reasons[k].label)), "",
-                            prep::sentence(s.reasons[k], prepared.scene)});
-    }
-    console.table(common, rows, {});
-    console.result(common, fmt::format("  {}, about {} beside textures; geometry {}, drawing {}",
-                                       count_of(plan.triangles, "triangle"),
-                                       byte_size(plan.band_memory_estimate),
-                                       duration(drawn.geometry_ms), duration(drawn.raster_ms)));
-}
-
 // How much of what is seen came out black, by some of the pixels.
 struct BlackPixels {
     std::uint64_t black = 0, seen = 0;
@@ -243,6 +156,20 @@ struct BlackPixels {
     }
 };
 
+Json cost_json(const StepCost& cost) {
+    Json json = {{"count", cost.count}, {"of", cost.of}, {"bytes", cost.bytes}};
+    if (cost.milliseconds) json["milliseconds"] = *cost.milliseconds;
+    return json;
+}
+
+Json measured_json(const MeasuredStep& measured) {
+    Json json = {
+        {"milliseconds", measured.milliseconds}, {"parts", Json::array()}, {"with", measured.with}};
+    for (const rast::DrawingPart part : measured.parts)
+        json["parts"].push_back(rast::name_of(part));
+    return json;
+}
+
 // What drawing one picture came to.
 struct Drawn {
     rast::Frame frame;  // without pixels
@@ -250,6 +177,114 @@ struct Drawn {
     std::vector<std::filesystem::path> paths;
     double draw_ms = 0, write_ms = 0;
 };
+
+// By the clock on the wall, and by part of drawing as threads have it.
+Json milliseconds_json(const Drawn& drawn) {
+    Json parts = Json::object();
+    for (std::size_t p = 0; p < rast::drawing_parts; ++p)
+        parts[std::string(rast::name_of(rast::DrawingPart(p)))] = drawn.frame.part_ms[p];
+    return {{"geometry", drawn.frame.geometry_ms},
+            {"drawing", drawn.frame.raster_ms},
+            {"writing", drawn.write_ms},
+            {"parts", std::move(parts)}};
+}
+
+// `explained`: the picture, where each step's cost is asked for; else null.
+Json plan_json(const rast::RenderPlan& plan, const prep::PreparedScene& prepared,
+               const Drawn* explained) {
+    const rast::Frame* const drawn = explained != nullptr ? &explained->frame : nullptr;
+    const prep::Scene& scene = prepared.scene;
+    const std::uint64_t points = drawn != nullptr ? expected_points(prepared, plan) : 0;
+    Json json;
+    if (explained != nullptr) json["milliseconds"] = milliseconds_json(*explained);
+    json["width"] = plan.request.width;
+    json["height"] = plan.request.height;
+    json["shading"] = std::string(prep::name_of(plan.request.shading));
+    json["triangles"] = plan.triangles;
+    json["lights"] = plan.lights.size();
+    json["memory_estimate"] = plan.memory_estimate;
+    json["band_rows"] = plan.band_rows;
+    json["band_memory_estimate"] = plan.band_memory_estimate;
+    json["variants"] = Json::array();
+    for (const rast::PlanVariant& v : plan.variants)
+        json["variants"].push_back({{"shading", v.name}, {"triangles", v.triangles}});
+    json["steps"] = Json::array();
+    for (const rast::PlanStep& s : plan.steps) {
+        Json reasons = Json::array();
+        for (const prep::Reason& why : s.reasons) reasons.push_back(to_json(why, scene));
+        json["steps"].push_back({{"step", s.name},
+                                 {"run", s.run},
+                                 {"label", prep::name_of(s.label)},
+                                 {"reason", s.reason},
+                                 {"reasons", std::move(reasons)}});
+        if (drawn == nullptr) continue;
+        Json& step = json["steps"].back();
+        if (const std::optional<StepCost> before = estimate_of(s, plan, points))
+            step["estimate"] = cost_json(*before);
+        if (const std::optional<StepCost> cost = cost_of(s, plan, drawn->counters))
+            step["cost"] = cost_json(*cost);
+        if (const std::optional<MeasuredStep> took = time_of(s, plan, *drawn))
+            step["measured"] = measured_json(*took);
+    }
+    return json;
+}
+
+Json counters_json(const rast::Counters& c) {
+    Json stages = Json::object();
+    for (std::size_t k = 0; k < rast::shade_stages; ++k)
+        stages[std::string(rast::shade_stage_names[k])] = c.stage_points[k];
+    return {{"triangles", c.triangles},
+            {"non_finite", c.non_finite},
+            {"degenerate", c.degenerate},
+            {"facing_away", c.facing_away},
+            {"outside", c.outside},
+            {"between_samples", c.between_samples},
+            {"crossing", c.crossing},
+            {"vertices_lit", c.vertices_lit},
+            {"pixels_shaded", c.pixels_shaded},
+            {"texture_samples", c.texture_samples},
+            {"light_points", c.light_points},
+            {"highlight_points", c.highlight_points},
+            {"normal_map_points", c.normal_map_points},
+            {"stage_points", std::move(stages)},
+            {"masked_triangles", c.masked_triangles},
+            {"sample_points", c.sample_points},
+            {"textures_read", c.textures_read},
+            {"texture_levels", c.texture_levels},
+            {"buffer_bytes", c.buffer_bytes},
+            {"list_bytes", c.list_bytes}};
+}
+
+// A row for each step with what it came to, and below it one for each light, material and map that
+// has a say in it.
+void explain(const rast::RenderPlan& plan, const prep::PreparedScene& prepared,
+             const rast::Frame& drawn, const CommonOptions& common, Console& console) {
+    const std::uint64_t points = expected_points(prepared, plan);
+    std::vector<std::vector<std::string>> rows;
+    for (const rast::PlanStep& s : plan.steps) {
+        rows.push_back({s.name, std::string(prep::name_of(s.label)),
+                        text_of(cost_of(s, plan, drawn.counters), estimate_of(s, plan, points),
+                                time_of(s, plan, drawn)),
+                        s.reason});
+        for (std::size_t k = 1; k < s.reasons.size(); ++k)
+            rows.push_back({"", std::string(prep::name_of(s.reasons[k].label)), "",
+                            prep::sentence(s.reasons[k], prepared.scene)});
+    }
+    console.table(common, rows, {});
+    rows.clear();
+    for (std::size_t p = 0; p < rast::drawing_parts; ++p) {
+        const std::uint64_t at = p < rast::shade_stages ? drawn.counters.stage_points[p] : 0;
+        if (drawn.part_ms[p] > 0 || at > 0)
+            rows.push_back({std::string(rast::name_of(rast::DrawingPart(p))),
+                            at > 0 ? with_commas(at) : "", duration(drawn.part_ms[p])});
+    }
+    console.result(common, "  parts of drawing, points, time of all threads:");
+    console.table(common, rows, {});
+    console.result(common, fmt::format("  {}, about {} beside textures; geometry {}, drawing {}",
+                                       count_of(plan.triangles, "triangle"),
+                                       byte_size(plan.band_memory_estimate),
+                                       duration(drawn.geometry_ms), duration(drawn.raster_ms)));
+}
 
 Result<Drawn> draw(rast::SceneRenderer& renderer, const rast::RenderPlan& plan,
                    prep::ImageFiles& files, const OutputOptions& options) {
@@ -429,6 +464,7 @@ Result<Json> render_file(const RenderCommand& command, Console& console) {
     }
     if (const Result<void> exposed = find_exposure(); !exposed) return exposed.error();
     request.allow_error = allowed;
+    request.timed = command.explain;
 
     OutputOptions outputs;
     outputs.buffers = command.buffers;
@@ -484,7 +520,7 @@ Result<Json> render_file(const RenderCommand& command, Console& console) {
         }
         const rast::Counters& counters = drawn->frame.counters;
         const rast::Frame& frame = drawn->frame;
-        json["plan"] = plan_json(*plan, *prepared, command.explain ? &frame : nullptr);
+        json["plan"] = plan_json(*plan, *prepared, command.explain ? &*drawn : nullptr);
         json["counters"] = counters_json(counters);
         if (command.explain) explain(*plan, *prepared, frame, common, console);
     }

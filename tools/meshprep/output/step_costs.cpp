@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string_view>
 
 #include "meshprep/output/console.h"
 #include "rast/view.h"
@@ -66,6 +67,63 @@ bool is_counted_elsewhere(const rast::PlanStep& step, const rast::RenderPlan& pl
            (step.name == "lights" || step.name == "highlights");
 }
 
+using rast::DrawingPart;
+
+// Parts of drawing that are a step's, as bits.
+constexpr std::uint32_t bit_of(DrawingPart part) {
+    return 1u << unsigned(part);
+}
+constexpr std::uint32_t bit_of(std::string_view stage) {
+    for (std::size_t k = 0; k < rast::shade_stages; ++k)
+        if (rast::shade_stage_names[k] == stage) return 1u << k;
+    return 0;
+}
+static_assert(rast::drawing_parts <= 32);
+
+struct TimedStep {
+    const char* step;
+    std::uint32_t parts;
+    bool at_points;  // of several steps at a point, which exact areas run as one
+};
+constexpr TimedStep timed_steps[] = {
+    {"camera", bit_of(DrawingPart::vertices), false},
+    {"lights", bit_of("light") | bit_of("light without highlights"), true},
+    {"highlights", bit_of("eye") | bit_of("exponents") | bit_of("highlights"), true},
+    {"normal maps", bit_of(DrawingPart::bent_normals), true},
+    {"vertex lighting", bit_of(DrawingPart::vertex_light), false},
+    {"vertex normals", bit_of("normals"), true},
+    {"textures", bit_of(DrawingPart::textures), false},
+    {"sRGB decoding", bit_of(DrawingPart::levels), false},
+    {"texture filter", bit_of("maps"), true},
+    // The first level with the decoding, others when a point first asks for them.
+    {"mip levels", bit_of(DrawingPart::levels) | bit_of("maps"), false},
+    {"ripmap levels", bit_of(DrawingPart::levels) | bit_of("maps"), false},
+    {"shading", bit_of("interpolation") | bit_of("color") | bit_of(DrawingPart::sorting), true},
+    {"multisampling", bit_of(DrawingPart::resolving), false},
+    {"exact areas", bit_of(DrawingPart::areas), false},
+    {"supersampling", bit_of(DrawingPart::reducing), false},
+    {"depth test", bit_of(DrawingPart::visibility), false},
+    {"culling", bit_of(DrawingPart::culling), false},
+    {"alpha mask", bit_of(DrawingPart::visibility), false},
+    {"depth output", bit_of(DrawingPart::buffers), false},
+    {"triangle numbers output", bit_of(DrawingPart::buffers), false},
+    {"normal output", bit_of(DrawingPart::buffers), false},
+    {"UV output", bit_of(DrawingPart::buffers), false},
+    {"barycentric output", bit_of(DrawingPart::buffers), false},
+    {"position output", bit_of(DrawingPart::buffers), false},
+};
+
+std::uint32_t parts_of(const rast::PlanStep& step, const rast::RenderPlan& plan) {
+    if (!step.run) return 0;
+    if (is_counted_elsewhere(step, plan)) return bit_of(DrawingPart::vertex_light);
+    for (const TimedStep& row : timed_steps) {
+        if (step.name != row.step) continue;
+        const bool areas = plan.request.coverage == rast::Coverage::area;
+        return areas && row.at_points ? bit_of(DrawingPart::areas) : row.parts;
+    }
+    return 0;
+}
+
 // How many of a step's things there are at each shaded point, in the mean over the triangles.
 double things_a_point(const std::string& step, const rast::RenderPlan& plan) {
     double lights = 0;
@@ -93,7 +151,9 @@ std::optional<StepCost> cost_of(const rast::PlanStep& step, const rast::RenderPl
         // One sample a pixel is none beside the points that are shaded.
         if (!step.run && step.name == "multisampling") return std::nullopt;
         if (is_counted_elsewhere(step, plan)) return std::nullopt;
-        return priced(row, counters.*row.count);
+        StepCost cost = priced(row, counters.*row.count);
+        if (step.name == "culling") cost.bytes = counters.list_bytes;
+        return cost;
     }
     return buffer_of(step, plan);
 }
@@ -142,11 +202,37 @@ std::uint64_t expected_points(const prep::PreparedScene& scene, const rast::Rend
     return std::isfinite(pixels) ? std::uint64_t(std::llround(pixels * double(factor))) : all;
 }
 
-std::string text_of(const StepCost& cost, const std::optional<StepCost>& estimate) {
-    std::string text = fmt::format("{} {}", with_commas(cost.count), cost.of);
-    if (cost.bytes > 0) return text + ", " + byte_size(cost.bytes);
-    if (cost.milliseconds && cost.count > 0) text += ", about " + duration(*cost.milliseconds);
-    if (estimate) text += fmt::format("; expected {}", with_commas(estimate->count));
+std::optional<MeasuredStep> time_of(const rast::PlanStep& step, const rast::RenderPlan& plan,
+                                    const rast::Frame& drawn) {
+    const std::uint32_t parts = parts_of(step, plan);
+    if (parts == 0) return std::nullopt;
+    MeasuredStep out;
+    for (std::size_t p = 0; p < rast::drawing_parts; ++p) {
+        if ((parts >> p & 1u) == 0) continue;
+        out.parts.push_back(DrawingPart(p));
+        out.milliseconds += drawn.part_ms[p];
+    }
+    for (const rast::PlanStep& other : plan.steps)
+        if (other.name != step.name && (parts_of(other, plan) & parts) != 0)
+            out.with.push_back(other.name);
+    return out;
+}
+
+std::string text_of(const std::optional<StepCost>& cost, const std::optional<StepCost>& estimate,
+                    const std::optional<MeasuredStep>& measured) {
+    std::string text;
+    if (cost) {
+        text = fmt::format("{} {}", with_commas(cost->count), cost->of);
+        if (cost->bytes > 0) text += ", " + byte_size(cost->bytes);
+        if (cost->milliseconds && cost->count > 0)
+            text += ", about " + duration(*cost->milliseconds);
+        if (cost->bytes == 0 && estimate)
+            text += fmt::format("; expected {}", with_commas(estimate->count));
+    }
+    if (!measured) return text;
+    if (!text.empty()) text += "; ";
+    text += "took " + duration(measured->milliseconds);
+    if (!measured->with.empty()) text += fmt::format(" with {}", fmt::join(measured->with, ", "));
     return text;
 }
 
