@@ -66,9 +66,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         prep::Image wide = image;
         wide.channels = 3;
         wide.pixels.resize(std::size_t(wide.width) * wide.height * 3, 0.5F);
-        if (const auto map =
-                prep::vector_function(wide, {.map = heights, .axes = prep::VectorAxes::object},
-                                      confined ? &mesh : nullptr))
+        const auto axes = prep::VectorAxes(in.below(3));
+        displacement.tangent_space = axes != prep::VectorAxes::object;
+        if (const auto map = prep::vector_function(wide, {.map = heights, .axes = axes},
+                                                   confined ? &mesh : nullptr))
             displacement.vector = *map;
     }
     if (sources != 0) options.displacements.push_back(displacement);

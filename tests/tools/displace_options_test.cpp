@@ -375,6 +375,31 @@ TEST_F(Displace, VectorMapsMoveByTheirVectors) {
         1);
 }
 
+// Along the tangent (u grows with x here), up in the picture (y), and along the normal, in the
+// order that is said.
+TEST_F(Displace, VectorMapsInTangentSpaceMoveAlongTheirAxes) {
+    const glm::dvec3 step(0.25, -0.5, 0.125);
+    prep::Image image{.width = 4, .height = 4, .channels = 3, .pixels = {}};
+    for (int i = 0; i < 48; ++i) image.pixels.push_back(float(step[i % 3]));
+    const std::string file = (dir_ / "tangent.exr").string();
+    ASSERT_TRUE(prep::save_image(file, image, prep::PixelType::f32));
+    const Written rest = prepared(square, {"--edge-length", "0.45"});
+    for (const char* const axes : {"", "tangent-normal-bitangent", "tangent-bitangent-normal"}) {
+        std::vector<std::string> options{
+            "--displace", file, "--displace-kind", "vector-tangent", "--edge-length", "0.45"};
+        if (*axes) options.insert(options.end(), {"--displace-axes", axes});
+        const Written out = prepared(square, options);
+        ASSERT_EQ(out.ran.exit_code, 0) << out.ran.err;
+        ASSERT_EQ(out.points.size(), rest.points.size());
+        const bool normal_last = std::string(axes) == "tangent-bitangent-normal";
+        for (std::size_t v = 0; v < rest.points.size(); ++v) {
+            EXPECT_NEAR(out.points[v].x - rest.points[v].x, step.x, 1e-6) << axes;
+            EXPECT_NEAR(out.points[v].y - rest.points[v].y, normal_last ? step.y : step.z, 1e-6);
+            EXPECT_NEAR(out.points[v].z - rest.points[v].z, normal_last ? step.z : step.y, 1e-6);
+        }
+    }
+}
+
 TEST_F(Displace, NoiseMovesByItsValue) {
     prep::NoiseOptions noise{.kind = prep::NoiseKind::simplex,
                              .frequency = 1.5,
@@ -425,7 +450,14 @@ TEST_F(Displace, MistakesAreUsageErrors) {
           Row{{"--height-scale", "1"}, "--displace"},
           Row{{"--displace", some, "--height-scale", "much"}, "much"},
           Row{{"--displace", some, "--height-filter", "cubic"}, "bicubic"},
-          Row{{"--displace", some, "--displace-kind", "vector-tangent"}, "vector-object"},
+          Row{{"--displace", some, "--displace-kind", "vector"}, "vector-object"},
+          Row{{"--displace", some, "--displace-axes", "tangent-normal-bitangent"},
+              "vector-tangent"},
+          Row{{"--displace", "noise", "--displace-axes", "tangent-normal-bitangent"},
+              "--displace-axes"},
+          Row{{"--displace", some, "--displace-kind", "vector-tangent", "--displace-axes",
+               "object"},
+              "tangent-bitangent-normal"},
           Row{{"--noise", "simplex"}, "--displace"},
           Row{{"--displace", "noise", "--noise", "worley"}, "simplex"},
           Row{{"--displace", "noise", "--noise-octaves", "0"}, "--noise-octaves"},

@@ -55,8 +55,10 @@ struct DisplaceOptions {
     bool from_materials = false;                       // each material's displacement map
     std::optional<ImageRef> map;                       // this one for all faces instead
     std::optional<NoiseOptions> noise;                 // this on all faces, instead or besides
-    DisplacementKind kind = DisplacementKind::height;  // of `map`; vector_object: x, y, z
-    std::uint32_t uv_set = 0;                          // that `map` is read at
+    DisplacementKind kind = DisplacementKind::height;  // of `map`
+    // Of vector maps in tangent space, the materials' as well, as no file says it: not `object`.
+    VectorAxes axes = VectorAxes::tangent_normal_bitangent;
+    std::uint32_t uv_set = 0;  // that `map` is read at
     // Channel, filter, scale (a material's own is multiplied by it) and, for `map`, wrap and
     // placement; its midlevel is not read.
     HeightMapOptions heights;

@@ -26,7 +26,7 @@ Result<std::unique_ptr<const SurfaceTruth>> SurfaceTruth::make(const Mesh& cage,
         if (!made) return std::move(made).error();
         truth->base_ = std::make_unique<PolygonSurface>(*std::move(made));
     }
-    auto heights = RootHeights::make(cage, truth->domain_, o);
+    auto heights = RootHeights::make(cage, truth->domain_, *truth->base_, o);
     if (!heights) return std::move(heights).error();
     truth->heights_ = *std::move(heights);
     truth->surface_ = std::make_unique<DisplacedSurface>(*truth->base_, truth->heights_);

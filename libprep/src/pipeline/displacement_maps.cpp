@@ -91,6 +91,7 @@ Result<Displacement> DisplacementMaps::read(const ImageRef& image, const Reading
         const auto pixels = picture(image);
         if (!pixels) return pixels.error();
         VectorMapOptions options{.map = as.map, .axes = VectorAxes::object};
+        if (as.kind == DisplacementKind::vector_tangent) options.axes = options_.axes;
         // Files of floats hold vectors as they are.
         if (as.default_midlevel && (*pixels)->integer_bits == 0) options.map.midlevel = 0;
         auto map = VectorMap::make(**pixels, options);
@@ -100,6 +101,7 @@ Result<Displacement> DisplacementMaps::read(const ImageRef& image, const Reading
     const VectorMap& map = vector_maps_.at(as.material);
     to.quantisations.push_back(map.quantisation());
     made.vector = vector_function(map, &mesh, as.uv_set, as.material, threads_);
+    made.tangent_space = !map.in_object_space();
     return made;
 }
 
@@ -121,6 +123,11 @@ Result<DisplacementMaps::OfMesh> DisplacementMaps::of(const Scene& scene, const 
     heights.threads = threads_;
     heights.band_limited = false;  // errors are measured against the map as it is
     heights.midlevel = options_.midlevel.value_or(HeightMapOptions{}.midlevel);
+    if (options_.axes == VectorAxes::object)
+        return Error{ErrorCode::invalid,
+                     "the axes of vector maps in tangent space cannot be those of object space: "
+                     "say that the map's kind is vector-object",
+                     ""};
     std::shared_ptr<const SpaceFunction> noise;
     if (options_.noise && options_.from_materials)
         return Error{ErrorCode::invalid,
@@ -139,10 +146,7 @@ Result<DisplacementMaps::OfMesh> DisplacementMaps::of(const Scene& scene, const 
                          .map = heights,
                          .uv_set = options_.uv_set,
                          .default_midlevel = !options_.midlevel};
-        if (options_.kind == DisplacementKind::vector_tangent)
-            ++out.tangent_vector_maps;
-        else if (auto added = add(*options_.map, as, mesh, out); !added)
-            return added.error();
+        if (auto added = add(*options_.map, as, mesh, out); !added) return added.error();
     }
     if (noise) {
         if (out.displacements.empty()) out.displacements.emplace_back();
@@ -161,10 +165,6 @@ Result<DisplacementMaps::OfMesh> DisplacementMaps::of(const Scene& scene, const 
         if (!used[m] || ref.texture >= scene.textures.size()) continue;
         const Texture& texture = scene.textures[ref.texture];
         if (texture.image >= scene.images.size()) continue;
-        if (material.displacement_kind == DisplacementKind::vector_tangent) {
-            ++out.tangent_vector_maps;
-            continue;
-        }
         HeightMapOptions of_material = heights;
         of_material.wrap_u = texture.wrap_u;
         of_material.wrap_v = texture.wrap_v;

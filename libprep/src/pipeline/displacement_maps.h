@@ -29,9 +29,9 @@ class DisplacementMaps {
         std::vector<std::uint32_t> material_displacements;
         std::vector<std::string> names;           // of the pictures
         std::vector<Quantisation> quantisations;  // likewise
-        std::uint64_t tangent_vector_maps = 0;    // that are left out
     };
-    // Errors: those of load_image and HeightMap::make; invalid where the mesh lacks the UVs.
+    // Errors: those of load_image and HeightMap::make; invalid where the mesh lacks the UVs, or the
+    // axes of tangent space are those of object space.
     Result<OfMesh> of(const Scene& scene, const Mesh& mesh);
 
     // Takes the maps that displaced a mesh from their materials, unless a mesh that was left as it

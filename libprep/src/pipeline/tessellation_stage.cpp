@@ -216,15 +216,11 @@ Result<void> MeshPreparation::bake_residuals() {
 }
 
 void MeshPreparation::report_heights(const DisplacementMaps::OfMesh& maps) {
-    if (maps.displacements.empty() && maps.tangent_vector_maps == 0)
+    if (maps.displacements.empty())
         add_finding("no-displacement-map", Severity::warning, 1, {},
                     "displacement by materials was asked for, and none of this mesh has a "
                     "displacement map",
                     PlaceKind::face);
-    add_finding("vector-displacement", Severity::warning, maps.tangent_vector_maps, {},
-                "vector maps in the frame of the surface do not displace: their faces stay where "
-                "they are; maps of vectors in object space do",
-                PlaceKind::face);
     for (std::size_t k = 0; k < maps.names.size(); ++k) {
         const Quantisation& q = maps.quantisations[k];
         if (q.bits == 0 || q.bits > 8) continue;

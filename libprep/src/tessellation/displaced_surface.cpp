@@ -57,8 +57,9 @@ double noise_deviation(const SpaceFunction& noise, const std::array<BasePoint, 3
 }  // namespace
 
 Result<RootHeights> RootHeights::make(const Mesh& mesh, const Domain& domain,
-                                      const TessellateOptions& options) {
+                                      const BaseSurface& base, const TessellateOptions& options) {
     RootHeights heights;
+    heights.domain_ = &domain;
     if (options.displacements.empty()) return heights;
     heights.displacements_ = options.displacements;
     const std::string name = mesh.name.empty() ? "" : "mesh '" + mesh.name + "', ";
@@ -103,6 +104,11 @@ Result<RootHeights> RootHeights::make(const Mesh& mesh, const Domain& domain,
         for (std::uint32_t r = first; r < last; ++r)
             heights.corners_[r] = {at(domain.roots[r].corners[0]), at(domain.roots[r].corners[1]),
                                    centre};
+        if (!displacement.vector || !displacement.tangent_space || heights.frames_.contains(set))
+            continue;
+        auto frames = TangentFrames::make(mesh, domain, base, set, options.threads);
+        if (!frames) return std::move(frames).error();
+        heights.frames_.emplace(set, *std::move(frames));
     }
     return heights;
 }
@@ -130,10 +136,28 @@ double RootHeights::height(const RootPoint& at, double raw, const glm::dvec3& po
     return displacement->noise ? of_map + displacement->noise->at(position).value : of_map;
 }
 
-glm::dvec3 RootHeights::vector(const RootPoint& at) const {
+glm::dvec3 RootHeights::map_vector(const RootPoint& at) const {
     const Displacement* displacement = of(at.root);
     return displacement && displacement->vector ? displacement->vector->at(uv(at)).value
                                                 : glm::dvec3(0.0);
+}
+
+glm::dvec3 RootHeights::vector(const RootPoint& at, const glm::dvec3& direction) const {
+    const TangentFrames* frames = this->frames(at.root);
+    const glm::dvec3 of_map = map_vector(at);
+    return frames ? frame(*frames, at, direction).axes * of_map : of_map;
+}
+
+glm::dvec3 RootHeights::vector_step(const BaseFrame& base, const RootPoint& at, std::size_t axis,
+                                    const VectorFunction::Sample& sample) const {
+    const glm::dvec2 by = uv_steps(at.root)[axis];
+    const glm::dvec3 of_map = by.x * sample.du + by.y * sample.dv;
+    const TangentFrames* frames = this->frames(at.root);
+    if (!frames) return of_map;
+    const TangentFrame here = frame(*frames, at, base.point.direction);
+    return here.axes * of_map +
+           frames->step(domain_->roots[at.root], here, axis, base.direction_steps[axis]) *
+               sample.value;
 }
 
 glm::dvec3 DisplacedSurface::truth(const RootPoint& at) const {
@@ -152,7 +176,8 @@ void DisplacedSurface::truths(std::span<const RootPoint> at, std::span<glm::dvec
             const RootPoint& location = at[first + k];
             const BasePoint& base = points[k];
             const double height = heights_.height(location, heights_.raw(location), base.position);
-            truths[first + k] = base.position + height * base.direction + heights_.vector(location);
+            truths[first + k] =
+                base.position + height * base.direction + heights_.vector(location, base.direction);
         }
     }
 }
@@ -175,8 +200,8 @@ glm::dvec3 DisplacedSurface::normal(const BaseFrame& frame, const RootPoint& at)
         const glm::dvec3& dp = frame.position_steps[k];
         const double slope = displacement->scale * glm::dot(height.gradient, uv_steps[k]) +
                              glm::dot(noise.gradient, dp);
-        const glm::dvec3 change = slope * frame.point.direction + h * frame.direction_steps[k] +
-                                  uv_steps[k].x * vector.du + uv_steps[k].y * vector.dv;
+        glm::dvec3 change = slope * frame.point.direction + h * frame.direction_steps[k];
+        if (displacement->vector) change += heights_.vector_step(frame, at, k, vector);
         moved = moved || change != glm::dvec3(0.0);
         steps[k] = dp - glm::dot(dp, frame.normal) * frame.normal + change;
     }
@@ -196,11 +221,11 @@ void DisplacedSurface::make_vertex(std::span<const RootPoint> at, std::span<cons
         point = sides[0];
         samples[vertex].raw = heights_.raw(at[0]);
         height = heights_.height(at[0], samples[vertex].raw, point.position);
-        vector = heights_.vector(at[0]);
+        vector = heights_.vector(at[0], point.direction);
     } else {
         std::vector<glm::dvec3> directions;
         glm::dvec3 low = sides[0].position, high = low;
-        glm::dvec3 shortest = heights_.vector(at[0]), longest = shortest;
+        glm::dvec3 shortest = heights_.vector(at[0], sides[0].direction), longest = shortest;
         double least = std::numeric_limits<double>::infinity(), greatest = -least;
         for (std::size_t k = 0; k < at.size(); ++k) {
             low = glm::min(low, sides[k].position);
@@ -209,7 +234,7 @@ void DisplacedSurface::make_vertex(std::span<const RootPoint> at, std::span<cons
             const double h = heights_.height(at[k], heights_.raw(at[k]), sides[k].position);
             least = std::min(least, h);
             greatest = std::max(greatest, h);
-            const glm::dvec3 d = heights_.vector(at[k]);
+            const glm::dvec3 d = heights_.vector(at[k], sides[k].direction);
             shortest = glm::min(shortest, d);
             longest = glm::max(longest, d);
         }
@@ -229,9 +254,12 @@ struct DisplacedSurface::Corners {
     std::array<glm::dvec3, 3> weights;
     std::array<BasePoint, 3> points;
     std::array<double, 3> raw, heights;
-    std::array<glm::dvec3, 3> vectors;
+    std::array<glm::dvec3, 3> vectors;  // the map's own
     double gap = 0, size = 0;
     double cross = 0, highest = 0;  // of the heights
+    // Of vectors in the surface's frame: the longest, 0 of others.
+    std::array<TangentFrame, 3> frames;
+    double longest = 0;
 
     TriangleBound bound(double sum) const {
         TriangleBound result;
@@ -249,6 +277,7 @@ DisplacedSurface::Corners DisplacedSurface::corners(const BisectedTriangle& tria
     c.root = triangle.root;
     c.displacement = heights_.of(c.root);
     c.weights = weights;
+    const TangentFrames* const frames = heights_.frames(c.root);
     const auto squared = [](const glm::dvec3& v) { return glm::dot(v, v); };
     double gap = 0;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -261,26 +290,41 @@ DisplacedSurface::Corners DisplacedSurface::corners(const BisectedTriangle& tria
             c.raw[k] = heights_.raw(at);
         }
         c.heights[k] = heights_.height(at, c.raw[k], c.points[k].position);
-        c.vectors[k] = heights_.vector(at);
-        const glm::dvec3 own =
-            c.points[k].position + c.heights[k] * c.points[k].direction + c.vectors[k];
+        c.vectors[k] = heights_.map_vector(at);
+        glm::dvec3 moved = c.vectors[k];
+        if (frames) {
+            c.frames[k] = heights_.frame(*frames, at, c.points[k].direction);
+            moved = c.frames[k].axes * c.vectors[k];
+            c.longest = std::max(c.longest, glm::length(moved));
+        }
+        const glm::dvec3 own = c.points[k].position + c.heights[k] * c.points[k].direction + moved;
         gap = std::max(gap, squared(glm::dvec3(samples[v].position) - own));
         c.size = std::max(c.size, glm::length(c.points[k].position) + std::abs(c.heights[k]) +
                                       glm::length(c.vectors[k]));
     }
     c.gap = std::sqrt(gap);
+    double turned = 0;  // of the frames
     for (std::size_t k = 0; k < 3 && c.displacement; ++k) {
         const std::size_t l = (k + 1) % 3;
+        if (frames) {
+            double squares = 0;
+            for (glm::length_t axis = 0; axis < 3; ++axis)
+                squares += squared(c.frames[k].axes[axis] - c.frames[l].axes[axis]);
+            turned =
+                std::max(turned, std::sqrt(squares) * glm::length(c.vectors[k] - c.vectors[l]));
+        }
         c.cross = std::max(c.cross, std::abs(c.heights[k] - c.heights[l]) *
                                         glm::length(c.points[k].direction - c.points[l].direction));
         c.highest = std::max(c.highest, std::abs(c.heights[k]));
     }
+    c.cross += turned;
     return c;
 }
 
 double DisplacedSurface::of_base(const Corners& c, const BaseDeviation& base) {
     double sum = base.position;
     if (c.highest > 0) sum += c.highest * base.direction;
+    if (c.longest > 0) sum += c.longest * frame_deviation(c.frames, base.direction);
     if (c.displacement && c.displacement->noise && base.position > 0)
         sum += c.displacement->noise->steepest() * base.position;
     return sum;

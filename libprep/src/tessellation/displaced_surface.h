@@ -11,14 +11,16 @@
 //   |S − I S| + |h − I h| + max |h| · |n − I n| + ⅓ max |h − h'||n − n'| + max |e|,
 // where S, n and h bring their own suprema. A vector d adds |d − I d|. Noise f at S adds, with its
 // values at the corners f(S(v)), |f(S) − f(I S)| + |f(I S) − I f|: its steepest slope times |S − I
-// S|, and its deviation over the plane triangle I S. e has two causes: rounding to floats, and
-// positions that several faces share though their heights or directions differ.
+// S|, and its deviation over the plane triangle I S. A vector in the surface's own frame adds what
+// tangent_frames.h says. e has two causes: rounding to floats, and positions that several faces
+// share though their heights or directions differ.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <limits>
+#include <map>
 #include <optional>
 #include <span>
 #include <vector>
@@ -28,6 +30,7 @@
 #include "prep/result.h"
 #include "tessellation/domain.h"
 #include "tessellation/surface.h"
+#include "tessellation/tangent_frames.h"
 
 namespace prep::detail {
 
@@ -35,8 +38,8 @@ namespace prep::detail {
 class RootHeights {
   public:
     RootHeights() = default;
-    // Errors as tessellate's. `displacements` must outlive it.
-    static Result<RootHeights> make(const Mesh& mesh, const Domain& domain,
+    // Errors as tessellate's. The domain and `displacements` must outlive it.
+    static Result<RootHeights> make(const Mesh& mesh, const Domain& domain, const BaseSurface& base,
                                     const TessellateOptions& options);
 
     const Displacement* of(std::uint32_t root) const {
@@ -49,9 +52,26 @@ class RootHeights {
     double raw(const RootPoint& at) const;
     // With the noise at `position`, the surface's.
     double height(const RootPoint& at, double raw, const glm::dvec3& position) const;
-    glm::dvec3 vector(const RootPoint& at) const;
+    // As the map has it, and as it moves the surface, whose direction is there `direction`.
+    glm::dvec3 map_vector(const RootPoint& at) const;
+    glm::dvec3 vector(const RootPoint& at, const glm::dvec3& direction) const;
+    // Those that the map of this root is in; null where its vectors are x, y, z.
+    const TangentFrames* frames(std::uint32_t root) const {
+        const Displacement* displacement = of(root);
+        if (!displacement || !displacement->vector || !displacement->tangent_space) return nullptr;
+        return &frames_.at(displacement->uv_set);
+    }
+    TangentFrame frame(const TangentFrames& frames, const RootPoint& at,
+                       const glm::dvec3& direction) const {
+        return frames.at(domain_->roots[at.root], at.weights, direction);
+    }
+    // The change of `vector` by a step of the weights (BaseFrame), `steps` of the map's vector.
+    glm::dvec3 vector_step(const BaseFrame& base, const RootPoint& at, std::size_t axis,
+                           const VectorFunction::Sample& sample) const;
 
   private:
+    const Domain* domain_ = nullptr;
+    std::map<std::size_t, TangentFrames> frames_;  // by UV set
     std::span<const Displacement> displacements_;
     std::vector<std::uint32_t> which_;                // per root
     std::vector<std::array<glm::dvec2, 3>> corners_;  // per root

@@ -148,11 +148,6 @@ Result<std::shared_ptr<const VectorFunction>> vector_function(const Image& image
                                                               const VectorMapOptions& options,
                                                               const Mesh* charts,
                                                               std::size_t uv_set) {
-    if (options.axes != VectorAxes::object)
-        return Error{ErrorCode::unsupported,
-                     "vector maps in the frame of the surface have no proved bounds: bake the map "
-                     "in object space",
-                     ""};
     VectorMapOptions as_read = options;
     as_read.map.band_limited = false;
     const Result<detail::VectorMap> map = detail::VectorMap::make(image, as_read);

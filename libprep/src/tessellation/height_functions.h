@@ -15,7 +15,7 @@ std::shared_ptr<const HeightFunction> height_function(const HeightMap& map, cons
                                                       std::size_t uv_set, std::uint32_t material,
                                                       int threads);
 
-// A vector map in object space, confined likewise.
+// A vector map, confined likewise.
 std::shared_ptr<const VectorFunction> vector_function(const VectorMap& map, const Mesh* charts,
                                                       std::size_t uv_set, std::uint32_t material,
                                                       int threads);

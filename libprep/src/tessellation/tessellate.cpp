@@ -126,7 +126,7 @@ Result<TessellatedMesh> tessellate(const Mesh& cage, const Domain& domain, const
     limited.triangle_limit = std::min<std::uint64_t>(options.triangle_limit, (no_index - 1) / 3);
     if (limited.max_triangles)
         limited.max_triangles = std::min(*limited.max_triangles, limited.triangle_limit);
-    const auto heights = RootHeights::make(cage, domain, limited);
+    const auto heights = RootHeights::make(cage, domain, base, limited);
     if (!heights) return heights.error();
     const DisplacedSurface surface(base, *heights);
     Refinement refinement(cage, domain, surface, limited);

@@ -274,7 +274,7 @@ void add_displacement_options(OptionSet& options, prep::PrepareOptions& p) {
 
     options
         .word(
-            "--displace-kind", {"height", "vector-object"},
+            "--displace-kind", words_of<prep::DisplacementKind>(),
             [&d](const std::string& word) {
                 if (!d.map)
                     usage_error("--displace-kind",
@@ -282,8 +282,26 @@ void add_displacement_options(OptionSet& options, prep::PrepareOptions& p) {
                                 "their own maps, noise has none");
                 d.kind = prep::enum_named<prep::DisplacementKind>(word).value();
             },
-            "What the map holds: heights along the normal (default), or x, y, z of the mesh's own "
-            "space in its first three channels, times --height-scale")
+            "What the map holds: heights along the normal (default), or vectors in its first three "
+            "channels, times --height-scale: along the tangent, the normal and the bitangent, or "
+            "x, y, z of the mesh's own space")
+        .needs(displace);
+    options
+        .word(
+            "--displace-axes",
+            {std::string(name_of(prep::VectorAxes::tangent_normal_bitangent)),
+             std::string(name_of(prep::VectorAxes::tangent_bitangent_normal))},
+            [&d](const std::string& word) {
+                require_map("--displace-axes", d);
+                if (d.map && d.kind != prep::DisplacementKind::vector_tangent)
+                    usage_error("--displace-axes",
+                                "orders the channels of --displace-kind vector-tangent");
+                d.axes = prep::enum_named<prep::VectorAxes>(word).value();
+            },
+            "What the channels of vector-tangent maps are along: tangent-normal-bitangent "
+            "(default: "
+            "green is up, as Blender has it) or tangent-bitangent-normal (blue is up, as in normal "
+            "maps)")
         .needs(displace);
     add_noise_options(options, d, displace);
 

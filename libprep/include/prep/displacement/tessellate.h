@@ -8,13 +8,15 @@
 // it, by angle). h = scale · (height − midlevel) in units of the mesh, at the UVs of the face's
 // corners, interpolated linearly over each triangle of the fan, whose centre has their mean.
 //
-// Vector maps and noise are moved by as well: P = S + h n + d, d in the mesh's own space, and h has
-// the noise at S in it.
+// Vector maps and noise are moved by as well: P = S + h n + d, and h has the noise at S in it. The
+// vector d is (x, y, z) of the map in the mesh's own space, or x T + y B + z n: T and B are the
+// tangent and the bitangent of the UVs there, made perpendicular to n and unit
+// (docs/displacement.md, vector maps).
 //
 // Triangles are halved at their newest vertex (libprep/src/tessellation/bisection.h): both sides of
 // an edge share its middle, so that the result is as closed as the cage. Where several faces meet,
 // there is one position: the mean of the least and the greatest of their heights, along the
-// normalised sum of their directions.
+// normalised sum of their directions, and the middle of the box around their vectors.
 #pragma once
 
 #include <array>
@@ -76,7 +78,8 @@ class SpaceFunction {
 // Noise (sources.h), with its own scale and mid-level. Errors: invalid options.
 Result<std::shared_ptr<const SpaceFunction>> noise_function(const NoiseOptions& options);
 
-// A vector in the mesh's own space over the UV plane; as HeightFunction.
+// A vector over the UV plane: x, y, z of the mesh's own space, or along the tangent, the bitangent
+// and the normal (Displacement::tangent_space); as HeightFunction.
 class VectorFunction {
   public:
     virtual ~VectorFunction() = default;
@@ -89,8 +92,8 @@ class VectorFunction {
                              const std::array<glm::dvec3, 3>& values, double enough) const = 0;
 };
 
-// A vector map in object space, as height_function(). Errors: also unsupported (a map in the frame
-// of the surface: there are no bounds for the frame).
+// A vector map, as height_function(); a Displacement by it has `tangent_space` unless its axes are
+// those of object space. Errors: also invalid (fewer than three channels).
 Result<std::shared_ptr<const VectorFunction>> vector_function(const Image& image,
                                                               const VectorMapOptions& options = {},
                                                               const Mesh* charts = nullptr,
@@ -103,6 +106,7 @@ struct Displacement {
     std::size_t uv_set = 0;          // of `height` and `vector`
     std::shared_ptr<const SpaceFunction> noise = nullptr;
     std::shared_ptr<const VectorFunction> vector = nullptr;
+    bool tangent_space = false;  // `vector` is along tangent, bitangent and normal
 };
 
 // What a length is on the screen. A point p (with pixel errors of a mesh: about its origin) is seen
