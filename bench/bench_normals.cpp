@@ -4,6 +4,7 @@
 #include <benchmark/benchmark.h>
 
 #include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
+#include <optional>
 
 #include "prep/corner_normals.h"
 #include "torus.h"
@@ -43,16 +44,19 @@ void crease_normals(benchmark::State& state, prep::Precision precision) {
 }
 
 // The same bits from raw indexed triangles in one call, the weld included or not.
-void crease_normals_at_once(benchmark::State& state, prep::Precision precision, bool weld) {
+void crease_normals_at_once(benchmark::State& state, prep::Precision precision, bool weld,
+                            std::optional<double> angle = 60.0) {
     const prep::Mesh& mesh = torus(state.range(0));
     const prep::MeshView view(mesh);
     prep::NormalOptions options;
     options.precision = precision;
     options.threads = int(state.range(1));
+    prep::HardEdgeOptions edges;
+    edges.angle_degrees = angle;
     for (auto _ : state) {
         std::vector<std::uint32_t> welded;
         if (weld) welded = prep::weld_exact(view.positions, options.threads);
-        auto normals = prep::crease_normals(view, welded, {}, options);
+        auto normals = prep::crease_normals(view, welded, edges, options);
         benchmark::DoNotOptimize(normals);
     }
     report(state);
@@ -111,6 +115,13 @@ BENCHMARK_CAPTURE(crease_normals_at_once, accurate, prep::Precision::accurate, f
     ->ArgsProduct({{980'000, 4'000'000}, {1, 2}})
     ->ArgNames({"triangles", "threads"})
     ->UseRealTime()
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(crease_normals_at_once, accurate_smooth, prep::Precision::accurate, false,
+                  std::nullopt)
+    ->ArgsProduct({{980'000}, {1, 2}})
+    ->ArgNames({"triangles", "threads"})
+    ->UseRealTime()
+    ->MeasureProcessCPUTime()
     ->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(crease_normals_at_once, fast, prep::Precision::fast, false)
     ->ArgsProduct({{980'000}, {1, 2}})

@@ -1,6 +1,7 @@
 // Batches: what is wrong with one file stops no other, several at once say the same, and a manifest
 // tells what is done already.
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <sstream>
 
@@ -45,6 +46,8 @@ TEST(Batch, WhatIsReadFromAnOutputTakesNoLookAtAllOtherInputs) {
         jobs.push_back(
             {dir / (std::to_string(n) + ".obj"), dir / (std::to_string(n) + ".glb"), "glb"});
     jobs.push_back({dir / "scene.json", dir / "scene.glb", "glb"});
+    ASSERT_EQ(mkfifo((dir / "pipe.obj").c_str(), 0600), 0);
+    jobs.push_back({dir / "pipe.obj", dir / "pipe.glb", "glb"});
     const meshprep::CommonOptions common;
     std::ostringstream said;
     meshprep::Console console(said, said, false);
@@ -62,6 +65,11 @@ TEST(Batch, WhatIsReadFromAnOutputTakesNoLookAtAllOtherInputs) {
               2 * jobs.size());
     EXPECT_TRUE(sources.of_another(jobs[0], jobs[1].input));
     EXPECT_FALSE(sources.of_another(jobs[1], jobs[1].input));
+    // A pipe is not read for an answer; what its mesh named is told all the same.
+    const std::filesystem::path library = dir / "library.mtl";
+    EXPECT_FALSE(sources.of_another(jobs[0], library));
+    sources.add(jobs.back(), {library});
+    EXPECT_TRUE(sources.of_another(jobs[0], library));
 }
 
 TEST(Batch, AMissingInputIsItsOwnErrorAndTheOthersAreDone) {
