@@ -74,7 +74,7 @@ endfunction()
 # time; what a format has in folders of its own counts as its folder's. Sources that are compiled
 # apart: those with flags of their own (CMake sees to that), and those of Highway, whose settings
 # hold for a whole file. A local name that shadows a local one is told as everywhere; what of one source
-a name of another shadows says nothing.
+# a name of another shadows says nothing.
 function(meshprep_unity target)
   if(NOT MESHPREP_UNITY)
     return()
