@@ -182,7 +182,6 @@ TEST(TessellationFrames, TranslationMovesEveryVertexByItselfAcrossSeams) {
             if (limit) how.scheme = SubdivisionScheme::catmark;
             // As coarse as texels: all of its vertices lie at their centres.
             how.edge_length = limit ? 0.3 : 0.27;
-            how.triangle_limit = 20000;  // where sides disagree no end is near
             const auto moved = tessellate(of.mesh, how);
             how.displacements.clear();
             const auto rest = tessellate(of.mesh, how);
@@ -417,7 +416,7 @@ TEST(TessellationFrames, ChartsWithoutAreaAreMoved) {
         TessellateOptions how =
             moved_by(image, in_frame(VectorAxes::tangent_normal_bitangent), nullptr);
         how.chord_error = 0.01;
-        how.max_triangles = 5000;
+        how.triangle_limit = 5000;
         how.threads = threads;
         const auto made = tessellate(of.mesh, how);
         ASSERT_TRUE(made) << to_string(made.error());
@@ -426,6 +425,70 @@ TEST(TessellationFrames, ChartsWithoutAreaAreMoved) {
         EXPECT_EQ(made->mesh.positions, first);
         for (const glm::vec3& p : first) EXPECT_TRUE(glm::length(p) < 3);
     }
+}
+
+// A plane of three squares: that in the middle has no chart, those beside it are turned by 180°, so
+// that its corners' tangents cancel along a line.
+TEST(TessellationFrames, TangentsThatCancelHaveAnEnd) {
+    Mesh mesh;
+    for (int x = 0; x < 4; ++x)
+        for (int y = 0; y < 2; ++y) mesh.positions.emplace_back(x, y, 0);
+    mesh.face_offsets = {0};
+    mesh.uvs.resize(1);
+    for (std::uint32_t q = 0; q < 3; ++q) {
+        const std::array<std::uint32_t, 4> quad{2 * q, 2 * q + 2, 2 * q + 3, 2 * q + 1};
+        for (const std::uint32_t v : quad) {
+            const glm::vec2 at(mesh.positions[v]);
+            mesh.corner_vertices.push_back(v);
+            mesh.uvs[0].indices.push_back(std::uint32_t(mesh.uvs[0].values.size()));
+            mesh.uvs[0].values.push_back(q == 0   ? 0.2F * at
+                                         : q == 2 ? glm::vec2(1) - 0.2F * at
+                                                  : glm::vec2(0.5F));
+        }
+        mesh.face_offsets.push_back(std::uint32_t(mesh.corner_vertices.size()));
+    }
+    const Image image = picture([](auto, auto) { return glm::dvec3(0.1, 0, 0); });
+    for (const bool by_length : {false, true}) {
+        TessellateOptions how =
+            moved_by(image, in_frame(VectorAxes::tangent_normal_bitangent), nullptr);
+        (by_length ? how.edge_length : how.chord_error) = by_length ? 0.3 : 0.01;
+        how.triangle_limit = 5000;
+        const auto made = tessellate(mesh, how);
+        ASSERT_TRUE(made) << by_length << " " << to_string(made.error());
+        EXPECT_LE(made->certificate.measured, made->certificate.proved);
+        EXPECT_GT(made->certificate.largest_shared_gap, 0.05);
+    }
+}
+
+// Charts that are moved along their directions by 0.5 or not at all: along their seams edges stay
+// longer than what is asked for, however fine the triangles are, and are counted.
+TEST(TessellationFrames, EdgesAcrossGapsAreNotHalvedForEver) {
+    const Atlas of = charted_cube();
+    const Image image =
+        picture([](std::uint32_t x, auto) { return glm::dvec3(0, x < 36 ? 0.5 : 0.0, 0); });
+    TessellateOptions how =
+        moved_by(image, in_frame(VectorAxes::tangent_normal_bitangent), nullptr);
+    how.edge_length = 0.2;
+    how.triangle_limit = 50000;
+    const auto moved = tessellate(of.mesh, how);
+    how.displacements.clear();
+    const auto rest = tessellate(of.mesh, how);
+    ASSERT_TRUE(rest && moved);
+    EXPECT_EQ(rest->certificate.unresolved, 0U);
+    EXPECT_GT(moved->certificate.unresolved, 20U);
+    EXPECT_GT(moved->certificate.largest_shared_gap, 0.2);
+    // Two of six charts have wider faces, and neighbours' triangles are halved along.
+    EXPECT_LT(moved->certificate.triangles, 4 * rest->certificate.triangles);
+    const Mesh& mesh = moved->mesh;
+    std::size_t longer = 0;
+    for (std::size_t c = 0; c < mesh.corner_count(); ++c) {
+        const std::size_t next = c % 3 == 2 ? c - 2 : c + 1;
+        const glm::dvec3 edge(mesh.positions[mesh.corner_vertices[next]] -
+                              mesh.positions[mesh.corner_vertices[c]]);
+        longer += glm::length(edge) > 0.2000001;
+    }
+    EXPECT_GT(longer, 0U);
+    EXPECT_LE(longer, 3 * moved->certificate.unresolved);
 }
 
 }  // namespace

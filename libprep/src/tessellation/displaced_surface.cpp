@@ -182,6 +182,15 @@ void DisplacedSurface::truths(std::span<const RootPoint> at, std::span<glm::dvec
     }
 }
 
+std::array<glm::dvec3, 3> DisplacedSurface::own_corners(const BisectedTriangle& triangle) const {
+    const auto weights = path_weights(triangle.path);
+    std::array<RootPoint, 3> at;
+    for (std::size_t k = 0; k < 3; ++k) at[k] = {triangle.root, weights[k]};
+    std::array<glm::dvec3, 3> own;
+    truths(at, own);
+    return own;
+}
+
 glm::dvec3 DisplacedSurface::normal(const BaseFrame& frame, const RootPoint& at) const {
     const Displacement* displacement = heights_.of(at.root);
     if (!displacement) return frame.normal;

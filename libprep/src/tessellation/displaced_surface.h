@@ -113,6 +113,8 @@ class DisplacedSurface {
     // The truth at points, as their own roots have it.
     glm::dvec3 truth(const RootPoint& at) const;
     void truths(std::span<const RootPoint> at, std::span<glm::dvec3> truths) const;
+    // A triangle's corners, as its own root has them.
+    std::array<glm::dvec3, 3> own_corners(const BisectedTriangle& triangle) const;
     // Its unit normal, from the derivatives dP + dh n + h dn + dd; of the base those along its
     // shading's surface.
     glm::dvec3 normal(const BaseFrame& frame, const RootPoint& at) const;

@@ -23,6 +23,15 @@ double rounding_gap(const std::array<glm::dvec3, 3>& corners) {
     return 0x1p-22 * largest;
 }
 
+std::array<double, 3> edge_lengths(const std::array<glm::dvec3, 3>& corners) {
+    return {glm::length(corners[1] - corners[0]), glm::length(corners[2] - corners[1]),
+            glm::length(corners[0] - corners[2])};
+}
+
+double longest_of(const std::array<double, 3>& lengths) {
+    return std::max({lengths[0], lengths[1], lengths[2]});
+}
+
 constexpr float unknown = -1;  // a bound that was not computed
 
 // What there is over what is asked for: above 1 the triangle has to be halved. What refinement
@@ -123,12 +132,30 @@ Asked Refinement::asked(const BisectedTriangle& triangle) const {
     return {std::max(0.5 * most, left), most, chord};
 }
 
+// Of a triangle's edges, each as long as the triangle's own side has it where that is less: what
+// sides that share a corner disagree by stays, however fine the triangles are.
+double Refinement::longest_edge(std::uint32_t t) const {
+    const BisectedTriangle& triangle = mesh_.triangles()[t];
+    const auto seen = corners(triangle);
+    const double longest = longest_of(edge_lengths(seen));
+    if (!(longest > *options_.edge_length) || !is_shared(triangle)) return longest;
+    const auto own = surface_.own_corners(triangle);
+    double apart = 0;
+    for (std::size_t k = 0; k < 3; ++k) apart = std::max(apart, glm::length(own[k] - seen[k]));
+    if (apart <= rounding_gap(seen)) return longest;
+    const auto lengths = edge_lengths(seen), own_lengths = edge_lengths(own);
+    std::array<double, 3> less;
+    for (std::size_t k = 0; k < 3; ++k) less[k] = std::min(lengths[k], own_lengths[k]);
+    return longest_of(less);
+}
+
 bool Refinement::has_long_edge(std::uint32_t t) const {
-    if (!options_.edge_length) return false;
-    const auto corners = this->corners(mesh_.triangles()[t]);
-    for (std::size_t k = 0; k < 3; ++k)
-        if (glm::length(corners[k] - corners[(k + 1) % 3]) / *options_.edge_length > 1) return true;
-    return false;
+    return options_.edge_length && longest_edge(t) / *options_.edge_length > 1;
+}
+
+bool Refinement::stays_long(std::uint32_t t) const {
+    return options_.edge_length &&
+           longest_of(edge_lengths(corners(mesh_.triangles()[t]))) / *options_.edge_length > 1;
 }
 
 // By the true point in the middle of the edge that would be halved. Never true where the bound
@@ -214,13 +241,7 @@ float Refinement::excess(std::uint32_t t) const {
                 most, excess_over(bound, screen.length_of(corners, asked), scale * error > asked));
         }
     }
-    if (options_.edge_length) {
-        const auto& v = mesh_.triangles()[t].vertices;
-        for (std::size_t k = 0; k < 3; ++k)
-            most = std::max(most, glm::length(glm::dvec3(samples_[v[k]].position) -
-                                              glm::dvec3(samples_[v[(k + 1) % 3]].position)) /
-                                      *options_.edge_length);
-    }
+    if (options_.edge_length) most = std::max(most, longest_edge(t) / *options_.edge_length);
     if (!options_.chord_error && !options_.pixel_error && !options_.edge_length)
         most = double(bound.refinable);
     return float_not_below(most);  // what exceeds by an ulp has to be halved as well
@@ -398,9 +419,13 @@ Result<void> Refinement::run(const std::vector<std::uint8_t>& first_halving) {
     const Result<void> refined =
         options_.max_triangles ? refine_to_budget() : refine_to_error(std::move(all));
     if (!refined) return refined;
-    if (options_.chord_error || options_.pixel_error || options_.edge_length)
-        for (std::uint32_t t = 0; t < excess_.size(); ++t)
-            if (excess_[t] > 1) ++(can_be_halved(t) ? over_budget_ : unresolved_);
+    if (!options_.chord_error && !options_.pixel_error && !options_.edge_length) return {};
+    for (std::uint32_t t = 0; t < excess_.size(); ++t) {
+        if (excess_[t] > 1)
+            ++(can_be_halved(t) ? over_budget_ : unresolved_);
+        else if (stays_long(t))
+            ++unresolved_;
+    }
     return {};
 }
 

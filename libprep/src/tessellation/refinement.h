@@ -49,7 +49,10 @@ class Refinement {
     void measure(const std::vector<std::uint32_t>& fresh, Effort effort);
     void look(std::span<const std::uint32_t> fresh);
     void prove(std::uint32_t t, const Asked& asked);
+    double longest_edge(std::uint32_t t) const;
     bool has_long_edge(std::uint32_t t) const;
+    // Is an edge longer than asked, whatever makes it so?
+    bool stays_long(std::uint32_t t) const;
     bool surely_misses(std::uint32_t t, const glm::dvec3& middle) const;
     bool is_shared(const BisectedTriangle& triangle) const;
     float excess(std::uint32_t t) const;

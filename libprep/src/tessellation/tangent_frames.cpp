@@ -107,11 +107,35 @@ Result<TangentFrames> TangentFrames::make(const Mesh& mesh, const Domain& domain
         const double sign = double(tangents.values[tangents.indices[corner]].w);
         frames.signs_[fan] = area > 0 ? -1 : area < 0 ? 1 : sign;
     }
+    frames.keep_from_cancelling(domain, base);
     return frames;
 }
 
+void TangentFrames::keep_from_cancelling(const Domain& domain, const BaseSurface& base) {
+    constexpr double least_lean = 0.05;  // the mean's length, and cosines to it
+    constant_.assign(domain.fans(), 0);
+    for (std::uint32_t fan = 0; fan < domain.fans(); ++fan) {
+        const glm::dvec3 mean = centres_[fan];
+        bool leans = glm::length(mean) > least_lean;
+        for_fan_corners(domain, fan, [&](std::uint32_t c) {
+            leans = leans && glm::dot(corners_[c], mean) > least_lean * glm::length(mean);
+        });
+        if (leans) continue;
+        constant_[fan] = 1;
+        const RootPoint centre{domain.fan_roots[fan], {0, 0, 1}};
+        BasePoint point;
+        base.evaluate({&centre, 1}, {&point, 1});
+        const glm::dvec3& n = point.direction;
+        const glm::dvec3 level = mean - glm::dot(mean, n) * n;
+        const bool some = glm::length(level) > least_lean;
+        centres_[fan] = some ? glm::normalize(level) : any_perpendicular(n);
+    }
+}
+
 std::array<glm::dvec3, 3> TangentFrames::tangents(const DomainRoot& root) const {
-    return {corners_[root.corners[0]], corners_[root.corners[1]], centres_[root.fan]};
+    const glm::dvec3& centre = centres_[root.fan];
+    if (constant_[root.fan]) return {centre, centre, centre};
+    return {corners_[root.corners[0]], corners_[root.corners[1]], centre};
 }
 
 TangentFrame TangentFrames::at(const DomainRoot& root, const glm::dvec3& weights,
@@ -163,7 +187,7 @@ double frame_deviation(const std::array<TangentFrame, 3>& corners, double turn) 
         std::min({glm::dot(across[0], mean), glm::dot(across[1], mean), glm::dot(across[2], mean)});
     double of_side = 2;
     // The last term is what the sides' own roundings are over so short a vector.
-    if (least > 1e-9 && 2 * least > e)
+    if (least > 1e-6 && 2 * least > e)
         of_side =
             std::min(2.0, 2 * e / (2 * least - e) + direction_deviation(across) + 0x1p-46 / least);
     const double of_tangent = std::min(2.0, of_side + of_n + turns * largest_difference(side));

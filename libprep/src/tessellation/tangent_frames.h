@@ -17,6 +17,11 @@
 // I b / |I b| from I B is direction_deviation's. Last,
 //   |T − I T| ≤ |B − I B| + |n − I n| + ⅓ max |B − B'||n − n'|.
 // All of these are of second order in the triangle's size.
+//
+// Corners' tangents that cancel (charts without area take theirs from what they meet) would leave a
+// line where τ vanishes and the frame jumps, which no triangles are fine enough for. The fan of a
+// face whose tangents do not lean to their mean has one tangent; its neighbours have others, and
+// what that makes them disagree by is a gap like that of a seam.
 #pragma once
 
 #include <array>
@@ -52,10 +57,13 @@ class TangentFrames {
                     const glm::dvec3& turn) const;
 
   private:
+    void keep_from_cancelling(const Domain& domain, const BaseSurface& base);
     std::array<glm::dvec3, 3> tangents(const DomainRoot& root) const;
     std::vector<glm::dvec3> corners_;  // per corner of the cage
     std::vector<glm::dvec3> centres_;  // per fan
-    std::vector<double> signs_;        // w, per fan
+    // Per fan: its tangent is that of the centre everywhere.
+    std::vector<std::uint8_t> constant_;
+    std::vector<double> signs_;  // w, per fan
 };
 
 // Above ‖F − I F‖ over a triangle whose corners have these frames and whose direction is off its

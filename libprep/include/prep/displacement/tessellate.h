@@ -133,7 +133,7 @@ struct TessellateOptions {
     // The same in pixels of all `screens`: between the places of two points of the same parameters
     // one of which is in the picture. What no picture shows stays coarse.
     std::optional<double> pixel_error;
-    std::optional<double> edge_length;  // longest edge, in units of the mesh
+    std::optional<double> edge_length;  // longest edge, beside gaps of seams, in units of the mesh
     // The least error for so many triangles: the worst is halved first. With an error asked for as
     // well: whichever is reached first.
     std::optional<std::uint64_t> max_triangles;
