@@ -1,9 +1,15 @@
 // `render --budget-ms`: what is chosen by known costs, what is kept in the cache, what is said.
 // Times themselves are the machine's: nothing here depends on how long anything takes.
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
+#include <array>
+#include <atomic>
 #include <cstdlib>
 #include <optional>
+#include <set>
+#include <sstream>
+#include <thread>
 
 #include "command_runner.h"
 #include "meshprep/budgets/cost_cache.h"
@@ -53,14 +59,62 @@ std::vector<SamplingCost> costs_by_points() {
 }
 
 TEST(BudgetMs, PilotsAreSolvedForWhatPixelsTake) {
-    const PilotTimes p = meshprep::pilot_from_times(3 + 40.0 / 16, 3 + 40.0 / 4);
-    EXPECT_NEAR(p.fixed, 3, 1e-12);
-    EXPECT_NEAR(p.pixels, 40, 1e-12);
-    // Clocks that make the smaller picture the slower one.
-    const PilotTimes odd = meshprep::pilot_from_times(5, 4);
-    EXPECT_EQ(odd.fixed, 5);
-    EXPECT_EQ(odd.pixels, 0);
-    EXPECT_NEAR(meshprep::predicted_ms({3, 40}, {{4, 1}, 1.5, 2.5}), 4.5 + 100, 1e-12);
+    // 3 ms and 0.4 ms a pixel, for all the sizes that rounding can make.
+    for (const double pixels : {1.0, 5.0, 6.0, 25.0})
+        for (const double more : {1.0, 3.0, 75.0}) {
+            const double larger = pixels + more;
+            const PilotTimes p = meshprep::pilot_from_times({pixels, 3 + 0.4 * pixels},
+                                                            {larger, 3 + 0.4 * larger}, 100);
+            EXPECT_NEAR(p.fixed, 3, 1e-12);
+            EXPECT_NEAR(p.pixels, 40, 1e-12);
+            EXPECT_FALSE(p.noisy);
+        }
+    // Clocks that make the smaller picture the slower one, and pictures of one size: never less
+    // than were all of it the pixels'.
+    for (const double smaller : {4.0, 5.0}) {
+        const PilotTimes odd = meshprep::pilot_from_times({1, smaller}, {4, 4}, 16);
+        EXPECT_EQ(odd.fixed, 0);
+        EXPECT_EQ(odd.pixels, 16);
+        EXPECT_TRUE(odd.noisy);
+    }
+    EXPECT_EQ(meshprep::pilot_from_times({4, 3}, {4, 4}, 16).pixels, 16);
+    // A smaller picture that is too fast makes no more of them than that.
+    EXPECT_EQ(meshprep::pilot_from_times({1, 0}, {4, 4}, 16).pixels, 16);
+    EXPECT_EQ(meshprep::pilot_from_times({1, 0}, {4, 4}, 16).fixed, 0);
+    EXPECT_NEAR(meshprep::predicted_ms({3, 40, 7}, {{4, 1}, 1.5, 2.5}), 7 + 4.5 + 100, 1e-12);
+}
+
+// What is drawn for a pilot is counted, not timed.
+TEST(BudgetMs, PilotsAreAQuarterAndAHalfOfWhatIsAskedForInBands) {
+    const prep::PreparedScene scene;
+    rast::SceneRenderer renderer(scene);
+    rast::RenderRequest request;
+    request.width = 403;
+    request.height = 801;
+    request.threads = 1;
+    request.band_bytes = 1;
+    std::set<std::array<std::uint32_t, 4>> asked;
+    std::set<std::size_t> views;
+    const auto plan_for = [&](const rast::RenderRequest& r, std::size_t view) {
+        EXPECT_EQ(r.samples * r.supersample, 1);
+        const rast::Crop crop = r.crop.value_or(rast::Crop{0, 0, r.width, r.height});
+        EXPECT_LE(crop.x + crop.width, r.width);
+        EXPECT_LE(crop.y + crop.height, r.height);
+        asked.insert({r.width, r.height, crop.width, crop.height});
+        views.insert(view);
+        return rast::plan(scene, r);
+    };
+    const auto pilot = meshprep::pilot_of(renderer, request, 8, plan_for);
+    ASSERT_TRUE(pilot) << to_string(pilot.error());
+    EXPECT_EQ(asked,
+              (std::set<std::array<std::uint32_t, 4>>{{100, 200, 100, 200}, {201, 400, 201, 400}}));
+    EXPECT_EQ(views, (std::set<std::size_t>{0, 2, 4, 6}));
+    EXPECT_GT(pilot->band_pixels, 0u);
+    EXPECT_LT(pilot->band_pixels, 201u * 400 / 2);  // as the picture itself, in bands
+    asked.clear();
+    request.crop = rast::Crop{400, 0, 3, 3};
+    ASSERT_TRUE(meshprep::pilot_of(renderer, request, 1, plan_for));
+    EXPECT_EQ(asked, (std::set<std::array<std::uint32_t, 4>>{{100, 200, 1, 1}, {201, 400, 1, 1}}));
 }
 
 TEST(BudgetMs, CostsAreWhatManyTrianglesAddToFew) {
@@ -117,20 +171,25 @@ class BudgetCache : public ::testing::Test {
         words.insert(words.end(), more.begin(), more.end());
         return run_here(words);
     }
-    // What the cache says of one thread is replaced.
-    void seed(double factor) {
-        Json json = Json::parse(test::read_text(file()));
-        for (Json& entry : json["entries"])
-            for (Json& cost : entry["costs"]) cost["triangles"] = cost["pixels"] = factor;
-        write_text(file(), json.dump());
+    // Each sampling costs this many times one sample, as if measured.
+    void seed(double factor, int threads = 1) {
+        auto costs = costs_by_points();
+        for (SamplingCost& cost : costs) cost.triangles = cost.pixels = factor;
+        ASSERT_TRUE(meshprep::keep_costs(file(), meshprep::sampling_key(threads),
+                                         meshprep::to_json(costs)));
     }
     TemporaryDirectory dir_;
     Variable cache_{"XDG_CACHE_HOME", (dir_ / "cache").string()};
 };
 
 TEST_F(BudgetCache, CostsAreMeasuredOnceAndKept) {
-    const test::Ran first = draw({"--budget-ms", "1e6"});
+    const test::Ran first = draw({"--budget-ms", "1e9"});
     ASSERT_EQ(first.exit_code, 0) << first.err;
+    // A busy machine's are used and not kept, and that is said.
+    if (!std::filesystem::exists(file())) {
+        EXPECT_NE(first.err.find("the machine is busy"), std::string::npos) << first.err;
+        seed(1);
+    }
     const Json b = first.json()["budget"];
     EXPECT_EQ(b["costs"], "measured");
     EXPECT_EQ(b["met"], true);
@@ -141,38 +200,41 @@ TEST_F(BudgetCache, CostsAreMeasuredOnceAndKept) {
     EXPECT_EQ(b["tried"].size(), 10u);
     EXPECT_EQ(Json::parse(test::read_text(file()))["entries"].size(), 1u);
     const std::string kept = test::read_text(file());
-    EXPECT_EQ(draw({"--budget-ms", "1e6"}).json()["budget"]["costs"], "cached");
+    EXPECT_EQ(draw({"--budget-ms", "1e9"}).json()["budget"]["costs"], "cached");
     EXPECT_EQ(test::read_text(file()), kept);
     // Another number of threads is measured for itself, beside.
-    EXPECT_EQ(draw({"--budget-ms", "1e6"}, "o.png", "2").json()["budget"]["costs"], "measured");
+    EXPECT_EQ(draw({"--budget-ms", "1e9"}, "o.png", "2").json()["budget"]["costs"], "measured");
+    seed(1, 2);
     EXPECT_EQ(Json::parse(test::read_text(file()))["entries"].size(), 2u);
-    EXPECT_EQ(draw({"--budget-ms", "1e6"}).json()["budget"]["costs"], "cached");
+    EXPECT_EQ(draw({"--budget-ms", "1e9"}).json()["budget"]["costs"], "cached");
 }
 
 TEST_F(BudgetCache, WhatIsKeptDecides) {
-    ASSERT_EQ(draw({"--budget-ms", "1e6"}).exit_code, 0);
-    // As cheap as nothing: the finest fits into a time that it overruns.
-    seed(1e-9);
-    const test::Ran cheap = draw({"--budget-ms", "1e-5"});
-    EXPECT_EQ(cheap.exit_code, 0) << cheap.err;
-    EXPECT_EQ(cheap.json()["budget"]["chosen"]["setting"], words_of({1, 8}));
-    EXPECT_EQ(cheap.json()["budget"]["overrun"], true);
-    EXPECT_NE(cheap.err.find("times what was asked"), std::string::npos) << cheap.err;
+    for (const double factor : {1.0, 1000.0}) {
+        seed(factor);
+        const Json b = draw({"--budget-ms", "1e9"}).json()["budget"];
+        const Json& pilot = b["pilot"];
+        const double of_one = pilot["fixed"].get<double>() + pilot["pixels"].get<double>();
+        for (const Json& tried : b["tried"])
+            EXPECT_NEAR(tried["milliseconds"].get<double>() - pilot["first"].get<double>(),
+                        factor * of_one, 1e-9 * factor * of_one);
+        EXPECT_GE(b["taken"], pilot["first"]);
+    }
     // So dear that nothing fits: the picture is drawn all the same, and the exit code says it.
-    seed(1e6);
-    const test::Ran dear = draw({"--budget-ms", "1"}, "dear.png");
+    const test::Ran dear = draw({"--budget-ms", "1e-3"}, "dear.png");
     EXPECT_EQ(dear.exit_code, 1);
     EXPECT_EQ(dear.json()["budget"]["met"], false);
     EXPECT_EQ(dear.json()["budget"]["chosen"]["setting"], words_of({1, 1}));
-    EXPECT_NE(dear.err.find("nothing is predicted to draw within 1 ms"), std::string::npos);
+    EXPECT_NE(dear.err.find("nothing is predicted to draw within 0.001 ms"), std::string::npos);
     EXPECT_TRUE(std::filesystem::exists(dir_ / "dear.png"));
     // The cache is not read.
-    EXPECT_EQ(draw({"--budget-ms", "1e6", "--no-cache"}).json()["budget"]["costs"], "measured");
+    EXPECT_EQ(draw({"--budget-ms", "1e9", "--no-cache"}).json()["budget"]["costs"], "measured");
 }
 
 TEST_F(BudgetCache, TheCommandThatIsPrintedDrawsTheSameBytes) {
-    for (const char* ms : {"0", "1e6"}) {
-        const test::Ran ran = draw({"--budget-ms", ms, "--no-cache", "--shading", "flat"});
+    for (const char* ms : {"0", "1e9"}) {
+        seed(1);
+        const test::Ran ran = draw({"--budget-ms", ms, "--shading", "flat"});
         ASSERT_EQ(ran.exit_code, ms[0] == '0' ? 1 : 0) << ran.err;
         const std::string picture = test::read_text(dir_ / "o.png");
         std::string again = ran.json()["budget"]["command"];
@@ -182,15 +244,96 @@ TEST_F(BudgetCache, TheCommandThatIsPrintedDrawsTheSameBytes) {
         ASSERT_EQ(test::run_program("/bin/sh", {"-c", again}).exit_code, 0) << again;
         EXPECT_EQ(test::read_text(dir_ / "o.png"), picture) << again;
     }
-    EXPECT_FALSE(std::filesystem::exists(dir_ / "cache"));  // --no-cache keeps nothing
+}
+
+TEST_F(BudgetCache, TheCommandThatIsPrintedForStandardOutputDrawsTheSameBytes) {
+    seed(1);
+    const test::Ran ran = run_here({"render", (dir_ / "ball.obj").string(), "-o", "-", "--format",
+                                    "png", "--size=64x48", "--threads=1", "--budget-ms=1e9"});
+    ASSERT_EQ(ran.exit_code, 0) << ran.err;
+    const std::string said = "the same again: meshprep";
+    const std::size_t at = ran.err.find(said);
+    ASSERT_NE(at, std::string::npos) << ran.err;
+    const std::size_t from = at + said.size();
+    const std::string again = "'" + test::command_path().string() + "'" +
+                              ran.err.substr(from, ran.err.find('\n', from) - from);
+    const test::Ran same = test::run_program("/bin/sh", {"-c", again});
+    ASSERT_EQ(same.exit_code, 0) << again;
+    EXPECT_EQ(same.out, ran.out);
+}
+
+TEST_F(BudgetCache, OverrunsAreTold) {
+    meshprep::TimeCertificate c;
+    c.asked = 10;
+    c.met = true;
+    c.taken = 10;
+    EXPECT_EQ(meshprep::to_json(c, "")["overrun"], false);
+    c.taken = 25;
+    EXPECT_EQ(meshprep::to_json(c, "")["overrun"], true);
+    std::ostringstream out, err;
+    meshprep::Console console(out, err, false);
+    meshprep::say_time({}, c, "again", console);
+    EXPECT_NE(err.str().find("drawing took 25 ms, 2.5 times what was asked"), std::string::npos)
+        << err.str();
+}
+
+// Neither waited for nor written into.
+TEST_F(BudgetCache, APipeInTheCachesPlaceIsToldAndNoFailure) {
+    std::filesystem::create_directories(file().parent_path());
+    ASSERT_EQ(::mkfifo(file().c_str(), 0600), 0);
+    const meshprep::CostKey key{"sampling", "1", "b", "p", 1};
+    EXPECT_FALSE(meshprep::cached_costs(file(), key));
+    const auto kept = meshprep::keep_costs(file(), key, Json(1));
+    ASSERT_FALSE(kept);
+    EXPECT_EQ(kept.error().code, prep::ErrorCode::io);
+    EXPECT_NE(kept.error().text.find("no regular file"), std::string::npos);
+}
+
+// One reader beside two writers finds what one of them wrote, whole.
+TEST_F(BudgetCache, NobodyReadsHalfAFile) {
+    const meshprep::CostKey key{"sampling", "1", "b", "p", 1};
+    const Json values[2] = {Json(std::string(20000, 'a')), Json(std::string(30000, 'b'))};
+    ASSERT_TRUE(meshprep::keep_costs(file(), key, values[0]));
+    std::vector<std::thread> writers;
+    std::atomic<int> left = 2;
+    for (const Json& value : values)
+        writers.emplace_back([&] {
+            for (int n = 0; n < 100; ++n) EXPECT_TRUE(meshprep::keep_costs(file(), key, value));
+            --left;
+        });
+    while (left > 0) {
+        const auto found = meshprep::cached_costs(file(), key);
+        EXPECT_TRUE(found == values[0] || found == values[1]);
+    }
+    for (std::thread& writer : writers) writer.join();
+}
+
+// Names of virtual processors are free text.
+TEST_F(BudgetCache, NamesThatAreNoUtf8AreKept) {
+    const meshprep::CostKey key{"sampling", "1", "b", "p\xff\xfe", 1};
+    ASSERT_TRUE(meshprep::keep_costs(file(), key, Json(3)));
+    EXPECT_EQ(meshprep::cached_costs(file(), key), Json(3));
 }
 
 TEST_F(BudgetCache, WhatIsDamagedIsMeasuredAnew) {
-    const std::string unknown(2 << 20, ' ');
-    ASSERT_EQ(draw({"--budget-ms", "1e6"}).exit_code, 0);
+    seed(1);
     const Json good = Json::parse(test::read_text(file()));
-    std::vector<std::string> damaged = {
-        "", "{", "[]", "{\"layout\":1}", "{\"layout\":\"x\"}", unknown, good.dump().substr(0, 200)};
+    const std::string too_large = good.dump() + std::string(2 << 20, ' ');
+    const std::string deep = std::string(200'000, '[') + std::string(200'000, ']');
+    std::vector<std::string> damaged = {"",
+                                        "{",
+                                        "[]",
+                                        "{\"layout\":1}",
+                                        "{\"layout\":\"x\"}",
+                                        too_large,
+                                        good.dump().substr(0, 200),
+                                        "{\"layout\":1,\"entries\":" + deep + "}"};
+    Json of_two = good;
+    of_two["layout"] = 2;
+    damaged.push_back(of_two.dump());
+    std::string nested = good.dump();
+    const std::size_t costs_at = nested.find("\"costs\":[") + 8;
+    damaged.push_back(nested.replace(costs_at, nested.find(']', costs_at) + 1 - costs_at, deep));
     const auto changed = [&](const auto& change) {
         Json json = good;
         change(json["entries"][0]);
@@ -198,44 +341,51 @@ TEST_F(BudgetCache, WhatIsDamagedIsMeasuredAnew) {
     };
     changed([](Json& e) { e = 7; });
     changed([](Json& e) { e["version"] = "0.0.0"; });
+    changed([](Json& e) { e["build"] = "another"; });
     changed([](Json& e) { e["processor"] = "another"; });
+    changed([](Json& e) { e["threads"] = "1"; });
+    changed([](Json& e) { e["threads"] = 1.5; });
     changed([](Json& e) { e["costs"] = 1; });
     changed([](Json& e) { e["costs"].erase(3); });
     changed([](Json& e) { e["costs"][3]["samples"] = 5; });
     changed([](Json& e) { e["costs"][3]["pixels"] = "1"; });
     changed([](Json& e) { e["costs"][3]["pixels"] = 0; });
     changed([](Json& e) { e["costs"][3]["triangles"] = -1; });
-    changed([](Json& e) { e["costs"][3]["triangles"] = 1e300; });
+    changed([](Json& e) { e["costs"][3]["triangles"] = 0.99; });
+    changed([](Json& e) { e["costs"][3]["triangles"] = 1001; });
+    const meshprep::CostKey key = meshprep::sampling_key(1);
+    const auto taken = meshprep::cached_costs(file(), key);
+    ASSERT_TRUE(taken && meshprep::sampling_costs_from(*taken));
     for (const std::string& text : damaged) {
         SCOPED_TRACE(text.substr(0, 300));
         write_text(file(), text);
-        const auto found = meshprep::cached_costs(
-            file(),
-            {"sampling", good["entries"][0]["version"], good["entries"][0]["processor"], 1});
+        const auto found = meshprep::cached_costs(file(), key);
         EXPECT_FALSE(found && meshprep::sampling_costs_from(*found));
+        EXPECT_TRUE(meshprep::keep_costs(file(), key, Json(5)));
+        EXPECT_EQ(meshprep::cached_costs(file(), key), Json(5));
     }
     // One of them from outside, and then there is a cache again.
     write_text(file(), "{");
-    EXPECT_EQ(draw({"--budget-ms", "1e6"}).json()["budget"]["costs"], "measured");
-    EXPECT_EQ(draw({"--budget-ms", "1e6"}).json()["budget"]["costs"], "cached");
+    EXPECT_EQ(draw({"--budget-ms", "1e9"}).json()["budget"]["costs"], "measured");
 }
 
 TEST_F(BudgetCache, ACacheThatCannotBeWrittenIsToldAndNoFailure) {
     write_text(dir_ / "cache", "a file");
-    const test::Ran ran = draw({"--budget-ms", "1e6"});
+    const test::Ran ran = draw({"--budget-ms", "1e9"});
     EXPECT_EQ(ran.exit_code, 0);
     EXPECT_NE(ran.err.find("measured costs are not kept"), std::string::npos) << ran.err;
 }
 
 TEST_F(BudgetCache, KeepsTheLastSixteen) {
     for (int threads = 1; threads <= 20; ++threads)
-        ASSERT_TRUE(meshprep::keep_costs(file(), {"sampling", "1", "p", threads}, Json(threads)));
-    EXPECT_FALSE(meshprep::cached_costs(file(), {"sampling", "1", "p", 4}));
-    EXPECT_EQ(meshprep::cached_costs(file(), {"sampling", "1", "p", 5}), Json(5));
+        ASSERT_TRUE(
+            meshprep::keep_costs(file(), {"sampling", "1", "b", "p", threads}, Json(threads)));
+    EXPECT_FALSE(meshprep::cached_costs(file(), {"sampling", "1", "b", "p", 4}));
+    EXPECT_EQ(meshprep::cached_costs(file(), {"sampling", "1", "b", "p", 5}), Json(5));
     // Kept again: still the same number of others.
-    ASSERT_TRUE(meshprep::keep_costs(file(), {"sampling", "1", "p", 7}, Json("new")));
-    EXPECT_EQ(meshprep::cached_costs(file(), {"sampling", "1", "p", 5}), Json(5));
-    EXPECT_EQ(meshprep::cached_costs(file(), {"sampling", "1", "p", 7}), Json("new"));
+    ASSERT_TRUE(meshprep::keep_costs(file(), {"sampling", "1", "b", "p", 7}, Json("new")));
+    EXPECT_EQ(meshprep::cached_costs(file(), {"sampling", "1", "b", "p", 5}), Json(5));
+    EXPECT_EQ(meshprep::cached_costs(file(), {"sampling", "1", "b", "p", 7}), Json("new"));
 }
 
 TEST(BudgetMs, TheCacheIsWhereTheUserHasCaches) {

@@ -449,7 +449,7 @@ TEST(CostOracles, GlbCornersAreWhatTheSpecificationSays) {
     bytes({2, 0, 1, 99});
     words({1, 0, 0, 7, 0, 300, 0, 7, 0, 0, 65535, 7});
     bytes({127, 0, 0, 55, 0, -127, 0, 55, 64, 0, -128, 55});
-    words({32767, 0, 0, 32767, 0, -32767, 0, 32767, 0, 0, -32768, 32767});
+    words({32767, 0, 0, 32767, 0, -32767, 0, -32767, 0, 0, -32768, 32767});
     bytes({9, 0, 255, 9, 9, 51, 204, 9, 9, 255, 0, 9});
     const auto file = glb(document, data);
     const auto corners = cost::corners_of_glb(file);
@@ -469,10 +469,18 @@ TEST(CostOracles, GlbCornersAreWhatTheSpecificationSays) {
     EXPECT_TRUE(near(corners->tangents[0], {0, 0, -8}));
     EXPECT_TRUE(near(corners->tangents[1], {0, 2, 0}));
     EXPECT_TRUE(near(corners->tangents[2], {4, 0, 0}));
+    EXPECT_EQ(corners->handedness, (std::vector<Real>{1, 1, -1}));
     EXPECT_EQ(corners->uvs[0], (glm::vec<2, Real>(1, 0)));
     EXPECT_EQ(corners->uvs[1], (glm::vec<2, Real>(0, 1)));
     EXPECT_NEAR(double(corners->uvs[2].x), 0.2, 1e-16);
     EXPECT_NEAR(double(corners->uvs[2].y), 0.8, 1e-16);
+    // Mirrored along x: planes stay on their side.
+    std::string mirrored = document;
+    mirrored.replace(mirrored.find("\"scale\":[2,"), 11, "\"scale\":[-2,");
+    const auto other = cost::corners_of_glb(glb(mirrored, data));
+    ASSERT_TRUE(other);
+    EXPECT_TRUE(near(other->normals[1], {0, -32, 0}));
+    EXPECT_TRUE(near(other->normals[2], {16, 0, 0}));
     // A file that ends early is none.
     for (std::size_t size = 0; size < file.size(); ++size)
         EXPECT_FALSE(cost::corners_of_glb(std::span(file).first(size))) << size;

@@ -5,6 +5,7 @@
 
 #include "command_runner.h"
 #include "json_schema_check.h"
+#include "meshprep/budgets/time_budget.h"
 #include "prep/calls/reason.h"
 #include "shared_data.h"
 
@@ -134,6 +135,22 @@ TEST_F(Schema, HoldsForRender) {
     check({"render", at("none.obj"), "-o", at("x.png")}, 1);
     check({"render", at("ball.obj"), "-o", at("x.zzz")}, 2);
     check({"render", at("ball.obj"), "-o", at("x.png"), "--size", "0"}, 2);
+}
+
+// Beside a choice that fits, the next one that does not: by known costs, not by a clock.
+TEST_F(Schema, HoldsForBudgetsWithANextOne) {
+    const test::Ran ran = run_here({"render", at("ball.obj"), "-o", at("x.png"), "--size", "8x8",
+                                    "--allow-error=0", "--json"});
+    ASSERT_EQ(ran.exit_code, 0) << ran.err;
+    json document = ran.json();
+    std::vector<meshprep::SamplingCost> costs;
+    for (const meshprep::SamplingRung& r : meshprep::sampling_rungs())
+        costs.push_back({r, 1, double(r.samples * r.supersample * r.supersample)});
+    document["budget"] = meshprep::to_json(meshprep::chosen_within(12, {2, 10}, costs, 8), "again");
+    ASSERT_TRUE(document["budget"]["next"].is_object());
+    expect_valid(document, "render");
+    document["budget"]["next"]["setting"] = 1;
+    EXPECT_FALSE(test::schema_complaints(document, schema("render")).empty());
 }
 
 TEST_F(Schema, HoldsForValidate) {

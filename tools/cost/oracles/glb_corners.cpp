@@ -191,13 +191,17 @@ class GlbReader {
         each("POSITION", 3, [&](const Real* v) {
             corners_.positions.push_back(Vector(world * glm::vec<4, Real>(vector(v), 1)));
         });
-        // Normals are planes: by the matrix of cofactors.
+        // Normals are planes: by the inverse's transpose, which is the matrix of cofactors over the
+        // determinant; a mirroring node does not turn them round.
+        const Real side = glm::dot(x, glm::cross(y, z)) < 0 ? -1 : 1;
         each("NORMAL", 3, [&](const Real* v) {
-            corners_.normals.push_back(glm::cross(y, z) * v[0] + glm::cross(z, x) * v[1] +
-                                       glm::cross(x, y) * v[2]);
+            corners_.normals.push_back(side * (glm::cross(y, z) * v[0] + glm::cross(z, x) * v[1] +
+                                               glm::cross(x, y) * v[2]));
         });
-        each("TANGENT", 4,
-             [&](const Real* v) { corners_.tangents.push_back(x * v[0] + y * v[1] + z * v[2]); });
+        each("TANGENT", 4, [&](const Real* v) {
+            corners_.tangents.push_back(x * v[0] + y * v[1] + z * v[2]);
+            corners_.handedness.push_back(v[3]);
+        });
         each("TEXCOORD_0", 2, [&](const Real* v) { corners_.uvs.emplace_back(v[0], v[1]); });
     }
 

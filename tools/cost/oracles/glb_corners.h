@@ -16,6 +16,7 @@ namespace cost {
 // them. Nodes are applied: positions and directions are the world's.
 struct GlbCorners {
     std::vector<Vector> positions, normals, tangents;
+    std::vector<Real> handedness;        // of tangents: their fourth number
     std::vector<glm::vec<2, Real>> uvs;  // the first set
 };
 

@@ -15,13 +15,30 @@ namespace fs = std::filesystem;
 constexpr int cache_layout = 1;
 constexpr std::size_t most_entries = 16;
 constexpr std::uintmax_t most_cache_bytes = std::uintmax_t(1) << 20;
+constexpr int most_depth = 8;  // entries' costs are the fifth
+
+// Brackets inside of texts count too: names have few.
+bool is_nested_deeply(std::string_view text) {
+    int depth = 0;
+    for (const char c : text) {
+        if (c == '[' || c == '{') ++depth;
+        if (c == ']' || c == '}') --depth;
+        if (depth > most_depth) return true;
+    }
+    return false;
+}
+
+// Names of processors are free text: JSON holds UTF-8 only.
+std::string printable_ascii(std::string text) {
+    for (char& c : text)
+        if (c < ' ' || c > '~') c = '?';
+    return text;
+}
 
 Json entry_of(const CostKey& key, const Json& costs) {
-    return {{"kind", key.kind},
-            {"version", key.version},
-            {"processor", key.processor},
-            {"threads", key.threads},
-            {"costs", costs}};
+    return {{"kind", key.kind},       {"version", key.version},
+            {"build", key.build},     {"processor", printable_ascii(key.processor)},
+            {"threads", key.threads}, {"costs", costs}};
 }
 
 bool is_of(const Json& entry, const CostKey& key) {
@@ -30,8 +47,8 @@ bool is_of(const Json& entry, const CostKey& key) {
         const auto it = entry.find(name);
         return it != entry.end() && *it == value;
     };
-    return same("kind", key.kind) && same("version", key.version) &&
-           same("processor", key.processor) && same("threads", key.threads);
+    return same("kind", key.kind) && same("version", key.version) && same("build", key.build) &&
+           same("processor", printable_ascii(key.processor)) && same("threads", key.threads);
 }
 
 // None where it is not of this layout.
@@ -41,8 +58,10 @@ Json entries_in(const fs::path& file) {
     if (failed || size > most_cache_bytes) return Json::array();
     const auto bytes = prep::read_file(file);
     if (!bytes) return Json::array();
-    const char* const text = reinterpret_cast<const char*>(bytes->data());
-    const Json json = Json::parse(text, text + bytes->size(), nullptr, false);
+    const std::string_view text(reinterpret_cast<const char*>(bytes->data()), bytes->size());
+    // Copying and writing recurse: what is nested deeply would overflow the stack.
+    if (is_nested_deeply(text)) return Json::array();
+    const Json json = Json::parse(text.begin(), text.end(), nullptr, false);
     if (!json.is_object() || json.value("layout", Json()) != cache_layout) return Json::array();
     const auto entries = json.find("entries");
     return entries != json.end() && entries->is_array() ? *entries : Json::array();
@@ -73,12 +92,16 @@ std::optional<Json> cached_costs(const fs::path& file, const CostKey& key) {
 }
 
 prep::Result<void> keep_costs(const fs::path& file, const CostKey& key, const Json& costs) {
+    std::error_code failed;
+    // A pipe would be waited for, a device written into.
+    const fs::file_status status = fs::status(file, failed);
+    if (fs::exists(status) && !fs::is_regular_file(status))
+        return prep::Error{prep::ErrorCode::io, "this is no regular file", file.string()};
     Json kept = Json::array();
     for (Json& entry : entries_in(file))
         if (!is_of(entry, key)) kept.push_back(std::move(entry));
     while (kept.size() >= most_entries) kept.erase(kept.begin());
     kept.push_back(entry_of(key, costs));
-    std::error_code failed;
     fs::create_directories(file.parent_path(), failed);
     if (failed) return prep::Error{prep::ErrorCode::io, failed.message(), file.string()};
     const std::string text = Json{{"layout", cache_layout}, {"entries", kept}}.dump(1) + "\n";

@@ -10,10 +10,10 @@
 
 namespace meshprep {
 
-// What costs are of: those of another version, processor or number of threads are others.
+// What costs are of: those of another version, build, processor or number of threads are others.
 struct CostKey {
     std::string kind;  // "sampling"
-    std::string version, processor;
+    std::string version, build, processor;
     int threads = 0;
 };
 
@@ -21,12 +21,13 @@ struct CostKey {
 // holds an absolute path, and nothing is kept.
 std::optional<std::filesystem::path> cost_cache_file();
 
-// What was kept; none where there is no file, it is of another layout, too large or damaged, or has
-// no such key. What the value holds is for the caller to check.
+// What was kept; none where there is no file, it is of another layout, too large, nested too deeply
+// or damaged, or has no such key. What the value holds is for the caller to check.
 std::optional<Json> cached_costs(const std::filesystem::path& file, const CostKey& key);
 
 // Beside the 15 others kept last. The file appears complete or not at all; of two processes that
-// write at once, one's is lost, and measured again when it is missed. Errors: io.
+// write at once, one's is lost, and measured again when it is missed. Errors: io, also where
+// something other than a regular file is in its place.
 prep::Result<void> keep_costs(const std::filesystem::path& file, const CostKey& key,
                               const Json& costs);
 

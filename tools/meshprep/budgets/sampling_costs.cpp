@@ -10,7 +10,7 @@
 #include "cost/ladders/meshes.h"
 #include "cost/ladders/scenes.h"
 #include "cost/pages/cost_table.h"
-#include "meshprep/budgets/cost_cache.h"
+#include "prep/simd.h"
 #include "prep/version.h"
 
 namespace meshprep {
@@ -19,8 +19,46 @@ namespace {
 using prep::Result;
 
 constexpr std::uint32_t calibration_size = 192;
-constexpr int calibration_rounds = 3;
-constexpr double least_factor = 1e-9, most_factor = 1e6;
+constexpr int least_rounds = 3, most_rounds = 8;
+constexpr double least_factor = 1, most_factor = 1000;
+constexpr double steady_within = 1.1;
+
+// The two least of several times.
+struct LeastTimes {
+    double first = std::numeric_limits<double>::infinity();
+    double second = std::numeric_limits<double>::infinity();
+
+    void add(double time) {
+        second = std::min(second, std::max(first, time));
+        first = std::min(first, time);
+    }
+    bool steady() const { return second <= first * steady_within; }
+};
+
+// What makes one build of a version faster than another.
+std::string build_name() {
+    std::string name;
+#ifdef __OPTIMIZE__
+    name += "optimised";
+#else
+    name += "not optimised";
+#endif
+#ifndef NDEBUG
+    name += ", checked";
+#endif
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+    name += ", sanitised";
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer) || \
+    __has_feature(memory_sanitizer)
+    name += ", sanitised";
+#endif
+#endif
+    for (const prep::SimdLevel level :
+         {prep::SimdLevel::sse4, prep::SimdLevel::avx2, prep::SimdLevel::avx512})
+        if (prep::simd_available(level)) name += ", " + std::string(prep::to_string(level));
+    return name;
+}
 
 std::shared_ptr<const prep::PreparedScene> lit_torus(int around, int across) {
     const cost::KnownMesh known = cost::known_torus(around, across, 0);
@@ -64,27 +102,30 @@ SamplingCost cost_from_times(const SamplingRung& rung, double few, double many, 
     return {rung, factor(many - few, many_of_one - few_of_one), factor(few, few_of_one)};
 }
 
-Result<std::vector<SamplingCost>> measured_sampling_costs(int threads) {
+Result<MeasuredCosts> measured_sampling_costs(int threads) {
     const std::shared_ptr<const prep::PreparedScene> scenes[] = {lit_torus(32, 16),
                                                                  lit_torus(320, 160)};
     const std::vector<SamplingRung> rungs = sampling_rungs();
-    std::vector<std::array<double, 2>> least(rungs.size());
-    for (auto& times : least) times.fill(std::numeric_limits<double>::infinity());
+    std::vector<std::array<LeastTimes, 2>> least(rungs.size());
+    MeasuredCosts out;
     // The first round touches memory for the first time: it does not count.
-    for (int round = 0; round <= calibration_rounds; ++round)
+    for (int round = 0; round <= most_rounds && !(round > least_rounds && out.steady); ++round) {
         for (std::size_t s = 0; s < 2; ++s)
             for (std::size_t r = 0; r < rungs.size(); ++r) {
                 if (round == 0 && rungs[r].supersample > 2) continue;
                 cost::Drawing drawing(scenes[s], calibration_request(rungs[r], threads));
                 Stopwatch watch(threads);
                 if (const Result<void> done = drawing.draw(); !done) return done.error();
-                if (round > 0) least[r][s] = std::min(least[r][s], watch.milliseconds());
+                if (round > 0) least[r][s].add(watch.milliseconds());
             }
-    std::vector<SamplingCost> costs;
+        out.steady = std::all_of(least.begin(), least.end(), [](const auto& times) {
+            return times[0].steady() && times[1].steady();
+        });
+    }
     for (std::size_t r = 0; r < rungs.size(); ++r)
-        costs.push_back(
-            cost_from_times(rungs[r], least[r][0], least[r][1], least[0][0], least[0][1]));
-    return costs;
+        out.costs.push_back(cost_from_times(rungs[r], least[r][0].first, least[r][1].first,
+                                            least[0][0].first, least[0][1].first));
+    return out;
 }
 
 Json to_json(const std::vector<SamplingCost>& costs) {
@@ -119,9 +160,13 @@ std::optional<std::vector<SamplingCost>> sampling_costs_from(const Json& json) {
     return costs;
 }
 
-Result<FoundCosts> sampling_costs(int threads, bool keep) {
+CostKey sampling_key(int threads) {
     const int used = threads > 0 ? threads : std::max(1, int(std::thread::hardware_concurrency()));
-    const CostKey key{"sampling", std::string(prep::version()), cost::processor_name(), used};
+    return {"sampling", std::string(prep::version()), build_name(), cost::processor_name(), used};
+}
+
+Result<FoundCosts> sampling_costs(int threads, bool keep) {
+    const CostKey key = sampling_key(threads);
     const auto file = keep ? cost_cache_file() : std::nullopt;
     FoundCosts found;
     if (file)
@@ -131,12 +176,18 @@ Result<FoundCosts> sampling_costs(int threads, bool keep) {
                 found.cached = true;
                 return found;
             }
-    auto measured = measured_sampling_costs(used);
+    auto measured = measured_sampling_costs(key.threads);
     if (!measured) return measured.error();
-    found.costs = *std::move(measured);
-    if (file)
-        if (const Result<void> kept = keep_costs(*file, key, to_json(found.costs)); !kept)
-            found.not_kept = kept.error();
+    found.costs = std::move(measured->costs);
+    if (!keep) return found;
+    if (!file)
+        found.not_kept = "there is no directory for caches (XDG_CACHE_HOME, HOME)";
+    else if (key.processor == "unknown")
+        found.not_kept = "the processor has no name that tells it from others";
+    else if (!measured->steady)
+        found.not_kept = "the machine is busy, and they differ from round to round";
+    else if (const Result<void> kept = keep_costs(*file, key, to_json(found.costs)); !kept)
+        found.not_kept = to_string(kept.error());
     return found;
 }
 

@@ -3,9 +3,11 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "cost/measure/clock.h"
+#include "meshprep/budgets/cost_cache.h"
 #include "meshprep/budgets/render_budget.h"
 
 namespace meshprep {
@@ -17,13 +19,19 @@ struct SamplingCost {
     double triangles = 1, pixels = 1;
 };
 
-// Draws a lit torus of few and of many triangles with each sampling, in rounds, and takes each
-// one's least time. About a second. Errors: those of drawing.
-prep::Result<std::vector<SamplingCost>> measured_sampling_costs(int threads);
+struct MeasuredCosts {
+    std::vector<SamplingCost> costs;
+    bool steady = false;  // each one's two least times are within a tenth of one another
+};
+
+// Draws a lit torus of few and of many triangles with each sampling, in three rounds, or up to
+// eight until times are steady, and takes each one's least. A second or two. Errors: those of
+// drawing.
+prep::Result<MeasuredCosts> measured_sampling_costs(int threads);
 
 // A sampling's cost from its times with few and with many triangles, in units of those of one
-// sample: what many triangles add to few is theirs. Neither is below 1: clocks that say so were
-// interrupted.
+// sample: what many triangles add to few is theirs. Neither is below 1 or above 1000: clocks that
+// say so were interrupted.
 SamplingCost cost_from_times(const SamplingRung& rung, double few, double many, double few_of_one,
                              double many_of_one);
 
@@ -42,16 +50,20 @@ class Stopwatch {
 
 Json to_json(const std::vector<SamplingCost>& costs);
 // None where it is not what to_json() writes: every sampling of sampling_rungs(), in their order,
-// numbers over 0 and at most 10⁶.
+// numbers that cost_from_times() can come to.
 std::optional<std::vector<SamplingCost>> sampling_costs_from(const Json& json);
 
 struct FoundCosts {
     std::vector<SamplingCost> costs;
     bool cached = false;
-    std::optional<prep::Error> not_kept;  // measured, and could not be written
+    std::string not_kept;  // why, where they were measured and should have been kept
 };
-// From the user's cache; else measured and, unless `keep` is false, kept there. Errors: those of
-// drawing.
+
+// Of this build on this machine; 0 threads: all processors.
+CostKey sampling_key(int threads);
+
+// From the user's cache; else measured and, unless `keep` is false, kept there if they are steady.
+// Errors: those of drawing.
 prep::Result<FoundCosts> sampling_costs(int threads, bool keep);
 
 }  // namespace meshprep

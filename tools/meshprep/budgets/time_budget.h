@@ -14,11 +14,20 @@ namespace meshprep {
 // Time of all pictures with one sample: what does not depend on their size, and what does.
 struct PilotTimes {
     double fixed = 0, pixels = 0;  // milliseconds
+    double first = 0;  // what the first picture takes besides: textures are read and made ready
+    bool noisy = false;
+    std::uint64_t band_pixels = 0;  // held at a time, at most
 };
 
-// From the times of pictures of a quarter and of half the width and height: t = fixed + pixels /
-// k².
-PilotTimes pilot_from_times(double quarter, double half);
+// What one small picture or several took.
+struct PilotDrawing {
+    double pixels = 0, milliseconds = 0;
+};
+
+// For `pixels` in all: t = fixed + pixels · c, through both. Where the larger is not the slower
+// one, the pilot is noisy, and all that it takes is its pixels': a guess that is too slow rather
+// than too fast.
+PilotTimes pilot_from_times(const PilotDrawing& smaller, const PilotDrawing& larger, double pixels);
 
 double predicted_ms(const PilotTimes& pilot, const SamplingCost& cost);
 
@@ -36,11 +45,12 @@ struct TimeCertificate {
     PilotTimes pilot;
     double pilot_ms = 0;  // that measuring the pilot took
     bool cached = false;
-    double taken = 0;  // what drawing took then
+    double taken = 0;  // what drawing took then, with `first`: that of the command that is printed
     bool overrun() const { return taken > asked; }
 };
 
-// Coarsest first, by the errors of docs/accuracy.md: fixed.
+// Coarsest first, by the errors of edges in docs/accuracy.md (supersampling by 3 and by 6 stands
+// between those measured): fixed.
 std::vector<SamplingRung> samplings_by_accuracy();
 
 // The most accurate sampling whose predicted time is at most `asked`, of those that a picture of
@@ -48,8 +58,9 @@ std::vector<SamplingRung> samplings_by_accuracy();
 TimeCertificate chosen_within(double asked, const PilotTimes& pilot,
                               const std::vector<SamplingCost>& costs, std::uint32_t extent);
 
-// Draws up to four of the views with one sample and a quarter and half of their size, the first
-// time without counting it. Errors: those of planning and drawing.
+// Draws up to four of the views with one sample and a quarter and half of their size, in bands, the
+// first time without counting it, then three to twelve times. Errors: those of planning and
+// drawing.
 prep::Result<PilotTimes> pilot_of(
     rast::SceneRenderer& renderer, const rast::RenderRequest& request, std::size_t views,
     const std::function<prep::Result<rast::RenderPlan>(const rast::RenderRequest&, std::size_t)>&

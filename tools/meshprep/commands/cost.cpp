@@ -117,8 +117,8 @@ Result<std::vector<Tried>> load_all(const CostCommand& command, Console& console
 Result<Measured> measured_table(const CostCommand& command, const std::vector<Tried>& tried,
                                 Console& console) {
     Measured out;
-    const Result<PrivateDirectory> directory = PrivateDirectory::make();
-    if (!directory) return directory.error();
+    const Result<PrivateDirectory> made = PrivateDirectory::make();
+    const auto directory = made ? made->path() : std::filesystem::path();
     out.table.version = std::string(prep::version());
     out.table.processor = cost::processor_name();
     out.table.threads = command.common.threads > 0
@@ -129,9 +129,8 @@ Result<Measured> measured_table(const CostCommand& command, const std::vector<Tr
         std::vector<cost::Subject> subjects;
         if (row.of_meshes)
             for (const Tried& one : tried)
-                subjects.push_back({one.name, &one.mesh, out.table.threads, directory->path()});
-        if (subjects.empty())
-            subjects.push_back({"", nullptr, out.table.threads, directory->path()});
+                subjects.push_back({one.name, &one.mesh, out.table.threads, directory});
+        if (subjects.empty()) subjects.push_back({"", nullptr, out.table.threads, directory});
         for (const cost::Subject& subject : subjects) {
             console.progress(command.common, fmt::format("{} …", row.name));
             Result<cost::LadderRecord> record = measured(row, subject, command);

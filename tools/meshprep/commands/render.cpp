@@ -352,17 +352,18 @@ Result<Json> render_file(const RenderCommand& command, Console& console) {
                                        found->exposure, found->bright));
         json["exposure"] = {{"value", found->exposure}, {"bright", found->bright}};
     }
+    // What goes to standard output was written to a file that is gone then.
+    const std::filesystem::path given = command.format.empty() ? command.output : "-";
     if (certificate) {
-        const std::string again =
-            explicit_command("render", command.input, command.output, command.settings,
-                             certificate->chosen.rung.words());
+        const std::string again = explicit_command("render", command.input, given, command.settings,
+                                                   certificate->chosen.rung.words());
         json["certificate"] = to_json(*certificate, again);
         say_certificate(common, *certificate, again, console);
     }
     if (times) {
-        times->taken = render_ms;
-        const std::string again = explicit_command("render", command.input, command.output,
-                                                   command.settings, times->chosen.rung.words());
+        times->taken = render_ms + times->pilot.first;
+        const std::string again = explicit_command("render", command.input, given, command.settings,
+                                                   times->chosen.rung.words());
         json["budget"] = to_json(*times, again);
         say_time(common, *times, again, console);
     }

@@ -89,8 +89,9 @@ void define_render(OptionSet& options, RenderCommand& c) {
         "(RMSE), measured; exit 1 with the best found where none is");
     options.not_negative(
         "--budget-ms", c.budget_ms, "MS",
-        "The most accurate --samples or --supersample that is predicted to draw within so many "
-        "milliseconds, by costs measured on this machine; exit 1 with the fastest where none is");
+        "The --samples or --supersample with the least error of edges that is predicted to draw "
+        "within so many milliseconds, by costs measured on this machine; exit 1 with the fastest "
+        "where none is");
     options.flag("--no-cache", c.cost_cache,
                  "Measure the costs for --budget-ms anew, and keep none", false);
     options.values(
