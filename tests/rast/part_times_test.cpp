@@ -128,7 +128,7 @@ TEST(PartTimes, AreThoseOfWhatRuns) {
         {"Gouraud", [](rast::RenderRequest& r) { r.shading = rast::Shading::gouraud; }, false,
          DrawingPart::vertex_light, true},
         {"normal map", [](rast::RenderRequest& r) { r.shading = rast::Shading::normal_mapped; },
-         true, DrawingPart::bent_normals, true},
+         true, DrawingPart::normal_mapping, true},
         {"buffers", [](rast::RenderRequest& r) { r.keep_normals = true; }, false,
          DrawingPart::buffers, true},
     };

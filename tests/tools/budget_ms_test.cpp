@@ -227,8 +227,11 @@ TEST_F(BudgetCache, WhatIsKeptDecides) {
     EXPECT_EQ(dear.json()["budget"]["chosen"]["setting"], words_of({1, 1}));
     EXPECT_NE(dear.err.find("nothing is predicted to draw within 0.001 ms"), std::string::npos);
     EXPECT_TRUE(std::filesystem::exists(dir_ / "dear.png"));
-    // The cache is not read.
+    // The cache is not read, and nothing is kept.
     EXPECT_EQ(draw({"--budget-ms", "1e9", "--no-cache"}).json()["budget"]["costs"], "measured");
+    std::filesystem::remove_all(dir_ / "cache");
+    EXPECT_EQ(draw({"--budget-ms", "1e9", "--no-cache"}).json()["budget"]["costs"], "measured");
+    EXPECT_FALSE(std::filesystem::exists(dir_ / "cache"));
 }
 
 TEST_F(BudgetCache, TheCommandThatIsPrintedDrawsTheSameBytes) {

@@ -137,13 +137,14 @@ Asked Refinement::asked(const BisectedTriangle& triangle) const {
 double Refinement::longest_edge(std::uint32_t t) const {
     const BisectedTriangle& triangle = mesh_.triangles()[t];
     const auto seen = corners(triangle);
-    const double longest = longest_of(edge_lengths(seen));
+    const auto lengths = edge_lengths(seen);
+    const double longest = longest_of(lengths);
     if (!(longest > *options_.edge_length) || !is_shared(triangle)) return longest;
     const auto own = surface_.own_corners(triangle);
     double apart = 0;
     for (std::size_t k = 0; k < 3; ++k) apart = std::max(apart, glm::length(own[k] - seen[k]));
     if (apart <= rounding_gap(seen)) return longest;
-    const auto lengths = edge_lengths(seen), own_lengths = edge_lengths(own);
+    const auto own_lengths = edge_lengths(own);
     std::array<double, 3> less;
     for (std::size_t k = 0; k < 3; ++k) less[k] = std::min(lengths[k], own_lengths[k]);
     return longest_of(less);

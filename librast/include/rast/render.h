@@ -173,20 +173,20 @@ inline constexpr std::size_t shade_stages = shade_stage_names.size();
 
 // Parts of drawing that have a time of their own: the stages of shading first, by their number.
 enum class DrawingPart : std::uint8_t {
-    bent_normals = shade_stages,  // normals of draws that have a map of them
-    buffers,                      // what is kept beside colours
-    textures,                     // read and decoded
-    levels,                       // texels as they are sampled, and levels of detail
-    vertices,                     // transformed
-    vertex_light,                 // Gouraud
-    culling,                      // and lists of triangles by tile
-    clearing,                     // memory for the picture, tiles
-    visibility,                   // depth test, alpha mask
-    sorting,                      // of points by triangle, one sample a pixel
-    resolving,                    // several samples: points found, sorted and summed
-    areas,                        // exact ones, their points shaded
-    reducing,                     // of a finer picture
-    passes,                       // before and after the main one
+    normal_mapping = shade_stages,  // normals of draws that have a map of them
+    buffers,                        // what is kept beside colours
+    textures,                       // read and decoded
+    levels,                         // texels as they are sampled, and levels of detail
+    vertices,                       // transformed
+    vertex_light,                   // Gouraud
+    culling,                        // and lists of triangles by tile
+    clearing,                       // memory for the picture, tiles
+    visibility,                     // depth test, alpha mask
+    sorting,                        // of points by triangle, one sample a pixel
+    resolving,                      // several samples: points found, sorted and summed
+    areas,                          // exact ones, their points shaded
+    reducing,                       // of a finer picture
+    passes,                         // before and after the main one
     count
 };
 inline constexpr std::size_t drawing_parts = std::size_t(DrawingPart::count);

@@ -7,8 +7,8 @@ namespace rast {
 std::string_view name_of(DrawingPart part) {
     if (std::size_t(part) < shade_stages) return shade_stage_names[std::size_t(part)];
     switch (part) {
-        case DrawingPart::bent_normals:
-            return "bent normals";
+        case DrawingPart::normal_mapping:
+            return "normal mapping";
         case DrawingPart::buffers:
             return "buffers";
         case DrawingPart::textures:
@@ -50,7 +50,7 @@ void PartClock::after_stage(StageWatch& self, const StageList& list, std::size_t
     if (list.stages.back().kind == StageKind::attributes)
         clock.lap(DrawingPart::buffers);
     else if (kind == StageKind::normals && list.normal_maps)
-        clock.lap(DrawingPart::bent_normals);
+        clock.lap(DrawingPart::normal_mapping);
     else
         clock.lap(DrawingPart(kind));
 }

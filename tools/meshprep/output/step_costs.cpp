@@ -89,7 +89,7 @@ constexpr TimedStep timed_steps[] = {
     {"camera", bit_of(DrawingPart::vertices), false},
     {"lights", bit_of("light") | bit_of("light without highlights"), true},
     {"highlights", bit_of("eye") | bit_of("exponents") | bit_of("highlights"), true},
-    {"normal maps", bit_of(DrawingPart::bent_normals), true},
+    {"normal maps", bit_of(DrawingPart::normal_mapping), true},
     {"vertex lighting", bit_of(DrawingPart::vertex_light), false},
     {"vertex normals", bit_of("normals"), true},
     {"textures", bit_of(DrawingPart::textures), false},
