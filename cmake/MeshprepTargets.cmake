@@ -55,8 +55,15 @@ endfunction()
 # Headers that most sources of a target read, compiled once: `header`, or that of another target of
 # the same settings; a source compiles in two thirds of the time. Sources include what they use all
 # the same: with MESHPREP_PRECOMPILE=OFF, as in the preset coverage, they stand alone.
+#
+# Not where sources are compiled together: what it saves there is less than what making it takes,
+# and g++ compiles with the optimisation that the header had, whatever a source asks for.
 function(meshprep_precompile target header)
   if(NOT MESHPREP_PRECOMPILE)
+    return()
+  endif()
+  get_target_property(together ${target} UNITY_BUILD)
+  if(together)
     return()
   endif()
   if(TARGET ${header})
@@ -69,17 +76,26 @@ function(meshprep_precompile target header)
   endif()
 endfunction()
 
-# With MESHPREP_UNITY (test, release and sanitizers): sources of one folder are compiled together, at most
-# `size` at a time, since headers, and the templates that each source makes anew, take most of the
-# time; what a format has in folders of its own counts as its folder's. Sources that are compiled
-# apart: those with flags of their own (CMake sees to that), and those of Highway, whose settings
-# hold for a whole file. A local name that shadows a local one is told as everywhere; what of one source
-# a name of another shadows says nothing.
+# meshprep_unity(target ["folder folder ..." ...])
+#
+# With MESHPREP_UNITY (test, release and sanitizers): sources of one folder are compiled together, and
+# those of folders that are named together, since headers, and the templates that each source makes
+# anew, take most of the time. Folders are relative to the target's; one that is not named is a room
+# of its own. About 200 kB of sources a room keep two compilers busy and within a gigabyte each.
+# Sources that are compiled apart: those with flags of their own (CMake sees to that), and those of
+# Highway, whose settings hold for a whole file. A local name that shadows a local one is told as
+# everywhere; what of one source a name of another shadows says nothing.
 function(meshprep_unity target)
   if(NOT MESHPREP_UNITY)
     return()
   endif()
-  set(size 16)
+  foreach(room IN LISTS ARGN)
+    string(MAKE_C_IDENTIFIER "${room}" name)
+    string(REPLACE " " ";" folders "${room}")
+    foreach(folder IN LISTS folders)
+      set(room_of_${folder} ${name})
+    endforeach()
+  endforeach()
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
   target_compile_options(${target} PRIVATE -Wno-shadow)
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
@@ -100,10 +116,11 @@ function(meshprep_unity target)
       continue()
     endif()
     cmake_path(GET source PARENT_PATH folder)
-    string(REGEX REPLACE "(/formats/[a-z_]+)/.*" "\\1" folder "${folder}")
+    cmake_path(RELATIVE_PATH folder BASE_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR})
     string(MAKE_C_IDENTIFIER "${folder}" room)
-    math(EXPR unity_count_${room} "0${unity_count_${room}} + 1")
-    math(EXPR part "(${unity_count_${room}} - 1) / ${size}")
-    set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${room}_${part})
+    if(DEFINED room_of_${folder})
+      set(room ${room_of_${folder}})
+    endif()
+    set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${room})
   endforeach()
 endfunction()

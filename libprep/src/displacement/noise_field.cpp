@@ -60,7 +60,7 @@ glm::dvec3 gradient_at(std::int64_t x, std::int64_t y, std::int64_t z, std::uint
 }
 
 // Beyond this many cells there is too little left of a double for a cell's inside: no noise there.
-constexpr double farthest = 0x1p40;
+constexpr double farthest_cell = 0x1p40;
 
 NoiseSample perlin(const glm::dvec3& p, std::uint64_t seed) {
     const glm::dvec3 cell = glm::floor(p), f = p - cell;
@@ -111,7 +111,8 @@ NoiseSample simplex(const glm::dvec3& p, std::uint64_t seed) {
 
 NoiseSample noise(NoiseKind kind, const glm::dvec3& p, std::uint64_t seed) {
     // NaN included.
-    if (!(std::abs(p.x) < farthest) || !(std::abs(p.y) < farthest) || !(std::abs(p.z) < farthest))
+    if (!(std::abs(p.x) < farthest_cell) || !(std::abs(p.y) < farthest_cell) ||
+        !(std::abs(p.z) < farthest_cell))
         return {};
     return kind == NoiseKind::perlin ? perlin(p, seed) : simplex(p, seed);
 }
@@ -250,7 +251,7 @@ Deviation NoiseField::deviation(const std::array<glm::dvec3, 3>& p,
     if (!plain) return {std::numeric_limits<double>::infinity(), 0};
     double rounding = largest * 0x1p-44;
     over_octaves(options_, [&](std::uint64_t, double frequency, double amplitude) {
-        near &= std::abs(frequency) * farthest_out < farthest;
+        near &= std::abs(frequency) * farthest_out < farthest_cell;
         rounding += bounds.gradient * std::abs(amplitude * frequency) * farthest_out * 0x1p-48;
     });
 

@@ -11,20 +11,20 @@ namespace prep::detail {
 namespace {
 
 using Rational = CGAL::Exact_rational;
-using Vector = std::array<Rational, 3>;
+using RationalVector = std::array<Rational, 3>;
 
-Vector area_vector(const MeshView& mesh, std::uint32_t face) {
+RationalVector area_vector(const MeshView& mesh, std::uint32_t face) {
     const std::uint32_t begin = mesh.face_offsets[face], end = mesh.face_offsets[face + 1];
     const auto edge_to = [&](std::uint32_t c) {
         const glm::vec3& p = mesh.positions[mesh.corner_vertices[c]];
         const glm::vec3& o = mesh.positions[mesh.corner_vertices[begin]];
-        return Vector{Rational(p.x) - Rational(o.x), Rational(p.y) - Rational(o.y),
-                      Rational(p.z) - Rational(o.z)};
+        return RationalVector{Rational(p.x) - Rational(o.x), Rational(p.y) - Rational(o.y),
+                              Rational(p.z) - Rational(o.z)};
     };
-    Vector sum{0, 0, 0};
-    Vector a = edge_to(begin + 1);
+    RationalVector sum{0, 0, 0};
+    RationalVector a = edge_to(begin + 1);
     for (std::uint32_t c = begin + 2; c < end; ++c) {
-        Vector b = edge_to(c);
+        RationalVector b = edge_to(c);
         sum[0] += a[1] * b[2] - a[2] * b[1];
         sum[1] += a[2] * b[0] - a[0] * b[2];
         sum[2] += a[0] * b[1] - a[1] * b[0];
@@ -33,21 +33,21 @@ Vector area_vector(const MeshView& mesh, std::uint32_t face) {
     return sum;
 }
 
-Rational dot(const Vector& a, const Vector& b) {
+Rational dot(const RationalVector& a, const RationalVector& b) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
 }  // namespace
 
 glm::dvec3 exact_area_vector(const MeshView& mesh, std::uint32_t face) {
-    const Vector v = area_vector(mesh, face);
+    const RationalVector v = area_vector(mesh, face);
     return {CGAL::to_double(v[0]), CGAL::to_double(v[1]), CGAL::to_double(v[2])};
 }
 
 glm::dvec3 exact_area_sum(const MeshView& mesh, std::span<const std::uint32_t> faces) {
-    Vector sum{0, 0, 0};
+    RationalVector sum{0, 0, 0};
     for (const std::uint32_t f : faces) {
-        const Vector v = area_vector(mesh, f);
+        const RationalVector v = area_vector(mesh, f);
         for (int k = 0; k < 3; ++k) sum[k] += v[k];
     }
     Rational largest = 0;
@@ -97,7 +97,7 @@ Threshold threshold_of(double degrees) {
 
 bool exact_turn_exceeds(const MeshView& mesh, std::uint32_t face0, std::uint32_t face1,
                         const Threshold& threshold) {
-    const Vector n0 = area_vector(mesh, face0), n1 = area_vector(mesh, face1);
+    const RationalVector n0 = area_vector(mesh, face0), n1 = area_vector(mesh, face1);
     const Rational l0 = dot(n0, n0), l1 = dot(n1, n1);
     if (l0 == 0 || l1 == 0) return false;
     const Rational s = dot(n0, n1);

@@ -21,7 +21,7 @@ namespace {
 using detail::ImageBackend;
 
 // Where the library may stand, in this order.
-std::vector<std::string> candidates() {
+std::vector<std::string> backend_paths() {
     const std::string file = MESHPREP_IMAGES_FILE;
     std::vector<std::string> list;
     std::error_code ec;
@@ -39,7 +39,7 @@ std::vector<std::string> candidates() {
 
 Result<const ImageBackend*> open_backend() {
     std::string reasons;
-    for (const std::string& path : candidates()) {
+    for (const std::string& path : backend_paths()) {
         // Never closed: libraries of this size do not survive it.
         void* library = ::dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
         const char* problem = library ? nullptr : ::dlerror();

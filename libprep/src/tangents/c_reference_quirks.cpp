@@ -98,13 +98,13 @@ class CellMerger {
     std::vector<Index> order_;
 };
 
-struct Edge {
+struct HalfEdgeKey {
     Index lower, half_edge;
 };
 
 // Sorts by the lower end, as far as the places of the edges with the greatest one depend on it:
 // parts without such an edge stay as they are.
-void sort_around_greatest(std::vector<Edge>& edges, Index greatest) {
+void sort_around_greatest(std::vector<HalfEdgeKey>& edges, Index greatest) {
     struct Range {
         std::ptrdiff_t left, right;
         std::uint32_t seed;
@@ -115,7 +115,7 @@ void sort_around_greatest(std::vector<Edge>& edges, Index greatest) {
         pending.pop_back();
         if (left >= right) continue;
         const bool any = std::any_of(edges.begin() + left, edges.begin() + right + 1,
-                                     [&](const Edge& e) { return e.lower == greatest; });
+                                     [&](const HalfEdgeKey& e) { return e.lower == greatest; });
         if (!any) continue;
         if (right - left == 1) {
             if (edges[std::size_t(left)].lower > edges[std::size_t(right)].lower)
@@ -178,7 +178,7 @@ EdgeOverrides c_reference_pairs(const std::vector<Index>& welds, const TangentTr
     const auto upper = [&](Index half_edge) {
         return std::max(end_of(half_edge), end_of(next_corner(half_edge)));
     };
-    std::vector<Edge> edges;
+    std::vector<HalfEdgeKey> edges;
     edges.reserve(3 * triangles.count);
     Index greatest = 0;
     for (Index t = 0; t < triangles.count; ++t) {
@@ -194,7 +194,7 @@ EdgeOverrides c_reference_pairs(const std::vector<Index>& welds, const TangentTr
     if (edges.empty()) return overrides;
     sort_around_greatest(edges, greatest);
     const auto first = std::find_if(edges.begin(), edges.end(),
-                                    [&](const Edge& e) { return e.lower == greatest; });
+                                    [&](const HalfEdgeKey& e) { return e.lower == greatest; });
     edges.erase(edges.begin(), first);
 
     for (std::size_t begin = 0; begin < edges.size();) {
@@ -203,7 +203,9 @@ EdgeOverrides c_reference_pairs(const std::vector<Index>& welds, const TangentTr
             ++end;
         if (end < edges.size())
             std::sort(edges.begin() + std::ptrdiff_t(begin), edges.begin() + std::ptrdiff_t(end),
-                      [](const Edge& a, const Edge& b) { return a.half_edge < b.half_edge; });
+                      [](const HalfEdgeKey& a, const HalfEdgeKey& b) {
+                          return a.half_edge < b.half_edge;
+                      });
         std::vector<Index> mates(end - begin, no_index);
         for (std::size_t i = begin; i < end; ++i) {
             for (std::size_t j = i + 1; j < end && mates[i - begin] == no_index; ++j) {

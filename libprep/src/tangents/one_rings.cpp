@@ -17,7 +17,7 @@ constexpr std::size_t ring_grain = 2048;
 constexpr std::size_t ring_triangle_grain = 65536;  // a multiple of 64
 // Up to this many corners at a position, classes are searched one by one; above, corners are
 // sorted.
-constexpr std::size_t small_ring = 32;
+constexpr std::size_t searched_ring = 32;
 
 // Cuts one position into welded vertices.
 class Splitter {
@@ -30,7 +30,7 @@ class Splitter {
     bool split(std::span<Index> members) {
         const std::size_t n = members.size();
         classes_.resize(n);
-        const Index count = n > small_ring || nan_ ? sort(members) : search(members);
+        const Index count = n > searched_ring || nan_ ? sort(members) : search(members);
         if (count == 1) return false;
         starts_.assign(count + 1, 0);
         for (const Index c : classes_) ++starts_[c + 1];
@@ -52,7 +52,7 @@ class Splitter {
     Index search(std::span<const Index> members) {
         const Index* const normals = read_.in.normals.indices.data();
         const Index* const uvs = read_.in.uv.indices.data();
-        std::array<Use, small_ring> firsts;
+        std::array<Use, searched_ring> firsts;
         Index count = 0;
         for (std::size_t i = 0; i < members.size(); ++i) {
             const Index corner = triangles_.corner(members[i] >> 2, members[i] & 3);

@@ -15,10 +15,6 @@ constexpr double on_line = 1e-12;
 // Of depth: four of float's steps, in which corners come.
 constexpr double same_depth = 0x1p-22;
 
-double cross(const glm::dvec2& a, const glm::dvec2& b) {
-    return a.x * b.y - a.y * b.x;
-}
-
 // Twice the area, from the first corner: a unit square far away would lose digits.
 double twice_area(const Polygon& p) {
     double sum = 0;

@@ -24,6 +24,11 @@ struct DepthPlane {
     double operator()(const glm::dvec2& p) const { return at + (dx * p.x + dy * p.y); }
 };
 
+// Twice the signed area of the triangle (0, a, b).
+inline double cross(const glm::dvec2& a, const glm::dvec2& b) {
+    return a.x * b.y - a.y * b.x;
+}
+
 class PixelCoverage {
   public:
     using Polygon = std::vector<glm::dvec2>;  // convex, either winding

@@ -25,10 +25,6 @@ struct Corner {
     double depth = 0;
 };
 
-double cross(const glm::dvec2& a, const glm::dvec2& b) {
-    return a.x * b.y - a.y * b.x;
-}
-
 // Through the three corners that span the most: a clipped corner may lie beside another.
 bool depth_plane(const std::array<Corner, 4>& corners, std::uint32_t count, ScreenPolygon& out) {
     static constexpr std::uint32_t triples[][3] = {{0, 1, 2}, {0, 2, 3}, {0, 1, 3}, {1, 2, 3}};

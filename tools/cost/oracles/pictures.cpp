@@ -7,9 +7,6 @@
 namespace cost {
 namespace {
 
-Real dot(const Vector& a, const Vector& b) {
-    return a.x * b.x + a.y * b.y + a.z * b.z;
-}
 Vector unit(const Vector& v) {
     return v / std::sqrt(dot(v, v));
 }

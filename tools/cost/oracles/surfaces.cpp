@@ -9,9 +9,6 @@ namespace {
 
 constexpr Real pi = std::numbers::pi_v<Real>;
 
-Real dot(const Vector& a, const Vector& b) {
-    return a.x * b.x + a.y * b.y + a.z * b.z;
-}
 Vector cross(const Vector& a, const Vector& b) {
     return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }

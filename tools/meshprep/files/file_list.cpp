@@ -19,7 +19,7 @@ using prep::Error;
 using prep::ErrorCode;
 using prep::Result;
 
-std::string joined(const std::vector<std::string>& words) {
+std::string with_commas(const std::vector<std::string>& words) {
     std::string text;
     for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
     return text;
@@ -243,7 +243,7 @@ const std::vector<std::string>& output_endings() {
 }
 
 std::string output_endings_text() {
-    return joined(output_endings());
+    return with_commas(output_endings());
 }
 
 std::string input_endings_text() {
@@ -256,7 +256,7 @@ std::string input_endings_text() {
         for (const std::string_view ending : format.endings)
             words.push_back(std::string(ending.substr(1)) + (format.meshes ? "" : " (scenes)"));
     }
-    return joined(words);
+    return with_commas(words);
 }
 
 std::string lower_ending(const fs::path& path) {

@@ -346,9 +346,9 @@ Outcome read_value(const Json& value, const std::string& pointer, glm::vec3 Choi
                    Linear, Choices& out) {
     return read_color(value, pointer, 1e6, out.*member);
 }
-using Extent = std::uint32_t Choices::*;
-Outcome read_value(const Json& value, const std::string& pointer, std::pair<Extent, Extent> member,
-                   Pixels pixels, Choices& out) {
+using ExtentMember = std::uint32_t Choices::*;
+Outcome read_value(const Json& value, const std::string& pointer,
+                   std::pair<ExtentMember, ExtentMember> member, Pixels pixels, Choices& out) {
     double read[2];
     if (Outcome problem = schema::read_numbers(value, pointer, 2, 1, pixels.greatest, read))
         return problem;
