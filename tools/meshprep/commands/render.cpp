@@ -232,7 +232,7 @@ Result<Json> render_file(const RenderCommand& command, Console& console) {
     // them.
     const float allowed = std::exchange(request.allow_error, 0.0f);
     std::optional<ImageCertificate> certificate;
-    std::optional<TimeCertificate> times;
+    std::optional<SamplingTimes> times;
     if (command.image_error || command.budget_ms) {
         console.progress(common, command.input.string() + " … measuring");
         const rast::RenderRequest plain = request;
@@ -250,12 +250,12 @@ Result<Json> render_file(const RenderCommand& command, Console& console) {
             certificate = *std::move(chosen);
             rung = certificate->chosen.rung;
         } else {
-            Result<TimeCertificate> chosen =
+            Result<SamplingTimes> chosen =
                 sampling_within(renderer, request, views->size(), plan_for, *command.budget_ms,
                                 command.cost_cache, common, console);
             if (!chosen) return chosen.error();
             times = *std::move(chosen);
-            rung = times->chosen.rung;
+            rung = times->rung;
         }
         // From here on as if the command line had said it.
         request = plain;
@@ -363,9 +363,9 @@ Result<Json> render_file(const RenderCommand& command, Console& console) {
     if (times) {
         times->taken = render_ms + times->pilot.first;
         const std::string again = explicit_command("render", command.input, given, command.settings,
-                                                   times->chosen.rung.words());
+                                                   times->chosen.setting);
         json["budget"] = to_json(*times, again);
-        say_time(common, *times, again, console);
+        say_time(common, *times, drawing_work, again, console);
     }
     json["milliseconds"] = {
         {"read", read_ms}, {"prepare", prepare_ms}, {"render", render_ms}, {"write", write_ms}};
