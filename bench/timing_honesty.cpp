@@ -74,9 +74,11 @@ class BusyProcessors {
         const unsigned count = std::max(1u, std::thread::hardware_concurrency());
         for (unsigned k = 0; k < count; ++k) {
             const pid_t child = fork();
-            if (child == 0)
-                for (volatile unsigned long n = 0;; n = n + 1) {
+            if (child == 0) {
+                volatile unsigned work = 0;
+                while (work == 0) {
                 }
+            }
             if (child > 0) children_.push_back(child);
         }
     }
