@@ -33,14 +33,6 @@ using prep::Error;
 using prep::ErrorCode;
 using prep::Result;
 
-Result<prep::JsonScene> load(const std::filesystem::path& path, const prep::LoadOptions& options) {
-    if (lower_ending(path) == "json") return prep::load_scene_json(path, options);
-    Result<prep::Scene> scene = prep::load_scene(path, options);
-    if (!scene) return scene.error();
-    if (const Result<void> some = prep::require_geometry(*scene); !some) return some.error();
-    return prep::JsonScene{*std::move(scene), {}, {}};
-}
-
 rast::LightInstance ambient_light(float intensity) {
     rast::LightInstance ambient;
     ambient.kind = prep::LightKind::ambient;
@@ -178,14 +170,17 @@ Result<Json> render_file(const RenderCommand& command, Console& console) {
     Clock::time_point start = Clock::now();
     const Result<InputFile> input = InputFile::open(command.input, common.input_format);
     if (!input) return input.error();
-    Result<prep::JsonScene> loaded = load(input->path(), load_options(common, console));
+    const bool scene_file = lower_ending(input->path()) == "json";
+    Result<prep::JsonScene> loaded = load_json_scene(input->path(), load_options(common, console));
     if (!loaded) return input->relabelled(loaded.error());
+    if (!scene_file)
+        if (const Result<void> some = prep::require_geometry(loaded->scene); !some)
+            return input->relabelled(some.error());
     input->settle(loaded->scene);
     const double read_ms = milliseconds_since(start);
     for (const std::string& text : loaded->scene.warnings)
         console.warning(common, said_of(command.input, text));
 
-    const bool scene_file = lower_ending(input->path()) == "json";
     rast::RenderRequest request = request_of(command, loaded->picture);
     if (!scene_file && !command.wishes.has("background")) request.background = file_background;
     const double aspect = static_cast<double>(request.width) / request.height;
