@@ -111,6 +111,13 @@ Result<PreparedWithin> precision_within(prep::Scene scene, const prep::PrepareOp
     const Clock::time_point start = Clock::now();
     Result<Prepared> last = timed(scene, with_precision(options, Precision::fast));
     if (!last) return last.error();
+    // The first run touches memory for the first time, which is most of what small meshes take.
+    for (double spent = last->milliseconds; spent < enough_sample_ms;) {
+        Result<Prepared> again = timed(scene, with_precision(options, Precision::fast));
+        if (!again) return again.error();
+        spent += std::max(again->milliseconds, enough_sample_ms / most_sample_runs);
+        if (again->milliseconds < last->milliseconds) last = std::move(again);
+    }
     const SampledFaces some = sampled_faces(scene, last->scene.normals_made);
     prep::PrepareOptions alone = options;
     alone.threads = 1;
