@@ -154,13 +154,22 @@ Result<PreparedWithin> level_within(prep::Scene scene, prep::PrepareOptions opti
     std::vector<TimePrediction> tried;
     Prepared last;
     for (int level = 0; level <= most; ++level) {
-        const bool known = level > 1 && tried[std::size_t(level)].milliseconds > pilot_part * asked;
-        if (known || (level == 1 && taken[0] > asked)) break;
+        if (level == 1 && taken[0] > asked) break;
+        if (level > 1 && tried[std::size_t(level)].milliseconds > pilot_part * asked) {
+            // Where a level is little more than what is fixed, nothing is known of those after it.
+            const double before = taken[taken.size() - 2], now = taken.back();
+            if (now > 2 * before || 4 * now > asked) break;
+        }
         options.subdivision.level = level;
         last.scene = {};
         Result<Prepared> pilot = timed(scene, options);
         if (!pilot) return pilot.error();
         last = *std::move(pilot);
+        if (level == 0 && last.milliseconds <= asked) {  // what touched memory for the first time
+            pilot = timed(scene, options);
+            if (!pilot) return pilot.error();
+            last = *std::move(pilot);
+        }
         taken.push_back(last.milliseconds);
         tried = level_predictions(taken, most, scheme);
     }
@@ -229,10 +238,12 @@ std::vector<TimePrediction> level_predictions(const std::vector<double>& millise
     const std::size_t last = milliseconds.size() - 1;
     // In units of those of level 0; a single level says nothing of what is fixed.
     const auto faces = [](std::size_t level) { return std::ldexp(1.0, 2 * int(level)); };
-    double of_face = milliseconds[last];
-    if (last > 0)
-        of_face = std::max(milliseconds[last] - milliseconds[last - 1], 0.0) /
-                  (faces(last) - faces(last - 1));
+    // What took no longer than the level before says that all of it is its faces': rather too slow
+    // than too fast.
+    double of_face = milliseconds[last] / faces(last);
+    if (last > 0 && milliseconds[last] > milliseconds[last - 1])
+        of_face = std::min(of_face, (milliseconds[last] - milliseconds[last - 1]) /
+                                        (faces(last) - faces(last - 1)));
     for (std::size_t level = 0; level <= std::size_t(most); ++level)
         out.push_back({fmt::format("--subdivide={}:{}", scheme, level),
                        level <= last

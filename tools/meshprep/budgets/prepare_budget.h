@@ -30,7 +30,8 @@ std::vector<TimePrediction> precision_predictions(double fast, const std::array<
                                                   double corners, double corners_of_all);
 
 // What levels 0, 1, … took, and what those after them take, up to `most`: what the last level added
-// for each face that it added. `scheme`: "catmark".
+// for each face that it added, or all of it where it took no longer than the one before. `scheme`:
+// "catmark".
 std::vector<TimePrediction> level_predictions(const std::vector<double>& milliseconds, int most,
                                               const std::string& scheme);
 
@@ -44,8 +45,9 @@ struct PreparedWithin {
 
 // Chooses the precision of normals, or, where `options` subdivides, the level, and prepares so.
 // Pilots are `fast` with all faces and each precision with some of them; or levels from 0 on while
-// the next one is predicted to take at most an eighth of the time. What was prepared for a pilot is
-// the result where it is what was chosen. Errors: those of preparing.
+// the next one is predicted to take at most an eighth of the time, or too little is known of it.
+// What was prepared for a pilot is the result where it is what was chosen. Errors: those of
+// preparing.
 prep::Result<PreparedWithin> prepare_within(prep::Scene scene, const prep::PrepareOptions& options,
                                             double asked);
 
