@@ -135,27 +135,26 @@ TEST(BudgetMs, TheMostAccurateThatFitsIsChosen) {
         return meshprep::chosen_within(asked, {2, 10}, costs_by_points(), extent);
     };
     EXPECT_TRUE(chosen(12).met);
-    EXPECT_EQ(words_of(chosen(12).chosen.rung), words_of({1, 1}));
+    EXPECT_EQ(chosen(12).chosen.setting, words_of({1, 1}));
     EXPECT_EQ(chosen(12).chosen.milliseconds, 12);
-    EXPECT_EQ(words_of(chosen(12).next->rung), words_of({2, 1}));
-    EXPECT_EQ(words_of(chosen(41.9).chosen.rung), words_of({2, 1}));
+    EXPECT_EQ(chosen(12).next->setting, words_of({2, 1}));
+    EXPECT_EQ(chosen(41.9).chosen.setting, words_of({2, 1}));
     // Four points: supersampling has less error than samples.
-    EXPECT_EQ(words_of(chosen(42).chosen.rung), words_of({1, 2}));
-    EXPECT_EQ(words_of(chosen(91.9).chosen.rung), words_of({8, 1}));
-    EXPECT_EQ(words_of(chosen(1e9).chosen.rung), words_of({1, 8}));
+    EXPECT_EQ(chosen(42).chosen.setting, words_of({1, 2}));
+    EXPECT_EQ(chosen(91.9).chosen.setting, words_of({8, 1}));
+    EXPECT_EQ(chosen(1e9).chosen.setting, words_of({1, 8}));
     EXPECT_FALSE(chosen(1e9).next);
     // A picture that is too large for it.
-    EXPECT_EQ(words_of(chosen(1e9, 8192).chosen.rung), words_of({1, 4}));
+    EXPECT_EQ(chosen(1e9, 8192).chosen.setting, words_of({1, 4}));
     const auto none = chosen(11.9);
     EXPECT_FALSE(none.met);
-    EXPECT_EQ(words_of(none.chosen.rung), words_of({1, 1}));
+    EXPECT_EQ(none.chosen.setting, words_of({1, 1}));
     EXPECT_EQ(none.tried.size(), 10u);
     // What is more accurate may cost less: the last that fits counts, not the last before one that
     // does not.
     auto odd = costs_by_points();
     odd[2].pixels = 100;  // supersampling by 2
-    EXPECT_EQ(words_of(meshprep::chosen_within(100, {0, 1}, odd, 100).chosen.rung),
-              words_of({1, 8}));
+    EXPECT_EQ(meshprep::chosen_within(100, {0, 1}, odd, 100).chosen.setting, words_of({1, 8}));
 }
 
 class BudgetCache : public ::testing::Test {
@@ -266,7 +265,7 @@ TEST_F(BudgetCache, TheCommandThatIsPrintedForStandardOutputDrawsTheSameBytes) {
 }
 
 TEST_F(BudgetCache, OverrunsAreTold) {
-    meshprep::TimeCertificate c;
+    meshprep::SamplingTimes c;
     c.asked = 10;
     c.met = true;
     c.taken = 10;
@@ -275,7 +274,7 @@ TEST_F(BudgetCache, OverrunsAreTold) {
     EXPECT_EQ(meshprep::to_json(c, "")["overrun"], true);
     std::ostringstream out, err;
     meshprep::Console console(out, err, false);
-    meshprep::say_time({}, c, "again", console);
+    meshprep::say_time({}, c, meshprep::drawing_work, "again", console);
     EXPECT_NE(err.str().find("drawing took 25 ms, 2.5 times what was asked"), std::string::npos)
         << err.str();
 }

@@ -1,6 +1,9 @@
 // `meshprep cost` from outside: what it says, writes and refuses.
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <sstream>
+
 #include "command_runner.h"
 
 namespace {
@@ -69,6 +72,47 @@ TEST(Cost, TriesWhatItCanOnMeshesThatAreGiven) {
 }
 
 // Errors are the stages' own: the same bytes on any threads.
+// A scene is drawn as `render` draws it: its errors, from the files that render writes.
+TEST(Cost, ScenesAreThoseThatRenderDraws) {
+    const TemporaryDirectory dir;
+    write_text(dir / "ball.obj", test::sphere_obj(24, 12));
+    write_text(dir / "scene.json",
+               R"({"meshprep": 1,
+ "materials": {"red": {"diffuse": [0.8, 0.1, 0.1], "specular": 0.4}},
+ "meshes": {"ball": {"file": "ball.obj", "material": "red"},
+            "floor": {"shape": {"kind": "plane", "size": [9, 1, 9]}}},
+ "nodes": [{"mesh": "ball"}, {"mesh": "floor", "translate": [0, -1, 0]}, {"mesh": "ball", "translate": [1.2, 0.5, -0.7]}],
+ "lights": [{"kind": "directional", "direction": [-1, -1, -0.5], "intensity": 0.9}],
+ "camera": {"orbit": {"azimuth": 20, "elevation": 75, "distance": 0.25}},
+ "picture": {"background": "#204060", "size": [640, 360]}})");
+    const std::string scene = (dir / "scene.json").string();
+    const test::Ran ran = run_here(quick({scene, "--ladder", "scene-sampling", "--json"}));
+    ASSERT_EQ(ran.exit_code, 0) << ran.err;
+    const json ladder = ran.json()["ladders"][0];
+    EXPECT_NE(ladder["subject"].get<std::string>().find("scene.json, its camera"),
+              std::string::npos);
+    const auto drawn = [&](const std::string& name, const std::vector<std::string>& more) {
+        std::vector<std::string> words = {"render", scene,    "-o", (dir / name).string(),
+                                          "--size", "160x120"};
+        words.insert(words.end(), more.begin(), more.end());
+        EXPECT_EQ(run_here(words).exit_code, 0);
+        return (dir / name).string();
+    };
+    const std::string truth = drawn("truth.exr", {"--supersample", "16"});
+    for (const json& rung : ladder["rungs"]) {
+        std::vector<std::string> more;
+        std::istringstream words(rung["command"].get<std::string>());
+        for (std::string word; words >> word;)
+            if (word != "render") more.push_back(word);
+        const json apart =
+            run_here({"diff", drawn("rung.exr", more), truth, "--json"}).json()["differences"][0];
+        // Files of halves, with an alpha that is 1 everywhere.
+        const double rmse = apart["rmse"].get<double>() * std::sqrt(4.0 / 3);
+        EXPECT_NEAR(rung["errors"][0].get<double>() / rmse, 1, 0.02) << rung["name"];
+    }
+    EXPECT_GT(ladder["rungs"][0]["errors"][0].get<double>(), 0.003);
+}
+
 TEST(Cost, ErrorsDependOnNoThreads) {
     const auto errors = [](const char* threads) {
         const test::Ran ran =

@@ -77,7 +77,7 @@ TEST(CostLadders, LooksAreAPartOfThePictureAndItsError) {
         std::size_t drawn = 0;
         for (const cost::Rung& rung : ladder.rungs) drawn += bool(rung.look);
         const std::set<std::string> draw = {"anti-aliasing", "texture-filter", "shading-frequency",
-                                            "depth-format"};
+                                            "depth-format", "scene-sampling"};
         EXPECT_EQ(drawn, draw.count(row.name) ? ladder.rungs.size() : 0) << row.name;
     }
     const Ladder ladder = ladder_named("texture-filter");
@@ -305,6 +305,16 @@ TEST(CostLadders, AntiAliasingOfAMeshThatIsGiven) {
     EXPECT_GT(n["1 sample"][0], 0.02);
     prep::Mesh none;
     EXPECT_FALSE(cost::anti_aliasing_ladder({"none", &none, 1}));
+}
+
+// Highlights too are between pixels: supersampling sees them, samples of one shading do not.
+TEST(CostLadders, SceneSampling) {
+    auto n = climbed(ladder_named("scene-sampling"));
+    const std::pair<const char*, double> wanted[] = {
+        {"1 sample", 0.00865},      {"2 samples", 0.00567},     {"4 samples", 0.00385},
+        {"8 samples", 0.00247},     {"16 samples", 0.00186},    {"supersample 2", 0.00313},
+        {"supersample 4", 0.00103}, {"supersample 8", 3.81e-4}, {"exact areas", 2.86e-4}};
+    for (const auto& [name, rmse] : wanted) EXPECT_NEAR(n[name][0], rmse, 0.03 * rmse) << name;
 }
 
 TEST(CostLadders, TextureFilter) {

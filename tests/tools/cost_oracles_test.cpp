@@ -347,6 +347,20 @@ TEST(CostOracles, TrianglesThatOverlapCountOnceInSamples) {
               cost::sampled_coverage(std::vector{t}, 4, 4).values);
 }
 
+TEST(CostOracles, BoxMeansAreMeansOfBoxes) {
+    // 4 × 2 pixels of two channels, the second ten times the first.
+    cost::Pixels fine{4, 2, 2, {}};
+    for (const double v : {1, 2, 3, 4, 5, 6, 7, 16}) {
+        fine.values.push_back(v);
+        fine.values.push_back(10 * v);
+    }
+    const cost::Pixels means = cost::box_means(fine, 2);
+    EXPECT_EQ(means.width, 2u);
+    EXPECT_EQ(means.height, 1u);
+    EXPECT_EQ(means.values, (std::vector<double>{3.5, 35, 7.5, 75}));
+    EXPECT_EQ(cost::box_means(fine, 1).values, fine.values);
+}
+
 TEST(CostOracles, ASphereIsLitAsItsFormulaSays) {
     cost::LitSphere s;
     s.ambient = 0.25;

@@ -92,6 +92,12 @@ TEST_F(Schema, HoldsForPrepare) {
                    at("few.json")},
                   degrees == std::string("0") ? 1 : 0, lines);
     expect_valid(json::parse(test::read_text(dir_ / "few.json"), nullptr, false), "manifest");
+    for (const bool lines : {false, true})
+        for (const bool fits : {false, true})
+            check({"prepare", at("cube.obj"), "-o", at("timed.glb"), "--budget-ms",
+                   fits ? "10" : "0", "--subdivide", "catmark", "--manifest", at("timed.json")},
+                  fits ? 0 : 1, lines);
+    expect_valid(json::parse(test::read_text(dir_ / "timed.json"), nullptr, false), "manifest");
 }
 
 // Where reasons are told, each code that there is, and no other.

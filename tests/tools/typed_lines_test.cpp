@@ -74,6 +74,10 @@ const TypedLine typed_lines[] = {
     {"prepare cube.obj -o x.glb --panel 64", 2,
      "meshprep: error: --panel: is no option of prepare; validate has it\n"
      "'meshprep help prepare' lists its options.\n"},
+    {"prepare cube.obj -o x.glb --budget-ms 40 --subdivide catmark:3", 2,
+     "meshprep: error: --budget-ms: chooses the level of --subdivide; give the scheme alone, as in "
+     "catmark\n"
+     "'meshprep help prepare' lists its options.\n"},
     {"prepare cube.obj -o x.glb --weight aera", 2,
      "meshprep: error: --weight: 'aera' is not one of area|uniform|angle|area-angle|edge-length; "
      "did you mean 'area'?\n"

@@ -42,6 +42,8 @@ std::span<const LadderRow> ladder_rows() {
         {"shading-frequency", "flat, Gouraud and Phong shading over rising tessellation", false,
          shading_frequency_ladder},
         {"anti-aliasing", "samples, supersampling and exact areas", true, anti_aliasing_ladder},
+        {"scene-sampling", "the same of a scene with its camera, lights and materials", true,
+         scene_sampling_ladder},
         {"texture-filter", "texture filters and anisotropy", false, texture_filter_ladder},
         {"depth-format", "how depths are kept: surfaces close behind each other", false,
          depth_format_ladder},

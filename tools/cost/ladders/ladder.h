@@ -57,19 +57,22 @@ struct Ladder {
     std::vector<Rung> rungs;
 };
 
-// What ladders are tried on: the user's mesh, or shapes of their own where there is none.
+struct ScenePicture;  // scenes.h
+
+// What ladders are tried on: the user's mesh or scene, or shapes of their own where there is none.
 struct Subject {
     std::string name;
     const prep::Mesh* mesh = nullptr;
     int threads = 0;
     // For files of ladders that write some; empty: these cannot be tried.
     std::filesystem::path directory = {};
+    const ScenePicture* picture = nullptr;  // of the same file, as it is drawn
 };
 
 struct LadderRow {
     const char* name;
     const char* summary;
-    bool of_meshes;  // tried on the user's mesh; the others have shapes of their own
+    bool of_meshes;  // tried on the user's files; the others have shapes of their own
     // Runs nothing yet but the oracle. Errors: those of the stages on such a mesh.
     prep::Result<Ladder> (*make)(const Subject& subject);
 };
@@ -89,6 +92,7 @@ prep::Result<Ladder> displacement_error_ladder(const Subject& subject);
 prep::Result<Ladder> height_filter_ladder(const Subject& subject);
 prep::Result<Ladder> shading_frequency_ladder(const Subject& subject);
 prep::Result<Ladder> anti_aliasing_ladder(const Subject& subject);
+prep::Result<Ladder> scene_sampling_ladder(const Subject& subject);
 prep::Result<Ladder> texture_filter_ladder(const Subject& subject);
 prep::Result<Ladder> depth_format_ladder(const Subject& subject);
 prep::Result<Ladder> quantized_positions_ladder(const Subject& subject);

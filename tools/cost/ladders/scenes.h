@@ -15,6 +15,13 @@ prep::PreparedScene scene_of(prep::VertexMesh mesh, const prep::Material& materi
 // White whatever the light.
 prep::Material plain_white();
 
+// A scene, and how it is drawn but for size and samples.
+struct ScenePicture {
+    std::shared_ptr<const prep::PreparedScene> scene;
+    rast::RenderRequest request;
+};
+inline constexpr std::uint32_t scene_width = 160, scene_height = 120;
+
 // From +z without perspective, y from −half to half over the picture's height.
 rast::View flat_view(double half);
 // From (0, height, 0) along −z, `pitch` degrees downwards, without roll.

@@ -187,6 +187,22 @@ std::vector<Point2> grid_places(int side) {
     return out;
 }
 
+Pixels box_means(const Pixels& fine, std::uint32_t factor) {
+    Pixels out{fine.width / factor, fine.height / factor, fine.channels, {}};
+    for (std::uint32_t y = 0; y < out.height; ++y)
+        for (std::uint32_t x = 0; x < out.width; ++x)
+            for (std::uint32_t k = 0; k < fine.channels; ++k) {
+                Real sum = 0;
+                for (std::size_t j = std::size_t(y) * factor; j < (y + std::size_t(1)) * factor;
+                     ++j)
+                    for (std::size_t i = std::size_t(x) * factor; i < (x + std::size_t(1)) * factor;
+                         ++i)
+                        sum += Real(fine.values[(j * fine.width + i) * fine.channels + k]);
+                out.values.push_back(double(sum / (Real(factor) * Real(factor))));
+            }
+    return out;
+}
+
 Pixels lit_sphere(const LitSphere& s, std::uint32_t width, std::uint32_t height, int side) {
     const Vector half_way = unit(s.towards + Vector(0, 0, 1));
     const Real scale = 2 * Real(s.half) / height;

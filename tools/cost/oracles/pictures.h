@@ -33,6 +33,9 @@ Pixels coverage_at(std::span<const Triangle2> triangles, std::uint32_t width, st
 std::vector<Point2> standard_places(int samples);
 std::vector<Point2> grid_places(int side);
 
+// The means of `factor` × `factor` pixels each, in long double; sizes are multiples of it.
+Pixels box_means(const Pixels& fine, std::uint32_t factor);
+
 // A unit sphere at the origin, seen along −z without perspective from y = −half to half over the
 // picture's height; ambient light and one light from `towards` (unit), Blinn and Phong's reflection
 // without 1/π. One channel, black around it, the mean of `side` × `side` samples a pixel.

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <memory>
 #include <thread>
 
@@ -21,19 +20,6 @@ using prep::Result;
 constexpr std::uint32_t calibration_size = 192;
 constexpr int least_rounds = 3, most_rounds = 8;
 constexpr double least_factor = 1, most_factor = 1000;
-constexpr double steady_within = 1.1;
-
-// The two least of several times.
-struct LeastTimes {
-    double first = std::numeric_limits<double>::infinity();
-    double second = std::numeric_limits<double>::infinity();
-
-    void add(double time) {
-        second = std::min(second, std::max(first, time));
-        first = std::min(first, time);
-    }
-    bool steady() const { return second <= first * steady_within; }
-};
 
 // What makes one build of a version faster than another.
 std::string build_name() {
@@ -84,14 +70,6 @@ rast::RenderRequest calibration_request(const SamplingRung& rung, int threads) {
 }
 
 }  // namespace
-
-Stopwatch::Stopwatch(int threads)
-    : alone_(threads == 1 || std::thread::hardware_concurrency() == 1), start_(clock_.now()) {}
-
-double Stopwatch::milliseconds() {
-    const cost::Instant now = clock_.now();
-    return 1e3 * (alone_ ? now.cpu - start_.cpu : now.wall - start_.wall);
-}
 
 SamplingCost cost_from_times(const SamplingRung& rung, double few, double many, double few_of_one,
                              double many_of_one) {

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "cost/measure/clock.h"
 #include "meshprep/budgets/cost_cache.h"
 #include "meshprep/budgets/render_budget.h"
+#include "meshprep/budgets/stopwatch.h"
 
 namespace meshprep {
 
@@ -34,19 +34,6 @@ prep::Result<MeasuredCosts> measured_sampling_costs(int threads);
 // say so were interrupted.
 SamplingCost cost_from_times(const SamplingRung& rung, double few, double many, double few_of_one,
                              double many_of_one);
-
-// How long something took, on threads as many: with one, the time that it computed, which other
-// work on the machine does not lengthen; with more, the time that went by. 0: all processors.
-class Stopwatch {
-  public:
-    explicit Stopwatch(int threads);
-    double milliseconds();
-
-  private:
-    cost::SystemClock clock_;
-    bool alone_;
-    cost::Instant start_;
-};
 
 Json to_json(const std::vector<SamplingCost>& costs);
 // None where it is not what to_json() writes: every sampling of sampling_rungs(), in their order,

@@ -1,7 +1,5 @@
 #include "meshprep/budgets/time_budget.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <limits>
 
@@ -13,10 +11,6 @@ using prep::Result;
 constexpr std::size_t most_pilot_views = 4;
 constexpr int least_pilot_runs = 3, most_pilot_runs = 12;
 constexpr double enough_pilot_ms = 60;
-
-Json prediction_json(const SamplingPrediction& p) {
-    return {{"setting", p.rung.words()}, {"milliseconds", p.milliseconds}};
-}
 
 double pixels_of(const rast::RenderRequest& r) {
     return r.crop ? double(r.crop->width) * r.crop->height : double(r.width) * r.height;
@@ -63,30 +57,21 @@ std::vector<SamplingRung> samplings_by_accuracy() {
     return {{1, 1}, {2, 1}, {4, 1}, {1, 2}, {8, 1}, {1, 3}, {16, 1}, {1, 4}, {1, 6}, {1, 8}};
 }
 
-TimeCertificate chosen_within(double asked, const PilotTimes& pilot,
-                              const std::vector<SamplingCost>& costs, std::uint32_t extent) {
-    TimeCertificate out;
-    out.asked = asked;
-    out.pilot = pilot;
+SamplingTimes chosen_within(double asked, const PilotTimes& pilot,
+                            const std::vector<SamplingCost>& costs, std::uint32_t extent) {
+    std::vector<SamplingRung> rungs;
+    std::vector<TimePrediction> tried;
     for (const SamplingRung& rung : samplings_by_accuracy())
         for (const SamplingCost& cost : costs)
             if (cost.rung.samples == rung.samples && cost.rung.supersample == rung.supersample &&
-                std::uint64_t(rung.supersample) * extent <= rast::max_picture_extent)
-                out.tried.push_back({rung, predicted_ms(pilot, cost)});
-    double least = std::numeric_limits<double>::infinity();
-    for (const SamplingPrediction& p : out.tried) {
-        if (p.milliseconds <= asked) {
-            out.met = true;
-            out.chosen = p;
-            out.next.reset();
-            continue;
-        }
-        if (!out.met && p.milliseconds < least) {
-            least = p.milliseconds;
-            out.chosen = p;
-        }
-        if (out.met && !out.next) out.next = p;
-    }
+                std::uint64_t(rung.supersample) * extent <= rast::max_picture_extent) {
+                rungs.push_back(rung);
+                tried.push_back({rung.words(), predicted_ms(pilot, cost)});
+            }
+    SamplingTimes out;
+    static_cast<TimeCertificate&>(out) = chosen_in_time(asked, std::move(tried));
+    out.rung = rungs[out.index];
+    out.pilot = pilot;
     return out;
 }
 
@@ -134,7 +119,7 @@ Result<PilotTimes> pilot_of(rast::SceneRenderer& renderer, const rast::RenderReq
     return out;
 }
 
-Result<TimeCertificate> sampling_within(
+Result<SamplingTimes> sampling_within(
     rast::SceneRenderer& renderer, const rast::RenderRequest& request, std::size_t views,
     const std::function<Result<rast::RenderPlan>(const rast::RenderRequest&, std::size_t)>&
         plan_for,
@@ -146,51 +131,22 @@ Result<TimeCertificate> sampling_within(
     const Clock::time_point start = Clock::now();
     const Result<PilotTimes> pilot = pilot_of(renderer, request, views, plan_for);
     if (!pilot) return pilot.error();
-    TimeCertificate out =
+    SamplingTimes out =
         chosen_within(asked, *pilot, found->costs, std::max(request.width, request.height));
     out.pilot_ms = milliseconds_since(start);
     out.cached = found->cached;
     return out;
 }
 
-Json to_json(const TimeCertificate& c, const std::string& command) {
-    Json json;
-    json["asked"] = c.asked;
-    json["unit"] = "milliseconds to draw all pictures; the most accurate by the error of edges";
-    json["met"] = c.met;
-    json["taken"] = c.taken;
-    json["overrun"] = c.overrun();
-    json["chosen"] = prediction_json(c.chosen);
-    json["next"] = c.next ? prediction_json(*c.next) : Json(nullptr);
-    json["tried"] = Json::array();
-    for (const SamplingPrediction& p : c.tried) json["tried"].push_back(prediction_json(p));
-    json["pilot"] = {{"fixed", c.pilot.fixed},
-                     {"pixels", c.pilot.pixels},
-                     {"first", c.pilot.first},
-                     {"noisy", c.pilot.noisy},
-                     {"milliseconds", c.pilot_ms}};
-    json["costs"] = c.cached ? "cached" : "measured";
-    json["command"] = command;
+Json to_json(const SamplingTimes& times, const std::string& command) {
+    Json json = to_json(times, drawing_work, command);
+    json["pilot"] = {{"fixed", times.pilot.fixed},
+                     {"pixels", times.pilot.pixels},
+                     {"first", times.pilot.first},
+                     {"noisy", times.pilot.noisy},
+                     {"milliseconds", times.pilot_ms}};
+    json["costs"] = times.cached ? "cached" : "measured";
     return json;
-}
-
-void say_time(const CommonOptions& common, const TimeCertificate& c, const std::string& command,
-              Console& console) {
-    console.result(common,
-                   fmt::format("  {:.4g} ms asked, {:.4g} predicted with {}, {:.4g} taken", c.asked,
-                               c.chosen.milliseconds, c.chosen.rung.words(), c.taken));
-    if (c.next)
-        console.result(common, fmt::format("  next: {} in {:.4g} ms, predicted",
-                                           c.next->rung.words(), c.next->milliseconds));
-    console.result(common, "  the same again: " + command);
-    if (!c.met)
-        console.error(
-            fmt::format("nothing is predicted to draw within {:.4g} ms; the fastest takes "
-                        "{:.4g}",
-                        c.asked, c.chosen.milliseconds));
-    else if (c.overrun())
-        console.warning(common, fmt::format("drawing took {:.4g} ms, {:.3g} times what was asked",
-                                            c.taken, c.taken / c.asked));
 }
 
 }  // namespace meshprep

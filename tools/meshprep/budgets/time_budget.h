@@ -2,12 +2,11 @@
 #pragma once
 
 #include <functional>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "meshprep/budgets/sampling_costs.h"
-#include "meshprep/output/console.h"
+#include "meshprep/budgets/time_certificate.h"
 
 namespace meshprep {
 
@@ -31,22 +30,10 @@ PilotTimes pilot_from_times(const PilotDrawing& smaller, const PilotDrawing& lar
 
 double predicted_ms(const PilotTimes& pilot, const SamplingCost& cost);
 
-struct SamplingPrediction {
-    SamplingRung rung;
-    double milliseconds = 0;
-};
-
-struct TimeCertificate {
-    double asked = 0;  // milliseconds, to draw all pictures
-    bool met = false;  // by the prediction
-    SamplingPrediction chosen;
-    std::optional<SamplingPrediction> next;  // the next more accurate one, which does not fit
-    std::vector<SamplingPrediction> tried;   // all, by accuracy
+struct SamplingTimes : TimeCertificate {
+    SamplingRung rung;  // that was chosen
     PilotTimes pilot;
-    double pilot_ms = 0;  // that measuring the pilot took
-    bool cached = false;
-    double taken = 0;  // what drawing took then, with `first`: that of the command that is printed
-    bool overrun() const { return taken > asked; }
+    bool cached = false;  // costs were known
 };
 
 // Coarsest first, by the errors of edges in docs/accuracy.md (supersampling by 3 and by 6 stands
@@ -55,8 +42,8 @@ std::vector<SamplingRung> samplings_by_accuracy();
 
 // The most accurate sampling whose predicted time is at most `asked`, of those that a picture of
 // `extent` pixels a side can have; else the one of least time, and `met` is false.
-TimeCertificate chosen_within(double asked, const PilotTimes& pilot,
-                              const std::vector<SamplingCost>& costs, std::uint32_t extent);
+SamplingTimes chosen_within(double asked, const PilotTimes& pilot,
+                            const std::vector<SamplingCost>& costs, std::uint32_t extent);
 
 // Draws up to four of the views with one sample and a quarter and half of their size, in bands, the
 // first time without counting it, then three to twelve times. Errors: those of planning and
@@ -68,14 +55,16 @@ prep::Result<PilotTimes> pilot_of(
 
 // Of these together, with costs from the user's cache unless `keep` is false; what cannot be kept
 // is a warning. Errors: those of planning and drawing.
-prep::Result<TimeCertificate> sampling_within(
+prep::Result<SamplingTimes> sampling_within(
     rast::SceneRenderer& renderer, const rast::RenderRequest& request, std::size_t views,
     const std::function<prep::Result<rast::RenderPlan>(const rast::RenderRequest&, std::size_t)>&
         plan_for,
     double asked, bool keep, const CommonOptions& common, Console& console);
 
-Json to_json(const TimeCertificate& certificate, const std::string& command);
-void say_time(const CommonOptions& common, const TimeCertificate& certificate,
-              const std::string& command, Console& console);
+inline constexpr TimedWork drawing_work = {
+    "draw", "drawing",
+    "milliseconds to draw all pictures; the most accurate by the error of edges"};
+
+Json to_json(const SamplingTimes& times, const std::string& command);
 
 }  // namespace meshprep

@@ -9,6 +9,7 @@
 #include "cost/pages/page.h"
 #include "cost/pages/plot.h"
 #include "cost/pages/plot_image.h"
+#include "meshprep/commands/cost_picture.h"
 #include "meshprep/commands/subcommand.h"
 #include "meshprep/files/file_list.h"
 #include "meshprep/files/input_file.h"
@@ -18,7 +19,6 @@
 #include "meshprep/output/load_options.h"
 #include "prep/files.h"
 #include "prep/image.h"
-#include "prep/load.h"
 #include "prep/version.h"
 #include "text/suggestions.h"
 
@@ -56,35 +56,50 @@ std::vector<std::string> ladder_names() {
     return names;
 }
 
+constexpr const char* scene_ladder = "scene-sampling";
+
+int threads_of(const CostCommand& command) {
+    return command.common.threads > 0 ? command.common.threads
+                                      : std::max(1, int(std::thread::hardware_concurrency()));
+}
+
 bool wanted(const CostCommand& command, const char* name) {
     return command.ladders.empty() ||
            std::find(command.ladders.begin(), command.ladders.end(), name) != command.ladders.end();
 }
 
-// The mesh of a file that ladders are tried on: the one of most faces.
+// What ladders are tried on of a file: its mesh of most faces, and the picture of all of it.
 struct Tried {
-    std::string name;
+    std::string name, file;
     prep::Mesh mesh;
+    Result<cost::ScenePicture> picture = cost::ScenePicture();
     std::vector<std::filesystem::path> sources;  // what it was read from beside it: identities
 };
 
-Result<Tried> load(const std::filesystem::path& path, const CommonOptions& common,
+Result<Tried> load(const std::filesystem::path& path, const CostCommand& command,
                    Console& console) {
+    const CommonOptions& common = command.common;
     if (!is_standard_stream(path))
         if (const Result<void> there = require_file(path); !there) return there.error();
     const Result<InputFile> input = InputFile::open(path, common.input_format);
     if (!input) return input.error();
-    Result<prep::Scene> scene = prep::load_scene(input->path(), load_options(common, console));
-    if (!scene) return input->relabelled(scene.error());
+    Result<prep::JsonScene> loaded = load_json_scene(input->path(), load_options(common, console));
+    if (!loaded) return input->relabelled(loaded.error());
+    prep::Scene* const scene = &loaded->scene;
     const auto most = std::max_element(
         scene->meshes.begin(), scene->meshes.end(),
         [](const prep::Mesh& a, const prep::Mesh& b) { return a.face_count() < b.face_count(); });
     if (most == scene->meshes.end() || most->face_count() == 0)
         return Error{ErrorCode::invalid, "has no faces to try anything on", path.string()};
-    Tried tried{path.filename().string(), std::move(*most), {}};
+    Tried tried;
+    tried.name = tried.file = path.filename().string();
+    tried.mesh = *most;
     tried.sources = read_beside(*scene);
     if (scene->meshes.size() > 1 && !tried.mesh.name.empty())
         tried.name += ", mesh " + tried.mesh.name;
+    if (wanted(command, scene_ladder))
+        tried.picture = scene_picture(*std::move(loaded), lower_ending(input->path()) == "json",
+                                      threads_of(command));
     return tried;
 }
 
@@ -106,7 +121,7 @@ Result<std::vector<Tried>> load_all(const CostCommand& command, Console& console
     for (std::size_t i = 0; i < command.inputs.size(); ++i) {
         if (const Result<void> fresh = require_unread(command.inputs, i); !fresh)
             return fresh.error();
-        Result<Tried> one = load(command.inputs[i], command.common, console);
+        Result<Tried> one = load(command.inputs[i], command, console);
         if (!one) return one.error();
         tried.push_back(*std::move(one));
     }
@@ -121,15 +136,20 @@ Result<Measured> measured_table(const CostCommand& command, const std::vector<Tr
     const auto directory = made ? made->path() : std::filesystem::path();
     out.table.version = std::string(prep::version());
     out.table.processor = cost::processor_name();
-    out.table.threads = command.common.threads > 0
-                            ? command.common.threads
-                            : std::max(1, int(std::thread::hardware_concurrency()));
+    out.table.threads = threads_of(command);
     for (const cost::LadderRow& row : cost::ladder_rows()) {
         if (!wanted(command, row.name)) continue;
         std::vector<cost::Subject> subjects;
-        if (row.of_meshes)
-            for (const Tried& one : tried)
-                subjects.push_back({one.name, &one.mesh, out.table.threads, directory});
+        const bool of_scenes = row.name == std::string_view(scene_ladder);
+        for (const Tried& one : tried) {
+            if (!row.of_meshes) break;
+            if (of_scenes && !one.picture)
+                out.failures.push_back({row.name, one.file, one.picture.error()});
+            else
+                subjects.push_back({of_scenes ? one.file : one.name, &one.mesh, out.table.threads,
+                                    directory, of_scenes ? &*one.picture : nullptr});
+        }
+        if (row.of_meshes && !tried.empty() && subjects.empty()) continue;
         if (subjects.empty()) subjects.push_back({"", nullptr, out.table.threads, directory});
         for (const cost::Subject& subject : subjects) {
             console.progress(command.common, fmt::format("{} …", row.name));
@@ -357,8 +377,10 @@ int run(const CostCommand& command, Console& console) {
 }
 
 void define(OptionSet& options, CostCommand& c) {
-    options.paths("input", c.inputs, "FILE",
-                  "Meshes that normals and silhouettes are tried on; none: shapes of its own");
+    options.paths(
+        "input", c.inputs, "FILE",
+        "Meshes and scenes that normals, silhouettes and pictures are tried on; none: shapes of "
+        "its own");
     options.values(
         "--ladder", "NAME,…",
         [&c](const std::string& text) {

@@ -7,6 +7,7 @@
 #include <new>
 #include <thread>
 
+#include "meshprep/budgets/prepare_budget.h"
 #include "meshprep/commands/in_order.h"
 #include "meshprep/commands/prepare_file.h"
 #include "meshprep/commands/prepare_report.h"
@@ -138,10 +139,11 @@ class Batch {
         } else {
             print_details(outcome, command_, console_);
         }
-        if (outcome.certificate && !outcome.certificate->met()) {
-            ++unmet_;
-            console_.error(unmet_text(outcome));
-        }
+        if (outcome.certificate && !outcome.certificate->met()) console_.error(unmet_text(outcome));
+        if (outcome.times && !outcome.error)
+            say_time(common_, *outcome.times, preparing_work, again_text(outcome, command_),
+                     console_);
+        unmet_ += !outcome.met();
         if (!outcome.bytes.empty()) console_.bytes(outcome.bytes);
         warned_ += outcome.warning_count() > 0;
         if (records_.wanted()) records_.add(outcome_json(outcome, command_));
@@ -252,6 +254,21 @@ void check_direction_errors(const PrepareCommand& c) {
         usage_error(given, "is measured on the file that is written; give -o FILE or -o DIR");
 }
 
+// What is chosen by a time is said by nothing else.
+void check_budget(const PrepareCommand& c) {
+    if (!c.budget_ms) return;
+    const auto given = [&c](const char* name) { return c.settings.count(name) > 0; };
+    if (given("--precision"))
+        usage_error("--budget-ms", "and --precision both choose the precision; leave one out");
+    if (c.prepare.tessellate)
+        usage_error("--budget-ms",
+                    "chooses no error of triangles; --max-triangles bounds what they take");
+    if (c.prepare.subdivide && c.settings.at("--subdivide").back().find(':') != std::string::npos)
+        usage_error("--budget-ms",
+                    "chooses the level of --subdivide; give the scheme alone, as in catmark");
+    if (c.jobs != 1) usage_error("--budget-ms", "is of one file at a time; leave --jobs out");
+}
+
 void define(OptionSet& options, PrepareCommand& c) {
     options
         .paths(
@@ -283,6 +300,10 @@ void define(OptionSet& options, PrepareCommand& c) {
                          "measured; exit 1 with the best found where none do");
     options.not_negative("--tangent-error", c.direction_errors.tangents, "DEG",
                          "The same of tangents");
+    options.not_negative("--budget-ms", c.budget_ms, "MS",
+                         "The most accurate normals, or with --subdivide SCHEME the finest level, "
+                         "that are predicted to be prepared within so many milliseconds, file by "
+                         "file; exit 1 with the fastest where none are");
     options.flag("--in-place", c.files.in_place, "Write each result over its input");
     options.flag(
         "-r,--recursive", c.files.recursive,
@@ -357,6 +378,7 @@ void define(OptionSet& options, PrepareCommand& c) {
         "  meshprep prepare assets -r -o out --jobs 0 --manifest out/made.json --skip-unchanged\n"
         "  curl -s $URL | meshprep prepare - -o - --format glb > chair.glb\n"
         "  meshprep prepare rock.glb -o small.glb --quantize auto --normal-error 0.1\n"
+        "  meshprep prepare cage.obj -o fine.glb --subdivide catmark --budget-ms 100\n"
         "  meshprep prepare rock.glb --in-place --tangents mikktspace");
 }
 
@@ -378,6 +400,7 @@ void check(const PrepareCommand& c) {
                     "a scene file may have changed, which --skip-unchanged does not see; name the "
                     "choices instead, as in shading=phong");
     check_direction_errors(c);
+    check_budget(c);
     check_camera(c.camera);
     const bool placed = std::holds_alternative<PlaceChoice>(c.camera.camera);
     const char* const given = placed                         ? "--look-from"

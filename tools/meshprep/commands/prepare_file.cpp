@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "base/process_memory.h"
+#include "meshprep/budgets/prepare_budget.h"
 #include "meshprep/commands/prepare_report.h"
 #include "meshprep/commands/render_views.h"
 #include "meshprep/files/file_sizes.h"
@@ -123,6 +124,17 @@ prep::Result<std::vector<std::string>> save_quantized(const prep::PreparedScene&
     return std::move(saved->notes);
 }
 
+// With the settings that were given, or the most accurate that fit a time.
+prep::Result<prep::PreparedScene> prepared_in_time(prep::Scene scene,
+                                                   const prep::PrepareOptions& options,
+                                                   const PrepareCommand& command, Outcome& out) {
+    if (!command.budget_ms) return prep::prepare(std::move(scene), options);
+    auto within = prepare_within(std::move(scene), options, *command.budget_ms);
+    if (!within) return within.error();
+    out.times = std::move(within->times);
+    return std::move(within->prepared);
+}
+
 // With what a scene file says of its picture, where the command line says nothing.
 prep::Result<prep::Scene> load_with_picture(const std::filesystem::path& path,
                                             const prep::LoadOptions& options,
@@ -229,8 +241,9 @@ Outcome prepare_file(const Job& job, const PrepareCommand& command, int threads,
     }
     std::vector<std::vector<prep::Call>> calls;
     if (command.explain) calls = prep::calls_for(*scene, options.request.consumer);
-    prep::Result<prep::PreparedScene> prepared = prep::prepare(*std::move(scene), options);
-    out.prepare_ms = milliseconds_since(start);
+    prep::Result<prep::PreparedScene> prepared =
+        prepared_in_time(*std::move(scene), options, command, out);
+    out.prepare_ms = out.times ? out.times->taken : milliseconds_since(start);
     out.prepare_memory = used();
     if (!prepared) {
         out.error = input->relabelled(prepared.error());

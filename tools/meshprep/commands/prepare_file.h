@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "meshprep/budgets/quantize_budget.h"
+#include "meshprep/budgets/time_certificate.h"
 #include "meshprep/commands/batch_sources.h"
 #include "meshprep/files/file_list.h"
 #include "meshprep/files/input_file.h"
@@ -34,6 +35,7 @@ struct PrepareCommand {
     prep::Quantization quantization;
     bool choose_bits = false;  // of directions, by
     DirectionErrors direction_errors;
+    std::optional<double> budget_ms;  // to prepare a file in: the precision or the level follows
     int jobs = 1;  // files at once; 0: as many as there are cores
     std::filesystem::path manifest;
     bool skip_unchanged = false;
@@ -75,11 +77,14 @@ struct Outcome {
     std::vector<std::string> warnings, remarks, notes;
     std::optional<prep::QuantizationReport> quantized;
     std::optional<QuantizationCertificate> certificate;
+    std::optional<TimeCertificate> times;
     double read_ms = 0, prepare_ms = 0, write_ms = 0;
     MemoryUse read_memory, prepare_memory, write_memory;
     std::uint64_t bytes_before = 0, bytes_after = 0;  // of all files read, and written
 
     std::size_t warning_count() const;
+    // Whether all is as exact and as fast as was asked.
+    bool met() const { return (!certificate || certificate->met()) && (!times || times->met); }
 };
 
 // Reads, prepares and writes one file, a job of those of `sources`; `prefix` begins what is shown

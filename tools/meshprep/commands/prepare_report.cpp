@@ -7,6 +7,7 @@
 #include <map>
 
 #include "meshprep/budgets/explicit_command.h"
+#include "meshprep/budgets/prepare_budget.h"
 #include "meshprep/output/count_rows.h"
 #include "meshprep/output/findings_text.h"
 #include "meshprep/output/placement_text.h"
@@ -107,15 +108,6 @@ std::string order_text(const prep::OrderChange& c) {
     return text;
 }
 
-// The command that writes the same file without choosing.
-std::string again_text(const Outcome& o, const PrepareCommand& command) {
-    Settings settings = command.settings;
-    for (const char* name : {"--quantize", "--normal-error", "--tangent-error", "--format"})
-        settings.erase(name);
-    return explicit_command("prepare", o.job.input, o.job.output, settings,
-                            "--quantize " + quantization_words(o.certificate->bits));
-}
-
 std::string quantized_text(const prep::QuantizationError& e, const prep::QuantizationRow& row) {
     std::string text = fmt::format("{} of {} bits: ", row.name, e.bits);
     if (e.values > 0)
@@ -175,6 +167,22 @@ Json requirements_json(const prep::PreparedScene& prepared,
     return all;
 }
 
+std::string again_text(const Outcome& o, const PrepareCommand& command) {
+    Settings settings = command.settings;
+    settings.erase("--format");
+    std::string chosen;
+    if (o.certificate) {
+        for (const char* name : {"--quantize", "--normal-error", "--tangent-error"})
+            settings.erase(name);
+        chosen = "--quantize " + quantization_words(o.certificate->bits);
+    }
+    if (o.times) {
+        for (const char* name : {"--budget-ms", "--subdivide"}) settings.erase(name);
+        chosen += (chosen.empty() ? "" : " ") + o.times->chosen.setting;
+    }
+    return explicit_command("prepare", o.job.input, o.job.output, settings, chosen);
+}
+
 std::string unmet_text(const Outcome& o) {
     std::string text;
     for (const DirectionChoice& d : o.certificate->directions)
@@ -225,6 +233,7 @@ Json outcome_json(const Outcome& o, const PrepareCommand& command) {
         json["residual_maps"].push_back(to_json(o.residual_maps[k], o.residual_names[k]));
     if (o.quantized) json["quantized"] = to_json(*o.quantized);
     if (o.certificate) json["certificate"] = to_json(*o.certificate, again_text(o, command));
+    if (o.times) json["budget"] = to_json(*o.times, preparing_work, again_text(o, command));
     json["findings"] = Json::array();
     for (const prep::Finding& f : o.findings) {
         Json finding = to_json(f, {});
@@ -251,7 +260,7 @@ ManifestEntry manifest_entry(const Outcome& o, const PrepareCommand& command) {
     entry.job.error = o.error;
     entry.sources = o.sources;
     // What is beyond what was asked of it is not done: the next run fails by it as well.
-    entry.complete = o.complete && (!o.certificate || o.certificate->met());
+    entry.complete = o.complete && o.met();
     if (o.error) return entry;
     for (const std::filesystem::path& file : o.written) entry.outputs.push_back(hashed(file));
     const Json json = outcome_json(o, command);

@@ -16,6 +16,8 @@ ManifestEntry manifest_entry(const Outcome& outcome, const PrepareCommand& comma
 void print_details(const Outcome& outcome, const PrepareCommand& command, Console& console);
 // What could not be kept of the errors that were asked for.
 std::string unmet_text(const Outcome& outcome);
+// The command that writes the same file without choosing.
+std::string again_text(const Outcome& outcome, const PrepareCommand& command);
 // One line of many.
 void print_row(const Outcome& outcome, const PrepareCommand& command, Console& console);
 

@@ -33,14 +33,6 @@ using prep::Error;
 using prep::ErrorCode;
 using prep::Result;
 
-Result<prep::JsonScene> load(const std::filesystem::path& path, const prep::LoadOptions& options) {
-    if (lower_ending(path) == "json") return prep::load_scene_json(path, options);
-    Result<prep::Scene> scene = prep::load_scene(path, options);
-    if (!scene) return scene.error();
-    if (const Result<void> some = prep::require_geometry(*scene); !some) return some.error();
-    return prep::JsonScene{*std::move(scene), {}, {}};
-}
-
 rast::LightInstance ambient_light(float intensity) {
     rast::LightInstance ambient;
     ambient.kind = prep::LightKind::ambient;
@@ -178,14 +170,17 @@ Result<Json> render_file(const RenderCommand& command, Console& console) {
     Clock::time_point start = Clock::now();
     const Result<InputFile> input = InputFile::open(command.input, common.input_format);
     if (!input) return input.error();
-    Result<prep::JsonScene> loaded = load(input->path(), load_options(common, console));
+    const bool scene_file = lower_ending(input->path()) == "json";
+    Result<prep::JsonScene> loaded = load_json_scene(input->path(), load_options(common, console));
     if (!loaded) return input->relabelled(loaded.error());
+    if (!scene_file)
+        if (const Result<void> some = prep::require_geometry(loaded->scene); !some)
+            return input->relabelled(some.error());
     input->settle(loaded->scene);
     const double read_ms = milliseconds_since(start);
     for (const std::string& text : loaded->scene.warnings)
         console.warning(common, said_of(command.input, text));
 
-    const bool scene_file = lower_ending(input->path()) == "json";
     rast::RenderRequest request = request_of(command, loaded->picture);
     if (!scene_file && !command.wishes.has("background")) request.background = file_background;
     const double aspect = static_cast<double>(request.width) / request.height;
@@ -232,7 +227,7 @@ Result<Json> render_file(const RenderCommand& command, Console& console) {
     // them.
     const float allowed = std::exchange(request.allow_error, 0.0f);
     std::optional<ImageCertificate> certificate;
-    std::optional<TimeCertificate> times;
+    std::optional<SamplingTimes> times;
     if (command.image_error || command.budget_ms) {
         console.progress(common, command.input.string() + " … measuring");
         const rast::RenderRequest plain = request;
@@ -250,12 +245,12 @@ Result<Json> render_file(const RenderCommand& command, Console& console) {
             certificate = *std::move(chosen);
             rung = certificate->chosen.rung;
         } else {
-            Result<TimeCertificate> chosen =
+            Result<SamplingTimes> chosen =
                 sampling_within(renderer, request, views->size(), plan_for, *command.budget_ms,
                                 command.cost_cache, common, console);
             if (!chosen) return chosen.error();
             times = *std::move(chosen);
-            rung = times->chosen.rung;
+            rung = times->rung;
         }
         // From here on as if the command line had said it.
         request = plain;
@@ -363,9 +358,9 @@ Result<Json> render_file(const RenderCommand& command, Console& console) {
     if (times) {
         times->taken = render_ms + times->pilot.first;
         const std::string again = explicit_command("render", command.input, given, command.settings,
-                                                   times->chosen.rung.words());
+                                                   times->chosen.setting);
         json["budget"] = to_json(*times, again);
-        say_time(common, *times, again, console);
+        say_time(common, *times, drawing_work, again, console);
     }
     json["milliseconds"] = {
         {"read", read_ms}, {"prepare", prepare_ms}, {"render", render_ms}, {"write", write_ms}};

@@ -1,5 +1,6 @@
 #include "meshprep/output/load_options.h"
 
+#include "meshprep/files/file_list.h"
 #include "prep/image.h"
 
 namespace meshprep {
@@ -13,6 +14,14 @@ prep::LoadOptions load_options(const CommonOptions& common, Console& console) {
             console.note(file.string(), text);
         };
     return options;
+}
+
+prep::Result<prep::JsonScene> load_json_scene(const std::filesystem::path& path,
+                                              const prep::LoadOptions& options) {
+    if (lower_ending(path) == "json") return prep::load_scene_json(path, options);
+    prep::Result<prep::Scene> scene = prep::load_scene(path, options);
+    if (!scene) return scene.error();
+    return prep::JsonScene{*std::move(scene), {}, {}};
 }
 
 prep::PrepareOptions prepare_options(const prep::PrepareOptions& given,
