@@ -36,7 +36,7 @@ struct PrepareCommand {
     bool choose_bits = false;  // of directions, by
     DirectionErrors direction_errors;
     std::optional<double> budget_ms;  // to prepare a file in: the precision or the level follows
-    int jobs = 1;  // files at once; 0: as many as there are cores
+    int jobs = 1;                     // files at once; 0: as many as there are cores
     std::filesystem::path manifest;
     bool skip_unchanged = false;
     Settings settings;  // what was given of what decides about the output
