@@ -206,6 +206,27 @@ TEST(BoundedSkips, AreReachedWithinTenTimesOnWorstCases) {
     }
 }
 
+// A light goes where its bound is allowed for, and stays where one part in 2^23 less is.
+TEST(BoundedSkips, BoundsAboveWhatIsAllowedByOnePartIn2To23Show) {
+    for (const WorstCase& c : worst_cases) {
+        rast::RenderRequest request;
+        const prep::PreparedScene scene = worst_scene(c, request);
+        request.allow_error = 1000;
+        const std::vector<prep::Reason> told =
+            faint_lights(test::draw_knowing_texels(scene, request).plan);
+        ASSERT_EQ(told.size(), 1u) << c.name;
+        float enough = float(told[0].value);
+        if (double(enough) < told[0].value) enough = std::nextafter(enough, 1e9f);
+        request.allow_error = enough;
+        const test::Drawing without = test::draw_knowing_texels(scene, request);
+        EXPECT_EQ(faint_lights(without.plan).size(), 1u) << c.name;
+        request.allow_error = std::nextafter(enough, 0.0f);
+        const test::Drawing with = test::draw_knowing_texels(scene, request);
+        EXPECT_TRUE(faint_lights(with.plan).empty()) << c.name;
+        EXPECT_NE(test::differing(without.frame, with.frame), "") << c.name;
+    }
+}
+
 TEST(BoundedSkips, NothingIsLeftOutUnlessItIsAllowed) {
     rast::RenderRequest request;
     const prep::PreparedScene scene = worst_scene(worst_cases[0], request);

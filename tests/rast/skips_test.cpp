@@ -3,9 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
+#include <numeric>
 #include <set>
 
+#include "oracles.h"
 #include "random_pictures.h"
 #include "skip_stage.h"
 
@@ -254,6 +257,104 @@ TEST(Skips, NeutralMapsOffByOnePartIn2To23Show) {
         EXPECT_NE(test::differing(pruned, test::draw_in_full(wrong, request)), "")
             << "texel " << texel.x;
     }
+}
+
+// The neutral element of what limits a light is a factor of 0. The least range and the least cone
+// at which a picture shows anything of the light: the factor is one part in 2^23 or less there.
+TEST(Skips, LimitsOfLightsOffByOnePartIn2To23Show) {
+    struct Limit {
+        const char* code;
+        float rast::LightInstance::*value;
+        float off, on;
+        rast::LightInstance light;
+    };
+    const glm::dvec3 above(0, 0, 2);  // of a wall of |x|, |y| <= 1
+    const Limit limits[] = {{"light_range", &rast::LightInstance::range, 1.9f, 2.1f,
+                             light_of(prep::LightKind::point, glm::vec3(1e5f), above, {0, 0, -1})},
+                            {"light_cone", &rast::LightInstance::outer_cone, 1.0f, 1.2f,
+                             light_of(prep::LightKind::spot, glm::vec3(1e5f), above, {1, 0, 0})}};
+    const prep::PreparedScene scene = test::scene_of(test::square());
+    for (const Limit& limit : limits) {
+        rast::RenderRequest request = stage_request();
+        request.view = test::look_at({0, 0, 3}, {0, 0, 0});
+        const rast::Frame without = test::draw_in_full(scene, request);
+        request.lights->push_back(limit.light);
+        float& value = request.lights->back().*limit.value;
+        const auto shows = [&](float v) {
+            value = v;
+            return test::differing(without, test::draw_in_full(scene, request)) != "";
+        };
+        float off = limit.off, on = limit.on;
+        ASSERT_FALSE(shows(off)) << limit.code;
+        ASSERT_TRUE(shows(on)) << limit.code;
+        while (std::nextafter(off, on) != on) {
+            const float middle = std::midpoint(off, on);
+            (shows(middle) ? on : off) = middle;
+        }
+        value = on;
+        const test::Drawing least = test::draw_knowing_texels(scene, request);
+        EXPECT_EQ(proved_zero(least.plan).count(limit.code), 0u) << limit.code;
+        EXPECT_NE(test::differing(without, least.frame), "") << limit.code;
+        // Beside the light without its limit.
+        request.lights->back().kind = prep::LightKind::point;
+        request.lights->back().range = 0;
+        const rast::Frame unlimited = test::draw_in_full(scene, request);
+        double share = 0;
+        for (std::size_t i = 0; i < without.color.size(); ++i) {
+            const double all = double(unlimited.color[i].r) - double(without.color[i].r);
+            const double some = double(least.frame.color[i].r) - double(without.color[i].r);
+            if (some > 0) share = std::max(share, some / all);
+        }
+        EXPECT_GT(share, 0) << limit.code;
+        EXPECT_LE(share, double(off_one)) << limit.code;
+        value = limit.off - 0.1f;
+        EXPECT_TRUE(is_skipped(limit.code, scene, request)) << limit.code;
+    }
+}
+
+// Two of four samples of some pixels in a tile, off by one part in 2^23: half a pixel's width of
+// another triangle, before the one that covers the tile.
+TEST(Skips, SamplesOffByOnePartIn2To23Show) {
+    prep::Material material;
+    material.unlit = true;
+    material.diffuse = glm::vec4(1.75f, 1.75f, 1.75f, 1);
+    prep::VertexMesh mesh;
+    mesh.positions = {{-9, -9, 0}, {9, -9, 0}, {0, 9, 0}};
+    rast::RenderRequest request = stage_request();
+    request.width = request.height = 128;
+    request.view = test::flat_view(1);
+    request.samples = 4;
+    const auto scene_with = [&](float factor) {
+        prep::VertexMesh both = mesh;
+        const float pixel = 2.0f / 128, left = -0.5f, right = left + pixel / 2;
+        both.positions.insert(
+            both.positions.end(),
+            {{left, -0.7f, 1}, {right, -0.7f, 1}, {right, -0.3f, 1}, {left, -0.3f, 1}});
+        both.indices = {0, 1, 2, 3, 4, 5, 3, 5, 6};
+        both.normals.assign(both.positions.size(), {0, 0, 1});
+        both.ranges = {{0, 1, 0, prep::no_index}, {1, 2, 1, prep::no_index}};
+        prep::PreparedScene scene = test::scene_of(std::move(both), material);
+        scene.scene.materials.push_back(material);
+        scene.scene.materials[1].diffuse *= glm::vec4(glm::vec3(factor), 1);
+        return scene;
+    };
+    mesh.indices = {0, 1, 2};
+    mesh.normals.assign(3, {0, 0, 1});
+    const prep::PreparedScene plain = test::scene_of(mesh, material);
+    EXPECT_TRUE(is_skipped("samples_inside", plain, request));
+    const rast::Frame neutral = test::draw_knowing_texels(plain, request).frame;
+    EXPECT_LT(neutral.counters.sample_points, 128u * 128 * 4);
+    const rast::Frame same = test::draw_knowing_texels(scene_with(1), request).frame;
+    EXPECT_EQ(test::differing(neutral, same), "");
+    const prep::PreparedScene off = scene_with(1 + off_one);
+    const test::Drawing pruned = test::draw_knowing_texels(off, request);
+    EXPECT_GT(pruned.frame.counters.sample_points, neutral.counters.sample_points);
+    EXPECT_EQ(test::differing(pruned.frame, test::draw_in_full(off, request)), "");
+    EXPECT_NE(test::differing(neutral, pruned.frame), "");
+    double most = 0;
+    for (std::size_t i = 0; i < neutral.color.size(); ++i)
+        most = std::max(most, std::abs(double(pruned.frame.color[i].r) / 1.75 - 1));
+    EXPECT_LE(most, double(off_one));
 }
 
 TEST(Skips, AReasonTakesItsStepsAwayAndNoOthers) {
