@@ -13,7 +13,8 @@
 // normal and one UV, and with all S, and all T, in one half-space: then MikkTSpace's group is all
 // of them and its tangent their sum. Of a usual mesh these are nineteen vertices of twenty, and a
 // triangle takes 20 ns and no memory. The one-ring path makes lists of triangles for all other
-// vertices, and takes about five times as long for each.
+// vertices, and takes about five times as long for each. Where triangles are in random order, the
+// streaming path sorts contributions by vertex before it adds them (corner_buckets.h).
 //
 // The streaming path is left out where the angular threshold parts more than opposite directions,
 // and given up where most vertices have several normals or UVs (after the first 4096 triangles),
