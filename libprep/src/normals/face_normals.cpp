@@ -9,6 +9,7 @@
 #include "exact/exact_normals.h"
 #include "normals/area_vector.h"
 #include "normals/triangle_areas.h"
+#include "surface/vertex_corners.h"
 
 namespace prep {
 namespace {
@@ -28,8 +29,9 @@ bool all_finite(const MeshView& mesh, Index begin, Index end) {
 
 class FaceMaker {
   public:
-    FaceMaker(const MeshView& mesh, Precision precision, FaceNormals& result)
-        : mesh_(mesh), precision_(precision), result_(result) {}
+    // near: neighbours_are_near().
+    FaceMaker(const MeshView& mesh, Precision precision, bool near, FaceNormals& result)
+        : mesh_(mesh), precision_(precision), near_(near), result_(result) {}
 
     void compute(Index face) {
         const Index begin = mesh_.face_offsets[face], end = mesh_.face_offsets[face + 1];
@@ -46,7 +48,13 @@ class FaceMaker {
     void compute_triangles(Index first, Index last) {
         const glm::vec3* const positions = mesh_.positions.data();
         const Index* corners = mesh_.corner_vertices.data() + 3 * std::size_t(first);
+        // Far enough for memory, near enough for the first-level cache.
+        constexpr std::size_t ahead = 24;
+        const Index fetched = near_ || last - first <= ahead ? first : Index(last - ahead);
         for (Index face = first; face < last; ++face, corners += 3) {
+            if (face < fetched)
+                for (std::size_t k = 3 * ahead; k < 3 * ahead + 3; ++k)
+                    __builtin_prefetch(positions + corners[k]);
             const detail::AreaVector area = detail::plain_triangle_area(
                 positions[corners[0]], positions[corners[1]], positions[corners[2]]);
             const double length = detail::largest_component(area.value);
@@ -86,6 +94,7 @@ class FaceMaker {
 
     const MeshView& mesh_;
     Precision precision_;
+    bool near_;
     FaceNormals& result_;
     std::uint64_t exact_faces_ = 0;
 };
@@ -101,9 +110,10 @@ FaceNormals face_normals(const MeshView& mesh, Precision precision, int threads)
                             : precision == Precision::accurate ? accurate_face_error
                                                                : exact_face_error;
     const bool triangles = mesh.corner_count() == 3 * mesh.face_count();
+    const bool near = detail::neighbours_are_near(mesh.corner_vertices);
     std::atomic<std::uint64_t> exact_faces{0};
     detail::parallel_blocks(faces, face_grain, threads, [&](std::size_t first, std::size_t last) {
-        FaceMaker maker(mesh, precision, result);
+        FaceMaker maker(mesh, precision, near, result);
         if (triangles && precision == Precision::fast)
             maker.compute_fast(Index(first), Index(last));
         else if (triangles && precision == Precision::accurate)

@@ -5,12 +5,10 @@
 #include <bit>
 #include <cstring>
 #include <deque>
-#include <limits>
 #include <memory>
 
 #include "base/parallel.h"
-#include "tangents/math.h"
-#include "tangents/one_rings.h"
+#include "tangents/fan_writer.h"
 
 namespace prep::detail {
 namespace {
@@ -33,45 +31,11 @@ struct Note {
     Index code, member;  // four times the triangle plus 0, 1 or 2
 };
 
-// Scratch for vertices that are not done with.
-struct Pool {
-    ScratchBuffer<VertexSum> sums;
-    ScratchBuffer<VertexRing> rings;
-    ScratchBuffer<Index> free;  // as in AccumulateState
-    std::size_t free_count = 0;
-    std::unique_ptr<RingBatch> batch = std::make_unique<RingBatch>();
-
-    // Makes that many slots free, where no more than `most` are ever in use; false where there are
-    // too many.
-    bool ensure(std::size_t wanted, std::size_t most) {
-        if (free_count >= wanted) return true;
-        const std::size_t old = sums.size();
-        const std::size_t size = std::max(std::min(2 * old, most + wanted), old + wanted);
-        if (size > VertexWord::most_slots) return false;
-        enlarge(sums, size);
-        enlarge(rings, size);
-        enlarge(free, size);
-        // The lowest on top: those are used again and again.
-        for (std::size_t slot = size; slot-- > old;) {
-            sums[slot] = VertexSum();
-            free[free_count++] = Index(slot) * VertexWord::slot_one;
-        }
-        return true;
-    }
-
-    template <class T>
-    static void enlarge(ScratchBuffer<T>& buffer, std::size_t size) {
-        ScratchBuffer<T> larger(size);
-        std::copy_n(buffer.data(), buffer.size(), larger.data());
-        buffer = std::move(larger);
-    }
-};
-
 // Lists may be written to up to a vector behind their end.
 constexpr std::size_t most_lanes = 16;
 
 struct RangeWork {
-    Pool pool;
+    VertexPool pool;
     AccumulateLists lists;
     std::deque<Note> notes[parts];
     TriangleCounts counts;
@@ -83,22 +47,18 @@ class Accumulation {
                  std::span<const Index> vertices, const BlockContributions& contributions,
                  const FanOptions& fans, SimdLevel simd, Valences& valences,
                  ContributionStore& store, std::span<glm::vec4> values)
-        : read_(read),
-          input_{vertices.data(), triangles.implicit() ? nullptr : triangles.corners.data(),
+        : input_{vertices.data(), triangles.implicit() ? nullptr : triangles.corners.data(),
                  read.in.normals.indices.data(), read.in.uv.indices.data()},
           add_(accumulate_kernel(simd)),
-          classify_(fan_kernel(simd)),
           vertices_(vertices.data()),
           words_(valences.words.data()),
           contributions_(contributions),
-          fans_(fans),
           valences_(valences),
           store_(store),
-          values_(values),
+          writer_(read, fans, simd, valences, values),
           part_shift_(std::max(0, int(std::bit_width(valences.words.size())) - part_bits)),
           first_uses_(valences.listed_corners > 0 ? valences.words.size() : 0),
-          work_(valences.ranges.size()),
-          split_neighbours_(valences.words.size() / 64 + 1) {}
+          work_(valences.ranges.size()) {}
 
     bool run(std::size_t triangles, int threads) {
         store_.triangle_flags = ScratchBuffer<std::uint8_t>(triangles);
@@ -123,10 +83,7 @@ class Accumulation {
             given_up_ = true;
         store_.complete &= !given_up_;
         if (given_up_) return false;
-        if (large_split_)
-            list_split_neighbours({vertices_, 3 * triangles}, threads, valences_.states);
-        else
-            list_neighbours();
+        writer_.list_neighbours({vertices_, 3 * triangles}, threads);
         return true;
     }
 
@@ -149,15 +106,11 @@ class Accumulation {
         std::vector<Index> done_vertices(ring_batch + most_lanes), done_words(done_vertices.size());
         std::size_t done = 0;
         const auto flush = [&] {
-            finish(work.pool, {done_vertices.data(), done}, done_words.data());
+            if (!writer_.finish(work.pool, {done_vertices.data(), done}, done_words.data()))
+                given_up_ = true;
             done = 0;
         };
-        // Nearly all will be at work at once: what grows is copied.
-        const std::size_t all = valences_.words.size();
-        if (valences_.scattered && all <= range.end - range.begin && all < VertexWord::most_slots)
-            work.pool.ensure(all, all);
         for (std::size_t t = range.begin; t < range.end && !given_up_;) {
-            if (valences_.scattered) fetch_ahead(t, range.end);
             const std::uint64_t degenerate = work.counts.degenerate;
             const std::size_t n = contributions_.run(t, range.end, *scratch, work.counts);
             const bool any_degenerate = work.counts.degenerate != degenerate;
@@ -190,14 +143,6 @@ class Accumulation {
         flush();
     }
 
-    // The words of the block at t come while its contributions are made, the inputs of the next one
-    // meanwhile.
-    void fetch_ahead(std::size_t t, std::size_t end) const {
-        const std::size_t next = std::min(t + TriangleBlock::size, end);
-        for (std::size_t i = 3 * t; i < 3 * next; ++i) __builtin_prefetch(words_ + vertices_[i], 1);
-        contributions_.fetch_ahead(next, end);
-    }
-
     // Adds the contributions of n triangles from t on; gives the number of vertices that are done
     // with.
     std::size_t add_block(std::size_t t, std::size_t n, bool any_degenerate,
@@ -205,16 +150,10 @@ class Accumulation {
                           Index* done_vertices, Index* done_words, std::size_t done) {
         const Contribution* const planes[3] = {scratch.planes[0], scratch.planes[1],
                                                scratch.planes[2]};
-        Pool& pool = work.pool;
-        AccumulateState state{words_,
-                              pool.sums.data(),
-                              pool.rings.data(),
-                              pool.free.data(),
-                              pool.free_count,
-                              done_vertices,
-                              done_words,
-                              done,
-                              valences_.scattered};
+        VertexPool& pool = work.pool;
+        AccumulateState state{
+            words_,          pool.sums.data(), pool.rings.data(), pool.free.data(),
+            pool.free_count, done_vertices,    done_words,        done};
         AccumulateLists& lists = work.lists;
         add_(input_, t, n, any_degenerate, planes, state, lists);
         pool.free_count = state.free_count;
@@ -241,17 +180,9 @@ class Accumulation {
     }
     // Other indices may have the same values.
     bool same_values(std::size_t corner, const VertexSum& first) const {
-        return same_values(input_.normals[corner], input_.uvs[corner], first.normal, first.uv);
+        return writer_.same_values(input_.normals[corner], input_.uvs[corner], first.normal,
+                                   first.uv);
     }
-    bool same_values(Index normal, Index uv, Index other_normal, Index other_uv) const {
-        if (normal == other_normal && uv == other_uv) return true;
-        if (normal == no_index || uv == no_index || other_normal == no_index ||
-            other_uv == no_index)
-            return false;
-        return read_.in.normals.values[normal] == read_.in.normals.values[other_normal] &&
-               read_.in.uv.values[uv] == read_.in.uv.values[other_uv];
-    }
-
     void note(Index v, std::size_t member, const Contribution& contribution,
               RangeWork& work) const {
         work.notes[v >> part_shift_].push_back(
@@ -264,9 +195,9 @@ class Accumulation {
         if (valences_.states[v] == pending_vertex) {
             valences_.states[v] = worklist_vertex;
             first_uses_[v] = {normal, uv};
-        } else if (!same_values(normal, uv, first_uses_[v].normal, first_uses_[v].uv)) {
+        } else if (!writer_.same_values(normal, uv, first_uses_[v].normal, first_uses_[v].uv)) {
             valences_.states[v] = split_vertex;
-            large_split_ = true;
+            writer_.note_large_split();
         }
     }
 
@@ -282,103 +213,9 @@ class Accumulation {
         return split > done / 2;
     }
 
-    // Up to ring_batch vertices that have met all their triangles, and their words: their slots
-    // become free.
-    void finish(Pool& pool, std::span<const Index> vertices, const Index* words) {
-        if (vertices.empty()) return;
-        RingBatch& batch = *pool.batch;
-        batch.count = vertices.size();
-        std::copy(vertices.begin(), vertices.end(), batch.vertices);
-        // Apart from what follows: compilers make vectors of it.
-        Index none_met = 0;
-        for (std::size_t i = 0; i < vertices.size(); ++i) {
-            const Index word = words[i], members = VertexWord::met(word);
-            batch.members[i] = members;
-            batch.slots[i] = VertexWord::slot(word);
-            none_met |= Index(members == 0);
-        }
-        if (none_met != 0) {
-            given_up_ = true;
-            return;
-        }
-        // Those that met none have no slot to give back.
-        Index* const free = pool.free.data() + pool.free_count;
-        for (std::size_t i = 0; i < vertices.size(); ++i)
-            free[i] = batch.slots[i] * VertexWord::slot_one;
-        Index split[ring_batch];
-        std::size_t split_count = 0;
-        VertexSum* const sums = pool.sums.data();
-        for (std::size_t i = 0; i < vertices.size(); ++i) {
-            VertexSum& sum = sums[batch.slots[i]];
-            batch.sums[i] = {sum.x, sum.y, sum.z, 0};
-            batch.codes[i] = sum.code;
-            batch.normals[i] = sum.normal;
-            if (sum.split) split[split_count++] = Index(i);
-            sum = VertexSum();
-        }
-        for (std::size_t k = 0; k < split_count; ++k) batch.codes[split[k]] = 0;
-        pool.free_count += vertices.size();
-        write_fans(pool.rings.data(), batch);
-        for (std::size_t k = 0; k < split_count; ++k) {
-            const Index i = split[k];
-            valences_.states[batch.vertices[i]] = split_vertex;
-            note_neighbours(pool.rings[batch.slots[i]], batch.members[i]);
-        }
-    }
-
-    // Writes the tangents of fans, and all the batch's vertices' states.
-    void write_fans(const VertexRing* rings, RingBatch& batch) {
-        const auto& normals = read_.in.normals.values;
-        // Vectors hold indices of floats as signed numbers.
-        const bool look = fans_.review && 3 * normals.size() <= std::numeric_limits<int>::max();
-        classify_(rings, look ? normals : std::span<const glm::vec3>{}, batch);
-        const Index needed = sum_is_fan | (fans_.review ? sum_has_frame : 0);
-        const Index* const places = valences_.places.empty() ? nullptr : valences_.places.data();
-        for (std::size_t i = 0; i < batch.count; ++i) {
-            const FanSum& sum = batch.sums[i];
-            const Index v = batch.vertices[i];
-            const bool fan = (sum.code & needed) == needed ||
-                             (sum.code != 0 && is_frame(read_.usable(batch.normals[i]),
-                                                        glm::vec3(sum.x, sum.y, sum.z)));
-            valences_.states[v] = fan ? fan_vertex : worklist_vertex;
-            if (!fan) continue;
-            const float sign = (sum.code & orientation_preserving) ? 1.0f : -1.0f;
-            values_[places == nullptr ? v : places[v]] =
-                glm::vec4(sum.x, sum.y, sum.z, sign * fans_.positive);
-        }
-    }
-
-    // Over edges to a split vertex triangles may part.
-    void note_neighbours(const VertexRing& ring, std::size_t count) {
-        if (count > most_ring_members) {
-            large_split_ = true;
-            return;
-        }
-        const auto note_one = [&](Index v) {
-            const std::uint64_t bit = std::uint64_t(1) << (v % 64);
-            const std::atomic_ref word(split_neighbours_[v / 64]);
-            if (!(word.load(std::memory_order_relaxed) & bit))
-                word.fetch_or(bit, std::memory_order_relaxed);
-        };
-        for (std::size_t i = 0; i < count; ++i) {
-            note_one(ring.members[i].previous);
-            note_one(ring.members[i].next);
-        }
-    }
-
-    void list_neighbours() {
-        for (std::size_t w = 0; w < split_neighbours_.size(); ++w) {
-            for (std::uint64_t rest = split_neighbours_[w]; rest != 0; rest &= rest - 1) {
-                std::uint8_t& state =
-                    valences_.states[64 * w + std::size_t(std::countr_zero(rest))];
-                if (state == fan_vertex) state = worklist_vertex;
-            }
-        }
-    }
-
     // The shared vertices of a part.
     void add_notes(std::size_t part) {
-        Pool pool;
+        VertexPool pool;
         for (RangeWork& work : work_) {
             for (const Note& note : work.notes[part]) {
                 if (!pool.ensure(1, valences_.words.size())) {
@@ -395,7 +232,7 @@ class Accumulation {
         const auto flush = [&] {
             words.clear();
             for (const Index v : done) words.push_back(words_[v]);
-            finish(pool, done, words.data());
+            if (!writer_.finish(pool, done, words.data())) given_up_ = true;
             done.clear();
         };
         for (std::size_t v = std::min(count, part << part_shift_); v < end; ++v) {
@@ -412,7 +249,7 @@ class Accumulation {
         flush();
     }
 
-    void add_note(Pool& pool, const Note& note) {
+    void add_note(VertexPool& pool, const Note& note) {
         const std::size_t triangle = note.member >> 2, k = note.member & 3;
         const Index v = vertex(note.member);
         Index& word = words_[v];
@@ -426,27 +263,20 @@ class Accumulation {
         if (met <= most_ring_members) ++word;
     }
 
-    const CornerReader& read_;
     const AccumulateInput input_;
     const AccumulateKernel add_;
-    const FanKernel classify_;
     const Index* vertices_;
     Index* words_;
     const BlockContributions& contributions_;
-    FanOptions fans_;
     Valences& valences_;
     ContributionStore& store_;
-    std::span<glm::vec4> values_;
+    FanWriter writer_;
     int part_shift_;
     struct Use {
         Index normal, uv;
     };
     ScratchBuffer<Use> first_uses_;  // of listed vertices
     std::vector<RangeWork> work_;
-    // A bit for each vertex that shares a triangle with a split one, but for split ones of large
-    // rings: is there any such?
-    std::vector<std::uint64_t> split_neighbours_;
-    std::atomic<bool> large_split_ = false;
     std::atomic<bool> given_up_ = false;
 };
 

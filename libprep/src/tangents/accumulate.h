@@ -59,21 +59,20 @@ struct Valences {
     // Per vertex the number of used ones before it; empty where all are used.
     ScratchBuffer<std::uint32_t> places;
     std::vector<Range> ranges;
-    bool scattered = false;             // are_scattered(vertices)
     std::vector<std::uint64_t> shared;  // a bit per vertex; empty where there is one range
 };
 
 // Are successive triangles far apart in vertices' numbers? Ranges of such would share most
-// vertices, and what a triangle looks up is in no cache: it then pays to go through them in one
-// range, and to fetch ahead. Tells speed alone, from a sample of the vertices, so for all threads
-// alike.
+// vertices, and what is at work would be in no cache. Tells speed alone, from a sample of the
+// vertices, so for all threads alike. Not where most of `count` vertices are unused.
 bool are_scattered(std::span<const std::uint32_t> vertices, std::size_t count);
 
-// vertices: three per triangle, below `count`. scattered: one range for all. copy: one thread only,
-// gets them while they are at hand; or nullptr. O(triangles); up to 64 ranges.
+// vertices: three per triangle, below `count`. copy: one thread only, gets them while they are at
+// hand; or nullptr. O(triangles); up to 64 ranges.
 Valences count_valences(const TangentTriangles& triangles, std::span<const std::uint32_t> vertices,
-                        std::size_t count, bool scattered, int threads,
-                        std::vector<std::uint32_t>* copy);
+                        std::size_t count, int threads, std::vector<std::uint32_t>* copy);
+// For accumulate_scattered(): ranges, all vertices unused, nothing counted.
+Valences uncounted_valences(const TangentTriangles& triangles, std::size_t count, int threads);
 
 // Of a vertex' corners.
 struct alignas(32) VertexSum {
@@ -108,7 +107,6 @@ struct AccumulateState {
     // Those that have met all their triangles, and their words; room for a vector more.
     std::uint32_t *done_vertices, *done_words;
     std::size_t done_count;
-    bool fetch_ahead;  // slots are in no cache
 };
 
 // Corners by their place in a block: four times the triangle plus 0, 1 or 2.
@@ -131,6 +129,29 @@ AccumulateKernel accumulate_kernel(SimdLevel level);  // accumulate_kernels.cpp
 bool add_contribution(const AccumulateInput& input, std::size_t triangle, std::size_t k,
                       const Contribution& contribution, std::uint32_t met, VertexSum& sum,
                       VertexRing& ring);
+
+// What accumulating a corner takes, of scattered triangles.
+struct alignas(32) CornerRecord {
+    // Bits of the contribution's code, and before them the vertex by its number in its block.
+    static constexpr int code_bits = 15;
+    static constexpr std::uint32_t code_mask = (std::uint32_t(1) << code_bits) - 1;
+    static_assert((s_directions | t_directions | orientation_preserving | orientation_mirrored |
+                   own_frame) == code_mask);
+
+    float x, y, z;  // the contribution
+    std::uint32_t code;
+    std::uint32_t next, previous;  // as in VertexRing
+    std::uint32_t normal, uv;      // indices
+
+    std::uint32_t vertex() const { return code >> code_bits; }
+};
+
+// Of a block's vertices by number: how many triangles they have met, up to most_ring_members + 1,
+// sums and rings. `different`: the places of records with other normals or UVs than their vertex'
+// first. Up to as many records as that has room for.
+using AddRecordsKernel = void (*)(const CornerRecord* records, std::size_t count, std::uint8_t* met,
+                                  VertexSum* sums, VertexRing* rings, AccumulateLists& lists);
+AddRecordsKernel add_records_kernel(SimdLevel level);  // accumulate_kernels.cpp
 
 // A vertex' sum; behind, unit where it is not zero.
 struct alignas(16) FanSum {
@@ -183,5 +204,15 @@ bool accumulate(const CornerReader& read, const TangentTriangles& triangles,
                 std::span<const std::uint32_t> vertices, const BlockContributions& contributions,
                 const FanOptions& fans, const TangentOptions& options, Valences& valences,
                 ContributionStore& store, std::span<glm::vec4> values);
+
+// The same for triangles in random order (are_scattered), with uncounted_valences(), which it
+// completes: contributions are sorted by vertex first (tangents/corner_buckets.h). False only where
+// something is NaN or a vertex has degenerate triangles alone. 96 bytes a triangle, and 400 kB a
+// thread at most.
+bool accumulate_scattered(const CornerReader& read, const TangentTriangles& triangles,
+                          std::span<const std::uint32_t> vertices,
+                          const BlockContributions& contributions, const FanOptions& fans,
+                          const TangentOptions& options, Valences& valences,
+                          ContributionStore& store, std::span<glm::vec4> values);
 
 }  // namespace prep::detail

@@ -6,7 +6,6 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include <algorithm>
 #include <cstring>
 
 HWY_BEFORE_NAMESPACE();
@@ -30,24 +29,43 @@ HWY_INLINE std::uint64_t two(Index first, Index second) {
 }
 
 // Adds a contribution's numbers; of its bits those are kept that both have.
-HWY_INLINE void add_numbers(const Contribution& contribution, VertexSum& sum) {
 #if HWY_TARGET == HWY_SCALAR
+HWY_INLINE void add_numbers(const Contribution& contribution, VertexSum& sum) {
     sum.x += contribution.x;
     sum.y += contribution.y;
     sum.z += contribution.z;
     sum.code &= contribution.code;
+}
+HWY_INLINE void add_numbers(const CornerRecord& record, VertexSum& sum) {
+    const std::uint32_t code = (record.code & CornerRecord::code_mask) | code_float;
+    add_numbers(Contribution{record.x, record.y, record.z, code}, sum);
+}
 #else
+using Numbers = hn::Vec<hn::FixedTag<float, 4> >;
+HWY_INLINE void add_numbers(Numbers more, VertexSum& sum) {
     const hn::FixedTag<float, 4> d;
     HWY_ALIGN constexpr Index xyz[4] = {~0u, ~0u, ~0u, 0};
     const auto is_number =
         hn::MaskFromVec(hn::BitCast(d, hn::Load(hn::RebindToUnsigned<decltype(d)>(), xyz)));
-    const auto old = hn::Load(d, &sum.x), more = hn::Load(d, &contribution.x);
+    const auto old = hn::Load(d, &sum.x);
     hn::Store(hn::IfThenElse(is_number, hn::Add(old, more), hn::And(old, more)), d, &sum.x);
-#endif
 }
+HWY_INLINE void add_numbers(const Contribution& contribution, VertexSum& sum) {
+    add_numbers(hn::Load(hn::FixedTag<float, 4>(), &contribution.x), sum);
+}
+HWY_INLINE void add_numbers(const CornerRecord& record, VertexSum& sum) {
+    const hn::FixedTag<float, 4> d;
+    const hn::RebindToUnsigned<decltype(d)> du;
+    HWY_ALIGN constexpr Index kept[4] = {~0u, ~0u, ~0u, CornerRecord::code_mask};
+    HWY_ALIGN constexpr Index added[4] = {0, 0, 0, code_float};
+    const auto all = hn::BitCast(du, hn::Load(d, &record.x));
+    add_numbers(hn::BitCast(d, hn::Or(hn::And(all, hn::Load(du, kept)), hn::Load(du, added))), sum);
+}
+#endif
 
 // True where normal or UV are not the first corner's.
-HWY_INLINE bool add_to(const Corner& corner, const Contribution& contribution, Index met,
+template <class Numbered>
+HWY_INLINE bool add_to(const Corner& corner, const Numbered& contribution, Index met,
                        VertexSum& sum, VertexRing& ring) {
     add_numbers(contribution, sum);
     static_assert(offsetof(VertexSum, uv) == offsetof(VertexSum, normal) + sizeof(Index));
@@ -156,17 +174,8 @@ HWY_INLINE void add_all(const AccumulateInput& in, std::size_t first, std::size_
                        *const uvs = in.uvs;
     const Index* const corners = own_corners ? in.corners + 3 * first : nullptr;
     const Contribution *const term0 = planes[0], *const term1 = planes[1], *const term2 = planes[2];
-    // Far enough for memory, near enough for the first-level cache.
-    constexpr std::size_t ahead = 12;
-    const std::size_t fetched = state.fetch_ahead && count > ahead ? 3 * (count - ahead) : 0;
     for (std::size_t i = 0; i < count; ++i) {
         const Index* const v = vertices + 3 * i;
-        for (std::size_t at = 3 * i; at < std::min(3 * i + 3, fetched); ++at) {
-            const Index later = met.corners[at + 3 * ahead];
-            if (later == Met::none) continue;
-            __builtin_prefetch(sums + later / VertexWord::slot_one);
-            __builtin_prefetch(rings + later / VertexWord::slot_one);
-        }
         const auto add = [&](std::size_t k, std::uint64_t next_previous,
                              const Contribution& contribution) HWY_ATTR {
             const std::size_t at = 3 * i + k, c = own_corners ? corners[at] : 3 * first + at;
@@ -200,6 +209,19 @@ void add(const AccumulateInput& in, std::size_t first, std::size_t count, bool a
         add_all<true>(in, first, count, planes, met, state, lists);
 }
 
+void add_records(const CornerRecord* records, std::size_t count, std::uint8_t* HWY_RESTRICT met,
+                 VertexSum* sums, VertexRing* rings, AccumulateLists& lists) {
+    lists.different_count = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+        const CornerRecord& record = records[i];
+        const Index v = record.vertex(), before = met[v];
+        met[v] = std::uint8_t(before + (before <= most_ring_members));
+        if (HWY_UNLIKELY(add_to({two(&record.next), record.normal, record.uv}, record, before,
+                                sums[v], rings[v])))
+            lists.different[lists.different_count++] = Index(i);
+    }
+}
+
 }  // namespace prep::detail::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -208,6 +230,10 @@ namespace prep::detail {
 
 AccumulateKernel accumulate_kernel(SimdLevel level) {
     return SIMD_KERNEL(level, add);
+}
+
+AddRecordsKernel add_records_kernel(SimdLevel level) {
+    return SIMD_KERNEL(level, add_records);
 }
 
 bool add_contribution(const AccumulateInput& in, std::size_t triangle, std::size_t k,

@@ -51,14 +51,15 @@ enum ContributionCode : std::uint32_t {
     s_directions = 0x03f,
     t_directions = 0xfc0,
     orientation_preserving = 1u << 12,  // these and the following are the same at all three corners
-    group_with_anything = 1u << 13,     // no frame of its own: joins whatever group reaches it
-    degenerate_triangle = 1u << 14,     // two equal positions: takes no part
-    quad_first = 1u << 15,
-    quad_second = 1u << 16,
-    half_degenerate_quad = 1u << 17,  // the other half of its quad is degenerate
-    // The opposites of the first two, so that one conjunction over a ring's codes tells all.
-    orientation_mirrored = 1u << 18,
-    own_frame = 1u << 19,
+    // The opposites of what is before and behind, so that one conjunction over a ring's codes tells
+    // all. Those up to here are what rings are told by.
+    orientation_mirrored = 1u << 13,
+    own_frame = 1u << 14,
+    group_with_anything = 1u << 15,  // no frame of its own: joins whatever group reaches it
+    degenerate_triangle = 1u << 16,  // two equal positions: takes no part
+    quad_first = 1u << 17,
+    quad_second = 1u << 18,
+    half_degenerate_quad = 1u << 19,  // the other half of its quad is degenerate
     code_float = 1u << 30,  // in all: codes that get into sums of floats are no denormal numbers
 };
 inline constexpr float direction_bound = 0.051f;

@@ -13,7 +13,8 @@
 // normal and one UV, and with all S, and all T, in one half-space: then MikkTSpace's group is all
 // of them and its tangent their sum. Of a usual mesh these are nineteen vertices of twenty, and a
 // triangle takes 20 ns and no memory. The one-ring path makes lists of triangles for all other
-// vertices, and takes about five times as long for each.
+// vertices, and takes about five times as long for each. Where triangles are in random order, the
+// streaming path sorts contributions by vertex before it adds them (corner_buckets.h).
 //
 // The streaming path is left out where the angular threshold parts more than opposite directions,
 // and given up where most vertices have several normals or UVs (after the first 4096 triangles),
@@ -115,21 +116,23 @@ class TangentComputation {
         std::vector<Index>& indices = result_.tangents.indices;
         indices.reserve(in_.corner_vertices.size());
         detail::advise_large_pages(indices.data(), indices.capacity() * sizeof(Index));
+        const bool scattered = detail::are_scattered(rings_.vertices, rings_.positions);
         const bool at_once = options_.threads == 1 && triangles_.implicit();
         detail::parallel_both(
             options_.threads,
             [&] {
                 if (streamed_)
-                    valences_ = detail::count_valences(
-                        triangles_, rings_.vertices, rings_.positions,
-                        detail::are_scattered(rings_.vertices, rings_.positions), options_.threads,
-                        at_once ? &indices : nullptr);
+                    valences_ = scattered ? detail::uncounted_valences(triangles_, rings_.positions,
+                                                                       options_.threads)
+                                          : detail::count_valences(
+                                                triangles_, rings_.vertices, rings_.positions,
+                                                options_.threads, at_once ? &indices : nullptr);
             },
             [&] { reserve_values(); });
         if (streamed_)
-            streamed_ = detail::accumulate(read_, triangles_, rings_.vertices, contributions,
-                                           {positive_, robust_}, options_, valences_, store_,
-                                           result_.tangents.values);
+            streamed_ = (scattered ? detail::accumulate_scattered : detail::accumulate)(
+                read_, triangles_, rings_.vertices, contributions, {positive_, robust_}, options_,
+                valences_, store_, result_.tangents.values);
         valences_.words = {};
         if (streamed_) return;
         valences_ = {};

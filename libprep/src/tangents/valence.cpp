@@ -98,7 +98,7 @@ class ClaimedCounts {
 
 bool are_scattered(std::span<const Index> vertices, std::size_t count) {
     const std::size_t triangles = vertices.size() / 3;
-    if (triangles < sampled_triangles) return false;
+    if (triangles < sampled_triangles || count > vertices.size()) return false;
     std::uint64_t distance = 0;
     for (std::size_t i = 0; i < sampled_triangles; ++i) {
         const std::size_t t = i * (triangles - 1) / sampled_triangles;
@@ -109,11 +109,18 @@ bool are_scattered(std::span<const Index> vertices, std::size_t count) {
     return distance / sampled_triangles > count / 16;
 }
 
-Valences count_valences(const TangentTriangles& triangles, std::span<const Index> vertices,
-                        std::size_t count, bool scattered, int threads, std::vector<Index>* copy) {
+Valences uncounted_valences(const TangentTriangles& triangles, std::size_t count, int threads) {
     Valences result;
-    result.scattered = scattered;
-    result.ranges = cut_ranges(triangles, scattered ? 1 : threads);
+    result.ranges = cut_ranges(triangles, threads);
+    result.states = ScratchBuffer<std::uint8_t>(count);
+    std::memset(result.states.data(), unused_vertex, count);
+    return result;
+}
+
+Valences count_valences(const TangentTriangles& triangles, std::span<const Index> vertices,
+                        std::size_t count, int threads, std::vector<Index>* copy) {
+    Valences result;
+    result.ranges = cut_ranges(triangles, threads);
     const std::size_t n = result.ranges.size();
     result.states = ScratchBuffer<std::uint8_t>(count);
     result.words = ScratchBuffer<Index>(count);

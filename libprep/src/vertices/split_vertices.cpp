@@ -1,6 +1,7 @@
 #include "vertices/split_vertices.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cstring>
 #include <unordered_map>
 
@@ -25,15 +26,42 @@ constexpr glm::vec4 missing_tangent{1, 0, 0, 1};
 constexpr glm::vec2 missing_uv{0, 0};
 constexpr glm::vec4 missing_color{1, 1, 1, 1};
 
+// Whether entries have their vertices' numbers, as smooth normals and tangents mostly do: then no
+// two corners of a vertex differ.
+bool follow_vertices(std::span<const Index> indices, std::span<const Index> corner_vertices,
+                     int threads) {
+    std::atomic<bool> follow = true;
+    detail::parallel_blocks(indices.size(), 3 * triangle_grain, threads,
+                            [&](std::size_t begin, std::size_t end) {
+                                if (follow.load(std::memory_order_relaxed) &&
+                                    !std::equal(indices.begin() + begin, indices.begin() + end,
+                                                corner_vertices.begin() + begin))
+                                    follow = false;
+                            });
+    return follow;
+}
+
 // One attribute layer, read by corner.
 template <class T>
 class Layer {
   public:
-    Layer(const CornerLayer<T>& layer, const T& missing) : layer_(&layer), missing_(missing) {}
-    T at(Index corner) const {
-        const Index i = layer_->indices[corner];
-        return i == no_index ? missing_ : layer_->values[i];
+    // set: its number among the mesh's.
+    Layer(const CornerLayer<T>& layer, const T& missing, const Mesh& mesh, int threads,
+          std::size_t set = 0)
+        : layer_(&layer),
+          missing_(missing),
+          set_(set),
+          follows_(follow_vertices(layer.indices, mesh.corner_vertices, threads)) {}
+    T at(Index corner) const { return value(layer_->indices[corner]); }
+    // The same of a vertex' corner; first: of its first, after set_firsts().
+    T of(Index vertex, Index corner, bool first) const {
+        if (follows_) return layer_->values[vertex];
+        return first ? value(firsts_[vertex]) : at(corner);
     }
+    // By vertex the entry of its first corner; not where they follow vertices.
+    void set_firsts(const Index* firsts) { firsts_ = firsts; }
+    bool follows() const { return follows_; }
+    std::size_t set() const { return set_; }
     bool same(Index a, Index b) const {
         if (layer_->indices[a] == layer_->indices[b]) return true;
         const T x = at(a), y = at(b);
@@ -48,32 +76,42 @@ class Layer {
     }
 
   private:
+    T value(Index i) const { return i == no_index ? missing_ : layer_->values[i]; }
+
     const CornerLayer<T>* layer_;
     T missing_;
+    std::size_t set_;
+    bool follows_;
+    const Index* firsts_ = nullptr;
 };
 
 // All that decides whether two corners at one source vertex can share a vertex.
 class Attributes {
   public:
     Attributes(const Mesh& mesh, const HardEdges* hard, const SplitOptions& options)
-        : mesh_(mesh), hard_(hard) {
-        if (!mesh.normals.empty()) normals_.emplace_back(mesh.normals, missing_normal);
-        if (!mesh.tangents.empty()) tangents_.emplace_back(mesh.tangents, missing_tangent);
-        for (const auto& layer : mesh.uvs)
-            if (!layer.empty()) uvs_.emplace_back(layer, missing_uv);
-        for (const auto& layer : mesh.colors)
-            if (!layer.empty()) colors_.emplace_back(layer, missing_color);
+        : mesh_(mesh), hard_(hard), threads_(options.threads) {
+        const int threads = threads_;
+        if (!mesh.normals.empty())
+            normals_.emplace_back(mesh.normals, missing_normal, mesh, threads);
+        if (!mesh.tangents.empty())
+            tangents_.emplace_back(mesh.tangents, missing_tangent, mesh, threads);
+        for (std::size_t s = 0; s < mesh.uvs.size(); ++s)
+            if (!mesh.uvs[s].empty()) uvs_.emplace_back(mesh.uvs[s], missing_uv, mesh, threads, s);
+        for (std::size_t s = 0; s < mesh.colors.size(); ++s)
+            if (!mesh.colors[s].empty())
+                colors_.emplace_back(mesh.colors[s], missing_color, mesh, threads, s);
         if (!mesh.corner_file_vertices.empty() &&
             !(mesh.morph_targets.empty() && mesh.vertex_attributes.empty()))
             file_vertices_ = mesh.corner_file_vertices.data();
         const auto list = [&](const auto& layers) {
-            for (const auto& l : layers) lists_.push_back(l.indices());
+            for (const auto& l : layers)
+                if (!l.follows()) lists_.push_back({l.indices(), {}});
         };
         list(normals_);
         list(tangents_);
         list(uvs_);
         list(colors_);
-        if (file_vertices_) lists_.push_back(file_vertices_);
+        if (file_vertices_) lists_.push_back({file_vertices_, {}});
         parts_apart_ = options.parts_apart && !uniform(mesh.face_parts);
         materials_apart_ = !uniform(mesh.face_materials);
         triangles_ = detail::all_triangles(MeshView(mesh));
@@ -85,15 +123,57 @@ class Attributes {
         }
     }
 
-    // Whether all have the same entries of every layer, which is nearly always so; others may have
-    // the same values still.
-    bool alike(std::span<const Index> corners) const {
-        unsigned differ = 0;
-        for (const Index* const list : lists_) {
-            const Index first = list[corners[0]];
-            for (const Index c : corners.subspan(1)) differ |= unsigned(list[c] != first);
+    // What is looked up below by vertex. Corners of a vertex may lie anywhere: to go to each from
+    // the vertex would read the layers in no order, while going through corners in theirs reads but
+    // what there is of each vertex in no order.
+    void compare(const detail::VertexCorners& around) {
+        const std::size_t vertices = mesh_.vertex_count();
+        differ_ = detail::ScratchBuffer<std::uint8_t>(vertices);
+        std::memset(differ_.data(), 0, vertices);
+        for (List& list : lists_) {
+            list.firsts = detail::ScratchBuffer<Index>(vertices);
+            detail::parallel_blocks(
+                vertices, vertex_grain, threads_, [&](std::size_t begin, std::size_t end) {
+                    for (std::size_t v = begin; v < end; ++v)
+                        if (around.offsets[v] < around.offsets[v + 1])
+                            list.firsts[v] = list.indices[around.corners[around.offsets[v]]];
+                });
         }
-        if (differ != 0) return false;
+        detail::parallel_blocks(
+            mesh_.corner_count(), 3 * triangle_grain, threads_,
+            [&](std::size_t begin, std::size_t end) {
+                for (const List& list : lists_)
+                    for (std::size_t c = begin; c < end; ++c)
+                        if (const Index v = mesh_.corner_vertices[c];
+                            list.indices[c] != list.firsts[v])
+                            std::atomic_ref(differ_[v]).store(1, std::memory_order_relaxed);
+            });
+        std::size_t list = 0;
+        const auto hand_out = [&](auto& layers) {
+            for (auto& l : layers)
+                if (!l.follows()) l.set_firsts(lists_[list++].firsts.data());
+        };
+        hand_out(normals_);
+        hand_out(tangents_);
+        hand_out(uvs_);
+        hand_out(colors_);
+    }
+
+    // Gives the values of a vertex' corner to `to`: normal(), tangent(), and for each set uv() and
+    // color(). first: it is the vertex' first.
+    template <class To>
+    void values(Index vertex, Index corner, bool first, const To& to) const {
+        for (const auto& l : normals_) to.normal(l.of(vertex, corner, first));
+        for (const auto& l : tangents_) to.tangent(l.of(vertex, corner, first));
+        for (const auto& l : uvs_) to.uv(l.set(), l.of(vertex, corner, first));
+        for (const auto& l : colors_) to.color(l.set(), l.of(vertex, corner, first));
+    }
+
+    // Whether all of a vertex' have the same entries of every layer, which is nearly always so;
+    // others may have the same values still.
+    bool alike(Index vertex, std::span<const Index> corners) const {
+        if (differ_[vertex] != 0) return false;
+        if (!parts_apart_ && !materials_apart_) return true;
         for (const Index c : corners.subspan(1))
             if (!same_group(corners[0], c)) return false;
         return true;
@@ -179,7 +259,14 @@ class Attributes {
     std::vector<Layer<glm::vec4>> tangents_;
     std::vector<Layer<glm::vec2>> uvs_;
     std::vector<Layer<glm::vec4>> colors_;
-    std::vector<const Index*> lists_;  // of all of them
+    int threads_;
+    // All entries that corners of a vertex may differ in, and by vertex its first corner's.
+    struct List {
+        const Index* indices;
+        detail::ScratchBuffer<Index> firsts;
+    };
+    std::vector<List> lists_;
+    detail::ScratchBuffer<std::uint8_t> differ_;  // by vertex: do they?
     std::vector<Index> corner_faces_;
 };
 
@@ -208,7 +295,7 @@ class VertexSplitter {
     VertexSplitter& operator=(const VertexSplitter&) = delete;
 
     void split(Index v, std::span<const Index> corners) {
-        if (attributes_.alike(corners)) return;
+        if (attributes_.alike(v, corners)) return;
         firsts_.clear();
         if (!by_hash_.empty()) by_hash_.clear();
         for (const Index c : corners) {
@@ -321,8 +408,14 @@ class RangeMaker {
 // The mesh's vertices, once their number is known.
 class VertexMaker {
   public:
-    VertexMaker(const Mesh& mesh, std::span<const Block> blocks, int threads, VertexMesh& out)
-        : mesh_(mesh), blocks_(blocks), threads_(threads), out_(out), bases_(blocks.size() + 1, 0) {
+    VertexMaker(const Mesh& mesh, const Attributes& attributes, std::span<const Block> blocks,
+                int threads, VertexMesh& out)
+        : mesh_(mesh),
+          attributes_(attributes),
+          blocks_(blocks),
+          threads_(threads),
+          out_(out),
+          bases_(blocks.size() + 1, 0) {
         for (std::size_t b = 0; b < blocks.size(); ++b)
             bases_[b + 1] = bases_[b] + Index(blocks[b].vertices());
     }
@@ -374,9 +467,9 @@ class VertexMaker {
                         if (loose[v]) fill_loose(number++, v);
                         continue;
                     }
-                    fill_vertex(number++, v, around.corners[around.offsets[v]], 0);
+                    fill_vertex(number++, v, around.corners[around.offsets[v]], 0, true);
                     for (; copy != block.copies.end() && copy->source == v; ++copy)
-                        fill_vertex(number++, v, copy->first_corner, copy->reasons);
+                        fill_vertex(number++, v, copy->first_corner, copy->reasons, false);
                 }
             });
         detail::parallel_blocks(mesh_.corner_count(), 3 * triangle_grain, threads_,
@@ -391,19 +484,21 @@ class VertexMaker {
     }
 
   private:
-    void fill_vertex(std::size_t i, Index source, Index corner, SplitReasons reasons) {
+    void fill_vertex(std::size_t i, Index source, Index corner, SplitReasons reasons, bool first) {
         out_.positions[i] = mesh_.positions[source];
         out_.source_vertices[i] = source;
         out_.source_corners[i] = corner;
         out_.split_reasons[i] = reasons;
-        if (!out_.normals.empty()) out_.normals[i] = normals_.at(corner);
-        if (!out_.tangents.empty()) out_.tangents[i] = tangents_.at(corner);
-        for (std::size_t s = 0; s < mesh_.uvs.size(); ++s)
-            if (!mesh_.uvs[s].empty()) out_.uvs[s][i] = Layer(mesh_.uvs[s], missing_uv).at(corner);
-        for (std::size_t s = 0; s < mesh_.colors.size(); ++s)
-            if (!mesh_.colors[s].empty())
-                out_.colors[s][i] = Layer(mesh_.colors[s], missing_color).at(corner);
+        attributes_.values(source, corner, first, Values{out_, i});
     }
+    struct Values {
+        VertexMesh& out;
+        std::size_t i;
+        void normal(const glm::vec3& n) const { out.normals[i] = n; }
+        void tangent(const glm::vec4& t) const { out.tangents[i] = t; }
+        void uv(std::size_t set, const glm::vec2& uv) const { out.uvs[set][i] = uv; }
+        void color(std::size_t set, const glm::vec4& c) const { out.colors[set][i] = c; }
+    };
     void fill_loose(std::size_t i, Index source) {
         out_.positions[i] = mesh_.positions[source];
         out_.source_vertices[i] = source;
@@ -414,12 +509,11 @@ class VertexMaker {
     }
 
     const Mesh& mesh_;
+    const Attributes& attributes_;
     std::span<const Block> blocks_;
     int threads_;
     VertexMesh& out_;
     std::vector<Index> bases_;  // per block its first vertex, and their number
-    Layer<glm::vec3> normals_{mesh_.normals, missing_normal};
-    Layer<glm::vec4> tangents_{mesh_.tangents, missing_tangent};
 };
 
 }  // namespace
@@ -433,12 +527,13 @@ Result<VertexMesh> split_vertices(const Mesh& mesh, const HardEdges* hard,
         return Error{ErrorCode::limit,
                      "more than 2^32 - 2 corners and vertices: cut the mesh into pieces",
                      mesh.name};
-    const Attributes attributes(mesh, hard, options);
     VertexCorners own;
     if (around == nullptr) {
         own = corners_by_vertex(mesh.corner_vertices, sources, options.threads);
         around = &own;
     }
+    Attributes attributes(mesh, hard, options);
+    attributes.compare(*around);
     std::vector<bool> loose(sources, false);
     for (const Index v : mesh.line_vertices) loose[v] = true;
     for (const Index v : mesh.points) loose[v] = true;
@@ -457,7 +552,7 @@ Result<VertexMesh> split_vertices(const Mesh& mesh, const HardEdges* hard,
         });
     VertexMesh out;
     out.origin = mesh.origin;
-    VertexMaker maker(mesh, blocks, options.threads, out);
+    VertexMaker maker(mesh, attributes, blocks, options.threads, out);
     maker.make_room();
     maker.fill(*around, loose);
     own = {};
