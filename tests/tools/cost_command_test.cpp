@@ -135,8 +135,36 @@ TEST(Cost, ListsItsLadders) {
     EXPECT_EQ(words.exit_code, 0);
     const json document = run_here({"cost", "--list", "--json"}).json();
     ASSERT_GE(document["known"].size(), 10u);
-    for (const json& ladder : document["known"])
+    std::size_t grids = 0;
+    for (const json& ladder : document["known"]) {
         EXPECT_NE(words.out.find(ladder["name"].get<std::string>()), std::string::npos);
+        grids += ladder["grid"].get<bool>();
+    }
+    EXPECT_EQ(grids, 5u);
+    std::size_t told = 0;
+    for (std::size_t at = 0; (at = words.out.find(" grid\n", at)) != std::string::npos; ++at)
+        ++told;
+    EXPECT_EQ(told, grids);
+}
+
+// A grid runs as ladders do, and says both settings.
+TEST(Cost, GridsRunLikeLadders) {
+    const TemporaryDirectory dir;
+    const test::Ran ran = run_here(quick({"--ladder", "weight-by-precision", "--json", "--csv",
+                                          (dir / "g.csv").string(), "--svg", dir.path().string()}));
+    ASSERT_EQ(ran.exit_code, 0) << ran.err;
+    const json ladder = ran.json()["ladders"][0];
+    ASSERT_EQ(ladder["grid"].size(), 2u);
+    EXPECT_EQ(ladder["grid"][0]["name"], "weight");
+    EXPECT_EQ(ladder["rungs"].size(), 15u);
+    EXPECT_EQ(ladder["rungs"][4]["name"], "uniform, accurate");
+    EXPECT_NE(ladder["rungs"][4]["command"].get<std::string>().find(
+                  "--weight uniform --hard-angle off --precision accurate"),
+              std::string::npos);
+    EXPECT_NE(read_text(dir / "weight-by-precision.svg").find("class=\"series\""),
+              std::string::npos);
+    EXPECT_NE(read_text(dir / "g.csv").find(",weight,uniform,precision,accurate\r\n"),
+              std::string::npos);
 }
 
 TEST(Cost, RefusesWhatMakesNoSense) {

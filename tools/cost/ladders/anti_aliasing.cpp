@@ -1,4 +1,5 @@
-// Samples, supersampling and exact areas: how much of each pixel is covered.
+// Samples, supersampling and exact areas, and samples by supersampling: how much of each pixel is
+// covered.
 #include <cmath>
 #include <numbers>
 #include <optional>
@@ -68,14 +69,57 @@ Pixels defined_coverage(const std::vector<Triangle2>& triangles, const Setting& 
     for (Triangle2& t : snapped)
         for (Point2& p : t) p = glm::round(p * grid) / grid;
     if (setting.area) return exact_coverage(snapped, width, height);
-    return coverage_at(snapped, width, height,
-                       setting.supersample > 1 ? grid_places(setting.supersample)
-                                               : standard_places(setting.samples));
+    // A finer picture has the samples in each of its own pixels.
+    const int side = setting.supersample;
+    std::vector<Point2> places;
+    for (int j = 0; j < side; ++j)
+        for (int i = 0; i < side; ++i)
+            for (const Point2& p : standard_places(setting.samples))
+                places.push_back((p + Point2(i, j)) / Real(side));
+    return coverage_at(snapped, width, height, places);
 }
 
-}  // namespace
+// What rungs are drawn of and held against.
+struct Silhouette {
+    std::shared_ptr<const prep::PreparedScene> scene;
+    std::shared_ptr<const Pixels> truth;
+    std::shared_ptr<const std::vector<Triangle2>> triangles;
+    rast::View view;
+    int threads = 0;
+};
 
-prep::Result<Ladder> anti_aliasing_ladder(const Subject& subject) {
+Rung rung_of(const Silhouette& shape, const Setting& setting) {
+    rast::RenderRequest request;
+    request.width = width;
+    request.height = height;
+    request.cull = prep::Cull::none;
+    request.samples = setting.samples;
+    request.supersample = setting.supersample;
+    request.coverage = setting.area ? prep::Coverage::area : prep::Coverage::samples;
+    request.threads = shape.threads;
+    request.view = shape.view;
+    request.lights = std::vector<rast::LightInstance>{};
+    Rung rung;
+    rung.name = setting.name;
+    rung.exact = setting.area;
+    const auto drawing = std::make_shared<Drawing>(shape.scene, request);
+    rung.run = [drawing] { return drawing->draw(); };
+    // Made with the first judgement: rungs that are not asked for need none.
+    const auto own = std::make_shared<std::optional<Pixels>>();
+    rung.judge = [drawing, own, setting, truth = shape.truth, plain = shape.triangles] {
+        const Pixels picture = first_channel(drawing->frame());
+        const PictureError e = picture_error(picture, *truth);
+        if (!*own) *own = defined_coverage(*plain, setting);
+        return std::vector<double>{e.rmse, e.largest, e.psnr, picture_error(picture, **own).rmse};
+    };
+    rung.look = [drawing, truth = shape.truth] {
+        return look_of(first_channel(drawing->frame()), *truth);
+    };
+    return rung;
+}
+
+// What both share: the shape, its truth, and what is said of them.
+prep::Result<Silhouette> silhouette(const Subject& subject, Ladder& ladder) {
     prep::VertexMesh mesh = subject.mesh ? shape_of(*subject.mesh) : star();
     glm::vec3 low(1e30f), high(-1e30f);
     for (const std::uint32_t v : mesh.indices) {
@@ -89,22 +133,23 @@ prep::Result<Ladder> anti_aliasing_ladder(const Subject& subject) {
     if (!(half > 0) || !std::isfinite(half) || !std::isfinite(size.z))
         return prep::Error{prep::ErrorCode::invalid, "the mesh has no extent to be drawn",
                            subject.name};
-    const std::vector<Triangle2> triangles =
-        in_pixels(mesh, subject.mesh ? centre : glm::dvec3(0), half);
-    const auto truth =
+    Silhouette shape;
+    shape.threads = subject.threads;
+    shape.view = flat_view(half);
+    if (subject.mesh) {
+        shape.view.world_to_view[3] =
+            glm::dvec4(-centre.x, -centre.y, -centre.z - size.z - half, 1);
+        shape.view.zfar = 3 * (size.z + half);
+    }
+    std::vector<Triangle2> triangles = in_pixels(mesh, subject.mesh ? centre : glm::dvec3(0), half);
+    shape.truth =
         std::make_shared<const Pixels>(subject.mesh ? sampled_coverage(triangles, width, height)
                                                     : exact_coverage(triangles, width, height));
-    const std::size_t count = triangles.size();
-    const auto scene =
-        std::make_shared<const prep::PreparedScene>(scene_of(std::move(mesh), plain_white()));
-
-    Ladder ladder;
-    ladder.name = "anti-aliasing";
-    ladder.title = "Samples, supersampling and exact areas";
     ladder.setting = "pictures: --samples, --supersample and --coverage";
     ladder.subject =
-        subject.mesh ? subject.name + ", white, from +z: " + std::to_string(count) + " triangles"
-                     : "a star of 60 spokes";
+        subject.mesh
+            ? subject.name + ", white, from +z: " + std::to_string(triangles.size()) + " triangles"
+            : "a star of 60 spokes";
     ladder.subject += ", 160 × 120 pixels";
     ladder.oracle = subject.mesh ? "1,024 samples a pixel by a plain loop in long double"
                                  : "exact areas of the spokes in each pixel, in long double";
@@ -114,62 +159,85 @@ prep::Result<Ladder> anti_aliasing_ladder(const Subject& subject) {
                       {"PSNR", "dB", "linear light"},
                       {"from its definition", "", "RMSE; the setting's own samples or areas"}};
     if (subject.mesh) {
-        ladder.floor = picture_error(sampled_coverage(triangles, width, height, 24), *truth).rmse;
+        ladder.floor =
+            picture_error(sampled_coverage(triangles, width, height, 24), *shape.truth).rmse;
         ladder.floor_text = "what 576 samples a pixel miss of the oracle's 1,024";
     } else {
         std::vector<Triangle2> snapped = triangles;
         for (Triangle2& t : snapped)
             for (Point2& p : t) p = glm::round(p * Real(256)) / Real(256);
-        ladder.floor = picture_error(exact_coverage(snapped, width, height), *truth).rmse;
+        ladder.floor = picture_error(exact_coverage(snapped, width, height), *shape.truth).rmse;
         ladder.floor_text =
             "exact areas of corners rounded to 1/256 pixel, as the renderer has them";
     }
-    const auto plain = std::make_shared<const std::vector<Triangle2>>(triangles);
+    shape.scene =
+        std::make_shared<const prep::PreparedScene>(scene_of(std::move(mesh), plain_white()));
+    shape.triangles = std::make_shared<const std::vector<Triangle2>>(std::move(triangles));
+    return shape;
+}
+
+constexpr const char* samples_cost_more =
+    "what covers each pixel is looked up sample by sample, and a pixel with an edge is shaded once "
+    "for each triangle in it; a finer picture of as many samples is plain, and has them on a grid";
+
+constexpr const char* sixteen_are_off_centre =
+    "the 16 standard samples are 1/32 pixel off the middle on average, which a finer picture "
+    "divides by no more than its own factor; and samples cost more than as many finer pixels";
+constexpr const char* grids_see_less =
+    "a grid has fewer different places across a slanted edge than as many samples at standard ones";
+
+const char* why_more_costs(int samples) {
+    return samples == 16 ? sixteen_are_off_centre : samples > 1 ? samples_cost_more : "";
+}
+
+}  // namespace
+
+prep::Result<Ladder> anti_aliasing_ladder(const Subject& subject) {
+    Ladder ladder;
+    ladder.name = "anti-aliasing";
+    ladder.title = "Samples, supersampling and exact areas";
+    const auto shape = silhouette(subject, ladder);
+    if (!shape) return shape.error();
     std::vector<Setting> settings;
     for (const int n : {1, 2, 4, 8, 16})
         settings.push_back({std::to_string(n) + (n == 1 ? " sample" : " samples"), n});
     for (const int n : {2, 4, 8}) settings.push_back({"supersample " + std::to_string(n), 1, n});
     settings.push_back({"exact areas", 1, 1, true});
     for (const Setting& setting : settings) {
-        rast::RenderRequest request;
-        request.width = width;
-        request.height = height;
-        request.cull = prep::Cull::none;
-        request.samples = setting.samples;
-        request.supersample = setting.supersample;
-        request.coverage = setting.area ? prep::Coverage::area : prep::Coverage::samples;
-        request.threads = subject.threads;
-        rast::View view = flat_view(half);
-        if (subject.mesh) {
-            view.world_to_view[3] = glm::dvec4(-centre.x, -centre.y, -centre.z - size.z - half, 1);
-            view.zfar = 3 * (size.z + half);
-        }
-        request.view = view;
-        request.lights = std::vector<rast::LightInstance>{};
-        Rung rung;
-        rung.name = setting.name;
-        rung.command = "render";
-        if (setting.area)
-            rung.command += " --coverage area";
-        else if (setting.supersample > 1)
-            rung.command += " --supersample " + std::to_string(setting.supersample);
-        else
-            rung.command += " --samples " + std::to_string(setting.samples);
-        rung.exact = setting.area;
-        const auto drawing = std::make_shared<Drawing>(scene, request);
-        rung.run = [drawing] { return drawing->draw(); };
-        // Made with the first judgement: rungs that are not asked for need none.
-        const auto own = std::make_shared<std::optional<Pixels>>();
-        rung.judge = [drawing, truth, own, setting, plain] {
-            const Pixels picture = first_channel(drawing->frame());
-            const PictureError e = picture_error(picture, *truth);
-            if (!*own) *own = defined_coverage(*plain, setting);
-            return std::vector<double>{e.rmse, e.largest, e.psnr,
-                                       picture_error(picture, **own).rmse};
-        };
-        rung.look = [drawing, truth] { return look_of(first_channel(drawing->frame()), *truth); };
+        Rung rung = rung_of(*shape, setting);
+        rung.command = setting.area ? "render --coverage area"
+                       : setting.supersample > 1
+                           ? "render --supersample " + std::to_string(setting.supersample)
+                           : "render --samples " + std::to_string(setting.samples);
+        rung.because = setting.samples > 1       ? samples_cost_more
+                       : setting.supersample > 1 ? grids_see_less
+                                                 : "";
         ladder.rungs.push_back(std::move(rung));
     }
+    return ladder;
+}
+
+prep::Result<Ladder> samples_by_supersampling_grid(const Subject& subject) {
+    Ladder ladder;
+    ladder.name = "samples-by-supersampling";
+    ladder.title = "Samples by supersampling";
+    const auto shape = silhouette({subject.name, nullptr, subject.threads}, ladder);
+    if (!shape) return shape.error();
+    ladder.setting = "pictures: --samples and --supersample together";
+    const std::vector<int> samples = {1, 2, 4, 8, 16}, sides = {1, 2, 3, 4};
+    const auto words = [](const std::vector<int>& numbers, const char* before) {
+        std::vector<std::string> out;
+        for (const int n : numbers) out.push_back(before + std::to_string(n));
+        return out;
+    };
+    make_grid(ladder, {"samples", words(samples, "")}, {"supersampling", words(sides, "× ")},
+              [&](std::size_t i, std::size_t j) {
+                  Rung rung = rung_of(*shape, {"", samples[i], sides[j]});
+                  rung.command = "render --samples " + std::to_string(samples[i]) +
+                                 " --supersample " + std::to_string(sides[j]);
+                  rung.because = why_more_costs(samples[i]);
+                  return rung;
+              });
     return ladder;
 }
 

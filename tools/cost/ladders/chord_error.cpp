@@ -25,7 +25,8 @@ prep::Result<Ladder> chord_error_ladder(const Subject& subject) {
                       {"asked", "of the diagonal", "--chord-error"},
                       {"proved", "of the diagonal", "the certificate"},
                       {"samples", "", "distances to the limit"},
-                      {"triangles", "", ""}};
+                      {"triangles", "", ""},
+                      {"back, largest", "of the diagonal", back_samples}};
     ladder.reference = 2;
     ladder.reference_is_default = false;
     ladder.floor = 0x1p-25;
@@ -57,6 +58,7 @@ prep::Result<Ladder> chord_error_ladder(const Subject& subject) {
             numbers.push_back(made->certificate.proved / cage->diagonal);
             numbers.push_back(double(errors.distances.size()));
             numbers.push_back(double(made->mesh.face_count()));
+            numbers.push_back(farthest_from(*cage, made->mesh));
             return numbers;
         };
         ladder.rungs.push_back(std::move(rung));

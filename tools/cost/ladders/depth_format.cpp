@@ -69,6 +69,8 @@ prep::Result<Ladder> depth_format_ladder(const Subject& subject) {
         Rung rung;
         rung.name = std::string(entry.name);
         rung.command = "render --depth " + rung.name;
+        if (entry.value != prep::DepthFormat::float32)
+            rung.because = "fewer bits of a depth take as long here: memory is not what limits";
         const auto drawing = std::make_shared<Drawing>(scene, request);
         rung.run = [drawing] { return drawing->draw(); };
         rung.judge = [drawing] {

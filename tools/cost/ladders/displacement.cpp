@@ -136,51 +136,101 @@ prep::Result<Ladder> displacement_error_ladder(const Subject& subject) {
     return ladder;
 }
 
-prep::Result<Ladder> height_filter_ladder(const Subject& subject) {
-    constexpr const char* asked = "0.0001";
-    const double error = std::strtod(asked, nullptr);
-    const auto cage = std::make_shared<const prep::Mesh>(square_cage());
+namespace {
+
+// A wave by maps of a size, read through a filter, to within an error.
+Rung wave_rung(std::shared_ptr<const prep::Mesh> cage, std::shared_ptr<const prep::Image> map,
+               prep::HeightFilter filter, const std::string& asked, int threads) {
+    Rung rung;
+    rung.command = fmt::format("prepare --displace materials --height-filter {} --chord-error {}",
+                               prep::name_of(filter), asked);
+    const double error = std::strtod(asked.c_str(), nullptr);
+    const auto made = std::make_shared<prep::TessellatedMesh>();
+    rung.run = [cage, map, made, filter, error, threads]() -> prep::Result<void> {
+        auto result = displaced(*cage, *map, filter, error, threads);
+        if (!result) return result.error();
+        *made = *std::move(result);
+        return {};
+    };
+    rung.judge = [made] {
+        std::vector<double> numbers = three_of(height_errors(made->mesh, wave_at));
+        numbers.push_back(double(made->mesh.face_count()));
+        return numbers;
+    };
+    return rung;
+}
+
+constexpr prep::HeightFilter height_filters[] = {prep::HeightFilter::bilinear,
+                                                 prep::HeightFilter::bicubic};
+
+GridSetting filters_of_heights() {
+    GridSetting setting{"filter", {}};
+    for (const prep::HeightFilter f : height_filters) setting.values.emplace_back(prep::name_of(f));
+    return setting;
+}
+
+Ladder wave_ladder() {
     Ladder ladder;
-    ladder.name = "height-filter";
-    ladder.title = "Filters of height maps";
-    ladder.setting = "displacement: --height-filter, and how large a map is";
-    ladder.subject = fmt::format("{}, by maps of a wave of up to two turns", square);
     ladder.oracle = "the wave in closed form";
-    ladder.timed = {"bounds of the map, and a tessellation with a chord error of 0.0001",
-                    "without the samples that measure it; freeing the last result"};
     ladder.metrics = {{"largest", "units", height_domain},
                       {"99.9 %", "units", height_domain},
                       {"mean", "units", height_domain},
                       {"triangles", "", ""}};
-    ladder.floor = error;
-    ladder.floor_text = "what was asked of the triangles, which come near to it";
-    ladder.reference = 2;
     ladder.reference_is_default = false;
+    return ladder;
+}
+
+constexpr const char* creases_cost_triangles =
+    "bilinear texels have creases between them, which triangles follow: what the map loses of the "
+    "surface stays, however many there are";
+
+}  // namespace
+
+prep::Result<Ladder> height_filter_ladder(const Subject& subject) {
+    constexpr const char* asked = "0.0001";
+    const auto cage = std::make_shared<const prep::Mesh>(square_cage());
+    Ladder ladder = wave_ladder();
+    ladder.name = "height-filter";
+    ladder.title = "Filters of height maps";
+    ladder.setting = "displacement: --height-filter, and how large a map is";
+    ladder.subject = fmt::format("{}, by maps of a wave of up to two turns", square);
+    ladder.timed = {"bounds of the map, and a tessellation with a chord error of 0.0001",
+                    "without the samples that measure it; freeing the last result"};
+    ladder.floor = std::strtod(asked, nullptr);
+    ladder.floor_text = "what was asked of the triangles, which come near to it";
+    ladder.reference = 1;  // bilinear, 32²
+    GridSetting sizes{"texels", {}};
+    std::vector<std::shared_ptr<const prep::Image>> maps;
     for (const int size : {16, 32, 64, 128}) {
-        const auto map = std::make_shared<const prep::Image>(map_of(WaveTexels(size), size));
-        for (const prep::HeightFilter filter :
-             {prep::HeightFilter::bilinear, prep::HeightFilter::bicubic}) {
-            const std::string word(prep::name_of(filter));
-            Rung rung;
-            rung.name = fmt::format("{}, {}²", word, size);
-            rung.command = fmt::format(
-                "prepare --displace materials --height-filter {} --chord-error {}", word, asked);
-            const auto made = std::make_shared<prep::TessellatedMesh>();
-            rung.run = [cage, map, made, filter, error,
-                        threads = subject.threads]() -> prep::Result<void> {
-                auto result = displaced(*cage, *map, filter, error, threads);
-                if (!result) return result.error();
-                *made = *std::move(result);
-                return {};
-            };
-            rung.judge = [made] {
-                std::vector<double> numbers = three_of(height_errors(made->mesh, wave_at));
-                numbers.push_back(double(made->mesh.face_count()));
-                return numbers;
-            };
-            ladder.rungs.push_back(std::move(rung));
-        }
+        sizes.values.push_back(fmt::format("{}²", size));
+        maps.push_back(std::make_shared<const prep::Image>(map_of(WaveTexels(size), size)));
     }
+    make_grid(ladder, filters_of_heights(), sizes, [&](std::size_t i, std::size_t j) {
+        Rung rung = wave_rung(cage, maps[j], height_filters[i], asked, subject.threads);
+        rung.because = creases_cost_triangles;
+        return rung;
+    });
+    return ladder;
+}
+
+prep::Result<Ladder> chord_error_by_height_filter_grid(const Subject& subject) {
+    constexpr int size = 32;
+    const auto cage = std::make_shared<const prep::Mesh>(square_cage());
+    const auto map = std::make_shared<const prep::Image>(map_of(WaveTexels(size), size));
+    Ladder ladder = wave_ladder();
+    ladder.name = "chord-error-by-height-filter";
+    ladder.title = "Chord error by filter of the height map";
+    ladder.setting = "displacement: --chord-error and --height-filter together";
+    ladder.subject = fmt::format("{}, by a map of 32² texels of a wave of up to two turns", square);
+    ladder.timed = {"bounds of the map, the tessellation and its proof",
+                    "without the samples that measure it; freeing the last result"};
+    ladder.reference = 2;  // bilinear, 0.001
+    const GridSetting asked{"chord error", {"0.01", "0.003", "0.001", "0.0003", "0.0001"}};
+    make_grid(ladder, filters_of_heights(), asked, [&](std::size_t i, std::size_t j) {
+        Rung rung = wave_rung(cage, map, height_filters[i], asked.values[j], subject.threads);
+        rung.because = creases_cost_triangles;
+        return rung;
+    });
     return ladder;
 }
 

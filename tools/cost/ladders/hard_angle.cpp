@@ -103,12 +103,21 @@ prep::Result<Ladder> hard_angle_ladder(const Subject& subject) {
         {"0", 0.0}, {"15", 15.0}, {"30", 30.0}, {"60", 60.0}, {"90", 90.0}, {"off", std::nullopt}};
     ladder.reference = 3;
     for (const auto& [word, angle] : angles) {
+        const std::optional<double> a = angle;
         Rung rung;
         rung.name = word;
         if (angle) rung.name += "°";
         rung.command = std::string("prepare --hard-angle ") + word;
+        if (a == 0.0)
+            rung.because = "every edge is hard: all vertices are split, and facets are no surface";
+        else if (a > 45.0)
+            rung.because =
+                "the chamfer's 45° are smoothed away; an edge at exactly 90° is decided exactly, "
+                "which takes long";
+        else if (!a)
+            rung.because = "nothing is hard: rims are smoothed away";
         const auto result = std::make_shared<HardAngleResult>();
-        rung.run = [s, result, a = angle] { return compute(*s, a, *result); };
+        rung.run = [s, result, a] { return compute(*s, a, *result); };
         rung.judge = [s, result] {
             std::vector<double> numbers = three_of(corner_errors(
                 s->mesh, result->normals, [&](std::uint32_t c) { return s->truth[c]; }));

@@ -1,5 +1,6 @@
 // A ladder: one setting of one stage, its rungs, what is timed, and the truth that each rung's
-// result is held against. The truths are in cost/oracles, which sees nothing of the stages.
+// result is held against. The truths are in cost/oracles, which sees nothing of the stages. A grid
+// is a ladder over two settings, whose rungs are the pairs of their values.
 #pragma once
 
 #include <filesystem>
@@ -39,6 +40,14 @@ struct Rung {
     std::function<std::vector<double>()> judge;
     std::function<Look()> look = {};  // of the last result; empty: it is no picture
     bool exact = false;               // meant as the truth: on a lane of its own
+    // Why it may take longer than another and have no less error; empty: it should not.
+    std::string because = {};
+};
+
+// One of the two settings of a grid.
+struct GridSetting {
+    std::string name;  // "samples"
+    std::vector<std::string> values;
 };
 
 struct Ladder {
@@ -55,7 +64,14 @@ struct Ladder {
     std::size_t reference = 0;         // the rung that ratios are to
     bool reference_is_default = true;  // it is what `meshprep` does unasked
     std::vector<Rung> rungs;
+    // None, or two: rungs are all pairs, for each value of the first all of the second.
+    std::vector<GridSetting> grid;
 };
+
+// Makes a grid of a ladder without rungs: `rung` is asked for each pair, by the values' indices;
+// its name becomes "first, second".
+void make_grid(Ladder& ladder, GridSetting first, GridSetting second,
+               const std::function<Rung(std::size_t, std::size_t)>& rung);
 
 struct ScenePicture;  // scenes.h
 
@@ -73,6 +89,7 @@ struct LadderRow {
     const char* name;
     const char* summary;
     bool of_meshes;  // tried on the user's files; the others have shapes of their own
+    bool grid;       // of two settings
     // Runs nothing yet but the oracle. Errors: those of the stages on such a mesh.
     prep::Result<Ladder> (*make)(const Subject& subject);
 };
@@ -84,14 +101,17 @@ std::span<const LadderRow> ladder_rows();
 prep::Result<Ladder> weld_distance_ladder(const Subject& subject);
 prep::Result<Ladder> normal_precision_ladder(const Subject& subject);
 prep::Result<Ladder> normal_weight_ladder(const Subject& subject);
+prep::Result<Ladder> weight_by_precision_grid(const Subject& subject);
 prep::Result<Ladder> hard_angle_ladder(const Subject& subject);
 prep::Result<Ladder> tangent_mode_ladder(const Subject& subject);
 prep::Result<Ladder> subdivision_level_ladder(const Subject& subject);
 prep::Result<Ladder> chord_error_ladder(const Subject& subject);
 prep::Result<Ladder> displacement_error_ladder(const Subject& subject);
 prep::Result<Ladder> height_filter_ladder(const Subject& subject);
+prep::Result<Ladder> chord_error_by_height_filter_grid(const Subject& subject);
 prep::Result<Ladder> shading_frequency_ladder(const Subject& subject);
 prep::Result<Ladder> anti_aliasing_ladder(const Subject& subject);
+prep::Result<Ladder> samples_by_supersampling_grid(const Subject& subject);
 prep::Result<Ladder> scene_sampling_ladder(const Subject& subject);
 prep::Result<Ladder> texture_filter_ladder(const Subject& subject);
 prep::Result<Ladder> depth_format_ladder(const Subject& subject);

@@ -180,6 +180,10 @@ prep::Result<Ladder> attribute_ladder(const Subject& subject, const AttributeLad
         rung.name = bits == 0 ? "floats" : fmt::format("{} bits", bits);
         rung.command =
             bits == 0 ? "prepare" : fmt::format("prepare --quantize {}={}", of.attribute, bits);
+        if (bits > 0)
+            rung.because =
+                "bits buy bytes of the file, not time: floats are copied, fewer bits are "
+                "rounded first";
         prep::SaveOptions options;
         options.quantization.*of.bits = bits;
         // Each its own: files are judged after others were written.

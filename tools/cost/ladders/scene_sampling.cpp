@@ -99,6 +99,14 @@ prep::Result<Ladder> scene_sampling_ladder(const Subject& subject) {
             rung.name = std::to_string(s.samples) + (s.samples == 1 ? " sample" : " samples");
             rung.command = "render --samples " + std::to_string(s.samples);
         }
+        if (s.supersample > 1)
+            rung.because =
+                "a grid has fewer different places across an edge than as many samples at standard "
+                "ones";
+        else if (s.samples > 1)
+            rung.because =
+                "samples are of outlines: each triangle is shaded once a pixel, and what "
+                "lies between texels or in a highlight stays as it was";
         const auto drawing = std::make_shared<Drawing>(
             picture.scene, sampled(picture.request, s.samples, s.supersample, s.area));
         rung.run = [drawing] { return drawing->draw(); };

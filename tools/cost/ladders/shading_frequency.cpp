@@ -103,30 +103,36 @@ prep::Result<Ladder> shading_frequency_ladder(const Subject& subject) {
         picture_error(lit_sphere(look, ball_width, ball_height, 3), s->truth, s->shared).rmse;
     ladder.reference_is_default = false;
     ladder.floor_text = "the sphere itself with as many samples as are drawn";
-    for (const int level : {1, 2, 3, 4, 5}) {
-        const auto scene = ball(shapes::icosphere(level), look);
-        for (const prep::Shading shading :
-             {prep::Shading::flat, prep::Shading::gouraud, prep::Shading::phong}) {
-            const auto drawing =
-                std::make_shared<Drawing>(scene, request_of(look, shading, subject.threads));
-            const std::string word(prep::name_of(shading));
-            Rung rung;
-            rung.name = word + ", " + std::to_string(20 << (2 * level));
-            rung.command = "render --supersample 3 --shading " + word;
-            rung.run = [drawing] { return drawing->draw(); };
-            rung.judge = [s, drawing] {
-                const Pixels picture = first_channel(drawing->frame());
-                const PictureError within = picture_error(picture, s->truth, s->shared);
-                return std::vector<double>{within.rmse, within.largest,
-                                           picture_error(picture, s->truth, s->rest).rmse,
-                                           within.psnr};
-            };
-            rung.look = [s, drawing] { return look_of(first_channel(drawing->frame()), s->truth); };
-            if (level == 4 && shading == prep::Shading::phong)
-                ladder.reference = ladder.rungs.size();
-            ladder.rungs.push_back(std::move(rung));
-        }
+    constexpr prep::Shading shadings[] = {prep::Shading::flat, prep::Shading::gouraud,
+                                          prep::Shading::phong};
+    constexpr int levels = 5;
+    GridSetting shading{"shading", {}}, triangles{"triangles", {}};
+    for (const prep::Shading kind : shadings) shading.values.emplace_back(prep::name_of(kind));
+    std::vector<std::shared_ptr<const prep::PreparedScene>> scenes;
+    for (int level = 1; level <= levels; ++level) {
+        triangles.values.push_back(std::to_string(20 << (2 * level)));
+        scenes.push_back(ball(shapes::icosphere(level), look));
     }
+    ladder.reference = 2 * levels + 3;  // phong, 5120
+    make_grid(ladder, shading, triangles, [&](std::size_t i, std::size_t j) {
+        const auto drawing =
+            std::make_shared<Drawing>(scenes[j], request_of(look, shadings[i], subject.threads));
+        Rung rung;
+        rung.command = "render --supersample 3 --shading " + shading.values[i];
+        rung.run = [drawing] { return drawing->draw(); };
+        rung.judge = [s, drawing] {
+            const Pixels picture = first_channel(drawing->frame());
+            const PictureError within = picture_error(picture, s->truth, s->shared);
+            return std::vector<double>{within.rmse, within.largest,
+                                       picture_error(picture, s->truth, s->rest).rmse, within.psnr};
+        };
+        rung.look = [s, drawing] { return look_of(first_channel(drawing->frame()), s->truth); };
+        if (shadings[i] != prep::Shading::phong)
+            rung.because =
+                "triangles cost time too: normals between vertices are worth more than as many "
+                "more vertices";
+        return rung;
+    });
     return ladder;
 }
 

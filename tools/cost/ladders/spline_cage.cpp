@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cost/measure/surface_distance.h"
+
 namespace cost {
 namespace {
 
@@ -63,14 +65,41 @@ LimitErrors limit_errors(const SplineCage& cage, const prep::Mesh& mesh, std::si
             measure(a);
             measure((a + b) / Real(2));
         }
-        measure(middle / Real(last - first));
+        middle /= Real(last - first);
+        const SplineTorus::Nearest nearest = cage.limit.nearest(middle);
+        errors.distances.push_back(double(nearest.distance / cage.diagonal));
         if (mesh.normals.empty() || mesh.normals.indices[first] == prep::no_index) continue;
+        Vector mean(0);
+        for (std::uint32_t c = first; c < last; ++c)
+            if (mesh.normals.indices[c] != prep::no_index)
+                mean += Vector(mesh.normals.values[mesh.normals.indices[c]]);
+        errors.inside.push_back(degrees_between(mean, nearest.normal));
         const Vector corner(mesh.positions[mesh.corner_vertices[first]]);
         errors.degrees.push_back(
             degrees_between(Vector(mesh.normals.values[mesh.normals.indices[first]]),
                             cage.limit.nearest(corner).normal));
     }
     return errors;
+}
+
+double farthest_from(const SplineCage& cage, const prep::Mesh& mesh) {
+    std::vector<Triangle> points, triangles;
+    // Roberts' R2 sequence (2018): no two lie alike within the faces of any level.
+    for (int i = 0; i < 3072; ++i) {
+        const Real u = Real(i) * Real(0.75487766624669276L),
+                   v = Real(i) * Real(0.56984029099805327L);
+        const glm::dvec3 p(
+            cage.limit.at(cage_around * (u - std::floor(u)), cage_across * (v - std::floor(v)))
+                .position);
+        points.push_back({p, p, p});
+    }
+    const auto corner = [&](std::uint32_t c) {
+        return glm::dvec3(mesh.positions[mesh.corner_vertices[c]]);
+    };
+    for (std::size_t f = 0; f < mesh.face_count(); ++f)
+        for (std::uint32_t c = mesh.face_offsets[f] + 1; c + 1 < mesh.face_offsets[f + 1]; ++c)
+            triangles.push_back({corner(mesh.face_offsets[f]), corner(c), corner(c + 1)});
+    return one_sided_distance(points, triangles).high / cage.diagonal;
 }
 
 }  // namespace cost

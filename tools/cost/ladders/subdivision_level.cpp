@@ -22,7 +22,9 @@ prep::Result<Ladder> subdivision_level_ladder(const Subject& subject) {
                       {"mean", "of the diagonal", limit_samples},
                       {"normals, largest", "°", "vertex normals against the limit's"},
                       {"samples", "", "distances to the limit"},
-                      {"faces", "", "of the refined mesh"}};
+                      {"faces", "", "of the refined mesh"},
+                      {"back, largest", "of the diagonal", back_samples},
+                      {"inside, largest", "°", "normals at faces' middles, between the corners'"}};
     ladder.reference = 1;
     // A face's middle is rounded nowhere, its corners to float.
     ladder.floor = 0x1p-25;
@@ -48,6 +50,8 @@ prep::Result<Ladder> subdivision_level_ladder(const Subject& subject) {
             numbers.push_back(summary_of(errors.degrees).largest);
             numbers.push_back(double(errors.distances.size()));
             numbers.push_back(double(mesh->face_count()));
+            numbers.push_back(farthest_from(*cage, *mesh));
+            numbers.push_back(summary_of(errors.inside).largest);
             return numbers;
         };
         ladder.rungs.push_back(std::move(rung));

@@ -73,24 +73,30 @@ prep::Result<Ladder> tangent_mode_ladder(const Subject& subject) {
                       {"99.9 %", "°", "tangents at corners"},
                       {"mean", "°", "tangents at corners"}};
     ladder.primary = 2;
+    constexpr const char* split_what_belongs_together =
+        "small angles keep apart what is one surface: each corner has its triangle's own tangent";
     struct Setting {
         const char *name, *command;
         prep::TangentMode mode;
         double degrees;
+        const char* because = "";
     };
     const Setting settings[] = {
         {"mikktspace", "prepare --tangents mikktspace", prep::TangentMode::mikktspace, 180},
         {"mikktspace-exact", "prepare --tangents mikktspace-exact",
-         prep::TangentMode::mikktspace_exact, 180},
+         prep::TangentMode::mikktspace_exact, 180,
+         "it gives the bits of the C reference, which leaves corners without a gradient pointing "
+         "anywhere"},
         {"mikktspace, 4°", "prepare --tangents mikktspace --tangent-angle 4",
-         prep::TangentMode::mikktspace, 4},
+         prep::TangentMode::mikktspace, 4, split_what_belongs_together},
         {"mikktspace, 1°", "prepare --tangents mikktspace --tangent-angle 1",
-         prep::TangentMode::mikktspace, 1},
+         prep::TangentMode::mikktspace, 1, split_what_belongs_together},
     };
     for (const Setting& setting : settings) {
         Rung rung;
         rung.name = setting.name;
         rung.command = setting.command;
+        rung.because = setting.because;
         prep::TangentOptions options;
         options.mode = setting.mode;
         options.angular_threshold =

@@ -126,6 +126,18 @@ prep::Result<Ladder> texture_filter_ladder(const Subject& subject) {
                                        flip(*shown_truth, shown(picture)).mean};
         };
         rung.look = [drawing, truth] { return look_of(first_channel(drawing->frame()), *truth); };
+        if (setting.filter == F::bicubic)
+            rung.because = "it is smoother where textures are magnified; here they are minified";
+        else if (setting.filter == F::ewa)
+            rung.because = "its Gaussian is wider than the box of a pixel, which is the truth here";
+        else if (setting.filter == F::ripmap)
+            rung.because =
+                "its levels are narrower along u or v only: footprints that lie askew are blurred";
+        else if (setting.filter == F::anisotropic)
+            rung.because =
+                "footprints beyond the first rows are no longer than so many probes reach";
+        else if (setting.filter == F::bilinear)
+            rung.because = "without levels it reads four texels of the many that a pixel covers";
         if (setting.filter == F::trilinear) ladder.reference = ladder.rungs.size();
         ladder.rungs.push_back(std::move(rung));
     }

@@ -55,11 +55,15 @@ prep::Result<Ladder> weld_distance_ladder(const Subject& subject) {
                       {"melted", "% of points", "made one with another"}};
     ladder.reference_is_default = false;
     ladder.reference = 3;
+    constexpr const char* torn_or_melted =
+        "below the scatter, points stay torn and more vertices are written; at the length of an "
+        "edge, neighbours melt";
     for (const char* const distance :
          {"0", "0.000005", "0.00001", "0.00002", "0.001", "0.03", "0.06"}) {
         Rung rung;
         rung.name = distance;
         rung.command = std::string("prepare --repair weld=") + distance;
+        rung.because = torn_or_melted;
         prep::RepairOptions options;
         options.weld_tolerance = std::strtod(distance, nullptr);
         const auto made = std::make_shared<prep::Mesh>();

@@ -35,6 +35,11 @@ SurfaceSample torus_at(Real u, Real v, Real major, Real minor) {
     return s;
 }
 
+Vector torus_normal_near(const Vector& point, Real major) {
+    const Real across = std::sqrt(point.x * point.x + point.y * point.y);
+    return point - Vector(point.x, point.y, 0) * (major / across);
+}
+
 Vector turned_normal(TurnedFace face, Real turn) {
     const Real a = 2 * pi * turn, half = std::sqrt(Real(0.5));
     switch (face) {

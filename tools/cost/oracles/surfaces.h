@@ -14,6 +14,10 @@ struct SurfaceSample {
 // About z, of radii `major` and `minor`; u runs around, v across, 0 … 1 each.
 SurfaceSample torus_at(Real u, Real v, Real major = 1, Real minor = Real(2) / 5);
 
+// The normal where that torus is nearest to a point that is neither on its axis nor on its circle
+// of middles; not of unit length.
+Vector torus_normal_near(const Vector& point, Real major = 1);
+
 // A turned part about z: a side of radius 1 from z = −1 up, a chamfer of 45° and a flat top; the
 // bottom's rim is sharp. The normals of its surface by the face that a corner belongs to.
 enum class TurnedFace { bottom, side, chamfer, top };

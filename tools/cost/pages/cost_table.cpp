@@ -112,6 +112,7 @@ prep::Result<LadderRecord> climb(const Ladder& ladder, int threads, const Timing
     record.floor_text = ladder.floor_text;
     record.reference = ladder.reference;
     record.reference_is_default = ladder.reference_is_default;
+    record.grid = ladder.grid;
     std::vector<std::function<void()>> runs;
     for (const Rung& rung : ladder.rungs) {
         if (const prep::Result<void> ran = rung.run(); !ran) return ran.error();
@@ -119,6 +120,7 @@ prep::Result<LadderRecord> climb(const Ladder& ladder, int threads, const Timing
         r.name = rung.name;
         r.command = rung.command;
         r.exact = rung.exact;
+        r.because = rung.because;
         r.errors = rung.judge();
         if (rung.look) {
             const Look look = rung.look();
@@ -182,6 +184,31 @@ std::string marked_name(const LadderRecord& ladder, std::size_t rung) {
     const std::string& name = ladder.rungs[rung].name;
     if (rung != ladder.reference) return name;
     return name + (ladder.reference_is_default ? " (default)" : " (reference)");
+}
+
+std::vector<std::string> name_cells(const LadderRecord& ladder, std::size_t rung) {
+    const std::string marked = marked_name(ladder, rung);
+    if (ladder.grid.empty()) return {marked};
+    const std::vector<std::string>& second = ladder.grid[1].values;
+    const std::string mark = marked.substr(ladder.rungs[rung].name.size());
+    return {ladder.grid[0].values[rung / second.size()], second[rung % second.size()] + mark};
+}
+
+std::vector<std::string> name_headings(const LadderRecord& ladder) {
+    if (ladder.grid.empty()) return {"setting"};
+    return {ladder.grid[0].name, ladder.grid[1].name};
+}
+
+std::vector<std::string> rises(const LadderRecord& ladder) {
+    std::vector<std::string> sentences;
+    for (const RungRecord& rung : ladder.rungs) {
+        if (rung.exact || rung.verdict.standing != Standing::dominated) continue;
+        sentences.push_back(rung.name + ", " + standing_text(ladder, rung) + ": " +
+                            (rung.because.empty()
+                                 ? "no reason is known beforehand; so it was on this machine"
+                                 : rung.because));
+    }
+    return sentences;
 }
 
 double share_taken(double others, int threads, int processors) {

@@ -20,6 +20,7 @@ struct RungRecord {
     std::vector<double> errors;   // by metric
     std::vector<double> seconds;  // by round, of one run
     int repeats = 1;
+    std::string because;  // why it may be dominated; empty: no reason is known
     // Of rungs that draw: PNG files as base64, as a page holds them; empty: there are none.
     std::string picture, difference;
 
@@ -44,6 +45,7 @@ struct LadderRecord {
     int measurements = 0, retries = 0;  // retries: measurements that were taken again
     double taken = 0;  // share of the threads' processors that other work had meanwhile
     bool reference_is_default = true;
+    std::vector<GridSetting> grid;  // of grids: two
 
     // From these, by derive().
     Estimate control_ratio;
@@ -77,6 +79,13 @@ std::string marked_name(const LadderRecord& ladder, std::size_t rung);
 // The share of `threads` processors that `others` (processors' worth of other work) left no room
 // for on a machine of `processors`, 0 … 1.
 double share_taken(double others, int threads, int processors);
+
+// The same in cells of a table: one, of grids one for each setting.
+std::vector<std::string> name_cells(const LadderRecord& ladder, std::size_t rung);
+std::vector<std::string> name_headings(const LadderRecord& ladder);
+
+// For each rung that is dominated a sentence that says by what, and why where a reason is known.
+std::vector<std::string> rises(const LadderRecord& ladder);
 
 // Where a rung stands, in words: "front", "dominated by trilinear", "tied with …", "exact".
 std::string standing_text(const LadderRecord& ladder, const RungRecord& rung);

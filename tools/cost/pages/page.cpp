@@ -54,20 +54,23 @@ std::string heading(const Metric& m) {
 }
 
 std::string table_html(const LadderRecord& ladder) {
-    std::string html =
-        "<div class=\"scroll\" tabindex=\"0\"><table><thead><tr><th>setting</th>"
-        "<th>where it stands</th><th class=\"n\">time</th><th class=\"n\">to the default</th>";
+    std::string html = "<div class=\"scroll\" tabindex=\"0\"><table><thead><tr>";
+    for (const std::string& name : name_headings(ladder))
+        html += "<th>" + html_escaped(name) + "</th>";
+    html += "<th>where it stands</th><th class=\"n\">time</th><th class=\"n\">";
+    html += ladder.reference_is_default ? "to the default</th>" : "to the reference</th>";
     for (const Metric& m : ladder.metrics)
         html += "<th class=\"n\" title=\"" + html_escaped(m.domain) + "\">" +
                 html_escaped(heading(m)) + "</th>";
     html += "</tr></thead><tbody>\n";
     for (std::size_t i = 0; i < ladder.rungs.size(); ++i) {
         const RungRecord& rung = ladder.rungs[i];
-        html += fmt::format(
-            "<tr><td>{}</td><td>{}</td><td class=\"n\">{}</td><td "
-            "class=\"n\">{}</td>",
-            html_escaped(marked_name(ladder, i)), html_escaped(standing_text(ladder, rung)),
-            short_time(rung.time.value), ratio_text(rung.ratio));
+        html += "<tr>";
+        for (const std::string& name : name_cells(ladder, i))
+            html += "<td>" + html_escaped(name) + "</td>";
+        html += fmt::format("<td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td>",
+                            html_escaped(standing_text(ladder, rung)), short_time(rung.time.value),
+                            ratio_text(rung.ratio));
         for (const double e : rung.errors) html += "<td class=\"n\">" + short_number(e) + "</td>";
         html += "</tr>\n";
     }
@@ -90,6 +93,9 @@ std::string section_html(const LadderRecord& ladder, std::size_t number) {
     const Metric& m = ladder.metrics[ladder.primary];
     html += "<li>Plotted: " + html_escaped(heading(m)) +
             (m.domain.empty() ? "" : ", " + html_escaped(m.domain)) + ".</li>";
+    if (!ladder.grid.empty())
+        html += "<li>Lines join the values of one setting, " + html_escaped(ladder.grid[1].name) +
+                ", for each of the other, " + html_escaped(ladder.grid[0].name) + ".</li>";
     if (ladder.floor)
         html += std::string(layout_of(ladder).floor > 0 ? "<li>Dashed line at "
                                                         : "<li>Floor, far from what is plotted: ") +
@@ -99,6 +105,12 @@ std::string section_html(const LadderRecord& ladder, std::size_t number) {
         "time.</li></ul>",
         ladder.control.size(), ladder.reference_is_default ? "default" : "reference",
         ratio_text(ladder.control_ratio));
+    if (const std::vector<std::string> sentences = rises(ladder); !sentences.empty()) {
+        html += "<details><summary>Where more time buys no less error, and why</summary><ul>";
+        for (const std::string& sentence : sentences)
+            html += "<li>" + html_escaped(sentence) + ".</li>";
+        html += "</ul></details>";
+    }
     html += "<details><summary>Commands</summary><ul>";
     for (const RungRecord& rung : ladder.rungs)
         html += "<li><code>meshprep " + html_escaped(rung.command) + "</code></li>";
@@ -142,9 +154,19 @@ std::string cost_page(const CostTable& table) {
 std::string cost_csv(const CostTable& table) {
     std::string csv =
         "ladder,subject,setting,command,metric,unit,domain,error,seconds,seconds_low,seconds_high,"
-        "ratio,ratio_low,ratio_high,standing\r\n";
+        "ratio,ratio_low,ratio_high,standing,first_setting,first_value,second_setting,"
+        "second_value\r\n";
     for (const LadderRecord& ladder : table.ladders)
-        for (const RungRecord& rung : ladder.rungs)
+        for (std::size_t i = 0; i < ladder.rungs.size(); ++i) {
+            const RungRecord& rung = ladder.rungs[i];
+            std::string pair = ",,,";
+            if (!ladder.grid.empty()) {
+                const GridSetting &first = ladder.grid[0], &second = ladder.grid[1];
+                pair = csv_cell(first.name) + "," +
+                       csv_cell(first.values[i / second.values.size()]) + "," +
+                       csv_cell(second.name) + "," +
+                       csv_cell(second.values[i % second.values.size()]);
+            }
             for (std::size_t m = 0; m < ladder.metrics.size(); ++m) {
                 const Metric& metric = ladder.metrics[m];
                 for (const std::string& text :
@@ -155,20 +177,23 @@ std::string cost_csv(const CostTable& table) {
                      {rung.errors[m], rung.time.value, rung.time.low, rung.time.high,
                       rung.ratio.value, rung.ratio.low, rung.ratio.high})
                     csv += fmt::format("{},", v);
-                csv += csv_cell(standing_text(ladder, rung)) + "\r\n";
+                csv += csv_cell(standing_text(ladder, rung)) + "," + pair + "\r\n";
             }
+        }
     return csv;
 }
 
 std::vector<std::vector<std::string>> cost_rows(const LadderRecord& ladder) {
-    std::vector<std::vector<std::string>> rows = {
-        {"setting", "where it stands", "time",
-         ladder.reference_is_default ? "to the default" : "to the reference"}};
+    std::vector<std::vector<std::string>> rows = {name_headings(ladder)};
+    rows[0].insert(rows[0].end(),
+                   {"where it stands", "time",
+                    ladder.reference_is_default ? "to the default" : "to the reference"});
     for (const Metric& m : ladder.metrics) rows[0].push_back(heading(m));
     for (std::size_t i = 0; i < ladder.rungs.size(); ++i) {
         const RungRecord& rung = ladder.rungs[i];
-        std::vector<std::string> row = {marked_name(ladder, i), standing_text(ladder, rung),
-                                        short_time(rung.time.value), ratio_text(rung.ratio)};
+        std::vector<std::string> row = name_cells(ladder, i);
+        row.insert(row.end(), {standing_text(ladder, rung), short_time(rung.time.value),
+                               ratio_text(rung.ratio)});
         for (const double e : rung.errors) row.push_back(short_number(e));
         rows.push_back(std::move(row));
     }

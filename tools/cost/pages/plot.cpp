@@ -79,13 +79,27 @@ std::string front_line(const LadderRecord& ladder, const PlotLayout& plot) {
     return "<path class=\"front-line\" d=\"" + path + "\"/>\n";
 }
 
+std::string series_lines(const LadderRecord& ladder, const PlotLayout& plot) {
+    std::string svg;
+    const auto series = series_points(ladder, plot);
+    for (std::size_t i = 0; i < series.size(); ++i) {
+        if (series[i].size() < 2) continue;
+        svg += fmt::format("<path class=\"series\" data-series=\"{}\" stroke=\"#{:06x}\" d=\"", i,
+                           series_colour(i));
+        for (const PlotPoint* p : series[i])
+            svg += fmt::format("{}{:.2f} {:.2f}", p == series[i][0] ? "M" : " L", p->x, p->y);
+        svg += "\"/>\n";
+    }
+    return svg;
+}
+
 std::string labels(const LadderRecord& ladder, const PlotLayout& plot) {
     std::string svg;
     for (const PlotName& name : names_in(ladder, plot))
         svg += fmt::format(
             "<text class=\"name\" x=\"{:.1f}\" y=\"{:.1f}\" "
             "text-anchor=\"{}\">{}</text>\n",
-            name.x, name.y, name.anchor, html_escaped(ladder.rungs[name.rung].name));
+            name.x, name.y, name.anchor, html_escaped(name.text));
     return svg;
 }
 
@@ -222,6 +236,22 @@ std::vector<const PlotPoint*> front_points(const LadderRecord& ladder, const Plo
     return points;
 }
 
+std::vector<std::vector<const PlotPoint*>> series_points(const LadderRecord& ladder,
+                                                         const PlotLayout& plot) {
+    std::vector<std::vector<const PlotPoint*>> series;
+    if (ladder.grid.empty()) return series;
+    series.resize(ladder.grid[0].values.size());
+    for (const PlotPoint& p : plot.points)
+        if (!p.on_lane) series[p.rung / ladder.grid[1].values.size()].push_back(&p);
+    return series;
+}
+
+std::uint32_t series_colour(std::size_t series) {
+    static constexpr std::uint32_t colours[series_colours] = {0x8b5cf6, 0x0891b2, 0xdb2777,
+                                                              0x65a30d, 0xa16207, 0x64748b};
+    return colours[series % series_colours];
+}
+
 std::vector<PlotName> names_in(const LadderRecord& ladder, const PlotLayout& plot) {
     std::vector<Box> taken;
     for (const PlotPoint& p : plot.points) {
@@ -237,8 +267,7 @@ std::vector<PlotName> names_in(const LadderRecord& ladder, const PlotLayout& plo
         taken.push_back({b.x - 1, std::min(a.y, b.y), b.x + 1, std::max(a.y, b.y)});
     }
     std::vector<PlotName> names;
-    for (const PlotPoint& p : plot.points) {
-        const std::string& name = ladder.rungs[p.rung].name;
+    const auto place = [&](const PlotPoint& p, const std::string& name) {
         const double w = text_width(name), h = 12;
         const struct {
             double x, y;
@@ -257,10 +286,26 @@ std::vector<PlotName> names_in(const LadderRecord& ladder, const PlotLayout& plo
             if (std::any_of(taken.begin(), taken.end(), [&](const Box& b) { return b.meets(box); }))
                 continue;
             taken.push_back(box);
-            names.push_back({p.rung, t.x, t.y, t.anchor});
-            break;
+            names.push_back({name, p.rung, t.x, t.y, t.anchor});
+            return true;
         }
+        return false;
+    };
+    if (ladder.grid.empty()) {
+        for (const PlotPoint& p : plot.points) place(p, ladder.rungs[p.rung].name);
+        return names;
     }
+    // Whole names first, from each series' last point on: there lines are farther apart.
+    std::vector<bool> named(ladder.rungs.size(), false);
+    const std::size_t columns = ladder.grid[1].values.size();
+    for (std::size_t i = 0; i < ladder.grid[0].values.size(); ++i)
+        for (auto p = plot.points.rbegin(); p != plot.points.rend(); ++p)
+            if (p->rung / columns == i && place(*p, ladder.rungs[p->rung].name)) {
+                named[p->rung] = true;
+                break;
+            }
+    for (const PlotPoint& p : plot.points)
+        if (!named[p.rung]) place(p, ladder.grid[1].values[p.rung % columns]);
     return names;
 }
 
@@ -273,6 +318,7 @@ std::string plot_style() {
 .plot text { fill: var(--soft); } .plot .name { fill: var(--ink); font-size: 11px; }
 .plot .rule { stroke: var(--rule); } .plot .frame { fill: none; stroke: var(--soft); }
 .plot .front-line { fill: none; stroke: var(--good); stroke-width: 1.5; opacity: .55; }
+.plot .series { fill: none; stroke-width: 1.2; opacity: .7; }
 .plot .floor { stroke: var(--sure); stroke-dasharray: 5 4; }
 .plot .interval { stroke-width: 1.5; stroke: currentColor; }
 .plot .p { color: var(--good); } .plot .p circle, .plot .p > rect { fill: currentColor; }
@@ -335,6 +381,7 @@ std::string plot_svg(const LadderRecord& ladder, bool alone) {
             "<line class=\"floor\" x1=\"{0:g}\" x2=\"{1:g}\" y1=\"{2:.2f}\" "
             "y2=\"{2:.2f}\"><title>{3}</title></line>\n",
             plot.left, plot.right, plot.floor, html_escaped(ladder.floor_text));
+    svg += series_lines(ladder, plot);
     svg += front_line(ladder, plot);
     svg += labels(ladder, plot);
     // Points last, and each with its tooltip: whatever is pointed at lies above the rest.

@@ -1,6 +1,7 @@
 // Work-precision plots: error over time, both in powers of ten, a point for each rung.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -42,9 +43,19 @@ std::vector<const PlotPoint*> front_points(const LadderRecord& ladder, const Plo
 // What stands on the lane: rungs that are exact, rungs without error, or both.
 std::string lane_text(const LadderRecord& ladder, const PlotLayout& plot);
 
+// Of grids, for each value of the first setting its points off the lane, by the values of the
+// second: a line joins them.
+std::vector<std::vector<const PlotPoint*>> series_points(const LadderRecord& ladder,
+                                                         const PlotLayout& plot);
+// The line's colour, 0xRRGGBB, on light and dark alike; they come again after `series_colours`.
+inline constexpr std::size_t series_colours = 6;
+std::uint32_t series_colour(std::size_t series);
+
 // A place for each name beside its point where it covers nothing; none left: no name, the tooltip
-// and the table have it.
+// and the table have it. Of a grid's series one point has the whole name, the others only the value
+// of the second setting.
 struct PlotName {
+    std::string text;
     std::size_t rung = 0;
     double x = 0, y = 0;      // of its baseline
     const char* anchor = "";  // which end is there, as SVG says it

@@ -97,6 +97,11 @@ prep::Image plot_image(const LadderRecord& ladder, int scale) {
     if (plot.floor > 0)
         for (double x = plot.left; x < plot.right; x += 9)
             to.line(x, plot.floor, std::min(x + 5, plot.right), plot.floor, sure);
+    const auto series = series_points(ladder, plot);
+    for (std::size_t s = 0; s < series.size(); ++s)
+        for (std::size_t i = 1; i < series[s].size(); ++i)
+            to.line(series[s][i - 1]->x, series[s][i - 1]->y, series[s][i]->x, series[s][i]->y,
+                    rgb(series_colour(s), 0.7f), 1.2);
     const std::vector<const PlotPoint*> front = front_points(ladder, plot);
     for (std::size_t i = 1; i < front.size(); ++i) {
         const PlotPoint &a = *front[i - 1], &b = *front[i];
@@ -104,7 +109,7 @@ prep::Image plot_image(const LadderRecord& ladder, int scale) {
         to.line(b.x, a.y, b.x, b.y, rgb(0x1d4ed8, 0.55f), 1.5);
     }
     for (const PlotName& name : names_in(ladder, plot))
-        to.text(name.x, name.y, ladder.rungs[name.rung].name, ink, name.anchor, 11);
+        to.text(name.x, name.y, name.text, ink, name.anchor, 11);
     for (const PlotPoint& p : plot.points) draw_point(to, ladder.rungs[p.rung], p);
     return to.image();
 }

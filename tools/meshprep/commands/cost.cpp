@@ -302,8 +302,10 @@ void print_tables(const CostCommand& command, const cost::CostTable& table, Cons
         console.result(command.common, fmt::format("{}: {}", ladder.title, ladder.subject));
         const auto rows = cost::cost_rows(ladder);
         std::vector<bool> right(rows[0].size(), true);
-        right[0] = right[1] = false;
+        std::fill_n(right.begin(), 1 + cost::name_headings(ladder).size(), false);
         console.table(command.common, rows, right);
+        for (const std::string& sentence : cost::rises(ladder))
+            console.result(command.common, "  " + sentence);
         for (const std::string& note : ladder.notes) console.result(command.common, "  " + note);
         console.result(command.common, "");
     }
@@ -314,11 +316,14 @@ int list_ladders(const CostCommand& command, Console& console) {
     document["known"] = Json::array();
     std::vector<std::vector<std::string>> rows;
     for (const cost::LadderRow& row : cost::ladder_rows()) {
-        rows.push_back({row.name, row.summary, row.of_meshes ? "FILE" : "a shape of its own"});
-        document["known"].push_back(
-            {{"name", row.name}, {"summary", row.summary}, {"of_files", row.of_meshes}});
+        rows.push_back({row.name, row.summary, row.of_meshes ? "FILE" : "a shape of its own",
+                        row.grid ? "grid" : ""});
+        document["known"].push_back({{"name", row.name},
+                                     {"summary", row.summary},
+                                     {"of_files", row.of_meshes},
+                                     {"grid", row.grid}});
     }
-    console.table(command.common, rows, {false, false, false});
+    console.table(command.common, rows, {false, false, false, false});
     if (command.common.json) console.json(json_text(document));
     return exit_done;
 }
@@ -395,8 +400,8 @@ void define(OptionSet& options, CostCommand& c) {
                 at = comma + 1;
             }
         },
-        "Only these; --list names them (default all)");
-    options.flag("--list", c.list, "Say which ladders there are, and measure nothing");
+        "Only these ladders and grids; --list names them (default all)");
+    options.flag("--list", c.list, "Say which ladders and grids there are, and measure nothing");
     options.path("-o,--output", c.page, "PAGE.html", "Write one page with plots and tables");
     options.path("--csv", c.csv, "FILE", "Write the numbers as comma-separated values");
     options.path("--svg", c.svg, "DIR", "Write each ladder's plot as a file of its own");

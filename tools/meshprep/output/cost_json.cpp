@@ -139,6 +139,7 @@ cost::RungRecord rung_from(CheckedDocument& read, const Json& json, const std::s
                                           std::to_string(metrics) + " metrics");
     rung.seconds = read.times(json, at, "seconds");
     rung.repeats = int(read.count(json, at, "repeats", 1000000));
+    if (json.is_object() && json.contains("because")) rung.because = read.text(json, at, "because");
     if (json.is_object() && json.contains("looks")) {
         const Json& looks = read.list_of(json, at, "looks", 2);
         if (looks.size() != 2) read.complain(at + "/looks", "is not two pictures");
@@ -147,6 +148,30 @@ cost::RungRecord rung_from(CheckedDocument& read, const Json& json, const std::s
                 read.png(looks[i], at + "/looks/" + std::to_string(i));
     }
     return rung;
+}
+
+// Two settings, as many pairs of whose values as there are rungs.
+std::vector<cost::GridSetting> grid_from(CheckedDocument& read, const Json& json,
+                                         const std::string& at) {
+    std::vector<cost::GridSetting> grid;
+    const Json& settings = read.list_of(json, at, "grid", 2);
+    std::size_t pairs = settings.size() == 2 ? 1 : 0;
+    for (std::size_t i = 0; i < settings.size(); ++i) {
+        const std::string place = at + "/grid/" + std::to_string(i);
+        cost::GridSetting setting{read.text(settings[i], place, "name"), {}};
+        const Json& values = read.list_of(settings[i], place, "values", most_rungs);
+        for (const Json& value : values) {
+            if (!value.is_string())
+                read.complain(place + "/values", "holds something other than words");
+            else
+                setting.values.push_back(value.get<std::string>());
+        }
+        pairs *= setting.values.size();
+        grid.push_back(std::move(setting));
+    }
+    if (pairs == 0 || pairs != read.list_of(json, at, "rungs", most_rungs).size())
+        read.complain(at + "/grid", "is not two settings of as many pairs as there are rungs");
+    return grid;
 }
 
 cost::LadderRecord ladder_from(CheckedDocument& read, const Json& json, const std::string& at) {
@@ -190,6 +215,7 @@ cost::LadderRecord ladder_from(CheckedDocument& read, const Json& json, const st
         if (ladder.rungs.back().seconds.size() != ladder.control.size() || ladder.control.empty())
             read.complain(place + "/seconds", "has not as many rounds as control_seconds");
     }
+    if (json.is_object() && json.contains("grid")) ladder.grid = grid_from(read, json, at);
     ladder.wall =
         read.real(read.member(json, at, "wall_seconds"), at + "/wall_seconds", 0, most_time);
     ladder.cpu = read.real(read.member(json, at, "cpu_seconds"), at + "/cpu_seconds", 0, most_time);
@@ -225,6 +251,8 @@ Json to_json(const cost::CostTable& table) {
         l["floor_is"] = ladder.floor_text;
         l["reference"] = ladder.reference;
         l["reference_is_default"] = ladder.reference_is_default;
+        for (const cost::GridSetting& setting : ladder.grid)
+            l["grid"].push_back({{"name", setting.name}, {"values", setting.values}});
         l["rungs"] = Json::array();
         for (const cost::RungRecord& rung : ladder.rungs) {
             Json r;
@@ -237,6 +265,7 @@ Json to_json(const cost::CostTable& table) {
             r["standing"] = rung.exact ? "exact" : cost::word_for(rung.verdict.standing);
             if (!rung.exact && rung.verdict.standing != cost::Standing::front)
                 r["by"] = ladder.rungs[rung.verdict.by].name;
+            if (!rung.because.empty()) r["because"] = rung.because;
             if (!rung.picture.empty()) r["looks"] = {rung.picture, rung.difference};
             r["repeats"] = rung.repeats;
             r["seconds"] = numbers(rung.seconds);
