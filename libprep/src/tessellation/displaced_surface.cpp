@@ -183,9 +183,9 @@ void DisplacedSurface::truths(std::span<const RootPoint> at, std::span<glm::dvec
 }
 
 std::array<glm::dvec3, 3> DisplacedSurface::own_corners(const BisectedTriangle& triangle) const {
-    const auto weights = path_weights(triangle.path);
+    const TrianglePoints points = this->points(triangle);
     std::array<RootPoint, 3> at;
-    for (std::size_t k = 0; k < 3; ++k) at[k] = {triangle.root, weights[k]};
+    for (std::size_t k = 0; k < 3; ++k) at[k] = points.corner(k);
     std::array<glm::dvec3, 3> own;
     truths(at, own);
     return own;
@@ -264,6 +264,7 @@ struct DisplacedSurface::Corners {
     std::array<BasePoint, 3> points;
     std::array<double, 3> raw, heights;
     std::array<glm::dvec3, 3> vectors;  // the map's own
+    std::array<glm::dvec3, 3> moved;    // where the root has the displaced surface
     double gap = 0, size = 0;
     double cross = 0, highest = 0;  // of the heights
     // Of vectors in the surface's frame: the longest, 0 of others.
@@ -282,19 +283,26 @@ struct DisplacedSurface::Corners {
 DisplacedSurface::Corners DisplacedSurface::corners(const BisectedTriangle& triangle,
                                                     const std::array<glm::dvec3, 3>& weights,
                                                     const VertexSamples& samples) const {
+    const auto& v = triangle.vertices;
+    return corners(triangle.root, weights, {&samples[v[0]], &samples[v[1]], &samples[v[2]]});
+}
+
+DisplacedSurface::Corners DisplacedSurface::corners(
+    std::uint32_t root, const std::array<glm::dvec3, 3>& weights,
+    const std::array<const VertexSample*, 3>& samples, std::size_t count) const {
     Corners c;
-    c.root = triangle.root;
+    c.root = root;
     c.displacement = heights_.of(c.root);
     c.weights = weights;
     const TangentFrames* const frames = heights_.frames(c.root);
     const auto squared = [](const glm::dvec3& v) { return glm::dot(v, v); };
     double gap = 0;
     for (std::size_t k = 0; k < 3; ++k) {
-        const std::uint32_t v = triangle.vertices[k];
+        const VertexSample& sample = *samples[k];
         const RootPoint at{c.root, c.weights[k]};
-        c.points[k] = samples[v].point;
-        c.raw[k] = samples[v].raw;
-        if (samples[v].shared) {
+        c.points[k] = sample.point;
+        c.raw[k] = sample.raw;
+        if (sample.shared) {
             base_.evaluate({&at, 1}, {&c.points[k], 1});
             c.raw[k] = heights_.raw(at);
         }
@@ -307,7 +315,8 @@ DisplacedSurface::Corners DisplacedSurface::corners(const BisectedTriangle& tria
             c.longest = std::max(c.longest, glm::length(moved));
         }
         const glm::dvec3 own = c.points[k].position + c.heights[k] * c.points[k].direction + moved;
-        gap = std::max(gap, squared(glm::dvec3(samples[v].position) - own));
+        c.moved[k] = own;
+        if (k < count) gap = std::max(gap, squared(glm::dvec3(sample.position) - own));
         c.size = std::max(c.size, glm::length(c.points[k].position) + std::abs(c.heights[k]) +
                                       glm::length(c.vectors[k]));
     }
@@ -380,9 +389,7 @@ std::optional<TriangleBound> DisplacedSurface::quick_bound(const BisectedTriangl
     return std::nullopt;
 }
 
-TriangleBound DisplacedSurface::bound(const BisectedTriangle& triangle,
-                                      const VertexSamples& samples, const Asked& asked) const {
-    const Corners c = corners(triangle, path_weights(triangle.path), samples);
+double DisplacedSurface::refinable(const Corners& c, const Asked& asked) const {
     const auto tight = [&] { return of_base(c, base_.deviation(c.root, c.weights, c.points)); };
     const auto coarse = base_.coarse_deviation(c.root, c.weights);
     double base = coarse ? of_base(c, *coarse) : tight();
@@ -393,7 +400,55 @@ TriangleBound DisplacedSurface::bound(const BisectedTriangle& triangle,
         const bool is_small = asked.enough == 0 && base <= small_part * (base + rest);
         if (!decides && !is_small) base = std::min(base, tight());
     }
-    return c.bound(base + rest);
+    return base + rest;
+}
+
+TriangleBound DisplacedSurface::bound(const BisectedTriangle& triangle,
+                                      const VertexSamples& samples, const Asked& asked) const {
+    if (triangle.is_closed()) return closed_bound(triangle, samples, asked);
+    const Corners c = corners(triangle, path_weights(triangle.path), samples);
+    return c.bound(refinable(c, asked));
+}
+
+TriangleBound DisplacedSurface::closed_bound(const BisectedTriangle& closed,
+                                             const VertexSamples& samples,
+                                             const Asked& asked) const {
+    constexpr std::array<glm::dvec3, 3> corners_of_root{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+    const RootPoint at{closed.root, corners_of_root[2]};
+    VertexSample centre;
+    base_.evaluate({&at, 1}, {&centre.point, 1});
+    centre.raw = heights_.raw(at);
+    std::array<Corners, 3> parts;
+    const std::size_t count = closed.is_whole() ? 3 : 2;
+    // A pair's vertices are (c, a, b), and its roots begin with a.
+    const std::size_t first = closed.is_whole() ? 0 : 1;
+    const auto vertex = [&](std::size_t k) { return &samples[closed.vertices[k % 3]]; };
+    std::uint32_t root = closed.root;
+    glm::dvec3 flat(0.0);
+    double gap = 0, size = 0;
+    for (std::size_t k = 0; k < count; ++k) {
+        parts[k] =
+            corners(root, corners_of_root, {vertex(first + k), vertex(first + k + 1), &centre}, 2);
+        root = heights_.domain().next_root(root);
+        gap = std::max(gap, parts[k].gap);
+        size = std::max(size, parts[k].size);
+    }
+    if (closed.is_whole())
+        flat = (parts[0].moved[0] + parts[1].moved[0] + parts[2].moved[0]) / 3.0;
+    else
+        flat = 0.5 * (parts[0].moved[0] + parts[1].moved[1]);
+    double bend = glm::length(parts[0].moved[2] - flat);
+    // Roundings of points, which every bound has room for.
+    if (bend <= 0.25 * absolute_slack * size) bend = 0;
+    double sum = bend;
+    if (bend <= asked.too_much) {
+        const Asked of_parts{std::max(0.0, asked.enough - bend), asked.too_much - bend};
+        for (std::size_t k = 0; k < count; ++k)
+            sum = std::max(sum, bend + refinable(parts[k], of_parts));
+    }
+    parts[0].gap = gap;
+    parts[0].size = size;
+    return parts[0].bound(sum);
 }
 
 }  // namespace prep::detail

@@ -25,14 +25,11 @@ double measured_error(const DisplacedSurface& surface, const BisectionMesh& mesh
             double y = std::fmod(0.5 + double(k) * step_y, 1.0);
             if (x + y > 1) x = 1 - x, y = 1 - y;
             const BisectedTriangle& triangle = mesh.triangles()[t];
-            const auto corners = path_weights(triangle.path);
             const glm::dvec3 w(1 - x - y, x, y);
-            RootPoint at{triangle.root, glm::dvec3(0.0)};
+            const RootPoint at = surface.points(triangle).at(w);
             glm::dvec3 facet(0.0);
-            for (int c = 0; c < 3; ++c) {
-                at.weights += w[c] * corners[std::size_t(c)];
+            for (int c = 0; c < 3; ++c)
                 facet += w[c] * glm::dvec3(vertices[triangle.vertices[std::size_t(c)]].position);
-            }
             most = std::max(most, glm::length(surface.truth(at) - facet));
         }
     });

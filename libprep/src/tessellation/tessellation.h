@@ -6,7 +6,7 @@
 
 namespace prep::detail {
 
-// Where a triangle lies: halvings of a root of the domain (path_weights()).
+// Where a triangle lies: halvings of a root of the domain, or a pair of them (TrianglePoints).
 struct TrianglePlace {
     std::uint64_t path = 1;
     std::uint32_t root = 0;
