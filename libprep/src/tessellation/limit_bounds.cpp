@@ -127,39 +127,6 @@ double cone_about(const NormalNet& net, const glm::dvec3& e, double error) {
     return std::min(no_bound, (across + error) / along);
 }
 
-// The linear function of a triangle.
-struct Linear {
-    glm::dvec2 at;
-    glm::dvec3 value, du, dv;
-    explicit Linear(const LimitTriangle& t) : at(t.parameters[0]), value(t.positions[0]) {
-        const glm::dvec2 p = t.parameters[1] - at, q = t.parameters[2] - at;
-        const double area = p.x * q.y - p.y * q.x;
-        const glm::dvec3 a = t.positions[1] - value, b = t.positions[2] - value;
-        du = (q.y * a - p.y * b) / area;
-        dv = (p.x * b - q.x * a) / area;
-    }
-    glm::dvec3 operator()(const glm::dvec2& p) const {
-        return value + (p.x - at.x) * du + (p.y - at.y) * dv;
-    }
-};
-
-bool is_apart(const ParameterBox& box, const LimitTriangle& t) {
-    const auto& p = t.parameters;
-    const auto cross = [](const glm::dvec2& a, const glm::dvec2& b) {
-        return a.x * b.y - a.y * b.x;
-    };
-    const double side = cross(p[1] - p[0], p[2] - p[0]) > 0 ? 1 : -1;
-    for (std::size_t k = 0; k < 3; ++k) {
-        const glm::dvec2 from = p[k], along = p[(k + 1) % 3] - from;
-        bool outside = true;
-        for (const double x : {box.low.x, box.high.x})
-            for (const double y : {box.low.y, box.high.y})
-                outside = outside && side * cross(along, glm::dvec2(x, y) - from) <= 0;
-        if (outside) return true;
-    }
-    return false;
-}
-
 double farthest(const glm::dvec3& from, const std::array<glm::dvec3, 3>& to) {
     return std::max(
         {glm::length(from - to[0]), glm::length(from - to[1]), glm::length(from - to[2])});
@@ -181,15 +148,10 @@ double cone_deviation(const BezierPatch& patch, const LimitTriangle& triangle) {
 BaseDeviation at_vertex(const ChannelSurface& surface, const RingCones* cones,
                         const LimitTriangle& triangle, const LimitPieces& pieces) {
     BaseDeviation most;
-    const Linear linear(triangle);
+    const LinearMap linear(triangle);
     for (const BezierPatch& patch : pieces.patches) {
         if (is_apart(patch.box, triangle)) continue;
-        for (std::size_t j = 0; j < 4; ++j)
-            for (std::size_t i = 0; i < 4; ++i) {
-                const glm::dvec2 at = patch.box.low + glm::dvec2(i, j) / 3.0 * patch.box.size();
-                most.position =
-                    std::max(most.position, glm::length(patch.p[4 * j + i] - linear(at)));
-            }
+        most.position = std::max(most.position, hull_deviation(patch, triangle, linear));
         if (cones) most.direction = std::max(most.direction, cone_deviation(patch, triangle));
     }
     for (const LimitTip& tip : pieces.tips) {
@@ -333,15 +295,18 @@ BaseDeviation limit_deviation(const ChannelSurface& surface, const RingCones* co
     thread_local LimitPieces pieces;
     collect_pieces(surface, triangle.root, box, pieces);
     if (!pieces.tips.empty()) return at_vertex(surface, cones, triangle, pieces);
+    const LinearMap linear(triangle);
     Curvature curvature;
     NormalCurvature normal_curvature;
+    double by_hulls = 0;
     for (const BezierPatch& patch : pieces.patches) {
         if (is_apart(patch.box, triangle)) continue;
         curvature.widen(patch);
+        by_hulls = std::max(by_hulls, hull_deviation(patch, triangle, linear));
         if (cones) normal_curvature.widen(patch, axis_of(patch, triangle.normals[0]));
     }
     BaseDeviation most;
-    most.position = curvature.deviation(box.size());
+    most.position = std::min(curvature.deviation(box.size()), by_hulls);
     if (cones) most.direction = normal_curvature.deviation(box.size());
     // Beside an extraordinary vertex the second derivatives are as large at every scale.
     constexpr double worth_a_second_look = 0.01;

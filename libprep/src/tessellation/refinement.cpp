@@ -251,7 +251,8 @@ float Refinement::excess(std::uint32_t t) const {
     return float_not_below(most);  // what exceeds by an ulp has to be halved as well
 }
 
-// Not where the middle of its edge would fall on one of its ends; closed faces can always be opened.
+// Not where the middle of its edge would fall on one of its ends; closed faces can always be
+// opened.
 bool Refinement::can_be_halved(std::uint32_t t) const {
     const BisectedTriangle& triangle = mesh_.triangles()[t];
     if (triangle.is_closed()) return true;
