@@ -349,13 +349,19 @@ double DisplacedSurface::of_base(const Corners& c, const BaseDeviation& base) {
 }
 
 double DisplacedSurface::beside_base(const Corners& c, double base, double enough) const {
+    if (!c.displacement) return 0;
+    std::array<glm::dvec2, 3> uv;
+    for (std::size_t k = 0; k < 3; ++k) uv[k] = heights_.uv({c.root, c.weights[k]});
+    return beside_base(c, uv, base, enough);
+}
+
+double DisplacedSurface::beside_base(const Corners& c, const std::array<glm::dvec2, 3>& uv,
+                                     double base, double enough) const {
     const Displacement* const displacement = c.displacement;
     double sum = 0;
     if (!displacement) return sum;
     const auto left = [&] { return std::max(0.0, enough - base - sum); };
     sum += c.cross / 3;
-    std::array<glm::dvec2, 3> uv;
-    for (std::size_t k = 0; k < 3; ++k) uv[k] = heights_.uv({c.root, c.weights[k]});
     const double scale = std::abs(displacement->scale);
     if (displacement->height && scale > 0)
         sum += scale * displacement->height->deviation(uv, c.raw, left() / scale);
@@ -410,6 +416,57 @@ TriangleBound DisplacedSurface::bound(const BisectedTriangle& triangle,
     return c.bound(refinable(c, asked));
 }
 
+double DisplacedSurface::bound_as_one(const BisectedTriangle& closed,
+                                      std::span<const Corners> parts, double enough) const {
+    constexpr double none = std::numeric_limits<double>::infinity();
+    const bool whole = closed.is_whole();
+    Corners all = parts[0];
+    if (!all.displacement || heights_.frames(all.root)) return none;
+    // Corners of the closed face: a whole triangle's roots each begin with one.
+    const auto copy = [&](std::size_t to, const Corners& from, std::size_t k) {
+        all.points[to] = from.points[k];
+        all.raw[to] = from.raw[k];
+        all.heights[to] = from.heights[k];
+        all.vectors[to] = from.vectors[k];
+    };
+    copy(2, parts[1], 1);  // a and b are those of the first
+    const BasePoint& centre = parts[0].points[2];
+    std::array<glm::dvec2, 3> uv;
+    uv[0] = heights_.uv({parts[0].root, {1, 0, 0}});
+    uv[1] = heights_.uv({parts[0].root, {0, 1, 0}});
+    uv[2] = heights_.uv({parts[1].root, {0, 1, 0}});
+    if (!whole) {
+        const glm::dvec2 off =
+            glm::abs(heights_.uv({parts[0].root, {0, 0, 1}}) - 0.5 * (uv[0] + uv[2]));
+        const glm::dvec2 size = glm::max(glm::abs(uv[0]), glm::abs(uv[2]));
+        constexpr double roundings = 0x1p-50;
+        if (off.x > roundings * size.x || off.y > roundings * size.y) return none;
+    }
+    all.cross = all.highest = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const std::size_t l = (k + 1) % 3;
+        all.cross =
+            std::max(all.cross, std::abs(all.heights[k] - all.heights[l]) *
+                                    glm::length(all.points[k].direction - all.points[l].direction));
+        all.highest = std::max(all.highest, std::abs(all.heights[k]));
+    }
+    const auto bent = [&](const glm::dvec3& at, const glm::dvec3& a, const glm::dvec3& b,
+                          const glm::dvec3& c) {
+        return glm::length(at - (whole ? (a + b + c) / 3.0 : 0.5 * (a + c)));
+    };
+    BaseDeviation base;
+    for (const Corners& part : parts) {
+        const BaseDeviation of = base_.deviation(part.root, part.weights, part.points);
+        base.position = std::max(base.position, of.position);
+        base.direction = std::max(base.direction, of.direction);
+    }
+    const auto& p = all.points;
+    base.position += bent(centre.position, p[0].position, p[1].position, p[2].position);
+    base.direction += bent(centre.direction, p[0].direction, p[1].direction, p[2].direction);
+    const double sum = of_base(all, base);
+    return sum + beside_base(all, uv, sum, enough);
+}
+
 TriangleBound DisplacedSurface::closed_bound(const BisectedTriangle& closed,
                                              const VertexSamples& samples,
                                              const Asked& asked) const {
@@ -445,6 +502,9 @@ TriangleBound DisplacedSurface::closed_bound(const BisectedTriangle& closed,
         const Asked of_parts{std::max(0.0, asked.enough - bend), asked.too_much - bend};
         for (std::size_t k = 0; k < count; ++k)
             sum = std::max(sum, bend + refinable(parts[k], of_parts));
+        if (sum > asked.enough)
+            sum = std::min(sum, std::max(bend, bound_as_one(closed, std::span(parts).first(count),
+                                                            asked.enough)));
     }
     parts[0].gap = gap;
     parts[0].size = size;

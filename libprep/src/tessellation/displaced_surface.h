@@ -18,7 +18,8 @@
 // A closed face (bisection.h) is bounded by its roots, as if these had the true point P(m) for
 // their third corner: what is linear over each of them differs from what is linear over all by
 // nothing at the corners, and at the centre m by P(m) less the mean of a pair's P(a) and P(c), or a
-// triangle's three corners; which adds its length.
+// triangle's three corners; which adds its length. Where UVs are linear over the closed face, the
+// bound may also be that of a triangle, with only S − I S and n − I n from the roots in this way.
 #pragma once
 
 #include <array>
@@ -151,7 +152,12 @@ class DisplacedSurface {
                     const VertexSamples& samples) const;
     static double of_base(const Corners& corners, const BaseDeviation& base);
     double beside_base(const Corners& corners, double base, double enough) const;
+    double beside_base(const Corners& corners, const std::array<glm::dvec2, 3>& uv, double base,
+                       double enough) const;
     double refinable(const Corners& corners, const Asked& asked) const;
+    // `parts`: a closed face's roots. Infinite where UVs are not linear over them, or vectors turn.
+    double bound_as_one(const BisectedTriangle& closed, std::span<const Corners> parts,
+                        double enough) const;
     TriangleBound closed_bound(const BisectedTriangle& closed, const VertexSamples& samples,
                                const Asked& asked) const;
 

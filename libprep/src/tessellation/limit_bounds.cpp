@@ -114,17 +114,18 @@ void NormalCurvature::widen(const BezierPatch& patch, const glm::dvec3& e) {
     vv_ = std::max(vv_, derivative(vv, 20 * factor.y * factor.y).across);
 }
 
-// Largest |n − e|; `error`: what roundings may have moved the net's points by.
+// Largest |n − e|; `error`: what roundings may have moved the net's points by. Directions within
+// less than a right angle of e are a convex cone, so that the net's widest is wider than all.
 double cone_about(const NormalNet& net, const glm::dvec3& e, double error) {
-    double along = std::numeric_limits<double>::infinity(), across = 0;
+    double most = 0;
     for (const glm::dvec3& x : net.n) {
         const double by_e = glm::dot(x, e);
-        along = std::min(along, by_e);
-        across = std::max(across, glm::length(x - by_e * e));
+        const double along = by_e - error, across = glm::length(x - by_e * e) + error;
+        if (!(along > 0)) return no_bound;
+        const double length = std::hypot(along, across);
+        most = std::max(most, across / length * std::sqrt(2 / (1 + along / length)));
     }
-    along -= error;
-    if (!(along > 0)) return no_bound;
-    return std::min(no_bound, (across + error) / along);
+    return std::min(no_bound, most);
 }
 
 double farthest(const glm::dvec3& from, const std::array<glm::dvec3, 3>& to) {
@@ -138,11 +139,15 @@ glm::dvec3 axis_of(const BezierPatch& patch, const glm::dvec3& otherwise) {
     return unit_or(glm::cross(middle[0], middle[1]), otherwise);
 }
 
-// Of first order: how far the normal turns within the patch, and between it and the corners.
+// Of first order: how far the normal turns within the patch, and between it and the corners; or
+// directly how far it is from each of those, as |n − I n| is no more than the largest |n − n(v)|.
 double cone_deviation(const BezierPatch& patch, const LimitTriangle& triangle) {
     const glm::dvec3 e = axis_of(patch, triangle.normals[0]);
     const NormalNet net = normal_net(patch);
-    return cone_about(net, e, net.error) + farthest(e, triangle.normals);
+    double from_corners = 0;
+    for (const glm::dvec3& normal : triangle.normals)
+        from_corners = std::max(from_corners, cone_about(net, normal, net.error));
+    return std::min(from_corners, cone_about(net, e, net.error) + farthest(e, triangle.normals));
 }
 
 BaseDeviation at_vertex(const ChannelSurface& surface, const RingCones* cones,

@@ -22,10 +22,10 @@
 // deviation.
 //
 // At an extraordinary vertex second derivatives are not bounded. There the control points of S − I
-// S alone are the bound; and of the normal, with e any unit vector, |n − e| ≤ |N across e| / (N·e),
-// as tan θ ≥ 2 sin(θ/2). What is left around the vertex lies in the hull of its rings; normals
-// there are bounded by all levels to come, as far as evaluation goes (after that a point is the
-// vertex: patch_evaluator.h).
+// S alone are the bound; and of the normal, with e any unit vector, |n − e| is bounded by the
+// angles of N's Bézier points to e. What is left around the vertex lies in the hull of its rings;
+// normals there are bounded by all levels to come, as far as evaluation goes (after that a point is
+// the vertex: patch_evaluator.h).
 #pragma once
 
 #include <array>
