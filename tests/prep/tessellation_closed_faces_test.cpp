@@ -177,11 +177,11 @@ TEST(TessellationClosedFaces, DiagonalsAreNobodyElsesEdges) {
     EXPECT_EQ(made.face_count(), 4U + 1 + 1);
 }
 
-// One cube of every cage halved deep at one place: neighbours are closed, opened and halved as it
+// Halved at a few places: their neighbours are closed, opened and halved as it
 // asks, and all of it stays closed.
 TEST(TessellationClosedFaces, MeetFinerFacesWithoutGaps) {
     std::mt19937 random(8);
-    for (int round = 0; round < 30; ++round) {
+    for (int round = 0; round < 12; ++round) {
         Mesh cage = round % 3 == 0 ? cube() : round % 3 == 1 ? torus(7, 5) : prism(5);
         if (round % 2 == 1) {  // half of the quads as triangles
             Mesh mixed;
@@ -208,9 +208,9 @@ TEST(TessellationClosedFaces, MeetFinerFacesWithoutGaps) {
             options.displacements = {
                 {std::make_shared<Spike>(16, double(random() % 16), double(random() % 16), 0.3), 1,
                  0, 0}};
-            options.chord_error = 0.05;
+            options.chord_error = 0.15;
             if (limit) options.scheme = SubdivisionScheme::catmark;
-            options.samples = 20000;
+            options.samples = 5000;
             const auto made = tessellate(cage, options);
             ASSERT_TRUE(made) << to_string(made.error());
             const Closedness closed = closedness(made->mesh), of_cage = closedness(cage);
