@@ -29,8 +29,4 @@ TessellatedMesh output_mesh(const Mesh& cage, const Domain& domain, const Displa
                             const Refinement& refinement, const TessellationHooks& hooks,
                             int threads);
 
-// The largest distance of `samples` points from where they should be.
-double measured_error(const DisplacedSurface& surface, const BisectionMesh& mesh,
-                      const VertexSamples& vertices, std::uint64_t samples, int threads);
-
 }  // namespace prep::detail
