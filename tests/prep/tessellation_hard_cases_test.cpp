@@ -130,7 +130,7 @@ TEST(TessellationHardCases, AVertexOfManySeamsKeepsWhatEachFaceHas) {
     options.max_triangles = 1;
     const auto made = tessellate(mesh, options);
     ASSERT_TRUE(made) << to_string(made.error());
-    ASSERT_EQ(made->mesh.face_count(), 4 * n);
+    ASSERT_EQ(made->mesh.face_count(), 2 * n);
     std::set<std::uint32_t> uvs, normals;
     std::size_t corners = 0;
     for (std::size_t c = 0; c < made->mesh.corner_count(); ++c) {
@@ -150,7 +150,7 @@ TEST(TessellationHardCases, AVertexOfManySeamsKeepsWhatEachFaceHas) {
         EXPECT_GT(glm::dot(side, glm::normalize(glm::cross(at(2) - at(0), at(3) - at(1)))),
                   0.999999);
     }
-    EXPECT_EQ(corners, 2 * n);
+    EXPECT_EQ(corners, n);  // diagonals are across, where faces are narrow
     EXPECT_EQ(uvs.size(), at_apex.size());
     EXPECT_EQ(normals.size(), n);
 }

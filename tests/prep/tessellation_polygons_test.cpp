@@ -25,7 +25,7 @@ TEST(Tessellation, EmptyMeshStaysEmpty) {
     EXPECT_EQ(made->certificate.proved, 0);
 }
 
-TEST(Tessellation, TriangleIsAFanOfThree) {
+TEST(Tessellation, TriangleIsOneUntilItIsOpened) {
     Mesh mesh;
     mesh.positions = {{0, 0, 0}, {3, 0, 0}, {0, 3, 0}};
     add_face(mesh, {0, 1, 2});
@@ -33,10 +33,16 @@ TEST(Tessellation, TriangleIsAFanOfThree) {
     options.chord_error = 0.1;
     const auto made = tessellate(mesh, options);
     ASSERT_TRUE(made) << to_string(made.error());
-    ASSERT_EQ(made->mesh.face_count(), 3u);
-    EXPECT_EQ(made->mesh.positions[3], glm::vec3(1, 1, 0));
-    EXPECT_EQ(made->cage_vertices, (std::vector<std::uint32_t>{0, 1, 2, no_index}));
-    EXPECT_EQ(made->cage_faces, (std::vector<std::uint32_t>{0, 0, 0}));
+    ASSERT_EQ(made->mesh.face_count(), 1u);
+    EXPECT_EQ(made->cage_vertices, (std::vector<std::uint32_t>{0, 1, 2}));
+    EXPECT_EQ(made->cage_faces, (std::vector<std::uint32_t>{0}));
+    options.edge_length = 4;
+    const auto opened = tessellate(mesh, options);
+    ASSERT_TRUE(opened) << to_string(opened.error());
+    ASSERT_EQ(opened->mesh.face_count(), 4u);  // the longest edge is halved as well
+    EXPECT_EQ(opened->mesh.positions[3], glm::vec3(1, 1, 0));
+    EXPECT_EQ(opened->cage_vertices, (std::vector<std::uint32_t>{0, 1, 2, no_index, no_index}));
+    EXPECT_EQ(opened->cage_faces, (std::vector<std::uint32_t>(4, 0)));
 }
 
 TEST(Tessellation, WhatIsNotPossibleIsRefused) {

@@ -209,17 +209,14 @@ void ResidualPicture::bake(const BakedMesh& baked, const Triangle& t, Band& band
     // The base is smooth, heights are not: one frame a texel, heights at each sample.
     const VertexMesh& mesh = baked.mesh;
     const TrianglePlace& place = baked.places[mesh.triangle_faces[t.index]];
-    const std::array<glm::dvec3, 3> roots = path_weights(place.path);
-    const auto at_root = [&](const glm::dvec3& w) {
-        return RootPoint{place.root, w.x * roots[0] + w.y * roots[1] + w.z * roots[2]};
-    };
+    const TrianglePoints points(baked.surface.heights().domain(), place.root, place.path);
     std::vector<glm::dvec3> means;
     band.points.clear();
     for (const Band::Piece& piece : band.pieces) {
         glm::dvec3 mean(0.0);
         for (std::size_t k = 0; k < piece.count; ++k) mean += band.weights[piece.first + k];
         means.push_back(mean / double(piece.count));
-        band.points.push_back(at_root(means.back()));
+        band.points.push_back(points.at(means.back()));
     }
     band.frames.resize(band.points.size());
     baked.surface.base().frames(band.points, band.frames);
@@ -235,11 +232,15 @@ void ResidualPicture::bake(const BakedMesh& baked, const Triangle& t, Band& band
         const Band::Piece& piece = band.pieces[p];
         glm::dvec3 truth(0.0);
         for (std::size_t k = 0; k < piece.count; ++k) {
-            const RootPoint at = at_root(band.weights[piece.first + k]);
+            const RootPoint at = points.at(band.weights[piece.first + k]);
             BaseFrame frame = band.frames[p];
-            const glm::dvec3 step = at.weights - band.points[p].weights;
-            frame.point.position +=
-                step.y * frame.position_steps[0] + step.z * frame.position_steps[1];
+            if (at.root == band.points[p].root) {
+                const glm::dvec3 step = at.weights - band.points[p].weights;
+                frame.point.position +=
+                    step.y * frame.position_steps[0] + step.z * frame.position_steps[1];
+            } else {
+                baked.surface.base().frames({&at, 1}, {&frame, 1});
+            }
             truth += baked.surface.normal(frame, at);
         }
         const glm::dvec3& w = means[p];

@@ -25,19 +25,24 @@ std::array<glm::dvec3, 3> path_weights(std::uint64_t path) {
 }
 
 RootPoint BisectionMesh::HalvedEdge::middle() const {
+    if (path == 0) return {root, {0, 0, 1}};
     const std::array<glm::dvec3, 3> w = path_weights(path);
     return {root, 0.5 * (w[0] + w[1])};
 }
 
-BisectionMesh::BisectionMesh(std::uint32_t vertices,
-                             std::span<const std::array<std::uint32_t, 3>> roots,
-                             std::span<const std::uint32_t> next_half_edges)
+BisectionMesh::BisectionMesh(std::uint32_t vertices, std::span<const FirstTriangle> first)
     : vertices_(vertices) {
-    triangles_.resize(roots.size());
-    for (std::size_t t = 0; t < roots.size(); ++t) {
-        triangles_[t].vertices = roots[t];
-        triangles_[t].root = std::uint32_t(t);
-        for (std::size_t e = 0; e < 3; ++e) triangles_[t].next[e] = next_half_edges[3 * t + e];
+    triangles_.resize(first.size());
+    for (std::size_t t = 0; t < first.size(); ++t) {
+        BisectedTriangle& triangle = triangles_[t];
+        triangle.vertices = first[t].vertices;
+        triangle.next = first[t].next;
+        triangle.root = first[t].root;
+        if (first[t].other == first[t].root) continue;
+        triangle.path = 0;
+        triangle.on_border = first[t].is_whole ? 0b111 : 0b110;
+        others_.resize(first.size());
+        others_[t] = first[t].other;
     }
     news_.first = vertices;
 }
@@ -63,10 +68,14 @@ std::uint64_t BisectionMesh::cost(std::uint32_t t) {
     while (!worklist_.empty()) {
         const std::uint32_t h0 = 3 * worklist_.back();
         worklist_.pop_back();
+        if (triangles_[h0 / 3].is_whole()) {
+            added += 2;
+            continue;
+        }
         std::uint32_t h = h0;
         do {
             ++added;
-            if (h % 3 != 0) worklist_.push_back(h / 3);
+            if (is_before(h)) worklist_.push_back(h / 3);
             h = next(h);
         } while (h != h0);
     }
@@ -77,8 +86,13 @@ void BisectionMesh::bisect(std::uint32_t t) {
     worklist_.assign(1, t);
     while (!worklist_.empty()) {
         const std::uint32_t h0 = 3 * worklist_.back();
+        if (triangles_[h0 / 3].is_whole()) {
+            worklist_.pop_back();
+            open(h0 / 3);
+            continue;
+        }
         std::uint32_t h = next(h0);
-        while (h != h0 && h % 3 == 0) h = next(h);
+        while (h != h0 && !is_before(h)) h = next(h);
         if (h != h0) {
             worklist_.push_back(h / 3);
             continue;
@@ -105,6 +119,30 @@ void BisectionMesh::link(std::span<const std::uint32_t> ring) {
     for (std::size_t k = 0; k < ring.size(); ++k) next(ring[k]) = ring[(k + 1) % ring.size()];
 }
 
+void BisectionMesh::open(std::uint32_t t) {
+    const std::uint32_t centre = vertices_++;
+    const BisectedTriangle whole = triangles_[t];
+    news_.edges.push_back({whole.path, whole.root});
+    news_.offsets.push_back(std::uint32_t(news_.edges.size()));
+    const auto n = std::uint32_t(triangles_.size());
+    triangles_.emplace_back();
+    triangles_.emplace_back();
+    replace(3 * t + 1, 3 * n);
+    replace(3 * t + 2, 3 * n + 3);
+    const std::array<std::uint32_t, 3> parts{t, n, n + 1};
+    const std::array<std::uint32_t, 3> roots{whole.root, others_[t], others_[t] + 1};
+    for (std::size_t k = 0; k < 3; ++k) {
+        BisectedTriangle& part = triangles_[parts[k]];
+        part.vertices = {whole.vertices[k], whole.vertices[(k + 1) % 3], centre};
+        part.path = 1;
+        part.root = roots[k];
+        part.on_border = 1;
+        part.next[1] = 3 * parts[(k + 1) % 3] + 2;
+        part.next[2] = 3 * parts[(k + 2) % 3] + 1;
+        news_.touched.push_back({part.path, parts[k]});
+    }
+}
+
 void BisectionMesh::halve_ring(std::uint32_t h0) {
     members_.clear();
     std::uint32_t h = h0;
@@ -128,10 +166,15 @@ void BisectionMesh::halve_ring(std::uint32_t h0) {
         replace(3 * t + 2, 3 * t);
         BisectedTriangle &first = triangles_[t], &second = triangles_[n];
         first.vertices = {c, a, middle};
-        first.path = 2 * old.path;
         second.vertices = {b, c, middle};
-        second.path = 2 * old.path + 1;
         second.root = old.root;
+        if (old.is_closed()) {
+            first.path = second.path = 1;
+            first.root = others_[t];
+        } else {
+            first.path = 2 * old.path;
+            second.path = 2 * old.path + 1;
+        }
         // Of the first the edges ca, am and mc; of the second bc, cm and mb.
         first.on_border = std::uint8_t((old.on_border >> 2 & 1) | (old.on_border & 1) << 1);
         second.on_border = std::uint8_t((old.on_border >> 1 & 1) | (old.on_border & 1) << 2);

@@ -183,9 +183,9 @@ void DisplacedSurface::truths(std::span<const RootPoint> at, std::span<glm::dvec
 }
 
 std::array<glm::dvec3, 3> DisplacedSurface::own_corners(const BisectedTriangle& triangle) const {
-    const auto weights = path_weights(triangle.path);
+    const TrianglePoints points = this->points(triangle);
     std::array<RootPoint, 3> at;
-    for (std::size_t k = 0; k < 3; ++k) at[k] = {triangle.root, weights[k]};
+    for (std::size_t k = 0; k < 3; ++k) at[k] = points.corner(k);
     std::array<glm::dvec3, 3> own;
     truths(at, own);
     return own;
@@ -264,6 +264,7 @@ struct DisplacedSurface::Corners {
     std::array<BasePoint, 3> points;
     std::array<double, 3> raw, heights;
     std::array<glm::dvec3, 3> vectors;  // the map's own
+    std::array<glm::dvec3, 3> moved;    // where the root has the displaced surface
     double gap = 0, size = 0;
     double cross = 0, highest = 0;  // of the heights
     // Of vectors in the surface's frame: the longest, 0 of others.
@@ -282,19 +283,26 @@ struct DisplacedSurface::Corners {
 DisplacedSurface::Corners DisplacedSurface::corners(const BisectedTriangle& triangle,
                                                     const std::array<glm::dvec3, 3>& weights,
                                                     const VertexSamples& samples) const {
+    const auto& v = triangle.vertices;
+    return corners(triangle.root, weights, {&samples[v[0]], &samples[v[1]], &samples[v[2]]});
+}
+
+DisplacedSurface::Corners DisplacedSurface::corners(
+    std::uint32_t root, const std::array<glm::dvec3, 3>& weights,
+    const std::array<const VertexSample*, 3>& samples, std::size_t count) const {
     Corners c;
-    c.root = triangle.root;
+    c.root = root;
     c.displacement = heights_.of(c.root);
     c.weights = weights;
     const TangentFrames* const frames = heights_.frames(c.root);
     const auto squared = [](const glm::dvec3& v) { return glm::dot(v, v); };
     double gap = 0;
     for (std::size_t k = 0; k < 3; ++k) {
-        const std::uint32_t v = triangle.vertices[k];
+        const VertexSample& sample = *samples[k];
         const RootPoint at{c.root, c.weights[k]};
-        c.points[k] = samples[v].point;
-        c.raw[k] = samples[v].raw;
-        if (samples[v].shared) {
+        c.points[k] = sample.point;
+        c.raw[k] = sample.raw;
+        if (sample.shared) {
             base_.evaluate({&at, 1}, {&c.points[k], 1});
             c.raw[k] = heights_.raw(at);
         }
@@ -307,7 +315,8 @@ DisplacedSurface::Corners DisplacedSurface::corners(const BisectedTriangle& tria
             c.longest = std::max(c.longest, glm::length(moved));
         }
         const glm::dvec3 own = c.points[k].position + c.heights[k] * c.points[k].direction + moved;
-        gap = std::max(gap, squared(glm::dvec3(samples[v].position) - own));
+        c.moved[k] = own;
+        if (k < count) gap = std::max(gap, squared(glm::dvec3(sample.position) - own));
         c.size = std::max(c.size, glm::length(c.points[k].position) + std::abs(c.heights[k]) +
                                       glm::length(c.vectors[k]));
     }
@@ -340,13 +349,19 @@ double DisplacedSurface::of_base(const Corners& c, const BaseDeviation& base) {
 }
 
 double DisplacedSurface::beside_base(const Corners& c, double base, double enough) const {
+    if (!c.displacement) return 0;
+    std::array<glm::dvec2, 3> uv;
+    for (std::size_t k = 0; k < 3; ++k) uv[k] = heights_.uv({c.root, c.weights[k]});
+    return beside_base(c, uv, base, enough);
+}
+
+double DisplacedSurface::beside_base(const Corners& c, const std::array<glm::dvec2, 3>& uv,
+                                     double base, double enough) const {
     const Displacement* const displacement = c.displacement;
     double sum = 0;
     if (!displacement) return sum;
     const auto left = [&] { return std::max(0.0, enough - base - sum); };
     sum += c.cross / 3;
-    std::array<glm::dvec2, 3> uv;
-    for (std::size_t k = 0; k < 3; ++k) uv[k] = heights_.uv({c.root, c.weights[k]});
     const double scale = std::abs(displacement->scale);
     if (displacement->height && scale > 0)
         sum += scale * displacement->height->deviation(uv, c.raw, left() / scale);
@@ -380,9 +395,7 @@ std::optional<TriangleBound> DisplacedSurface::quick_bound(const BisectedTriangl
     return std::nullopt;
 }
 
-TriangleBound DisplacedSurface::bound(const BisectedTriangle& triangle,
-                                      const VertexSamples& samples, const Asked& asked) const {
-    const Corners c = corners(triangle, path_weights(triangle.path), samples);
+double DisplacedSurface::refinable(const Corners& c, const Asked& asked) const {
     const auto tight = [&] { return of_base(c, base_.deviation(c.root, c.weights, c.points)); };
     const auto coarse = base_.coarse_deviation(c.root, c.weights);
     double base = coarse ? of_base(c, *coarse) : tight();
@@ -393,7 +406,109 @@ TriangleBound DisplacedSurface::bound(const BisectedTriangle& triangle,
         const bool is_small = asked.enough == 0 && base <= small_part * (base + rest);
         if (!decides && !is_small) base = std::min(base, tight());
     }
-    return c.bound(base + rest);
+    return base + rest;
+}
+
+TriangleBound DisplacedSurface::bound(const BisectedTriangle& triangle,
+                                      const VertexSamples& samples, const Asked& asked) const {
+    if (triangle.is_closed()) return closed_bound(triangle, samples, asked);
+    const Corners c = corners(triangle, path_weights(triangle.path), samples);
+    return c.bound(refinable(c, asked));
+}
+
+double DisplacedSurface::bound_as_one(const BisectedTriangle& closed,
+                                      std::span<const Corners> parts, double enough) const {
+    constexpr double none = std::numeric_limits<double>::infinity();
+    const bool whole = closed.is_whole();
+    Corners all = parts[0];
+    if (!all.displacement || heights_.frames(all.root)) return none;
+    // Corners of the closed face: a whole triangle's roots each begin with one.
+    const auto copy = [&](std::size_t to, const Corners& from, std::size_t k) {
+        all.points[to] = from.points[k];
+        all.raw[to] = from.raw[k];
+        all.heights[to] = from.heights[k];
+        all.vectors[to] = from.vectors[k];
+    };
+    copy(2, parts[1], 1);  // a and b are those of the first
+    const BasePoint& centre = parts[0].points[2];
+    std::array<glm::dvec2, 3> uv;
+    uv[0] = heights_.uv({parts[0].root, {1, 0, 0}});
+    uv[1] = heights_.uv({parts[0].root, {0, 1, 0}});
+    uv[2] = heights_.uv({parts[1].root, {0, 1, 0}});
+    if (!whole) {
+        const glm::dvec2 off =
+            glm::abs(heights_.uv({parts[0].root, {0, 0, 1}}) - 0.5 * (uv[0] + uv[2]));
+        const glm::dvec2 size = glm::max(glm::abs(uv[0]), glm::abs(uv[2]));
+        constexpr double roundings = 0x1p-50;
+        if (off.x > roundings * size.x || off.y > roundings * size.y) return none;
+    }
+    all.cross = all.highest = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const std::size_t l = (k + 1) % 3;
+        all.cross =
+            std::max(all.cross, std::abs(all.heights[k] - all.heights[l]) *
+                                    glm::length(all.points[k].direction - all.points[l].direction));
+        all.highest = std::max(all.highest, std::abs(all.heights[k]));
+    }
+    const auto bent = [&](const glm::dvec3& at, const glm::dvec3& a, const glm::dvec3& b,
+                          const glm::dvec3& c) {
+        return glm::length(at - (whole ? (a + b + c) / 3.0 : 0.5 * (a + c)));
+    };
+    BaseDeviation base;
+    for (const Corners& part : parts) {
+        const BaseDeviation of = base_.deviation(part.root, part.weights, part.points);
+        base.position = std::max(base.position, of.position);
+        base.direction = std::max(base.direction, of.direction);
+    }
+    const auto& p = all.points;
+    base.position += bent(centre.position, p[0].position, p[1].position, p[2].position);
+    base.direction += bent(centre.direction, p[0].direction, p[1].direction, p[2].direction);
+    const double sum = of_base(all, base);
+    return sum + beside_base(all, uv, sum, enough);
+}
+
+TriangleBound DisplacedSurface::closed_bound(const BisectedTriangle& closed,
+                                             const VertexSamples& samples,
+                                             const Asked& asked) const {
+    constexpr std::array<glm::dvec3, 3> corners_of_root{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+    const RootPoint at{closed.root, corners_of_root[2]};
+    VertexSample centre;
+    base_.evaluate({&at, 1}, {&centre.point, 1});
+    centre.raw = heights_.raw(at);
+    std::array<Corners, 3> parts;
+    const std::size_t count = closed.is_whole() ? 3 : 2;
+    // A pair's vertices are (c, a, b), and its roots begin with a.
+    const std::size_t first = closed.is_whole() ? 0 : 1;
+    const auto vertex = [&](std::size_t k) { return &samples[closed.vertices[k % 3]]; };
+    std::uint32_t root = closed.root;
+    glm::dvec3 flat(0.0);
+    double gap = 0, size = 0;
+    for (std::size_t k = 0; k < count; ++k) {
+        parts[k] =
+            corners(root, corners_of_root, {vertex(first + k), vertex(first + k + 1), &centre}, 2);
+        root = heights_.domain().next_root(root);
+        gap = std::max(gap, parts[k].gap);
+        size = std::max(size, parts[k].size);
+    }
+    if (closed.is_whole())
+        flat = (parts[0].moved[0] + parts[1].moved[0] + parts[2].moved[0]) / 3.0;
+    else
+        flat = 0.5 * (parts[0].moved[0] + parts[1].moved[1]);
+    double bend = glm::length(parts[0].moved[2] - flat);
+    // Roundings of points, which every bound has room for.
+    if (bend <= 0.25 * absolute_slack * size) bend = 0;
+    double sum = bend;
+    if (bend <= asked.too_much) {
+        const Asked of_parts{std::max(0.0, asked.enough - bend), asked.too_much - bend};
+        for (std::size_t k = 0; k < count; ++k)
+            sum = std::max(sum, bend + refinable(parts[k], of_parts));
+        if (sum > asked.enough)
+            sum = std::min(sum, std::max(bend, bound_as_one(closed, std::span(parts).first(count),
+                                                            asked.enough)));
+    }
+    parts[0].gap = gap;
+    parts[0].size = size;
+    return parts[0].bound(sum);
 }
 
 }  // namespace prep::detail

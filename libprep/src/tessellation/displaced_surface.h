@@ -14,6 +14,12 @@
 // S|, and its deviation over the plane triangle I S. A vector in the surface's own frame adds what
 // tangent_frames.h says. e has two causes: rounding to floats, and positions that several faces
 // share though their heights or directions differ.
+//
+// A closed face (bisection.h) is bounded by its roots, as if these had the true point P(m) for
+// their third corner: what is linear over each of them differs from what is linear over all by
+// nothing at the corners, and at the centre m by P(m) less the mean of a pair's P(a) and P(c), or a
+// triangle's three corners; which adds its length. Where UVs are linear over the closed face, the
+// bound may also be that of a triangle, with only S − I S and n − I n from the roots in this way.
 #pragma once
 
 #include <array>
@@ -42,6 +48,7 @@ class RootHeights {
     static Result<RootHeights> make(const Mesh& mesh, const Domain& domain, const BaseSurface& base,
                                     const TessellateOptions& options);
 
+    const Domain& domain() const { return *domain_; }
     const Displacement* of(std::uint32_t root) const {
         const std::uint32_t k = which_.empty() ? no_index : which_[root];
         return k == no_index ? nullptr : &displacements_[k];
@@ -110,6 +117,9 @@ class DisplacedSurface {
     const BaseSurface& base() const { return base_; }
     const RootHeights& heights() const { return heights_; }
 
+    TrianglePoints points(const BisectedTriangle& triangle) const {
+        return {heights_.domain(), triangle.root, triangle.path};
+    }
     // The truth at points, as their own roots have it.
     glm::dvec3 truth(const RootPoint& at) const;
     void truths(std::span<const RootPoint> at, std::span<glm::dvec3> truths) const;
@@ -135,10 +145,21 @@ class DisplacedSurface {
 
   private:
     struct Corners;  // of a triangle, as its root has them
+    // `count` of them are vertices, the others points of the root alone, which have no gap.
+    Corners corners(std::uint32_t root, const std::array<glm::dvec3, 3>& weights,
+                    const std::array<const VertexSample*, 3>& samples, std::size_t count = 3) const;
     Corners corners(const BisectedTriangle& triangle, const std::array<glm::dvec3, 3>& weights,
                     const VertexSamples& samples) const;
     static double of_base(const Corners& corners, const BaseDeviation& base);
     double beside_base(const Corners& corners, double base, double enough) const;
+    double beside_base(const Corners& corners, const std::array<glm::dvec2, 3>& uv, double base,
+                       double enough) const;
+    double refinable(const Corners& corners, const Asked& asked) const;
+    // `parts`: a closed face's roots. Infinite where UVs are not linear over them, or vectors turn.
+    double bound_as_one(const BisectedTriangle& closed, std::span<const Corners> parts,
+                        double enough) const;
+    TriangleBound closed_bound(const BisectedTriangle& closed, const VertexSamples& samples,
+                               const Asked& asked) const;
 
     const BaseSurface& base_;
     const RootHeights& heights_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <optional>
 #include <span>
+#include <tuple>
 
 #include "prep/triangulate.h"
 
@@ -27,43 +28,161 @@ bool is_star_shaped(const Mesh& mesh, Index first, Index last) {
     return true;
 }
 
-void add_fan(Domain& domain, const Mesh& mesh, Index face, std::span<const Index> corners) {
-    const Index fan = domain.fans();
-    const Index centre = domain.cage_vertices + fan;
-    const auto first = Index(domain.roots.size()), count = Index(corners.size());
-    for (Index k = 0; k < count; ++k) {
-        const Index a = corners[k], b = corners[(k + 1) % count];
-        domain.roots.push_back({face, fan, {a, b}});
-        domain.vertices.push_back({mesh.corner_vertices[a], mesh.corner_vertices[b], centre});
-        // b – centre is the next root's centre – a.
-        domain.next_half_edges.push_back(3 * (first + k));
-        domain.next_half_edges.push_back(3 * (first + (k + 1) % count) + 2);
-        domain.next_half_edges.push_back(3 * (first + (k + count - 1) % count) + 1);
+constexpr Index whole = no_index - 1;  // a fan that starts as one triangle
+
+// The corner (0 or 1) of a quad from which it is halved along a diagonal; no_index where it starts
+// as a fan.
+Index diagonal_start(const Mesh& mesh, std::span<const Index> corners) {
+    if (corners.size() != 4) return no_index;
+    std::array<Index, 4> v{};
+    std::array<glm::dvec3, 4> p;
+    for (std::size_t k = 0; k < 4; ++k) {
+        v[k] = mesh.corner_vertices[corners[k]];
+        p[k] = glm::dvec3(mesh.positions[v[k]]);
+        for (std::size_t l = 0; l < k; ++l)
+            if (v[l] == v[k]) return no_index;
     }
+    const glm::dvec3 across = glm::cross(p[2] - p[0], p[3] - p[1]);
+    const auto runs_back = [&](std::size_t tip) {
+        const glm::dvec3 at = p[tip], before = p[(tip + 3) % 4], after = p[(tip + 1) % 4];
+        return glm::dot(glm::cross(at - before, after - at), across) < 0;
+    };
+    const std::array<bool, 2> folds{runs_back(1) || runs_back(3), runs_back(0) || runs_back(2)};
+    if (folds[0] != folds[1]) return folds[0] ? 1 : 0;
+    const auto squared = [](const glm::dvec3& d) { return glm::dot(d, d); };
+    const double first = squared(p[2] - p[0]), second = squared(p[3] - p[1]);
+    if (first != second) return first < second ? 0 : 1;
+    const auto least = std::min_element(v.begin(), v.end(), [&](Index a, Index b) {
+        const glm::vec3 &s = mesh.positions[a], &t = mesh.positions[b];
+        return std::tuple(s.x, s.y, s.z, a) < std::tuple(t.x, t.y, t.z, b);
+    });
+    return Index(least - v.begin()) % 2;
+}
+
+void add_fan(Domain& domain, Index face, std::span<const Index> corners) {
+    const Index fan = domain.fans();
+    const auto first = Index(domain.roots.size()), count = Index(corners.size());
+    for (Index k = 0; k < count; ++k)
+        domain.roots.push_back({face, fan, {corners[k], corners[(k + 1) % count]}});
     domain.fan_roots.push_back(first + count);
 }
 
-void link_edges(Domain& domain) {
-    struct Edge {
-        std::uint64_t vertices;
-        Index root;
-    };
-    std::vector<Edge> edges;
-    edges.reserve(domain.roots.size());
-    for (Index r = 0; r < domain.roots.size(); ++r) {
-        const auto [a, b] = std::minmax(domain.vertices[r][0], domain.vertices[r][1]);
-        if (a != b) edges.push_back({std::uint64_t(a) << 32 | b, r});
-    }
-    std::sort(edges.begin(), edges.end(), [](const Edge& p, const Edge& q) {
-        return p.vertices != q.vertices ? p.vertices < q.vertices : p.root < q.root;
-    });
-    for (std::size_t begin = 0, end = 0; begin < edges.size(); begin = end) {
-        while (end < edges.size() && edges[end].vertices == edges[begin].vertices) ++end;
-        for (std::size_t k = begin; k < end; ++k)
-            domain.next_half_edges[3 * edges[k].root] =
-                3 * edges[k + 1 == end ? begin : k + 1].root;
-    }
+struct Edge {
+    std::uint64_t vertices;
+    Index owner;  // a root, or of a diagonal a fan
+};
+
+Edge edge_of(Index a, Index b, Index owner) {
+    return {std::uint64_t(std::min(a, b)) << 32 | std::max(a, b), owner};
 }
+
+void sort_edges(std::vector<Edge>& edges) {
+    std::sort(edges.begin(), edges.end(), [](const Edge& p, const Edge& q) {
+        return p.vertices != q.vertices ? p.vertices < q.vertices : p.owner < q.owner;
+    });
+}
+
+class FirstTriangles {
+  public:
+    // `starts`: diagonal_start() per fan, or `whole`.
+    FirstTriangles(Domain& domain, const Mesh& mesh, std::vector<Index> starts)
+        : domain_(domain), mesh_(mesh), starts_(std::move(starts)) {}
+
+    void make() {
+        for (Index r = 0; r < domain_.roots.size(); ++r) {
+            const Index a = vertex(r, 0), b = vertex(r, 1);
+            if (a != b) edges_.push_back(edge_of(a, b, r));
+        }
+        sort_edges(edges_);
+        open_where_diagonals_meet();
+        half_edges_.resize(domain_.roots.size());
+        for (Index fan = 0; fan < domain_.fans(); ++fan) add(fan);
+        for (std::size_t begin = 0, end = 0; begin < edges_.size(); begin = end) {
+            while (end < edges_.size() && edges_[end].vertices == edges_[begin].vertices) ++end;
+            for (std::size_t k = begin; k < end; ++k)
+                link(half_edges_[edges_[k].owner],
+                     half_edges_[edges_[k + 1 == end ? begin : k + 1].owner]);
+        }
+    }
+
+  private:
+    Index vertex(Index root, std::size_t k) const {
+        return mesh_.corner_vertices[domain_.roots[root].corners[k]];
+    }
+    void link(Index half_edge, Index next) {
+        domain_.triangles[half_edge / 3].next[half_edge % 3] = next;
+    }
+
+    void open_where_diagonals_meet() {
+        std::vector<Edge> diagonals;
+        for (Index fan = 0; fan < domain_.fans(); ++fan) {
+            if (starts_[fan] == no_index || starts_[fan] == whole) continue;
+            const Index r = domain_.fan_roots[fan] + starts_[fan];
+            diagonals.push_back(edge_of(vertex(r, 0), vertex(r + 1, 1), fan));
+        }
+        sort_edges(diagonals);
+        auto edge = edges_.begin();
+        for (std::size_t begin = 0, end = 0; begin < diagonals.size(); begin = end) {
+            const std::uint64_t vertices = diagonals[begin].vertices;
+            while (end < diagonals.size() && diagonals[end].vertices == vertices) ++end;
+            while (edge != edges_.end() && edge->vertices < vertices) ++edge;
+            const bool is_edge = edge != edges_.end() && edge->vertices == vertices;
+            if (end - begin == 1 && !is_edge) continue;
+            for (std::size_t k = begin; k < end; ++k) starts_[diagonals[k].owner] = no_index;
+        }
+    }
+
+    void add(Index fan) {
+        if (starts_[fan] == no_index) return add_open(fan);
+        if (starts_[fan] != whole) return add_pairs(fan);
+        const Index t = Index(domain_.triangles.size()), r = domain_.fan_roots[fan];
+        domain_.triangles.push_back({{vertex(r, 0), vertex(r + 1, 0), vertex(r + 2, 0)},
+                                     {3 * t, 3 * t + 1, 3 * t + 2},
+                                     r,
+                                     r + 1,
+                                     true});
+        for (Index k = 0; k < 3; ++k) half_edges_[r + k] = 3 * t + k;
+    }
+
+    void add_open(Index fan) {
+        const Index centre = domain_.first_vertices();
+        domain_.centres.push_back(fan);
+        const Index first = domain_.fan_roots[fan], last = domain_.fan_roots[fan + 1];
+        const auto shift = Index(domain_.triangles.size()) - first;
+        for (Index r = first; r < last; ++r) {
+            const Index before = r == first ? last - 1 : r - 1;
+            // b – centre is the next root's centre – a.
+            const Index t = r + shift;
+            domain_.triangles.push_back(
+                {{vertex(r, 0), vertex(r, 1), centre},
+                 {3 * t, 3 * (domain_.next_root(r) + shift) + 2, 3 * (before + shift) + 1},
+                 r,
+                 r});
+            half_edges_[r] = 3 * t;
+        }
+    }
+
+    void add_pairs(Index fan) {
+        const auto t = Index(domain_.triangles.size());
+        Index root = domain_.fan_roots[fan] + starts_[fan];
+        for (const Index half : {t, t + 1}) {
+            const Index next = domain_.next_root(root);
+            domain_.triangles.push_back({{vertex(next, 1), vertex(root, 0), vertex(root, 1)},
+                                         {3 * (half == t ? t + 1 : t), 3 * half + 1, 3 * half + 2},
+                                         root,
+                                         next});
+            half_edges_[root] = 3 * half + 1;
+            half_edges_[next] = 3 * half + 2;
+            root = domain_.next_root(next);
+        }
+    }
+
+    Domain& domain_;
+    const Mesh& mesh_;
+    std::vector<Index> starts_;
+    std::vector<Edge> edges_;        // of the cage
+    std::vector<Index> half_edges_;  // per root: where its ab is
+};
 
 }  // namespace
 
@@ -71,6 +190,7 @@ Domain make_domain(const Mesh& mesh, const std::vector<std::uint8_t>& left_out, 
                    int threads) {
     Domain domain;
     domain.cage_vertices = Index(mesh.vertex_count());
+    std::vector<Index> starts;
     std::optional<Triangulation> cut;
     Index triangle = 0;
     std::vector<Index> corners;
@@ -81,15 +201,18 @@ Domain make_domain(const Mesh& mesh, const std::vector<std::uint8_t>& left_out, 
             if (!cut) cut = triangulate(MeshView(mesh), threads);
             while (cut->triangle_faces[triangle] != f) ++triangle;
             for (; triangle < cut->triangle_faces.size() && cut->triangle_faces[triangle] == f;
-                 ++triangle)
-                add_fan(domain, mesh, f, std::span(cut->corners).subspan(3 * triangle, 3));
+                 ++triangle) {
+                add_fan(domain, f, std::span(cut->corners).subspan(3 * triangle, 3));
+                starts.push_back(whole);
+            }
             continue;
         }
         corners.clear();
         for (Index c = first; c < last; ++c) corners.push_back(c);
-        add_fan(domain, mesh, f, corners);
+        add_fan(domain, f, corners);
+        starts.push_back(straight && corners.size() == 3 ? whole : diagonal_start(mesh, corners));
     }
-    link_edges(domain);
+    FirstTriangles(domain, mesh, std::move(starts)).make();
     return domain;
 }
 

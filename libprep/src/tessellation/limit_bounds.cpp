@@ -114,50 +114,18 @@ void NormalCurvature::widen(const BezierPatch& patch, const glm::dvec3& e) {
     vv_ = std::max(vv_, derivative(vv, 20 * factor.y * factor.y).across);
 }
 
-// Largest |n − e|; `error`: what roundings may have moved the net's points by.
+// Largest |n − e|; `error`: what roundings may have moved the net's points by. Directions within
+// less than a right angle of e are a convex cone, so that the net's widest is wider than all.
 double cone_about(const NormalNet& net, const glm::dvec3& e, double error) {
-    double along = std::numeric_limits<double>::infinity(), across = 0;
+    double most = 0;
     for (const glm::dvec3& x : net.n) {
         const double by_e = glm::dot(x, e);
-        along = std::min(along, by_e);
-        across = std::max(across, glm::length(x - by_e * e));
+        const double along = by_e - error, across = glm::length(x - by_e * e) + error;
+        if (!(along > 0)) return no_bound;
+        const double length = std::hypot(along, across);
+        most = std::max(most, across / length * std::sqrt(2 / (1 + along / length)));
     }
-    along -= error;
-    if (!(along > 0)) return no_bound;
-    return std::min(no_bound, (across + error) / along);
-}
-
-// The linear function of a triangle.
-struct Linear {
-    glm::dvec2 at;
-    glm::dvec3 value, du, dv;
-    explicit Linear(const LimitTriangle& t) : at(t.parameters[0]), value(t.positions[0]) {
-        const glm::dvec2 p = t.parameters[1] - at, q = t.parameters[2] - at;
-        const double area = p.x * q.y - p.y * q.x;
-        const glm::dvec3 a = t.positions[1] - value, b = t.positions[2] - value;
-        du = (q.y * a - p.y * b) / area;
-        dv = (p.x * b - q.x * a) / area;
-    }
-    glm::dvec3 operator()(const glm::dvec2& p) const {
-        return value + (p.x - at.x) * du + (p.y - at.y) * dv;
-    }
-};
-
-bool is_apart(const ParameterBox& box, const LimitTriangle& t) {
-    const auto& p = t.parameters;
-    const auto cross = [](const glm::dvec2& a, const glm::dvec2& b) {
-        return a.x * b.y - a.y * b.x;
-    };
-    const double side = cross(p[1] - p[0], p[2] - p[0]) > 0 ? 1 : -1;
-    for (std::size_t k = 0; k < 3; ++k) {
-        const glm::dvec2 from = p[k], along = p[(k + 1) % 3] - from;
-        bool outside = true;
-        for (const double x : {box.low.x, box.high.x})
-            for (const double y : {box.low.y, box.high.y})
-                outside = outside && side * cross(along, glm::dvec2(x, y) - from) <= 0;
-        if (outside) return true;
-    }
-    return false;
+    return std::min(no_bound, most);
 }
 
 double farthest(const glm::dvec3& from, const std::array<glm::dvec3, 3>& to) {
@@ -171,25 +139,24 @@ glm::dvec3 axis_of(const BezierPatch& patch, const glm::dvec3& otherwise) {
     return unit_or(glm::cross(middle[0], middle[1]), otherwise);
 }
 
-// Of first order: how far the normal turns within the patch, and between it and the corners.
+// Of first order: how far the normal turns within the patch, and between it and the corners; or
+// directly how far it is from each of those, as |n − I n| is no more than the largest |n − n(v)|.
 double cone_deviation(const BezierPatch& patch, const LimitTriangle& triangle) {
     const glm::dvec3 e = axis_of(patch, triangle.normals[0]);
     const NormalNet net = normal_net(patch);
-    return cone_about(net, e, net.error) + farthest(e, triangle.normals);
+    double from_corners = 0;
+    for (const glm::dvec3& normal : triangle.normals)
+        from_corners = std::max(from_corners, cone_about(net, normal, net.error));
+    return std::min(from_corners, cone_about(net, e, net.error) + farthest(e, triangle.normals));
 }
 
 BaseDeviation at_vertex(const ChannelSurface& surface, const RingCones* cones,
                         const LimitTriangle& triangle, const LimitPieces& pieces) {
     BaseDeviation most;
-    const Linear linear(triangle);
+    const LinearMap linear(triangle);
     for (const BezierPatch& patch : pieces.patches) {
         if (is_apart(patch.box, triangle)) continue;
-        for (std::size_t j = 0; j < 4; ++j)
-            for (std::size_t i = 0; i < 4; ++i) {
-                const glm::dvec2 at = patch.box.low + glm::dvec2(i, j) / 3.0 * patch.box.size();
-                most.position =
-                    std::max(most.position, glm::length(patch.p[4 * j + i] - linear(at)));
-            }
+        most.position = std::max(most.position, hull_deviation(patch, triangle, linear));
         if (cones) most.direction = std::max(most.direction, cone_deviation(patch, triangle));
     }
     for (const LimitTip& tip : pieces.tips) {
@@ -333,15 +300,18 @@ BaseDeviation limit_deviation(const ChannelSurface& surface, const RingCones* co
     thread_local LimitPieces pieces;
     collect_pieces(surface, triangle.root, box, pieces);
     if (!pieces.tips.empty()) return at_vertex(surface, cones, triangle, pieces);
+    const LinearMap linear(triangle);
     Curvature curvature;
     NormalCurvature normal_curvature;
+    double by_hulls = 0;
     for (const BezierPatch& patch : pieces.patches) {
         if (is_apart(patch.box, triangle)) continue;
         curvature.widen(patch);
+        by_hulls = std::max(by_hulls, hull_deviation(patch, triangle, linear));
         if (cones) normal_curvature.widen(patch, axis_of(patch, triangle.normals[0]));
     }
     BaseDeviation most;
-    most.position = curvature.deviation(box.size());
+    most.position = std::min(curvature.deviation(box.size()), by_hulls);
     if (cones) most.direction = normal_curvature.deviation(box.size());
     // Beside an extraordinary vertex the second derivatives are as large at every scale.
     constexpr double worth_a_second_look = 0.01;

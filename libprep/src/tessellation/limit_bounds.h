@@ -6,6 +6,9 @@
 //   and Markot 1986): by Taylor's formula at p it is at most ½ Σ λ |S'' d²| over the ways d from p
 //   to the corners, and as those have the mean 0 and a range of a by b, Σ λ d_u² ≤ a²/4
 //   (Popoviciu 1935), Σ λ d_v² ≤ b²/4, and Σ λ |d_u d_v| ≤ ab/4 by Cauchy and Schwarz.
+// and no more than the control points of S − I S are long (hull_deviation.h), which is less mostly,
+// and much less where the surface bends in a part of the triangle: M is large beside a crease, in
+// a strip that is narrow.
 // For n = N/|N|, N = S_u × S_v, with N' d = α n + β t, t across n,
 //   |n'' d²| ≤ |P N'' d²|/|N| + β √(β² + 4α²)/|N|²,
 // where P is across n (polygon_surface.h has the second term). With A_u, A_v and B_u, B_v suprema
@@ -18,17 +21,18 @@
 // |x·e| + sin θ |x across e|, |N| ≥ N·e: so a patch that is stretched without being bent has no
 // deviation.
 //
-// At an extraordinary vertex second derivatives are not bounded. There each piece's own control
-// points of S − L, L the linear function of the triangle, are the bound; and of the normal, with
-// e any unit vector, |n − e| ≤ |N across e| / (N·e), as tan θ ≥ 2 sin(θ/2). What is left around
-// the vertex lies in the hull of its rings; normals there are bounded by all levels to come, as
-// far as evaluation goes (after that a point is the vertex: patch_evaluator.h).
+// At an extraordinary vertex second derivatives are not bounded. There the control points of S − I
+// S alone are the bound; and of the normal, with e any unit vector, |n − e| is bounded by the
+// angles of N's Bézier points to e. What is left around the vertex lies in the hull of its rings;
+// normals there are bounded by all levels to come, as far as evaluation goes (after that a point is
+// the vertex: patch_evaluator.h).
 #pragma once
 
 #include <array>
 #include <optional>
 #include <vector>
 
+#include "tessellation/hull_deviation.h"
 #include "tessellation/limit_pieces.h"
 #include "tessellation/surface.h"
 
@@ -45,12 +49,6 @@ class RingCones {
     static constexpr int levels = 51;
     std::vector<std::size_t> first_;  // per ring
     std::vector<float> cones_;        // per sector `levels`
-};
-
-struct LimitTriangle {
-    std::uint32_t root = 0;  // of the patch tree
-    std::array<glm::dvec2, 3> parameters;
-    std::array<glm::dvec3, 3> positions, normals;
 };
 
 // `cones` null: the direction's deviation is not asked for, and 0.

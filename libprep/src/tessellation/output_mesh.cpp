@@ -25,23 +25,29 @@ struct Sides {
     std::vector<Index> of_corner;  // per corner
 };
 
-Sides find_sides(const BisectionMesh& mesh) {
+Sides find_sides(const BisectionMesh& mesh, const Domain& domain) {
     const auto triangles = mesh.triangles();
+    const auto root_at = [&](Index t, Index k) {
+        const BisectedTriangle& triangle = triangles[t];
+        if (!triangle.is_closed()) return triangle.root;
+        return TrianglePoints(domain, triangle.root, 0).corner(k).root;
+    };
     constexpr Index several = no_index - 1;
     std::vector<Index> only_root(mesh.vertex_count(), no_index), first_corner(mesh.vertex_count());
     for (Index t = 0; t < triangles.size(); ++t)
         for (Index k = 0; k < 3; ++k) {
             const Index v = triangles[t].vertices[k];
+            const Index root = root_at(t, k);
             if (only_root[v] == no_index)
-                only_root[v] = triangles[t].root, first_corner[v] = 3 * t + k;
-            else if (only_root[v] != triangles[t].root)
+                only_root[v] = root, first_corner[v] = 3 * t + k;
+            else if (only_root[v] != root)
                 only_root[v] = several;
         }
     std::vector<Side> shared;
     for (Index t = 0; t < triangles.size(); ++t)
         for (Index k = 0; k < 3; ++k)
             if (only_root[triangles[t].vertices[k]] == several)
-                shared.push_back({triangles[t].vertices[k], triangles[t].root, 3 * t + k});
+                shared.push_back({triangles[t].vertices[k], root_at(t, k), 3 * t + k});
     const auto key = [](const Side& s) { return std::uint64_t(s.vertex) << 32 | s.root; };
     std::stable_sort(shared.begin(), shared.end(),
                      [&](const Side& a, const Side& b) { return key(a) < key(b); });
@@ -145,7 +151,7 @@ class Output {
           hooks_(hooks),
           threads_(threads),
           triangles_(refinement.mesh().triangles()),
-          sides_(find_sides(refinement.mesh())) {}
+          sides_(find_sides(refinement.mesh(), domain)) {}
 
     TessellatedMesh make() {
         Mesh& mesh = out_.mesh;
@@ -165,8 +171,7 @@ class Output {
 
   private:
     RootPoint point(const Side& side) const {
-        const BisectedTriangle& t = triangles_[side.corner / 3];
-        return {side.root, path_weights(t.path)[side.corner % 3]};
+        return surface_.points(triangles_[side.corner / 3]).corner(side.corner % 3);
     }
     bool is_separate(const Side& side) const {
         return !hooks_.share_positions && refinement_.samples()[side.vertex].shared;
@@ -341,16 +346,17 @@ class Output {
         std::sort(marked.begin(), marked.end());
         Mesh& mesh = out_.mesh;
         std::vector<std::pair<Index, Index>> pieces;
-        for (Index t = 0; t < triangles_.size(); ++t) {
-            const auto& root = domain_.vertices[triangles_[t].root];
-            const std::pair<Index, Index> edge = std::minmax(root[0], root[1]);
-            if (!std::binary_search(marked.begin(), marked.end(), edge)) continue;
-            const auto w = path_weights(triangles_[t].path);
-            for (Index k = 0; k < 3; ++k)
-                if (w[k].z == 0 && w[(k + 1) % 3].z == 0)
-                    pieces.push_back(std::minmax(mesh.corner_vertices[3 * t + k],
-                                                 mesh.corner_vertices[3 * t + (k + 1) % 3]));
-        }
+        for (Index t = 0; t < triangles_.size(); ++t)
+            for (Index k = 0; k < 3; ++k) {
+                if ((triangles_[t].on_border >> k & 1) == 0) continue;
+                const TrianglePoints points = surface_.points(triangles_[t]);
+                const DomainRoot& root = domain_.roots[points.edge_root(k)];
+                const std::pair<Index, Index> edge = std::minmax(
+                    cage_.corner_vertices[root.corners[0]], cage_.corner_vertices[root.corners[1]]);
+                if (!std::binary_search(marked.begin(), marked.end(), edge)) continue;
+                pieces.push_back(std::minmax(mesh.corner_vertices[3 * t + k],
+                                             mesh.corner_vertices[3 * t + (k + 1) % 3]));
+            }
         std::sort(pieces.begin(), pieces.end());
         pieces.erase(std::unique(pieces.begin(), pieces.end()), pieces.end());
         for (const auto& [a, b] : pieces) mesh.hard_marks.emplace_back(a, b);

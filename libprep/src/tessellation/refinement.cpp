@@ -52,25 +52,28 @@ Refinement::Refinement(const Mesh& cage, const Domain& domain, const DisplacedSu
       surface_(surface),
       options_(options),
       screens_(options.pixel_error ? options.screens : std::vector<ScreenMetric>{}),
-      mesh_(domain.cage_vertices + domain.fans(), domain.vertices, domain.next_half_edges) {}
+      mesh_(domain.first_vertices(), domain.triangles) {}
 
 void Refinement::make_first_vertices() {
     const std::uint32_t cage = domain_.cage_vertices, count = mesh_.vertex_count();
     samples_.resize(count);
     // Points by cage vertex: each fan's corner, once.
     std::vector<std::uint32_t> offsets(std::size_t(cage) + 1, 0);
-    for (const auto& corners : domain_.vertices) ++offsets[corners[0] + 1];
+    const auto vertex = [&](std::uint32_t r) {
+        return cage_.corner_vertices[domain_.roots[r].corners[0]];
+    };
+    for (std::uint32_t r = 0; r < domain_.roots.size(); ++r) ++offsets[vertex(r) + 1];
     std::partial_sum(offsets.begin(), offsets.end(), offsets.begin());
     std::vector<RootPoint> points(domain_.roots.size());
     std::vector<std::uint32_t> next(offsets.begin(), offsets.end() - 1);
     for (std::uint32_t r = 0; r < domain_.roots.size(); ++r)
-        points[next[domain_.vertices[r][0]]++] = {r, {1, 0, 0}};
+        points[next[vertex(r)]++] = {r, {1, 0, 0}};
     parallel_blocks(count, block, options_.threads, [&](std::size_t begin, std::size_t end) {
         for (auto v = std::uint32_t(begin); v < end; ++v) {
             RootPoint centre;
             std::span<const RootPoint> at{&centre, 1};
             if (v >= cage)
-                centre = {domain_.fan_roots[v - cage], {0, 0, 1}};
+                centre = {domain_.fan_roots[domain_.centres[v - cage]], {0, 0, 1}};
             else
                 at = std::span(points).subspan(offsets[v], offsets[v + 1] - offsets[v]);
             if (at.empty()) continue;
@@ -183,7 +186,7 @@ void Refinement::look(std::span<const std::uint32_t> fresh) {
             excess_[t] = std::numeric_limits<float>::infinity();
         } else if (!(options_.chord_error || options_.pixel_error)) {
             excess_[t] = 0;
-        } else if (is_shared(triangle)) {
+        } else if (is_shared(triangle) || triangle.is_closed()) {
             prove(t, asked(triangle));
         } else if (const auto quick = surface_.quick_bound(triangle, samples_, asked(triangle))) {
             bounds_[t] = *quick;
@@ -248,9 +251,11 @@ float Refinement::excess(std::uint32_t t) const {
     return float_not_below(most);  // what exceeds by an ulp has to be halved as well
 }
 
-// Not where the middle of its edge would fall on one of its ends.
+// Not where the middle of its edge would fall on one of its ends; closed faces can always be
+// opened.
 bool Refinement::can_be_halved(std::uint32_t t) const {
     const BisectedTriangle& triangle = mesh_.triangles()[t];
+    if (triangle.is_closed()) return true;
     if (triangle.depth() >= deepest_bisection) return false;
     const glm::dvec3 a(samples_[triangle.vertices[0]].position);
     const glm::dvec3 b(samples_[triangle.vertices[1]].position);
@@ -405,8 +410,10 @@ Result<void> Refinement::run(const std::vector<std::uint8_t>& first_halving) {
                                  *options_.chord_error, 1.01 * float_steps * largest_coordinate_),
                      cage_.name.empty() ? "" : "mesh '" + cage_.name + "'"};
     if (mesh_.triangles().size() > options_.triangle_limit) return too_many();
-    for (std::uint32_t r = 0; r < first_halving.size(); ++r)
-        if (first_halving[r] && mesh_.triangles()[r].path == 1) mesh_.bisect(r);
+    if (!first_halving.empty())
+        for (std::uint32_t t = 0; t < domain_.triangles.size(); ++t)
+            if (first_halving[domain_.triangles[t].root] && mesh_.triangles()[t].depth() == 0)
+                mesh_.bisect(t);
     make_new_vertices();
     mesh_.forget();
     if (Result<void> range = check_range(0); !range) return range;

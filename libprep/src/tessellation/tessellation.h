@@ -6,7 +6,7 @@
 
 namespace prep::detail {
 
-// Where a triangle lies: halvings of a root of the domain (path_weights()).
+// Where a triangle lies: halvings of a root of the domain, or a pair of them (TrianglePoints).
 struct TrianglePlace {
     std::uint64_t path = 1;
     std::uint32_t root = 0;
@@ -28,9 +28,5 @@ Result<TessellatedMesh> tessellate(const Mesh& cage, const Domain& domain, const
 TessellatedMesh output_mesh(const Mesh& cage, const Domain& domain, const DisplacedSurface& surface,
                             const Refinement& refinement, const TessellationHooks& hooks,
                             int threads);
-
-// The largest distance of `samples` points from where they should be.
-double measured_error(const DisplacedSurface& surface, const BisectionMesh& mesh,
-                      const VertexSamples& vertices, std::uint64_t samples, int threads);
 
 }  // namespace prep::detail

@@ -327,8 +327,8 @@ void add_displacement_options(OptionSet& options, prep::PrepareOptions& p) {
             p.tessellate = true;
             t.max_triangles = parse_count("--max-triangles", text);
         },
-        "At most so many in a mesh, spent where the error is largest (20000, 200k, 1.5M); three a "
-        "triangle and four a quad there are in any case");
+        "At most so many in a mesh, spent where the error is largest (20000, 200k, 1.5M); one a "
+        "triangle and two a quad there are in any case");
     add_residual_options(options, p);
 }
 
