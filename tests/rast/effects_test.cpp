@@ -330,6 +330,13 @@ TEST(Effects, AreTheRowsOfTheTable) {
     std::string line, rows;
     while (std::getline(page, line))
         if (line.starts_with("| ")) rows += line + "\n";
+    // And no others.
+    std::size_t at = rows.find("| effect |"), count = 0;
+    ASSERT_NE(at, std::string::npos);
+    for (at = rows.find('\n', at); rows.find(" | same inside | mean |", at) != std::string::npos;
+         at = rows.find('\n', rows.find(" | same inside | mean |", at)))
+        ++count;
+    EXPECT_EQ(count, std::size(effects));
     for (const Effect& e : effects) {
         char most[40];
         std::snprintf(most, sizeof most, "differs ≤ %g", double(e.most));

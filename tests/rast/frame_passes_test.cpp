@@ -6,12 +6,11 @@
 #include <cstring>
 #include <string>
 
-#include "passes/frame_pass.h"
+#include "plan/frame_pass.h"
 #include "skip_stage.h"
 
 namespace {
 
-using rast::detail::add_pass;
 using rast::detail::FramePass;
 using rast::detail::FramePlane;
 using rast::detail::PassTask;
@@ -74,6 +73,12 @@ rast::RenderPlan plan_of(const prep::PreparedScene& scene, const rast::RenderReq
     auto plan = rast::plan(scene, request);
     if (!plan) throw std::runtime_error(to_string(plan.error()));
     return *std::move(plan);
+}
+// The same plan with one pass more.
+void add_pass(const prep::PreparedScene& scene, rast::RenderPlan& plan, FramePass pass) {
+    rast::RenderRequest request = plan.request;
+    rast::detail::add_pass(request, std::move(pass));
+    plan = plan_of(scene, request);
 }
 rast::Frame drawn(const prep::PreparedScene& scene, const rast::RenderPlan& plan) {
     auto frame = rast::render(scene, plan);
@@ -158,7 +163,7 @@ TEST(FramePasses, ThatDoNothingChangeNoByte) {
         nothing.name = "nothing";
         nothing.radius = 9;
         nothing.run = [](const PassTask&) {};
-        add_pass(plan, nothing);
+        add_pass(scene, plan, nothing);
         EXPECT_EQ(test::differing(drawn(scene, plan), without), "") << way;
         EXPECT_EQ(wrong_in_bands(scene, plan, 64, without), 0u) << way;
         EXPECT_EQ(wrong_in_crop(scene, plan, {30, 40, 70, 80}, without), 0u) << way;
@@ -167,12 +172,13 @@ TEST(FramePasses, ThatDoNothingChangeNoByte) {
 
 // Radii of any size: what is beyond the largest picture is not there.
 TEST(FramePasses, HalosEndWithTheLargestPicture) {
-    rast::RenderPlan plan = plan_of(scene_with_edges(), usual_request());
+    const prep::PreparedScene scene = scene_with_edges();
+    rast::RenderPlan plan = plan_of(scene, usual_request());
     FramePass far;
     far.radius = 1u << 31;
     far.run = [](const PassTask&) {};
-    add_pass(plan, far);
-    add_pass(plan, far);
+    add_pass(scene, plan, far);
+    add_pass(scene, plan, far);
     EXPECT_EQ(plan.halo, rast::max_picture_extent);
 }
 
@@ -181,7 +187,7 @@ TEST(FramePasses, SeeTheSameInPartsAsInTheWhole) {
     for (const auto& [way, request] : ways())
         for (const std::uint32_t radius : {1u, 9u}) {
             rast::RenderPlan plan = plan_of(scene, request);
-            add_pass(plan, depth_mean(radius));
+            add_pass(scene, plan, depth_mean(radius));
             ASSERT_EQ(plan.halo, radius);
             const rast::Frame whole = drawn(scene, plan);
             rast::RenderPlan bare = plan;
@@ -200,8 +206,8 @@ TEST(FramePasses, SeeTheSameInPartsAsInTheWhole) {
 TEST(FramePasses, LookAsFarAsAllOfThem) {
     const prep::PreparedScene scene = scene_with_edges();
     rast::RenderPlan plan = plan_of(scene, usual_request());
-    add_pass(plan, depth_mean(4));
-    add_pass(plan, green_mean(6));
+    add_pass(scene, plan, depth_mean(4));
+    add_pass(scene, plan, green_mean(6));
     EXPECT_EQ(plan.halo, 10u);
     const rast::Frame whole = drawn(scene, plan);
     EXPECT_EQ(wrong_in_bands(scene, plan, 7, whole), 0u);
@@ -218,7 +224,7 @@ TEST(FramePasses, MakeWhatPlainLoopsMake) {
     request.keep_depth = request.keep_normals = true;
     rast::RenderPlan plan = plan_of(scene, request);
     const rast::Frame plain = drawn(scene, plan);
-    add_pass(plan, depth_mean(3));
+    add_pass(scene, plan, depth_mean(3));
     const rast::Frame frame = drawn(scene, plan);
     EXPECT_EQ(frame.depth, plain.depth);
     EXPECT_EQ(frame.normal, plain.normal);
@@ -253,8 +259,8 @@ TEST(FramePasses, BeforeTheMainOneRunOnceAPicture) {
     after.run = [](const PassTask& t) {
         for (glm::vec4& c : t.frame->color) c.x = t.planes[0][0].values[1];
     };
-    add_pass(plan, before);
-    add_pass(plan, after);
+    add_pass(scene, plan, before);
+    add_pass(scene, plan, after);
     EXPECT_EQ(plan.halo, 0u);
     const rast::Frame whole = drawn(scene, plan);
     EXPECT_EQ(times, 1);
@@ -268,9 +274,9 @@ TEST(FramePasses, CostNothingWhereThereAreNone) {
     const prep::PreparedScene scene = scene_with_edges();
     const rast::RenderPlan bare = plan_of(scene, usual_request());
     EXPECT_EQ(bare.halo, 0u);
-    EXPECT_TRUE(bare.passes.empty());
+    EXPECT_TRUE(bare.request.passes.empty());
     rast::RenderPlan passing = bare;
-    add_pass(passing, depth_mean(3));
+    add_pass(scene, passing, depth_mean(3));
     rast::SceneRenderer renderer(scene);
     rast::Frame frame;
     const std::uint64_t pixels = 150 * 200;
@@ -304,8 +310,8 @@ TEST(FramePasses, AreInTheEstimatesOfMemory) {
         const rast::Frame bare = drawn(scene, plan);
         const std::uint64_t beside = plan.memory_estimate - bare.counters.buffer_bytes;
         const std::uint64_t bare_rows = plan.band_rows;
-        add_pass(plan, depth_mean(c.first));
-        add_pass(plan, green_mean(c.second));
+        add_pass(scene, plan, depth_mean(c.first));
+        add_pass(scene, plan, green_mean(c.second));
         // Bytes are made of floats, which are gone when they are counted.
         const std::uint64_t width = c.crop ? c.crop->width : 150,
                             height = c.crop ? c.crop->height : 200,
@@ -334,9 +340,51 @@ TEST(FramePasses, AreInTheEstimatesOfMemory) {
     shadows.run = [](const PassTask& task) {
         task.planes[task.pass][0] = {25, 10, std::vector<float>(250)};
     };
-    add_pass(plan, shadows);
+    add_pass(scene, plan, shadows);
     EXPECT_EQ(drawn(scene, plan).counters.buffer_bytes, 150 * 200 * (16 + 16) + 1000);
     EXPECT_EQ(plan.memory_estimate, before + 150 * 200 * 16 + 1000);
+}
+
+// Passes are known before anything is proved: a flat normal map shows in the sign of a zero.
+TEST(FramePasses, AreInThePlanBeforeItProvesAnything) {
+    prep::Material material;
+    material.normal_map.texture = 0;
+    const float flat[] = {0.5f, 0.5f, 1};
+    const prep::PreparedScene scene =
+        test::stage_of(material, {test::float_picture(1, 1, 3, flat)});
+    rast::RenderRequest request = test::stage_request();
+    EXPECT_TRUE(test::is_skipped("normal_map_flat", scene, request));
+    rast::RenderRequest kept = request;
+    kept.keep_normals = true;
+    const std::vector<glm::vec3> normals = test::draw_knowing_texels(scene, kept).frame.normal;
+    std::vector<glm::vec3> seen;
+    FramePass pass;
+    pass.reads_normals = true;
+    pass.run = [&seen](const PassTask& t) { seen = t.frame->normal; };
+    rast::detail::add_pass(request, pass);
+    const test::Drawing drawing = test::draw_knowing_texels(scene, request);
+    EXPECT_EQ(test::proved_zero(drawing.plan).count("normal_map_flat"), 0u);
+    EXPECT_TRUE(drawing.plan.textures_used[0]);
+    ASSERT_EQ(seen.size(), normals.size());
+    EXPECT_EQ(std::memcmp(seen.data(), normals.data(), seen.size() * sizeof(seen[0])), 0);
+}
+
+// What the step says of bands is what is drawn.
+TEST(FramePasses, AreInTheStepOfBands) {
+    const prep::PreparedScene scene = scene_with_edges();
+    rast::RenderRequest request = usual_request();
+    request.pixels = rast::PixelFormat::bytes;
+    request.band_bytes = 4 * 150 * 256;  // of bytes all rows, of floats a part
+    const auto told = [&](const rast::RenderPlan& plan) {
+        const auto bands =
+            std::find_if(plan.steps.begin(), plan.steps.end(),
+                         [](const rast::PlanStep& step) { return step.name == "bands"; });
+        EXPECT_EQ(bands->reasons.at(0).value, plan.band_rows);
+        return bands->run;
+    };
+    EXPECT_FALSE(told(plan_of(scene, request)));
+    rast::detail::add_pass(request, depth_mean(3));
+    EXPECT_TRUE(told(plan_of(scene, request)));
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <string>
 
-#include "passes/frame_pass.h"
+#include "plan/frame_pass.h"
 #include "skip_stage.h"
 
 namespace {
@@ -152,13 +152,13 @@ TEST(PartTimes, AreThoseOfWhatRuns) {
                 << c.name << ": " << rast::shade_stage_names[k];
         }
     }
-    auto plan = rast::plan(ball, timed_request());
+    rast::RenderRequest passing = timed_request();
     rast::detail::FramePass pass;
     pass.run = [](const rast::detail::PassTask& task) {
         for (glm::vec4& c : task.frame->color) c.x = std::sqrt(c.x);
     };
-    add_pass(*plan, pass);
-    EXPECT_GT(ms_of(*rast::render(ball, *plan), DrawingPart::passes), 0);
+    add_pass(passing, pass);
+    EXPECT_GT(ms_of(test::draw(ball, passing), DrawingPart::passes), 0);
 }
 
 // A hundred lights take longer than all other stages together, and nothing else does.

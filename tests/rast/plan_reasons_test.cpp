@@ -2,6 +2,7 @@
 // are told differently by it, no others.
 #include <gtest/gtest.h>
 
+#include <map>
 #include <set>
 #include <string>
 #include <string_view>
@@ -42,6 +43,22 @@ void add_texture(PreparedScene& s, float alpha = 1) {
 void with_normal_map(PreparedScene& s, RenderRequest&) {
     add_texture(s);
     first(s).normal_map.texture = 0;
+}
+prep::ImageRef flat_picture() {
+    const float texel[] = {0.5f, 0.5f, 1};
+    return test::float_picture(1, 1, 3, texel);
+}
+// Two balls: the first one's map is flat, the second one's is not.
+void with_flat_and_bumpy_ball(PreparedScene& s, RenderRequest& r) {
+    with_normal_map(s, r);
+    with_normal_map(s, r);
+    s.scene.images[0] = flat_picture();
+    s.scene.materials.push_back(first(s));
+    s.scene.materials[1].normal_map.texture = 1;
+    s.meshes.push_back(s.meshes[0]);
+    for (prep::VertexMesh::Range& range : s.meshes[1].ranges) range.material = 1;
+    s.scene.nodes.push_back(s.scene.nodes[0]);
+    s.scene.nodes.back().mesh = 1;
 }
 void with_diffuse_map(PreparedScene& s, RenderRequest&) {
     add_texture(s);
@@ -98,9 +115,9 @@ const std::vector<Row>& rows() {
          {"lights"}},
         {none,
          [](PreparedScene&, RenderRequest& r) { r.lights->clear(); },
-         {"highlights_none", "no_lights_given"},
-         {"highlights", "highlights_some", "light", "lights_given"},
-         {"highlights", "lights"}},
+         {"highlights_none", "no_directed_light", "no_lights_given"},
+         {"highlights", "highlights_some", "light", "lights_given", "normals_interpolated"},
+         {"highlights", "lights", "vertex normals"}},
         {none,
          [](PreparedScene&, RenderRequest& r) { r.lights->front().color = {}; },
          {"last_light"},
@@ -108,9 +125,25 @@ const std::vector<Row>& rows() {
          {"lights"}},
         {in_gouraud,
          [](PreparedScene&, RenderRequest& r) { r.lights->clear(); },
-         {"no_lights_given"},
-         {"light", "lights_given"},
-         {"lights"}},
+         {"highlights_none", "no_lights_given"},
+         {"highlights", "highlights_some", "light", "lights_given"},
+         {"highlights", "lights"}},
+        {in_gouraud,
+         [](PreparedScene& s, RenderRequest&) { first(s).unlit = true; },
+         {"all_unlit", "highlights_none"},
+         {"highlights", "highlights_some", "light", "light_at_vertices", "lights_given",
+          "normals_interpolated"},
+         {"highlights", "lights", "shading", "vertex lighting", "vertex normals"}},
+        {in_gouraud,
+         [](PreparedScene& s, RenderRequest&) { s.meshes[0].normals.clear(); },
+         {"normals_missing"},
+         {"light_at_vertices", "normals_interpolated"},
+         {"shading", "vertex lighting", "vertex normals"}},
+        {none,
+         [](PreparedScene& s, RenderRequest&) { s.meshes[0].normals.clear(); },
+         {"normals_missing"},
+         {"normals_interpolated"},
+         {"shading", "vertex normals"}},
         {none,
          in_gouraud,
          {"light_at_vertices", "normal_maps_unread"},
@@ -128,19 +161,21 @@ const std::vector<Row>& rows() {
          {"normal maps", "shading", "vertex normals"}},
         {none,
          [](PreparedScene& s, RenderRequest&) { first(s).unlit = true; },
-         {"highlights_none"},
-         {"highlights", "highlights_some"},
-         {"highlights", "shading"}},
+         {"all_unlit", "highlights_none"},
+         {"highlights", "highlights_some", "light", "lights_given", "normals_interpolated"},
+         {"highlights", "lights", "shading", "vertex normals"}},
         {none,
          [](PreparedScene&, RenderRequest& r) { r.keep_color = false; },
          {"highlights_none", "no_colors_kept"},
-         {"highlights", "highlights_some", "light", "variants"},
-         {"highlights", "lights", "shading"}},
+         {"highlights", "highlights_some", "light", "lights_given", "normals_interpolated",
+          "variants"},
+         {"highlights", "lights", "shading", "vertex normals"}},
         {none,
          [](PreparedScene& s, RenderRequest&) { s.scene.nodes.clear(); },
          {"highlights_none", "no_triangles"},
-         {"highlights", "highlights_some", "variants"},
-         {"highlights", "shading"}},
+         {"highlights", "highlights_some", "light", "lights_given", "normals_interpolated",
+          "variants"},
+         {"highlights", "lights", "shading", "vertex normals"}},
         {none,
          with_normal_map,
          {"filter", "levels", "map", "no_levels", "normal_maps", "textures"},
@@ -153,16 +188,32 @@ const std::vector<Row>& rows() {
          {"mip levels", "normal maps", "ripmap levels", "shading", "texture filter", "textures"}},
         {with_normal_map,
          [](PreparedScene& s, RenderRequest&) { first(s).unlit = true; },
-         {"highlights_none", "no_textures", "normal_maps_unlit"},
-         {"filter", "highlights", "highlights_some", "levels", "map", "no_levels", "normal_maps",
-          "textures"},
-         {"highlights", "mip levels", "normal maps", "ripmap levels", "shading", "texture filter",
-          "textures"}},
+         {"all_unlit", "highlights_none", "no_textures", "normal_maps_unlit"},
+         {"filter", "highlights", "highlights_some", "levels", "light", "lights_given", "map",
+          "no_levels", "normal_maps", "normals_interpolated", "textures"},
+         {"highlights", "lights", "mip levels", "normal maps", "ripmap levels", "shading",
+          "texture filter", "textures", "vertex normals"}},
         {with_normal_map,
          [](PreparedScene& s, RenderRequest&) { s.meshes[0].tangents.clear(); },
-         {"normal_maps_not_placed"},
-         {"map", "normal_maps"},
-         {"normal maps", "shading"}},
+         {"normal_map_not_placed", "normal_maps_not_placed", "textures_not_placed"},
+         {"filter", "levels", "map", "no_levels", "normal_maps", "textures"},
+         {"mip levels", "normal maps", "ripmap levels", "shading", "texture filter", "textures"}},
+        {with_normal_map,
+         [](PreparedScene& s, RenderRequest&) { s.scene.images[0] = flat_picture(); },
+         {"normal_map_flat", "normal_maps_all_flat", "textures_all_neutral"},
+         {"filter", "levels", "map", "no_levels", "normal_maps", "textures"},
+         {"mip levels", "normal maps", "ripmap levels", "shading", "texture filter", "textures"}},
+        // One of two maps bends; then the other one, which is flat, has no tangents either.
+        {with_flat_and_bumpy_ball,
+         [](PreparedScene& s, RenderRequest&) { s.meshes[1].tangents.clear(); },
+         {"normal_map_not_placed", "normal_maps_all_flat", "textures_not_placed"},
+         {"filter", "levels", "map", "no_levels", "normal_maps", "textures"},
+         {"mip levels", "normal maps", "ripmap levels", "shading", "texture filter", "textures"}},
+        {with_diffuse_map,
+         [](PreparedScene& s, RenderRequest&) { s.meshes[0].uvs.clear(); },
+         {"map_without_uvs", "no_srgb", "textures_not_placed"},
+         {"filter", "levels", "no_levels", "srgb", "textures"},
+         {"mip levels", "ripmap levels", "sRGB decoding", "shading", "texture filter", "textures"}},
         {with_normal_map,
          [](PreparedScene&, RenderRequest& r) { r.shading = rast::Shading::phong; },
          {"no_textures", "normal_maps_unread"},
@@ -339,6 +390,76 @@ TEST(PlanReasons, ComeAndGoWithTheirStepsAndNoOthers) {
     }
 }
 
+// What is asked for and left out for want of something is told apart from what nobody asked for.
+TEST(PlanReasons, SayWhatIsAskedForAndCannotBeDone) {
+    struct Case {
+        Change change;
+        const char *step, *label;
+    };
+    const Case cases[] = {
+        {[](PreparedScene& s, RenderRequest&) { first(s).alpha_mode = prep::AlphaMode::blend; },
+         "alpha blending", "not possible"},
+        {none, "alpha blending", "not requested"},
+        {[](PreparedScene& s, RenderRequest& r) {
+             with_normal_map(s, r);
+             s.meshes[0].tangents.clear();
+         },
+         "normal maps", "not possible"},
+        {none, "normal maps", "not requested"},
+        {[](PreparedScene& s, RenderRequest& r) {
+             with_diffuse_map(s, r);
+             first(s).diffuse_map.uv_set = 1;
+         },
+         "textures", "not possible"},
+        {none, "textures", "not requested"},
+        {[](PreparedScene& s, RenderRequest&) { s.meshes[0].normals.clear(); }, "vertex normals",
+         "not possible"},
+        {[](PreparedScene& s, RenderRequest& r) {
+             with_normal_map(s, r);
+             s.scene.images[0] = flat_picture();
+         },
+         "normal maps", "proved zero"},
+    };
+    for (const Case& c : cases) {
+        Planned p;
+        c.change(p.scene, p.request);
+        const rast::RenderPlan plan = plan_of(p.scene, p.request);
+        for (const rast::PlanStep& step : plan.steps) {
+            if (step.name != c.step) continue;
+            EXPECT_FALSE(step.run) << c.step;
+            EXPECT_EQ(prep::name_of(step.label), c.label) << c.step;
+            EXPECT_EQ(step.reasons.at(0).label, step.label) << c.step;
+            EXPECT_EQ(prep::sentence(step.reasons.at(0), p.scene.scene), step.reason) << c.step;
+        }
+    }
+}
+
+// `value` is what was found, `limit` what it is held against: the ball is 39 away from the lamp,
+// its alpha is 0.75.
+TEST(PlanReasons, FiguresAreWhatWasFoundAndWhatItIsHeldAgainst) {
+    Planned p;
+    with_mask(p.scene, p.request);
+    first(p.scene).diffuse.a = 0.75f;
+    p.request.lights->push_back(
+        test::light_of(prep::LightKind::point, glm::vec3(1), {0, 0, 40}, {0, 0, -1}, 5));
+    p.request.lights->push_back(
+        test::light_of(prep::LightKind::point, glm::vec3(1), {0, 0, 40}, {0, 0, -1}));
+    p.request.allow_error = 0.25f;
+    std::map<std::string, prep::Reason> found;
+    for (const rast::PlanStep& step : plan_of(p.scene, p.request).steps)
+        for (const prep::Reason& why : step.reasons)
+            found[std::string(prep::name_of(why.code))] = why;
+    EXPECT_NEAR(found.at("light_range").value, 39, 0.01);
+    EXPECT_EQ(found.at("light_range").limit, 5);
+    EXPECT_EQ(prep::sentence(found.at("light_range"), p.scene.scene).find("light 2 reaches 5 far"),
+              0u);
+    EXPECT_EQ(found.at("mask_never_cuts").value, 0.75);
+    EXPECT_EQ(found.at("mask_never_cuts").limit, 0.5);
+    EXPECT_GT(found.at("light_faint").value, 0);
+    EXPECT_LT(found.at("light_faint").value, 0.01);
+    EXPECT_EQ(found.at("light_faint").limit, 0.25);
+}
+
 // Each code that a plan can have is in a row here or is one of the skips', each of which has a case
 // of its own (Skips.*, BoundedSkips.*).
 TEST(PlanReasons, AreAllInARow) {
@@ -353,7 +474,7 @@ TEST(PlanReasons, AreAllInARow) {
     for (const prep::ReasonRow& row : prep::reason_rows())
         if (row.code >= prep::ReasonCode::view_given) planned.insert(std::string(row.key));
     EXPECT_EQ(less(planned, found), Names());
-    EXPECT_GE(planned.size(), 69u);
+    EXPECT_GE(planned.size(), 74u);
 }
 
 }  // namespace

@@ -128,10 +128,35 @@ TEST(Pruning, WithoutTexturesNoneIsReadOrSampled) {
     bare.meshes[0].uvs.clear();
     const rast::Frame no_uvs = test::draw(bare, small());
     EXPECT_EQ(no_uvs.counters.texture_samples, 0u);
+    EXPECT_EQ(no_uvs.counters.textures_read, 0u);
     // Switched off: not even read.
     rast::RenderRequest off = small();
     off.textures = false;
     EXPECT_EQ(test::draw(two_spheres(true, false), off).counters.textures_read, 0u);
+}
+
+// Nobody would be told of a file that nothing samples: the UVs that are missing are told instead.
+TEST(Pruning, FilesOfMapsWithoutUvsAreNotRead) {
+    prep::PreparedScene scene = two_spheres(true, false);
+    scene.scene.images[0].bytes.resize(20);
+    const auto warned = [&](const char* words) {
+        const rast::Frame frame = test::draw(scene, small());
+        return std::any_of(frame.warnings.begin(), frame.warnings.end(),
+                           [&](const auto& text) { return text.find(words) != std::string::npos; });
+    };
+    EXPECT_TRUE(warned("texture left out"));
+    EXPECT_FALSE(warned("UV set"));
+    scene.scene.materials[0].diffuse_map.uv_set = 1;
+    EXPECT_FALSE(warned("texture left out"));
+    EXPECT_TRUE(warned("UV set"));
+    const rast::RenderPlan plan = plan_of(scene, small());
+    EXPECT_EQ(plan.textures_used, (std::vector<bool>{false, true}));
+    // One mesh that has them is enough.
+    scene.meshes.push_back(scene.meshes[0]);
+    scene.meshes[1].uvs.push_back(scene.meshes[1].uvs[0]);
+    scene.scene.nodes[1].mesh = 1;
+    EXPECT_TRUE(warned("texture left out"));
+    EXPECT_TRUE(warned("UV set"));
 }
 
 TEST(Pruning, OnlyTheMapsThatShadingReadsAreSampled) {

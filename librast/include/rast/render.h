@@ -61,6 +61,11 @@ struct TexelFacts {
     bool constant = false;
 };
 
+namespace detail {
+struct FramePass;
+struct StageWatch;
+}  // namespace detail
+
 // What is asked for. Unset choices are made by plan().
 struct RenderRequest : prep::RenderChoices {
     std::optional<View> view;  // unset: the scene's camera, else the whole scene
@@ -81,6 +86,8 @@ struct RenderRequest : prep::RenderChoices {
     // nothing is left out for what texels are like.
     std::shared_ptr<const std::vector<TexelFacts>> texel_facts;
     std::optional<Crop> crop;  // unset: the whole picture
+    // Before and after the main one: detail::add_pass(). None has been made yet.
+    std::vector<std::shared_ptr<const detail::FramePass>> passes = {};
     PixelFormat pixels = PixelFormat::floats;
     // Of a band's pixels in render_bands(). Lists of triangles by tile take as much at most, beside
     // up to 28 bytes a triangle (small ones take 3), unless one row of tiles takes more: then they
@@ -125,22 +132,14 @@ struct PlanVariant {
     bool lit = false, highlights = false, bends_normals = false, masked = false;
 };
 
-namespace detail {
-struct FramePass;
-struct StageWatch;
-}  // namespace detail
-
 struct RenderPlan {         // a value; made by plan(), obeyed by render()
     RenderRequest request;  // with every choice made
     View view;
     std::vector<LightInstance> lights;
     PlanSkips skips;
     std::vector<PlanStep> steps;
-    std::vector<PlanVariant> variants;  // by falling number of triangles
-    // Passes before and after the main one (none has been made yet), and how many pixels beyond a
-    // crop or a band are drawn for what those after it look at.
-    std::vector<std::shared_ptr<const detail::FramePass>> passes = {};
-    std::uint32_t halo = 0;
+    std::vector<PlanVariant> variants;    // by falling number of triangles
+    std::uint32_t halo = 0;               // pixels beyond a crop or a band, for what passes look at
     detail::StageWatch* watch = nullptr;  // looks at each stage of shading, for tests
     std::vector<bool> textures_used;      // per Scene::textures entry
     std::vector<bool> colour_textures;    // decoded from sRGB, where they are

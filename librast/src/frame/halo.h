@@ -4,8 +4,8 @@
 
 #include <vector>
 
-#include "passes/frame_pass.h"
 #include "passes/part_clock.h"
+#include "plan/frame_pass.h"
 
 namespace rast::detail {
 

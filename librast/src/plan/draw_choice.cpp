@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "plan/frame_pass.h"
+
 namespace rast {
 namespace detail {
 
@@ -11,7 +13,7 @@ prep::Consumer consumer_for(const RenderRequest& r, bool lights) {
     c.shading = r.shading;
     c.textures = r.textures || !r.prune;
     c.colors = r.keep_color || !r.prune;
-    c.normals = r.keep_normals;
+    c.normals = makes_normals(r);
     c.uvs = r.keep_uvs;
     c.lights = lights || !r.prune;
     return c;

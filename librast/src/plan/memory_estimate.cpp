@@ -3,9 +3,33 @@
 #include <algorithm>
 
 #include "geometry/tile.h"
+#include "plan/frame_pass.h"
 
 namespace rast::detail {
 namespace {
+
+// What all passes of a plan ask for beside its picture.
+struct PassMemory {
+    bool any = false;
+    bool depth = false, normals = false, positions = false;  // read, whether they are kept or not
+    std::uint64_t planes = 0;  // floats a pixel, of passes after the main one
+    std::uint64_t bytes = 0;   // of planes of passes before it
+};
+
+PassMemory memory_of(const RenderRequest& request) {
+    PassMemory sum;
+    for (const auto& pass : request.passes) {
+        sum.any = true;
+        sum.depth |= pass->reads_depth;
+        sum.normals |= pass->reads_normals;
+        sum.positions |= pass->reads_positions;
+        if (pass->before)
+            sum.bytes += pass->bytes;
+        else
+            sum.planes += pass->planes;
+    }
+    return sum;
+}
 
 // Bytes a pixel of a frame's buffers.
 std::uint64_t pixel_bytes(const RenderRequest& r, bool bytes) {
@@ -40,8 +64,9 @@ Crop picture_part(const RenderRequest& request) {
     return request.crop.value_or(Crop{0, 0, request.width, request.height});
 }
 
-void estimate_memory(RenderPlan& plan, const PassMemory& passes) {
+void estimate_memory(RenderPlan& plan) {
     const RenderRequest& r = plan.request;
+    const PassMemory passes = memory_of(r);
     const Crop part = picture_part(r);
     const bool bytes = r.pixels == PixelFormat::bytes && r.coverage != Coverage::area &&
                        r.supersample == 1 && !passes.any;  // those are made of floats first

@@ -6,6 +6,9 @@
 
 #include "geometry/tile.h"
 #include "plan/draw_choice.h"
+#include "plan/drawn_contents.h"
+#include "plan/filter_words.h"
+#include "plan/frame_pass.h"
 #include "plan/memory_estimate.h"
 #include "plan/skips.h"
 #include "rast/render.h"
@@ -18,37 +21,10 @@ using Code = prep::ReasonCode;
 using prep::Material;
 using prep::TextureRef;
 
-// What the materials in use bring, over all instances.
-struct SceneContents {
-    std::set<std::uint32_t> materials;
-    bool default_material = false;
-    std::uint64_t triangles = 0, vertices = 0;
-    bool normals_missing = false;
-};
-
-SceneContents contents_of(const prep::PreparedScene& prepared) {
-    SceneContents s;
-    for (const prep::Node& node : prepared.scene.nodes) {
-        if (node.mesh == prep::no_index) continue;
-        const prep::VertexMesh& mesh = prepared.meshes[node.mesh];
-        s.triangles += mesh.triangle_count();
-        s.vertices += mesh.vertex_count();
-        s.normals_missing |= mesh.triangle_count() > 0 && mesh.normals.empty();
-        for (const prep::VertexMesh::Range& range : mesh.ranges) {
-            if (range.material >= prepared.scene.materials.size()) {
-                s.default_material = true;
-                continue;
-            }
-            s.materials.insert(range.material);
-        }
-    }
-    return s;
-}
-
 class Planner {
   public:
     Planner(const prep::PreparedScene& prepared, const RenderRequest& request)
-        : prepared_(prepared), contents_(contents_of(prepared)) {
+        : prepared_(prepared), contents_(detail::drawn_contents(prepared)) {
         plan_.request = request;
         plan_.triangles = contents_.triangles;
         plan_.vertices = contents_.vertices;
@@ -66,11 +42,11 @@ class Planner {
         camera();
         lights();
         shading();
-        proved_ = detail::prove_skips(prepared_, plan_,
-                                      {contents_.materials.begin(), contents_.materials.end()});
+        proved_ = detail::prove_skips(prepared_, plan_, contents_);
         plan_.skips = proved_.skips;
         plan_.texel_questions = proved_.texel_questions;
         consumer_ = consumer_of(plan_);
+        maps_ = detail::maps_of_materials(prepared_, contents_, plan_);
         proved_steps();
         textures();
         variants();
@@ -119,39 +95,56 @@ class Planner {
             });
         };
         const bool lit =
-            consumer_.colors && (consumer_.lights || plan_.request.shading == Shading::gouraud);
+            is_lit() && std::any_of(plan_.lights.begin(), plan_.lights.end(), [](const auto& l) {
+                return l.kind != prep::LightKind::ambient;
+            });
         const std::vector<prep::Reason>& own = proved_.highlights;
         const bool some = runs(own) || contents_.default_material;
-        if (!lit || (own.empty() && !some))
+        if (!lit)
             step("highlights", false, Code::highlights_none);
         else
             step("highlights", some, some ? Code::highlights_some : Code::highlights_all_zero);
         if (lit) add_reasons(own);
         for (PlanStep& s : plan_.steps) {
-            if (s.name == "lights")
+            if (s.name == "lights" && s.run)
                 s.reasons.insert(s.reasons.end(), proved_.lights.begin(), proved_.lights.end());
             if (s.name != "normal maps" || !s.run) continue;
             normal_map_step(s);
         }
     }
 
-    // Its maps one by one: those that bend normals, and those that are proved to bend none.
+    // Its maps one by one: those that bend normals, those that are proved to bend none, and those
+    // that cannot.
     void normal_map_step(PlanStep& s) {
-        bool some = false;
+        const prep::MaterialMap& map = prep::material_maps[std::size_t(prep::MapKind::normal)];
+        const std::uint32_t bit = 1u << unsigned(prep::MapKind::normal);
+        bool some = false, flat = false;
         for (const std::uint32_t m : contents_.materials) {
-            const Material& material = prepared_.scene.materials[m];
-            const prep::MaterialMap& map = prep::material_maps[std::size_t(prep::MapKind::normal)];
-            if (!material.normal_map || !prep::map_is_read(material, map, consumer_)) continue;
-            const bool skipped =
-                (plan_.skips.of(m).maps >> unsigned(prep::MapKind::normal) & 1u) != 0;
-            some |= !skipped;
-            s.reasons.push_back(prep::reason(skipped ? Code::normal_map_flat : Code::map,
-                                             prep::map_subject(m, map)));
+            if ((plan_.skips.of(m).maps & bit) != 0) {
+                flat = true;
+                s.reasons.push_back(prep::reason(Code::normal_map_flat, prep::map_subject(m, map)));
+            } else if ((maps_[m].placed & bit) != 0) {
+                some = true;
+                s.reasons.push_back(prep::reason(Code::map, prep::map_subject(m, map)));
+            } else if ((maps_[m].wanted & bit) != 0) {
+                s.reasons.push_back(not_placed(m, map));
+            }
         }
-        if (some || s.reasons.size() < 2) return;
+        if (some || !plan_.request.prune) return;
+        const prep::Reason why =
+            prep::reason(flat ? Code::normal_maps_all_flat : Code::normal_maps_not_placed);
         s.run = false;
-        s.label = prep::ReasonLabel::proved_zero;
-        s.reason = prep::sentence(s.reasons[1], prepared_.scene);
+        s.label = why.label;
+        s.reason = prep::sentence(why, prepared_.scene);
+        s.reasons[0] = why;
+    }
+
+    // Of a map that is wanted and that no mesh has all for.
+    prep::Reason not_placed(std::uint32_t m, const prep::MaterialMap& map) const {
+        const bool uvs = (maps_[m].without_uvs >> unsigned(map.kind) & 1u) != 0;
+        const TextureRef& ref = prepared_.scene.materials[m].*map.ref;
+        return prep::reason(uvs ? Code::map_without_uvs : Code::normal_map_not_placed,
+                            prep::map_subject(m, map), uvs ? double(ref.uv_set) : 0);
     }
 
     void mask() {
@@ -183,7 +176,8 @@ class Planner {
 
     void memory() {
         const RenderRequest& r = plan_.request;
-        detail::estimate_memory(plan_, {});
+        plan_.halo = detail::halo_of(r);
+        detail::estimate_memory(plan_);
         const bool bands = plan_.band_rows < detail::picture_part(r).height;
         step("bands", bands,
              prep::reason(bands ? Code::bands : Code::no_bands, {}, plan_.band_rows,
@@ -217,61 +211,55 @@ class Planner {
     }
 
     void lights() {
+        Code code = Code::lights_given;
         if (plan_.request.lights) {
             plan_.lights = *plan_.request.lights;
-            step("lights", !plan_.lights.empty(),
-                 prep::reason(plan_.lights.empty() ? Code::no_lights_given : Code::lights_given, {},
-                              double(plan_.lights.size())));
-            return;
+            if (plan_.lights.empty()) code = Code::no_lights_given;
+        } else {
+            plan_.lights = scene_lights(prepared_.scene);
+            code = Code::lights_of_scene;
         }
-        plan_.lights = scene_lights(prepared_.scene);
-        if (!plan_.lights.empty()) {
+        if (plan_.lights.empty() && code == Code::lights_of_scene) {
+            plan_.lights = three_light_setup(plan_.view);
+            code = Code::lights_set_up;
+        }
+        if (code == Code::no_lights_given)
+            step("lights", false, code);
+        else if (is_lit())
             step("lights", true,
-                 prep::reason(Code::lights_of_scene, {}, double(plan_.lights.size())));
-            return;
-        }
-        plan_.lights = three_light_setup(plan_.view);
-        step("lights", true, Code::lights_set_up);
+                 prep::reason(code, {},
+                              code == Code::lights_set_up ? 0 : double(plan_.lights.size())));
+        else
+            step("lights", false, unlit_reason());
     }
 
-    // Of all runs of triangles: whether some shading reads a normal map, and some draw has it.
-    struct NormalMaps {
-        bool wanted = false, bound = false, tangents_missing = false;
-    };
-    NormalMaps normal_maps() const {
-        NormalMaps found;
-        const prep::Consumer consumer = consumer_of(plan_);
-        const prep::MaterialMap& map = prep::material_maps[std::size_t(prep::MapKind::normal)];
-        for (const prep::Node& node : prepared_.scene.nodes) {
-            if (node.mesh == prep::no_index) continue;
-            const prep::VertexMesh& mesh = prepared_.meshes[node.mesh];
-            for (const prep::VertexMesh::Range& range : mesh.ranges) {
-                if (range.triangle_count == 0 || range.material >= prepared_.scene.materials.size())
-                    continue;
-                const Material& m = prepared_.scene.materials[range.material];
-                if (!m.normal_map || !prep::map_is_read(m, map, consumer)) continue;
-                found.wanted = true;
-                found.bound |= detail::choose(plan_, consumer, mesh, m, range.material)
-                                   .has(prep::MapKind::normal);
-                found.tangents_missing |=
-                    mesh.tangents.empty() && m.normal_map_space == prep::NormalMapSpace::tangent;
-            }
-        }
-        return found;
+    // Whether any light is computed at all, and why not.
+    bool is_lit() const { return keeps_colors() && contents_.lit; }
+    bool keeps_colors() const { return plan_.request.keep_color || !plan_.request.prune; }
+    Code unlit_reason() const {
+        return !keeps_colors()            ? Code::no_colors_kept
+               : contents_.triangles == 0 ? Code::no_triangles
+                                          : Code::all_unlit;
     }
-
     void shading() {
         Shading& shading = plan_.request.shading;
         const bool mapped = any([](const Material& m) { return bool(m.normal_map); });
-        const NormalMaps maps = normal_maps();
+        const std::uint32_t bit = 1u << unsigned(prep::MapKind::normal);
+        bool wanted = false, placed = false, tangents_missing = false;
+        for (const detail::MapsOfMaterial& maps :
+             detail::maps_of_materials(prepared_, contents_, plan_)) {
+            wanted |= (maps.wanted & bit) != 0;
+            placed |= (maps.placed & bit) != 0;
+            tangents_missing |= maps.tangents_missing;
+        }
         if (plan_.request.prune && shading == Shading::normal_mapped &&
             (!mapped || !plan_.request.textures)) {
             step("normal maps", false,
                  mapped ? Code::normal_maps_textures_off : Code::no_normal_map);
             shading = Shading::phong;
-        } else if (plan_.request.prune && shading == Shading::normal_mapped && !maps.bound) {
+        } else if (plan_.request.prune && shading == Shading::normal_mapped && !placed) {
             step("normal maps", false,
-                 maps.wanted ? Code::normal_maps_not_placed : Code::normal_maps_unlit);
+                 wanted ? Code::normal_maps_not_placed : Code::normal_maps_unlit);
         } else {
             step("normal maps", shading == Shading::normal_mapped,
                  shading == Shading::normal_mapped ? Code::normal_maps : Code::normal_maps_unread);
@@ -280,17 +268,32 @@ class Planner {
             plan_.warnings.push_back(
                 "some meshes carry no normals: they are shaded by their face normals");
         }
-        if (shading == Shading::normal_mapped && maps.tangents_missing)
+        if (shading == Shading::normal_mapped && tangents_missing)
             plan_.warnings.push_back(
                 "some normal-mapped meshes carry no tangents: their maps are left out");
-        step("vertex lighting", shading == Shading::gouraud,
-             shading == Shading::gouraud ? Code::light_at_vertices : Code::light_at_pixels);
-        step("vertex normals", shading != Shading::flat,
-             shading == Shading::flat ? Code::flat_shading : Code::normals_interpolated);
+        vertex_steps();
+    }
+
+    void vertex_steps() {
+        const Shading shading = plan_.request.shading;
+        const prep::Consumer consumer = consumer_of(plan_);
+        const detail::NormalsRead normals = detail::normals_read(prepared_, contents_, consumer);
+        const Code lighting = shading != Shading::gouraud ? Code::light_at_pixels
+                              : !is_lit()                 ? unlit_reason()
+                              : !normals.there            ? Code::normals_missing
+                                                          : Code::light_at_vertices;
+        step("vertex lighting", lighting == Code::light_at_vertices, lighting);
+        const Code why = shading == Shading::flat ? Code::flat_shading
+                         : normals.there          ? Code::normals_interpolated
+                         : normals.read           ? Code::normals_missing
+                         : !is_lit()              ? unlit_reason()
+                                                  : Code::no_directed_light;
+        step("vertex normals", why == Code::normals_interpolated, why);
     }
 
     void textures() {
-        bool colour_used = false, data_used = false;
+        bool colour_used = false, data_used = false, uvs_missing = false;
+        std::vector<prep::Reason> unplaced;
         // What is left out has its say in how a texture is decoded that others read as well.
         prep::Consumer any_light = consumer_;
         any_light.lights = true;
@@ -304,18 +307,30 @@ class Planner {
         if (plan_.request.textures) {
             for (const std::uint32_t m : contents_.materials) {
                 const Material& material = prepared_.scene.materials[m];
+                const detail::MapsOfMaterial& maps = maps_[m];
+                uvs_missing |= maps.uvs_missing;
                 for (const prep::MaterialMap& map : prep::material_maps) {
-                    const bool skipped = (plan_.skips.of(m).maps >> unsigned(map.kind) & 1u) != 0;
+                    const std::uint32_t bit = 1u << unsigned(map.kind);
                     if (prep::map_is_read(material, map, any_light))
-                        use(material.*map.ref, map.color,
-                            !skipped && prep::map_is_read(material, map, consumer_));
+                        use(material.*map.ref, map.color, (maps.placed & bit) != 0);
+                    if ((maps.wanted & ~maps.placed & bit) != 0)
+                        unplaced.push_back(not_placed(m, map));
                 }
             }
         }
+        // Where no mesh has them, the file is not read: nobody would be told that it is broken.
+        if (uvs_missing)
+            plan_.warnings.push_back(
+                "some meshes have not the UV set that a map of their material needs: it is left "
+                "out there");
         const bool some = colour_used || data_used;
-        const Code none = plan_.request.textures ? Code::no_textures : Code::textures_off;
+        const Code none = !plan_.request.textures ? Code::textures_off
+                          : !unplaced.empty()     ? Code::textures_not_placed
+                          : !proved_.maps.empty() ? Code::textures_all_neutral
+                                                  : Code::no_textures;
         step("textures", some, some ? Code::textures : none);
         add_reasons(proved_.maps);
+        add_reasons(unplaced);
         step("sRGB decoding", colour_used, colour_used ? Code::srgb : Code::no_srgb);
         step("texture filter", some, prep::reason(some ? Code::filter : none),
              some ? filter_reason() : "");
@@ -338,42 +353,10 @@ class Planner {
     }
 
     std::string filter_reason() const {
-        if (plan_.request.filter != TextureFilter::by_sampler)
-            return filter_text(plan_.request.filter);
-        std::map<TextureFilter, std::size_t> found;
+        std::vector<TextureFilter> used;
         for (std::size_t t = 0; t < plan_.textures_used.size(); ++t)
-            if (plan_.textures_used[t]) ++found[filter_of(t)];
-        if (found.size() == 1) return "by the samplers, " + filter_text(found.begin()->first);
-        std::string text;
-        for (const auto& [filter, count] : found)
-            text += (text.empty() ? "by the samplers, " : "; ") + std::to_string(count) + " × " +
-                    filter_text(filter);
-        return text;
-    }
-
-    std::string filter_text(TextureFilter filter) const {
-        const std::string most = std::to_string(plan_.request.max_anisotropy);
-        switch (filter) {
-            case TextureFilter::by_sampler:
-                return "as no filter of another name: one to eight reads a sample";
-            case TextureFilter::nearest:
-                return "nearest texel: one read a sample";
-            case TextureFilter::bilinear:
-                return "bilinear: four reads a sample, first level only";
-            case TextureFilter::nearest_mip:
-                return "nearest mip: four reads on the mip level nearest to the footprint";
-            case TextureFilter::trilinear:
-                return "trilinear: four reads on each of two mip levels";
-            case TextureFilter::bicubic:
-                return "bicubic: 16 reads on each of two mip levels";
-            case TextureFilter::anisotropic:
-                return "anisotropic: up to " + most + " trilinear probes";
-            case TextureFilter::ripmap:
-                return "ripmap: up to four bilinear reads of levels halved along either axis";
-            case TextureFilter::ewa:
-                return "elliptical weighted average: ellipses up to " + most + " to 1";
-        }
-        return {};
+            if (plan_.textures_used[t]) used.push_back(filter_of(t));
+        return detail::filter_words(plan_.request, used);
     }
 
     // How the triangles of one range are shaded, in words: the choice that the draws obey.
@@ -475,7 +458,8 @@ class Planner {
     }
 
     const prep::PreparedScene& prepared_;
-    SceneContents contents_;
+    detail::DrawnContents contents_;
+    std::vector<detail::MapsOfMaterial> maps_;  // by Scene::materials, after the proofs
     RenderPlan plan_;
     detail::ProvedSkips proved_;
     prep::Consumer consumer_;

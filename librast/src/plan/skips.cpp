@@ -30,12 +30,12 @@ bool is_plain_zero(const glm::vec3& v) {
 
 class Prover {
   public:
-    Prover(const prep::PreparedScene& scene, const RenderPlan& plan,
-           const std::vector<std::uint32_t>& materials)
+    Prover(const prep::PreparedScene& scene, const RenderPlan& plan, const DrawnContents& drawn)
         : scene_(scene),
           plan_(plan),
           request_(plan.request),
-          materials_(materials),
+          drawn_(drawn),
+          materials_(drawn.materials),
           consumer_(consumer_of(plan)) {}
 
     ProvedSkips run() {
@@ -62,7 +62,7 @@ class Prover {
     }
 
     void lights() {
-        if (!request_.prune || !consumer_.colors) return;
+        if (!request_.prune || !consumer_.colors || !drawn_.lit) return;
         const std::vector<LightInstance>& all = plan_.lights;
         out_.skips.lights.assign(all.size(), false);
         std::size_t left = 0, last = all.size();
@@ -92,7 +92,7 @@ class Prover {
             const double nearest = distance_to_all(light.position);
             const double slack = 1e-3 * double(light.range) + slack_of(light);
             if (nearest > double(light.range) + slack)
-                return prep::reason(Code::light_range, subject, double(light.range), nearest);
+                return prep::reason(Code::light_range, subject, nearest, double(light.range));
         }
         if (light.kind == prep::LightKind::spot && is_past_all(light))
             return prep::reason(Code::light_cone, subject);
@@ -103,8 +103,8 @@ class Prover {
     void faint_lights() {
         if (!(request_.allow_error > 0) || !are_ordinary_lights()) return;
         glm::dvec3 reflected(0);
-        for (const Material* m : lit_materials())
-            reflected = glm::max(reflected, greatest_reflection(*m, ranges_of(*m)));
+        for (const std::uint32_t m : lit_materials())
+            reflected = glm::max(reflected, greatest_reflection(material_of(m), ranges_of(m)));
         std::vector<double> most;
         std::vector<std::size_t> numbers;
         std::vector<prep::Reason*> reasons;
@@ -144,27 +144,34 @@ class Prover {
     }
 
     // In use; the default one where some triangle has none.
-    std::vector<const Material*> lit_materials() const {
-        static const Material plain;
-        std::vector<const Material*> out;
+    std::vector<std::uint32_t> lit_materials() const {
+        std::vector<std::uint32_t> out;
         for (const std::uint32_t m : materials_)
-            if (!scene_.scene.materials[m].unlit) out.push_back(&scene_.scene.materials[m]);
+            if (!scene_.scene.materials[m].unlit) out.push_back(m);
         for (const prep::VertexMesh& mesh : scene_.meshes)
             for (const prep::VertexMesh::Range& range : mesh.ranges)
                 if (range.material >= scene_.scene.materials.size()) {
-                    out.push_back(&plain);
+                    out.push_back(prep::no_index);
                     return out;
                 }
         return out;
     }
+    const Material& material_of(std::uint32_t m) const {
+        static const Material plain;
+        return m < scene_.scene.materials.size() ? scene_.scene.materials[m] : plain;
+    }
 
-    MaterialRanges ranges_of(const Material& material) {
+    MaterialRanges ranges_of(std::uint32_t m) {
+        const Material& material = material_of(m);
+        const auto range = [&](const TextureRef& map) {
+            return is_sampled(m, map) ? range_of(map) : TexelRange();
+        };
         MaterialRanges out;
         if (request_.textures) {
-            out.diffuse = range_of(material.diffuse_map);
-            out.specular = range_of(material.specular_map);
+            out.diffuse = range(material.diffuse_map);
+            out.specular = range(material.specular_map);
             if (material.metallic_roughness)
-                out.metallic_roughness = range_of(material.metallic_roughness_map);
+                out.metallic_roughness = range(material.metallic_roughness_map);
         }
         out.colors = greatest_colors();
         return out;
@@ -340,11 +347,18 @@ class Prover {
         return true;
     }
 
+    // Whether some mesh has the map's UVs. Elsewhere what it multiplies is multiplied by 1.
+    bool is_sampled(std::uint32_t material, const TextureRef& map) const {
+        return map && !all_meshes_with(material, [&](const prep::VertexMesh& mesh) {
+                   return map.uv_set >= mesh.uvs.size() || mesh.uvs[map.uv_set].empty();
+               });
+    }
+
     void highlights(std::uint32_t m) {
         const Material& material = scene_.scene.materials[m];
         if (material.unlit || !consumer_.colors) return;
         const std::string subject = prep::material_subject(m);
-        if (!request_.prune || !is_zero(material)) {
+        if (!request_.prune || !is_zero(m, material)) {
             out_.highlights.push_back(prep::reason(Code::highlights, subject));
             return;
         }
@@ -353,29 +367,29 @@ class Prover {
         skips.highlights = request_.shading != Shading::gouraud;
         out_.highlights.push_back(prep::reason(
             skips.highlights ? Code::highlights_zero : Code::highlights_at_vertices, subject));
-        if (!material.specular_map) return;
+        const prep::MaterialMap& map = prep::material_maps[std::size_t(MapKind::specular)];
+        if (!is_sampled(m, material.specular_map) || !prep::map_is_read(material, map, consumer_))
+            return;
         skips.maps |= 1u << unsigned(MapKind::specular);
-        out_.maps.push_back(prep::reason(
-            Code::map_times_zero,
-            prep::map_subject(m, prep::material_maps[std::size_t(MapKind::specular)])));
+        out_.maps.push_back(prep::reason(Code::map_times_zero, prep::map_subject(m, map)));
     }
 
     // Materials that do not glow multiply by nothing, whatever the texels are.
     void emissive_map(std::uint32_t m) {
         const Material& material = scene_.scene.materials[m];
         const prep::MaterialMap& map = prep::material_maps[std::size_t(MapKind::emissive)];
-        if (!material.emissive_map || material.emissive != glm::vec3(0) || !request_.prune ||
-            !request_.textures || !prep::map_is_read(material, map, consumer_))
+        if (!is_sampled(m, material.emissive_map) || material.emissive != glm::vec3(0) ||
+            !request_.prune || !request_.textures || !prep::map_is_read(material, map, consumer_))
             return;
         out_.skips.materials[m].maps |= 1u << unsigned(MapKind::emissive);
         out_.maps.push_back(prep::reason(Code::map_times_zero, prep::map_subject(m, map)));
     }
 
     // Whether the specular colour is 0 wherever it is looked up, and what it multiplies finite.
-    bool is_zero(const Material& material) {
+    bool is_zero(std::uint32_t m, const Material& material) {
         if (material.metallic_roughness || !is_plain_zero(material.specular)) return false;
         if (!are_ordinary_lights()) return false;
-        if (!material.specular_map || !request_.textures) return true;
+        if (!is_sampled(m, material.specular_map) || !request_.textures) return true;
         TexelQuestions asked;
         asked.not_negative = true;
         const TexelFacts* const f = facts(material.specular_map, asked);
@@ -390,8 +404,7 @@ class Prover {
         const prep::MaterialMap& map = prep::material_maps[std::size_t(MapKind::normal)];
         // A buffer of normals keeps the sign of a zero.
         if (!material.normal_map || material.normal_map_space != prep::NormalMapSpace::tangent ||
-            request_.keep_normals || !request_.textures ||
-            !prep::map_is_read(material, map, consumer_))
+            consumer_.normals || !request_.textures || !prep::map_is_read(material, map, consumer_))
             return;
         TexelQuestions asked;
         asked.constant = true;
@@ -424,7 +437,7 @@ class Prover {
         const double own = double(material.diffuse.a);
         double least_texel = 1, highest_texel = 1, least_color = 1, highest_color = 1;
         bool exact = true, known = request_.prune && is_ordinary(material.diffuse.a) && own >= 0;
-        if (material.diffuse_map && request_.textures) {
+        if (is_sampled(m, material.diffuse_map) && request_.textures) {
             TexelQuestions asked;
             asked.alpha = true;
             // Less than this cuts, whatever the other factors are.
@@ -471,7 +484,8 @@ class Prover {
     const prep::PreparedScene& scene_;
     const RenderPlan& plan_;
     const RenderRequest& request_;
-    const std::vector<std::uint32_t>& materials_;
+    const DrawnContents& drawn_;
+    const std::set<std::uint32_t>& materials_;
     prep::Consumer consumer_;
     ProvedSkips out_;
     std::optional<Bounds> bounds_;
@@ -484,8 +498,8 @@ class Prover {
 }  // namespace
 
 ProvedSkips prove_skips(const prep::PreparedScene& scene, const RenderPlan& plan,
-                        const std::vector<std::uint32_t>& materials) {
-    return Prover(scene, plan, materials).run();
+                        const DrawnContents& drawn) {
+    return Prover(scene, plan, drawn).run();
 }
 
 }  // namespace rast::detail

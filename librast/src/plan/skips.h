@@ -9,6 +9,7 @@
 
 #include <vector>
 
+#include "plan/drawn_contents.h"
 #include "prep/calls/reason.h"
 #include "rast/render.h"
 
@@ -21,9 +22,9 @@ struct ProvedSkips {
     std::vector<TexelQuestions> texel_questions;
 };
 
-// Of a plan whose request, view and lights are made. `materials`: in use, ascending. O(1) where
-// nothing comes into question, else at most O(vertices).
+// Of a plan whose request, view and lights are made. O(1) where nothing comes into question, else
+// at most O(vertices).
 ProvedSkips prove_skips(const prep::PreparedScene& scene, const RenderPlan& plan,
-                        const std::vector<std::uint32_t>& materials);
+                        const DrawnContents& drawn);
 
 }  // namespace rast::detail

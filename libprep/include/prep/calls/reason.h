@@ -17,13 +17,16 @@ enum class ReasonLabel : std::uint8_t {
     run,
     not_requested,  // nothing that there is, or that is asked for, reads it
     proved_zero,    // left out: the result is the same, to the bit
-    bounded         // left out, or standing in: the result differs by at most Reason::limit
+    bounded,        // left out, or standing in: the result differs by at most Reason::limit
+    not_possible    // asked for and left out, since it cannot be done: what it needs is not there,
+                    // or nothing here does it
 };
 constexpr auto names_of(ReasonLabel) {
     return std::to_array<EnumName<ReasonLabel>>({{"run", ReasonLabel::run},
                                                  {"not requested", ReasonLabel::not_requested},
                                                  {"proved zero", ReasonLabel::proved_zero},
-                                                 {"bounded", ReasonLabel::bounded}});
+                                                 {"bounded", ReasonLabel::bounded},
+                                                 {"not possible", ReasonLabel::not_possible}});
 }
 
 // A row of the table: its key is for programs and stays, its words are for people.
@@ -38,10 +41,11 @@ struct ReasonRow {
 struct Reason {
     ReasonCode code = ReasonCode::none;
     ReasonLabel label = ReasonLabel::not_requested;
-    // JSON pointer into the scene: "/materials/2/normal_map"; empty: all of it, or what it has
-    // not, as its default material. "light 2", without a slash: a light of the plan that is not the
-    // scene's.
+    // JSON pointer into the Scene as it was loaded, by its lists and their numbers, which need not
+    // be the file's: "/materials/2/normal_map"; empty: all of it, or what it has not, as its
+    // default material. "light 2", without a slash: a light of the plan that is not the scene's.
     std::string subject;
+    // What was found, and what it is held against; 0 where there is no such figure.
     double value = 0, limit = 0;
 };
 
