@@ -66,7 +66,8 @@ struct Skip {
 std::vector<Skip> skips_of(const rast::RenderPlan& plan, const prep::Scene& scene) {
     std::vector<Skip> out;
     for (const rast::PlanStep& step : plan.steps)
-        for (std::size_t k = 0, l = 0; step.name == "lights" && k < plan.lights.size(); ++k) {
+        for (std::size_t k = 0, l = 0;
+             step.kind == rast::PlanStepKind::lights && k < plan.lights.size(); ++k) {
             if (plan.lights[k].kind == prep::LightKind::ambient) continue;
             ++l;  // its reason, after the step's own
             if (!plan.skips.light(k) || l >= step.reasons.size()) continue;

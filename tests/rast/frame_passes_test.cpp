@@ -274,7 +274,7 @@ TEST(FramePasses, CostNothingWhereThereAreNone) {
     const prep::PreparedScene scene = scene_with_edges();
     const rast::RenderPlan bare = plan_of(scene, usual_request());
     EXPECT_EQ(bare.halo, 0u);
-    EXPECT_TRUE(bare.request.passes.empty());
+    EXPECT_TRUE(bare.passes.empty());
     rast::RenderPlan passing = bare;
     add_pass(scene, passing, depth_mean(3));
     rast::SceneRenderer renderer(scene);

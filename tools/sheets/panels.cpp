@@ -215,7 +215,7 @@ class PanelDrawing {
         if (!shot) return shot.error();
         // The plan has the last word: if it shaded without maps, the picture says why.
         for (const rast::PlanStep& step : shot->plan.steps)
-            if (step.name == "normal maps" && !step.run) caption = step.reason;
+            if (step.kind == rast::PlanStepKind::normal_maps && !step.run) caption = step.reason;
         add("normal-mapped", "Normal-mapped", caption,
             normal_mapped_ ? "shaded with the file's normal maps"
                            : "shaded with a test pattern of round bumps")

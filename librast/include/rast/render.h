@@ -13,6 +13,7 @@
 
 #include "prep/calls/calls_for.h"
 #include "prep/calls/reason.h"
+#include "prep/enum_names.h"
 #include "prep/image.h"
 #include "prep/prepared_scene.h"
 #include "prep/render_choices.h"
@@ -86,7 +87,7 @@ struct RenderRequest : prep::RenderChoices {
     // nothing is left out for what texels are like.
     std::shared_ptr<const std::vector<TexelFacts>> texel_facts;
     std::optional<Crop> crop;  // unset: the whole picture
-    // Before and after the main one: detail::add_pass(). None has been made yet.
+    // Before and after the main one: detail::add_pass().
     std::vector<std::shared_ptr<const detail::FramePass>> passes = {};
     PixelFormat pixels = PixelFormat::floats;
     // Of a band's pixels in render_bands(). Lists of triangles by tile take as much at most, beside
@@ -98,8 +99,70 @@ struct RenderRequest : prep::RenderChoices {
     prep::SimdLevel simd = prep::SimdLevel::automatic;  // nor on this
 };
 
+// What a plan can have, by the name that is printed, in the order in which it is told.
+enum class PlanStepKind : std::uint8_t {
+    camera,
+    lights,
+    normal_maps,
+    vertex_lighting,
+    vertex_normals,
+    highlights,
+    textures,
+    srgb_decoding,
+    texture_filter,
+    mip_levels,
+    ripmap_levels,
+    shading,
+    multisampling,
+    exact_areas,
+    supersampling,
+    depth_test,
+    culling,
+    alpha_blending,
+    alpha_mask,
+    depth_output,
+    triangle_numbers_output,
+    normal_output,
+    uv_output,
+    barycentric_output,
+    position_output,
+    crop,
+    bands
+};
+constexpr auto names_of(PlanStepKind) {
+    return std::to_array<prep::EnumName<PlanStepKind>>(
+        {{"camera", PlanStepKind::camera},
+         {"lights", PlanStepKind::lights},
+         {"normal maps", PlanStepKind::normal_maps},
+         {"vertex lighting", PlanStepKind::vertex_lighting},
+         {"vertex normals", PlanStepKind::vertex_normals},
+         {"highlights", PlanStepKind::highlights},
+         {"textures", PlanStepKind::textures},
+         {"sRGB decoding", PlanStepKind::srgb_decoding},
+         {"texture filter", PlanStepKind::texture_filter},
+         {"mip levels", PlanStepKind::mip_levels},
+         {"ripmap levels", PlanStepKind::ripmap_levels},
+         {"shading", PlanStepKind::shading},
+         {"multisampling", PlanStepKind::multisampling},
+         {"exact areas", PlanStepKind::exact_areas},
+         {"supersampling", PlanStepKind::supersampling},
+         {"depth test", PlanStepKind::depth_test},
+         {"culling", PlanStepKind::culling},
+         {"alpha blending", PlanStepKind::alpha_blending},
+         {"alpha mask", PlanStepKind::alpha_mask},
+         {"depth output", PlanStepKind::depth_output},
+         {"triangle numbers output", PlanStepKind::triangle_numbers_output},
+         {"normal output", PlanStepKind::normal_output},
+         {"UV output", PlanStepKind::uv_output},
+         {"barycentric output", PlanStepKind::barycentric_output},
+         {"position output", PlanStepKind::position_output},
+         {"crop", PlanStepKind::crop},
+         {"bands", PlanStepKind::bands}});
+}
+
 struct PlanStep {
-    std::string name;  // "vertex lighting", "normal maps", "mip levels", …
+    PlanStepKind kind = PlanStepKind::camera;
+    std::string name;  // of its kind
     bool run = false;
     std::string reason;  // tied to scene data
     prep::ReasonLabel label = prep::ReasonLabel::run;
@@ -138,8 +201,11 @@ struct RenderPlan {         // a value; made by plan(), obeyed by render()
     std::vector<LightInstance> lights;
     PlanSkips skips;
     std::vector<PlanStep> steps;
-    std::vector<PlanVariant> variants;    // by falling number of triangles
-    std::uint32_t halo = 0;               // pixels beyond a crop or a band, for what passes look at
+    std::vector<PlanVariant> variants;  // by falling number of triangles
+    // Before and after the main one: the request's, then those of effects (none has been made yet);
+    // and how many pixels beyond a crop or a band are drawn for what those after it look at.
+    std::vector<std::shared_ptr<const detail::FramePass>> passes = {};
+    std::uint32_t halo = 0;
     detail::StageWatch* watch = nullptr;  // looks at each stage of shading, for tests
     std::vector<bool> textures_used;      // per Scene::textures entry
     std::vector<bool> colour_textures;    // decoded from sRGB, where they are

@@ -56,18 +56,18 @@ void cut_out(const Frame& drawn, std::uint32_t x, std::uint32_t y, const RenderR
 
 void PassRunner::begin(const RenderPlan& plan) {
     plan_ = &plan;
-    planes_.assign(plan.request.passes.size(), {});
-    for (std::size_t p = 0; p < plan.request.passes.size(); ++p)
-        if (plan.request.passes[p]->before) run(p, {}, nullptr);
+    planes_.assign(plan.passes.size(), {});
+    for (std::size_t p = 0; p < plan.passes.size(); ++p)
+        if (plan.passes[p]->before) run(p, {}, nullptr);
 }
 
 void PassRunner::finish(const Crop& part, Frame& frame) {
-    for (std::size_t p = 0; p < plan_->request.passes.size(); ++p)
-        if (!plan_->request.passes[p]->before) run(p, part, &frame);
+    for (std::size_t p = 0; p < plan_->passes.size(); ++p)
+        if (!plan_->passes[p]->before) run(p, part, &frame);
 }
 
 void PassRunner::run(std::size_t p, const Crop& part, Frame* frame) {
-    const FramePass& pass = *plan_->request.passes[p];
+    const FramePass& pass = *plan_->passes[p];
     const std::size_t pixels = std::size_t(part.width) * part.height;
     planes_[p].resize(pass.planes);
     for (FramePlane& plane : planes_[p]) {

@@ -24,7 +24,7 @@ void to_bytes(const Kernels& kernels, Frame& frame) {
 void Painter::begin(const RenderPlan& plan) {
     plan_ = &plan;
     RenderRequest r = plan.request;
-    for (const auto& pass : r.passes) {
+    for (const auto& pass : plan.passes) {
         r.keep_depth |= pass->reads_depth;
         r.keep_normals |= pass->reads_normals;
         r.keep_positions |= pass->reads_positions;
@@ -47,7 +47,7 @@ void Painter::begin(const RenderPlan& plan) {
         fine_.begin(fine_plan_);
     }
     passes_.begin(plan);
-    if (r.passes.empty()) wide_frame_ = {};
+    if (plan.passes.empty()) wide_frame_ = {};
 }
 
 void Painter::place(const Crop& part) {
@@ -61,7 +61,7 @@ void Painter::place(const Crop& part) {
 }
 
 void Painter::draw_rows(std::uint32_t first, std::uint32_t rows, Frame& frame) {
-    if (plan_->request.passes.empty())
+    if (plan_->passes.empty())
         draw_floats(first, rows, frame);
     else
         draw_for_passes(first, rows, frame);

@@ -13,7 +13,7 @@ prep::Consumer consumer_for(const RenderRequest& r, bool lights) {
     c.shading = r.shading;
     c.textures = r.textures || !r.prune;
     c.colors = r.keep_color || !r.prune;
-    c.normals = makes_normals(r);
+    c.normals = r.keep_normals;
     c.uvs = r.keep_uvs;
     c.lights = lights || !r.prune;
     return c;
@@ -54,11 +54,13 @@ DrawChoice choose(const RenderPlan& plan, const prep::Consumer& consumer,
 }  // namespace detail
 
 prep::Consumer consumer_of(const RenderPlan& plan) {
-    return detail::consumer_for(
+    prep::Consumer consumer = detail::consumer_for(
         plan.request,
         std::any_of(plan.lights.begin(), plan.lights.end(), [](const LightInstance& light) {
             return light.kind != prep::LightKind::ambient;
         }));
+    consumer.normals |= detail::passes_read_normals(plan);
+    return consumer;
 }
 
 std::vector<prep::AttributeReads> reads_of(const prep::PreparedScene& scene,

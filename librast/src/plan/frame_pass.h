@@ -1,6 +1,6 @@
 // Passes beside the main one: before it, once a picture (what a light sees), and after it, over
 // pixels and their neighbours (what is near in screen space). No effect has one yet: this is the
-// form in which requests carry them, so that the plan knows of them before it proves anything.
+// form in which requests and plans carry them. A plan knows all of them before it proves anything.
 //
 // A pass after the main one that looks at pixels up to `radius` beyond its own adds that to the
 // plan's halo: crops and bands are then drawn so much wider, in whole rows of tiles, the passes go
@@ -51,11 +51,11 @@ struct FramePass {
 // As the request's last one. What it reads, its halo and its memory are in plans made afterwards.
 void add_pass(RenderRequest& request, FramePass pass);
 
-// Whether a buffer of normals is made, for whom the request keeps it or for a pass.
-bool makes_normals(const RenderRequest& request);
+// Whether some pass reads normals, whether they are kept or not.
+bool passes_read_normals(const RenderPlan& plan);
 
 // How many pixels beyond a crop or a band the passes look. What a pass makes of pixels in the halo
 // is right only as far from its end as it looks: radii of passes that follow each other add up.
-std::uint32_t halo_of(const RenderRequest& request);
+std::uint32_t halo_of(const RenderPlan& plan);
 
 }  // namespace rast::detail

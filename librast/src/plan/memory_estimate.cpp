@@ -16,9 +16,9 @@ struct PassMemory {
     std::uint64_t bytes = 0;   // of planes of passes before it
 };
 
-PassMemory memory_of(const RenderRequest& request) {
+PassMemory memory_of(const RenderPlan& plan) {
     PassMemory sum;
-    for (const auto& pass : request.passes) {
+    for (const auto& pass : plan.passes) {
         sum.any = true;
         sum.depth |= pass->reads_depth;
         sum.normals |= pass->reads_normals;
@@ -66,7 +66,7 @@ Crop picture_part(const RenderRequest& request) {
 
 void estimate_memory(RenderPlan& plan) {
     const RenderRequest& r = plan.request;
-    const PassMemory passes = memory_of(r);
+    const PassMemory passes = memory_of(plan);
     const Crop part = picture_part(r);
     const bool bytes = r.pixels == PixelFormat::bytes && r.coverage != Coverage::area &&
                        r.supersample == 1 && !passes.any;  // those are made of floats first

@@ -18,6 +18,7 @@ namespace rast {
 namespace {
 
 using Code = prep::ReasonCode;
+using Kind = PlanStepKind;
 using prep::Material;
 using prep::TextureRef;
 
@@ -26,6 +27,7 @@ class Planner {
     Planner(const prep::PreparedScene& prepared, const RenderRequest& request)
         : prepared_(prepared), contents_(detail::drawn_contents(prepared)) {
         plan_.request = request;
+        plan_.passes = request.passes;
         plan_.triangles = contents_.triangles;
         plan_.vertices = contents_.vertices;
         const std::size_t textures = prepared.scene.textures.size();
@@ -51,23 +53,23 @@ class Planner {
         textures();
         variants();
         anti_aliasing();
-        step("depth test", true, depth_reason());
-        step("culling", plan_.request.cull != Cull::none, cull_reason());
-        step("alpha blending", false,
+        step(Kind::depth_test, true, depth_reason());
+        step(Kind::culling, plan_.request.cull != Cull::none, cull_reason());
+        step(Kind::alpha_blending, false,
              any([](const Material& m) { return m.alpha_mode == prep::AlphaMode::blend; })
                  ? Code::blend_opaque
                  : Code::no_blend);
         mask();
-        const auto output = [&](const char* name, bool kept, Code not_kept = Code::not_kept) {
-            step(name, kept, kept ? Code::kept : not_kept);
+        const auto output = [&](Kind kind, bool kept, Code not_kept = Code::not_kept) {
+            step(kind, kept, kept ? Code::kept : not_kept);
         };
-        output("depth output", plan_.request.keep_depth);
-        output("triangle numbers output", plan_.request.keep_ids, Code::not_kept_numbers);
-        output("normal output", plan_.request.keep_normals);
-        output("UV output", plan_.request.keep_uvs);
-        output("barycentric output", plan_.request.keep_barycentrics);
-        output("position output", plan_.request.keep_positions);
-        step("crop", plan_.request.crop.has_value(),
+        output(Kind::depth_output, plan_.request.keep_depth);
+        output(Kind::triangle_numbers_output, plan_.request.keep_ids, Code::not_kept_numbers);
+        output(Kind::normal_output, plan_.request.keep_normals);
+        output(Kind::uv_output, plan_.request.keep_uvs);
+        output(Kind::barycentric_output, plan_.request.keep_barycentrics);
+        output(Kind::position_output, plan_.request.keep_positions);
+        step(Kind::crop, plan_.request.crop.has_value(),
              plan_.request.crop ? Code::crop : Code::no_crop);
         memory();
         return std::move(plan_);
@@ -75,13 +77,12 @@ class Planner {
 
   private:
     // `words`: instead of the reason's own, where several things are told in one sentence.
-    void step(std::string name, bool run, const prep::Reason& why, std::string words = {}) {
+    void step(Kind kind, bool run, const prep::Reason& why, std::string words = {}) {
         if (words.empty()) words = prep::sentence(why, prepared_.scene);
-        plan_.steps.push_back({std::move(name), run, std::move(words), why.label, {why}});
+        plan_.steps.push_back(
+            {kind, std::string(prep::name_of(kind)), run, std::move(words), why.label, {why}});
     }
-    void step(std::string name, bool run, Code code) {
-        step(std::move(name), run, prep::reason(code));
-    }
+    void step(Kind kind, bool run, Code code) { step(kind, run, prep::reason(code)); }
     void add_reasons(const std::vector<prep::Reason>& more) {
         std::vector<prep::Reason>& all = plan_.steps.back().reasons;
         all.insert(all.end(), more.begin(), more.end());
@@ -101,14 +102,14 @@ class Planner {
         const std::vector<prep::Reason>& own = proved_.highlights;
         const bool some = runs(own) || contents_.default_material;
         if (!lit)
-            step("highlights", false, Code::highlights_none);
+            step(Kind::highlights, false, Code::highlights_none);
         else
-            step("highlights", some, some ? Code::highlights_some : Code::highlights_all_zero);
+            step(Kind::highlights, some, some ? Code::highlights_some : Code::highlights_all_zero);
         if (lit) add_reasons(own);
         for (PlanStep& s : plan_.steps) {
-            if (s.name == "lights" && s.run)
+            if (s.kind == Kind::lights && s.run)
                 s.reasons.insert(s.reasons.end(), proved_.lights.begin(), proved_.lights.end());
-            if (s.name != "normal maps" || !s.run) continue;
+            if (s.kind != Kind::normal_maps || !s.run) continue;
             normal_map_step(s);
         }
     }
@@ -151,7 +152,7 @@ class Planner {
         const auto cuts = [](const prep::Reason& r) { return r.label == prep::ReasonLabel::run; };
         const std::vector<prep::Reason>& own = proved_.masks;
         const bool run = std::any_of(own.begin(), own.end(), cuts);
-        step("alpha mask", run,
+        step(Kind::alpha_mask, run,
              run           ? Code::mask
              : own.empty() ? Code::no_mask
                            : Code::all_masks_never_cut);
@@ -162,24 +163,24 @@ class Planner {
         const RenderRequest& r = plan_.request;
         const bool areas = r.coverage == Coverage::area;
         if (r.samples > 1)
-            step("multisampling", true, prep::reason(Code::samples, {}, r.samples));
+            step(Kind::multisampling, true, prep::reason(Code::samples, {}, r.samples));
         else
-            step("multisampling", false, areas ? Code::samples_areas : Code::one_sample);
+            step(Kind::multisampling, false, areas ? Code::samples_areas : Code::one_sample);
         if (plan_.skips.inside_samples) add_reasons({prep::reason(Code::samples_inside)});
-        step("exact areas", areas, areas ? Code::areas : Code::no_areas);
+        step(Kind::exact_areas, areas, areas ? Code::areas : Code::no_areas);
         if (r.supersample > 1)
-            step("supersampling", true,
+            step(Kind::supersampling, true,
                  prep::reason(Code::supersampling, {}, r.supersample * r.supersample));
         else
-            step("supersampling", false, Code::no_supersampling);
+            step(Kind::supersampling, false, Code::no_supersampling);
     }
 
     void memory() {
         const RenderRequest& r = plan_.request;
-        plan_.halo = detail::halo_of(r);
+        plan_.halo = detail::halo_of(plan_);
         detail::estimate_memory(plan_);
         const bool bands = plan_.band_rows < detail::picture_part(r).height;
-        step("bands", bands,
+        step(Kind::bands, bands,
              prep::reason(bands ? Code::bands : Code::no_bands, {}, plan_.band_rows,
                           double(r.band_bytes >> 20)));
     }
@@ -195,16 +196,16 @@ class Planner {
         const double aspect = double(plan_.request.width) / plan_.request.height;
         if (plan_.request.view) {
             plan_.view = *plan_.request.view;
-            step("camera", true, Code::view_given);
+            step(Kind::camera, true, Code::view_given);
         } else if (scene.active_camera != prep::no_index) {
             plan_.view = camera_view(scene, scene.active_camera, aspect);
-            step("camera", true,
+            step(Kind::camera, true,
                  prep::reason(Code::camera, prep::node_subject(scene.active_camera)));
         } else {
             OrbitOptions orbit;
             orbit.aspect = aspect;
             plan_.view = orbit_view(prepared_, orbit);
-            step("camera", true, Code::view_framed);
+            step(Kind::camera, true, Code::view_framed);
         }
         plan_.view = bounded_view(prepared_, plan_.view);
         if (!(plan_.view.aspect > 0)) plan_.view.aspect = aspect;
@@ -224,13 +225,13 @@ class Planner {
             code = Code::lights_set_up;
         }
         if (code == Code::no_lights_given)
-            step("lights", false, code);
+            step(Kind::lights, false, code);
         else if (is_lit())
-            step("lights", true,
+            step(Kind::lights, true,
                  prep::reason(code, {},
                               code == Code::lights_set_up ? 0 : double(plan_.lights.size())));
         else
-            step("lights", false, unlit_reason());
+            step(Kind::lights, false, unlit_reason());
     }
 
     // Whether any light is computed at all, and why not.
@@ -254,14 +255,14 @@ class Planner {
         }
         if (plan_.request.prune && shading == Shading::normal_mapped &&
             (!mapped || !plan_.request.textures)) {
-            step("normal maps", false,
+            step(Kind::normal_maps, false,
                  mapped ? Code::normal_maps_textures_off : Code::no_normal_map);
             shading = Shading::phong;
         } else if (plan_.request.prune && shading == Shading::normal_mapped && !placed) {
-            step("normal maps", false,
+            step(Kind::normal_maps, false,
                  wanted ? Code::normal_maps_not_placed : Code::normal_maps_unlit);
         } else {
-            step("normal maps", shading == Shading::normal_mapped,
+            step(Kind::normal_maps, shading == Shading::normal_mapped,
                  shading == Shading::normal_mapped ? Code::normal_maps : Code::normal_maps_unread);
         }
         if (shading != Shading::flat && contents_.normals_missing) {
@@ -282,13 +283,13 @@ class Planner {
                               : !is_lit()                 ? unlit_reason()
                               : !normals.there            ? Code::normals_missing
                                                           : Code::light_at_vertices;
-        step("vertex lighting", lighting == Code::light_at_vertices, lighting);
+        step(Kind::vertex_lighting, lighting == Code::light_at_vertices, lighting);
         const Code why = shading == Shading::flat ? Code::flat_shading
                          : normals.there          ? Code::normals_interpolated
                          : normals.read           ? Code::normals_missing
                          : !is_lit()              ? unlit_reason()
                                                   : Code::no_directed_light;
-        step("vertex normals", why == Code::normals_interpolated, why);
+        step(Kind::vertex_normals, why == Code::normals_interpolated, why);
     }
 
     void textures() {
@@ -328,21 +329,21 @@ class Planner {
                           : !unplaced.empty()     ? Code::textures_not_placed
                           : !proved_.maps.empty() ? Code::textures_all_neutral
                                                   : Code::no_textures;
-        step("textures", some, some ? Code::textures : none);
+        step(Kind::textures, some, some ? Code::textures : none);
         add_reasons(proved_.maps);
         add_reasons(unplaced);
-        step("sRGB decoding", colour_used, colour_used ? Code::srgb : Code::no_srgb);
-        step("texture filter", some, prep::reason(some ? Code::filter : none),
+        step(Kind::srgb_decoding, colour_used, colour_used ? Code::srgb : Code::no_srgb);
+        step(Kind::texture_filter, some, prep::reason(some ? Code::filter : none),
              some ? filter_reason() : "");
-        const auto level_step = [&](const char* name, TextureLevels kind) {
+        const auto level_step = [&](Kind step_kind, TextureLevels kind) {
             bool read = false;
             for (std::size_t t = 0; t < plan_.textures_used.size(); ++t)
                 read |= plan_.textures_used[t] &&
                         levels_for(filter_of(t), prepared_.scene.textures[t].mip) == kind;
-            step(name, read, !some ? none : read ? Code::levels : Code::no_levels);
+            step(step_kind, read, !some ? none : read ? Code::levels : Code::no_levels);
         };
-        level_step("mip levels", TextureLevels::mipmap);
-        level_step("ripmap levels", TextureLevels::ripmap);
+        level_step(Kind::mip_levels, TextureLevels::mipmap);
+        level_step(Kind::ripmap_levels, TextureLevels::ripmap);
         // What is not drawn need not be looked at.
         for (std::size_t t = 0; t < plan_.texel_questions.size(); ++t)
             if (!plan_.textures_used[t]) plan_.texel_questions[t] = {};
@@ -424,7 +425,7 @@ class Planner {
             list += (list.empty() ? "" : "; ") + v.name + " (" + std::to_string(v.triangles) +
                     (v.triangles == 1 ? " triangle)" : " triangles)");
         const bool some = plan_.request.keep_color && !plan_.variants.empty();
-        step("shading", some,
+        step(Kind::shading, some,
              prep::reason(some                        ? Code::variants
                           : !plan_.request.keep_color ? Code::no_colors_kept
                                                       : Code::no_triangles),

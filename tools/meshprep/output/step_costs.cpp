@@ -13,34 +13,35 @@ namespace meshprep {
 namespace {
 
 using rast::Counters;
+using Kind = rast::PlanStepKind;
 
-// By the plan's name of the step. Prices: nanoseconds each, one thread, as bench/step_prices prints
+// Prices: nanoseconds each, one thread, as bench/step_prices prints
 // them; 0: none.
 struct CountedStep {
-    const char* step;
+    Kind step;
     std::uint64_t Counters::*count;
     const char* of;
     double price;
 };
 constexpr CountedStep counted_steps[] = {
-    {"lights", &Counters::light_points, "points by lights", 0.17},
-    {"highlights", &Counters::highlight_points, "points by lights", 0.8},
-    {"normal maps", &Counters::normal_map_points, "points", 0.6},
-    {"vertex lighting", &Counters::vertices_lit, "vertices", 9.0},
-    {"textures", &Counters::texture_samples, "samples", 3.8},
-    {"shading", &Counters::pixels_shaded, "points", 4.4},
-    {"multisampling", &Counters::sample_points, "samples", 1.2},
-    {"alpha mask", &Counters::masked_triangles, "triangles in tiles", 0},
-    {"culling", &Counters::facing_away, "triangles left out", 0},
+    {Kind::lights, &Counters::light_points, "points by lights", 0.17},
+    {Kind::highlights, &Counters::highlight_points, "points by lights", 0.8},
+    {Kind::normal_maps, &Counters::normal_map_points, "points", 0.6},
+    {Kind::vertex_lighting, &Counters::vertices_lit, "vertices", 9.0},
+    {Kind::textures, &Counters::texture_samples, "samples", 3.8},
+    {Kind::shading, &Counters::pixels_shaded, "points", 4.4},
+    {Kind::multisampling, &Counters::sample_points, "samples", 1.2},
+    {Kind::alpha_mask, &Counters::masked_triangles, "triangles in tiles", 0},
+    {Kind::culling, &Counters::facing_away, "triangles left out", 0},
 };
 
 struct KeptBuffer {
-    const char* step;
+    Kind step;
     std::uint64_t bytes;  // a pixel
 };
-constexpr KeptBuffer kept_buffers[] = {{"depth output", 4},        {"triangle numbers output", 8},
-                                       {"normal output", 12},      {"UV output", 8},
-                                       {"barycentric output", 12}, {"position output", 12}};
+constexpr KeptBuffer kept_buffers[] = {
+    {Kind::depth_output, 4}, {Kind::triangle_numbers_output, 8}, {Kind::normal_output, 12},
+    {Kind::uv_output, 8},    {Kind::barycentric_output, 12},     {Kind::position_output, 12}};
 
 StepCost priced(const CountedStep& row, std::uint64_t count) {
     StepCost cost{count, row.of, 0, {}};
@@ -56,7 +57,7 @@ std::uint64_t pixels_of(const rast::RenderRequest& r) {
 std::optional<StepCost> buffer_of(const rast::PlanStep& step, const rast::RenderPlan& plan) {
     const std::uint64_t pixels = pixels_of(plan.request);
     for (const KeptBuffer& row : kept_buffers)
-        if (step.name == row.step && step.run)
+        if (step.kind == row.step && step.run)
             return StepCost{pixels, "pixels", pixels * row.bytes, {}};
     return std::nullopt;
 }
@@ -64,7 +65,7 @@ std::optional<StepCost> buffer_of(const rast::PlanStep& step, const rast::Render
 // Light at vertices has a row of its own, highlights and all.
 bool is_counted_elsewhere(const rast::PlanStep& step, const rast::RenderPlan& plan) {
     return step.run && plan.request.shading == rast::Shading::gouraud &&
-           (step.name == "lights" || step.name == "highlights");
+           (step.kind == Kind::lights || step.kind == Kind::highlights);
 }
 
 using rast::DrawingPart;
@@ -81,43 +82,43 @@ constexpr std::uint32_t bit_of(std::string_view stage) {
 static_assert(rast::drawing_parts <= 32);
 
 struct TimedStep {
-    const char* step;
+    Kind step;
     std::uint32_t parts;
     bool at_points;  // of several steps at a point, which exact areas run as one
 };
 constexpr TimedStep timed_steps[] = {
-    {"camera", bit_of(DrawingPart::vertices), false},
-    {"lights", bit_of("light") | bit_of("light without highlights"), true},
-    {"highlights", bit_of("eye") | bit_of("exponents") | bit_of("highlights"), true},
-    {"normal maps", bit_of(DrawingPart::normal_mapping), true},
-    {"vertex lighting", bit_of(DrawingPart::vertex_light), false},
-    {"vertex normals", bit_of("normals"), true},
-    {"textures", bit_of(DrawingPart::textures), false},
-    {"sRGB decoding", bit_of(DrawingPart::levels), false},
-    {"texture filter", bit_of("maps"), true},
+    {Kind::camera, bit_of(DrawingPart::vertices), false},
+    {Kind::lights, bit_of("light") | bit_of("light without highlights"), true},
+    {Kind::highlights, bit_of("eye") | bit_of("exponents") | bit_of("highlights"), true},
+    {Kind::normal_maps, bit_of(DrawingPart::normal_mapping), true},
+    {Kind::vertex_lighting, bit_of(DrawingPart::vertex_light), false},
+    {Kind::vertex_normals, bit_of("normals"), true},
+    {Kind::textures, bit_of(DrawingPart::textures), false},
+    {Kind::srgb_decoding, bit_of(DrawingPart::levels), false},
+    {Kind::texture_filter, bit_of("maps"), true},
     // The first level with the decoding, others when a point first asks for them.
-    {"mip levels", bit_of(DrawingPart::levels) | bit_of("maps"), false},
-    {"ripmap levels", bit_of(DrawingPart::levels) | bit_of("maps"), false},
-    {"shading", bit_of("interpolation") | bit_of("color") | bit_of(DrawingPart::sorting), true},
-    {"multisampling", bit_of(DrawingPart::resolving), false},
-    {"exact areas", bit_of(DrawingPart::areas), false},
-    {"supersampling", bit_of(DrawingPart::reducing), false},
-    {"depth test", bit_of(DrawingPart::visibility), false},
-    {"culling", bit_of(DrawingPart::culling), false},
-    {"alpha mask", bit_of(DrawingPart::visibility), false},
-    {"depth output", bit_of(DrawingPart::buffers), false},
-    {"triangle numbers output", bit_of(DrawingPart::buffers), false},
-    {"normal output", bit_of(DrawingPart::buffers), false},
-    {"UV output", bit_of(DrawingPart::buffers), false},
-    {"barycentric output", bit_of(DrawingPart::buffers), false},
-    {"position output", bit_of(DrawingPart::buffers), false},
+    {Kind::mip_levels, bit_of(DrawingPart::levels) | bit_of("maps"), false},
+    {Kind::ripmap_levels, bit_of(DrawingPart::levels) | bit_of("maps"), false},
+    {Kind::shading, bit_of("interpolation") | bit_of("color") | bit_of(DrawingPart::sorting), true},
+    {Kind::multisampling, bit_of(DrawingPart::resolving), false},
+    {Kind::exact_areas, bit_of(DrawingPart::areas), false},
+    {Kind::supersampling, bit_of(DrawingPart::reducing), false},
+    {Kind::depth_test, bit_of(DrawingPart::visibility), false},
+    {Kind::culling, bit_of(DrawingPart::culling), false},
+    {Kind::alpha_mask, bit_of(DrawingPart::visibility), false},
+    {Kind::depth_output, bit_of(DrawingPart::buffers), false},
+    {Kind::triangle_numbers_output, bit_of(DrawingPart::buffers), false},
+    {Kind::normal_output, bit_of(DrawingPart::buffers), false},
+    {Kind::uv_output, bit_of(DrawingPart::buffers), false},
+    {Kind::barycentric_output, bit_of(DrawingPart::buffers), false},
+    {Kind::position_output, bit_of(DrawingPart::buffers), false},
 };
 
 std::uint32_t parts_of(const rast::PlanStep& step, const rast::RenderPlan& plan) {
     if (!step.run) return 0;
     if (is_counted_elsewhere(step, plan)) return bit_of(DrawingPart::vertex_light);
     for (const TimedStep& row : timed_steps) {
-        if (step.name != row.step) continue;
+        if (step.kind != row.step) continue;
         const bool areas = plan.request.coverage == rast::Coverage::area;
         return areas && row.at_points ? bit_of(DrawingPart::areas) : row.parts;
     }
@@ -125,17 +126,17 @@ std::uint32_t parts_of(const rast::PlanStep& step, const rast::RenderPlan& plan)
 }
 
 // How many of a step's things there are at each shaded point, in the mean over the triangles.
-double things_a_point(const std::string& step, const rast::RenderPlan& plan) {
+double things_a_point(Kind step, const rast::RenderPlan& plan) {
     double lights = 0;
     for (std::size_t l = 0; l < plan.lights.size(); ++l)
         lights += plan.lights[l].kind != prep::LightKind::ambient && !plan.skips.light(l);
     double sum = 0, triangles = 0;
     for (const rast::PlanVariant& v : plan.variants) {
-        const double things = step == "lights"        ? v.lit * lights
-                              : step == "highlights"  ? v.highlights * lights
-                              : step == "normal maps" ? v.bends_normals
-                              : step == "textures"    ? v.maps
-                                                      : 1;
+        const double things = step == Kind::lights        ? v.lit * lights
+                              : step == Kind::highlights  ? v.highlights * lights
+                              : step == Kind::normal_maps ? v.bends_normals
+                              : step == Kind::textures    ? v.maps
+                                                          : 1;
         sum += double(v.triangles) * things;
         triangles += double(v.triangles);
     }
@@ -147,12 +148,12 @@ double things_a_point(const std::string& step, const rast::RenderPlan& plan) {
 std::optional<StepCost> cost_of(const rast::PlanStep& step, const rast::RenderPlan& plan,
                                 const Counters& counters) {
     for (const CountedStep& row : counted_steps) {
-        if (step.name != row.step) continue;
+        if (step.kind != row.step) continue;
         // One sample a pixel is none beside the points that are shaded.
-        if (!step.run && step.name == "multisampling") return std::nullopt;
+        if (!step.run && step.kind == Kind::multisampling) return std::nullopt;
         if (is_counted_elsewhere(step, plan)) return std::nullopt;
         StepCost cost = priced(row, counters.*row.count);
-        if (step.name == "culling") cost.bytes = counters.list_bytes;
+        if (step.kind == Kind::culling) cost.bytes = counters.list_bytes;
         return cost;
     }
     return buffer_of(step, plan);
@@ -162,10 +163,10 @@ std::optional<StepCost> estimate_of(const rast::PlanStep& step, const rast::Rend
                                     std::uint64_t points) {
     if (!step.run || is_counted_elsewhere(step, plan)) return std::nullopt;
     for (const CountedStep& row : counted_steps) {
-        if (step.name != row.step || row.price == 0) continue;
-        if (step.name == "vertex lighting") return priced(row, plan.vertices);
-        const double things =
-            step.name == "multisampling" ? plan.request.samples : things_a_point(step.name, plan);
+        if (step.kind != row.step || row.price == 0) continue;
+        if (step.kind == Kind::vertex_lighting) return priced(row, plan.vertices);
+        const double things = step.kind == Kind::multisampling ? plan.request.samples
+                                                               : things_a_point(step.kind, plan);
         return priced(row, std::uint64_t(std::llround(double(points) * things)));
     }
     return buffer_of(step, plan);
@@ -213,7 +214,7 @@ std::optional<MeasuredStep> time_of(const rast::PlanStep& step, const rast::Rend
         out.milliseconds += drawn.part_ms[p];
     }
     for (const rast::PlanStep& other : plan.steps)
-        if (other.name != step.name && (parts_of(other, plan) & parts) != 0)
+        if (other.kind != step.kind && (parts_of(other, plan) & parts) != 0)
             out.with.push_back(other.name);
     return out;
 }
