@@ -406,6 +406,18 @@ std::string small_png(float grey) {
     return report::base64(*prep::encode_png(image));
 }
 
+// Marks that come after a tooltip would be drawn over it; what is pointed at there is not painted.
+TEST(CostPage, NoMarkLiesAboveATooltip) {
+    for (const LadderRecord& ladder : table_of_two().ladders) {
+        const std::string svg = cost::plot_svg(ladder, false);
+        ASSERT_NE(svg.find("class=\"mark "), std::string::npos);
+        EXPECT_LT(svg.rfind("class=\"mark "), svg.find("class=\"tip\""));
+    }
+    const std::string style = cost::plot_style();
+    EXPECT_NE(style.find(".p > circle, .plot .p > rect { fill: none;"), std::string::npos);
+    EXPECT_EQ(style.find(".p.dominated"), std::string::npos);
+}
+
 // Rungs that draw show what, and how far it is off, where they are pointed at, reached by Tab or
 // tapped: within their tooltip, on the page alone, and within the plot.
 TEST(CostPage, LooksStandInTheTooltipsOfTheirRungs) {

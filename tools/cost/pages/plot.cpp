@@ -66,7 +66,7 @@ std::string point_class(const RungRecord& rung) {
 double text_width(const std::string& text) {  // in the plot's units, about
     std::size_t characters = 0;
     for (const char c : text) characters += (static_cast<unsigned char>(c) & 0xC0) != 0x80;
-    return 6.0 * double(characters);
+    return 6.4 * double(characters);
 }
 
 // Steps through them: what is the least error for so much time.
@@ -280,7 +280,7 @@ std::vector<PlotName> names_in(const LadderRecord& ladder, const PlotLayout& plo
             const std::string anchor = t.anchor;
             const double x0 = anchor == "start" ? t.x : anchor == "end" ? t.x - w : t.x - w / 2;
             const Box box{x0, t.y - h + 2, x0 + w, t.y + 3};
-            if (box.x0 < plot.left + 2 || box.x1 > plot.width - 2 || box.y0 < plot.top ||
+            if (box.x0 < plot.left + 2 || box.x1 > plot.right - 3 || box.y0 < plot.top ||
                 box.y1 > std::max(plot.bottom, plot.lane + 9))
                 continue;
             if (std::any_of(taken.begin(), taken.end(), [&](const Box& b) { return b.meets(box); }))
@@ -321,12 +321,13 @@ std::string plot_style() {
 .plot .series { fill: none; stroke-width: 1.2; opacity: .7; }
 .plot .floor { stroke: var(--sure); stroke-dasharray: 5 4; }
 .plot .interval { stroke-width: 1.5; stroke: currentColor; }
-.plot .p { color: var(--good); } .plot .p circle, .plot .p > rect { fill: currentColor; }
-.plot .p.dominated { color: var(--poor); } .plot .p.tied { color: var(--tie); }
-.plot .p.dominated circle, .plot .p.tied circle { fill: var(--card); stroke: currentColor; stroke-width: 2; }
-.plot .p.exact { color: var(--sure); }
-.plot .p { outline: none; cursor: default; }
-.plot .p:focus circle, .plot .p:focus > rect, .plot .p:hover circle { stroke: var(--ink); stroke-width: 2.5; }
+.plot .mark { color: var(--good); } .plot .mark circle, .plot .mark rect { fill: currentColor; }
+.plot .mark.dominated { color: var(--poor); } .plot .mark.tied { color: var(--tie); }
+.plot .mark.dominated circle, .plot .mark.tied circle { fill: var(--card); stroke: currentColor; stroke-width: 2; }
+.plot .mark.exact { color: var(--sure); }
+.plot .p { outline: none; cursor: default; } .plot .p > circle, .plot .p > rect { fill: none; pointer-events: all; }
+.plot .p:focus > circle, .plot .p:focus > rect, .plot .p:hover > circle, .plot .p:hover > rect {
+  stroke: var(--ink); stroke-width: 2.5; }
 .plot .tip { visibility: hidden; pointer-events: none; }
 .plot .tip rect { fill: var(--card); stroke: var(--soft); } .plot .tip text { fill: var(--ink); }
 .plot .p:focus .tip, .plot .p:hover .tip { visibility: visible; }
@@ -384,17 +385,23 @@ std::string plot_svg(const LadderRecord& ladder, bool alone) {
     svg += series_lines(ladder, plot);
     svg += front_line(ladder, plot);
     svg += labels(ladder, plot);
-    // Points last, and each with its tooltip: whatever is pointed at lies above the rest.
+    for (const PlotPoint& p : plot.points) {
+        const std::string kind = point_class(ladder.rungs[p.rung]);
+        svg += fmt::format(
+            "<g class=\"mark {}\"><line class=\"interval\" x1=\"{:.2f}\" x2=\"{:.2f}\" "
+            "y1=\"{:.2f}\" y2=\"{:.2f}\"/>{}</g>\n",
+            kind, p.low_x, p.high_x, p.y, p.y, mark(p, kind));
+    }
+    // What is pointed at, and its tooltip, after all marks: none lies above a tooltip.
     for (const PlotPoint& p : plot.points) {
         const RungRecord& rung = ladder.rungs[p.rung];
         const std::string kind = point_class(rung);
         svg += fmt::format(
             "<g class=\"p {}\" tabindex=\"0\" role=\"img\" data-rung=\"{}\" aria-label=\"{}, {}, "
-            "error {}, {}\"><line class=\"interval\" x1=\"{:.2f}\" x2=\"{:.2f}\" y1=\"{:.2f}\" "
-            "y2=\"{:.2f}\"/>{}{}</g>\n",
+            "error {}, {}\">{}{}</g>\n",
             kind, p.rung, html_escaped(rung.name), short_time(rung.time.value),
             short_number(rung.errors[ladder.primary]), html_escaped(standing_text(ladder, rung)),
-            p.low_x, p.high_x, p.y, p.y, mark(p, kind), tooltip(ladder, plot, p, !alone));
+            mark(p, kind), tooltip(ladder, plot, p, !alone));
     }
     return svg + "</svg>\n";
 }
