@@ -86,7 +86,7 @@ std::vector<Skip> skips_of(const rast::RenderPlan& plan, const prep::Scene& scen
         if (of.maps != 0)
             out.push_back({"maps of " + name, [m](rast::RenderPlan& p) {
                                p.skips.materials[m].maps = 0;
-                               p.textures_used = true;
+                               p.textures_used.assign(p.textures_used.size(), true);
                            }});
     }
     if (plan.skips.inside_samples)
@@ -94,7 +94,7 @@ std::vector<Skip> skips_of(const rast::RenderPlan& plan, const prep::Scene& scen
                        [](rast::RenderPlan& p) { p.skips.inside_samples = false; }});
     out.push_back({"all of it", [](rast::RenderPlan& p) {
                        p.skips = {};
-                       p.textures_used = p.request.textures;
+                       p.textures_used.assign(p.textures_used.size(), p.request.textures);
                    }});
     return out;
 }
