@@ -376,9 +376,9 @@ TEST(FramePasses, AreInTheStepOfBands) {
     request.pixels = rast::PixelFormat::bytes;
     request.band_bytes = 4 * 150 * 256;  // of bytes all rows, of floats a part
     const auto told = [&](const rast::RenderPlan& plan) {
-        const auto bands =
-            std::find_if(plan.steps.begin(), plan.steps.end(),
-                         [](const rast::PlanStep& step) { return step.name == "bands"; });
+        const auto bands = std::find_if(
+            plan.steps.begin(), plan.steps.end(),
+            [](const rast::PlanStep& step) { return step.kind == rast::PlanStepKind::bands; });
         EXPECT_EQ(bands->reasons.at(0).value, plan.band_rows);
         return bands->run;
     };

@@ -425,7 +425,7 @@ TEST(PlanReasons, SayWhatIsAskedForAndCannotBeDone) {
         c.change(p.scene, p.request);
         const rast::RenderPlan plan = plan_of(p.scene, p.request);
         for (const rast::PlanStep& step : plan.steps) {
-            if (step.name != c.step) continue;
+            if (prep::name_of(step.kind) != c.step) continue;
             EXPECT_FALSE(step.run) << c.step;
             EXPECT_EQ(prep::name_of(step.label), c.label) << c.step;
             EXPECT_EQ(step.reasons.at(0).label, step.label) << c.step;

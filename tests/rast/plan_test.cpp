@@ -67,8 +67,9 @@ bool same_colors(const rast::Frame& a, const rast::Frame& b) {
 }
 
 const rast::PlanStep& step(const rast::RenderPlan& plan, const std::string& name) {
-    const auto found = std::find_if(plan.steps.begin(), plan.steps.end(),
-                                    [&](const rast::PlanStep& s) { return s.name == name; });
+    const auto found =
+        std::find_if(plan.steps.begin(), plan.steps.end(),
+                     [&](const rast::PlanStep& s) { return prep::name_of(s.kind) == name; });
     if (found == plan.steps.end()) throw std::runtime_error("no step " + name);
     return *found;
 }
@@ -291,7 +292,8 @@ TEST(Plan, NamesSamplesFiltersLevelsBuffersVariantsAndBands) {
     ASSERT_EQ(plan.variants.size(), 1u);
     EXPECT_EQ(plan.variants[0].name, "tangent-space normal map, diffuse map");
     EXPECT_EQ(plan.variants[0].triangles, plan.triangles);
-    for (const rast::PlanStep& s : plan.steps) EXPECT_FALSE(s.reason.empty()) << s.name;
+    for (const rast::PlanStep& s : plan.steps)
+        EXPECT_FALSE(s.reason.empty()) << prep::name_of(s.kind);
 }
 
 }  // namespace

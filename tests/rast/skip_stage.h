@@ -32,7 +32,7 @@ inline std::map<std::string, StepText> steps_of(const rast::RenderPlan& plan) {
         for (const prep::Reason& r : s.reasons)
             text += "|" + std::string(prep::name_of(r.code)) + " " + r.subject + " " +
                     std::to_string(r.value);
-        out[s.name] = {s.run, text};
+        out[std::string(prep::name_of(s.kind))] = {s.run, text};
     }
     return out;
 }

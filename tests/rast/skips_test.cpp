@@ -468,7 +468,7 @@ TEST(Skips, TheLastLightStaysAndSaysSo) {
 
 const rast::PlanStep& step_of(const rast::RenderPlan& plan, const std::string& name) {
     for (const rast::PlanStep& s : plan.steps)
-        if (s.name == name) return s;
+        if (prep::name_of(s.kind) == name) return s;
     throw std::runtime_error("no step " + name);
 }
 

@@ -162,7 +162,6 @@ constexpr auto names_of(PlanStepKind) {
 
 struct PlanStep {
     PlanStepKind kind = PlanStepKind::camera;
-    std::string name;  // of its kind
     bool run = false;
     std::string reason;  // tied to scene data
     prep::ReasonLabel label = prep::ReasonLabel::run;

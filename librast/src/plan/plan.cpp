@@ -79,8 +79,7 @@ class Planner {
     // `words`: instead of the reason's own, where several things are told in one sentence.
     void step(Kind kind, bool run, const prep::Reason& why, std::string words = {}) {
         if (words.empty()) words = prep::sentence(why, prepared_.scene);
-        plan_.steps.push_back(
-            {kind, std::string(prep::name_of(kind)), run, std::move(words), why.label, {why}});
+        plan_.steps.push_back({kind, run, std::move(words), why.label, {why}});
     }
     void step(Kind kind, bool run, Code code) { step(kind, run, prep::reason(code)); }
     void add_reasons(const std::vector<prep::Reason>& more) {

@@ -86,7 +86,7 @@ Json plan_json(const rast::RenderPlan& plan, const prep::PreparedScene& prepared
     for (const rast::PlanStep& s : plan.steps) {
         Json reasons = Json::array();
         for (const prep::Reason& why : s.reasons) reasons.push_back(to_json(why, scene));
-        json["steps"].push_back({{"step", s.name},
+        json["steps"].push_back({{"step", prep::name_of(s.kind)},
                                  {"run", s.run},
                                  {"label", prep::name_of(s.label)},
                                  {"reason", s.reason},
@@ -134,7 +134,7 @@ void explain(const rast::RenderPlan& plan, const prep::PreparedScene& prepared,
     const std::uint64_t points = expected_points(prepared, plan);
     std::vector<std::vector<std::string>> rows;
     for (const rast::PlanStep& s : plan.steps) {
-        rows.push_back({s.name, std::string(prep::name_of(s.label)),
+        rows.push_back({std::string(prep::name_of(s.kind)), std::string(prep::name_of(s.label)),
                         text_of(cost_of(s, plan, drawn.counters), estimate_of(s, plan, points),
                                 time_of(s, plan, drawn)),
                         s.reason});

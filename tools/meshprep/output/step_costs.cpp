@@ -215,7 +215,7 @@ std::optional<MeasuredStep> time_of(const rast::PlanStep& step, const rast::Rend
     }
     for (const rast::PlanStep& other : plan.steps)
         if (other.kind != step.kind && (parts_of(other, plan) & parts) != 0)
-            out.with.push_back(other.name);
+            out.with.emplace_back(prep::name_of(other.kind));
     return out;
 }
 
