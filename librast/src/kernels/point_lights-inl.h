@@ -76,15 +76,13 @@ inline void find_exponents(const ShadeDraw& draw, const StageList& list, Points&
 }
 // and the sum of highlights up to this light's.
 struct GlossPlanes {
-    const float *sum, *angles, *exponents, *metallic_roughness, *positions;
+    const float *sum, *angles, *exponents, *positions;
 };
 RAST_INLINE GlossPlanes gloss_planes(const StageList& list, Points& points) {
     return {points.find(list, PointValue::gloss), points.find(list, PointValue::angle),
-            points.find(list, PointValue::exponent),
-            points.find(list, texels_of(MapKind::metallic_roughness)),
-            points.find(list, PointValue::position)};
+            points.find(list, PointValue::exponent), points.find(list, PointValue::position)};
 }
-RAST_INLINE V3 gloss_with(const ShadeDraw& draw, const ShadeLight& light, bool first,
+RAST_INLINE V3 gloss_with(const ShadeLight& light, bool first, F shininess,
                           const GlossPlanes& planes, std::size_t n) {
     const F none = set(0.0f);
     V3 sum{none, none, none};
@@ -92,7 +90,7 @@ RAST_INLINE V3 gloss_with(const ShadeDraw& draw, const ShadeLight& light, bool f
     const F n_l = get_plane(planes.angles, 0, n);
     if (!any(n_l > none)) return sum;  // adds nothing, to the bit
     const F strength = highlight(n_l, get_plane(planes.angles, 1, n), load(planes.exponents + n),
-                                 shininess_at(draw, planes.metallic_roughness, n));
+                                 shininess);
     V3 color = set3(light.color);
     if (light.kind != prep::LightKind::directional)
         color = incoming(light, {none, none, none}, get3(planes.positions, n)).color;
@@ -101,7 +99,8 @@ RAST_INLINE V3 gloss_with(const ShadeDraw& draw, const ShadeLight& light, bool f
 inline void add_gloss(const ShadeDraw& draw, const ShadeLight& light, bool first,
                       const StageList& list, Points& points) {
     const GlossPlanes planes = gloss_planes(list, points);
+    const float* const roughness = points.find(list, texels_of(MapKind::metallic_roughness));
     float* const sums = points.at(list, PointValue::gloss);
     for (std::size_t n = 0; n < points.held; n += vector_size)
-        put3(gloss_with(draw, light, first, planes, n), sums, n);
+        put3(gloss_with(light, first, shininess_at(draw, roughness, n), planes, n), sums, n);
 }

@@ -27,24 +27,25 @@ RAST_INLINE void write_bytes(V3 color, const std::uint16_t* pixels, std::size_t 
     }
 }
 
-// What is reflected, the last light's highlights among it, and where it goes.
-RAST_INLINE void write_colors(const ShadeDraw& draw, const ShadeFrame& frame, const ShadeTask& task,
-                              const StageList& list, const ReflectionPlanes& planes,
-                              Points& points) {
+// What is reflected, the last light's highlights among it, and where it goes. `reflection(n)`: of the
+// points from n on.
+template <class ReflectionAt>
+RAST_INLINE void write_colors(const ShadeFrame& frame, const ShadeTask& task, const StageList& list,
+                              const ReflectionAt& reflection, Points& points) {
     const float* const lights = points.find(list, PointValue::light);
     const float* const vertex_light = points.find(list, PointValue::vertex_light);
     const bool glossy = list.has(PointValue::exponent), one_light = frame.light_count == 1;
     const GlossPlanes gloss = gloss_planes(list, points);
     // There need be no light.
     const ShadeLight* const last = glossy ? frame.lights + frame.light_count - 1 : nullptr;
-    const std::size_t first = points.first;
+    const std::size_t first = points.first, held = points.held;
     const std::uint16_t* const pixels = task.pixels + first;
-    for (std::size_t n = 0; n < points.held; n += vector_size) {
-        const Reflection r = reflection_at(draw, frame, planes, n);
+    for (std::size_t n = 0; n < held; n += vector_size) {
+        const Reflection& r = reflection(n);
         V3 color = r.base;
         if (glossy) {
             color = (color + r.lobe.diffuse * get3(lights, n)) +
-                    r.lobe.specular * gloss_with(draw, *last, one_light, gloss, n);
+                    r.lobe.specular * gloss_with(*last, one_light, r.lobe.shininess, gloss, n);
         } else if (lights != nullptr) {
             // 0 is what highlights would add; −0 becomes 0 by it.
             const F none = set(0.0f);
@@ -54,7 +55,7 @@ RAST_INLINE void write_colors(const ShadeDraw& draw, const ShadeFrame& frame, co
             color = (color + r.lobe.diffuse * get3(vertex_light, n)) +
                     r.lobe.specular * get3(vertex_light + 3 * plane_stride, n);
         if (task.bytes != nullptr) {
-            write_bytes(color, pixels + n, points.held - n, task);
+            write_bytes(color, pixels + n, held - n, task);
             continue;
         }
         store(color.x, task.out[0] + first + n);
@@ -63,14 +64,17 @@ RAST_INLINE void write_colors(const ShadeDraw& draw, const ShadeFrame& frame, co
     }
 }
 
-// Surfaces of one colour have no planes to look for at each vector.
 inline void write_colors(const ShadeDraw& draw, const ShadeFrame& frame, const ShadeTask& task,
                          const StageList& list, Points& points) {
     const ReflectionPlanes planes = reflection_planes(list, points);
-    if (planes == ReflectionPlanes{})
-        write_colors(draw, frame, task, list, ReflectionPlanes{}, points);
-    else
-        write_colors(draw, frame, task, list, planes, points);
+    if (planes == ReflectionPlanes{}) {
+        // The surface reflects alike everywhere.
+        const Reflection r = reflection_at(draw, frame, ReflectionPlanes{}, 0);
+        write_colors(frame, task, list, [&](std::size_t) -> const Reflection& { return r; }, points);
+        return;
+    }
+    const auto reflection = [&](std::size_t n) { return reflection_at(draw, frame, planes, n); };
+    write_colors(frame, task, list, reflection, points);
 }
 
 // The maps' first stage is asked for as soon as points have their surface; the others when the
