@@ -74,33 +74,28 @@ inline void find_exponents(const ShadeDraw& draw, const StageList& list, Points&
               exponents + n);
     }
 }
-// and the sum of highlights up to this light's.
-struct GlossPlanes {
-    const float *sum, *angles, *exponents, *positions;
-};
-RAST_INLINE GlossPlanes gloss_planes(const StageList& list, Points& points) {
-    return {points.find(list, PointValue::gloss), points.find(list, PointValue::angle),
-            points.find(list, PointValue::exponent), points.find(list, PointValue::position)};
-}
-RAST_INLINE V3 gloss_with(const ShadeLight& light, bool first, F shininess,
-                          const GlossPlanes& planes, std::size_t n) {
-    const F none = set(0.0f);
-    V3 sum{none, none, none};
-    if (!first) sum = get3(planes.sum, n);
-    const F n_l = get_plane(planes.angles, 0, n);
-    if (!any(n_l > none)) return sum;  // adds nothing, to the bit
-    const F strength = highlight(n_l, get_plane(planes.angles, 1, n), load(planes.exponents + n),
-                                 shininess);
-    V3 color = set3(light.color);
-    if (light.kind != prep::LightKind::directional)
-        color = incoming(light, {none, none, none}, get3(planes.positions, n)).color;
-    return first ? color * strength : sum + color * strength;
-}
+// and the sum of highlights up to this light's. It is a loop of its own for the last light as well:
+// beside the stores of colours, what does not fit the registers holds them up.
 inline void add_gloss(const ShadeDraw& draw, const ShadeLight& light, bool first,
                       const StageList& list, Points& points) {
-    const GlossPlanes planes = gloss_planes(list, points);
+    const float* const angles = points.at(list, PointValue::angle);
+    const float* const exponents = points.at(list, PointValue::exponent);
     const float* const roughness = points.find(list, texels_of(MapKind::metallic_roughness));
+    const float* const positions = points.find(list, PointValue::position);
     float* const sums = points.at(list, PointValue::gloss);
-    for (std::size_t n = 0; n < points.held; n += vector_size)
-        put3(gloss_with(light, first, shininess_at(draw, roughness, n), planes, n), sums, n);
+    const F none = set(0.0f);
+    for (std::size_t n = 0; n < points.held; n += vector_size) {
+        V3 sum{none, none, none};
+        if (!first) sum = get3(sums, n);
+        const F n_l = get_plane(angles, 0, n);
+        if (any(n_l > none)) {  // else it adds nothing, to the bit
+            const F strength = highlight(n_l, get_plane(angles, 1, n), load(exponents + n),
+                                         shininess_at(draw, roughness, n));
+            V3 color = set3(light.color);
+            if (light.kind != prep::LightKind::directional)
+                color = incoming(light, {none, none, none}, get3(positions, n)).color;
+            sum = first ? color * strength : sum + color * strength;
+        }
+        put3(sum, sums, n);
+    }
 }

@@ -27,25 +27,20 @@ RAST_INLINE void write_bytes(V3 color, const std::uint16_t* pixels, std::size_t 
     }
 }
 
-// What is reflected, the last light's highlights among it, and where it goes. `reflection(n)`: of the
-// points from n on.
+// What is reflected, and where it goes. `reflection(n)`: of the points from n on.
 template <class ReflectionAt>
-RAST_INLINE void write_colors(const ShadeFrame& frame, const ShadeTask& task, const StageList& list,
+RAST_INLINE void write_colors(const ShadeTask& task, const StageList& list,
                               const ReflectionAt& reflection, Points& points) {
     const float* const lights = points.find(list, PointValue::light);
     const float* const vertex_light = points.find(list, PointValue::vertex_light);
-    const bool glossy = list.has(PointValue::exponent), one_light = frame.light_count == 1;
-    const GlossPlanes gloss = gloss_planes(list, points);
-    // There need be no light.
-    const ShadeLight* const last = glossy ? frame.lights + frame.light_count - 1 : nullptr;
+    const float* const gloss = points.find(list, PointValue::gloss);
     const std::size_t first = points.first, held = points.held;
     const std::uint16_t* const pixels = task.pixels + first;
     for (std::size_t n = 0; n < held; n += vector_size) {
         const Reflection& r = reflection(n);
         V3 color = r.base;
-        if (glossy) {
-            color = (color + r.lobe.diffuse * get3(lights, n)) +
-                    r.lobe.specular * gloss_with(*last, one_light, r.lobe.shininess, gloss, n);
+        if (gloss != nullptr) {
+            color = (color + r.lobe.diffuse * get3(lights, n)) + r.lobe.specular * get3(gloss, n);
         } else if (lights != nullptr) {
             // 0 is what highlights would add; −0 becomes 0 by it.
             const F none = set(0.0f);
@@ -70,11 +65,11 @@ inline void write_colors(const ShadeDraw& draw, const ShadeFrame& frame, const S
     if (planes == ReflectionPlanes{}) {
         // The surface reflects alike everywhere.
         const Reflection r = reflection_at(draw, frame, ReflectionPlanes{}, 0);
-        write_colors(frame, task, list, [&](std::size_t) -> const Reflection& { return r; }, points);
+        write_colors(task, list, [&](std::size_t) -> const Reflection& { return r; }, points);
         return;
     }
     const auto reflection = [&](std::size_t n) { return reflection_at(draw, frame, planes, n); };
-    write_colors(frame, task, list, reflection, points);
+    write_colors(task, list, reflection, points);
 }
 
 // The maps' first stage is asked for as soon as points have their surface; the others when the

@@ -79,14 +79,7 @@ class Compiler {
             if (r_.vertex_light) read(s, PointValue::vertex_light);
         }
         if (lit_) read(s, PointValue::light);
-        if (glossy_) read_highlight(s, local_.size() - 1);
-    }
-    void read_highlight(Step& s, std::size_t light) {
-        if (light > 0) read(s, PointValue::gloss);
-        read(s, PointValue::angle);
-        read(s, PointValue::exponent);
-        if (r_.metallic_roughness) read_map(s, MapKind::metallic_roughness);
-        if (local_[light]) read(s, PointValue::position);
+        if (glossy_) read(s, PointValue::gloss);
     }
 
     void attributes() {
@@ -114,11 +107,13 @@ class Compiler {
     }
     void highlights(std::size_t light) {
         const auto number = std::uint32_t(light);
-        if (light + 1 < local_.size()) {  // the last one's are summed with the colour
-            Step& sum = step(StageKind::gloss, number);
-            read_highlight(sum, light);
-            add(sum.writes, PointValue::gloss);
-        }
+        Step& sum = step(StageKind::gloss, number);
+        if (light > 0) read(sum, PointValue::gloss);
+        read(sum, PointValue::angle);
+        read(sum, PointValue::exponent);
+        if (r_.metallic_roughness) read_map(sum, MapKind::metallic_roughness);
+        if (local_[light]) read(sum, PointValue::position);
+        add(sum.writes, PointValue::gloss);
         Step& s = step(StageKind::exponents, number);
         read(s, PointValue::angle);
         read(s, PointValue::half);
