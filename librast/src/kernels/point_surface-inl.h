@@ -63,27 +63,45 @@ RAST_INLINE ReflectionPlanes reflection_planes(const StageList& list, Points& po
             texels(MapKind::metallic_roughness)};
 }
 
+// What reflection takes of the draw, the same at all its points. Loops fetch it before they begin:
+// for all that the compiler knows, what they store overwrites the draw.
+struct Surface {
+    bool unlit, glows, metallic_roughness;
+    V3 albedo, specular, ambient, emissive;
+    F shininess;
+};
+RAST_INLINE Surface surface_of(const ShadeDraw& draw, const ShadeFrame& frame) {
+    return {draw.unlit,
+            draw.glows,
+            draw.metallic_roughness,
+            set3(draw.diffuse),
+            set3(draw.specular),
+            set3(frame.ambient) * set3(draw.ambient),
+            set3(draw.emissive),
+            set(draw.shininess)};
+}
+
 // How a point answers to light: base + diffuse · Σ light + specular · Σ highlights.
 struct Reflection {
     V3 base;
     Lobe lobe;
 };
-RAST_INLINE Reflection reflection_at(const ShadeDraw& draw, const ShadeFrame& frame,
+RAST_INLINE Reflection reflection_at(const ShadeDraw& draw, const Surface& surface,
                                      const ReflectionPlanes& planes, std::size_t n) {
-    V3 albedo = set3(draw.diffuse);
+    V3 albedo = surface.albedo;
     if (planes.color != nullptr) albedo = albedo * get3(planes.color, n);
     if (planes.diffuse != nullptr) albedo = albedo * get3(planes.diffuse, n);
-    Reflection r{albedo, {albedo, set3(draw.specular), set(draw.shininess)}};
+    Reflection r{albedo, {albedo, surface.specular, surface.shininess}};
     const auto glow = [&] {
-        V3 emissive = set3(draw.emissive);
+        V3 emissive = surface.emissive;
         if (planes.emissive != nullptr) emissive = emissive * get3(planes.emissive, n);
         r.base = r.base + emissive;
     };
-    if (draw.unlit) {
-        if (draw.glows) glow();
+    if (surface.unlit) {
+        if (surface.glows) glow();
         return r;
     }
-    if (draw.metallic_roughness) {
+    if (surface.metallic_roughness) {
         F metallic, roughness;
         roughness_at(draw, planes.metallic_roughness, n, metallic, roughness);
         V3 reflectance = set3(draw.reflectance);
@@ -92,12 +110,12 @@ RAST_INLINE Reflection reflection_at(const ShadeDraw& draw, const ShadeFrame& fr
     } else if (planes.specular != nullptr) {
         r.lobe.specular = r.lobe.specular * get3(planes.specular, n);
     }
-    V3 ambient = set3(frame.ambient) * set3(draw.ambient);
+    V3 ambient = surface.ambient;
     if (planes.occlusion != nullptr) {
         const F one = set(1.0f), open = get_plane(planes.occlusion, 0, n);
         ambient = ambient * (one + set(draw.maps[MapKind::occlusion].strength) * (open - one));
     }
     r.base = albedo * ambient;
-    if (draw.glows) glow();
+    if (surface.glows) glow();
     return r;
 }
