@@ -108,7 +108,6 @@ class Machine {
         if (local_[light]) reads_.push_back(PointValue::position);
     }
     void list(const Stage& s) {
-        const std::size_t last = local_.size() - 1;
         switch (s.kind) {
             case StageKind::interpolation:
                 for (const PointValue v :
@@ -166,7 +165,7 @@ class Machine {
                     reads_.push_back(PointValue::vertex_light);
                 } else if (!r_.unlit && !local_.empty()) {
                     reads_.push_back(PointValue::light);
-                    if (r_.highlights) read_highlight(last);
+                    if (r_.highlights) reads_.push_back(PointValue::gloss);
                 }
                 break;
             case StageKind::attributes:
@@ -313,7 +312,7 @@ TEST(ShadeStages, CountTheirPoints) {
             EXPECT_EQ(points(StageKind::light), 2 * all);
             EXPECT_EQ(points(StageKind::matte_light), 0u);
             EXPECT_EQ(points(StageKind::exponents), 2 * all);
-            EXPECT_EQ(points(StageKind::gloss), all);
+            EXPECT_EQ(points(StageKind::gloss), 2 * all);
             EXPECT_EQ(points(StageKind::color), all);
             EXPECT_EQ(c.light_points, 2 * all);
             EXPECT_EQ(c.highlight_points, 2 * all);

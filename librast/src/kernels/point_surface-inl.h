@@ -71,14 +71,9 @@ struct Surface {
     F shininess;
 };
 RAST_INLINE Surface surface_of(const ShadeDraw& draw, const ShadeFrame& frame) {
-    return {draw.unlit,
-            draw.glows,
-            draw.metallic_roughness,
-            set3(draw.diffuse),
-            set3(draw.specular),
-            set3(frame.ambient) * set3(draw.ambient),
-            set3(draw.emissive),
-            set(draw.shininess)};
+    return {draw.unlit,          draw.glows,          draw.metallic_roughness,
+            set3(draw.diffuse),  set3(draw.specular), set3(frame.ambient) * set3(draw.ambient),
+            set3(draw.emissive), set(draw.shininess)};
 }
 
 // How a point answers to light: base + diffuse · Σ light + specular · Σ highlights.

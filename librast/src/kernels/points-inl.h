@@ -6,7 +6,7 @@
 // of stages has assigned.
 // Included once per instruction set, inside the namespace that has its lanes.
 
-inline constexpr std::size_t points_at_once = 128;
+inline constexpr std::size_t points_at_once = 192;
 inline constexpr std::size_t plane_stride = points_at_once + vector_size;
 
 // Values of several planes, from the first one's float on.

@@ -66,7 +66,8 @@ inline void write_colors(const ShadeDraw& draw, const ShadeFrame& frame, const S
     if (planes == ReflectionPlanes{}) {
         // The surface reflects alike everywhere.
         const Reflection r = reflection_at(draw, surface, ReflectionPlanes{}, 0);
-        write_colors(task, list, [&](std::size_t) -> const Reflection& { return r; }, points);
+        write_colors(
+            task, list, [&](std::size_t) -> const Reflection& { return r; }, points);
         return;
     }
     const auto reflection = [&](std::size_t n) { return reflection_at(draw, surface, planes, n); };

@@ -80,7 +80,7 @@ enum class StageKind : std::uint8_t {
     matte_light,    // the same without highlights
     exponents,      // logarithms of one light's highlights
     gloss,          // the sum of highlights up to one light's
-    color,          // what is reflected, the last light's highlights among it
+    color,          // what is reflected
     attributes,     // what is kept beside colours
     count
 };
