@@ -63,40 +63,27 @@ RAST_INLINE ReflectionPlanes reflection_planes(const StageList& list, Points& po
             texels(MapKind::metallic_roughness)};
 }
 
-// What reflection takes of the draw, the same at all its points. Loops fetch it before they begin:
-// for all that the compiler knows, what they store overwrites the draw.
-struct Surface {
-    bool unlit, glows, metallic_roughness;
-    V3 albedo, specular, ambient, emissive;
-    F shininess;
-};
-RAST_INLINE Surface surface_of(const ShadeDraw& draw, const ShadeFrame& frame) {
-    return {draw.unlit,          draw.glows,          draw.metallic_roughness,
-            set3(draw.diffuse),  set3(draw.specular), set3(frame.ambient) * set3(draw.ambient),
-            set3(draw.emissive), set(draw.shininess)};
-}
-
 // How a point answers to light: base + diffuse · Σ light + specular · Σ highlights.
 struct Reflection {
     V3 base;
     Lobe lobe;
 };
-RAST_INLINE Reflection reflection_at(const ShadeDraw& draw, const Surface& surface,
+RAST_INLINE Reflection reflection_at(const ShadeDraw& draw, const ShadeFrame& frame,
                                      const ReflectionPlanes& planes, std::size_t n) {
-    V3 albedo = surface.albedo;
+    V3 albedo = set3(draw.diffuse);
     if (planes.color != nullptr) albedo = albedo * get3(planes.color, n);
     if (planes.diffuse != nullptr) albedo = albedo * get3(planes.diffuse, n);
-    Reflection r{albedo, {albedo, surface.specular, surface.shininess}};
+    Reflection r{albedo, {albedo, set3(draw.specular), set(draw.shininess)}};
     const auto glow = [&] {
-        V3 emissive = surface.emissive;
+        V3 emissive = set3(draw.emissive);
         if (planes.emissive != nullptr) emissive = emissive * get3(planes.emissive, n);
         r.base = r.base + emissive;
     };
-    if (surface.unlit) {
-        if (surface.glows) glow();
+    if (draw.unlit) {
+        if (draw.glows) glow();
         return r;
     }
-    if (surface.metallic_roughness) {
+    if (draw.metallic_roughness) {
         F metallic, roughness;
         roughness_at(draw, planes.metallic_roughness, n, metallic, roughness);
         V3 reflectance = set3(draw.reflectance);
@@ -105,12 +92,12 @@ RAST_INLINE Reflection reflection_at(const ShadeDraw& draw, const Surface& surfa
     } else if (planes.specular != nullptr) {
         r.lobe.specular = r.lobe.specular * get3(planes.specular, n);
     }
-    V3 ambient = surface.ambient;
+    V3 ambient = set3(frame.ambient) * set3(draw.ambient);
     if (planes.occlusion != nullptr) {
         const F one = set(1.0f), open = get_plane(planes.occlusion, 0, n);
         ambient = ambient * (one + set(draw.maps[MapKind::occlusion].strength) * (open - one));
     }
     r.base = albedo * ambient;
-    if (surface.glows) glow();
+    if (draw.glows) glow();
     return r;
 }

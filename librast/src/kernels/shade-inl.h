@@ -62,15 +62,14 @@ RAST_INLINE void write_colors(const ShadeTask& task, const StageList& list,
 inline void write_colors(const ShadeDraw& draw, const ShadeFrame& frame, const ShadeTask& task,
                          const StageList& list, Points& points) {
     const ReflectionPlanes planes = reflection_planes(list, points);
-    const Surface surface = surface_of(draw, frame);
     if (planes == ReflectionPlanes{}) {
         // The surface reflects alike everywhere.
-        const Reflection r = reflection_at(draw, surface, ReflectionPlanes{}, 0);
+        const Reflection r = reflection_at(draw, frame, ReflectionPlanes{}, 0);
         write_colors(
             task, list, [&](std::size_t) -> const Reflection& { return r; }, points);
         return;
     }
-    const auto reflection = [&](std::size_t n) { return reflection_at(draw, surface, planes, n); };
+    const auto reflection = [&](std::size_t n) { return reflection_at(draw, frame, planes, n); };
     write_colors(task, list, reflection, points);
 }
 
