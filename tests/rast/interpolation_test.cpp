@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <limits>
@@ -205,6 +206,44 @@ TEST(Interpolation, OfATriangleMovedByThousandsOfPixelsIsTheSameBits) {
         for (const std::uint32_t t : here.triangle) pixels += t == 0;
     }
     EXPECT_GT(pixels, 50000u);
+}
+
+// Edge functions of triangles that are less than 128 pixels wide and high are taken from slopes of
+// 16 bits; those of wider ones in double. Every side of that border, either way round.
+TEST(Interpolation, ChangesNotWhereSlopesLeaveSixteenBits) {
+    std::mt19937_64 random(5);
+    std::uniform_real_distribution<float> unit(0, 1);
+    Worst worst;
+    for (int n = 0; n < 3 * 2 * 2 * 2 * 4; ++n) {
+        Case c;
+        c.request.width = c.request.height = 192;
+        c.request.simd = std::array{prep::SimdLevel::scalar, prep::SimdLevel::sse4,
+                                    prep::SimdLevel::avx2, prep::SimdLevel::avx512}[n / 24];
+        rast::View view;  // a unit is a pixel
+        view.perspective = false;
+        view.half_height = 96;
+        view.znear = 0;
+        view.zfar = 8;
+        c.request.view = view;
+        const auto place = [&](float from, float to) {
+            return from + std::floor(unit(random) * (to - from) * 256) / 256;
+        };
+        const float extent = 128 + float(n % 3 - 1) / 256;
+        glm::vec3 corners[] = {{-70, place(-60, 60), 0},
+                               {-70 + extent, place(-60, 60), 0},
+                               {place(-60, 50), place(-60, 60), 0}};
+        for (glm::vec3& p : corners) {
+            if (n / 3 % 2) p.x = -p.x;
+            if (n / 6 % 2) p.y = -p.y;
+            if (n / 12 % 2) std::swap(p.x, p.y);
+            p.z = -8 * unit(random);
+            c.mesh.positions.push_back(p);
+        }
+        fill_attributes(c.mesh, [&] { return unit(random); });
+        measure(c, worst);
+    }
+    worst.expect_good("128 pixels");
+    EXPECT_GT(worst.pixels, 100000u);
 }
 
 // Where corners share a value, rounding must not pass it.

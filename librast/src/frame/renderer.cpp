@@ -5,6 +5,7 @@
 #include <chrono>
 #include <numeric>
 
+#include "base/scratch_buffer.h"
 #include "passes/area_resolve.h"
 #include "passes/parallel_tiles.h"
 
@@ -139,7 +140,7 @@ void Renderer::draw_rows(std::uint32_t first, std::uint32_t rows, Frame& frame) 
     inputs.shade_frame = &inputs_.frame;
     inputs.window = window_;
     inputs.first_row = std::int32_t(first);
-    tile_counts_.clear();
+    for (TileScratch& scratch : tile_scratch_) scratch.done = {};
     const std::uint32_t begin = first / tile_size, end = (first + rows + tile_size - 1) / tile_size;
     for (std::size_t g = 0; g < groups_.size(); ++g) {
         const TileRows part{std::max(begin, groups_[g].begin), std::min(end, groups_[g].end)};
@@ -148,26 +149,26 @@ void Renderer::draw_rows(std::uint32_t first, std::uint32_t rows, Frame& frame) 
         listed_ = g;
         draw_tiles(part, inputs, frame);
     }
+    TileCounts counts;
+    for (const TileScratch& scratch : tile_scratch_) counts += scratch.done;
     if (plan_->request.coverage == Coverage::area && plan_->request.keep_color) {
         Window part = window_;
         part.first_y += std::int32_t(first) * subpixels;
         part.height = std::int32_t(rows);
         part.tiles_y = (part.height + tile_size - 1) / tile_size;
-        tile_counts_.push_back(resolve_areas(part, frame));
+        counts += resolve_areas(part, frame);
     }
     frame.counters = shared_counters_;
     shared_counters_ = {};
-    for (const TileCounts& counts : tile_counts_) {
-        frame.counters.pixels_shaded += counts.shaded;
-        frame.counters.texture_samples += counts.texture_samples;
-        frame.counters.light_points += counts.light_points;
-        frame.counters.highlight_points += counts.highlight_points;
-        frame.counters.normal_map_points += counts.normal_map_points;
-        frame.counters.masked_triangles += counts.masked_triangles;
-        frame.counters.sample_points += counts.sample_points;
-        for (std::size_t k = 0; k < shade_stages; ++k)
-            frame.counters.stage_points[k] += counts.stage_points[k];
-    }
+    frame.counters.pixels_shaded += counts.shaded;
+    frame.counters.texture_samples += counts.texture_samples;
+    frame.counters.light_points += counts.light_points;
+    frame.counters.highlight_points += counts.highlight_points;
+    frame.counters.normal_map_points += counts.normal_map_points;
+    frame.counters.masked_triangles += counts.masked_triangles;
+    frame.counters.sample_points += counts.sample_points;
+    for (std::size_t k = 0; k < shade_stages; ++k)
+        frame.counters.stage_points[k] += counts.stage_points[k];
     frame.counters.textures_read = textures_read_;
     frame.counters.texture_levels = texture_levels();
     frame.counters.buffer_bytes = buffer_bytes(frame);
@@ -396,12 +397,10 @@ void Renderer::draw_tiles(const TileRows& rows, const TileInputs& shared, Frame&
     inputs.frame = &frame;
     const std::size_t first = std::size_t(rows.begin) * std::size_t(window_.tiles_x);
     const std::size_t tiles = std::size_t(rows.end - rows.begin) * std::size_t(window_.tiles_x);
-    const std::size_t before = tile_counts_.size();
-    tile_counts_.resize(before + tiles);
     parallel_items(tiles, threads_, [&](std::size_t tile) {
         TileScratch& scratch = tile_scratch_.local();
         scratch.clock = clock();
-        tile_counts_[before + tile] = draw_tile(inputs, std::uint32_t(first + tile), scratch);
+        scratch.done += draw_tile(inputs, std::uint32_t(first + tile), scratch);
     });
 }
 
@@ -513,7 +512,16 @@ std::uint64_t Renderer::texture_levels() const {
 void Renderer::size_buffers(Frame& frame) const {
     const RenderRequest& r = plan_->request;
     const std::size_t pixels = std::size_t(frame.width) * frame.height;
-    const auto size = [&](auto& buffer, bool kept) { buffer.resize(kept ? pixels : 0); };
+    // Rows of a tile are a picture's width apart: with small pages, each is on a page of its own.
+    const auto size = [&](auto& buffer, bool kept) {
+        const std::size_t wanted = kept ? pixels : 0;
+        if (wanted > buffer.capacity()) {
+            prep::detail::release(buffer);
+            buffer.reserve(wanted);
+            prep::detail::advise_large_pages(buffer.data(), wanted * sizeof(buffer[0]));
+        }
+        buffer.resize(wanted);
+    };
     size(frame.color, r.keep_color && r.pixels == PixelFormat::floats);
     size(frame.bytes, r.keep_color && r.pixels == PixelFormat::bytes);
     size(frame.depth, r.keep_depth);

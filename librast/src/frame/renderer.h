@@ -87,8 +87,7 @@ class Renderer {
     std::size_t listed_ = 0;                 // the group whose lists these are:
     std::vector<TileWork> tile_work_;        // by tile
     std::vector<std::uint32_t> tile_begin_;  // in tile_work_, and one past the last one's end
-    std::vector<TileCounts> tile_counts_;
-    std::uint64_t textures_read_ = 0;  // those of the plan
+    std::uint64_t textures_read_ = 0;        // those of the plan
     tbb::enumerable_thread_specific<BinScratch> bin_scratch_;
     tbb::enumerable_thread_specific<TileScratch> tile_scratch_;
     tbb::enumerable_thread_specific<PartClock> clocks_;

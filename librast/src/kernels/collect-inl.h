@@ -2,11 +2,14 @@
 // Included once per instruction set, inside the namespace that has its lanes.
 
 inline std::size_t collect(const std::uint32_t* numbers, const TilePlace& place,
-                           std::uint32_t* counts, PixelRun* runs) {
+                           std::uint32_t* counts, PixelRun* runs, const PictureRows& picture) {
+    constexpr std::int32_t pixels_a_line = 16;
     std::size_t found = 0;
     static_assert(tile_padding > 0);  // the last row's last pixel is compared with one behind it
     for (std::int32_t y = 0; y < place.height; ++y) {
         const std::uint32_t* row = numbers + y * tile_size;
+        for (std::int32_t x = 0; picture.first != nullptr && x < place.width; x += pixels_a_line)
+            __builtin_prefetch(picture.first + std::size_t(y) * picture.stride + x, 1);
         std::uint64_t ends = 0;
         std::uint32_t any_drawn = 0;
         for (std::int32_t x = 0; x < tile_size; x += lane_count) {

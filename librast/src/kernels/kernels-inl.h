@@ -26,6 +26,6 @@
 #include "kernels/collect-inl.h"
 // clang-format on
 
-inline constexpr Kernels kernel_table{transform,      cull,   set_up, raster,
-                                      collect,        expand, shade,  attributes,
-                                      light_vertices, covers, pack,   specular_powers};
+inline constexpr Kernels kernel_table{transform, cull,  set_up,         raster,         collect,
+                                      expand,    shade, attributes,     light_vertices, covers,
+                                      pack,      fill,  specular_powers};

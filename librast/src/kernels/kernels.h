@@ -138,6 +138,12 @@ struct ShadeDraw {
     const StageList* attribute_stages = nullptr;
 };
 
+// Where a tile's bytes go.
+struct PictureRows {
+    std::uint32_t* first = nullptr;  // of the tile's first pixel; null: nowhere
+    std::size_t stride = 0;          // from row to row
+};
+
 // Pixels of a row that show the same triangle.
 struct PixelRun {
     std::uint32_t number = 0;
@@ -166,8 +172,7 @@ struct ShadeTask {
     std::size_t begin = 0;  // of the first run
     float* out[3] = {};     // red, green, blue of point 0; writable to the lane count past the
                             // end; or
-    std::uint32_t* bytes = nullptr;  // of the tile's first pixel, as `pack` makes them, with
-    std::size_t stride = 0;          // so many from row to row
+    std::uint32_t* bytes = nullptr;  // of the tile, row by row, as `pack` makes them
     StageWatch* watch = nullptr;     // null: nobody is told
 };
 
@@ -198,9 +203,10 @@ struct Kernels {
                    const SetupBlock& block, std::size_t count, std::uint32_t first_number,
                    const ShadeDraw* masked);
     // The runs of a tile's numbers, row by row; returns how many. `counts`: pixels per number,
-    // added to. `runs` has room for every pixel.
+    // added to. `runs` has room for every pixel. The picture's rows are asked for: when they are
+    // written, they have come.
     std::size_t (*collect)(const std::uint32_t* numbers, const TilePlace& place,
-                           std::uint32_t* counts, PixelRun* runs);
+                           std::uint32_t* counts, PixelRun* runs, const PictureRows& picture);
     // The runs' pixels, each number's from counts[number] on, which is moved past them.
     void (*expand)(const PixelRun* runs, std::size_t count, std::uint32_t* counts,
                    std::uint16_t* pixels);
@@ -215,6 +221,9 @@ struct Kernels {
     // end, and readable but for a count of 1.
     void (*pack)(const float* red, const float* green, const float* blue, std::size_t count,
                  std::uint32_t* out);
+    // Writes `value` to all pixels.
+    void (*fill)(const PictureRows& picture, std::int32_t width, std::int32_t height,
+                 std::uint32_t value);
     // out = (cos)^shininess for angles given by their squared sine and cosine; for tests.
     void (*specular_powers)(const float* sine2, const float* cosine2, float shininess,
                             std::size_t count, float* out);

@@ -167,10 +167,19 @@ HWY_INLINE bool any(M a) {
 HWY_INLINE bool all(M a) {
     return hn::AllTrue(Floats(), a.v);
 }
+// StoreMaskBits would go through memory.
 HWY_INLINE std::uint32_t bits_of(M a) {
+#if HWY_TARGET <= HWY_AVX3
+    return a.v.raw;
+#elif HWY_TARGET <= HWY_AVX2
+    return std::uint32_t(_mm256_movemask_ps(a.v.raw));
+#elif HWY_ARCH_X86
+    return std::uint32_t(_mm_movemask_ps(a.v.raw));
+#else
     std::uint8_t bytes[8] = {};
     hn::StoreMaskBits(Floats(), a.v, bytes);
     return std::uint32_t(bytes[0]) | std::uint32_t(bytes[1]) << 8;
+#endif
 }
 
 HWY_INLINE M mask_of(std::uint32_t bits) {
@@ -316,6 +325,12 @@ HWY_INLINE hn::Vec<Ints> sums_of_pairs(V a, V b) {
     const auto high = [&](V v) { return hn::ShiftRight<16>(hn::BitCast(words, v)); };
     return hn::Add(hn::Mul(low(a), low(b)), hn::Mul(high(a), high(b)));
 #endif
+}
+
+// As halves of 16 bits: low · low + high · high.
+HWY_INLINE I sum_of_products(I a, I b) {
+    const hn::Repartition<std::int16_t, Ints> halves;
+    return {sums_of_pairs(hn::BitCast(halves, a.v), hn::BitCast(halves, b.v))};
 }
 
 // A vector from one of 16 bytes of each of the lanes `first`, 4 + first, …

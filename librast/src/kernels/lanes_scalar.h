@@ -374,6 +374,12 @@ inline void gather_pairs(const std::int16_t* p, I index, I& low, I& high) {
     low = {std::int32_t(std::uint32_t(pair))};
     high = {std::int32_t(std::uint32_t(pair >> 32))};
 }
+// As halves of 16 bits: low · low + high · high.
+inline I sum_of_products(I a, I b) {
+    const auto low = [](I v) { return std::int32_t(std::int16_t(v.v)); };
+    const auto high = [](I v) { return v.v >> 16; };
+    return {low(a) * low(b) + high(a) * high(b)};
+}
 // Lanes of the same place overwrite each other.
 inline void scatter(I v, std::uint32_t* p, I index) {
     p[index.v] = std::uint32_t(v.v);

@@ -15,16 +15,12 @@ RAST_INLINE void write_bytes(V3 color, const std::uint16_t* pixels, std::size_t 
                              const ShadeTask& task) {
     const I packed = packed_color(color);
     if (count >= vector_size) {
-        const I at = load(pixels), row = shift_right<6>(at);
-        scatter(packed, task.bytes, at + row * set(std::int32_t(task.stride) - tile_size));
+        scatter(packed, task.bytes, load(pixels));
         return;
     }
     std::uint32_t each[vector_size];
     store(packed, each);
-    for (std::size_t k = 0; k < count; ++k) {
-        const std::size_t p = pixels[k];
-        task.bytes[p / tile_size * task.stride + p % tile_size] = each[k];
-    }
+    for (std::size_t k = 0; k < count; ++k) task.bytes[pixels[k]] = each[k];
 }
 
 // What is reflected, and where it goes. `reflection(n)`: of the points from n on.
@@ -147,4 +143,15 @@ inline void pack(const float* red, const float* green, const float* blue, std::s
     }
     for (std::size_t n = 0; n < count; n += vector_size)
         store(packed_color({load(red + n), load(green + n), load(blue + n)}), out + n);
+}
+
+inline void fill(const PictureRows& picture, std::int32_t width, std::int32_t height,
+                 std::uint32_t value) {
+    const I values = set(std::int32_t(value));
+    for (std::int32_t y = 0; y < height; ++y) {
+        std::uint32_t* p = picture.first + std::size_t(y) * picture.stride;
+        std::uint32_t* const end = p + width;
+        for (; end - p >= lane_count; p += vector_size) store(values, p);
+        while (p != end) *p++ = value;
+    }
 }

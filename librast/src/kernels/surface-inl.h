@@ -164,9 +164,11 @@ struct RangeTable : ValueTable {
 // rounding of its factor and its own last one, which three units in the last place of an
 // interpolated value have room for.
 struct TriangleTable {
-    static constexpr std::int32_t small_extent = 1 << 15;  // 128 pixels
-    // At the tile's first point, and per pixel.
-    alignas(64) std::int32_t edge[3][vector_size], edge_x[3][vector_size], edge_y[3][vector_size];
+    // Below, slopes fit 16 bits: 128 pixels.
+    static constexpr std::int32_t small_extent = 1 << 15;
+    // At the tile's first point, and per 1/256 pixel: to the right in the low half, down in the
+    // high one.
+    alignas(64) std::int32_t edge[3][vector_size], slope[3][vector_size];
     // Of corners 1 and 2: the first corner's w over theirs.
     alignas(64) float weight[3][vector_size];
     alignas(64) double exact_weight[3][vector_size];
@@ -200,7 +202,7 @@ struct TriangleTable {
         const auto extent = [](const I v[3]) {
             return max(max(v[0], v[1]), v[2]) - min(min(v[0], v[1]), v[2]);
         };
-        const I small = set(small_extent + 1);
+        const I small = set(small_extent);
         const M narrow = (extent(x) < small) & (extent(y) < small);
         const M wide = !(narrow | crossing);
         any_crossing = any(crossing);
@@ -217,8 +219,7 @@ struct TriangleTable {
             const auto positive = [&](I v) { return select(turned, none - v, v); };
             const I slope_right = positive(y[a] - y[b]), slope_down = positive(x[b] - x[a]);
             store(positive(dx[a] * dy[b] - dx[b] * dy[a]), edge[k]);
-            store(shift_left<subpixel_bits>(slope_right), edge_x[k]);
-            store(shift_left<subpixel_bits>(slope_down), edge_y[k]);
+            store((slope_right & set(0xffff)) | shift_left<16>(slope_down), slope[k]);
             if (!any_wide) continue;
             store(set_double(0.0) - (to_double(slope_right) * to_double(x[a]) +
                                      to_double(slope_down) * to_double(y[a])),
@@ -258,10 +259,12 @@ struct TriangleTable {
     RAST_INLINE Shares shares(const TilePlace& place, I entry, At at, I i, I j) const {
         // A covered point's edge functions are positive; outside its triangle (a pixel's centre
         // where only other samples are covered) they are clamped.
+        const I way = (i & set(0xffff)) | shift_left<16>(j);
         D e[3];
-        for (int k = 0; k < 3; ++k)
-            e[k] = to_double(max(
-                (pick(edge[k], at) + i * pick(edge_x[k], at)) + j * pick(edge_y[k], at), set(0)));
+        for (int k = 0; k < 3; ++k) {
+            const I rise = sum_of_products(way, pick(slope[k], at));
+            e[k] = to_double(max(pick(edge[k], at) + shift_left<subpixel_bits>(rise), set(0)));
+        }
         if (any_wide) mend_wide(place, entry, i, j, e);
         Shares s;
         s.second = e[1] * weight_of(1, at);

@@ -88,12 +88,10 @@ class Tile {
         fill(f.uv, glm::vec2(0.0f));
         fill(f.barycentric, glm::vec3(0.0f));
         fill(f.position, glm::vec3(0.0f));
-        if (!work_.empty()) {
-            ask_for_bytes();
-            return;
-        }
+        if (!work_.empty()) return;
         fill(f.color, glm::vec4(request_.background, 0.0f));
-        fill(f.bytes, background_bytes());
+        if (!f.bytes.empty())
+            in_.kernels->fill(picture_rows(), place_.width, place_.height, background_bytes());
     }
 
     // The first of several neighbours without triangles fills their rows at one go: memory takes
@@ -110,13 +108,9 @@ class Tile {
         clear();
     }
 
-    // By the time they are written, they have come.
-    void ask_for_bytes() const {
-        if (in_.frame->bytes.empty()) return;
-        constexpr std::int32_t pixels_a_line = 16;
-        for (std::int32_t y = 0; y < place_.height; ++y)
-            for (std::int32_t x = 0; x < place_.width; x += pixels_a_line)
-                __builtin_prefetch(in_.frame->bytes.data() + row_start(y) + x, 1);
+    PictureRows picture_rows() const {
+        std::vector<std::uint32_t>& bytes = in_.frame->bytes;
+        return bytes.empty() ? PictureRows{} : PictureRows{&bytes[row_start(0)], in_.frame->width};
     }
 
     std::uint32_t background_bytes() const {
@@ -217,8 +211,8 @@ class Tile {
     void collect_single() {
         s_.counts.assign(count_ + 1, 0);
         s_.runs.resize(tile_pixels);
-        const std::size_t runs =
-            in_.kernels->collect(s_.samples[0].id.data(), place_, s_.counts.data(), s_.runs.data());
+        const std::size_t runs = in_.kernels->collect(
+            s_.samples[0].id.data(), place_, s_.counts.data(), s_.runs.data(), picture_rows());
         sort();
         in_.kernels->expand(s_.runs.data(), runs, s_.counts.data(), s_.pixel.data());
     }
@@ -349,13 +343,16 @@ class Tile {
             for (std::size_t k = 0; k < fragments_; ++k) f.color[pixel_of(s_.pixel[k])] = shaded(k);
             return;
         }
-        if (!whole) fill(f.bytes, background_bytes());
+        s_.bytes.resize(tile_pixels);
+        if (!whole) std::fill(s_.bytes.begin(), s_.bytes.end(), background_bytes());
         for (const TileScratch::Group& g : s_.groups) {
             ShadeTask task = task_of<ShadeTask>(g, place_);
-            task.bytes = f.bytes.data() + row_start(0);
-            task.stride = f.width;
+            task.bytes = s_.bytes.data();
             in_.kernels->shade((*in_.shade_draws)[g.draw], *in_.shade_frame, task);
         }
+        for (std::int32_t y = 0; y < place_.height; ++y)
+            std::copy_n(s_.bytes.begin() + y * tile_size, place_.width,
+                        f.bytes.begin() + std::ptrdiff_t(row_start(y)));
     }
 
     // A triangle that covers all samples of a pixel is shaded at the pixel's centre, any other at

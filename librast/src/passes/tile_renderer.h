@@ -14,6 +14,16 @@
 
 namespace rast::detail {
 
+struct TileCounts {
+    std::uint64_t shaded = 0, texture_samples = 0;  // as Counters has them
+    std::uint64_t light_points = 0, highlight_points = 0, normal_map_points = 0;
+    std::uint64_t masked_triangles = 0, sample_points = 0;
+    std::array<std::uint64_t, shade_stages> stage_points{};
+    TileCounts& operator+=(const TileCounts& other);
+    // Points that are shaded by these stages.
+    void add_points(const StageList& stages, std::uint64_t points);
+};
+
 // What one thread keeps while it goes from tile to tile.
 struct TileScratch {
     std::vector<TileSamples> samples;
@@ -36,7 +46,9 @@ struct TileScratch {
     std::vector<TriangleRun> triangles;
     std::array<std::vector<float>, 11> planes;  // results of the kernels
     std::vector<glm::vec4> colors;              // per pixel
-    PartClock* clock = nullptr;                 // null: nothing is measured
+    std::vector<std::uint32_t> bytes;
+    PartClock* clock = nullptr;  // null: nothing is measured
+    TileCounts done;             // by all tiles of this thread
 };
 
 // What the tiles of a picture share; all of it must stay while they are drawn.
@@ -55,16 +67,6 @@ struct TileInputs {
     Window window;
     std::int32_t first_row = 0;  // of the window, in the frame
     Frame* frame = nullptr;      // its buffers have their size
-};
-
-struct TileCounts {
-    std::uint64_t shaded = 0, texture_samples = 0;  // as Counters has them
-    std::uint64_t light_points = 0, highlight_points = 0, normal_map_points = 0;
-    std::uint64_t masked_triangles = 0, sample_points = 0;
-    std::array<std::uint64_t, shade_stages> stage_points{};
-    TileCounts& operator+=(const TileCounts& other);
-    // Points that are shaded by these stages.
-    void add_points(const StageList& stages, std::uint64_t points);
 };
 
 // Whether something beside colours is asked for.

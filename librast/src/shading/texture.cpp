@@ -4,10 +4,8 @@
 #include <cmath>
 #include <cstdlib>
 #include <new>
-#if defined(__linux__)
-#include <sys/mman.h>
-#endif
 
+#include "base/scratch_buffer.h"
 #include "shading/color.h"
 #include "shading/portable_math.h"
 
@@ -202,13 +200,11 @@ namespace {
 std::shared_ptr<std::byte> texel_memory(std::size_t bytes) {
     // Neighbours in a column are a row apart: with small pages, each of them is a page of its own,
     // and looking pages up takes longer than reading texels.
-    constexpr std::size_t large_page = std::size_t(1) << 21;
-    const std::size_t unit = bytes < large_page ? 64 : large_page;
+    constexpr std::size_t page = prep::detail::large_page;
+    const std::size_t unit = bytes < page ? 64 : page;
     void* const memory = std::aligned_alloc(unit, (bytes + unit - 1) / unit * unit);
     if (memory == nullptr) throw std::bad_alloc();
-#if defined(__linux__)
-    if (unit == large_page) madvise(memory, bytes, MADV_HUGEPAGE);
-#endif
+    prep::detail::advise_large_pages(memory, bytes);
     return {static_cast<std::byte*>(memory), [](std::byte* p) { std::free(p); }};
 }
 
