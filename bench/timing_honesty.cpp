@@ -35,7 +35,8 @@ constexpr double longest_hundred = 0.06;  // seconds
 
 cost::TimingOptions options_of(std::uint64_t seed) {
     cost::TimingOptions options;
-    options.least_share = 0.95;  // as the command with one thread
+    options.one_processor = true;  // as the command with one thread
+    options.least_share = 0.95;
     options.seed = seed;
     return options;
 }

@@ -1,9 +1,11 @@
 // Times, fronts and metrics, with a clock of the test's own.
 #include <gtest/gtest.h>
+#include <sched.h>
 
 #include <cmath>
 #include <limits>
 #include <random>
+#include <set>
 
 #include "cost/measure/front.h"
 #include "cost/measure/metrics.h"
@@ -72,6 +74,55 @@ TEST(CostTiming, ARoundRunsEverySettingOnceInAnOrderOfItsOwn) {
     EXPECT_LT(first_is_zero, 20);
     EXPECT_GT(first_is_zero, 1);
     for (const auto& seconds : times.seconds) EXPECT_EQ(seconds.size(), 40u);
+}
+
+// All runs have one processor; afterwards the thread has those that it had.
+TEST(CostTiming, OneThreadStaysOnOneProcessor) {
+    cpu_set_t before, after;
+    ASSERT_EQ(sched_getaffinity(0, sizeof before, &before), 0);
+    std::set<int> on;
+    const auto run = [&] {
+        cpu_set_t now;
+        EXPECT_EQ(sched_getaffinity(0, sizeof now, &now), 0);
+        on.insert(CPU_COUNT(&now) == 1 ? sched_getcpu() : -1);
+    };
+    TimingOptions options;
+    options.rounds = 6;
+    options.one_processor = true;
+    cost::SystemClock clock;
+    cost::measure({run, run, run}, 0, options, clock);
+    EXPECT_EQ(on.size(), 1u);
+    EXPECT_GE(*on.begin(), 0);
+    ASSERT_EQ(sched_getaffinity(0, sizeof after, &after), 0);
+    EXPECT_TRUE(CPU_EQUAL(&before, &after));
+}
+
+// The second round is interrupted: the third has another processor.
+TEST(CostTiming, AProcessorThatOtherWorkHasIsLeft) {
+    class Processors : public TestClock {
+      public:
+        void run_on_next() override { ++moves; }
+        void run_anywhere() override { ++ends; }
+        int moves = 0, ends = 0;
+    } clock;
+    int runs = 0;
+    std::vector<int> moves;
+    const auto run = [&] {
+        moves.push_back(clock.moves);
+        clock.wall += ++runs == 3 ? 0.007 : 0.003;
+        clock.cpu += 0.003;
+    };
+    TimingOptions options;
+    options.rounds = 4;
+    options.least_share = 0.95;
+    cost::measure({run}, 0, options, clock);
+    EXPECT_EQ(clock.moves + clock.ends, 0);
+    options.one_processor = true;
+    runs = 0;
+    moves.clear();
+    cost::measure({run}, 0, options, clock);
+    EXPECT_EQ(moves, (std::vector<int>{1, 1, 1, 1, 2, 2}));
+    EXPECT_EQ(clock.ends, 1);
 }
 
 TEST(CostTiming, TheWarmUpIsNotCounted) {

@@ -1,5 +1,6 @@
 #include "cost/measure/clock.h"
 
+#include <sched.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -38,5 +39,31 @@ Instant SystemClock::with_machine() {
     instant.busy = busy_seconds();
     return instant;
 }
+
+#if defined(__linux__)
+void SystemClock::run_on_next() {
+    cpu_set_t set;
+    if (processors_.empty()) {
+        if (sched_getaffinity(0, sizeof set, &set) != 0) return;
+        for (int p = 0; p < CPU_SETSIZE; ++p)
+            if (CPU_ISSET(p, &set)) processors_.push_back(p);
+    }
+    CPU_ZERO(&set);
+    CPU_SET(processors_[next_++ % processors_.size()], &set);
+    sched_setaffinity(0, sizeof set, &set);
+}
+
+void SystemClock::run_anywhere() {
+    if (processors_.empty()) return;
+    cpu_set_t set;
+    CPU_ZERO(&set);
+    for (const int p : processors_) CPU_SET(p, &set);
+    sched_setaffinity(0, sizeof set, &set);
+    processors_.clear();
+}
+#else
+void SystemClock::run_on_next() {}
+void SystemClock::run_anywhere() {}
+#endif
 
 }  // namespace cost

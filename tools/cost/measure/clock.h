@@ -1,6 +1,9 @@
 // Where times come from: a clock that tests put their own in place of.
 #pragma once
 
+#include <cstddef>
+#include <vector>
+
 namespace cost {
 
 struct Instant {
@@ -18,14 +21,24 @@ class Clock {
     virtual Instant now() = 0;
     // With it: takes longer, for beginnings and ends.
     virtual Instant with_machine() { return now(); }
+    // Keeps the calling thread on one of the processors that it may run on, with each call on the
+    // next one, until run_anywhere().
+    virtual void run_on_next() {}
+    virtual void run_anywhere() {}
 };
 
 // The machine's steady clock, the process' CPU time, and Linux' /proc/stat (in hundredths of a
-// second).
+// second) and processor affinity: elsewhere threads stay where the system has them.
 class SystemClock : public Clock {
   public:
     Instant now() override;
     Instant with_machine() override;
+    void run_on_next() override;
+    void run_anywhere() override;
+
+  private:
+    std::vector<int> processors_;  // empty: the thread runs anywhere
+    std::size_t next_ = 0;
 };
 
 }  // namespace cost

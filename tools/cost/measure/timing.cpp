@@ -57,6 +57,7 @@ Times measure(const std::vector<std::function<void()>>& runs, std::size_t refere
     Times times;
     times.seconds.resize(runs.size());
     times.repeats.resize(runs.size(), 1);
+    if (options.one_processor) clock.run_on_next();
     const Instant begin = clock.with_machine();
     for (std::size_t i = 0; i < runs.size(); ++i) {
         const double start = clock.now().wall;
@@ -72,10 +73,12 @@ Times measure(const std::vector<std::function<void()>>& runs, std::size_t refere
     const int most = options.rounds > 0 ? options.rounds : options.most_rounds;
     for (int round = 0; round < most; ++round) {
         shuffle(order, random);
+        const int retries = times.retries;
         for (const std::size_t i : order) {
             times.seconds[i].push_back(
                 one_measurement(runs[i], times.repeats[i], options, clock, times));
         }
+        if (options.one_processor && times.retries > retries) clock.run_on_next();
         if (options.rounds > 0) continue;
         const int done = round + 1;
         if (done >= options.least_rounds && narrow_enough(times, reference, options.narrow)) {
@@ -84,6 +87,7 @@ Times measure(const std::vector<std::function<void()>>& runs, std::size_t refere
         }
         if (done >= options.least_rounds && clock.now().wall - begin.wall > options.seconds) break;
     }
+    if (options.one_processor) clock.run_anywhere();
     if (options.rounds > 0) times.narrow = narrow_enough(times, reference, options.narrow);
     const Instant end = clock.with_machine();
     const double wall = end.wall - begin.wall;

@@ -110,6 +110,7 @@ Result<cost::LadderRecord> measured(const cost::LadderRow& row, const cost::Subj
     cost::TimingOptions options;
     options.rounds = command.rounds;
     options.seconds = double(command.seconds.value_or(12.0f));
+    options.one_processor = subject.threads == 1;
     if (subject.threads == 1) options.least_share = 0.95;
     cost::SystemClock clock;
     return cost::climb(*ladder, subject.threads, options, clock);
