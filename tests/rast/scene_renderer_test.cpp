@@ -7,6 +7,7 @@
 
 #include "builders.h"
 #include "prep/image.h"
+#include "prep/simd.h"
 
 namespace {
 
@@ -107,6 +108,62 @@ TEST(SceneRenderer, WritesTheNearestBytes) {
                     << kind << " " << i << " " << c;
             }
     }
+}
+
+// Bytes go to the picture by tiles, empty ones past the caches where texels are read: what an older
+// picture had must be gone everywhere, with vectors of any width.
+TEST(SceneRenderer, WritesAllBytesOfAUsedFrameOnEveryInstructionSet) {
+    prep::Material textured;
+    textured.diffuse_map.texture = 0;
+    prep::Image image{2, 2, 3, {0.1f, 0.9f, 0.4f, 0.8f, 0.2f, 0.6f, 0.3f, 0.7f, 1, 0, 0.5f, 0.9f}};
+    prep::PreparedScene scenes[] = {test::scene_of(test::sphere(30, 20)),
+                                    test::scene_of(test::sphere(30, 20), textured)};
+    prep::ImageRef picture;
+    picture.name = "made here.png";
+    picture.bytes = prep::encode_png(image).value();
+    scenes[1].scene.images.push_back(picture);
+    scenes[1].scene.textures.push_back({});
+    scenes[1].scene.textures[0].image = 0;
+    std::size_t drawn = 0, empty = 0;
+    for (const prep::PreparedScene& scene : scenes) {
+        rast::RenderRequest large;
+        large.width = 517;  // no multiple of any vector's width or of a tile's
+        large.height = 131;
+        large.background = {0.5f, 0.25f, 0.125f};
+        large.view = test::flat_view(0.4);
+        rast::RenderRequest small = large;
+        small.view = test::flat_view(2);
+        small.background = {0.75f, 0, 1};
+        small.shading = large.shading = rast::Shading::phong;
+        rast::Frame floats[2];
+        for (const int k : {0, 1}) {
+            rast::RenderRequest plain = k == 0 ? large : small;
+            plain.simd = prep::SimdLevel::scalar;
+            floats[k] = test::draw(scene, plain);
+        }
+        for (const prep::SimdLevel level : {prep::SimdLevel::scalar, prep::SimdLevel::sse4,
+                                            prep::SimdLevel::avx2, prep::SimdLevel::avx512}) {
+            if (!prep::simd_available(level)) continue;
+            rast::SceneRenderer renderer(scene);
+            rast::Frame frame;
+            for (const int k : {0, 1, 0, 1}) {
+                rast::RenderRequest request = k == 0 ? large : small;
+                request.pixels = rast::PixelFormat::bytes;
+                request.simd = level;
+                ASSERT_TRUE(renderer.render(*rast::plan(scene, request), frame));
+                ASSERT_EQ(frame.bytes.size(), floats[k].color.size());
+                for (std::size_t i = 0; i < frame.bytes.size(); ++i)
+                    for (int c = 0; c < 4; ++c) {
+                        const float value = std::clamp(floats[k].color[i][c], 0.0f, 1.0f) * 255.0f;
+                        ASSERT_LE(std::abs(float(frame.bytes[i] >> 8 * c & 255u) - value), 0.5001f)
+                            << prep::to_string(level) << " " << k << " " << i << " " << c;
+                    }
+                for (const glm::vec4& color : floats[k].color) ++(color.w > 0 ? drawn : empty);
+            }
+        }
+    }
+    EXPECT_GT(drawn, 100000u);
+    EXPECT_GT(empty, 100000u);
 }
 
 }  // namespace

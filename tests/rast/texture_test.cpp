@@ -8,7 +8,6 @@
 #include <numbers>
 #include <random>
 
-#include "kernels/kernels.h"
 #include "rast/render.h"
 #include "textures.h"
 

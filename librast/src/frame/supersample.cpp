@@ -1,5 +1,7 @@
 #include "frame/supersample.h"
 
+#include "base/parallel.h"
+
 namespace rast::detail {
 
 RenderPlan finer_plan(const RenderPlan& plan) {
@@ -16,18 +18,18 @@ RenderPlan finer_plan(const RenderPlan& plan) {
 }
 
 void reduce(const glm::vec4* fine, std::uint32_t factor, std::uint32_t first_row,
-            std::uint32_t rows, Frame& coarse) {
+            std::uint32_t rows, int threads, Frame& coarse) {
     const std::size_t width = std::size_t(coarse.width) * factor;
     const double count = double(factor) * factor;
-    for (std::uint32_t y = 0; y < rows; ++y)
+    prep::detail::parallel_blocks(rows, 1, threads, [&](std::size_t y, std::size_t) {
         for (std::uint32_t x = 0; x < coarse.width; ++x) {
             glm::dvec4 sum(0.0);
             for (std::uint32_t j = 0; j < factor; ++j)
                 for (std::uint32_t i = 0; i < factor; ++i)
-                    sum += glm::dvec4(
-                        fine[(std::size_t(y) * factor + j) * width + std::size_t(x) * factor + i]);
-            coarse.color[std::size_t(first_row + y) * coarse.width + x] = glm::vec4(sum / count);
+                    sum += glm::dvec4(fine[(y * factor + j) * width + std::size_t(x) * factor + i]);
+            coarse.color[(first_row + y) * coarse.width + x] = glm::vec4(sum / count);
         }
+    });
 }
 
 }  // namespace rast::detail

@@ -12,6 +12,6 @@ RenderPlan finer_plan(const RenderPlan& plan);
 // `fine`, which has `factor` times its width: in linear light, added up in double, row by row. A
 // constant comes out with its own bits.
 void reduce(const glm::vec4* fine, std::uint32_t factor, std::uint32_t first_row,
-            std::uint32_t rows, Frame& coarse);
+            std::uint32_t rows, int threads, Frame& coarse);
 
 }  // namespace rast::detail

@@ -118,7 +118,7 @@ void Painter::draw_fine(std::uint32_t first, std::uint32_t rows, Frame& frame) {
         PartClock* const clock = plan_->request.timed ? &clock_ : nullptr;
         {
             const PartTimer timer(clock, DrawingPart::reducing);
-            reduce(color.data(), factor, done, whole, frame);
+            reduce(color.data(), factor, done, whole, plan_->request.threads, frame);
         }
         done += whole;
         left_over_.assign(color.begin() + std::ptrdiff_t(whole * factor * width), color.end());

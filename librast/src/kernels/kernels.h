@@ -138,9 +138,9 @@ struct ShadeDraw {
     const StageList* attribute_stages = nullptr;
 };
 
-// Where a tile's bytes go.
+// Where bytes of a tile, or of neighbours in a row, go.
 struct PictureRows {
-    std::uint32_t* first = nullptr;  // of the tile's first pixel; null: nowhere
+    std::uint32_t* first = nullptr;  // of the first pixel; null: nowhere
     std::size_t stride = 0;          // from row to row
 };
 
@@ -221,9 +221,9 @@ struct Kernels {
     // end, and readable but for a count of 1.
     void (*pack)(const float* red, const float* green, const float* blue, std::size_t count,
                  std::uint32_t* out);
-    // Writes `value` to all pixels.
+    // Writes `value` to all pixels; past the caches, what is in them stays.
     void (*fill)(const PictureRows& picture, std::int32_t width, std::int32_t height,
-                 std::uint32_t value);
+                 std::uint32_t value, bool past_caches);
     // out = (cos)^shininess for angles given by their squared sine and cosine; for tests.
     void (*specular_powers)(const float* sine2, const float* cosine2, float shininess,
                             std::size_t count, float* out);

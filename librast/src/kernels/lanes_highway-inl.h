@@ -308,6 +308,13 @@ HWY_INLINE void scatter(I v, std::uint32_t* p, I index) {
     hn::ScatterIndex(hn::BitCast(Unsigned(), v.v), Unsigned(), p, index.v);
 }
 
+HWY_INLINE void stream(I v, std::uint32_t* p) {
+    hn::Stream(hn::BitCast(Unsigned(), v.v), Unsigned(), p);
+}
+HWY_INLINE void stream_end() {
+    hwy::FlushStream();
+}
+
 // The products of 16-bit numbers, each two neighbours' added up.
 template <class V>
 HWY_INLINE hn::Vec<Ints> sums_of_pairs(V a, V b) {

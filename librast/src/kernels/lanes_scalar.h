@@ -385,6 +385,12 @@ inline void scatter(I v, std::uint32_t* p, I index) {
     p[index.v] = std::uint32_t(v.v);
 }
 
+// Past the caches; `p` at a multiple of the vector's size. stream_end() comes before others look.
+inline void stream(I v, std::uint32_t* p) {
+    *p = std::uint32_t(v.v);
+}
+inline void stream_end() {}
+
 // first, first + 1, …
 inline void store_sequence(std::uint16_t first, std::size_t count, std::uint16_t* p) {
     for (std::size_t k = 0; k < count; ++k) p[k] = std::uint16_t(first + k);

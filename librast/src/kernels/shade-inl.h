@@ -146,12 +146,19 @@ inline void pack(const float* red, const float* green, const float* blue, std::s
 }
 
 inline void fill(const PictureRows& picture, std::int32_t width, std::int32_t height,
-                 std::uint32_t value) {
+                 std::uint32_t value, bool past_caches) {
     const I values = set(std::int32_t(value));
     for (std::int32_t y = 0; y < height; ++y) {
         std::uint32_t* p = picture.first + std::size_t(y) * picture.stride;
         std::uint32_t* const end = p + width;
-        for (; end - p >= lane_count; p += vector_size) store(values, p);
+        if (past_caches) {
+            while (p != end && reinterpret_cast<std::uintptr_t>(p) % (vector_size * sizeof *p) != 0)
+                *p++ = value;
+            for (; end - p >= lane_count; p += vector_size) stream(values, p);
+        } else {
+            for (; end - p >= lane_count; p += vector_size) store(values, p);
+        }
         while (p != end) *p++ = value;
     }
+    if (past_caches) stream_end();
 }

@@ -254,12 +254,12 @@ struct TriangleTable {
         D second, third, sum;
         F inverse;  // of the sum, roughly
     };
-    // `at` is `entry` as Pick. Points lie at pixels `i`, `j` of the tile.
+    // `at` is `entry` as Pick. Points lie at pixels `i`, `j` of the tile: 0 … 2^15 − 1.
     template <class At>
     RAST_INLINE Shares shares(const TilePlace& place, I entry, At at, I i, I j) const {
         // A covered point's edge functions are positive; outside its triangle (a pixel's centre
         // where only other samples are covered) they are clamped.
-        const I way = (i & set(0xffff)) | shift_left<16>(j);
+        const I way = i | shift_left<16>(j);
         D e[3];
         for (int k = 0; k < 3; ++k) {
             const I rise = sum_of_products(way, pick(slope[k], at));

@@ -44,7 +44,7 @@ class Tile {
         lap(DrawingPart::visibility);
         if (request_.keep_color && !areas) {
             if (one_sample) {
-                collect_single();
+                collect_single(picture_rows());
                 add_to(counts);
                 lap(DrawingPart::sorting);
                 shade_single();
@@ -91,7 +91,8 @@ class Tile {
         if (!work_.empty()) return;
         fill(f.color, glm::vec4(request_.background, 0.0f));
         if (!f.bytes.empty())
-            in_.kernels->fill(picture_rows(), place_.width, place_.height, background_bytes());
+            in_.kernels->fill(picture_rows(), place_.width, place_.height, background_bytes(),
+                              in_.reads_texels);
     }
 
     // The first of several neighbours without triangles fills their rows at one go: memory takes
@@ -208,11 +209,12 @@ class Tile {
     }
 
     // One sample a pixel.
-    void collect_single() {
+    // `ahead`: what is written next.
+    void collect_single(const PictureRows& ahead) {
         s_.counts.assign(count_ + 1, 0);
         s_.runs.resize(tile_pixels);
-        const std::size_t runs = in_.kernels->collect(
-            s_.samples[0].id.data(), place_, s_.counts.data(), s_.runs.data(), picture_rows());
+        const std::size_t runs = in_.kernels->collect(s_.samples[0].id.data(), place_,
+                                                      s_.counts.data(), s_.runs.data(), ahead);
         sort();
         in_.kernels->expand(s_.runs.data(), runs, s_.counts.data(), s_.pixel.data());
     }
@@ -435,7 +437,7 @@ class Tile {
     void write_attributes() {
         const RenderRequest& r = request_;
         if (!r.keep_normals && !r.keep_uvs && !r.keep_barycentrics && !r.keep_positions) return;
-        collect_single();
+        collect_single({});
         for (std::vector<float>& plane : s_.planes) plane.resize(s_.pixel.size());
         for (const TileScratch::Group& g : s_.groups) {
             AttributeTask task = task_of<AttributeTask>(g, s_.places[0]);

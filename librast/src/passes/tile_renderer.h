@@ -46,9 +46,9 @@ struct TileScratch {
     std::vector<TriangleRun> triangles;
     std::array<std::vector<float>, 11> planes;  // results of the kernels
     std::vector<glm::vec4> colors;              // per pixel
-    std::vector<std::uint32_t> bytes;
-    PartClock* clock = nullptr;  // null: nothing is measured
-    TileCounts done;             // by all tiles of this thread
+    std::vector<std::uint32_t> bytes;           // the same; beyond the picture an older tile's
+    PartClock* clock = nullptr;                 // null: nothing is measured
+    TileCounts done;                            // by all tiles of this thread
 };
 
 // What the tiles of a picture share; all of it must stay while they are drawn.
@@ -64,6 +64,7 @@ struct TileInputs {
     const TileWork* work = nullptr;
     const std::uint32_t* work_begin = nullptr;
     const ShadeFrame* shade_frame = nullptr;
+    bool reads_texels = false;
     Window window;
     std::int32_t first_row = 0;  // of the window, in the frame
     Frame* frame = nullptr;      // its buffers have their size
