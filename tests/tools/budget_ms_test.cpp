@@ -81,7 +81,14 @@ TEST(BudgetMs, PilotsAreSolvedForWhatPixelsTake) {
     // A smaller picture that is too fast makes no more of them than that.
     EXPECT_EQ(meshprep::pilot_from_times({1, 0}, {4, 4}, 16).pixels, 16);
     EXPECT_EQ(meshprep::pilot_from_times({1, 0}, {4, 4}, 16).fixed, 0);
-    EXPECT_NEAR(meshprep::predicted_ms({3, 40, 7}, {{4, 1}, 1.5, 2.5}), 7 + 4.5 + 100, 1e-12);
+    EXPECT_EQ(meshprep::pilot_from_times({1, 0}, {4, 4}, 16).count, 16);
+    // 2 million pixels, of which 10 ms are what empty ones take.
+    const PilotTimes pilot{3, 40, 7, 2e6};
+    const SamplingCost one{{1, 1}, 1, 1, 5}, four{{4, 1}, 1.5, 2.5, 20};
+    EXPECT_NEAR(meshprep::predicted_ms(pilot, four, one), 7 + 3 * 1.5 + 30 * 2.5 + 40, 1e-12);
+    EXPECT_NEAR(meshprep::predicted_ms(pilot, one, one), 7 + 3 + 40, 1e-12);
+    // A pilot that is faster than empty pictures: nothing is drawn then.
+    EXPECT_NEAR(meshprep::predicted_ms({3, 4, 7, 2e6}, four, one), 7 + 4.5 + 40, 1e-12);
 }
 
 // What is drawn for a pilot is counted, not timed.
@@ -118,13 +125,15 @@ TEST(BudgetMs, PilotsAreAQuarterAndAHalfOfWhatIsAskedForInBands) {
 }
 
 TEST(BudgetMs, CostsAreWhatManyTrianglesAddToFew) {
-    const SamplingCost c = meshprep::cost_from_times({4, 1}, 6, 36, 2, 12);
+    const SamplingCost c = meshprep::cost_from_times({4, 1}, {8, 38, 2}, {3, 13, 1});
     EXPECT_EQ(c.pixels, 3);
     EXPECT_EQ(c.triangles, 3);
+    EXPECT_EQ(c.empty, 2e6 / meshprep::calibration_pixels);
     // Nothing that a clock says makes more samples cheaper than one.
     for (const double few : {0.0, 1.0, 9.0})
         for (const double one : {0.0, 1.0, 9.0}) {
-            const SamplingCost odd = meshprep::cost_from_times({4, 1}, few, 1, one, 1);
+            const SamplingCost odd =
+                meshprep::cost_from_times({4, 1}, {few, 1, one}, {one, 1, few});
             EXPECT_GE(odd.pixels, 1);
             EXPECT_GE(odd.triangles, 1);
         }
@@ -355,6 +364,8 @@ TEST_F(BudgetCache, WhatIsDamagedIsMeasuredAnew) {
     changed([](Json& e) { e["costs"][3]["triangles"] = -1; });
     changed([](Json& e) { e["costs"][3]["triangles"] = 0.99; });
     changed([](Json& e) { e["costs"][3]["triangles"] = 1001; });
+    changed([](Json& e) { e["costs"][3].erase("empty"); });
+    changed([](Json& e) { e["costs"][3]["empty"] = -1; });
     const meshprep::CostKey key = meshprep::sampling_key(1);
     const auto taken = meshprep::cached_costs(file(), key);
     ASSERT_TRUE(taken && meshprep::sampling_costs_from(*taken));

@@ -1,6 +1,9 @@
 // Times, fronts and metrics, with a clock of the test's own.
 #include <gtest/gtest.h>
+
+#if defined(__linux__)
 #include <sched.h>
+#endif
 
 #include <cmath>
 #include <limits>
@@ -76,6 +79,7 @@ TEST(CostTiming, ARoundRunsEverySettingOnceInAnOrderOfItsOwn) {
     for (const auto& seconds : times.seconds) EXPECT_EQ(seconds.size(), 40u);
 }
 
+#if defined(__linux__)
 // All runs have one processor; afterwards the thread has those that it had.
 TEST(CostTiming, OneThreadStaysOnOneProcessor) {
     cpu_set_t before, after;
@@ -96,6 +100,20 @@ TEST(CostTiming, OneThreadStaysOnOneProcessor) {
     ASSERT_EQ(sched_getaffinity(0, sizeof after, &after), 0);
     EXPECT_TRUE(CPU_EQUAL(&before, &after));
 }
+
+TEST(CostTiming, TheNextProcessorIsAnotherOne) {
+    cpu_set_t all;
+    ASSERT_EQ(sched_getaffinity(0, sizeof all, &all), 0);
+    cost::SystemClock clock;
+    std::set<int> on;
+    for (int k = 0; k < CPU_COUNT(&all); ++k) {
+        clock.run_on_next();
+        on.insert(sched_getcpu());
+    }
+    clock.run_anywhere();
+    EXPECT_EQ(on.size(), std::size_t(CPU_COUNT(&all)));
+}
+#endif
 
 // The second round is interrupted: the third has another processor.
 TEST(CostTiming, AProcessorThatOtherWorkHasIsLeft) {

@@ -4,6 +4,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <fstream>
 #include <string>
 
@@ -47,6 +48,8 @@ void SystemClock::run_on_next() {
         if (sched_getaffinity(0, sizeof set, &set) != 0) return;
         for (int p = 0; p < CPU_SETSIZE; ++p)
             if (CPU_ISSET(p, &set)) processors_.push_back(p);
+        const auto here = std::find(processors_.begin(), processors_.end(), sched_getcpu());
+        next_ = here != processors_.end() ? std::size_t(here - processors_.begin()) : 0;
     }
     CPU_ZERO(&set);
     CPU_SET(processors_[next_++ % processors_.size()], &set);

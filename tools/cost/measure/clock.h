@@ -21,8 +21,8 @@ class Clock {
     virtual Instant now() = 0;
     // With it: takes longer, for beginnings and ends.
     virtual Instant with_machine() { return now(); }
-    // Keeps the calling thread on one of the processors that it may run on, with each call on the
-    // next one, until run_anywhere().
+    // Keeps the calling thread on the processor that it runs on, with each further call on the next
+    // one that it may run on, until run_anywhere().
     virtual void run_on_next() {}
     virtual void run_anywhere() {}
 };

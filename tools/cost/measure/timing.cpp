@@ -72,8 +72,8 @@ Times measure(const std::vector<std::function<void()>>& runs, std::size_t refere
     std::iota(order.begin(), order.end(), std::size_t(0));
     const int most = options.rounds > 0 ? options.rounds : options.most_rounds;
     for (int round = 0; round < most; ++round) {
-        shuffle(order, random);
         const int retries = times.retries;
+        shuffle(order, random);
         for (const std::size_t i : order) {
             times.seconds[i].push_back(
                 one_measurement(runs[i], times.repeats[i], options, clock, times));

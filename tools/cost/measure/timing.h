@@ -19,8 +19,8 @@ struct TimingOptions {
     double narrow = 0.05;      // the rule: until every ratio's interval is this wide at most
     double least_time = 1e-3;  // shorter runs are repeated until they take so long together
     std::uint64_t seed = 1;    // of the orders
-    // With one thread: it stays on one processor, and goes to the next one after a round in which
-    // other work had it. Those of a virtual machine differ by more than settings do.
+    // With one thread: it stays on one processor, and goes to the next one after a round of which
+    // a measurement was taken again. Those of a virtual machine differ by more than settings do.
     bool one_processor = false;
     // With one thread: a measurement of whose time the process computed less than this share was
     // interrupted by other work, and is taken again, `most_retries` times at most; the least

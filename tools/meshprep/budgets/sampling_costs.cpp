@@ -18,6 +18,10 @@ namespace {
 using prep::Result;
 
 constexpr std::uint32_t calibration_size = 192;
+static_assert(calibration_pixels == calibration_size * calibration_size);
+// Of the empty picture: as wide as pictures are, so that its rows leave the caches as theirs do.
+constexpr std::uint32_t empty_width = 1024, empty_height = 64;
+constexpr double most_empty = 1e6;  // nanoseconds
 constexpr int least_rounds = 3, most_rounds = 8;
 constexpr double least_factor = 1, most_factor = 1000;
 
@@ -69,22 +73,45 @@ rast::RenderRequest calibration_request(const SamplingRung& rung, int threads) {
     return request;
 }
 
+rast::RenderRequest empty_request(const SamplingRung& rung, int threads) {
+    rast::RenderRequest request = calibration_request(rung, threads);
+    request.width = empty_width;
+    request.height = empty_height;
+    request.view->world_to_view[3].x += 1000;  // the torus is out of it
+    return request;
+}
+
+// Of a picture of calibration_pixels, of as many in a row as make a time that a clock can tell.
+Result<double> empty_milliseconds(const std::shared_ptr<const prep::PreparedScene>& scene,
+                                  const SamplingRung& rung, int threads) {
+    const int points = rung.samples * rung.supersample * rung.supersample;
+    const int pictures = std::max(1, 64 / points);
+    cost::Drawing drawing(scene, empty_request(rung, threads));
+    Stopwatch watch(threads);
+    for (int k = 0; k < pictures; ++k)
+        if (const Result<void> done = drawing.draw(); !done) return done.error();
+    return watch.milliseconds() / pictures * calibration_pixels /
+           (double(empty_width) * empty_height);
+}
+
 }  // namespace
 
-SamplingCost cost_from_times(const SamplingRung& rung, double few, double many, double few_of_one,
-                             double many_of_one) {
-    const auto factor = [](double time, double of_one) {
-        if (!(of_one > 0) || !(time > 0)) return 1.0;
-        return std::clamp(time / of_one, 1.0, most_factor);
+SamplingCost cost_from_times(const SamplingRung& rung, const CalibrationTimes& times,
+                             const CalibrationTimes& of_one) {
+    const auto factor = [](double time, double time_of_one) {
+        if (!(time_of_one > 0) || !(time > 0)) return 1.0;
+        return std::clamp(time / time_of_one, least_factor, most_factor);
     };
-    return {rung, factor(many - few, many_of_one - few_of_one), factor(few, few_of_one)};
+    return {rung, factor(times.many - times.few, of_one.many - of_one.few),
+            factor(times.few - times.empty, of_one.few - of_one.empty),
+            std::clamp(times.empty * 1e6 / calibration_pixels, 0.0, most_empty)};
 }
 
 Result<MeasuredCosts> measured_sampling_costs(int threads) {
     const std::shared_ptr<const prep::PreparedScene> scenes[] = {lit_torus(32, 16),
                                                                  lit_torus(320, 160)};
     const std::vector<SamplingRung> rungs = sampling_rungs();
-    std::vector<std::array<LeastTimes, 2>> least(rungs.size());
+    std::vector<std::array<LeastTimes, 3>> least(rungs.size());
     MeasuredCosts out;
     // The first round touches memory for the first time: it does not count.
     for (int round = 0; round <= most_rounds && !(round > least_rounds && out.steady); ++round) {
@@ -96,13 +123,21 @@ Result<MeasuredCosts> measured_sampling_costs(int threads) {
                 if (const Result<void> done = drawing.draw(); !done) return done.error();
                 if (round > 0) least[r][s].add(watch.milliseconds());
             }
+        for (std::size_t r = 0; r < rungs.size(); ++r) {
+            const Result<double> empty = empty_milliseconds(scenes[0], rungs[r], threads);
+            if (!empty) return empty.error();
+            if (round > 0) least[r][2].add(*empty);
+        }
         out.steady = std::all_of(least.begin(), least.end(), [](const auto& times) {
-            return times[0].steady() && times[1].steady();
+            return std::all_of(times.begin(), times.end(),
+                               [](const LeastTimes& t) { return t.steady(); });
         });
     }
+    const auto times = [&](std::size_t r) {
+        return CalibrationTimes{least[r][0].first, least[r][1].first, least[r][2].first};
+    };
     for (std::size_t r = 0; r < rungs.size(); ++r)
-        out.costs.push_back(cost_from_times(rungs[r], least[r][0].first, least[r][1].first,
-                                            least[0][0].first, least[0][1].first));
+        out.costs.push_back(cost_from_times(rungs[r], times(r), times(0)));
     return out;
 }
 
@@ -112,7 +147,8 @@ Json to_json(const std::vector<SamplingCost>& costs) {
         json.push_back({{"samples", cost.rung.samples},
                         {"supersample", cost.rung.supersample},
                         {"triangles", cost.triangles},
-                        {"pixels", cost.pixels}});
+                        {"pixels", cost.pixels},
+                        {"empty", cost.empty}});
     return json;
 }
 
@@ -133,6 +169,10 @@ std::optional<std::vector<SamplingCost>> sampling_costs_from(const Json& json) {
             *factor = value->get<double>();
             if (!(*factor >= least_factor && *factor <= most_factor)) return std::nullopt;
         }
+        const auto empty = one.find("empty");
+        if (empty == one.end() || !empty->is_number()) return std::nullopt;
+        cost.empty = empty->get<double>();
+        if (!(cost.empty >= 0 && cost.empty <= most_empty)) return std::nullopt;
         costs.push_back(cost);
     }
     return costs;

@@ -13,10 +13,11 @@
 namespace meshprep {
 
 // Times those of one sample: of what is done for each triangle whatever the picture's size, and of
-// what is done for each pixel.
+// what is done for each pixel beyond what an empty one takes.
 struct SamplingCost {
     SamplingRung rung;
     double triangles = 1, pixels = 1;
+    double empty = 0;  // nanoseconds of a pixel that nothing is drawn in
 };
 
 struct MeasuredCosts {
@@ -24,16 +25,23 @@ struct MeasuredCosts {
     bool steady = false;  // each one's two least times are within a tenth of one another
 };
 
-// Draws a lit torus of few and of many triangles with each sampling, in three rounds, or up to
-// eight until times are steady, and takes each one's least. A second or two. Errors: those of
-// drawing.
+// Draws a lit torus of few and of many triangles and an empty picture with each sampling, in three
+// rounds, or up to eight until times are steady, and takes each one's least. A second or two.
+// Errors: those of drawing.
 prep::Result<MeasuredCosts> measured_sampling_costs(int threads);
 
-// A sampling's cost from its times with few and with many triangles, in units of those of one
-// sample: what many triangles add to few is theirs. Neither is below 1 or above 1000: clocks that
-// say so were interrupted.
-SamplingCost cost_from_times(const SamplingRung& rung, double few, double many, double few_of_one,
-                             double many_of_one);
+// Milliseconds of pictures of `calibration_pixels`.
+struct CalibrationTimes {
+    double few = 0, many = 0;  // triangles
+    double empty = 0;
+};
+inline constexpr double calibration_pixels = 192 * 192;
+
+// A sampling's cost from its times, in units of those of one sample: what many triangles add to few
+// is theirs, what few take beyond an empty picture is the pixels'. Neither is below 1 or above
+// 1000: clocks that say so were interrupted.
+SamplingCost cost_from_times(const SamplingRung& rung, const CalibrationTimes& times,
+                             const CalibrationTimes& of_one);
 
 Json to_json(const std::vector<SamplingCost>& costs);
 // None where it is not what to_json() writes: every sampling of sampling_rungs(), in their order,

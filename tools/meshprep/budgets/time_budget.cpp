@@ -36,6 +36,7 @@ rast::RenderRequest smaller(rast::RenderRequest request, std::uint32_t k) {
 PilotTimes pilot_from_times(const PilotDrawing& smaller, const PilotDrawing& larger,
                             double pixels) {
     PilotTimes out;
+    out.count = pixels;
     const double all = larger.milliseconds * pixels / larger.pixels;  // were nothing fixed
     const double more = larger.pixels - smaller.pixels;
     out.noisy = larger.milliseconds <= smaller.milliseconds;
@@ -49,8 +50,10 @@ PilotTimes pilot_from_times(const PilotDrawing& smaller, const PilotDrawing& lar
     return out;
 }
 
-double predicted_ms(const PilotTimes& pilot, const SamplingCost& cost) {
-    return pilot.first + pilot.fixed * cost.triangles + pilot.pixels * cost.pixels;
+double predicted_ms(const PilotTimes& pilot, const SamplingCost& cost, const SamplingCost& one) {
+    const auto empty = [&](const SamplingCost& c) { return pilot.count * c.empty * 1e-6; };
+    const double drawn = std::max(pilot.pixels - empty(one), 0.0);
+    return pilot.first + pilot.fixed * cost.triangles + drawn * cost.pixels + empty(cost);
 }
 
 std::vector<SamplingRung> samplings_by_accuracy() {
@@ -61,12 +64,15 @@ SamplingTimes chosen_within(double asked, const PilotTimes& pilot,
                             const std::vector<SamplingCost>& costs, std::uint32_t extent) {
     std::vector<SamplingRung> rungs;
     std::vector<TimePrediction> tried;
+    SamplingCost one;
+    for (const SamplingCost& cost : costs)
+        if (cost.rung.samples == 1 && cost.rung.supersample == 1) one = cost;
     for (const SamplingRung& rung : samplings_by_accuracy())
         for (const SamplingCost& cost : costs)
             if (cost.rung.samples == rung.samples && cost.rung.supersample == rung.supersample &&
                 std::uint64_t(rung.supersample) * extent <= rast::max_picture_extent) {
                 rungs.push_back(rung);
-                tried.push_back({rung.words(), predicted_ms(pilot, cost)});
+                tried.push_back({rung.words(), predicted_ms(pilot, cost, one)});
             }
     SamplingTimes out;
     static_cast<TimeCertificate&>(out) = chosen_in_time(asked, std::move(tried));

@@ -14,6 +14,7 @@ namespace meshprep {
 struct PilotTimes {
     double fixed = 0, pixels = 0;  // milliseconds
     double first = 0;  // what the first picture takes besides: textures are read and made ready
+    double count = 0;  // of all pictures' pixels
     bool noisy = false;
     std::uint64_t band_pixels = 0;  // held at a time, at most
 };
@@ -28,7 +29,8 @@ struct PilotDrawing {
 // than too fast.
 PilotTimes pilot_from_times(const PilotDrawing& smaller, const PilotDrawing& larger, double pixels);
 
-double predicted_ms(const PilotTimes& pilot, const SamplingCost& cost);
+// `one`: of one sample.
+double predicted_ms(const PilotTimes& pilot, const SamplingCost& cost, const SamplingCost& one);
 
 struct SamplingTimes : TimeCertificate {
     SamplingRung rung;  // that was chosen
