@@ -127,6 +127,7 @@ TEST(SceneRenderer, WritesAllBytesOfAUsedFrameOnEveryInstructionSet) {
     std::size_t drawn = 0, empty = 0;
     for (const prep::PreparedScene& scene : scenes) {
         rast::RenderRequest large;
+        large.threads = 2;  // where texels are read, those clear past the caches
         large.width = 517;  // no multiple of any vector's width or of a tile's
         large.height = 131;
         large.background = {0.5f, 0.25f, 0.125f};

@@ -138,8 +138,10 @@ void Renderer::draw_rows(std::uint32_t first, std::uint32_t rows, Frame& frame) 
     inputs.shade_draws = &shade_draws_;
     inputs.chunks = &chunks_;
     inputs.shade_frame = &inputs_.frame;
-    inputs.reads_texels = std::any_of(plan_->textures_used.begin(), plan_->textures_used.end(),
-                                      [](bool used) { return used; });
+    // Measured: it pays where several threads want their texels to stay in the caches.
+    inputs.clear_past_caches =
+        threads_ != 1 && std::any_of(plan_->textures_used.begin(), plan_->textures_used.end(),
+                                     [](bool used) { return used; });
     inputs.window = window_;
     inputs.first_row = std::int32_t(first);
     for (TileScratch& scratch : tile_scratch_) scratch.done = {};

@@ -92,7 +92,7 @@ class Tile {
         fill(f.color, glm::vec4(request_.background, 0.0f));
         if (!f.bytes.empty())
             in_.kernels->fill(picture_rows(), place_.width, place_.height, background_bytes(),
-                              in_.reads_texels);
+                              in_.clear_past_caches);
     }
 
     // The first of several neighbours without triangles fills their rows at one go: memory takes

@@ -64,7 +64,7 @@ struct TileInputs {
     const TileWork* work = nullptr;
     const std::uint32_t* work_begin = nullptr;
     const ShadeFrame* shade_frame = nullptr;
-    bool reads_texels = false;
+    bool clear_past_caches = false;
     Window window;
     std::int32_t first_row = 0;  // of the window, in the frame
     Frame* frame = nullptr;      // its buffers have their size
