@@ -78,6 +78,56 @@ TEST(PlanReads, AreWithinWhatIsProvidedAndAllOfItForOnePicture) {
     EXPECT_GE(seen.size(), 12u);  // they do differ
 }
 
+// A picture that draws other materials calls for what a scene that has them calls for.
+TEST(PlanReads, OfMaterialsInPlaceOfOthersAreThoseOfASceneThatHasThem) {
+    int apart = 0, several = 0;
+    for (std::uint32_t seed = 0; seed < 300; ++seed) {
+        const rast::RenderRequest request = request_of(seed);
+        const prep::Scene scene = test::random_scene(seed);
+        const std::size_t count = scene.materials.size();
+        if (count < 2) continue;
+        // Each as the next one, some as themselves beside it.
+        prep::Scene others = scene;
+        std::vector<prep::StandIn> stand_ins;
+        for (std::uint32_t m = 0; m < count; ++m) {
+            others.materials[m] = scene.materials[(m + 1) % count];
+            stand_ins.push_back({m, others.materials[m]});
+        }
+        // And where there is none.
+        others.materials.push_back(scene.materials[seed % count]);
+        for (prep::Mesh& mesh : others.meshes) {
+            if (mesh.face_materials.empty())
+                mesh.face_materials.assign(mesh.face_count(), prep::no_index);
+            for (std::uint32_t& m : mesh.face_materials)
+                if (m >= count) m = std::uint32_t(count);
+        }
+        stand_ins.push_back({prep::no_index, others.materials.back()});
+        const rast::RenderPlan plan = plan_of(*prep::prepare(others), request);
+        prep::Request asked;
+        asked.consumer = rast::consumer_of(plan);
+        const auto wanted = prep::requirements(others, asked);
+        const auto own = prep::requirements(scene, asked);
+        asked.consumer.stand_ins = stand_ins;
+        const auto found = prep::requirements(scene, asked);
+        for (const prep::StandIn& other : stand_ins)
+            asked.consumer.stand_ins.push_back({other.material, {}});
+        std::stable_sort(asked.consumer.stand_ins.begin(), asked.consumer.stand_ins.end(),
+                         [](const auto& a, const auto& b) { return a.material < b.material; });
+        const auto both = prep::requirements(scene, asked);
+        for (std::size_t k = 0; k < found.size(); ++k) {
+            EXPECT_EQ(text_of(found[k].provided), text_of(wanted[k].provided)) << "seed " << seed;
+            EXPECT_EQ(found[k].tangent_uv_set, wanted[k].tangent_uv_set) << "seed " << seed;
+            prep::AttributeReads all = wanted[k].provided;
+            all |= own[k].provided;
+            EXPECT_EQ(text_of(both[k].provided), text_of(all)) << "seed " << seed;
+            apart += !(found[k].provided == own[k].provided);
+            several += !(both[k].provided == own[k].provided);
+        }
+    }
+    EXPECT_GT(apart, 30);
+    EXPECT_GT(several, 10);
+}
+
 // Whatever else is asked for: normals and tangents switched off are those that there were.
 TEST(PlanReads, WhatIsPreparedForOnePictureGivesThatPicture) {
     using Level = prep::Request::Level;

@@ -86,6 +86,156 @@ std::string written(const std::filesystem::path& file) {
            std::to_string(document.value("images", json::array()).size()) + " images";
 }
 
+// Of a scene file with a material 'brick' that has a normal map, and one, 'plain', that has none.
+std::string scene_with(const std::string& meshes) {
+    return R"({"meshprep": 1, "textures": {"bumps": {"file": "bumps.ppm"}}, "materials": {)"
+           R"("brick": {"normal_map": "bumps"}, "plain": {}}, "meshes": {)" +
+           meshes + "}}";
+}
+
+TEST_F(PrepareFor, DrawsAFileWithTheMaterialsThatTheSceneFileGivesIt) {
+    test::write_text(dir_ / "bumps.ppm", "P6 1 1 255\nabc");
+    const auto tangents = [&](const std::string& meshes) {
+        test::write_text(dir_ / "s.json", scene_with(meshes));
+        const std::string text = made({"--for", (dir_ / "s.json").string()});
+        return text.substr(text.find("tangents"));
+    };
+    const std::string own = "tangents made: material 'rough' has a tangent-space normal map; ";
+    const std::string brick =
+        "tangents made: material 'rough', drawn as 'brick', has a tangent-space normal map; ";
+    const std::string none = "tangents not: no material in use has a tangent-space normal map; ";
+    EXPECT_EQ(tangents(R"("a": {"file": "a.gltf"})"), own);
+    EXPECT_EQ(tangents(R"("a": {"file": "a.gltf", "material": "brick"})"), brick);
+    EXPECT_EQ(tangents(R"("a": {"file": "a.gltf", "material": "plain"})"), none);
+    EXPECT_EQ(tangents(R"("a": {"file": "a.gltf", "materials": {"rough": "plain"}})"), none);
+    EXPECT_EQ(tangents(R"("a": {"file": "./a.gltf", "materials": {"rough": "brick"}})"), brick);
+    // Twice there: as another and as itself.
+    EXPECT_EQ(tangents(R"("a": {"file": "a.gltf", "material": "plain"}, "b": {"file": "a.gltf"})"),
+              own);
+    EXPECT_EQ(tangents(R"("b": {"file": "a.gltf"}, "a": {"file": "a.gltf", "material": "plain"})"),
+              own);
+    // What is written is in it, there or not yet; other files say nothing of this one.
+    EXPECT_EQ(tangents(R"("a": {"file": "out.glb", "material": "plain"})"), none);
+    std::filesystem::remove(dir_ / "out.glb");
+    EXPECT_EQ(tangents(R"("a": {"file": "out.glb", "material": "plain"})"), none);
+    EXPECT_EQ(tangents(R"("a": {"file": "other.glb", "material": "plain"})"), own);
+}
+
+// By name or for every face, with a material of their own or none, glTF to glTF or not.
+TEST_F(PrepareFor, WritesTheTangentsThatMaterialsOfASceneFileRead) {
+    test::write_text(dir_ / "bumps.ppm", "P6 1 1 255\nabc");
+    const auto add = [&](const char* name, const char* material, const char* materials) {
+        test::GltfText gltf;
+        gltf.add({"m",
+                  {0, 0, 0, 1, 0, 0, 0, 1, 0},
+                  {},
+                  {0, 0, 1, 0, 0, 1},
+                  {},
+                  {0, 1, 2},
+                  material,
+                  ""});
+        test::write_text(dir_ / name, gltf.text(materials));
+    };
+    add("own.gltf", "\"material\":0", R"("materials":[{"name":"smooth"}])");
+    add("bare.gltf", "", "");
+    test::write_text(dir_ / "bare.obj",
+                     "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n");
+    const std::string tangents = "NORMAL POSITION TANGENT TEXCOORD_0 0 textures, 0 images";
+    const std::string none = "NORMAL POSITION TEXCOORD_0 0 textures, 0 images";
+    const auto made_of = [&](const std::string& input, const std::string& of_file) {
+        test::write_text(dir_ / "s.json",
+                         scene_with("\"a\": {\"file\": \"" + input + "\"" + of_file + "}"));
+        const std::filesystem::path out = dir_ / "out.gltf";
+        const test::Ran ran = run_here({"prepare", (dir_ / input).string(), "-o", out.string(),
+                                        "--for", (dir_ / "s.json").string()});
+        EXPECT_EQ(ran.exit_code, 0) << ran.err;
+        return written(out);
+    };
+    for (const char* input : {"own.gltf", "bare.gltf", "bare.obj"}) {
+        EXPECT_EQ(made_of(input, R"(, "material": "brick")"), tangents) << input;
+        const std::string plain = made_of(input, R"(, "material": "plain")");
+        EXPECT_EQ(plain.find("TANGENT"), std::string::npos) << input;
+    }
+    EXPECT_EQ(made_of("own.gltf", R"(, "materials": {"smooth": "brick"})"), tangents);
+    EXPECT_EQ(made_of("own.gltf", R"(, "materials": {"smooth": "plain"})"), none);
+    // As the file that is written may call it.
+    EXPECT_EQ(made_of("own.gltf", R"(, "materials": {"smooth_2": "brick"})"), tangents);
+    EXPECT_EQ(made_of("bare.obj", R"(, "materials": {"material_0": "brick"})"), tangents);
+}
+
+// However the path is spelt, from wherever it starts.
+TEST_F(PrepareFor, FindsAFileThatIsNotWrittenYet) {
+    test::write_text(dir_ / "bumps.ppm", "P6 1 1 255\nabc");
+    std::filesystem::create_directory(dir_ / "scenes");
+    std::string text = scene_with(R"("a": {"file": "../made.gltf", "material": "plain"})");
+    text.replace(text.find("bumps.ppm"), 0, "../");
+    test::write_text(dir_ / "scenes" / "s.json", text);
+    const std::filesystem::path before = std::filesystem::current_path();
+    std::filesystem::current_path(dir_.path());
+    const test::Ran ran =
+        run_here({"prepare", "a.gltf", "-o", "made.gltf", "--for", "scenes/s.json"});
+    std::filesystem::current_path(before);
+    EXPECT_EQ(ran.exit_code, 0) << ran.err;
+    EXPECT_EQ(written(dir_ / "made.gltf").find("TANGENT"), std::string::npos);
+}
+
+TEST_F(PrepareFor, FilesThatNoNodePlacesSayNothing) {
+    test::write_text(dir_ / "bumps.ppm", "P6 1 1 255\nabc");
+    std::string text = scene_with(R"("a": {"file": "a.gltf", "material": "plain"},)"
+                                  R"("b": {"shape": {"kind": "box"}})");
+    text.insert(text.size() - 1, R"(, "nodes": [{"mesh": "b"}])");
+    test::write_text(dir_ / "s.json", text);
+    EXPECT_NE(
+        made({"--for", (dir_ / "s.json").string()}).find("tangents made: material 'rough' has"),
+        std::string::npos);
+}
+
+TEST_F(PrepareFor, MapsOfMaterialsThatAreDrawnAsOthersAreNotWritten) {
+    test::write_text(dir_ / "bumps.ppm", "P6 1 1 255\nabc");
+    test::write_text(dir_ / "t.ppm", std::string("P6 1 1 255\n") + "abc");
+    test::write_text(dir_ / "b.mtl",
+                     "newmtl m\nKd 1 1 1\nmap_Kd t.ppm\nnewmtl n\nKd 1 1 1\nmap_Kd t.ppm\n");
+    test::write_text(dir_ / "b.obj",
+                     "mtllib b.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nvt 0 0\nvt 1 0\nvt 0 1\n"
+                     "usemtl m\nf 1/1 2/2 3/3\nusemtl n\nf 1/1 4/2 2/3\n");
+    const auto textures = [&](const std::string& of_file) {
+        test::write_text(dir_ / "s.json", scene_with(R"("b": {"file": "b.obj", )" + of_file + "}"));
+        const std::filesystem::path out = dir_ / "out.gltf";
+        const test::Ran ran = run_here({"prepare", (dir_ / "b.obj").string(), "-o", out.string(),
+                                        "--for", (dir_ / "s.json").string()});
+        EXPECT_EQ(ran.exit_code, 0) << ran.err;
+        std::string text;
+        const json document = json::parse(test::read_text(out), nullptr, false);
+        for (const json& material : document["materials"])
+            text += material.dump().find("baseColorTexture") == std::string::npos ? "- " : "map ";
+        return text;
+    };
+    EXPECT_EQ(textures(R"("materials": {})"), "map map ");
+    EXPECT_EQ(textures(R"("materials": {"n": "plain"})"), "map - ");
+    EXPECT_EQ(textures(R"("material": "plain")"), "- - ");
+}
+
+TEST_F(PrepareFor, TellsWhatAMaterialIsDrawnAs) {
+    test::write_text(dir_ / "bumps.ppm", "P6 1 1 255\nabc");
+    test::write_text(dir_ / "s.json",
+                     scene_with(R"("a": {"file": "a.gltf", "material": "brick"})"));
+    const json mesh = prepare({"--for", (dir_ / "s.json").string(), "--explain"})
+                          .json()["files"][0]["requirements"][0];
+    EXPECT_EQ(mesh["tangents"]["why"]["subject"], "/materials/0/normal_map");
+    EXPECT_EQ(mesh["tangents"]["why"]["drawn_as"], "brick");
+    test::write_text(dir_ / "c.obj",
+                     "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n");
+    test::write_text(dir_ / "s.json", scene_with(R"("a": {"file": "c.obj", "material": "brick"})"));
+    const test::Ran words =
+        run_here({"prepare", (dir_ / "c.obj").string(), "-o", (dir_ / "c.glb").string(), "--for",
+                  (dir_ / "s.json").string(), "--explain"});
+    for (const char* line : {"the default material, drawn as 'brick', is lit",
+                             "the default material, drawn as 'brick', has a normal map"})
+        EXPECT_NE(words.out.find(line), std::string::npos) << words.out;
+    const json own = prepare({"--explain"}).json()["files"][0]["requirements"][0];
+    EXPECT_FALSE(own["tangents"]["why"].contains("drawn_as"));
+}
+
 TEST_F(PrepareFor, WritesNoMoreThanOnePictureReads) {
     test::write_text(dir_ / "t.ppm", std::string("P6 1 1 255\n") + "abc");
     test::write_text(dir_ / "b.mtl", "newmtl m\nKd 1 1 1\nmap_Kd t.ppm\n");

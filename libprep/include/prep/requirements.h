@@ -31,6 +31,8 @@ struct MeshRequirements {  // one per Scene::meshes entry
     Need uvs;                          // whether any material samples a texture on this mesh
     std::uint32_t tangent_uv_set = 0;  // the set that the normal map samples
     AttributeReads provided = {};      // the attributes that are to be there
+    // Materials (none: the default one) that are drawn as others that read tangents.
+    std::vector<std::uint32_t> drawn_in_frame = {};
 };
 
 // Pure: the same scene and request give the same answer. O(faces + materials).

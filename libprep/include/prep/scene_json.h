@@ -10,6 +10,8 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "prep/load.h"
 #include "prep/render_choices.h"
@@ -24,10 +26,19 @@ struct OrbitCamera {
     double distance = 1;                // in multiples of the distance that fits the scene
 };
 
+// What a scene file says of a mesh file.
+struct JsonMeshFile {
+    std::filesystem::path file;
+    std::uint32_t material = no_index;  // of JsonScene::scene, for every face; none: the file's own
+    // Names of the file's materials, and what is in their place.
+    std::vector<std::pair<std::string, std::uint32_t>> replaced = {};
+};
+
 struct JsonScene {
     Scene scene;
-    RenderWishes picture;              // what is left open is the renderer's to choose
-    std::optional<OrbitCamera> orbit;  // where the file's camera says so
+    std::vector<JsonMeshFile> mesh_files;  // those that are placed
+    RenderWishes picture;                  // what is left open is the renderer's to choose
+    std::optional<OrbitCamera> orbit;      // where the file's camera says so
 };
 
 // Referenced files are relative to the scene file. A mesh file brings its meshes, nodes and
@@ -41,5 +52,8 @@ Result<JsonScene> load_scene_json(const std::filesystem::path& path,
 // The same of a scene in memory; `path` is its name in messages and where references start.
 Result<JsonScene> parse_scene_json(std::string_view text, const std::filesystem::path& path,
                                    const LoadOptions& options = {});
+// Without the meshes of mesh files, which are not opened and need not be there: their nodes, their
+// materials and warnings are missing. For who asks what the scene file itself says.
+Result<JsonScene> load_scene_json_alone(const std::filesystem::path& path);
 
 }  // namespace prep

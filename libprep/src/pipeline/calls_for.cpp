@@ -26,6 +26,11 @@ bool reads_map(const Asked& a) {
     return map_is_read(a.material, *a.map, a.consumer);
 }
 
+const Material& own_material(const Scene& scene, std::uint32_t material) {
+    static const Material plain;
+    return material == no_index ? plain : scene.materials[material];
+}
+
 enum class Sets : std::uint8_t { none, first, of_map };
 
 // The table: a feature, when it is called for, and what it reads then.
@@ -117,24 +122,27 @@ class MeshCalls {
 
   private:
     void add(std::uint32_t index) {
-        static const Material plain;
-        const Material& material = index == no_index ? plain : scene_.materials[index];
-        for (const FeatureRow& row : table) {
-            if (!row.of_maps) {
-                if (row.called({material, nullptr, mesh_, consumer_})) add(row, index, nullptr, 0);
-                continue;
+        for (const Material* const drawn : drawn_as(scene_, index, consumer_)) {
+            stands_in_ = drawn != &own_material(scene_, index);
+            for (const FeatureRow& row : table) {
+                if (!row.of_maps) {
+                    if (row.called({*drawn, nullptr, mesh_, consumer_}))
+                        add(row, index, *drawn, nullptr, 0);
+                    continue;
+                }
+                for (const MaterialMap& map : material_maps)
+                    if (drawn->*map.ref && row.called({*drawn, &map, mesh_, consumer_}))
+                        add(row, index, *drawn, &map, (drawn->*map.ref).uv_set);
             }
-            for (const MaterialMap& map : material_maps)
-                if (material.*map.ref && row.called({material, &map, mesh_, consumer_}))
-                    add(row, index, &map, (material.*map.ref).uv_set);
         }
     }
 
-    void add(const FeatureRow& row, std::uint32_t material, const MaterialMap* map,
-             std::uint32_t set) {
+    void add(const FeatureRow& row, std::uint32_t material, const Material& drawn,
+             const MaterialMap* map, std::uint32_t set) {
         Call call;
         call.feature = row.feature;
         call.material = material;
+        call.unlit = drawn.unlit;
         call.map = map;
         if (row.uvs != Sets::none) {
             call.uv_set = set;
@@ -145,12 +153,18 @@ class MeshCalls {
             if (row.uvs != Sets::none) call.reads.uv_sets = {set};
         }
         call.why = why(row, material, map, call.missing_uvs, set);
+        if (stands_in_) {
+            if (row.feature == Feature::lighting)
+                call.why = reason(Code::material_lit, material_subject(material));
+            call.why.drawn_as = drawn.name.empty() ? "unnamed" : drawn.name;
+        }
         calls_.push_back(std::move(call));
     }
 
     const Scene& scene_;
     const MeshContents& mesh_;
     const Consumer& consumer_;
+    bool stands_in_ = false;  // what is drawn, for the material
     std::vector<Call> calls_;
 };
 
@@ -179,6 +193,19 @@ bool AttributeReads::within(const AttributeReads& other) const {
     return normals <= other.normals && tangents <= other.tangents && colors <= other.colors &&
            std::includes(other.uv_sets.begin(), other.uv_sets.end(), uv_sets.begin(),
                          uv_sets.end());
+}
+
+std::vector<const Material*> drawn_as(const Scene& scene, std::uint32_t material,
+                                      const Consumer& consumer) {
+    const Material* const own = &own_material(scene, material);
+    const auto [begin, end] = std::equal_range(
+        consumer.stand_ins.begin(), consumer.stand_ins.end(), StandIn{material, std::nullopt},
+        [](const StandIn& a, const StandIn& b) { return a.material < b.material; });
+    std::vector<const Material*> drawn;
+    for (auto stand_in = begin; stand_in != end; ++stand_in)
+        drawn.push_back(stand_in->drawn ? &*stand_in->drawn : own);
+    if (drawn.empty()) drawn = {own};
+    return drawn;
 }
 
 bool map_is_read(const Material& m, const MaterialMap& map, const Consumer& c) {

@@ -219,14 +219,17 @@ std::string filled(std::string_view name, const Reason& why, const Subject& subj
     const std::uint32_t i = subject.index;
     if (name == "value") return number(why.value);
     if (name == "limit") return number(why.limit);
-    if (name == "material")
-        return i < scene.materials.size() ? named("material", scene.materials[i].name, i)
-                                          : "the default material";
+    if (name == "material") {
+        const std::string own = i < scene.materials.size()
+                                    ? named("material", scene.materials[i].name, i)
+                                    : "the default material";
+        return why.drawn_as.empty() ? own : own + ", drawn as '" + why.drawn_as + "',";
+    }
     if (name == "mesh")
         return i < scene.meshes.size() ? named("mesh", scene.meshes[i].name, i) : "";
     if (name == "map") {
         for (const MaterialMap& map : material_maps)
-            if (key_of(map) == subject.member) return map.name;
+            if (key_of(map) == subject.member || key_of(map) == subject.list) return map.name;
         return {};
     }
     if (name == "light" || name == "camera") {
@@ -251,7 +254,7 @@ std::string_view name_of(ReasonCode code) {
 }
 
 Reason reason(ReasonCode code, std::string subject, double value, double limit) {
-    return {code, rows[std::size_t(code)].label, std::move(subject), value, limit};
+    return {code, rows[std::size_t(code)].label, std::move(subject), value, limit, {}};
 }
 
 std::string sentence(const Reason& why, const Scene& scene) {

@@ -30,6 +30,9 @@ class MeshNeeds {
             else
                 r.normals = yes(Code::tangents_need_normals);
         }
+        for (const Call& call : calls_)
+            if (call.reads.tangents && !call.why.drawn_as.empty())
+                r.drawn_in_frame.push_back(call.material);
         r.provided = reads_of(calls_);
         r.provided.normals = r.normals.needed || (r.provided.normals && contents_.normals);
         // Those of the file that nobody shall touch stay with the picture that reads them.
@@ -54,8 +57,9 @@ class MeshNeeds {
     Need yes(Code code) const { return with(true, reason(code)); }
     Need no(Code code) const { return with(false, reason(code)); }
 
-    bool is_unlit(std::uint32_t material) const {
-        return material != no_index && scene_.materials[material].unlit;
+    bool is_drawn_unlit(std::uint32_t material) const {
+        const std::vector<const Material*> drawn = drawn_as(scene_, material, request_.consumer);
+        return std::all_of(drawn.begin(), drawn.end(), [](const Material* m) { return m->unlit; });
     }
 
     template <class Test>
@@ -71,13 +75,13 @@ class MeshNeeds {
         const Call* const call = first([&](const Call& c) {
             // What is not lit shows the normals that there are.
             return c.feature == Feature::lighting ||
-                   (c.feature == Feature::normal_buffer && !is_unlit(c.material));
+                   (c.feature == Feature::normal_buffer && !c.unlit);
         });
         if (call != nullptr) return with(true, call->why);
         const Consumer& c = request_.consumer;
-        const bool unlit = !contents_.default_material &&
+        const bool unlit = (!contents_.default_material || is_drawn_unlit(no_index)) &&
                            std::all_of(contents_.materials.begin(), contents_.materials.end(),
-                                       [&](std::uint32_t m) { return scene_.materials[m].unlit; });
+                                       [&](std::uint32_t m) { return is_drawn_unlit(m); });
         return no(unlit                        ? Code::all_unlit
                   : !c.colors                  ? Code::no_colors_kept
                   : c.shading == Shading::flat ? Code::flat_shading

@@ -1,4 +1,6 @@
 // What is prepared for one picture alone carries nothing that this picture does not read.
+#include <algorithm>
+
 #include "pipeline/mesh_preparation.h"
 
 namespace prep::detail {
@@ -19,6 +21,11 @@ std::vector<bool> is_of_loose_parts(const Scene& scene) {
             for (const std::uint32_t m : *list) result[m] = true;
     }
     return result;
+}
+
+bool is_drawn_as_itself(const Scene& scene, std::uint32_t material, const Consumer& consumer) {
+    const std::vector<const Material*> drawn = drawn_as(scene, material, consumer);
+    return std::find(drawn.begin(), drawn.end(), &scene.materials[material]) != drawn.end();
 }
 
 }  // namespace
@@ -65,8 +72,9 @@ void drop_unread_maps(PreparedScene& out, const PrepareOptions& options, StageLo
     for (std::uint32_t m = 0; m < out.scene.materials.size(); ++m) {
         Material& material = out.scene.materials[m];
         if (kept[m]) continue;
+        const bool drawn = is_drawn_as_itself(out.scene, m, consumer);
         for (const MaterialMap& map : material_maps) {
-            if (!(material.*map.ref) || map_is_read(material, map, consumer)) continue;
+            if (!(material.*map.ref) || (drawn && map_is_read(material, map, consumer))) continue;
             material.*map.ref = {};
             if (dropped.empty())
                 dropped = "the picture does not read the " + std::string(map.name) + " map of '" +

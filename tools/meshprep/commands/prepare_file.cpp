@@ -228,7 +228,7 @@ Outcome prepare_file(const Job& job, const PrepareCommand& command, int threads,
     show("preparing");
     start = Clock::now();
     prep::PrepareOptions options = prepare_options(command.prepare, load, threads);
-    options.request.consumer = consumer_for(command.consumer, *scene);
+    options.request.consumer = consumer_for(command.consumer, *scene, job.input, job.output);
     options.document_stays = is_gltf;
     if (options.tessellation.pixel_error) {
         const std::uint32_t width = picture.choices.width, height = picture.choices.height;

@@ -21,7 +21,7 @@ prep::Result<prep::JsonScene> load_json_scene(const std::filesystem::path& path,
     if (lower_ending(path) == "json") return prep::load_scene_json(path, options);
     prep::Result<prep::Scene> scene = prep::load_scene(path, options);
     if (!scene) return scene.error();
-    return prep::JsonScene{*std::move(scene), {}, {}};
+    return prep::JsonScene{*std::move(scene), {}, {}, {}};
 }
 
 prep::PrepareOptions prepare_options(const prep::PrepareOptions& given,

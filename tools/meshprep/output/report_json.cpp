@@ -55,12 +55,14 @@ Json to_json(const prep::StageReport& stage, bool memory) {
 }
 
 Json to_json(const prep::Reason& why, const prep::Scene& scene) {
-    return {{"code", prep::name_of(why.code)},
-            {"label", prep::name_of(why.label)},
-            {"subject", why.subject},
-            {"value", why.value},
-            {"limit", why.limit},
-            {"sentence", prep::sentence(why, scene)}};
+    Json json = {{"code", prep::name_of(why.code)},
+                 {"label", prep::name_of(why.label)},
+                 {"subject", why.subject},
+                 {"value", why.value},
+                 {"limit", why.limit},
+                 {"sentence", prep::sentence(why, scene)}};
+    if (!why.drawn_as.empty()) json["drawn_as"] = why.drawn_as;
+    return json;
 }
 
 Json to_json(const prep::SplitCounts& splits) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "prep/calls/reason.h"
@@ -10,6 +11,13 @@
 #include "prep/scene.h"
 
 namespace prep {
+
+// What a picture draws where the scene has another material.
+struct StandIn {
+    std::uint32_t material = no_index;  // of the scene; none: the default material
+    // None: itself. Its textures are not the scene's: that they are there is what counts.
+    std::optional<Material> drawn = {};
+};
 
 // Who is going to draw.
 struct Consumer {
@@ -21,6 +29,8 @@ struct Consumer {
     bool colors = true;                 // colours are kept
     bool normals = false, uvs = false;  // buffers of them are
     bool lights = true;                 // some light has a direction or a place
+    // Ascending by material. One with several is drawn as each somewhere, one with none as itself.
+    std::vector<StandIn> stand_ins = {};
 };
 
 enum class Feature : std::uint8_t {
@@ -55,12 +65,18 @@ struct AttributeReads {
 struct Call {
     Feature feature = Feature::lighting;
     std::uint32_t material = no_index;  // none: the default material
+    bool unlit = false;                 // what is drawn for it is
     const MaterialMap* map = nullptr;   // of the two features of maps
     std::uint32_t uv_set = no_index;    // that it reads
     AttributeReads reads;               // nothing, where the mesh lacks the UV set
     bool missing_uvs = false;           // the mesh has no such set
     Reason why;
 };
+
+// What is drawn where the scene has a material (none: the default one): itself or its stand-ins.
+// The pointers are into the scene and the consumer.
+std::vector<const Material*> drawn_as(const Scene& scene, std::uint32_t material,
+                                      const Consumer& consumer);
 
 // The table's rule for maps: whether what a map of the material says reaches what is kept. The
 // material has it, or could have it.

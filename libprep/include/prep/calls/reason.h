@@ -43,10 +43,14 @@ struct Reason {
     ReasonLabel label = ReasonLabel::not_requested;
     // JSON pointer into the Scene as it was loaded, by its lists and their numbers, which need not
     // be the file's: "/materials/2/normal_map"; empty: all of it, or what it has not, as its
-    // default material. "light 2", without a slash: a light of the plan that is not the scene's.
+    // default material ("/normal_map": of what is drawn in place of that). "light 2", without a
+    // slash: a light of the plan that is not the scene's.
     std::string subject;
     // What was found, and what it is held against; 0 where there is no such figure.
     double value = 0, limit = 0;
+    // The material that a picture draws in place of the subject's ("unnamed": it has no name);
+    // empty: itself.
+    std::string drawn_as = {};
 };
 
 // All reasons that there are, by code.

@@ -294,12 +294,18 @@ class Rewriter {
     // A mesh carries tangents as a whole; primitives whose material reads none need none, unless
     // they were asked for.
     bool wants_tangents(std::size_t m, const Json& primitive) const {
-        if (m < prepared_.requirements.size() && prepared_.requirements[m].tangents.asked)
-            return true;
+        const bool has_material = primitive.contains("material");
+        if (m < prepared_.requirements.size()) {
+            const MeshRequirements& r = prepared_.requirements[m];
+            const Index own = has_material ? primitive["material"].get<Index>() : no_index;
+            if (r.tangents.asked || std::find(r.drawn_in_frame.begin(), r.drawn_in_frame.end(),
+                                              own) != r.drawn_in_frame.end())
+                return true;
+        }
         const std::vector<Material>& materials = prepared_.scene.materials;
         for (const Index other : materials_of_variants(primitive))
             if (other < materials.size() && calls_for_tangents(materials[other])) return true;
-        if (!primitive.contains("material")) return false;
+        if (!has_material) return false;
         return calls_for_tangents(materials[primitive["material"].get<std::size_t>()]);
     }
 

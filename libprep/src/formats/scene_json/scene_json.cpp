@@ -27,8 +27,9 @@ constexpr double degrees = std::numbers::pi / 180;
 
 class Builder {
   public:
-    Builder(const std::filesystem::path& path, const LoadOptions& options)
-        : path_(path), options_(options) {}
+    // Without `opens_files`, mesh files have nothing in them.
+    Builder(const std::filesystem::path& path, const LoadOptions& options, bool opens_files)
+        : path_(path), options_(options), opens_files_(opens_files) {}
 
     Result<JsonScene> build(const SceneSpec& spec) {
         out_.scene.source = path_;
@@ -155,11 +156,12 @@ class Builder {
             instance_unused_meshes(scene);
             return scene;
         }
-        Result<std::filesystem::path> file = existing_file(spec.file);
-        if (!file) return file.error();
-        if (lower_ending(*file) == ".json")
+        if (lower_ending(spec.file.text) == ".json")
             return error(spec.file.pointer, "a scene file cannot contain another scene file",
                          ErrorCode::unsupported);
+        if (!opens_files_) return Scene{};
+        Result<std::filesystem::path> file = existing_file(spec.file);
+        if (!file) return file.error();
         Result<Scene> scene = load_scene(*file, options_);
         if (!scene) {
             Error inner = scene.error();
@@ -222,10 +224,13 @@ class Builder {
     Step override_materials(const schema::Named<MeshSpec>& entry, std::uint32_t first,
                             const std::vector<std::string>& part_materials) {
         const MergedPart& part = parts_.back();
+        JsonMeshFile of_file;
+        of_file.file = path_.parent_path() / entry.value.file.text;
         if (!entry.value.material.text.empty()) {
             const Result<std::uint32_t> material =
                 find(materials_, entry.value.material, "material");
             if (!material) return material.error();
+            of_file.material = *material;
             for (std::uint32_t m = part.first_mesh; m < part.first_mesh + part.mesh_count; ++m)
                 out_.scene.meshes[m].face_materials.assign(out_.scene.meshes[m].face_count(),
                                                            *material);
@@ -233,6 +238,7 @@ class Builder {
         for (const auto& [from, to] : entry.value.replaced) {
             const Result<std::uint32_t> material = find(materials_, to, "material");
             if (!material) return material.error();
+            of_file.replaced.emplace_back(from, *material);
             bool found = false;
             for (std::uint32_t k = 0; k < part_materials.size(); ++k) {
                 if (part_materials[k] != from) continue;
@@ -241,10 +247,11 @@ class Builder {
                     for (std::uint32_t& face : out_.scene.meshes[m].face_materials)
                         if (face == first + k) face = *material;
             }
-            if (!found)
+            if (!found && opens_files_)
                 return error(to.pointer, "the mesh has no material called '" + from + "'" +
                                              suggestion(from, part_materials));
         }
+        if (!entry.value.shape) mesh_files_.emplace(parts_.size() - 1, std::move(of_file));
         return {};
     }
 
@@ -271,7 +278,7 @@ class Builder {
     Step add_nodes(const SceneSpec& spec) {
         Scene& scene = out_.scene;
         if (spec.nodes.empty()) {
-            for (const MergedPart& part : parts_) instance_part(scene, part, no_index);
+            for (std::uint32_t part = 0; part < parts_.size(); ++part) place(part, no_index);
             return {};
         }
         Names names;
@@ -301,9 +308,17 @@ class Builder {
             if (node.mesh.text.empty()) continue;
             const Result<std::uint32_t> part = find(part_names_, node.mesh, "mesh");
             if (!part) return part.error();
-            instance_part(scene, parts_[*part], static_cast<std::uint32_t>(i));
+            place(*part, static_cast<std::uint32_t>(i));
         }
         return {};
+    }
+
+    void place(std::uint32_t part, std::uint32_t node) {
+        instance_part(out_.scene, parts_[part], node);
+        const auto file = mesh_files_.find(part);
+        if (file == mesh_files_.end()) return;
+        out_.mesh_files.push_back(std::move(file->second));
+        mesh_files_.erase(file);
     }
 
     Step check_cycles(const SceneSpec& spec) const {
@@ -409,18 +424,18 @@ class Builder {
 
     std::filesystem::path path_;
     LoadOptions options_;
+    bool opens_files_;
     detail::PictureSearch pictures_{path_.parent_path(), options_.texture_directories};
     JsonScene out_;
     Names textures_, materials_, part_names_;
     std::vector<MergedPart> parts_;
+    std::map<std::size_t, JsonMeshFile> mesh_files_;  // by part, until a node places it
     ReadFiles files_;
     std::uint64_t generated_faces_ = 0;
 };
 
-}  // namespace
-
-Result<JsonScene> parse_scene_json(std::string_view text, const std::filesystem::path& path,
-                                   const LoadOptions& options) {
+Result<JsonScene> parse_text(std::string_view text, const std::filesystem::path& path,
+                             const LoadOptions& options, bool opens_files) {
     constexpr std::size_t most = std::size_t(64) << 20;
     if (text.size() > most)
         return Error{ErrorCode::limit,
@@ -447,16 +462,32 @@ Result<JsonScene> parse_scene_json(std::string_view text, const std::filesystem:
     if (spec.meshes.empty())
         return Error{ErrorCode::invalid, "the scene has no meshes; add one under \"meshes\"",
                      path.string() + "#"};
-    Result<JsonScene> built = Builder(path, options).build(spec);
+    Result<JsonScene> built = Builder(path, options, opens_files).build(spec);
     if (built) detail::contain_pictures(built->scene, options);
     return built;
 }
 
-Result<JsonScene> load_scene_json(const std::filesystem::path& path, const LoadOptions& options) {
+Result<JsonScene> load_file(const std::filesystem::path& path, const LoadOptions& options,
+                            bool opens_files) {
     const Result<std::vector<std::byte>> bytes = read_file(path);
     if (!bytes) return bytes.error();
-    return parse_scene_json({reinterpret_cast<const char*>(bytes->data()), bytes->size()}, path,
-                            options);
+    return parse_text({reinterpret_cast<const char*>(bytes->data()), bytes->size()}, path, options,
+                      opens_files);
+}
+
+}  // namespace
+
+Result<JsonScene> parse_scene_json(std::string_view text, const std::filesystem::path& path,
+                                   const LoadOptions& options) {
+    return parse_text(text, path, options, true);
+}
+
+Result<JsonScene> load_scene_json(const std::filesystem::path& path, const LoadOptions& options) {
+    return load_file(path, options, true);
+}
+
+Result<JsonScene> load_scene_json_alone(const std::filesystem::path& path) {
+    return load_file(path, {}, false);
 }
 
 }  // namespace prep
