@@ -364,9 +364,10 @@ class Document {
     std::size_t add(const std::vector<float>& values, int width, int component = 5126) {
         const std::size_t offset = bytes_.size(), count = values.size() / std::size_t(width);
         for (const float value : values) {
-            const std::uint32_t whole = std::uint32_t(value);
+            const bool real = component == 5126;
+            const std::uint32_t whole = real ? 0 : std::uint32_t(value);
             char four[4];
-            std::memcpy(four, component == 5126 ? static_cast<const void*>(&value) : &whole, 4);
+            std::memcpy(four, real ? static_cast<const void*>(&value) : &whole, 4);
             bytes_.append(four, 4);
         }
         json["bufferViews"].push_back(
