@@ -17,7 +17,7 @@ struct TimingOptions {
     int most_rounds = 25;      // its cap
     double seconds = 12;       // its other cap, once these are done
     double narrow = 0.05;      // the rule: until every ratio's interval is this wide at most
-    double least_time = 5e-3;  // shorter runs are repeated until they take so long together
+    double least_time = 1e-3;  // shorter runs are repeated until they take so long together
     std::uint64_t seed = 1;    // of the orders
     // With one thread: it stays on one processor, and goes to the next one after a round of which
     // a measurement was taken again. Those of a virtual machine differ by more than settings do.
