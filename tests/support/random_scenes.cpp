@@ -255,14 +255,16 @@ class SceneOfChance {
 
     void ball(Mesh& mesh) {
         constexpr double pi = std::numbers::pi;
-        grid(mesh, 3 + r_.below(20), 2 + r_.below(14), [&](glm::vec2 p) {
+        const std::uint32_t down = 2 + r_.below(14), around = 3 + r_.below(20);
+        grid(mesh, around, down, [&](glm::vec2 p) {
             const double a = 2 * pi * p.x, b = pi * p.y;
             return glm::vec3(std::sin(b) * std::sin(a), std::cos(b), std::sin(b) * std::cos(a));
         });
     }
     void wall(Mesh& mesh, double bumps) {
         const float extent = r_.chance(0.3) ? 8.0f : 1.0f;
-        grid(mesh, 1 + r_.below(9), 1 + r_.below(9), [&](glm::vec2 p) {
+        const std::uint32_t rows = 1 + r_.below(9), columns = 1 + r_.below(9);
+        grid(mesh, columns, rows, [&](glm::vec2 p) {
             return glm::vec3((p.x * 2 - 1) * extent, (1 - p.y * 2) * extent, r_.between(0, bumps));
         });
     }
@@ -314,15 +316,17 @@ class SceneOfChance {
         }
         if (r_.chance(0.3)) {
             prep::CornerLayer<glm::vec4> layer;
-            for (std::size_t v = 0; v < mesh.positions.size(); ++v)
-                layer.values.push_back(
-                    glm::vec4(color(1), r_.chance(0.5) ? 1.0f : r_.between(0.5, 1)));
+            for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+                const float alpha = r_.chance(0.5) ? 1.0f : r_.between(0.5, 1);
+                layer.values.push_back(glm::vec4(color(1), alpha));
+            }
             layer.indices = mesh.corner_vertices;
             mesh.colors.push_back(std::move(layer));
         }
         if (r_.chance(0.25)) {
             for (std::size_t c = 0; c < corners; ++c) {
-                const glm::vec3 n(r_.between(-1, 1), r_.between(-1, 1), r_.between(0.2, 1));
+                const float z = r_.between(0.2, 1), y = r_.between(-1, 1), x = r_.between(-1, 1);
+                const glm::vec3 n(x, y, z);
                 mesh.normals.values.push_back(r_.chance(0.02) ? glm::vec3(0) : glm::normalize(n));
                 mesh.normals.indices.push_back(std::uint32_t(c));
             }
@@ -392,7 +396,8 @@ class SceneOfChance {
             light.intensity = light.kind == LightKind::ambient       ? 0.2f
                               : light.kind == LightKind::directional ? 0.8f
                                                                      : r_.between(1, 20);
-            glm::dvec3 place(r_.between(-4, 4), r_.between(-1, 5), r_.between(1, 5));
+            const float z = r_.between(1, 5), y = r_.between(-1, 5), x = r_.between(-4, 4);
+            glm::dvec3 place(x, y, z);
             glm::dvec3 towards = -place + glm::dvec3(0, 0, r_.between(-1, 1));
             if (light.kind == LightKind::point || light.kind == LightKind::spot) {
                 if (r_.chance(0.3)) light.range = r_.between(3, 12);
@@ -428,7 +433,8 @@ class SceneOfChance {
         const double distance = r_.chance(0.3) ? r_.between(0, 1.5) : r_.between(3, 8);
         prep::Node node;
         node.camera = std::uint32_t(scene_.cameras.size());
-        node.transform[3] = glm::dvec4(r_.between(-0.5, 0.5), r_.between(-0.5, 0.5), distance, 1);
+        const float y = r_.between(-0.5, 0.5), x = r_.between(-0.5, 0.5);
+        node.transform[3] = glm::dvec4(x, y, distance, 1);
         camera.zfar = camera.perspective && r_.chance(0.5) ? 0 : 100;
         scene_.cameras.push_back(camera);
         scene_.active_camera = std::uint32_t(scene_.nodes.size());

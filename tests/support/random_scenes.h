@@ -28,6 +28,7 @@ class RandomNumbers {
 };
 
 // Small: at most some thousand triangles and pictures of 16 texels a side. Pictures are embedded.
+// The same whatever compiles it: no two numbers are drawn for the arguments of one call.
 prep::Scene random_scene(std::uint32_t seed);
 
 // A picture of floats in memory, as a file that keeps them.
