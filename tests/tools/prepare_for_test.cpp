@@ -179,6 +179,16 @@ TEST_F(PrepareFor, FindsAFileThatIsNotWrittenYet) {
     EXPECT_EQ(written(dir_ / "made.gltf").find("TANGENT"), std::string::npos);
 }
 
+TEST_F(PrepareFor, MaterialsOfASceneFileMayBeUnlit) {
+    test::write_text(dir_ / "bumps.ppm", "P6 1 1 255\nabc");
+    std::string text = scene_with(R"("a": {"file": "a.gltf", "material": "plain"})");
+    text.replace(text.find("\"plain\": {}"), 11, R"("plain": {"unlit": true})");
+    test::write_text(dir_ / "s.json", text);
+    EXPECT_EQ(made({"--for", (dir_ / "s.json").string()}).rfind("normals not: every material", 0),
+              0u)
+        << made({"--for", (dir_ / "s.json").string()});
+}
+
 TEST_F(PrepareFor, FilesThatNoNodePlacesSayNothing) {
     test::write_text(dir_ / "bumps.ppm", "P6 1 1 255\nabc");
     std::string text = scene_with(R"("a": {"file": "a.gltf", "material": "plain"},)"
