@@ -53,7 +53,8 @@ Result<JsonScene> load_scene_json(const std::filesystem::path& path,
 Result<JsonScene> parse_scene_json(std::string_view text, const std::filesystem::path& path,
                                    const LoadOptions& options = {});
 // Without the meshes of mesh files, which are not opened and need not be there: their nodes, their
-// materials and warnings are missing. For who asks what the scene file itself says.
+// materials and warnings are missing. For who asks what the scene file itself says. Errors: as
+// above, but for those of mesh files and of names of their materials.
 Result<JsonScene> load_scene_json_alone(const std::filesystem::path& path);
 
 }  // namespace prep
