@@ -163,6 +163,26 @@ TEST(Save, GltfAndItsBinaryAppearTogether) {
     EXPECT_EQ(again->meshes[0].face_count(), 1u);
 }
 
+TEST(Save, GlbInMemoryIsTheFile) {
+    const test::TempDir dir;
+    const prep::PreparedScene prepared =
+        test::untouched(parse("g a b\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"));
+    const auto notes = prep::save_scene(prepared, dir / "a.glb");
+    ASSERT_TRUE(notes) << prep::to_string(notes.error());
+    const auto glb = prep::save_glb(prepared);
+    ASSERT_TRUE(glb) << prep::to_string(glb.error());
+    const std::string file = test::file_text(dir / "a.glb");
+    EXPECT_EQ(std::string(reinterpret_cast<const char*>(glb->bytes.data()), glb->bytes.size()),
+              file);
+    EXPECT_EQ(glb->notes, *notes);
+    prep::SaveOptions bits;
+    bits.quantization.uvs = 17;
+    const auto none = prep::save_glb(prepared, bits);
+    ASSERT_FALSE(none);
+    EXPECT_EQ(none.error().code, prep::ErrorCode::invalid);
+    EXPECT_NE(none.error().text.find("not 17"), std::string::npos);
+}
+
 TEST(Save, NotesSayWhatTheFormatCannotHold) {
     prep::Scene scene = parse("v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvn 0 0 1\nf 1/1/1 2/1/1 3/1/1\n");
     scene.materials.emplace_back();

@@ -8,7 +8,6 @@
 #include <utility>
 #include <vector>
 
-#include "command_runner.h"
 #include "cost/ladders/ladder.h"
 
 namespace test {
@@ -16,8 +15,7 @@ namespace test {
 inline cost::Ladder ladder_named(const std::string& name, const prep::Mesh* mesh = nullptr) {
     for (const cost::LadderRow& row : cost::ladder_rows()) {
         if (name != row.name) continue;
-        static const TemporaryDirectory dir;  // of files that rungs write
-        auto ladder = row.make({"mesh", mesh, 1, dir.path()});
+        auto ladder = row.make({"mesh", mesh, 1});
         EXPECT_TRUE(ladder) << name;
         return *std::move(ladder);
     }

@@ -242,19 +242,14 @@ TEST(Cost, OneLadderThatFailsLeavesTheOthers) {
     EXPECT_NE(read_text(csv).find("normal-weight"), std::string::npos);
 }
 
-// Those that write files have no place for them; the others need none.
-TEST(Cost, WithoutATemporaryDirectoryTheOtherLaddersGoOn) {
+TEST(Cost, NeedsNoTemporaryDirectory) {
     const TemporaryDirectory dir;
     const test::Circumstances nowhere{.environment = {{"TMPDIR", (dir / "none").string()}}};
-    const test::Ran ran = test::run_command({"cost", "--threads", "1", "--rounds", "1", "--ladder",
-                                             "normal-weight,quantized-uvs", "--json"},
-                                            nowhere);
-    EXPECT_EQ(ran.exit_code, 1);
-    const json document = ran.json();
-    ASSERT_EQ(document["ladders"].size(), 1u) << ran.err;
-    EXPECT_EQ(document["ladders"][0]["name"], "normal-weight");
-    ASSERT_EQ(document["failed"].size(), 1u);
-    EXPECT_EQ(document["failed"][0]["ladder"], "quantized-uvs");
+    const test::Ran ran = test::run_command(
+        {"cost", "--threads", "1", "--rounds", "1", "--ladder", "quantized-uvs", "--json"},
+        nowhere);
+    EXPECT_EQ(ran.exit_code, 0) << ran.err;
+    EXPECT_EQ(ran.json()["ladders"].size(), 1u);
 }
 
 // Minutes of measuring are not lost to a file that cannot be written.

@@ -64,7 +64,7 @@ class Ladders {
         if (at != ladders_.end()) return at->second;
         for (const cost::LadderRow& row : cost::ladder_rows())
             if (name == row.name) {
-                auto made = row.make({"", nullptr, 1, directory_.path()});
+                auto made = row.make({"", nullptr, 1});
                 EXPECT_TRUE(made) << prep::to_string(made.error());
                 if (made) ladders_[name] = *std::move(made);
             }
@@ -78,7 +78,6 @@ class Ladders {
         known.resize(ladder.metrics.size());
         return known;
     }
-    test::TemporaryDirectory directory_;
     std::map<std::string, cost::Ladder> ladders_;
     std::map<std::string, std::vector<double>> numbers_;
 };

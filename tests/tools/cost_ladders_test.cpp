@@ -401,16 +401,6 @@ TEST(CostLadders, QuantizedUvs) {
     EXPECT_LT(n["floats"][0], 3e-8);
 }
 
-TEST(CostLadders, ThoseThatWriteFilesSayWhenTheyHaveNoPlace) {
-    const auto none = cost::quantized_uvs_ladder({"", nullptr, 1});
-    ASSERT_FALSE(none);
-    EXPECT_NE(none.error().text.find("no directory"), std::string::npos);
-    const auto missing = cost::quantized_uvs_ladder({"", nullptr, 1, "/nonexistent/place"});
-    ASSERT_TRUE(missing);
-    EXPECT_FALSE(missing->rungs[0].run());
-    EXPECT_EQ(missing->rungs[0].judge()[0], std::numeric_limits<double>::infinity());
-}
-
 TEST(CostLadders, DisplacementError) {
     const Ladder ladder = ladder_named("displacement-error");
     double last = 1;

@@ -1,6 +1,7 @@
 // Writing a prepared scene: GLB, glTF, OBJ+MTL, PLY, STL, OFF, by ending.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -88,5 +89,14 @@ struct SaveOptions {
 Result<std::vector<std::string>> save_scene(const PreparedScene& prepared,
                                             const std::filesystem::path& path,
                                             const SaveOptions& options = {});
+
+struct GlbBytes {
+    std::vector<std::byte> bytes;
+    std::vector<std::string> notes;  // as save_scene()'s
+};
+
+// The GLB file that save_scene() would write, in memory. Of the options: how values are stored.
+// Errors: invalid (bits), limit (over 4 GiB).
+Result<GlbBytes> save_glb(const PreparedScene& prepared, const SaveOptions& options = {});
 
 }  // namespace prep

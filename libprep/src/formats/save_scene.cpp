@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "base/finite.h"
+#include "formats/gltf/gltf_writer.h"
 #include "formats/registry.h"
 #include "prep/save.h"
 #include "text/name_list.h"
@@ -98,6 +99,18 @@ void note_non_finite(const PreparedScene& prepared, const FormatHolds& holds,
     if (holds.float_colors) note(" colour is", " colours are", colors);
 }
 
+Result<void> check_bits(const Quantization& quantization, const std::filesystem::path& path) {
+    for (const QuantizationRow& row : quantization_rows)
+        if (const int bits = quantization.*row.bits;
+            bits != 0 && (bits < row.least || bits > row.most))
+            return Error{ErrorCode::invalid,
+                         std::string(row.name) + " are quantised to " + std::to_string(row.least) +
+                             " to " + std::to_string(row.most) + " bits, not " +
+                             std::to_string(bits),
+                         path.string()};
+    return {};
+}
+
 }  // namespace
 }  // namespace detail
 
@@ -128,14 +141,8 @@ Result<std::vector<std::string>> save_scene(const PreparedScene& prepared,
                      "quantised attributes are those of glTF files: write .glb or .gltf, or leave "
                      "the quantisation out",
                      path.string()};
-    for (const QuantizationRow& row : quantization_rows)
-        if (const int bits = options.quantization.*row.bits;
-            bits != 0 && (bits < row.least || bits > row.most))
-            return Error{ErrorCode::invalid,
-                         std::string(row.name) + " are quantised to " + std::to_string(row.least) +
-                             " to " + std::to_string(row.most) + " bits, not " +
-                             std::to_string(bits),
-                         path.string()};
+    if (auto checked = detail::check_bits(options.quantization, path); !checked)
+        return std::move(checked).error();
     auto notes = format->write(prepared, path, options);
     if (notes && !format->holds.everything) {
         const std::string name(format->file.name);
@@ -143,6 +150,20 @@ Result<std::vector<std::string>> save_scene(const PreparedScene& prepared,
         detail::note_non_finite(prepared, format->holds, *notes);
     }
     return notes;
+}
+
+Result<GlbBytes> save_glb(const PreparedScene& prepared, const SaveOptions& options) {
+    if (auto checked = detail::check_bits(options.quantization, {}); !checked)
+        return std::move(checked).error();
+    GlbBytes out;
+    const auto glb = detail::encode_glb(prepared, out.notes, options);
+    if (!glb) return glb.error();
+    const auto parts = glb->parts();
+    std::size_t size = 0;
+    for (const auto& part : parts) size += part.size();
+    out.bytes.reserve(size);
+    for (const auto& part : parts) out.bytes.insert(out.bytes.end(), part.begin(), part.end());
+    return out;
 }
 
 }  // namespace prep

@@ -3,7 +3,6 @@
 // is a ladder over two settings, whose rungs are the pairs of their values.
 #pragma once
 
-#include <filesystem>
 #include <functional>
 #include <optional>
 #include <span>
@@ -80,8 +79,6 @@ struct Subject {
     std::string name;
     const prep::Mesh* mesh = nullptr;
     int threads = 0;
-    // For files of ladders that write some; empty: these cannot be tried.
-    std::filesystem::path directory = {};
     const ScenePicture* picture = nullptr;  // of the same file, as it is drawn
 };
 

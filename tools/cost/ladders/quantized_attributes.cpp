@@ -1,11 +1,10 @@
-// Bits of positions, normals, tangents and UVs of glTF files: each rung writes a file, which is
-// read back by a reader of its own and held against the surface that the values are of.
+// Bits of positions, normals, tangents and UVs of glTF files: each rung writes a file into memory,
+// which is read back by a reader of its own and held against the surface that the values are of.
 #include <fmt/format.h>
 
-#include <fstream>
 #include <limits>
 #include <memory>
-#include <system_error>
+#include <span>
 
 #include "cost/ladders/ladder.h"
 #include "cost/ladders/meshes.h"
@@ -29,7 +28,6 @@ struct QuantizedState {
     std::vector<PatchCorner> corners;  // in the order of triangles
     double diagonal = 0;
     prep::PreparedScene prepared;
-    std::filesystem::path directory;
 };
 
 // Three quarters of a torus around and two thirds across; a vertex is one of all attributes. Its
@@ -84,11 +82,7 @@ prep::Mesh patch_mesh(QuantizedState& s) {
 }
 
 prep::Result<std::shared_ptr<QuantizedState>> patch_state(const Subject& subject) {
-    if (subject.directory.empty())
-        return prep::Error{prep::ErrorCode::invalid,
-                           "this ladder writes files, and no directory is given for them", ""};
     auto s = std::make_shared<QuantizedState>();
-    s->directory = subject.directory;
     prep::Scene scene;
     scene.meshes.push_back(patch_mesh(*s));
     prep::instance_unused_meshes(scene);
@@ -100,19 +94,11 @@ prep::Result<std::shared_ptr<QuantizedState>> patch_state(const Subject& subject
     return s;
 }
 
-std::vector<std::byte> bytes_of(const std::filesystem::path& path) {
-    std::ifstream file(path, std::ios::binary);
-    const std::vector<char> text{std::istreambuf_iterator<char>(file), {}};
-    const auto bytes = std::as_bytes(std::span(text));
-    return {bytes.begin(), bytes.end()};
-}
-
 // One number a corner; infinity where the file lacks it.
 using CornerError = double (*)(const QuantizedState& s, const GlbCorners& file, std::size_t corner);
 
-std::vector<double> judged_file(const QuantizedState& s, const std::filesystem::path& path,
+std::vector<double> judged_file(const QuantizedState& s, std::span<const std::byte> bytes,
                                 CornerError error) {
-    const std::vector<std::byte> bytes = bytes_of(path);
     const auto file = corners_of_glb(bytes);
     std::vector<double> errors;
     for (std::size_t c = 0; c < s.corners.size(); ++c)
@@ -167,7 +153,7 @@ prep::Result<Ladder> attribute_ladder(const Subject& subject, const AttributeLad
     ladder.subject = "a part of a torus of 6,144 triangles with normals, tangents and UVs";
     ladder.oracle =
         fmt::format("{} in closed form; the file is read back by a reader of its own", of.truth);
-    ladder.timed = {"writing the GLB file, prepared before", "the disk, or what stands for it"};
+    ladder.timed = {"the bytes of the GLB file, prepared before; not the disk"};
     ladder.metrics = {{"largest", of.unit, of.domain},
                       {"99.9 %", of.unit, of.domain},
                       {"mean", of.unit, of.domain},
@@ -187,13 +173,14 @@ prep::Result<Ladder> attribute_ladder(const Subject& subject, const AttributeLad
         prep::SaveOptions options;
         options.quantization.*of.bits = bits;
         // Each its own: files are judged after others were written.
-        const std::filesystem::path path =
-            s->directory / fmt::format("{}-{}.glb", of.attribute, bits);
-        rung.run = [s, path, options]() -> prep::Result<void> {
-            const auto notes = prep::save_scene(s->prepared, path, options);
-            return notes ? prep::Result<void>() : prep::Result<void>(notes.error());
+        const auto file = std::make_shared<std::vector<std::byte>>();
+        rung.run = [s, file, options]() -> prep::Result<void> {
+            auto glb = prep::save_glb(s->prepared, options);
+            if (!glb) return glb.error();
+            *file = std::move(glb->bytes);
+            return {};
         };
-        rung.judge = [s, path, error = of.error] { return judged_file(*s, path, error); };
+        rung.judge = [s, file, error = of.error] { return judged_file(*s, *file, error); };
         ladder.rungs.push_back(std::move(rung));
     };
     for (const int bits : of.rungs) add(bits);

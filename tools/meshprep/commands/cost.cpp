@@ -14,7 +14,6 @@
 #include "meshprep/files/file_list.h"
 #include "meshprep/files/input_file.h"
 #include "meshprep/files/output_directories.h"
-#include "meshprep/files/private_directory.h"
 #include "meshprep/output/cost_json.h"
 #include "meshprep/output/load_options.h"
 #include "prep/files.h"
@@ -133,8 +132,6 @@ Result<std::vector<Tried>> load_all(const CostCommand& command, Console& console
 Result<Measured> measured_table(const CostCommand& command, const std::vector<Tried>& tried,
                                 Console& console) {
     Measured out;
-    const Result<PrivateDirectory> made = PrivateDirectory::make();
-    const auto directory = made ? made->path() : std::filesystem::path();
     out.table.version = std::string(prep::version());
     out.table.processor = cost::processor_name();
     out.table.threads = threads_of(command);
@@ -148,10 +145,10 @@ Result<Measured> measured_table(const CostCommand& command, const std::vector<Tr
                 out.failures.push_back({row.name, one.file, one.picture.error()});
             else
                 subjects.push_back({of_scenes ? one.file : one.name, &one.mesh, out.table.threads,
-                                    directory, of_scenes ? &*one.picture : nullptr});
+                                    of_scenes ? &*one.picture : nullptr});
         }
         if (row.of_meshes && !tried.empty() && subjects.empty()) continue;
-        if (subjects.empty()) subjects.push_back({"", nullptr, out.table.threads, directory});
+        if (subjects.empty()) subjects.push_back({"", nullptr, out.table.threads});
         for (const cost::Subject& subject : subjects) {
             console.progress(command.common, fmt::format("{} …", row.name));
             Result<cost::LadderRecord> record = measured(row, subject, command);
