@@ -92,7 +92,7 @@ TEST(BudgetMs, PilotsAreSolvedForWhatPixelsTake) {
 }
 
 // What is drawn for a pilot is counted, not timed.
-TEST(BudgetMs, PilotsAreAQuarterAndAHalfOfWhatIsAskedForInBands) {
+TEST(BudgetMs, PilotsAreWholeAndSmallerPicturesInBands) {
     const prep::PreparedScene scene;
     rast::SceneRenderer renderer(scene);
     rast::RenderRequest request;
@@ -100,7 +100,8 @@ TEST(BudgetMs, PilotsAreAQuarterAndAHalfOfWhatIsAskedForInBands) {
     request.height = 801;
     request.threads = 1;
     request.band_bytes = 1;
-    std::set<std::array<std::uint32_t, 4>> asked;
+    using Size = std::array<std::uint32_t, 4>;
+    std::set<Size> asked;
     std::set<std::size_t> views;
     const auto plan_for = [&](const rast::RenderRequest& r, std::size_t view) {
         EXPECT_EQ(r.samples * r.supersample, 1);
@@ -114,14 +115,31 @@ TEST(BudgetMs, PilotsAreAQuarterAndAHalfOfWhatIsAskedForInBands) {
     const auto pilot = meshprep::pilot_of(renderer, request, 8, plan_for);
     ASSERT_TRUE(pilot) << to_string(pilot.error());
     EXPECT_EQ(asked,
-              (std::set<std::array<std::uint32_t, 4>>{{100, 200, 100, 200}, {201, 400, 201, 400}}));
+              (std::set<Size>{{100, 200, 100, 200}, {201, 400, 201, 400}, {403, 801, 403, 801}}));
     EXPECT_EQ(views, (std::set<std::size_t>{0, 2, 4, 6}));
+    EXPECT_EQ(pilot->count, 8.0 * 403 * 801);
+    EXPECT_NEAR(pilot->fixed + pilot->pixels, pilot->one.whole, 1e-9 * pilot->one.whole);
     EXPECT_GT(pilot->band_pixels, 0u);
-    EXPECT_LT(pilot->band_pixels, 201u * 400 / 2);  // as the picture itself, in bands
+    EXPECT_LT(pilot->band_pixels, 403u * 801 / 2);  // as the picture itself, in bands
     asked.clear();
     request.crop = rast::Crop{400, 0, 3, 3};
     ASSERT_TRUE(meshprep::pilot_of(renderer, request, 1, plan_for));
-    EXPECT_EQ(asked, (std::set<std::array<std::uint32_t, 4>>{{100, 200, 1, 1}, {201, 400, 1, 1}}));
+    EXPECT_EQ(asked, (std::set<Size>{{100, 200, 1, 1}, {201, 400, 1, 1}, {403, 801, 3, 3}}));
+}
+
+// Samples cost 5 ms for the length of edges, half of that at half the size, and 3 for triangles at
+// any. Shaded points cost 64 ms for pixels, a fourth of that at half the size, and 3.
+TEST(BudgetMs, WholePicturesFollowFromSmallerOnes) {
+    const meshprep::SizeTimes one{20, 8, 5};  // a line says 20
+    EXPECT_NEAR(meshprep::whole_ms({4, 1}, {0, 8 + 5.5, 5 + 4.25}, one), 20 + 8, 1e-12);
+    EXPECT_NEAR(meshprep::whole_ms({1, 3}, {0, 16 + 3, 4 + 3}, one), 64 + 3, 1e-12);
+    // A line through 3 + 48 / 16 and 3 + 48 / 4 says 51 where one sample took 51 / 4.
+    const meshprep::SizeTimes bent{51.0 / 4, 15, 6};
+    EXPECT_NEAR(meshprep::whole_ms({1, 3}, {0, 16 + 3, 4 + 3}, bent), (64 + 3) / 2.0, 1e-12);
+    // Clocks that make smaller pictures the slower ones, and more samples the faster ones.
+    EXPECT_EQ(meshprep::whole_ms({4, 1}, {0, 9, 15}, one), 21);
+    EXPECT_EQ(meshprep::whole_ms({4, 1}, {0, 7, 4}, one), 20);
+    EXPECT_EQ(meshprep::whole_ms({1, 3}, {0, 4, 5}, one), 16);
 }
 
 TEST(BudgetMs, CostsAreWhatManyTrianglesAddToFew) {
@@ -139,9 +157,41 @@ TEST(BudgetMs, CostsAreWhatManyTrianglesAddToFew) {
         }
 }
 
+// What draws smaller pictures `factor` times as slowly as costs_by_points() say.
+class Drawn {
+  public:
+    explicit Drawn(double factor = 1) : factor_(factor) {}
+    static PilotTimes pilot() {
+        PilotTimes pilot{2, 10};
+        pilot.one = {12, 2 + 10.0 / 4, 2 + 10.0 / 16};
+        return pilot;
+    }
+    meshprep::SamplingTimes chosen(double asked, std::uint32_t extent = 1000,
+                                   std::vector<SamplingCost> costs = costs_by_points()) {
+        const auto draw = [this](const SamplingRung& rung) -> prep::Result<meshprep::SizeTimes> {
+            drawn.push_back(words_of(rung));
+            const double whole =
+                factor_ * (2 + 10.0 * rung.samples * rung.supersample * rung.supersample);
+            const meshprep::SizeTimes one = pilot().one;
+            if (rung.samples > 1)
+                return meshprep::SizeTimes{0, one.half + whole - 12, one.quarter + whole - 12};
+            const double fixed = 2 * factor_;
+            return meshprep::SizeTimes{0, fixed + (whole - fixed) / 4,
+                                       fixed + (whole - fixed) / 16};
+        };
+        const auto out = meshprep::chosen_within(asked, pilot(), costs, extent, draw);
+        EXPECT_TRUE(out);
+        return *out;
+    }
+    std::vector<std::string> drawn;
+
+  private:
+    double factor_;
+};
+
 TEST(BudgetMs, TheMostAccurateThatFitsIsChosen) {
     const auto chosen = [](double asked, std::uint32_t extent = 1000) {
-        return meshprep::chosen_within(asked, {2, 10}, costs_by_points(), extent);
+        return Drawn().chosen(asked, extent);
     };
     EXPECT_TRUE(chosen(12).met);
     EXPECT_EQ(chosen(12).chosen.setting, words_of({1, 1}));
@@ -149,7 +199,7 @@ TEST(BudgetMs, TheMostAccurateThatFitsIsChosen) {
     EXPECT_EQ(chosen(12).next->setting, words_of({2, 1}));
     EXPECT_EQ(chosen(41.9).chosen.setting, words_of({2, 1}));
     // Four points: supersampling has less error than samples.
-    EXPECT_EQ(chosen(42).chosen.setting, words_of({1, 2}));
+    EXPECT_EQ(chosen(42.001).chosen.setting, words_of({1, 2}));
     EXPECT_EQ(chosen(91.9).chosen.setting, words_of({8, 1}));
     EXPECT_EQ(chosen(1e9).chosen.setting, words_of({1, 8}));
     EXPECT_FALSE(chosen(1e9).next);
@@ -162,8 +212,45 @@ TEST(BudgetMs, TheMostAccurateThatFitsIsChosen) {
     // What is more accurate may cost less: the last that fits counts, not the last before one that
     // does not.
     auto odd = costs_by_points();
-    odd[2].pixels = 100;  // supersampling by 2
-    EXPECT_EQ(meshprep::chosen_within(100, {0, 1}, odd, 100).chosen.setting, words_of({1, 8}));
+    odd[2].pixels = 1000;  // supersampling by 2
+    EXPECT_EQ(Drawn().chosen(700, 100, odd).chosen.setting, words_of({1, 8}));
+}
+
+// Guesses are of another picture: what is chosen was drawn.
+TEST(BudgetMs, WhatIsGuessedToFitIsDrawnSmaller) {
+    // All as guessed: one is drawn, and nothing where one sample is all that fits.
+    Drawn as_guessed;
+    EXPECT_TRUE(as_guessed.chosen(100).chosen.measured);
+    EXPECT_EQ(as_guessed.drawn, std::vector<std::string>{words_of({1, 3})});
+    EXPECT_EQ(as_guessed.chosen(12).chosen.setting, words_of({1, 1}));
+    EXPECT_EQ(as_guessed.drawn.size(), 1u);
+    // Twice as slow: points by 3 would be 184 ms and by 2, in proportion, 84. 8 samples are not
+    // tried: supersampling by 2 is less accurate, they are guessed at 82 and take 164.
+    Drawn slow(2);
+    const auto held = slow.chosen(100);
+    EXPECT_EQ(slow.drawn,
+              (std::vector<std::string>{words_of({1, 3}), words_of({8, 1}), words_of({1, 2})}));
+    EXPECT_EQ(held.chosen.setting, words_of({1, 2}));
+    EXPECT_NEAR(held.chosen.milliseconds, 84, 1e-9);
+    EXPECT_NEAR(held.next->milliseconds, 164, 1e-9);
+    EXPECT_EQ(held.next->setting, words_of({8, 1}));
+    EXPECT_TRUE(held.next->measured);
+    // A fourth of it: what was guessed too slow is drawn, too.
+    Drawn fast(0.25);
+    const auto more = fast.chosen(100);
+    EXPECT_EQ(more.chosen.setting, words_of({1, 6}));
+    EXPECT_NEAR(more.chosen.milliseconds, 0.25 * 362, 1e-9);
+    EXPECT_EQ(fast.drawn, (std::vector<std::string>{words_of({1, 3}), words_of({1, 6})}));
+    // What no one drew is a guess, and says so.
+    for (const auto& tried : more.tried)
+        EXPECT_EQ(tried.measured, tried.setting == words_of({1, 1}) ||
+                                      tried.setting == words_of({1, 3}) ||
+                                      tried.setting == words_of({1, 6}))
+            << tried.setting;
+    const auto failing = [](const SamplingRung&) -> prep::Result<meshprep::SizeTimes> {
+        return prep::Error{prep::ErrorCode::limit, "too large", ""};
+    };
+    EXPECT_FALSE(meshprep::chosen_within(100, Drawn::pilot(), costs_by_points(), 100, failing));
 }
 
 class BudgetCache : public ::testing::Test {
@@ -223,9 +310,17 @@ TEST_F(BudgetCache, WhatIsKeptDecides) {
         const Json b = draw({"--budget-ms", "1e9"}).json()["budget"];
         const Json& pilot = b["pilot"];
         const double of_one = pilot["fixed"].get<double>() + pilot["pixels"].get<double>();
-        for (const Json& tried : b["tried"])
+        int guessed = 0;
+        for (const Json& tried : b["tried"]) {
+            const std::string setting = tried["setting"];
+            EXPECT_EQ(tried["measured"], setting == words_of({1, 1}) || setting == words_of({1, 8}))
+                << setting;
+            if (setting.find("--samples 1 ") != std::string::npos) continue;
+            ++guessed;  // nothing of its kind was drawn
             EXPECT_NEAR(tried["milliseconds"].get<double>() - pilot["first"].get<double>(),
                         factor * of_one, 1e-9 * factor * of_one);
+        }
+        EXPECT_EQ(guessed, 4);
         EXPECT_GE(b["taken"], pilot["first"]);
     }
     // So dear that nothing fits: the picture is drawn all the same, and the exit code says it.

@@ -152,7 +152,12 @@ TEST_F(Schema, HoldsForBudgetsWithANextOne) {
     std::vector<meshprep::SamplingCost> costs;
     for (const meshprep::SamplingRung& r : meshprep::sampling_rungs())
         costs.push_back({r, 1, double(r.samples * r.supersample * r.supersample)});
-    document["budget"] = meshprep::to_json(meshprep::chosen_within(12, {2, 10}, costs, 8), "again");
+    const auto undrawn = [](const meshprep::SamplingRung&) -> prep::Result<meshprep::SizeTimes> {
+        return prep::Error{prep::ErrorCode::invalid, "one sample needs no drawing", ""};
+    };
+    const auto chosen = meshprep::chosen_within(12, {2, 10}, costs, 8, undrawn);
+    ASSERT_TRUE(chosen);
+    document["budget"] = meshprep::to_json(*chosen, "again");
     ASSERT_TRUE(document["budget"]["next"].is_object());
     expect_valid(document, "render");
     document["budget"]["next"]["setting"] = 1;

@@ -21,8 +21,7 @@ constexpr std::array<Precision, 3> precisions = {Precision::fast, Precision::acc
 constexpr std::size_t whole_faces = 4096, part_faces = 1024, most_parts = 4;
 constexpr int most_sample_runs = 5;
 constexpr double enough_sample_ms = 20;
-// A pilot of a level is made while it is predicted to take no more than this part of the time.
-constexpr double pilot_part = 0.125;
+constexpr double long_run_ms = 4000;  // is not made again
 constexpr double most_level_faces = double(std::uint64_t(1) << 24);
 
 struct Prepared {
@@ -36,6 +35,25 @@ Result<Prepared> timed(prep::Scene scene, const prep::PrepareOptions& options) {
     if (!prepared) return prepared.error();
     const double milliseconds = watch.milliseconds();
     return Prepared{*std::move(prepared), milliseconds};
+}
+
+// What the first run of a process takes, which touches memory for the first time. On virtual
+// machines that may take any time once: little more than the least of what follows.
+double first_run_ms(double first, double least) {
+    constexpr double most_part = 0.25, most = 5;
+    return least + std::min({first - least, most_part * least, most});
+}
+
+// Once, or twice where that is short.
+Result<Prepared> timed_again(const prep::Scene& scene, const prep::PrepareOptions& options) {
+    Result<Prepared> first = timed(scene, options);
+    if (!first || first->milliseconds > long_run_ms) return first;
+    const double milliseconds = first->milliseconds;
+    first->scene = {};
+    Result<Prepared> second = timed(scene, options);
+    if (!second) return second;
+    second->milliseconds = first_run_ms(milliseconds, std::min(milliseconds, second->milliseconds));
+    return second;
 }
 
 prep::PrepareOptions with_precision(prep::PrepareOptions options, Precision precision) {
@@ -111,12 +129,15 @@ Result<PreparedWithin> precision_within(prep::Scene scene, const prep::PrepareOp
     const Clock::time_point start = Clock::now();
     Result<Prepared> last = timed(scene, with_precision(options, Precision::fast));
     if (!last) return last.error();
-    // The first run touches memory for the first time, which is most of what small meshes take.
-    for (double spent = last->milliseconds; spent < enough_sample_ms;) {
-        Result<Prepared> again = timed(scene, with_precision(options, Precision::fast));
-        if (!again) return again.error();
-        spent += std::max(again->milliseconds, enough_sample_ms / most_sample_runs);
-        if (again->milliseconds < last->milliseconds) last = std::move(again);
+    const double first = last->milliseconds;
+    double least = first;
+    for (int run = 0; first <= long_run_ms && (run == 0 || least * (run + 1) < enough_sample_ms) &&
+                      run < most_sample_runs;
+         ++run) {
+        last->scene = {};
+        last = timed(scene, with_precision(options, Precision::fast));
+        if (!last) return last.error();
+        least = std::min(least, last->milliseconds);
     }
     const SampledFaces some = sampled_faces(scene, last->scene.normals_made);
     prep::PrepareOptions alone = options;
@@ -131,8 +152,8 @@ Result<PreparedWithin> precision_within(prep::Scene scene, const prep::PrepareOp
                                             : std::max(1, int(std::thread::hardware_concurrency()));
     PreparedWithin out;
     out.times =
-        chosen_in_time(asked, precision_predictions(last->milliseconds, sampled, some.corners,
-                                                    some.corners_of_all / threads));
+        chosen_in_time(asked, precision_predictions(first_run_ms(first, least), sampled,
+                                                    some.corners, some.corners_of_all / threads));
     out.times.pilot_ms = milliseconds_since(start);
     if (out.times.index > 0) {
         last->scene = {};
@@ -155,21 +176,16 @@ Result<PreparedWithin> level_within(prep::Scene scene, prep::PrepareOptions opti
     Prepared last;
     for (int level = 0; level <= most; ++level) {
         if (level == 1 && taken[0] > asked) break;
-        if (level > 1 && tried[std::size_t(level)].milliseconds > pilot_part * asked) {
+        if (level > 1 && tried[std::size_t(level)].milliseconds > asked) {
             // Where a level is little more than what is fixed, nothing is known of those after it.
             const double before = taken[taken.size() - 2], now = taken.back();
             if (now > 2 * before || 4 * now > asked) break;
         }
         options.subdivision.level = level;
         last.scene = {};
-        Result<Prepared> pilot = timed(scene, options);
+        Result<Prepared> pilot = timed_again(scene, options);
         if (!pilot) return pilot.error();
         last = *std::move(pilot);
-        if (level == 0 && last.milliseconds <= asked) {  // what touched memory for the first time
-            pilot = timed(scene, options);
-            if (!pilot) return pilot.error();
-            last = *std::move(pilot);
-        }
         taken.push_back(last.milliseconds);
         tried = level_predictions(taken, most, scheme);
     }
@@ -227,7 +243,7 @@ std::vector<TimePrediction> precision_predictions(double fast, const std::array<
         const double more =
             corners > 0 ? (sampled[p] - sampled[0]) * (corners_of_all / corners) : 0;
         out.push_back({fmt::format("--precision={}", prep::name_of(precisions[p])),
-                       std::max(fast + more, 0.0)});
+                       std::max(fast + more, 0.0), p == 0});
     }
     return out;
 }
@@ -246,9 +262,9 @@ std::vector<TimePrediction> level_predictions(const std::vector<double>& millise
                                         (faces(last) - faces(last - 1)));
     for (std::size_t level = 0; level <= std::size_t(most); ++level)
         out.push_back({fmt::format("--subdivide={}:{}", scheme, level),
-                       level <= last
-                           ? milliseconds[level]
-                           : milliseconds[last] + of_face * (faces(level) - faces(last))});
+                       level <= last ? milliseconds[level]
+                                     : milliseconds[last] + of_face * (faces(level) - faces(last)),
+                       level <= last});
     return out;
 }
 

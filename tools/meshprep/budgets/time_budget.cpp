@@ -1,6 +1,7 @@
 #include "meshprep/budgets/time_budget.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace meshprep {
@@ -9,8 +10,11 @@ namespace {
 using prep::Result;
 
 constexpr std::size_t most_pilot_views = 4;
-constexpr int least_pilot_runs = 3, most_pilot_runs = 12;
-constexpr double enough_pilot_ms = 60;
+constexpr int least_pilot_runs = 2, most_pilot_runs = 12;
+constexpr double enough_pilot_ms = 20, long_pilot_ms = 500;
+
+using PlanFor =
+    std::function<Result<rast::RenderPlan>(const rast::RenderRequest&, std::size_t view)>;
 
 double pixels_of(const rast::RenderRequest& r) {
     return r.crop ? double(r.crop->width) * r.crop->height : double(r.width) * r.height;
@@ -29,6 +33,102 @@ rast::RenderRequest smaller(rast::RenderRequest request, std::uint32_t k) {
         c.height = std::min(c.height, request.height - c.y);
     }
     return request;
+}
+
+// Pictures of the views, or of four of them, drawn for their times.
+class PilotPictures {
+  public:
+    PilotPictures(rast::SceneRenderer& renderer, const rast::RenderRequest& request,
+                  std::size_t views, const PlanFor& plan_for)
+        : renderer_(renderer),
+          request_(request),
+          views_(views),
+          drawn_(std::min(views, most_pilot_views)),
+          plan_for_(plan_for) {
+        request_.coverage = prep::Coverage::samples;
+    }
+
+    struct Runs {
+        double first = 0, least = std::numeric_limits<double>::infinity();  // of those drawn
+    };
+
+    // A `k`-th as wide and high. The first run touches memory, and does not count.
+    Result<Runs> runs(const SamplingRung& rung, std::uint32_t k) {
+        rast::RenderRequest request = smaller(request_, k);
+        request.samples = rung.samples;
+        request.supersample = rung.supersample;
+        Runs out;
+        double spent = 0;
+        for (int run = 0; run <= most_pilot_runs; ++run) {
+            if (run > 1 && spent > long_pilot_ms) break;
+            if (run > least_pilot_runs && spent > enough_pilot_ms) break;
+            const Result<double> taken = one_run(request);
+            if (!taken) return taken.error();
+            spent += *taken;
+            if (run == 0)
+                out.first = *taken;
+            else
+                out.least = std::min(out.least, *taken);
+        }
+        return out;
+    }
+
+    std::size_t views() const { return views_; }
+    double of_all(double of_drawn) const { return of_drawn * double(views_) / double(drawn_); }
+    double pixels(std::uint32_t k) const { return pixels_of(smaller(request_, k)); }
+    std::uint64_t band_pixels() const { return band_pixels_; }
+
+  private:
+    Result<double> one_run(const rast::RenderRequest& request) {
+        const rast::BandSink nowhere = [&](const rast::Frame& band, std::uint32_t) -> Result<void> {
+            band_pixels_ = std::max<std::uint64_t>(band_pixels_, band.color.size());
+            return {};
+        };
+        Stopwatch watch(request.threads);
+        for (std::size_t v = 0; v < drawn_; ++v) {
+            const Result<rast::RenderPlan> plan = plan_for_(request, v * views_ / drawn_);
+            if (!plan) return plan.error();
+            if (const auto done = renderer_.render_bands(*plan, nowhere); !done)
+                return done.error();
+        }
+        return watch.milliseconds();
+    }
+
+    rast::SceneRenderer& renderer_;
+    rast::RenderRequest request_;
+    std::size_t views_, drawn_;
+    const PlanFor& plan_for_;
+    std::uint64_t band_pixels_ = 0;
+};
+
+constexpr SamplingRung one_sample{1, 1};
+
+Result<PilotTimes> pilot_of(PilotPictures& pictures) {
+    const Result<PilotPictures::Runs> whole = pictures.runs(one_sample, 1);
+    if (!whole) return whole.error();
+    const Result<PilotPictures::Runs> half = pictures.runs(one_sample, 2);
+    if (!half) return half.error();
+    const Result<PilotPictures::Runs> quarter = pictures.runs(one_sample, 4);
+    if (!quarter) return quarter.error();
+    const SizeTimes one{pictures.of_all(whole->least), pictures.of_all(half->least),
+                        pictures.of_all(quarter->least)};
+    const double pixels = pictures.pixels(1) * double(pictures.views());
+    PilotTimes out = pilot_from_times({pixels * pictures.pixels(2) / pictures.pixels(1), one.half},
+                                      {pixels, one.whole}, pixels);
+    out.one = one;
+    out.first = std::max(whole->first - whole->least, 0.0);
+    out.band_pixels = pictures.band_pixels();
+    return out;
+}
+
+// As if what is not fixed went with the pixels.
+double whole_on_a_line(const SizeTimes& t) {
+    const PilotTimes line = pilot_from_times({1.0 / 16, t.quarter}, {1.0 / 4, t.half}, 1);
+    return line.fixed + line.pixels;
+}
+
+bool same_kind(const SamplingRung& a, const SamplingRung& b) {
+    return (a.samples > 1) == (b.samples > 1);
 }
 
 }  // namespace
@@ -50,97 +150,104 @@ PilotTimes pilot_from_times(const PilotDrawing& smaller, const PilotDrawing& lar
     return out;
 }
 
-double predicted_ms(const PilotTimes& pilot, const SamplingCost& cost, const SamplingCost& one) {
+double predicted_ms(const PilotTimes& pilot, const SamplingCost& cost, const SamplingCost& of_one) {
     const auto empty = [&](const SamplingCost& c) { return pilot.count * c.empty * 1e-6; };
-    const double drawn = std::max(pilot.pixels - empty(one), 0.0);
+    const double drawn = std::max(pilot.pixels - empty(of_one), 0.0);
     return pilot.first + pilot.fixed * cost.triangles + drawn * cost.pixels + empty(cost);
+}
+
+double whole_ms(const SamplingRung& rung, const SizeTimes& smaller, const SizeTimes& of_one) {
+    if (rung.samples == 1) {
+        const double line = whole_on_a_line(smaller), line_of_one = whole_on_a_line(of_one);
+        const double bent = line_of_one > of_one.whole ? of_one.whole / line_of_one : 1;
+        return line * std::sqrt(bent);
+    }
+    const double half = std::max(smaller.half - of_one.half, 0.0);
+    const double quarter = std::max(smaller.quarter - of_one.quarter, 0.0);
+    return of_one.whole + half + std::max(2 * (half - quarter), 0.0);
 }
 
 std::vector<SamplingRung> samplings_by_accuracy() {
     return {{1, 1}, {2, 1}, {4, 1}, {1, 2}, {8, 1}, {1, 3}, {16, 1}, {1, 4}, {1, 6}, {1, 8}};
 }
 
-SamplingTimes chosen_within(double asked, const PilotTimes& pilot,
-                            const std::vector<SamplingCost>& costs, std::uint32_t extent) {
+Result<SamplingTimes> chosen_within(double asked, const PilotTimes& pilot,
+                                    const std::vector<SamplingCost>& costs, std::uint32_t extent,
+                                    const DrawSmaller& draw) {
     std::vector<SamplingRung> rungs;
     std::vector<TimePrediction> tried;
-    SamplingCost one;
+    SamplingCost of_one;
+    const auto is_one = [](const SamplingRung& rung) {
+        return rung.samples == 1 && rung.supersample == 1;
+    };
     for (const SamplingCost& cost : costs)
-        if (cost.rung.samples == 1 && cost.rung.supersample == 1) one = cost;
+        if (is_one(cost.rung)) of_one = cost;
     for (const SamplingRung& rung : samplings_by_accuracy())
         for (const SamplingCost& cost : costs)
             if (cost.rung.samples == rung.samples && cost.rung.supersample == rung.supersample &&
                 std::uint64_t(rung.supersample) * extent <= rast::max_picture_extent) {
                 rungs.push_back(rung);
-                tried.push_back({rung.words(), predicted_ms(pilot, cost, one)});
+                tried.push_back({rung.words(),
+                                 is_one(rung) ? pilot.first + pilot.fixed + pilot.pixels
+                                              : predicted_ms(pilot, cost, of_one),
+                                 is_one(rung)});
             }
     SamplingTimes out;
-    static_cast<TimeCertificate&>(out) = chosen_in_time(asked, std::move(tried));
+    while (true) {
+        static_cast<TimeCertificate&>(out) = chosen_in_time(asked, tried);
+        if (out.chosen.measured) break;
+        const SamplingRung chosen = rungs[out.index];
+        const Result<SizeTimes> smaller = draw(chosen);
+        if (!smaller) return smaller.error();
+        const double before = tried[out.index].milliseconds - pilot.first;
+        const double now = whole_ms(chosen, *smaller, pilot.one);
+        tried[out.index].measured = true;
+        for (std::size_t k = 0; k < rungs.size(); ++k) {
+            double& guess = tried[k].milliseconds;
+            if (k == out.index)
+                guess = pilot.first + now;
+            else if (!tried[k].measured && same_kind(rungs[k], chosen) && before > 0)
+                guess = pilot.first + (guess - pilot.first) * (now / before);
+        }
+    }
     out.rung = rungs[out.index];
     out.pilot = pilot;
     return out;
 }
 
 Result<PilotTimes> pilot_of(rast::SceneRenderer& renderer, const rast::RenderRequest& request,
-                            std::size_t views,
-                            const std::function<Result<rast::RenderPlan>(const rast::RenderRequest&,
-                                                                         std::size_t)>& plan_for) {
-    rast::RenderRequest one = request;
-    one.coverage = prep::Coverage::samples;
-    one.samples = one.supersample = 1;
-    const std::size_t drawn = std::min(views, most_pilot_views);
-    std::uint64_t band_pixels = 0;
-    const rast::BandSink nowhere = [&](const rast::Frame& band, std::uint32_t) -> Result<void> {
-        band_pixels = std::max<std::uint64_t>(band_pixels, band.color.size());
-        return {};
-    };
-    const rast::RenderRequest requests[2] = {smaller(one, 4), smaller(one, 2)};
-    double least[2] = {std::numeric_limits<double>::infinity(),
-                       std::numeric_limits<double>::infinity()};
-    double first = 0, spent = 0;
-    for (int run = 0; run <= most_pilot_runs; ++run) {
-        if (run > least_pilot_runs && spent > enough_pilot_ms) break;
-        for (int k = 0; k < 2; ++k) {
-            Stopwatch watch(request.threads);
-            for (std::size_t v = 0; v < drawn; ++v) {
-                const Result<rast::RenderPlan> plan = plan_for(requests[k], v * views / drawn);
-                if (!plan) return plan.error();
-                if (const auto done = renderer.render_bands(*plan, nowhere); !done)
-                    return done.error();
-            }
-            const double taken = watch.milliseconds();
-            spent += taken;
-            // The first run reads textures and makes their levels.
-            if (run > 0) least[k] = std::min(least[k], taken);
-            if (run == 0 && k == 0) first = taken;
-        }
-    }
-    const double each[2] = {pixels_of(requests[0]), pixels_of(requests[1])};
-    PilotTimes out =
-        pilot_from_times({each[0] * double(drawn), least[0]}, {each[1] * double(drawn), least[1]},
-                         pixels_of(one) * double(views));
-    out.fixed *= double(views) / double(drawn);
-    out.first = std::max(first - least[0], 0.0);
-    out.band_pixels = band_pixels;
-    return out;
+                            std::size_t views, const PlanFor& plan_for) {
+    PilotPictures pictures(renderer, request, views, plan_for);
+    return pilot_of(pictures);
 }
 
-Result<SamplingTimes> sampling_within(
-    rast::SceneRenderer& renderer, const rast::RenderRequest& request, std::size_t views,
-    const std::function<Result<rast::RenderPlan>(const rast::RenderRequest&, std::size_t)>&
-        plan_for,
-    double asked, bool keep, const CommonOptions& common, Console& console) {
+Result<SamplingTimes> sampling_within(rast::SceneRenderer& renderer,
+                                      const rast::RenderRequest& request, std::size_t views,
+                                      const PlanFor& plan_for, double asked, bool keep,
+                                      const CommonOptions& common, Console& console) {
+    // Before costs are measured, which warms up what the printed command finds cold.
+    const Clock::time_point start = Clock::now();
+    PilotPictures pictures(renderer, request, views, plan_for);
+    const Result<PilotTimes> pilot = pilot_of(pictures);
+    if (!pilot) return pilot.error();
+    const double spent = milliseconds_since(start);
     const Result<FoundCosts> found = sampling_costs(request.threads, keep);
     if (!found) return found.error();
     if (!found->not_kept.empty())
         console.warning(common, "measured costs are not kept: " + found->not_kept);
-    const Clock::time_point start = Clock::now();
-    const Result<PilotTimes> pilot = pilot_of(renderer, request, views, plan_for);
-    if (!pilot) return pilot.error();
-    SamplingTimes out =
-        chosen_within(asked, *pilot, found->costs, std::max(request.width, request.height));
-    out.pilot_ms = milliseconds_since(start);
-    out.cached = found->cached;
+    const Clock::time_point again = Clock::now();
+    const DrawSmaller draw = [&](const SamplingRung& rung) -> Result<SizeTimes> {
+        const Result<PilotPictures::Runs> half = pictures.runs(rung, 2);
+        if (!half) return half.error();
+        const Result<PilotPictures::Runs> quarter = pictures.runs(rung, 4);
+        if (!quarter) return quarter.error();
+        return SizeTimes{0, pictures.of_all(half->least), pictures.of_all(quarter->least)};
+    };
+    Result<SamplingTimes> out =
+        chosen_within(asked, *pilot, found->costs, std::max(request.width, request.height), draw);
+    if (!out) return out.error();
+    out->pilot_ms = spent + milliseconds_since(again);
+    out->cached = found->cached;
     return out;
 }
 

@@ -8,7 +8,7 @@ namespace meshprep {
 namespace {
 
 Json prediction_json(const TimePrediction& p) {
-    return {{"setting", p.setting}, {"milliseconds", p.milliseconds}};
+    return {{"setting", p.setting}, {"milliseconds", p.milliseconds}, {"measured", p.measured}};
 }
 
 }  // namespace

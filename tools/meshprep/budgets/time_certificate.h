@@ -14,6 +14,7 @@ namespace meshprep {
 struct TimePrediction {
     std::string setting;  // as options
     double milliseconds = 0;
+    bool measured = false;  // with this setting itself, on what is to be made or a smaller one
 };
 
 struct TimeCertificate {
