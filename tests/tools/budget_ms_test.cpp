@@ -148,6 +148,9 @@ TEST(BudgetMs, CostsAreWhatManyTrianglesAddToFew) {
     EXPECT_EQ(c.triangles, 3);
     EXPECT_EQ(c.empty, 2e6 / meshprep::calibration_pixels);
     // Nothing that a clock says makes more samples cheaper than one.
+    const SamplingCost cheaper = meshprep::cost_from_times({4, 1}, {5, 6, 1}, {9, 19, 1});
+    EXPECT_EQ(cheaper.pixels, 1);
+    EXPECT_EQ(cheaper.triangles, 1);
     for (const double few : {0.0, 1.0, 9.0})
         for (const double one : {0.0, 1.0, 9.0}) {
             const SamplingCost odd =

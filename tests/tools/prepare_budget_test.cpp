@@ -220,6 +220,26 @@ TEST_F(PrepareInTime, LevelsAreChosenByTheirOwnTimes) {
     }
 }
 
+// Level 1 is prepared whether it fits or not: with a time between level 0's and its own, what was
+// prepared last is not what is written.
+TEST_F(PrepareInTime, ALevelThatWasTriedAndDoesNotFitIsNotWritten) {
+    write_text(dir_ / "fine.obj", test::sphere_obj(64, 40));
+    const auto budget = [&](double asked) {
+        const test::Ran ran =
+            prepared("fine.obj", {"--budget-ms=" + std::to_string(asked), "--subdivide=catmark"});
+        return ran.json()["files"][0];
+    };
+    const Json tried = budget(600)["budget"]["tried"];
+    const double none = tried[0]["milliseconds"], one = tried[1]["milliseconds"];
+    const Json file = budget(std::sqrt(none * one));
+    std::size_t chosen = 0;
+    while (file["budget"]["tried"][chosen] != file["budget"]["chosen"]) ++chosen;
+    const double faces = 64 * 40;
+    EXPECT_NEAR(file["after"]["triangles"].get<double>(), 2 * faces * std::pow(4, chosen),
+                faces * std::pow(4, chosen));
+    repeats(file["budget"]["command"]);
+}
+
 TEST(PrepareBudget, RefusesWhatMakesNoSense) {
     const TemporaryDirectory dir;
     const std::vector<std::vector<std::string>> refused = {
