@@ -4,11 +4,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <bit>
 #include <limits>
+#include <numeric>
 #include <random>
 
 #include "hard_cases.h"
+#include "normals/gathered_terms.h"
 #include "prep/corner_normals.h"
 #include "prep/topology.h"
 #include "shapes.h"
@@ -94,6 +97,75 @@ TEST(CreaseFans, AreThoseOfTheGeneralWayAtEveryAngle) {
         EXPECT_TRUE(expect_the_same(shapes::icosphere(3), at_angle(angle)));
         EXPECT_TRUE(
             expect_the_same(shapes::fan_triangulated(shapes::cylinder(9)), at_angle(angle)));
+    }
+}
+
+// A mesh whose vertices and triangles are in random order, with vertices that nothing uses.
+Mesh in_random_order(const Mesh& mesh, std::mt19937_64& random) {
+    constexpr std::uint32_t unused = 3;
+    std::vector<std::uint32_t> places(mesh.vertex_count() + unused), faces(mesh.face_count());
+    std::iota(places.begin(), places.end(), 0u);
+    std::iota(faces.begin(), faces.end(), 0u);
+    std::shuffle(places.begin(), places.end(), random);
+    std::shuffle(faces.begin(), faces.end(), random);
+    Mesh out;
+    out.positions.resize(places.size());
+    for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
+        out.positions[places[v]] = mesh.positions[v];
+    for (const std::uint32_t f : faces) {
+        for (std::uint32_t c = 3 * f; c < 3 * f + 3; ++c)
+            out.corner_vertices.push_back(places[mesh.corner_vertices[c]]);
+        out.face_offsets.push_back(std::uint32_t(out.corner_vertices.size()));
+    }
+    return out;
+}
+
+// Large enough to be gathered: several chunks of triangles, and of blocks of points a last one that
+// is not full.
+TEST(CreaseFans, OfTrianglesInRandomOrder) {
+    std::mt19937_64 random(41);
+    Mesh mesh = shapes::fan_triangulated(shapes::torus(300, 240));
+    shapes::jitter(mesh, 0.004f, random);
+    EXPECT_FALSE(prep::detail::GatheredTerms::pays(mesh.corner_vertices));
+    mesh = in_random_order(mesh, random);
+    ASSERT_TRUE(prep::detail::GatheredTerms::pays(mesh.corner_vertices));
+    NormalOptions options;
+    for (const double angle : {10.0, 60.0})
+        for (const int threads : {1, 3}) {
+            options.threads = threads;
+            // Of 216,000 edges some are hard: fans that are one, and some that are not.
+            const Both both = both_ways(mesh, at_angle(angle), options, false);
+            EXPECT_GT(both.hard.hard_count, 1000u);
+            EXPECT_LT(both.hard.hard_count, angle == 60 ? 20'000u : 216'000u);
+            EXPECT_TRUE(expect_the_same(mesh, at_angle(angle), options));
+        }
+}
+
+// Against their definition.
+TEST(CreaseFans, GatheredTermsAreThoseOfTheCorners) {
+    std::mt19937_64 random(43);
+    const Mesh mesh = in_random_order(shapes::fan_triangulated(shapes::torus(300, 240)), random);
+    const std::vector<std::uint32_t>& points = mesh.corner_vertices;
+    const auto around = prep::detail::corners_by_vertex(points, mesh.vertex_count(), 2);
+    std::vector<glm::dvec3> areas;
+    for (std::size_t f = 0; f < mesh.face_count(); ++f) areas.emplace_back(f, 2 * f, -double(f));
+    for (const int threads : {1, 3}) {
+        const prep::detail::GatheredTerms gathered(points, around, areas, threads);
+        constexpr std::size_t step = prep::detail::GatheredTerms::block_points;
+        std::size_t wrong = 0;
+        for (std::size_t first = 0; first < mesh.vertex_count(); first += step) {
+            const std::size_t last = std::min(first + step, mesh.vertex_count());
+            const std::uint32_t begin = around.offsets[first];
+            std::vector<prep::detail::CornerTerm> terms(around.offsets[last] - begin);
+            gathered.put_in_order(first, around, terms);
+            for (std::size_t i = 0; i < terms.size(); ++i) {
+                const std::uint32_t c = around.corners[begin + i], f = c / 3, k = c % 3;
+                wrong += terms[i].area != areas[f] ||
+                         terms[i].next != points[3 * f + (k + 1) % 3] ||
+                         terms[i].previous != points[3 * f + (k + 2) % 3];
+            }
+        }
+        EXPECT_EQ(wrong, 0u);
     }
 }
 

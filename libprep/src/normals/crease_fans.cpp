@@ -12,6 +12,7 @@
 #include "base/step_count.h"
 #include "normals/edge_decider.h"
 #include "normals/fan_normal.h"
+#include "normals/gathered_terms.h"
 #include "surface/corner_steps.h"
 
 namespace prep::detail {
@@ -19,6 +20,7 @@ namespace {
 
 using Index = std::uint32_t;
 constexpr std::size_t point_grain = 8192;
+static_assert(point_grain % GatheredTerms::block_points == 0);
 // Corners of a point that are matched by comparing all with all.
 constexpr std::size_t small_ring = 8;
 constexpr Index none = no_index;
@@ -128,10 +130,13 @@ class PointWalk {
     PointWalk& operator=(const PointWalk&) = delete;
 
     // False: not for this walk. The point has corners. firsts[point] is the first fan's normal once
-    // this object is gone.
-    bool run(Index point, std::span<const Index> corners) {
+    // this object is gone. `gathered`: the corners' terms; null: they are where the faces are.
+    bool run(Index point, std::span<const Index> corners, const CornerTerm* gathered) {
         if (quick_ && corners.size() <= small_ring) {
-            const Small small = match_small(corners);
+            const Small small =
+                gathered != nullptr
+                    ? match_small(corners, [&](std::size_t i) { return gathered[i]; })
+                    : match_small(corners, [&](std::size_t i) { return term_of(corners[i]); });
             if (small.bad) return false;
             if (small.one_smooth_fan) {
                 const glm::dvec3 sum = trusted_area_sum({terms_.data(), corners.size()},
@@ -145,6 +150,9 @@ class PointWalk {
         }
         return run_ring(point, corners);
     }
+
+    // Whether run() reads terms for most points.
+    bool reads_terms() const { return quick_; }
 
     // Whether the point is for this walk; its ring is matched then.
     bool matches(std::span<const Index> corners) {
@@ -170,18 +178,25 @@ class PointWalk {
         std::uint64_t exact = 0;  // decisions, where one_smooth_fan
     };
 
-    // Matches all with all without a branch; `terms_` get the faces' areas.
-    Small match_small(std::span<const Index> corners) {
+    CornerTerm term_of(Index c) const {
+        const Index f = c / 3, k = c - 3 * f;
+        return {faces_.area_vectors[f], corner_points_[k == 2 ? c - 2 : c + 1],
+                corner_points_[k == 0 ? c + 2 : c - 1]};
+    }
+
+    // Matches all with all without a branch; `terms_` get the faces' areas. `term`: of the i-th
+    // corner.
+    template <class Term>
+    Small match_small(std::span<const Index> corners, const Term& term) {
         const std::size_t n = corners.size();
         std::array<Index, small_ring> next, previous, to;
         std::array<double, small_ring> squares;
         previous.fill(none);
-        const Index* const points = corner_points_.data();
         for (std::size_t i = 0; i < n; ++i) {
-            const Index c = corners[i], f = c / 3, k = c - 3 * f;
-            next[i] = points[k == 2 ? c - 2 : c + 1];
-            previous[i] = points[k == 0 ? c + 2 : c - 1];
-            const glm::dvec3& a = faces_.area_vectors[f];
+            const CornerTerm of = term(i);
+            next[i] = of.next;
+            previous[i] = of.previous;
+            const glm::dvec3& a = of.area;
             terms_[i] = glm::dvec4(a, std::abs(a.x) + std::abs(a.y) + std::abs(a.z));
             squares[i] = glm::dot(a, a);
         }
@@ -421,31 +436,48 @@ std::optional<CreaseNormals> crease_fans(const MeshView& mesh, std::span<const I
         [&] { result.hard.reasons.assign(mesh.corner_count(), hard_none); });
     std::vector<Block> blocks((points + point_grain - 1) / point_grain);
     std::atomic<bool> bad = false;
+    std::optional<GatheredTerms> gathered;
     const auto walk_all = [&](const auto& visit) {
         parallel_blocks(
             points, point_grain, options.threads, [&](std::size_t begin, std::size_t end) {
                 Block& block = blocks[begin / point_grain];
                 PointWalk walk(mesh, corner_points, faces, decider, options,
                                result.hard.reasons.data(), values, block);
-                for (std::size_t v = begin; v < end && !bad.load(std::memory_order_relaxed); ++v) {
-                    const std::size_t first = around.offsets[v], last = around.offsets[v + 1];
-                    if (first == last) continue;
-                    if (!visit(walk, block, Index(v),
-                               std::span(around.corners.data() + first, last - first)))
-                        bad = true;
-                }
+                ScratchBuffer<CornerTerm> terms;
+                const auto walk_some = [&](std::size_t from, std::size_t to) {
+                    const std::size_t base = around.offsets[from];
+                    if (gathered && walk.reads_terms()) {
+                        const std::size_t count = around.offsets[to] - base;
+                        if (terms.size() < count) terms = ScratchBuffer<CornerTerm>(count);
+                        gathered->put_in_order(from, around, terms);
+                    }
+                    for (std::size_t v = from; v < to && !bad.load(std::memory_order_relaxed);
+                         ++v) {
+                        const std::size_t first = around.offsets[v], last = around.offsets[v + 1];
+                        if (first == last) continue;
+                        if (!visit(walk, block, Index(v),
+                                   std::span(around.corners.data() + first, last - first),
+                                   terms.empty() ? nullptr : terms.data() + (first - base)))
+                            bad = true;
+                    }
+                };
+                for (std::size_t v = begin; v < end; v += GatheredTerms::block_points)
+                    walk_some(v, std::min(end, v + GatheredTerms::block_points));
             });
     };
     // Exact sums are not made in vain.
     if (options.precision == Precision::exact)
-        walk_all([](PointWalk& walk, Block&, Index, std::span<const Index> corners) {
-            return walk.matches(corners);
-        });
+        walk_all([](PointWalk& walk, Block&, Index, std::span<const Index> corners,
+                    const CornerTerm*) { return walk.matches(corners); });
     if (bad) return {};
-    walk_all([](PointWalk& walk, Block& block, Index v, std::span<const Index> corners) {
+    if (options.precision != Precision::exact && GatheredTerms::pays(corner_points))
+        gathered.emplace(corner_points, around, faces.area_vectors, options.threads);
+    walk_all([](PointWalk& walk, Block& block, Index v, std::span<const Index> corners,
+                const CornerTerm* terms) {
         ++block.points;
-        return walk.run(v, corners);
+        return walk.run(v, corners, terms);
     });
+    gathered.reset();
     if (bad) return {};
     number_values(corner_points, around, blocks, options.threads, result.normals.normals);
     for (const Block& block : blocks) {
