@@ -139,7 +139,19 @@ TEST(BudgetMs, WholePicturesFollowFromSmallerOnes) {
     // Clocks that make smaller pictures the slower ones, and more samples the faster ones.
     EXPECT_EQ(meshprep::whole_ms({4, 1}, {0, 9, 15}, one), 21);
     EXPECT_EQ(meshprep::whole_ms({4, 1}, {0, 7, 4}, one), 20);
-    EXPECT_EQ(meshprep::whole_ms({1, 3}, {0, 4, 5}, one), 16);
+    EXPECT_EQ(meshprep::whole_ms({1, 3}, {0, 4, 5}, one), 20);  // as one sample: 16 on a line
+    // Where triangles are all that counts, a last bit of one sample's clock changes little.
+    const double slower = meshprep::whole_ms({1, 3}, {0, 110, 103}, {100, 100.1, 100});
+    const double faster = meshprep::whole_ms({1, 3}, {0, 110, 103}, {100, 99.9, 100});
+    EXPECT_NEAR(slower, 138, 1);
+    EXPECT_NEAR(faster, 138, 1);
+    // Whatever parts of the pixels small pictures have: 3 and 98 ms of 7 × 7, 3 × 3 and 1 × 1; and
+    // for their edges 3 and 7 ms.
+    const meshprep::SizeTimes tiny{0, 3 + 18, 3 + 2, 9.0 / 49, 1.0 / 49};
+    EXPECT_NEAR(meshprep::whole_ms({1, 3}, tiny, {20, 0, 0, 9.0 / 49, 1.0 / 49}), 101, 1e-9);
+    const meshprep::SizeTimes edges{0, 8 + 6, 5 + 4, 9.0 / 49, 1.0 / 49};
+    EXPECT_NEAR(meshprep::whole_ms({4, 1}, edges, {20, 8, 5, 9.0 / 49, 1.0 / 49}), 20 + 10, 1e-9);
+    EXPECT_EQ(meshprep::of_all_views(3, 8, 4), 6);
 }
 
 TEST(BudgetMs, CostsAreWhatManyTrianglesAddToFew) {
@@ -227,8 +239,8 @@ TEST(BudgetMs, WhatIsGuessedToFitIsDrawnSmaller) {
     EXPECT_EQ(as_guessed.drawn, std::vector<std::string>{words_of({1, 3})});
     EXPECT_EQ(as_guessed.chosen(12).chosen.setting, words_of({1, 1}));
     EXPECT_EQ(as_guessed.drawn.size(), 1u);
-    // Twice as slow: points by 3 would be 184 ms and by 2, in proportion, 84. 8 samples are not
-    // tried: supersampling by 2 is less accurate, they are guessed at 82 and take 164.
+    // Twice as slow: points by 3 take 184 ms, and by 2, in proportion, 84. 8 samples, guessed at
+    // 82, are more accurate; they are drawn and take 164.
     Drawn slow(2);
     const auto held = slow.chosen(100);
     EXPECT_EQ(slow.drawn,

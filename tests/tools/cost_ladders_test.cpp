@@ -401,6 +401,12 @@ TEST(CostLadders, QuantizedUvs) {
     EXPECT_LT(n["floats"][0], 3e-8);
 }
 
+// Nothing to read is no small error.
+TEST(CostLadders, FilesThatWereNotWrittenAreInfinitelyFar) {
+    const Ladder ladder = ladder_named("quantized-uvs");
+    EXPECT_EQ(ladder.rungs[0].judge()[0], std::numeric_limits<double>::infinity());
+}
+
 TEST(CostLadders, DisplacementError) {
     const Ladder ladder = ladder_named("displacement-error");
     double last = 1;

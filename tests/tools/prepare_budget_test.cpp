@@ -170,7 +170,9 @@ TEST_F(PrepareInTime, TheMostAccurateThatFitsIsWritten) {
     EXPECT_GT(b["pilot"]["milliseconds"], 0);
     EXPECT_GT(b["taken"], 0);
     EXPECT_EQ(b["overrun"], false);
-    EXPECT_EQ(f["milliseconds"]["prepare"], b["taken"]);
+    // With what a process of its own adds.
+    EXPECT_LE(f["milliseconds"]["prepare"], b["taken"]);
+    EXPECT_GT(f["milliseconds"]["prepare"].get<double>() + 5, b["taken"].get<double>());
     // Rationals take at least twice as long as floats.
     EXPECT_GT(b["tried"][2]["milliseconds"].get<double>(),
               2 * b["tried"][0]["milliseconds"].get<double>());
@@ -187,7 +189,7 @@ TEST_F(PrepareInTime, WhereNothingFitsTheFastestIsWritten) {
     EXPECT_NE(b["chosen"]["setting"], "--precision=exact");
     // What was prepared to find out is what is written.
     if (b["chosen"]["setting"] == "--precision=fast") {
-        EXPECT_LE(b["taken"], b["pilot"]["milliseconds"]);
+        EXPECT_GE(b["taken"], b["tried"][0]["milliseconds"]);
     }
     EXPECT_NE(ran.err.find("nothing is predicted to prepare within 0 ms"), std::string::npos)
         << ran.err;
@@ -234,6 +236,12 @@ TEST_F(PrepareInTime, ALevelThatWasTriedAndDoesNotFitIsNotWritten) {
     const Json file = budget(std::sqrt(none * one));
     std::size_t chosen = 0;
     while (file["budget"]["tried"][chosen] != file["budget"]["chosen"]) ++chosen;
+    const Json second = file["budget"]["tried"][1];
+    if (second["measured"] && second["milliseconds"] > file["budget"]["asked"]) {
+        EXPECT_EQ(chosen, 0u);
+        // It was prepared once more: another time.
+        EXPECT_NE(file["budget"]["taken"], file["budget"]["chosen"]["milliseconds"]);
+    }
     const double faces = 64 * 40;
     EXPECT_NEAR(file["after"]["triangles"].get<double>(), 2 * faces * std::pow(4, chosen),
                 faces * std::pow(4, chosen));

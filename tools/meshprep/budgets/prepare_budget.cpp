@@ -27,6 +27,7 @@ constexpr double most_level_faces = double(std::uint64_t(1) << 24);
 struct Prepared {
     prep::PreparedScene scene;
     double milliseconds = 0;
+    double cold = 0;  // what the printed command takes besides, which finds memory untouched
 };
 
 Result<Prepared> timed(prep::Scene scene, const prep::PrepareOptions& options) {
@@ -34,26 +35,36 @@ Result<Prepared> timed(prep::Scene scene, const prep::PrepareOptions& options) {
     Result<prep::PreparedScene> prepared = prep::prepare(std::move(scene), options);
     if (!prepared) return prepared.error();
     const double milliseconds = watch.milliseconds();
-    return Prepared{*std::move(prepared), milliseconds};
+    return Prepared{*std::move(prepared), milliseconds, 0};
 }
 
-// What the first run of a process takes, which touches memory for the first time. On virtual
-// machines that may take any time once: little more than the least of what follows.
-double first_run_ms(double first, double least) {
+// What the first run of a process takes beyond the least of those that follow: it touches memory
+// for the first time. On virtual machines that may take any time once: a quarter and 5 ms at most,
+// as small meshes of bench/measure_budgets take.
+double cold_ms(double first, double least) {
     constexpr double most_part = 0.25, most = 5;
-    return least + std::min({first - least, most_part * least, most});
+    return std::min({first - least, most_part * least, most});
 }
 
-// Once, or twice where that is short.
-Result<Prepared> timed_again(const prep::Scene& scene, const prep::PrepareOptions& options) {
-    Result<Prepared> first = timed(scene, options);
-    if (!first || first->milliseconds > long_run_ms) return first;
-    const double milliseconds = first->milliseconds;
-    first->scene = {};
-    Result<Prepared> second = timed(scene, options);
-    if (!second) return second;
-    second->milliseconds = first_run_ms(milliseconds, std::min(milliseconds, second->milliseconds));
-    return second;
+// Twice, or once where that is long. The least and what is cold are what the setting takes.
+struct Pilot {
+    Prepared last;
+    double milliseconds = 0;
+};
+Result<Pilot> pilot_of(const prep::Scene& scene, const prep::PrepareOptions& options) {
+    Result<Prepared> run = timed(scene, options);
+    if (!run) return run.error();
+    const double first = run->milliseconds;
+    double least = first;
+    if (first <= long_run_ms) {
+        run->scene = {};
+        run = timed(scene, options);
+        if (!run) return run.error();
+        least = std::min(least, run->milliseconds);
+    }
+    run->cold = cold_ms(first, least);
+    const double milliseconds = least + run->cold;
+    return Pilot{*std::move(run), milliseconds};
 }
 
 prep::PrepareOptions with_precision(prep::PrepareOptions options, Precision precision) {
@@ -151,9 +162,9 @@ Result<PreparedWithin> precision_within(prep::Scene scene, const prep::PrepareOp
     const int threads = options.threads > 0 ? options.threads
                                             : std::max(1, int(std::thread::hardware_concurrency()));
     PreparedWithin out;
-    out.times =
-        chosen_in_time(asked, precision_predictions(first_run_ms(first, least), sampled,
-                                                    some.corners, some.corners_of_all / threads));
+    const double cold = cold_ms(first, least);
+    out.times = chosen_in_time(asked, precision_predictions(least + cold, sampled, some.corners,
+                                                            some.corners_of_all / threads));
     out.times.pilot_ms = milliseconds_since(start);
     if (out.times.index > 0) {
         last->scene = {};
@@ -161,7 +172,8 @@ Result<PreparedWithin> precision_within(prep::Scene scene, const prep::PrepareOp
         if (!last) return last.error();
     }
     out.prepared = std::move(last->scene);
-    out.times.taken = last->milliseconds;
+    out.milliseconds = last->milliseconds;
+    out.times.taken = last->milliseconds + cold;
     return out;
 }
 
@@ -171,22 +183,24 @@ Result<PreparedWithin> level_within(prep::Scene scene, prep::PrepareOptions opti
     for (const prep::Mesh& mesh : scene.meshes) corners += mesh.corner_count();
     const int most = finest_level(corners);
     const std::string scheme(prep::name_of(options.subdivision.scheme));
-    std::vector<double> taken;
+    std::vector<double> taken, cold;
     std::vector<TimePrediction> tried;
     Prepared last;
     for (int level = 0; level <= most; ++level) {
         if (level == 1 && taken[0] > asked) break;
         if (level > 1 && tried[std::size_t(level)].milliseconds > asked) {
-            // Where a level is little more than what is fixed, nothing is known of those after it.
+            // Where a level is little more than what is fixed, nothing is known of those after it:
+            // it took at most twice what the one before did, and four times of it would fit.
             const double before = taken[taken.size() - 2], now = taken.back();
             if (now > 2 * before || 4 * now > asked) break;
         }
         options.subdivision.level = level;
         last.scene = {};
-        Result<Prepared> pilot = timed_again(scene, options);
+        Result<Pilot> pilot = pilot_of(scene, options);
         if (!pilot) return pilot.error();
-        last = *std::move(pilot);
-        taken.push_back(last.milliseconds);
+        last = std::move(pilot->last);
+        cold.push_back(last.cold);
+        taken.push_back(pilot->milliseconds);
         tried = level_predictions(taken, most, scheme);
     }
     PreparedWithin out;
@@ -198,9 +212,11 @@ Result<PreparedWithin> level_within(prep::Scene scene, prep::PrepareOptions opti
         Result<Prepared> chosen = timed(std::move(scene), options);
         if (!chosen) return chosen.error();
         last = *std::move(chosen);
+        last.cold = cold[std::min(out.times.index, cold.size() - 1)];
     }
     out.prepared = std::move(last.scene);
-    out.times.taken = last.milliseconds;
+    out.milliseconds = last.milliseconds;
+    out.times.taken = last.milliseconds + last.cold;
     return out;
 }
 

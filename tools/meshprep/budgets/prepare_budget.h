@@ -40,12 +40,13 @@ int finest_level(std::uint64_t corners);
 
 struct PreparedWithin {
     prep::PreparedScene prepared;
+    double milliseconds = 0;  // of preparing it; `times.taken` has what a process of its own adds
     TimeCertificate times;
 };
 
 // Chooses the precision of normals, or, where `options` subdivides, the level, and prepares so.
-// Pilots are `fast` with all faces and each precision with some of them; or levels from 0 on while
-// the next one is predicted to take at most an eighth of the time, or too little is known of it.
+// Pilots are `fast` with all faces and each precision with some of them; or levels 0 and 1 and each
+// next one that is predicted to fit, or of which too little is known.
 // What was prepared for a pilot is the result where it is what was chosen. Errors: those of
 // preparing.
 prep::Result<PreparedWithin> prepare_within(prep::Scene scene, const prep::PrepareOptions& options,

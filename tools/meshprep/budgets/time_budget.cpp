@@ -10,11 +10,10 @@ namespace {
 using prep::Result;
 
 constexpr std::size_t most_pilot_views = 4;
+// Of short pictures the least of many runs is taken, of which it takes some tens of milliseconds to
+// come by; of long ones a second run says no more than the first.
 constexpr int least_pilot_runs = 2, most_pilot_runs = 12;
 constexpr double enough_pilot_ms = 20, long_pilot_ms = 500;
-
-using PlanFor =
-    std::function<Result<rast::RenderPlan>(const rast::RenderRequest&, std::size_t view)>;
 
 double pixels_of(const rast::RenderRequest& r) {
     return r.crop ? double(r.crop->width) * r.crop->height : double(r.width) * r.height;
@@ -74,7 +73,17 @@ class PilotPictures {
     }
 
     std::size_t views() const { return views_; }
-    double of_all(double of_drawn) const { return of_drawn * double(views_) / double(drawn_); }
+    // Of all views, at a half and a quarter of the size.
+    Result<SizeTimes> smaller_ones(const SamplingRung& rung) {
+        const Result<Runs> half = runs(rung, 2);
+        if (!half) return half.error();
+        const Result<Runs> quarter = runs(rung, 4);
+        if (!quarter) return quarter.error();
+        return SizeTimes{0, of_all(half->least), of_all(quarter->least), pixels(2) / pixels(1),
+                         pixels(4) / pixels(1)};
+    }
+
+    double of_all(double of_drawn) const { return of_all_views(of_drawn, views_, drawn_); }
     double pixels(std::uint32_t k) const { return pixels_of(smaller(request_, k)); }
     std::uint64_t band_pixels() const { return band_pixels_; }
 
@@ -84,14 +93,16 @@ class PilotPictures {
             band_pixels_ = std::max<std::uint64_t>(band_pixels_, band.color.size());
             return {};
         };
-        Stopwatch watch(request.threads);
+        double taken = 0;  // by drawing: planning is not part of what is told of the pictures
         for (std::size_t v = 0; v < drawn_; ++v) {
             const Result<rast::RenderPlan> plan = plan_for_(request, v * views_ / drawn_);
             if (!plan) return plan.error();
+            Stopwatch watch(request.threads);
             if (const auto done = renderer_.render_bands(*plan, nowhere); !done)
                 return done.error();
+            taken += watch.milliseconds();
         }
-        return watch.milliseconds();
+        return taken;
     }
 
     rast::SceneRenderer& renderer_;
@@ -102,20 +113,20 @@ class PilotPictures {
 };
 
 constexpr SamplingRung one_sample{1, 1};
+bool is_one_sample(const SamplingRung& rung) {
+    return rung.samples == 1 && rung.supersample == 1;
+}
 
-Result<PilotTimes> pilot_of(PilotPictures& pictures) {
+Result<PilotTimes> pilot_with(PilotPictures& pictures) {
     const Result<PilotPictures::Runs> whole = pictures.runs(one_sample, 1);
     if (!whole) return whole.error();
-    const Result<PilotPictures::Runs> half = pictures.runs(one_sample, 2);
-    if (!half) return half.error();
-    const Result<PilotPictures::Runs> quarter = pictures.runs(one_sample, 4);
-    if (!quarter) return quarter.error();
-    const SizeTimes one{pictures.of_all(whole->least), pictures.of_all(half->least),
-                        pictures.of_all(quarter->least)};
+    Result<SizeTimes> one = pictures.smaller_ones(one_sample);
+    if (!one) return one.error();
+    one->whole = pictures.of_all(whole->least);
     const double pixels = pictures.pixels(1) * double(pictures.views());
-    PilotTimes out = pilot_from_times({pixels * pictures.pixels(2) / pictures.pixels(1), one.half},
-                                      {pixels, one.whole}, pixels);
-    out.one = one;
+    PilotTimes out =
+        pilot_from_times({pixels * one->half_part, one->half}, {pixels, one->whole}, pixels);
+    out.one = *one;
     out.first = std::max(whole->first - whole->least, 0.0);
     out.band_pixels = pictures.band_pixels();
     return out;
@@ -123,7 +134,7 @@ Result<PilotTimes> pilot_of(PilotPictures& pictures) {
 
 // As if what is not fixed went with the pixels.
 double whole_on_a_line(const SizeTimes& t) {
-    const PilotTimes line = pilot_from_times({1.0 / 16, t.quarter}, {1.0 / 4, t.half}, 1);
+    const PilotTimes line = pilot_from_times({t.quarter_part, t.quarter}, {t.half_part, t.half}, 1);
     return line.fixed + line.pixels;
 }
 
@@ -157,14 +168,19 @@ double predicted_ms(const PilotTimes& pilot, const SamplingCost& cost, const Sam
 }
 
 double whole_ms(const SamplingRung& rung, const SizeTimes& smaller, const SizeTimes& of_one) {
+    const double least = std::max({smaller.half, smaller.quarter, of_one.whole});
     if (rung.samples == 1) {
-        const double line = whole_on_a_line(smaller), line_of_one = whole_on_a_line(of_one);
-        const double bent = line_of_one > of_one.whole ? of_one.whole / line_of_one : 1;
-        return line * std::sqrt(bent);
+        double bent = 1;  // one sample's time over what a line says: where that is not noise
+        if (of_one.half > of_one.quarter)
+            bent = std::min(of_one.whole / whole_on_a_line(of_one), 1.0);
+        return std::max(whole_on_a_line(smaller) * std::sqrt(bent), least);
     }
     const double half = std::max(smaller.half - of_one.half, 0.0);
     const double quarter = std::max(smaller.quarter - of_one.quarter, 0.0);
-    return of_one.whole + half + std::max(2 * (half - quarter), 0.0);
+    const double to_half = std::sqrt(smaller.half_part),
+                 to_quarter = std::sqrt(smaller.quarter_part);
+    const double growth = to_half > to_quarter ? (1 - to_half) / (to_half - to_quarter) : 0;
+    return std::max(of_one.whole + half + std::max(growth * (half - quarter), 0.0), least);
 }
 
 std::vector<SamplingRung> samplings_by_accuracy() {
@@ -177,20 +193,17 @@ Result<SamplingTimes> chosen_within(double asked, const PilotTimes& pilot,
     std::vector<SamplingRung> rungs;
     std::vector<TimePrediction> tried;
     SamplingCost of_one;
-    const auto is_one = [](const SamplingRung& rung) {
-        return rung.samples == 1 && rung.supersample == 1;
-    };
     for (const SamplingCost& cost : costs)
-        if (is_one(cost.rung)) of_one = cost;
+        if (is_one_sample(cost.rung)) of_one = cost;
     for (const SamplingRung& rung : samplings_by_accuracy())
         for (const SamplingCost& cost : costs)
             if (cost.rung.samples == rung.samples && cost.rung.supersample == rung.supersample &&
                 std::uint64_t(rung.supersample) * extent <= rast::max_picture_extent) {
                 rungs.push_back(rung);
                 tried.push_back({rung.words(),
-                                 is_one(rung) ? pilot.first + pilot.fixed + pilot.pixels
-                                              : predicted_ms(pilot, cost, of_one),
-                                 is_one(rung)});
+                                 is_one_sample(rung) ? pilot.first + pilot.fixed + pilot.pixels
+                                                     : predicted_ms(pilot, cost, of_one),
+                                 is_one_sample(rung)});
             }
     SamplingTimes out;
     while (true) {
@@ -218,7 +231,7 @@ Result<SamplingTimes> chosen_within(double asked, const PilotTimes& pilot,
 Result<PilotTimes> pilot_of(rast::SceneRenderer& renderer, const rast::RenderRequest& request,
                             std::size_t views, const PlanFor& plan_for) {
     PilotPictures pictures(renderer, request, views, plan_for);
-    return pilot_of(pictures);
+    return pilot_with(pictures);
 }
 
 Result<SamplingTimes> sampling_within(rast::SceneRenderer& renderer,
@@ -228,7 +241,7 @@ Result<SamplingTimes> sampling_within(rast::SceneRenderer& renderer,
     // Before costs are measured, which warms up what the printed command finds cold.
     const Clock::time_point start = Clock::now();
     PilotPictures pictures(renderer, request, views, plan_for);
-    const Result<PilotTimes> pilot = pilot_of(pictures);
+    const Result<PilotTimes> pilot = pilot_with(pictures);
     if (!pilot) return pilot.error();
     const double spent = milliseconds_since(start);
     const Result<FoundCosts> found = sampling_costs(request.threads, keep);
@@ -236,13 +249,7 @@ Result<SamplingTimes> sampling_within(rast::SceneRenderer& renderer,
     if (!found->not_kept.empty())
         console.warning(common, "measured costs are not kept: " + found->not_kept);
     const Clock::time_point again = Clock::now();
-    const DrawSmaller draw = [&](const SamplingRung& rung) -> Result<SizeTimes> {
-        const Result<PilotPictures::Runs> half = pictures.runs(rung, 2);
-        if (!half) return half.error();
-        const Result<PilotPictures::Runs> quarter = pictures.runs(rung, 4);
-        if (!quarter) return quarter.error();
-        return SizeTimes{0, pictures.of_all(half->least), pictures.of_all(quarter->least)};
-    };
+    const DrawSmaller draw = [&](const SamplingRung& rung) { return pictures.smaller_ones(rung); };
     Result<SamplingTimes> out =
         chosen_within(asked, *pilot, found->costs, std::max(request.width, request.height), draw);
     if (!out) return out.error();

@@ -10,10 +10,14 @@
 
 namespace meshprep {
 
-// Milliseconds of all pictures with one sampling: whole ones, and smaller ones.
+using PlanFor =
+    std::function<prep::Result<rast::RenderPlan>(const rast::RenderRequest&, std::size_t view)>;
+
+// Milliseconds of all pictures with one sampling: whole ones, and of half and a quarter of the
+// width and the height, which are these parts of the pixels.
 struct SizeTimes {
-    double whole = 0;
-    double half = 0, quarter = 0;  // of the width and the height
+    double whole = 0, half = 0, quarter = 0;
+    double half_part = 1.0 / 4, quarter_part = 1.0 / 16;
 };
 
 // Of all pictures with one sample: what does not depend on their size, and what does.
@@ -26,6 +30,11 @@ struct PilotTimes {
     std::uint64_t band_pixels = 0;  // held at a time, at most
     SizeTimes one = {};
 };
+
+// What all `views` take, of which `drawn` were drawn.
+inline double of_all_views(double milliseconds, std::size_t views, std::size_t drawn) {
+    return milliseconds * double(views) / double(drawn);
+}
 
 // What one picture or several took.
 struct PilotDrawing {
@@ -40,11 +49,13 @@ PilotTimes pilot_from_times(const PilotDrawing& smaller, const PilotDrawing& lar
 // A first guess. `of_one`: the cost of one sample.
 double predicted_ms(const PilotTimes& pilot, const SamplingCost& cost, const SamplingCost& of_one);
 
-// What whole pictures take beyond the first one's `first`, from smaller ones drawn with `rung`.
-// More samples cost where edges are, whose length doubles with the width and the height. Of more
-// shaded points, what is not fixed goes with the pixels, but for triangles smaller than pixels: of
-// how much less one sample took than such a line says, half (in logarithms) is taken for theirs; so
-// 55 meshes of 1,000 to 4 million triangles were met best.
+// What whole pictures take beyond the first one's `first`, from smaller ones drawn with `rung`: no
+// less than the smaller ones, nor than one sample. More samples cost where edges are, whose length
+// goes with the width. Of more shaded points, what is not fixed goes with the pixels, but for
+// triangles smaller than pixels: of how much less one sample took than such a line says, half (in
+// logarithms) is taken for theirs. On 55 meshes of 1,000 to 4 million triangles, ten samplings,
+// nine tenths came within 1.16 times, the furthest to 1.39; bench/measure_budgets measures what
+// becomes of it.
 double whole_ms(const SamplingRung& rung, const SizeTimes& smaller, const SizeTimes& of_one);
 
 struct SamplingTimes : TimeCertificate {
@@ -70,18 +81,15 @@ prep::Result<SamplingTimes> chosen_within(double asked, const PilotTimes& pilot,
 
 // Draws up to four of the views with one sample, whole and smaller, in bands, each the first time
 // without counting it, then once to twelve times. Errors: those of planning and drawing.
-prep::Result<PilotTimes> pilot_of(
-    rast::SceneRenderer& renderer, const rast::RenderRequest& request, std::size_t views,
-    const std::function<prep::Result<rast::RenderPlan>(const rast::RenderRequest&, std::size_t)>&
-        plan_for);
+prep::Result<PilotTimes> pilot_of(rast::SceneRenderer& renderer, const rast::RenderRequest& request,
+                                  std::size_t views, const PlanFor& plan_for);
 
 // Of these together, with costs from the user's cache unless `keep` is false; what cannot be kept
 // is a warning. Errors: those of planning and drawing.
-prep::Result<SamplingTimes> sampling_within(
-    rast::SceneRenderer& renderer, const rast::RenderRequest& request, std::size_t views,
-    const std::function<prep::Result<rast::RenderPlan>(const rast::RenderRequest&, std::size_t)>&
-        plan_for,
-    double asked, bool keep, const CommonOptions& common, Console& console);
+prep::Result<SamplingTimes> sampling_within(rast::SceneRenderer& renderer,
+                                            const rast::RenderRequest& request, std::size_t views,
+                                            const PlanFor& plan_for, double asked, bool keep,
+                                            const CommonOptions& common, Console& console);
 
 inline constexpr TimedWork drawing_work = {
     "draw", "drawing",

@@ -14,7 +14,7 @@ namespace meshprep {
 struct TimePrediction {
     std::string setting;  // as options
     double milliseconds = 0;
-    bool measured = false;  // with this setting itself, on what is to be made or a smaller one
+    bool measured = false;  // with this setting itself: on the whole file, or on smaller pictures
 };
 
 struct TimeCertificate {

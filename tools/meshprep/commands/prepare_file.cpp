@@ -131,6 +131,7 @@ prep::Result<prep::PreparedScene> prepared_in_time(prep::Scene scene,
     if (!command.budget_ms) return prep::prepare(std::move(scene), options);
     auto within = prepare_within(std::move(scene), options, *command.budget_ms);
     if (!within) return within.error();
+    out.prepare_ms = within->milliseconds;
     out.times = std::move(within->times);
     return std::move(within->prepared);
 }
@@ -243,7 +244,7 @@ Outcome prepare_file(const Job& job, const PrepareCommand& command, int threads,
     if (command.explain) calls = prep::calls_for(*scene, options.request.consumer);
     prep::Result<prep::PreparedScene> prepared =
         prepared_in_time(*std::move(scene), options, command, out);
-    out.prepare_ms = out.times ? out.times->taken : milliseconds_since(start);
+    if (!out.times) out.prepare_ms = milliseconds_since(start);
     out.prepare_memory = used();
     if (!prepared) {
         out.error = input->relabelled(prepared.error());
