@@ -95,8 +95,8 @@ struct GlbBytes {
     std::vector<std::string> notes;  // as save_scene()'s
 };
 
-// The GLB file that save_scene() would write, in memory, where its parts and then the whole are held
-// at once. Of the options, those that say how values are stored (compression, quantization,
+// The GLB file that save_scene() would write, in memory, where its parts and then the whole are
+// held at once. Of the options, those that say how values are stored (compression, quantization,
 // quantized); those of files are ignored. Errors: limit (over 4 GiB), invalid (bits), and what
 // save_scene() says of scenes that cannot be written as GLB.
 Result<GlbBytes> save_glb(const PreparedScene& prepared, const SaveOptions& options = {});
