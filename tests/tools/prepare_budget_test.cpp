@@ -223,29 +223,31 @@ TEST_F(PrepareInTime, LevelsAreChosenByTheirOwnTimes) {
 }
 
 // Level 1 is prepared whether it fits or not: with a time between level 0's and its own, what was
-// prepared last is not what is written.
+// prepared last is not what is written. Clocks may say otherwise once.
 TEST_F(PrepareInTime, ALevelThatWasTriedAndDoesNotFitIsNotWritten) {
     write_text(dir_ / "fine.obj", test::sphere_obj(64, 40));
-    const auto budget = [&](double asked) {
+    const auto prepared_file = [&](double asked) {
         const test::Ran ran =
             prepared("fine.obj", {"--budget-ms=" + std::to_string(asked), "--subdivide=catmark"});
         return ran.json()["files"][0];
     };
-    const Json tried = budget(600)["budget"]["tried"];
-    const double none = tried[0]["milliseconds"], one = tried[1]["milliseconds"];
-    const Json file = budget(std::sqrt(none * one));
-    std::size_t chosen = 0;
-    while (file["budget"]["tried"][chosen] != file["budget"]["chosen"]) ++chosen;
-    const Json second = file["budget"]["tried"][1];
-    if (second["measured"] && second["milliseconds"] > file["budget"]["asked"]) {
-        EXPECT_EQ(chosen, 0u);
+    constexpr int most_attempts = 20;
+    for (int attempt = 0; attempt < most_attempts; ++attempt) {
+        const Json tried = prepared_file(30)["budget"]["tried"];
+        const double none = tried[0]["milliseconds"], one = tried[1]["milliseconds"];
+        const Json file = prepared_file(std::sqrt(none * one)), budget = file["budget"];
+        const Json& second = budget["tried"][1];
+        const bool fits = second["milliseconds"] <= budget["asked"];
+        if (!budget["met"] || !second["measured"] || fits) continue;
+        EXPECT_EQ(budget["chosen"], budget["tried"][0]);
+        const double triangles = file["after"]["triangles"];
+        EXPECT_LT(triangles, 3 * 64 * 40);  // level 1 has four times as many
         // It was prepared once more: another time.
-        EXPECT_NE(file["budget"]["taken"], file["budget"]["chosen"]["milliseconds"]);
+        EXPECT_NE(budget["taken"], budget["chosen"]["milliseconds"]);
+        repeats(budget["command"]);
+        return;
     }
-    const double faces = 64 * 40;
-    EXPECT_NEAR(file["after"]["triangles"].get<double>(), 2 * faces * std::pow(4, chosen),
-                faces * std::pow(4, chosen));
-    repeats(file["budget"]["command"]);
+    GTEST_SKIP() << "no clock of " << most_attempts << " runs set level 1 apart from level 0";
 }
 
 TEST(PrepareBudget, RefusesWhatMakesNoSense) {
