@@ -11,7 +11,7 @@
 //
 // "Named" is what fronts go by: the 99 % interval of the ratio excludes 1. The planted work is the
 // default itself once more, so that it is as much slower as it says. Exit code 1 where any of that
-// does not hold. Rounds end as the command's do. An idle machine is asked for; about 40 minutes.
+// does not hold. Rounds end as the command's do. An idle machine is asked for; about ten minutes.
 #include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>

@@ -89,25 +89,6 @@ Mesh box_corner(float a = 1, float b = 2, float c = 4) {
                            {{0, 2, 1}, {0, 3, 2}, {0, 1, 3}, {1, 2, 3}});
 }
 
-// A prism of height 2 over a polygon in the plane, counter-clockwise; sides first, then the caps.
-Mesh prism(const std::vector<glm::vec2>& outline) {
-    const std::uint32_t n = std::uint32_t(outline.size());
-    std::vector<glm::vec3> positions;
-    for (const float z : {-1.0f, 1.0f})
-        for (const glm::vec2& p : outline) positions.push_back({p.x, p.y, z});
-    shapes::Faces faces;
-    std::vector<std::uint32_t> bottom, top;
-    for (std::uint32_t i = 0; i < n; ++i) {
-        const std::uint32_t j = (i + 1) % n;
-        faces.push_back({i, j, n + j, n + i});
-        bottom.push_back(n - 1 - i);
-        top.push_back(n + i);
-    }
-    faces.push_back(bottom);
-    faces.push_back(top);
-    return shapes::mesh_of(std::move(positions), faces);
-}
-
 TEST(CornerNormals, EmptyMesh) {
     const CornerNormals n = normals_of(Mesh{});
     EXPECT_TRUE(n.normals.values.empty());
@@ -167,18 +148,18 @@ TEST(CornerNormals, CylinderIsRoundOnItsSideAndFlatOnItsCaps) {
 
 // Twelve points on a circle of radius 5, exactly; neighbours are √10 and √2 apart.
 TEST(CornerNormals, UnevenCylinderHasTheClosedFormOfEachWeight) {
-    const Mesh mesh = prism({{5, 0},
-                             {4, 3},
-                             {3, 4},
-                             {0, 5},
-                             {-3, 4},
-                             {-4, 3},
-                             {-5, 0},
-                             {-4, -3},
-                             {-3, -4},
-                             {0, -5},
-                             {3, -4},
-                             {4, -3}});
+    const Mesh mesh = shapes::prism({{5, 0},
+                                     {4, 3},
+                                     {3, 4},
+                                     {0, 5},
+                                     {-3, 4},
+                                     {-4, 3},
+                                     {-5, 0},
+                                     {-4, -3},
+                                     {-3, -4},
+                                     {0, -5},
+                                     {3, -4},
+                                     {4, -3}});
     const double r10 = std::sqrt(10.0), r2 = std::sqrt(2.0);
     // At (4, 3), between sides with the normals (3, 1)/√10 and (1, 1)/√2.
     const struct {
@@ -247,7 +228,7 @@ TEST(CornerNormals, UnequalAnglesHaveTheClosedFormOfEachWeight) {
 
 TEST(CornerNormals, ReflexCornerOfAPolygonHasItsReflexAngle) {
     // An L-shaped prism; vertex 3 is the notch, at (1, 1): 270° in the cap, 90° in the two sides.
-    const Mesh mesh = prism({{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}});
+    const Mesh mesh = shapes::prism({{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}});
     const std::uint32_t top = 7, notch = 9;
     const struct {
         NormalWeight weight;

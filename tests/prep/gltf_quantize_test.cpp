@@ -4,8 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
-#include <span>
 
 #include "gltf_oracle.h"
 #include "gltf_source.h"
@@ -13,6 +11,7 @@
 #include "npm_tools.h"
 #include "prep/load.h"
 #include "prep/save.h"
+#include "saved_in_memory.h"
 #include "shared_data.h"
 #include "written_gltf.h"
 
@@ -71,18 +70,6 @@ struct Written {
     std::string again;  // what a second reading of the file complains of
 };
 
-// The file that was written and what it notes, once more without a file.
-void expect_same_in_memory(const prep::PreparedScene& prepared, const prep::SaveOptions& options,
-                           const std::filesystem::path& file,
-                           const std::vector<std::string>& notes) {
-    const auto glb = prep::save_glb(prepared, options);
-    ASSERT_TRUE(glb) << prep::to_string(glb.error());
-    const std::string on_disk = test::file_text(file);
-    const auto text = std::as_bytes(std::span(on_disk));
-    EXPECT_TRUE(std::equal(text.begin(), text.end(), glb->bytes.begin(), glb->bytes.end()));
-    EXPECT_EQ(glb->notes, notes);
-}
-
 Written written(const GltfSource& source, const Quantization& bits,
                 const std::string& name = "b.glb", Compression compression = Compression::none) {
     const test::TempDir dir;
@@ -97,7 +84,7 @@ Written written(const GltfSource& source, const Quantization& bits,
     options.quantized = &report;
     auto notes = prep::save_scene(prepared, dir / name, options);
     if (!notes) throw std::runtime_error(prep::to_string(notes.error()));
-    if (name.ends_with(".glb")) expect_same_in_memory(prepared, options, dir / name, *notes);
+    if (name.ends_with(".glb")) test::expect_same_in_memory(prepared, options, dir / name, *notes);
     const auto again = prep::load_scene(dir / name);
     return {test::GltfFile(dir / "a.glb"), test::GltfFile(dir / name), report, *notes,
             again ? "" : prep::to_string(again.error())};

@@ -104,24 +104,31 @@ prep::Mesh icosphere(int levels) {
     return mesh_of({points.begin(), points.end()}, faces);
 }
 
-prep::Mesh cylinder(Index segments) {
+prep::Mesh prism(const std::vector<glm::vec2>& outline) {
+    const Index n = Index(outline.size());
     std::vector<glm::vec3> positions;
-    for (int z = -1; z <= 1; z += 2)
-        for (Index s = 0; s < segments; ++s) {
-            const double phi = 2 * std::numbers::pi * s / segments;
-            positions.push_back({float(std::cos(phi)), float(std::sin(phi)), float(z)});
-        }
+    for (const float z : {-1.0f, 1.0f})
+        for (const glm::vec2& p : outline) positions.push_back({p.x, p.y, z});
     Faces faces;
     std::vector<Index> bottom, top;
-    for (Index s = 0; s < segments; ++s) {
-        const Index t = (s + 1) % segments;
-        faces.push_back({s, t, segments + t, segments + s});
-        bottom.push_back(segments - 1 - s);
-        top.push_back(segments + s);
+    for (Index s = 0; s < n; ++s) {
+        const Index t = (s + 1) % n;
+        faces.push_back({s, t, n + t, n + s});
+        bottom.push_back(n - 1 - s);
+        top.push_back(n + s);
     }
     faces.push_back(bottom);
     faces.push_back(top);
     return mesh_of(std::move(positions), faces);
+}
+
+prep::Mesh cylinder(Index segments) {
+    std::vector<glm::vec2> circle;
+    for (Index s = 0; s < segments; ++s) {
+        const double phi = 2 * std::numbers::pi * s / segments;
+        circle.push_back({float(std::cos(phi)), float(std::sin(phi))});
+    }
+    return prism(circle);
 }
 
 prep::Mesh torus(Index around, Index across) {

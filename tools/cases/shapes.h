@@ -24,7 +24,9 @@ prep::Mesh grid(std::uint32_t width, std::uint32_t depth);
 prep::Mesh uv_sphere(std::uint32_t segments, std::uint32_t rings);
 // The icosahedron with each triangle cut into four `levels` times, on the unit sphere.
 prep::Mesh icosphere(int levels);
-// Radius 1 about z, from z = −1 to 1; `segments` side quads and two polygons as caps.
+// From z = −1 to 1 over a polygon in the plane, counter-clockwise; side quads first, then the caps.
+prep::Mesh prism(const std::vector<glm::vec2>& outline);
+// The prism over `segments` points on the unit circle.
 prep::Mesh cylinder(std::uint32_t segments);
 // Radii 1 and 0.4 about z, quads.
 prep::Mesh torus(std::uint32_t around, std::uint32_t across);

@@ -98,6 +98,12 @@ class UnitBatch {
     std::size_t count_ = 0;
 };
 
+// Whether a sum may do that order_free_sum() makes of the faces' own doubles.
+bool sums_areas(const FaceNormals& faces, const NormalOptions& options) {
+    return options.weight == NormalWeight::area && options.precision != Precision::exact &&
+           (options.precision == Precision::fast || faces.relative_error <= accurate_face_error);
+}
+
 class PointWalk {
   public:
     PointWalk(const MeshView& mesh, std::span<const Index> corner_points, const FaceNormals& faces,
@@ -114,9 +120,7 @@ class PointWalk {
         // A turn that is smaller by far than the threshold is smooth without a second look.
         const double cosine = std::max(decider.cosine() + quick_margin, quick_margin);
         quick_cosine_squared_ = cosine * cosine;
-        quick_ =
-            options.weight == NormalWeight::area && options.precision != Precision::exact &&
-            (options.precision == Precision::fast || faces.relative_error <= accurate_face_error);
+        quick_ = sums_areas(faces, options);
         edges_ = decider.never_hard()       ? Edges::never_hard
                  : decider.by_angle_alone() ? Edges::by_angle
                                             : Edges::by_attributes;
@@ -150,9 +154,6 @@ class PointWalk {
         }
         return run_ring(point, corners);
     }
-
-    // Whether run() reads terms for most points.
-    bool reads_terms() const { return quick_; }
 
     // Whether the point is for this walk; its ring is matched then.
     bool matches(std::span<const Index> corners) {
@@ -361,7 +362,7 @@ class PointWalk {
     std::span<glm::vec3> firsts_;
     UnitBatch units_;
     Block& block_;
-    bool quick_ = false;  // may a sum do that order_free_sum() makes of the faces' own doubles?
+    bool quick_ = false;
     Edges edges_ = Edges::by_attributes;
     std::uint64_t decided_ = 0;  // edges, for tests
     double quick_cosine_squared_ = 0, relative_error_ = 0, allowed_error_ = 0;
@@ -446,7 +447,7 @@ std::optional<CreaseNormals> crease_fans(const MeshView& mesh, std::span<const I
                 ScratchBuffer<CornerTerm> terms;
                 const auto walk_some = [&](std::size_t from, std::size_t to) {
                     const std::size_t base = around.offsets[from];
-                    if (gathered && walk.reads_terms()) {
+                    if (gathered) {
                         const std::size_t count = around.offsets[to] - base;
                         if (terms.size() < count) terms = ScratchBuffer<CornerTerm>(count);
                         gathered->put_in_order(from, around, terms);
@@ -470,7 +471,7 @@ std::optional<CreaseNormals> crease_fans(const MeshView& mesh, std::span<const I
         walk_all([](PointWalk& walk, Block&, Index, std::span<const Index> corners,
                     const CornerTerm*) { return walk.matches(corners); });
     if (bad) return {};
-    if (options.precision != Precision::exact && GatheredTerms::pays(corner_points))
+    if (sums_areas(faces, options) && GatheredTerms::pays(corner_points))
         gathered.emplace(corner_points, around, faces.area_vectors, options.threads);
     walk_all([](PointWalk& walk, Block& block, Index v, std::span<const Index> corners,
                 const CornerTerm* terms) {

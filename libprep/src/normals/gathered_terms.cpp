@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "base/parallel.h"
+#include "surface/block_places.h"
 
 namespace prep::detail {
 namespace {
@@ -27,29 +28,18 @@ GatheredTerms::GatheredTerms(std::span<const Index> corner_points, const VertexC
     : terms_(corner_points.size()), points_(corner_points.size()) {
     const std::size_t triangles = corner_points.size() / 3;
     const std::size_t points = around.offsets.size() - 1;
-    const std::size_t blocks = (points + block_points - 1) / block_points;
+    const std::size_t blocks = (points + block_points - 1) >> block_shift;
     const std::size_t chunk = std::max(least_chunk, (triangles + most_chunks - 1) / most_chunks);
-    const std::size_t chunks = (triangles + chunk - 1) / chunk;
-    std::vector<Index> places(chunks * blocks, 0);  // by chunk, then block
+    std::vector<std::size_t> places =
+        block_places(corner_points, block_shift, blocks,
+                     even_range_ends(corner_points.size(), 3 * chunk), threads);
     parallel_blocks(triangles, chunk, threads, [&](std::size_t begin, std::size_t end) {
-        Index* const counts = places.data() + begin / chunk * blocks;
-        for (std::size_t c = 3 * begin; c < 3 * end; ++c) ++counts[corner_points[c] / block_points];
-    });
-    for (std::size_t b = 0; b < blocks; ++b) {
-        Index at = around.offsets[b * block_points];
-        for (std::size_t k = 0; k < chunks; ++k) {
-            const Index count = places[k * blocks + b];
-            places[k * blocks + b] = at;
-            at += count;
-        }
-    }
-    parallel_blocks(triangles, chunk, threads, [&](std::size_t begin, std::size_t end) {
-        Index* const at = places.data() + begin / chunk * blocks;
+        std::size_t* const at = places.data() + begin / chunk * blocks;
         for (std::size_t f = begin; f < end; ++f) {
             const std::array<Index, 3> p{corner_points[3 * f], corner_points[3 * f + 1],
                                          corner_points[3 * f + 2]};
             for (std::size_t k = 0; k < 3; ++k) {
-                const Index place = at[p[k] / block_points]++;
+                const std::size_t place = at[p[k] >> block_shift]++;
                 terms_[place] = {area_vectors[f], p[(k + 1) % 3], p[(k + 2) % 3]};
                 points_[place] = std::uint16_t(p[k] % block_points);
             }

@@ -17,11 +17,12 @@ struct CornerTerm {
     std::uint32_t next, previous;  // the points that the edges from here lead to
 };
 
-// Terms lie by blocks of points, in the order of the corners, which is that of their triangles:
-// each block is then put in order within a cache.
+// Terms lie by blocks of points (block_places.h), in the order of their triangles: each block is
+// then put in the order of the points within a cache.
 class GatheredTerms {
   public:
-    static constexpr std::size_t block_points = 4096;
+    static constexpr int block_shift = 12;
+    static constexpr std::size_t block_points = std::size_t(1) << block_shift;
 
     // Whether it pays: by a sample of the triangles, and what memory they would take (34 bytes a
     // corner).

@@ -4,6 +4,7 @@
 #include <bit>
 
 #include "base/parallel.h"
+#include "surface/block_places.h"
 
 namespace prep::detail {
 namespace {
@@ -129,26 +130,15 @@ VertexCorners corners_by_vertex(std::span<const Index> corner_vertices, std::siz
     const int shift =
         std::max(0, int(std::bit_width(vertices)) - int(std::bit_width(bucket_limit)) + 1);
     const std::size_t buckets = ((vertices - 1) >> shift) + 1;
-    const std::size_t blocks = (corners + corner_grain - 1) / corner_grain;
-    std::vector<Index> starts(blocks * buckets, 0);
-    parallel_blocks(corners, corner_grain, threads, [&](std::size_t begin, std::size_t end) {
-        Index* counts = starts.data() + begin / corner_grain * buckets;
-        for (std::size_t c = begin; c < end; ++c) ++counts[corner_vertices[c] >> shift];
-    });
-    Index total = 0;
-    std::vector<Index> bucket_starts(buckets + 1);
-    for (std::size_t k = 0; k < buckets; ++k) {
-        bucket_starts[k] = total;
-        for (std::size_t b = 0; b < blocks; ++b) {
-            const Index count = starts[b * buckets + k];
-            starts[b * buckets + k] = total;
-            total += count;
-        }
-    }
-    bucket_starts[buckets] = total;
+    std::vector<std::size_t> places = block_places(corner_vertices, shift, buckets,
+                                                   even_range_ends(corners, corner_grain), threads);
+    // The first range's places are the buckets' own.
+    std::vector<std::size_t> bucket_starts(places.begin(),
+                                           places.begin() + std::ptrdiff_t(buckets));
+    bucket_starts.push_back(corners);
     std::vector<Index> bucketed(corners);
     parallel_blocks(corners, corner_grain, threads, [&](std::size_t begin, std::size_t end) {
-        Index* cursors = starts.data() + begin / corner_grain * buckets;
+        std::size_t* const cursors = places.data() + begin / corner_grain * buckets;
         for (std::size_t c = begin; c < end; ++c)
             bucketed[cursors[corner_vertices[c] >> shift]++] = Index(c);
     });
@@ -159,7 +149,7 @@ VertexCorners corners_by_vertex(std::span<const Index> corner_vertices, std::siz
         const std::size_t last = std::min(vertices, (bucket + 1) << shift);
         std::vector<Index> cursor(last - first, 0);
         for (const Index c : mine) ++cursor[corner_vertices[c] - first];
-        Index at = bucket_starts[bucket];
+        auto at = Index(bucket_starts[bucket]);
         for (std::size_t v = first; v < last; ++v) {
             const Index count = cursor[v - first];
             cursor[v - first] = at;

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <bit>
 
-#include "base/parallel.h"
+#include "surface/block_places.h"
 
 namespace prep::detail {
 namespace {
@@ -30,22 +30,10 @@ CornerBuckets::CornerBuckets(std::span<const Index> vertices,
                              std::size_t workers, int threads)
     : shift_(shift_of(vertices.size() / 3, count, workers)),
       blocks_((count + block_size() - 1) >> shift_),
-      starts_(blocks_ * ranges.size()),
       records_(vertices.size()) {
-    parallel_blocks(ranges.size(), 1, threads, [&](std::size_t r, std::size_t) {
-        std::size_t* const counts = starts_.data() + r * blocks_;
-        for (std::size_t i = 3 * ranges[r].begin; i < 3 * ranges[r].end; ++i)
-            ++counts[vertices[i] >> shift_];
-    });
-    std::size_t start = 0;
-    for (std::size_t block = 0; block < blocks_; ++block) {
-        for (std::size_t r = 0; r < ranges.size(); ++r) {
-            std::size_t& here = starts_[r * blocks_ + block];
-            const std::size_t records = here;
-            here = start;
-            start += records;
-        }
-    }
+    std::vector<std::size_t> ends;
+    for (const Valences::Range& range : ranges) ends.push_back(3 * range.end);
+    starts_ = block_places(vertices, shift_, blocks_, ends, threads);
     cursors_ = starts_;
 }
 

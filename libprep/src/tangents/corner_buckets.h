@@ -1,8 +1,7 @@
-// Contributions sorted by blocks of vertices: "propagation blocking" (Beamer, Asanović and
-// Patterson, 2017). Triangles in random order would write to vertices anywhere in memory. Here each
-// corner is a record that is written behind the last one of its block, and blocks are small enough
-// that what is accumulated at their vertices stays in a second-level cache. Records of a block are
-// in the order of the triangles, so that sums have the same bits.
+// Contributions sorted by blocks of vertices (block_places.h), for triangles in random order: each
+// corner is a record, and blocks are small enough that what is accumulated at their vertices stays
+// in a second-level cache. Records of a block are in the order of the triangles, so that sums have
+// the same bits.
 #pragma once
 
 #include <cstddef>

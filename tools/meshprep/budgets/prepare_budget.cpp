@@ -46,7 +46,8 @@ double cold_ms(double first, double least) {
     return std::min({first - least, most_part * least, most});
 }
 
-// Twice, or once where that is long. The least and what is cold are what the setting takes.
+// Twice, short ones up to six times, long ones once. The least and what is cold are what the
+// setting takes.
 struct Pilot {
     Prepared last;
     double milliseconds = 0;
@@ -56,7 +57,9 @@ Result<Pilot> pilot_of(const prep::Scene& scene, const prep::PrepareOptions& opt
     if (!run) return run.error();
     const double first = run->milliseconds;
     double least = first;
-    if (first <= long_run_ms) {
+    for (int again = 1; first <= long_run_ms && again <= most_sample_runs &&
+                        (again == 1 || again * least < enough_sample_ms);
+         ++again) {
         run->scene = {};
         run = timed(scene, options);
         if (!run) return run.error();
@@ -135,22 +138,19 @@ Result<double> sampled_ms(const prep::Scene& scene, const prep::PrepareOptions& 
     return least;
 }
 
+void set_result(Prepared prepared, PreparedWithin& out) {
+    out.prepared = std::move(prepared.scene);
+    out.milliseconds = prepared.milliseconds;
+    out.times.taken = prepared.milliseconds + prepared.cold;
+}
+
 Result<PreparedWithin> precision_within(prep::Scene scene, const prep::PrepareOptions& options,
                                         double asked) {
     const Clock::time_point start = Clock::now();
-    Result<Prepared> last = timed(scene, with_precision(options, Precision::fast));
-    if (!last) return last.error();
-    const double first = last->milliseconds;
-    double least = first;
-    for (int run = 0; first <= long_run_ms && (run == 0 || least * (run + 1) < enough_sample_ms) &&
-                      run < most_sample_runs;
-         ++run) {
-        last->scene = {};
-        last = timed(scene, with_precision(options, Precision::fast));
-        if (!last) return last.error();
-        least = std::min(least, last->milliseconds);
-    }
-    const SampledFaces some = sampled_faces(scene, last->scene.normals_made);
+    Result<Pilot> pilot = pilot_of(scene, with_precision(options, Precision::fast));
+    if (!pilot) return pilot.error();
+    Prepared last = std::move(pilot->last);
+    const SampledFaces some = sampled_faces(scene, last.scene.normals_made);
     prep::PrepareOptions alone = options;
     alone.threads = 1;
     std::array<double, 3> sampled{};
@@ -162,18 +162,19 @@ Result<PreparedWithin> precision_within(prep::Scene scene, const prep::PrepareOp
     const int threads = options.threads > 0 ? options.threads
                                             : std::max(1, int(std::thread::hardware_concurrency()));
     PreparedWithin out;
-    const double cold = cold_ms(first, least);
-    out.times = chosen_in_time(asked, precision_predictions(least + cold, sampled, some.corners,
-                                                            some.corners_of_all / threads));
+    out.times =
+        chosen_in_time(asked, precision_predictions(pilot->milliseconds, sampled, some.corners,
+                                                    some.corners_of_all / threads));
     out.times.pilot_ms = milliseconds_since(start);
     if (out.times.index > 0) {
-        last->scene = {};
-        last = timed(std::move(scene), with_precision(options, precisions[out.times.index]));
-        if (!last) return last.error();
+        last.scene = {};
+        Result<Prepared> chosen =
+            timed(std::move(scene), with_precision(options, precisions[out.times.index]));
+        if (!chosen) return chosen.error();
+        chosen->cold = last.cold;
+        last = *std::move(chosen);
     }
-    out.prepared = std::move(last->scene);
-    out.milliseconds = last->milliseconds;
-    out.times.taken = last->milliseconds + cold;
+    set_result(std::move(last), out);
     return out;
 }
 
@@ -214,9 +215,7 @@ Result<PreparedWithin> level_within(prep::Scene scene, prep::PrepareOptions opti
         last = *std::move(chosen);
         last.cold = cold[std::min(out.times.index, cold.size() - 1)];
     }
-    out.prepared = std::move(last.scene);
-    out.milliseconds = last.milliseconds;
-    out.times.taken = last.milliseconds + last.cold;
+    set_result(std::move(last), out);
     return out;
 }
 
