@@ -90,8 +90,8 @@ void define_render(OptionSet& options, RenderCommand& c) {
     options.not_negative(
         "--budget-ms", c.budget_ms, "MS",
         "The --samples or --supersample with the least error of edges that is predicted to draw "
-        "within so many milliseconds, by costs measured on this machine; exit 1 with the fastest "
-        "where none is");
+        "within so many milliseconds, as smaller pictures drawn with it say; exit 1 with the "
+        "fastest where none is");
     options.flag("--no-cache", c.cost_cache,
                  "Measure the costs for --budget-ms anew, and keep none", false);
     options.values(
