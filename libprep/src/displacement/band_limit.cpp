@@ -289,25 +289,36 @@ BandLimits make_band_limits(const HeightMapData& map, int threads) {
     return bands;
 }
 
-RawSample raw_sample(const HeightMapData& map, const glm::dvec2& uv) {
-    const glm::dvec2 p = map.map_point(uv);
+namespace {
+
+// The gradient where it is asked for.
+inline double raw_at_point(const HeightMapData& map, const glm::dvec2& p, glm::dvec2* gradient) {
     // Between the map's own texels: as below in its first region, with the same bits.
     if (p.x >= 0 && p.y >= 0 && p.x < double(map.x.size - 1) && p.y < double(map.y.size - 1)) {
         const glm::dvec2 along(p.x - double(map.x.first()), p.y - double(map.y.first()));
         const auto x = std::int64_t(along.x), y = std::int64_t(along.y);
-        RawSample sample;
-        sample.value = raw_at(map, x + map.x.first(), y + map.y.first(), along.x - double(x),
-                              along.y - double(y), &sample.gradient);
-        return sample;
+        return raw_at(map, x + map.x.first(), y + map.y.first(), along.x - double(x),
+                      along.y - double(y), gradient);
     }
     const AxisRegion rx = region(map.x, region_of(map.x, p.x));
     const AxisRegion ry = region(map.y, region_of(map.y, p.y));
     const CellPoint x = cell_point(map.x, rx.cell(p.x)), y = cell_point(map.y, ry.cell(p.y));
+    const double value =
+        raw_at(map, x.cell + map.x.first(), y.cell + map.y.first(), x.part, y.part, gradient);
+    if (gradient) *gradient *= glm::dvec2(rx.turn, ry.turn);
+    return value;
+}
+
+}  // namespace
+
+RawSample raw_sample(const HeightMapData& map, const glm::dvec2& uv) {
     RawSample sample;
-    sample.value = raw_at(map, x.cell + map.x.first(), y.cell + map.y.first(), x.part, y.part,
-                          &sample.gradient);
-    sample.gradient *= glm::dvec2(rx.turn, ry.turn);
+    sample.value = raw_at_point(map, map.map_point(uv), &sample.gradient);
     return sample;
+}
+
+double raw_value(const HeightMapData& map, const glm::dvec2& uv) {
+    return raw_at_point(map, map.map_point(uv), nullptr);
 }
 
 RawSample band_limited(const HeightMapData& map, const glm::dvec2& uv, double spacing) {

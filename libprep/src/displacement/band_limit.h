@@ -34,6 +34,8 @@ struct RawSample {
     glm::dvec2 gradient{0.0};
 };
 RawSample band_limited(const HeightMapData& map, const glm::dvec2& uv, double spacing);
-RawSample raw_sample(const HeightMapData& map, const glm::dvec2& uv);  // not band-limited
+// Not band-limited.
+RawSample raw_sample(const HeightMapData& map, const glm::dvec2& uv);
+double raw_value(const HeightMapData& map, const glm::dvec2& uv);
 
 }  // namespace prep::detail

@@ -20,51 +20,44 @@ struct Point {
 
 class TexelWalk {
   public:
+    // The cells that are read lie between texels (i0, j0) and (i1, j1).
     TexelWalk(const HeightMapData& map, std::int64_t i0, std::int64_t j0, std::int64_t i1,
               std::int64_t j1)
-        : map_(map),
-          row0_(j0),
-          rows_(int(j1 - j0 + 1)),
-          inside_(i0 >= 0 && j0 >= 0 && i1 < map.x.size && j1 < map.y.size) {
-        for (int r = 0; r < rows_; ++r) ends_[std::size_t(r)].any = false;
-    }
+        : map_(map), inside_(i0 >= 0 && j0 >= 0 && i1 < map.x.size && j1 < map.y.size) {}
 
     double largest() const { return largest_; }
 
-    // Its points, and where it crosses rows of texels, cell by cell: what the map has where one
-    // is left is what it has where the next is entered. Lines are counted, so that rounding leads
-    // into no cell beyond the last.
+    // Its points, and where it crosses the lines between texels, cell by cell: what the map has
+    // where one is left is what it has where the next is entered. Lines are counted, so that
+    // rounding leads into no cell beyond the last. One line a step, where two cross as well: which
+    // it is is chosen, not branched on, since no branch could be foreseen.
     void edge(const Point& a, const Point& b) {
         Lines along_x(a.x, b.x), along_y(a.y, b.y);
-        if (a.y == floor_of(a.y)) meet(a);
-        if (b.y == floor_of(b.y)) meet(b);
         double x = along_x.cell, y = along_y.cell;
         Cell cell = this->cell(x, y);
         double before = departure(cell, a);
         see(before);
         Point from = a;
-        for (;;) {
-            const double next = std::min(along_x.at, along_y.at);
-            const bool last = next > 1;
-            const bool over_x = along_x.at <= next, over_y = along_y.at <= next;
-            Point to = b;
-            if (next < 1)
-                to = {a.x + next * along_x.way, a.y + next * along_y.way,
-                      a.value + next * (b.value - a.value)};
-            if (!last && over_y) {
-                to.y = along_y.line;
-                meet(to);
-            }
+        for (double left = along_x.left + along_y.left; left > 0; --left) {
+            const bool over_x = along_x.at <= along_y.at;
+            const double t = over_x ? along_x.at : along_y.at;
+            const double to_x = a.x + t * along_x.way, to_y = a.y + t * along_y.way;
+            const Point to{over_x ? along_x.line : to_x, over_x ? to_y : along_y.line,
+                           a.value + t * (b.value - a.value)};
             const double after = departure(cell, to);
             see(after);
             see_between(cell, from, to, before, after);
-            if (last) return;
-            if (over_x) x += along_x.step, along_x.advance(a.x);
-            if (over_y) y += along_y.step, along_y.advance(a.y);
+            along_x.advance(a.x, over_x);
+            along_y.advance(a.y, !over_x);
+            x += over_x ? along_x.step : 0;
+            y += over_x ? 0 : along_y.step;
             cell = this->cell(x, y);
             from = to;
             before = after;
         }
+        const double after = departure(cell, b);
+        see(after);
+        see_between(cell, from, b, before, after);
     }
 
     // Of a triangle that lies in one cell: there its edges are all, as inside there is only a
@@ -78,39 +71,39 @@ class TexelWalk {
         }
     }
 
-    // What lies between the edges.
-    void rows() {
-        for (int r = 0; r < rows_; ++r) {
-            const Ends& e = ends_[std::size_t(r)];
-            if (!e.any) continue;
-            const double first = -floor_of(-e.low.x), last = floor_of(e.high.x);
-            if (!(first <= last)) continue;
-            const double width = e.high.x - e.low.x;
-            const double slope = width > 0 ? (e.high.value - e.low.value) / width : 0;
-            const std::int64_t j = row0_ + r;
-            for (double x = first; x <= last; ++x) {
-                const double linear = e.low.value + slope * (x - e.low.x);
-                see(map_.height(texel(std::int64_t(x), j)) - linear);
-            }
+    // Texels between the edges, row by row: from the edge between the lowest and the highest corner
+    // to one of the others. Rows along an edge are what that edge sees.
+    void rows(std::array<Point, 3> p) {
+        if (p[1].y < p[0].y) std::swap(p[0], p[1]);
+        if (p[2].y < p[1].y) std::swap(p[1], p[2]);
+        if (p[1].y < p[0].y) std::swap(p[0], p[1]);
+        const double last = floor_of(p[2].y);
+        for (double y = -floor_of(-p[0].y); y <= last; ++y) {
+            const bool upper = y < p[1].y;
+            if (!(p[2].y > p[0].y) || (!upper && !(p[2].y > p[1].y))) return;
+            const Point one = at_height(p[0], p[2], y);
+            const Point other = upper ? at_height(p[0], p[1], y) : at_height(p[1], p[2], y);
+            row(y, one.x < other.x ? one : other, one.x < other.x ? other : one);
         }
     }
 
   private:
-    struct Ends {
-        bool any;
-        Point low, high;
-    };
+    static Point at_height(const Point& a, const Point& b, double y) {
+        const double t = (y - a.y) / (b.y - a.y);
+        return {a.x + t * (b.x - a.x), y, a.value + t * (b.value - a.value)};
+    }
+
+    void row(double y, const Point& low, const Point& high) {
+        const double first = -floor_of(-low.x), last = floor_of(high.x);
+        if (!(first <= last)) return;
+        const double width = high.x - low.x;
+        const double slope = width > 0 ? (high.value - low.value) / width : 0;
+        for (double x = first; x <= last; ++x)
+            see(map_.height(texel(std::int64_t(x), std::int64_t(y))) -
+                (low.value + slope * (x - low.x)));
+    }
 
     void see(double departure) { largest_ = std::max(largest_, std::abs(departure)); }
-
-    void meet(const Point& p) {
-        const int r = int(std::int64_t(p.y) - row0_);
-        if (r < 0 || r >= rows_) return;
-        Ends& e = ends_[std::size_t(r)];
-        if (!e.any || p.x < e.low.x) e.low = p;
-        if (!e.any || p.x > e.high.x) e.high = p;
-        e.any = true;
-    }
 
     double texel(std::int64_t i, std::int64_t j) const {
         return inside_ ? double(map_.raw[std::size_t(j * map_.x.size + i)]) : map_.texel(i, j);
@@ -119,24 +112,23 @@ class TexelWalk {
     // The lines between texels that an edge crosses along one axis, one after the other.
     struct Lines {
         double way, step, line, cell, inverse;
-        double at;    // of the edge, where the next one is; 2: there is none
         double left;  // of them
+        double at;    // of the edge, where the next one is; 2: there is none
         Lines(double from, double to) : way(to - from) {
             const bool up = way > 0;
             step = up ? 1 : -1;
             line = up ? floor_of(from) + 1 : -floor_of(-from) - 1;
             cell = way < 0 ? line : floor_of(from);
-            left = up ? -floor_of(-to) - line : line - floor_of(to);
+            left = std::max(0.0, up ? -floor_of(-to) - line : line - floor_of(to));
             inverse = 1 / way;
             find(from);
         }
-        void advance(double from) {
-            line += step;
-            left -= 1;
+        void advance(double from, bool crossed) {
+            line += crossed ? step : 0;
+            left -= crossed ? 1 : 0;
             find(from);
         }
-        // One that is left is before the end, wherever rounding has it: rows need both of their
-        // meeting points.
+        // One that is left is before the end, wherever rounding has it.
         void find(double from) { at = left > 0 ? std::min((line - from) * inverse, 1.0) : 2; }
     };
 
@@ -172,11 +164,8 @@ class TexelWalk {
     }
 
     const HeightMapData& map_;
-    std::int64_t row0_;
-    int rows_;
     bool inside_;
     double largest_ = 0;
-    std::array<Ends, most_texels + 3> ends_;  // the first rows_ of them
 };
 
 }  // namespace
@@ -221,7 +210,7 @@ std::optional<Deviation> bilinear_deviation(const HeightMapData& map,
         walk.in_cell(x, y, p);
     } else {
         for (std::size_t k = 0; k < 3; ++k) walk.edge(p[k], p[(k + 1) % 3]);
-        walk.rows();
+        walk.rows(p);
     }
     return Deviation{walk.largest() + deviation_slack(map, farthest, largest), walk.largest()};
 }

@@ -56,6 +56,7 @@ class HeightMap {
 
     // The map as read: the truth.
     HeightSample at(const glm::dvec2& uv) const;
+    double value(const glm::dvec2& uv) const;  // at(uv).value, the same bits
 
     // Without what samples `spacing` apart (UV units, any direction) cannot carry: at most 2 % of
     // amplitudes beyond 1/(2 spacing) cycles a unit, at least 95 % of those below 1/(4 spacing).

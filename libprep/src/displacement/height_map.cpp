@@ -141,6 +141,10 @@ HeightSample HeightMap::at(const glm::dvec2& uv) const {
     return {data_->height(sample.value), data_->unit * data_->mesh_gradient(sample.gradient)};
 }
 
+double HeightMap::value(const glm::dvec2& uv) const {
+    return data_->height(raw_value(*data_, uv));
+}
+
 HeightSample HeightMap::filtered(const glm::dvec2& uv, double spacing) const {
     const RawSample sample = band_limited(*data_, uv, spacing);
     return {data_->height(sample.value), data_->unit * data_->mesh_gradient(sample.gradient)};

@@ -1,5 +1,7 @@
 #include "tessellation/bisection.h"
 
+#include <algorithm>
+
 namespace prep::detail {
 
 // In whole numbers, 2³⁰ to 1, those of a and b side by side: every second halving halves lengths,
@@ -31,7 +33,7 @@ RootPoint BisectionMesh::HalvedEdge::middle() const {
 }
 
 BisectionMesh::BisectionMesh(std::uint32_t vertices, std::span<const FirstTriangle> first)
-    : vertices_(vertices) {
+    : first_vertices_(vertices), vertices_(vertices) {
     triangles_.resize(first.size());
     for (std::size_t t = 0; t < first.size(); ++t) {
         BisectedTriangle& triangle = triangles_[t];
@@ -45,21 +47,16 @@ BisectionMesh::BisectionMesh(std::uint32_t vertices, std::span<const FirstTriang
         others_[t] = first[t].other;
     }
     news_.first = vertices;
+    news_.offsets.push_back(0);
 }
 
-void BisectionMesh::forget() {
+void BisectionMesh::take_touched(LargeVector<Touched>& touched) {
     news_.first = vertices_;
-    news_.offsets.assign(1, 0);
+    news_.offsets.clear();
+    news_.offsets.push_back(0);
     news_.edges.clear();
-    news_.touched.clear();
-}
-
-std::vector<std::uint32_t> BisectionMesh::touched() const {
-    std::vector<std::uint32_t> once;
-    once.reserve(news_.touched.size());
-    for (const NewVertices::Touched& t : news_.touched)
-        if (triangles_[t.triangle].path == t.path) once.push_back(t.triangle);
-    return once;
+    std::swap(touched, touched_);
+    touched_.clear();
 }
 
 std::uint64_t BisectionMesh::cost(std::uint32_t t) {
@@ -122,6 +119,7 @@ void BisectionMesh::link(std::span<const std::uint32_t> ring) {
 void BisectionMesh::open(std::uint32_t t) {
     const std::uint32_t centre = vertices_++;
     const BisectedTriangle whole = triangles_[t];
+    only_edges_.push_back({0, several_roots});
     news_.edges.push_back({whole.path, whole.root});
     news_.offsets.push_back(std::uint32_t(news_.edges.size()));
     const auto n = std::uint32_t(triangles_.size());
@@ -139,7 +137,7 @@ void BisectionMesh::open(std::uint32_t t) {
         part.on_border = 1;
         part.next[1] = 3 * parts[(k + 1) % 3] + 2;
         part.next[2] = 3 * parts[(k + 2) % 3] + 1;
-        news_.touched.push_back({part.path, parts[k]});
+        touched_.push_back({part.path, parts[k]});
     }
 }
 
@@ -153,6 +151,12 @@ void BisectionMesh::halve_ring(std::uint32_t h0) {
     const std::uint32_t middle = vertices_++;
     const std::uint32_t start = triangles_[members_[0]].vertices[0];
     const bool border_of_root = (triangles_[members_[0]].on_border & 1) != 0;
+    const BisectedTriangle& one = triangles_[members_[0]];
+    const bool in_one_root =
+        !one.is_closed() && std::all_of(members_.begin(), members_.end(), [&](std::uint32_t t) {
+            return triangles_[t].root == one.root;
+        });
+    only_edges_.push_back({one.path, in_one_root ? one.root : several_roots});
     near_.clear();
     far_.clear();
     for (const std::uint32_t t : members_) {
@@ -182,8 +186,8 @@ void BisectionMesh::halve_ring(std::uint32_t h0) {
         second.next[1] = 3 * t + 2;
         (a == start ? near_ : far_).push_back(3 * t + 1);
         (a == start ? far_ : near_).push_back(3 * n + 2);
-        news_.touched.push_back({first.path, t});
-        news_.touched.push_back({second.path, n});
+        touched_.push_back({first.path, t});
+        touched_.push_back({second.path, n});
     }
     link(near_);
     link(far_);

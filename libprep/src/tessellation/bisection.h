@@ -86,21 +86,30 @@ class BisectionMesh {
     // What bisect() did since forget(): vertices made, in order, and the edges that they halve:
     // several where a root's ab was halved (one of each triangle there), else one.
     struct NewVertices {
-        std::uint32_t first = 0;                // vertex first + k …
-        std::vector<std::uint32_t> offsets{0};  // … has the edges offsets[k] … offsets[k + 1] − 1
-        std::vector<HalvedEdge> edges;
-        struct Touched {
-            std::uint64_t path;
-            std::uint32_t triangle;
-        };
-        std::vector<Touched> touched;  // some were halved again
+        std::uint32_t first = 0;             // vertex first + k …
+        LargeVector<std::uint32_t> offsets;  // … has the edges offsets[k] … offsets[k + 1] − 1
+        LargeVector<HalvedEdge> edges;
     };
     const NewVertices& news() const { return news_; }
-    // Triangles that changed or are new, each once, in the order of halving: the two halves of a
-    // triangle follow each other, so neighbours in order are mostly neighbours in space (numbers
-    // are bit-reversed).
-    std::vector<std::uint32_t> touched() const;
-    void forget();
+    // Of a vertex that all its triangles have in one root: the edge that it halves, or nothing for
+    // others. The first vertices are among those.
+    const HalvedEdge* only_edge(std::uint32_t vertex) const {
+        if (vertex < first_vertices_) return nullptr;
+        const HalvedEdge& edge = only_edges_[vertex - first_vertices_];
+        return edge.root == several_roots ? nullptr : &edge;
+    }
+    // Triangles that changed or are new, in the order of halving: the two halves of a triangle
+    // follow each other, so neighbours in order are mostly neighbours in space (numbers are
+    // bit-reversed). Some were halved again: those are no longer there.
+    struct Touched {
+        std::uint64_t path = 1;
+        std::uint32_t triangle = 0;
+    };
+    bool is_there(const Touched& touched) const {
+        return triangles_[touched.triangle].path == touched.path;
+    }
+    // Forgets all of that, and puts what was touched in the place of `touched`.
+    void take_touched(LargeVector<Touched>& touched);
 
   private:
     void halve_ring(std::uint32_t half_edge);
@@ -113,10 +122,14 @@ class BisectionMesh {
     void replace(std::uint32_t old, std::uint32_t by);
     void link(std::span<const std::uint32_t> ring);
 
+    static constexpr std::uint32_t several_roots = 0xffffffff;
+
     LargeVector<BisectedTriangle> triangles_;
-    std::vector<std::uint32_t> others_;  // roots, per first triangle; empty without closed ones
-    std::uint32_t vertices_;
+    LargeVector<HalvedEdge> only_edges_;  // by vertex, from first_vertices_ on
+    std::vector<std::uint32_t> others_;   // roots, per first triangle; empty without closed ones
+    std::uint32_t first_vertices_, vertices_;
     NewVertices news_;
+    LargeVector<Touched> touched_;
     std::vector<std::uint32_t> worklist_, members_, near_, far_;
 };
 

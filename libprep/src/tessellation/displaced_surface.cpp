@@ -125,7 +125,7 @@ std::array<glm::dvec2, 2> RootHeights::uv_steps(std::uint32_t root) const {
 
 double RootHeights::raw(const RootPoint& at) const {
     const Displacement* displacement = of(at.root);
-    return displacement && displacement->height ? displacement->height->at(uv(at)).value : 0;
+    return displacement && displacement->height ? displacement->height->value(uv(at)) : 0;
 }
 
 double RootHeights::height(const RootPoint& at, double raw, const glm::dvec3& position) const {
@@ -223,6 +223,7 @@ glm::dvec3 DisplacedSurface::normal(const BaseFrame& frame, const RootPoint& at)
 
 void DisplacedSurface::make_vertex(std::span<const RootPoint> at, std::span<const BasePoint> sides,
                                    std::uint32_t vertex, VertexSamples& samples) const {
+    samples[vertex] = {};
     BasePoint point;
     double height = 0;
     glm::dvec3 vector(0.0);

@@ -20,6 +20,7 @@ class MapHeights final : public HeightFunction {
         const HeightSample sample = map_.at(uv);
         return {sample.value, sample.gradient};
     }
+    double value(const glm::dvec2& uv) const override { return map_.value(uv); }
     double deviation(const std::array<glm::dvec2, 3>& uv, const std::array<double, 3>& values,
                      double enough) const override {
         return map_.deviation(uv, values, enough, effort).upper;

@@ -14,67 +14,91 @@ namespace {
 
 using Index = std::uint32_t;
 
-// A vertex as one root has it; at `corner` (3 t + k) of the tessellation. Those of a vertex are
-// consecutive.
+constexpr std::size_t triangles_at_once = 4096;  // on one thread
+
+// A vertex as one root has it. Those of a vertex are consecutive.
 struct Side {
-    Index vertex, root, corner;
+    Index vertex, root;
+    Index corner;  // 3 t + k of the tessellation that is there; no_index where the vertex is the
+                   // middle of an edge within one root (BisectionMesh::only_edge)
 };
 
 struct Sides {
-    std::vector<Side> sides;       // by vertex
-    std::vector<Index> of_corner;  // per corner
+    std::vector<Side> sides;                       // by vertex
+    std::vector<Index> of_corner;                  // per corner
+    std::vector<std::pair<Index, Index>> several;  // first and last side + 1 of other vertices
 };
 
-Sides find_sides(const BisectionMesh& mesh, const Domain& domain) {
+// Sizes a vector whose elements are then set on all threads.
+template <class T>
+void size_to_fill(std::vector<T>& vector, std::size_t size) {
+    vector.reserve(size);
+    advise_large_pages(vector.data(), size * sizeof(T));
+    vector.resize(size);
+}
+
+Sides find_sides(const BisectionMesh& mesh, const Domain& domain, int threads) {
     const auto triangles = mesh.triangles();
     const auto root_at = [&](Index t, Index k) {
         const BisectedTriangle& triangle = triangles[t];
         if (!triangle.is_closed()) return triangle.root;
         return TrianglePoints(domain, triangle.root, 0).corner(k).root;
     };
-    constexpr Index several = no_index - 1;
-    std::vector<Index> only_root(mesh.vertex_count(), no_index), first_corner(mesh.vertex_count());
-    for (Index t = 0; t < triangles.size(); ++t)
-        for (Index k = 0; k < 3; ++k) {
-            const Index v = triangles[t].vertices[k];
-            const Index root = root_at(t, k);
-            if (only_root[v] == no_index)
-                only_root[v] = root, first_corner[v] = 3 * t + k;
-            else if (only_root[v] != root)
-                only_root[v] = several;
-        }
-    std::vector<Side> shared;
-    for (Index t = 0; t < triangles.size(); ++t)
-        for (Index k = 0; k < 3; ++k)
-            if (only_root[triangles[t].vertices[k]] == several)
-                shared.push_back({triangles[t].vertices[k], root_at(t, k), 3 * t + k});
+    const auto for_corners = [&](const auto& body) {
+        parallel_blocks(triangles.size(), triangles_at_once, threads,
+                        [&](std::size_t begin, std::size_t end) {
+                            for (auto t = Index(begin); t < end; ++t)
+                                for (Index k = 0; k < 3; ++k) body(t, k, triangles[t].vertices[k]);
+                        });
+    };
+    std::vector<std::vector<Side>> in_blocks((triangles.size() + triangles_at_once - 1) /
+                                             triangles_at_once);
+    for_corners([&](Index t, Index k, Index v) {
+        if (!mesh.only_edge(v))
+            in_blocks[t / triangles_at_once].push_back({v, root_at(t, k), 3 * t + k});
+    });
+    std::vector<Side> others;
+    for (std::vector<Side>& in_block : in_blocks) {
+        others.insert(others.end(), in_block.begin(), in_block.end());
+        release(in_block);
+    }
     const auto key = [](const Side& s) { return std::uint64_t(s.vertex) << 32 | s.root; };
-    std::stable_sort(shared.begin(), shared.end(),
+    std::stable_sort(others.begin(), others.end(),
                      [&](const Side& a, const Side& b) { return key(a) < key(b); });
     Sides result;
-    result.of_corner.resize(3 * triangles.size());
-    std::vector<Index> side_of(mesh.vertex_count(), no_index);
+    result.sides.reserve(mesh.vertex_count() + others.size());
+    std::vector<Index> side_of;
+    parallel_both(
+        threads, [&] { size_to_fill(result.of_corner, 3 * triangles.size()); },
+        [&] { size_to_fill(side_of, mesh.vertex_count()); });
     std::size_t next = 0;
     for (Index v = 0; v < mesh.vertex_count(); ++v) {
-        if (only_root[v] == no_index) continue;
         side_of[v] = Index(result.sides.size());
-        if (only_root[v] != several) {
-            result.sides.push_back({v, only_root[v], first_corner[v]});
+        if (const BisectionMesh::HalvedEdge* const edge = mesh.only_edge(v)) {
+            result.sides.push_back({v, edge->root, no_index});
             continue;
         }
-        for (; next < shared.size() && shared[next].vertex == v; ++next) {
-            if (result.sides.size() == side_of[v] || result.sides.back().root != shared[next].root)
-                result.sides.push_back(shared[next]);
-            result.of_corner[shared[next].corner] = Index(result.sides.size() - 1);
+        for (; next < others.size() && others[next].vertex == v; ++next) {
+            if (result.sides.size() == side_of[v] || result.sides.back().root != others[next].root)
+                result.sides.push_back(others[next]);
+            result.of_corner[others[next].corner] = Index(result.sides.size() - 1);
         }
+        if (result.sides.size() > side_of[v])
+            result.several.emplace_back(side_of[v], Index(result.sides.size()));
     }
-    for (Index t = 0; t < triangles.size(); ++t)
-        for (Index k = 0; k < 3; ++k) {
-            const Index v = triangles[t].vertices[k];
-            if (only_root[v] != several) result.of_corner[3 * t + k] = side_of[v];
-        }
+    for_corners([&](Index t, Index k, Index v) {
+        if (mesh.only_edge(v)) result.of_corner[3 * t + k] = side_of[v];
+    });
     return result;
 }
+
+// Values by vertex: one of each of one side, and of the others' sides what they share.
+template <class T>
+struct Shared {
+    std::vector<Index> of_side;  // by side of several, one vertex after the other: which of its
+    std::vector<Index> counts;   // by vertex of several: values
+    std::vector<T> values;
+};
 
 // Of the directions at a vertex those that may be within `reach` of one, itself and those after it,
 // in order: all where they are few, else by a grid of cells of that size.
@@ -151,7 +175,7 @@ class Output {
           hooks_(hooks),
           threads_(threads),
           triangles_(refinement.mesh().triangles()),
-          sides_(find_sides(refinement.mesh(), domain)) {}
+          sides_(find_sides(refinement.mesh(), domain, threads)) {}
 
     TessellatedMesh make() {
         Mesh& mesh = out_.mesh;
@@ -171,6 +195,7 @@ class Output {
 
   private:
     RootPoint point(const Side& side) const {
+        if (side.corner == no_index) return refinement_.mesh().only_edge(side.vertex)->middle();
         return surface_.points(triangles_[side.corner / 3]).corner(side.corner % 3);
     }
     bool is_separate(const Side& side) const {
@@ -179,38 +204,51 @@ class Output {
 
     void vertices() {
         const auto& sides = sides_.sides;
-        std::vector<Index> vertex_of_side(sides.size());
         Mesh& mesh = out_.mesh;
-        mesh.positions.reserve(refinement_.mesh().vertex_count());
-        out_.cage_vertices.reserve(refinement_.mesh().vertex_count());
+        std::vector<Index> vertex_of_side, first_side;
+        size_to_fill(vertex_of_side, sides.size());
+        first_side.reserve(refinement_.mesh().vertex_count());
         for (Index s = 0; s < sides.size(); ++s) {
-            const Index v = sides[s].vertex;
-            if (s == 0 || sides[s - 1].vertex != v || is_separate(sides[s])) {
-                mesh.positions.push_back(is_separate(sides[s])
-                                             ? glm::vec3(surface_.truth(point(sides[s])))
-                                             : refinement_.samples()[v].position);
-                out_.cage_vertices.push_back(v < domain_.cage_vertices ? v : no_index);
-            }
-            vertex_of_side[s] = Index(mesh.positions.size() - 1);
+            if (s == 0 || sides[s - 1].vertex != sides[s].vertex || is_separate(sides[s]))
+                first_side.push_back(s);
+            vertex_of_side[s] = Index(first_side.size() - 1);
         }
-        mesh.corner_vertices.resize(sides_.of_corner.size());
-        for (std::size_t c = 0; c < sides_.of_corner.size(); ++c)
-            mesh.corner_vertices[c] = vertex_of_side[sides_.of_corner[c]];
+        parallel_both(
+            threads_,
+            [&] {
+                size_to_fill(mesh.positions, first_side.size());
+                size_to_fill(out_.cage_vertices, first_side.size());
+            },
+            [&] { size_to_fill(mesh.corner_vertices, sides_.of_corner.size()); });
+        parallel_blocks(first_side.size(), triangles_at_once, threads_,
+                        [&](std::size_t begin, std::size_t end) {
+                            for (std::size_t i = begin; i < end; ++i) {
+                                const Side& side = sides[first_side[i]];
+                                const Index v = side.vertex;
+                                mesh.positions[i] = is_separate(side)
+                                                        ? glm::vec3(surface_.truth(point(side)))
+                                                        : refinement_.samples()[v].position;
+                                out_.cage_vertices[i] = v < domain_.cage_vertices ? v : no_index;
+                            }
+                        });
+        spread(vertex_of_side, mesh.corner_vertices);
     }
 
     void faces() {
         Mesh& mesh = out_.mesh;
         const std::size_t count = triangles_.size();
-        mesh.face_offsets.resize(count + 1);
-        for (std::size_t t = 0; t <= count; ++t) mesh.face_offsets[t] = Index(3 * t);
-        out_.cage_faces.resize(count);
-        for (std::size_t t = 0; t < count; ++t)
-            out_.cage_faces[t] = domain_.roots[triangles_[t].root].face;
-        if (hooks_.places) {
-            hooks_.places->resize(count);
-            for (std::size_t t = 0; t < count; ++t)
-                (*hooks_.places)[t] = {triangles_[t].path, triangles_[t].root};
-        }
+        size_to_fill(mesh.face_offsets, count + 1);
+        size_to_fill(out_.cage_faces, count);
+        if (hooks_.places) hooks_.places->resize(count);
+        parallel_blocks(count, triangles_at_once, threads_,
+                        [&](std::size_t begin, std::size_t end) {
+                            for (std::size_t t = begin; t < end; ++t) {
+                                mesh.face_offsets[t + 1] = Index(3 * (t + 1));
+                                out_.cage_faces[t] = domain_.roots[triangles_[t].root].face;
+                                if (hooks_.places)
+                                    (*hooks_.places)[t] = {triangles_[t].path, triangles_[t].root};
+                            }
+                        });
         const auto inherit = [&](const std::vector<Index>& from, std::vector<Index>& to) {
             if (from.empty()) return;
             to.resize(count);
@@ -224,60 +262,115 @@ class Output {
     // One a vertex and side of a hard edge: sides that the base shades alike have one normal.
     void normals() {
         const auto& sides = sides_.sides;
-        std::vector<glm::dvec3> shading(sides.size()), displaced(sides.size());
-        parallel_blocks(sides.size(), 1024, threads_, [&](std::size_t begin, std::size_t end) {
-            std::vector<RootPoint> points;
-            for (std::size_t s = begin; s < end; ++s) points.push_back(point(sides[s]));
-            std::vector<BaseFrame> frames(points.size());
+        std::vector<Index> several;
+        for (const auto& [first, last] : sides_.several)
+            for (Index s = first; s < last; ++s) several.push_back(s);
+        std::vector<glm::dvec3> shading(several.size()), displaced(several.size());
+        const auto frames_of = [&](std::size_t count, const auto& side, const auto& take) {
+            std::vector<RootPoint> points(count);
+            for (std::size_t k = 0; k < count; ++k) points[k] = point(sides[side(k)]);
+            std::vector<BaseFrame> frames(count);
             surface_.base().frames(points, frames);
-            for (std::size_t s = begin; s < end; ++s) {
-                shading[s] = frames[s - begin].normal;
-                displaced[s] = surface_.normal(frames[s - begin], points[s - begin]);
-            }
+            for (std::size_t k = 0; k < count; ++k)
+                take(k, frames[k].normal, surface_.normal(frames[k], points[k]));
+        };
+        parallel_blocks(several.size(), 1024, threads_, [&](std::size_t begin, std::size_t end) {
+            frames_of(
+                end - begin, [&](std::size_t k) { return several[begin + k]; },
+                [&](std::size_t k, const glm::dvec3& shade, const glm::dvec3& normal) {
+                    shading[begin + k] = shade;
+                    displaced[begin + k] = normal;
+                });
         });
-        Mesh& mesh = out_.mesh;
-        constexpr double same = 1e-6;
-        std::vector<Index> value(sides.size());
+        Shared<glm::vec3> shared;
+        shared.of_side.resize(several.size());
         std::vector<Index> group;
-        mesh.normals.values.reserve(mesh.positions.size());
-        for (Index first = 0, last = 0; first < sides.size(); first = last) {
-            while (last < sides.size() && sides[last].vertex == sides[first].vertex) ++last;
-            if (last - first == 1 && displaced[first] == displaced[first]) {
-                value[first] = Index(mesh.normals.values.size());
-                mesh.normals.values.push_back(glm::vec3(displaced[first]));
-                continue;
-            }
-            std::vector<std::uint8_t> done(last - first, 0);
-            const NearDirections near(
-                std::span<const glm::dvec3>(shading).subspan(first, last - first), same);
-            for (Index s = first; s < last; ++s) {
-                if (done[s - first]) continue;
+        std::size_t at = 0;  // of the vertex' sides in `several`
+        for (const auto& [first, last] : sides_.several) {
+            constexpr double same = 1e-6;
+            const std::size_t count = last - first;
+            const auto shades = std::span<const glm::dvec3>(shading).subspan(at, count);
+            const auto moved = std::span<const glm::dvec3>(displaced).subspan(at, count);
+            std::vector<std::uint8_t> done(count, 0);
+            const NearDirections near(shades, same);
+            Index values = 0;
+            for (Index s = 0; s < count; ++s) {
+                if (done[s]) continue;
                 group.clear();
                 glm::dvec3 sum(0.0);
-                near.each(s - first, [&](Index k) {
-                    const Index r = first + k;
-                    const glm::dvec3 step = shading[r] - shading[s];
+                near.each(s, [&](Index k) {
+                    const glm::dvec3 step = shades[k] - shades[s];
                     if (done[k] || !(glm::dot(step, step) <= same * same)) return;
                     done[k] = 1;
-                    group.push_back(r);
-                    sum += displaced[r];
+                    group.push_back(k);
+                    sum += moved[k];
                 });
-                const bool alike = std::all_of(group.begin(), group.end(), [&](Index r) {
-                    return displaced[r] == displaced[s];
-                });
-                for (const Index r : group) value[r] = Index(mesh.normals.values.size());
-                if (group.empty()) value[s] = Index(mesh.normals.values.size());
-                mesh.normals.values.push_back(
-                    glm::vec3(alike ? displaced[s] : unit_or(sum, shading[s])));
+                const bool alike = std::all_of(group.begin(), group.end(),
+                                               [&](Index k) { return moved[k] == moved[s]; });
+                for (const Index k : group) shared.of_side[at + k] = values;
+                if (group.empty()) shared.of_side[at + s] = values;
+                shared.values.push_back(glm::vec3(alike ? moved[s] : unit_or(sum, shades[s])));
+                ++values;
             }
+            shared.counts.push_back(values);
+            at += count;
         }
-        spread(value, mesh.normals.indices);
+        CornerLayer<glm::vec3>& layer = out_.mesh.normals;
+        fill(shared, layer, [&](std::size_t count, const auto& side, const auto& take) {
+            frames_of(count, side,
+                      [&](std::size_t k, const glm::dvec3& shade, const glm::dvec3& normal) {
+                          take(k, glm::vec3(normal == normal ? normal : shade));
+                      });
+        });
     }
 
+    // values_of(count, side, take) calls take(k, value) for side(0) … side(count − 1).
+    template <class T, class ValuesOf>
+    void fill(const Shared<T>& shared, CornerLayer<T>& layer, const ValuesOf& values_of) const {
+        const auto& sides = sides_.sides;
+        std::vector<Index> value;  // by side
+        size_to_fill(value, sides.size());
+        Index next = 0, s = 0;
+        std::size_t at = 0;
+        const auto alone_until = [&](Index end) {
+            for (; s < end; ++s) value[s] = next++;
+        };
+        std::vector<Index> firsts;
+        for (std::size_t v = 0; v < sides_.several.size(); ++v) {
+            const auto [first, last] = sides_.several[v];
+            alone_until(first);
+            firsts.push_back(next);
+            for (; s < last; ++s, ++at) value[s] = next + shared.of_side[at];
+            next += shared.counts[v];
+        }
+        alone_until(Index(sides.size()));
+        parallel_both(
+            threads_, [&] { size_to_fill(layer.values, next); },
+            [&] { size_to_fill(layer.indices, sides_.of_corner.size()); });
+        std::size_t from = 0;
+        for (std::size_t v = 0; v < firsts.size(); ++v)
+            for (Index k = 0; k < shared.counts[v]; ++k)
+                layer.values[firsts[v] + k] = shared.values[from++];
+        parallel_blocks(sides.size(), 1024, threads_, [&](std::size_t begin, std::size_t end) {
+            std::vector<Index> alone;
+            for (auto k = Index(begin); k < end; ++k)
+                if (is_alone(k)) alone.push_back(k);
+            values_of(
+                alone.size(), [&](std::size_t k) { return alone[k]; },
+                [&](std::size_t k, const T& made) { layer.values[value[alone[k]]] = made; });
+        });
+        spread(value, layer.indices);
+    }
+
+    // A side of a vertex that has no other.
+    bool is_alone(Index s) const { return sides_.sides[s].corner == no_index; }
+
     void spread(const std::vector<Index>& value_of_side, std::vector<Index>& indices) const {
-        indices.resize(sides_.of_corner.size());
-        for (std::size_t c = 0; c < indices.size(); ++c)
-            indices[c] = value_of_side[sides_.of_corner[c]];
+        parallel_blocks(indices.size(), triangles_at_once, threads_,
+                        [&](std::size_t begin, std::size_t end) {
+                            for (std::size_t c = begin; c < end; ++c)
+                                indices[c] = value_of_side[sides_.of_corner[c]];
+                        });
     }
 
     // Linear over each root; at its centre the mean of the face's corners.
@@ -298,43 +391,36 @@ class Output {
             for_fan_corners(domain_, fan, [&](Index c) { centres[fan] += at(c); });
             centres[fan] /= double(domain_.fan_roots[fan + 1] - domain_.fan_roots[fan]);
         }
-        const auto& sides = sides_.sides;
-        std::vector<T> values(sides.size());
-        parallel_blocks(sides.size(), 1024, threads_, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t s = begin; s < end; ++s) {
-                const DomainRoot& root = domain_.roots[sides[s].root];
-                const glm::dvec3 w = point(sides[s]).weights;
-                if (w.x == 1 || w.y == 1)
-                    values[s] = in.values[in.indices[root.corners[w.x == 1 ? 0 : 1]]];
-                else
-                    values[s] = T(w.x * at(root.corners[0]) + w.y * at(root.corners[1]) +
-                                  w.z * centres[root.fan]);
-            }
-        });
-        CornerLayer<T>& made = out.back();
-        std::vector<Index> value(sides.size());
-        for (Index first = 0, last = 0; first < sides.size(); first = last) {
-            while (last < sides.size() && sides[last].vertex == sides[first].vertex) ++last;
-            if (last - first == 1) {
-                value[first] = Index(made.values.size());
-                made.values.push_back(values[first]);
-                continue;
-            }
+        const auto value_of = [&](const Side& side) {
+            const DomainRoot& root = domain_.roots[side.root];
+            const glm::dvec3 w = point(side).weights;
+            if (w.x == 1 || w.y == 1) return in.values[in.indices[root.corners[w.x == 1 ? 0 : 1]]];
+            return T(w.x * at(root.corners[0]) + w.y * at(root.corners[1]) +
+                     w.z * centres[root.fan]);
+        };
+        Shared<T> shared;
+        for (const auto& [first, last] : sides_.several) {
             constexpr Index few = 32;  // comparisons take less than a table
+            const std::size_t before = shared.values.size();
+            const auto none = [&] { return Index(shared.values.size() - before); };
             std::unordered_map<Bits<T>, Index, BitsHash<T>> known;
             for (Index s = first; s < last; ++s) {
-                Index found = Index(made.values.size());
+                const T value = value_of(sides_.sides[s]);
+                Index found = none();
                 if (last - first <= few) {
-                    for (Index r = first; r < s; ++r)
-                        if (values[r] == values[s]) found = std::min(found, value[r]);
-                } else if (values[s] == values[s]) {
-                    found = known.emplace(bits_of(values[s]), found).first->second;
+                    for (Index k = 0; k < found; ++k)
+                        if (shared.values[before + k] == value) found = k;
+                } else if (value == value) {
+                    found = known.emplace(bits_of(value), found).first->second;
                 }
-                value[s] = found;
-                if (found == made.values.size()) made.values.push_back(values[s]);
+                shared.of_side.push_back(found);
+                if (found == none()) shared.values.push_back(value);
             }
+            shared.counts.push_back(none());
         }
-        spread(value, made.indices);
+        fill(shared, out.back(), [&](std::size_t count, const auto& side, const auto& take) {
+            for (std::size_t k = 0; k < count; ++k) take(k, value_of(sides_.sides[side(k)]));
+        });
     }
 
     // The pieces of the cage's.

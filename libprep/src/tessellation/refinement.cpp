@@ -91,7 +91,7 @@ void Refinement::make_first_vertices() {
 
 void Refinement::make_new_vertices() {
     const BisectionMesh::NewVertices& news = mesh_.news();
-    samples_.resize(mesh_.vertex_count());
+    samples_.resize_to_fill(mesh_.vertex_count());
     const auto make = [&](std::size_t begin, std::size_t end) {
         const std::size_t first = news.offsets[begin], count = news.offsets[end] - first;
         std::vector<RootPoint> points(count);
@@ -174,14 +174,35 @@ bool Refinement::surely_misses(std::uint32_t t, const glm::dvec3& middle) const 
                *options_.pixel_error;
 }
 
+// What the triangles after the k-th are made of, which lies anywhere in memory.
+void Refinement::fetch_ahead(std::span<const Touched> fresh, std::size_t k) const {
+    constexpr std::size_t triangles_ahead = 12, samples_ahead = 4, line = 64;
+    if (k + triangles_ahead < fresh.size()) {
+        const std::uint32_t t = fresh[k + triangles_ahead].triangle;
+        __builtin_prefetch(&mesh_.triangles()[t]);
+        __builtin_prefetch(&bounds_[t], 1);
+        __builtin_prefetch(&excess_[t], 1);
+    }
+    if (k + samples_ahead < fresh.size())
+        for (const std::uint32_t v :
+             mesh_.triangles()[fresh[k + samples_ahead].triangle].vertices) {
+            const auto* const sample = reinterpret_cast<const char*>(&samples_[v]);
+            __builtin_prefetch(sample);
+            __builtin_prefetch(sample + line);
+        }
+}
+
 // Those that a look shows to be halved get no bound; nor do those that nothing is asked of. Looks
 // take a point of the base each, which costs more than a quick bound and less than a tight one.
-void Refinement::look(std::span<const std::uint32_t> fresh) {
+void Refinement::look(std::span<const Touched> fresh) {
     std::vector<std::uint32_t> unsure;
     std::vector<RootPoint> middles;
-    for (const std::uint32_t t : fresh) {
+    for (std::size_t k = 0; k < fresh.size(); ++k) {
+        fetch_ahead(fresh, k);
+        if (!mesh_.is_there(fresh[k])) continue;
+        const std::uint32_t t = fresh[k].triangle;
         const BisectedTriangle& triangle = mesh_.triangles()[t];
-        bounds_[t].refinable = unknown;
+        bounds_[t] = {unknown, 0};
         if (has_long_edge(t)) {
             excess_[t] = std::numeric_limits<float>::infinity();
         } else if (!(options_.chord_error || options_.pixel_error)) {
@@ -211,13 +232,14 @@ void Refinement::prove(std::uint32_t t, const Asked& asked) {
     excess_[t] = excess(t);
 }
 
-void Refinement::measure(const std::vector<std::uint32_t>& fresh, Effort effort) {
-    bounds_.resize(mesh_.triangles().size());
-    excess_.resize(mesh_.triangles().size());
+void Refinement::measure(std::span<const Touched> fresh, Effort effort) {
+    bounds_.resize_to_fill(mesh_.triangles().size());
+    excess_.resize_to_fill(mesh_.triangles().size());
     parallel_blocks(fresh.size(), block, options_.threads, [&](std::size_t begin, std::size_t end) {
-        const auto part = std::span(fresh).subspan(begin, end - begin);
+        const auto part = fresh.subspan(begin, end - begin);
         if (effort == Effort::looking) return look(part);
-        for (const std::uint32_t t : part) prove(t, {});
+        for (const Touched& touched : part)
+            if (mesh_.is_there(touched)) prove(touched.triangle, {});
     });
 }
 
@@ -265,12 +287,11 @@ bool Refinement::can_be_halved(std::uint32_t t) const {
            step.z > few_steps * size.z;
 }
 
-Result<std::vector<std::uint32_t>> Refinement::take_news() {
-    std::vector<std::uint32_t> fresh = mesh_.touched();
+Result<void> Refinement::take_news() {
     make_new_vertices();
-    if (Result<void> range = check_range(mesh_.news().first); !range) return range.error();
-    mesh_.forget();
-    return fresh;
+    if (Result<void> range = check_range(mesh_.news().first); !range) return range;
+    mesh_.take_touched(fresh_);
+    return {};
 }
 
 // Heights may be beyond floats, or no numbers: refinement would have no end.
@@ -291,35 +312,33 @@ Error Refinement::too_many() const {
             cage_.name.empty() ? "" : "mesh '" + cage_.name + "'"};
 }
 
-Result<void> Refinement::refine_to_error(std::vector<std::uint32_t> fresh) {
-    std::vector<Mark> marks;
-    const auto exceeds = [](const Mark& mark) { return mark.excess > 1; };
+Result<void> Refinement::refine_to_error() {
     for (;;) {
-        marks.resize(fresh.size());
-        parallel_blocks(fresh.size(), block, options_.threads,
-                        [&](std::size_t begin, std::size_t end) {
-                            for (std::size_t k = begin; k < end; ++k) {
-                                const std::uint32_t t = fresh[k];
-                                const float excess = can_be_halved(t) ? excess_[t] : 0.0F;
-                                marks[k] = {t, mesh_.triangles()[t].path, excess};
-                            }
-                        });
-        if (std::none_of(marks.begin(), marks.end(), exceeds)) break;
-        for (const Mark& mark : marks) {
-            if (!exceeds(mark) || mesh_.triangles()[mark.triangle].path != mark.path) continue;
-            mesh_.bisect(mark.triangle);
+        to_halve_.resize_to_fill(fresh_.size());
+        parallel_blocks(
+            fresh_.size(), block, options_.threads, [&](std::size_t begin, std::size_t end) {
+                for (std::size_t k = begin; k < end; ++k) {
+                    const std::uint32_t t = fresh_[k].triangle;
+                    to_halve_[k] = mesh_.is_there(fresh_[k]) && excess_[t] > 1 && can_be_halved(t);
+                }
+            });
+        bool any = false;
+        for (std::size_t k = 0; k < fresh_.size(); ++k) {
+            if (to_halve_[k] == 0 || !mesh_.is_there(fresh_[k])) continue;
+            any = true;
+            mesh_.bisect(fresh_[k].triangle);
             if (mesh_.triangles().size() > options_.triangle_limit) return too_many();
         }
-        auto news = take_news();
-        if (!news) return news.error();
-        fresh = std::move(*news);
-        measure(fresh, Effort::looking);
+        if (!any) break;
+        if (Result<void> news = take_news(); !news) return news;
+        measure(fresh_, Effort::looking);
     }
     // What a look decided, what nothing depended on, and what cannot be halved.
-    fresh.clear();
+    fresh_.clear();
     for (std::uint32_t t = 0; t < bounds_.size(); ++t)
-        if (bounds_[t].refinable == unknown || excess_[t] > 1) fresh.push_back(t);
-    measure(fresh, Effort::proving);
+        if (bounds_[t].refinable == unknown || excess_[t] > 1)
+            fresh_.push_back({mesh_.triangles()[t].path, t});
+    measure(fresh_, Effort::proving);
     return {};
 }
 
@@ -327,9 +346,13 @@ Result<void> Refinement::refine_to_budget() {
     const bool has_goal = options_.chord_error || options_.pixel_error || options_.edge_length;
     const float goal = has_goal ? 1.0F : 0.0F;
     const std::uint64_t most = *options_.max_triangles;
+    struct Mark {
+        Touched touched;
+        float excess;
+    };
     std::vector<Mark> marks;
     const auto worse = [](const Mark& a, const Mark& b) {
-        return a.excess != b.excess ? a.excess > b.excess : a.triangle < b.triangle;
+        return a.excess != b.excess ? a.excess > b.excess : a.touched.triangle < b.touched.triangle;
     };
     // A batch is so small a part of what is left that worst-first would have taken all of it.
     constexpr std::uint64_t part = 16;
@@ -338,7 +361,7 @@ Result<void> Refinement::refine_to_budget() {
         marks.clear();
         for (std::uint32_t t = 0; t < mesh_.triangles().size(); ++t)
             if (excess_[t] > goal && can_be_halved(t))
-                marks.push_back({t, mesh_.triangles()[t].path, excess_[t]});
+                marks.push_back({{mesh_.triangles()[t].path, t}, excess_[t]});
         if (marks.empty()) return {};
         const std::uint64_t left = most - mesh_.triangles().size();
         const auto batch = std::ptrdiff_t(
@@ -347,14 +370,13 @@ Result<void> Refinement::refine_to_budget() {
         std::sort(marks.begin(), marks.begin() + batch, worse);
         marks.resize(std::size_t(batch));
         for (const Mark& mark : marks) {
-            if (mesh_.triangles()[mark.triangle].path != mark.path) continue;
-            full = mesh_.triangles().size() + mesh_.cost(mark.triangle) > most;
+            if (!mesh_.is_there(mark.touched)) continue;
+            full = mesh_.triangles().size() + mesh_.cost(mark.touched.triangle) > most;
             if (full) break;
-            mesh_.bisect(mark.triangle);
+            mesh_.bisect(mark.touched.triangle);
         }
-        const auto news = take_news();
-        if (!news) return news.error();
-        measure(*news, Effort::proving);
+        if (Result<void> news = take_news(); !news) return news;
+        measure(fresh_, Effort::proving);
     }
     return {};
 }
@@ -415,17 +437,17 @@ Result<void> Refinement::run(const std::vector<std::uint8_t>& first_halving) {
             if (first_halving[domain_.triangles[t].root] && mesh_.triangles()[t].depth() == 0)
                 mesh_.bisect(t);
     make_new_vertices();
-    mesh_.forget();
+    mesh_.take_touched(fresh_);
     if (Result<void> range = check_range(0); !range) return range;
     if (options_.pixel_error) {
         if (Result<void> focused = focus_screens(); !focused) return focused;
         if (Result<void> checked = check_pixels(); !checked) return checked;
     }
-    std::vector<std::uint32_t> all(mesh_.triangles().size());
-    std::iota(all.begin(), all.end(), 0U);
-    measure(all, options_.max_triangles ? Effort::proving : Effort::looking);
-    const Result<void> refined =
-        options_.max_triangles ? refine_to_budget() : refine_to_error(std::move(all));
+    fresh_.clear();
+    for (std::uint32_t t = 0; t < mesh_.triangles().size(); ++t)
+        fresh_.push_back({mesh_.triangles()[t].path, t});
+    measure(fresh_, options_.max_triangles ? Effort::proving : Effort::looking);
+    const Result<void> refined = options_.max_triangles ? refine_to_budget() : refine_to_error();
     if (!refined) return refined;
     if (!options_.chord_error && !options_.pixel_error && !options_.edge_length) return {};
     for (std::uint32_t t = 0; t < excess_.size(); ++t) {

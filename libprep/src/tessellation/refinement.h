@@ -1,7 +1,7 @@
 // Halves triangles until what was asked for holds, or a budget is used up.
 //
 // Rounds: the bounds of all new triangles on all threads, then the halvings on one, in the order of
-// BisectionMesh::touched() (for a budget: of excess). So nothing depends on the number of threads.
+// BisectionMesh::Touched (for a budget: of excess). So nothing depends on the number of threads.
 // What an error asks for does not depend on the order either: it is the coarsest mesh of its kind
 // where all triangles comply.
 #pragma once
@@ -35,19 +35,16 @@ class Refinement {
     double proved_pixels(std::uint32_t t) const;
 
   private:
-    struct Mark {
-        std::uint32_t triangle;
-        std::uint64_t path;
-        float excess;
-    };
+    using Touched = BisectionMesh::Touched;
     void make_first_vertices();
     void make_new_vertices();
     // Looking: bounds are left out where something cheaper decides, or nothing depends on them, and
     // are no tighter than a decision takes. Proving: as tight as may be, for comparisons with each
     // other and for what is reported.
     enum class Effort : std::uint8_t { looking, proving };
-    void measure(const std::vector<std::uint32_t>& fresh, Effort effort);
-    void look(std::span<const std::uint32_t> fresh);
+    void measure(std::span<const Touched> fresh, Effort effort);
+    void fetch_ahead(std::span<const Touched> fresh, std::size_t k) const;
+    void look(std::span<const Touched> fresh);
     void prove(std::uint32_t t, const Asked& asked);
     double longest_edge(std::uint32_t t) const;
     bool has_long_edge(std::uint32_t t) const;
@@ -59,8 +56,8 @@ class Refinement {
     Asked asked(const BisectedTriangle& triangle) const;
     std::array<glm::dvec3, 3> corners(const BisectedTriangle& triangle) const;
     bool can_be_halved(std::uint32_t t) const;
-    Result<std::vector<std::uint32_t>> take_news();
-    Result<void> refine_to_error(std::vector<std::uint32_t> fresh);
+    Result<void> take_news();
+    Result<void> refine_to_error();
     Result<void> refine_to_budget();
     Error too_many() const;
     // Of the first triangles. Errors: limit (more screens than can be looked at for every triangle;
@@ -79,6 +76,8 @@ class Refinement {
     VertexSamples samples_;
     LargeVector<TriangleBound> bounds_;
     LargeVector<float> excess_;
+    LargeVector<Touched> fresh_;  // what the last halvings touched
+    LargeVector<std::uint8_t> to_halve_;
     double largest_coordinate_ = 0;
     std::uint64_t unresolved_ = 0, over_budget_ = 0;
 };

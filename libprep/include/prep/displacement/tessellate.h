@@ -47,6 +47,8 @@ class HeightFunction {
         glm::dvec2 gradient{0.0};  // by UV
     };
     virtual Sample at(const glm::dvec2& uv) const = 0;
+    // at(uv).value, the same bits.
+    virtual double value(const glm::dvec2& uv) const { return at(uv).value; }
     // An upper bound, over the triangle `uv`, of |height − the linear function that has `values` at
     // its corners|. May be looser where it does not exceed `enough`.
     virtual double deviation(const std::array<glm::dvec2, 3>& uv,
