@@ -10,10 +10,11 @@ std::array<glm::dvec3, 3> path_weights(std::uint64_t path) {
     constexpr int bits = deepest_bisection / 2;
     constexpr std::uint64_t one = std::uint64_t(1) << bits;
     std::uint64_t a = one << 32, b = one, c = 0;
+    // What a bit chooses is chosen by a mask: no branch could be foreseen.
     for (int bit = int(std::bit_width(path)) - 2; bit >= 0; --bit) {
         const std::uint64_t middle = (a + b) >> 1;
-        const bool second = (path >> bit & 1) != 0;
-        const std::uint64_t from = second ? b : c, to = second ? c : a;
+        const std::uint64_t second = 0 - (path >> bit & 1);
+        const std::uint64_t from = c ^ ((b ^ c) & second), to = a ^ ((a ^ c) & second);
         a = from;
         b = to;
         c = middle;
@@ -137,7 +138,7 @@ void BisectionMesh::open(std::uint32_t t) {
         part.on_border = 1;
         part.next[1] = 3 * parts[(k + 1) % 3] + 2;
         part.next[2] = 3 * parts[(k + 2) % 3] + 1;
-        touched_.push_back({part.path, parts[k]});
+        touched_.push_back(as_it_is(parts[k]));
     }
 }
 
@@ -186,8 +187,8 @@ void BisectionMesh::halve_ring(std::uint32_t h0) {
         second.next[1] = 3 * t + 2;
         (a == start ? near_ : far_).push_back(3 * t + 1);
         (a == start ? far_ : near_).push_back(3 * n + 2);
-        touched_.push_back({first.path, t});
-        touched_.push_back({second.path, n});
+        touched_.push_back(as_it_is(t));
+        touched_.push_back(as_it_is(n));
     }
     link(near_);
     link(far_);

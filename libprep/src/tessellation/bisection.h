@@ -102,11 +102,12 @@ class BisectionMesh {
     // follow each other, so neighbours in order are mostly neighbours in space (numbers are
     // bit-reversed). Some were halved again: those are no longer there.
     struct Touched {
-        std::uint64_t path = 1;
         std::uint32_t triangle = 0;
+        std::int32_t depth = 0;  // what it had: its number becomes its first child's
     };
+    Touched as_it_is(std::uint32_t t) const { return {t, triangles_[t].depth()}; }
     bool is_there(const Touched& touched) const {
-        return triangles_[touched.triangle].path == touched.path;
+        return triangles_[touched.triangle].depth() == touched.depth;
     }
     // Forgets all of that, and puts what was touched in the place of `touched`.
     void take_touched(LargeVector<Touched>& touched);

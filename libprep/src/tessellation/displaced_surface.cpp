@@ -295,7 +295,12 @@ DisplacedSurface::Corners DisplacedSurface::corners(
     c.root = root;
     c.displacement = heights_.of(c.root);
     c.weights = weights;
+    const bool has_vectors = c.displacement && c.displacement->vector;
     const TangentFrames* const frames = heights_.frames(c.root);
+    // No less than the length, without its root.
+    const auto length_above = [](const glm::dvec3& v) {
+        return std::abs(v.x) + std::abs(v.y) + std::abs(v.z);
+    };
     const auto squared = [](const glm::dvec3& v) { return glm::dot(v, v); };
     double gap = 0;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -308,7 +313,7 @@ DisplacedSurface::Corners DisplacedSurface::corners(
             c.raw[k] = heights_.raw(at);
         }
         c.heights[k] = heights_.height(at, c.raw[k], c.points[k].position);
-        c.vectors[k] = heights_.map_vector(at);
+        c.vectors[k] = has_vectors ? heights_.map_vector(at) : glm::dvec3(0.0);
         glm::dvec3 moved = c.vectors[k];
         if (frames) {
             c.frames[k] = heights_.frame(*frames, at, c.points[k].direction);
@@ -318,8 +323,8 @@ DisplacedSurface::Corners DisplacedSurface::corners(
         const glm::dvec3 own = c.points[k].position + c.heights[k] * c.points[k].direction + moved;
         c.moved[k] = own;
         if (k < count) gap = std::max(gap, squared(glm::dvec3(sample.position) - own));
-        c.size = std::max(c.size, glm::length(c.points[k].position) + std::abs(c.heights[k]) +
-                                      glm::length(c.vectors[k]));
+        c.size = std::max(c.size, length_above(c.points[k].position) + std::abs(c.heights[k]) +
+                                      length_above(c.vectors[k]));
     }
     c.gap = std::sqrt(gap);
     double turned = 0;  // of the frames
@@ -374,11 +379,11 @@ double DisplacedSurface::beside_base(const Corners& c, const std::array<glm::dve
 // What the height has in the middle of the edge that would be halved is no more than the bound has
 // for all of the triangle, but for roundings, which the slack is more than.
 std::optional<TriangleBound> DisplacedSurface::quick_bound(const BisectedTriangle& triangle,
+                                                           const std::array<glm::dvec3, 3>& weights,
                                                            const VertexSamples& samples,
                                                            const Asked& asked) const {
     const Displacement* const displacement = heights_.of(triangle.root);
     if (displacement && (displacement->noise || displacement->vector)) return std::nullopt;
-    const std::array<glm::dvec3, 3> weights = path_weights(triangle.path);
     if (displacement && displacement->height) {
         const RootPoint middle{triangle.root, 0.5 * (weights[0] + weights[1])};
         const auto& v = triangle.vertices;

@@ -138,8 +138,9 @@ class DisplacedSurface {
                         const Asked& asked) const;
     // The same where little time decides what is asked, else nothing: without the base's tight
     // bound, noise and vectors. Infinite where a height alone is hopeless. Of triangles without
-    // shared vertices.
+    // shared vertices; `weights`: path_weights().
     std::optional<TriangleBound> quick_bound(const BisectedTriangle& triangle,
+                                             const std::array<glm::dvec3, 3>& weights,
                                              const VertexSamples& samples,
                                              const Asked& asked) const;
 

@@ -25,7 +25,7 @@ struct Side {
 
 struct Sides {
     std::vector<Side> sides;                       // by vertex
-    std::vector<Index> of_corner;                  // per corner
+    ScratchBuffer<Index> of_corner;                // per corner
     std::vector<std::pair<Index, Index>> several;  // first and last side + 1 of other vertices
 };
 
@@ -67,10 +67,8 @@ Sides find_sides(const BisectionMesh& mesh, const Domain& domain, int threads) {
                      [&](const Side& a, const Side& b) { return key(a) < key(b); });
     Sides result;
     result.sides.reserve(mesh.vertex_count() + others.size());
-    std::vector<Index> side_of;
-    parallel_both(
-        threads, [&] { size_to_fill(result.of_corner, 3 * triangles.size()); },
-        [&] { size_to_fill(side_of, mesh.vertex_count()); });
+    result.of_corner = ScratchBuffer<Index>(3 * triangles.size());
+    ScratchBuffer<Index> side_of(mesh.vertex_count());
     std::size_t next = 0;
     for (Index v = 0; v < mesh.vertex_count(); ++v) {
         side_of[v] = Index(result.sides.size());
@@ -205,8 +203,8 @@ class Output {
     void vertices() {
         const auto& sides = sides_.sides;
         Mesh& mesh = out_.mesh;
-        std::vector<Index> vertex_of_side, first_side;
-        size_to_fill(vertex_of_side, sides.size());
+        ScratchBuffer<Index> vertex_of_side(sides.size());
+        std::vector<Index> first_side;
         first_side.reserve(refinement_.mesh().vertex_count());
         for (Index s = 0; s < sides.size(); ++s) {
             if (s == 0 || sides[s - 1].vertex != sides[s].vertex || is_separate(sides[s]))
@@ -328,8 +326,7 @@ class Output {
     template <class T, class ValuesOf>
     void fill(const Shared<T>& shared, CornerLayer<T>& layer, const ValuesOf& values_of) const {
         const auto& sides = sides_.sides;
-        std::vector<Index> value;  // by side
-        size_to_fill(value, sides.size());
+        ScratchBuffer<Index> value(sides.size());  // by side
         Index next = 0, s = 0;
         std::size_t at = 0;
         const auto alone_until = [&](Index end) {
@@ -365,7 +362,7 @@ class Output {
     // A side of a vertex that has no other.
     bool is_alone(Index s) const { return sides_.sides[s].corner == no_index; }
 
-    void spread(const std::vector<Index>& value_of_side, std::vector<Index>& indices) const {
+    void spread(std::span<const Index> value_of_side, std::vector<Index>& indices) const {
         parallel_blocks(indices.size(), triangles_at_once, threads_,
                         [&](std::size_t begin, std::size_t end) {
                             for (std::size_t c = begin; c < end; ++c)

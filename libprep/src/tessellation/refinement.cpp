@@ -209,12 +209,16 @@ void Refinement::look(std::span<const Touched> fresh) {
             excess_[t] = 0;
         } else if (is_shared(triangle) || triangle.is_closed()) {
             prove(t, asked(triangle));
-        } else if (const auto quick = surface_.quick_bound(triangle, samples_, asked(triangle))) {
-            bounds_[t] = *quick;
-            excess_[t] = excess(t);
         } else {
-            unsure.push_back(t);
-            middles.push_back(BisectionMesh::HalvedEdge{triangle.path, triangle.root}.middle());
+            const std::array<glm::dvec3, 3> weights = path_weights(triangle.path);
+            if (const auto quick =
+                    surface_.quick_bound(triangle, weights, samples_, asked(triangle))) {
+                bounds_[t] = *quick;
+                excess_[t] = excess(t);
+            } else {
+                unsure.push_back(t);
+                middles.push_back({triangle.root, 0.5 * (weights[0] + weights[1])});
+            }
         }
     }
     std::vector<glm::dvec3> truths(middles.size());
@@ -336,8 +340,7 @@ Result<void> Refinement::refine_to_error() {
     // What a look decided, what nothing depended on, and what cannot be halved.
     fresh_.clear();
     for (std::uint32_t t = 0; t < bounds_.size(); ++t)
-        if (bounds_[t].refinable == unknown || excess_[t] > 1)
-            fresh_.push_back({mesh_.triangles()[t].path, t});
+        if (bounds_[t].refinable == unknown || excess_[t] > 1) fresh_.push_back(mesh_.as_it_is(t));
     measure(fresh_, Effort::proving);
     return {};
 }
@@ -361,7 +364,7 @@ Result<void> Refinement::refine_to_budget() {
         marks.clear();
         for (std::uint32_t t = 0; t < mesh_.triangles().size(); ++t)
             if (excess_[t] > goal && can_be_halved(t))
-                marks.push_back({{mesh_.triangles()[t].path, t}, excess_[t]});
+                marks.push_back({mesh_.as_it_is(t), excess_[t]});
         if (marks.empty()) return {};
         const std::uint64_t left = most - mesh_.triangles().size();
         const auto batch = std::ptrdiff_t(
@@ -445,7 +448,7 @@ Result<void> Refinement::run(const std::vector<std::uint8_t>& first_halving) {
     }
     fresh_.clear();
     for (std::uint32_t t = 0; t < mesh_.triangles().size(); ++t)
-        fresh_.push_back({mesh_.triangles()[t].path, t});
+        fresh_.push_back(mesh_.as_it_is(t));
     measure(fresh_, options_.max_triangles ? Effort::proving : Effort::looking);
     const Result<void> refined = options_.max_triangles ? refine_to_budget() : refine_to_error();
     if (!refined) return refined;
