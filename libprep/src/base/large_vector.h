@@ -51,6 +51,13 @@ class LargeVector {
                   alignof(T) <= alignof(std::max_align_t));
 
   public:
+    LargeVector() = default;
+    LargeVector(LargeVector&& other) noexcept { swap(other); }
+    LargeVector& operator=(LargeVector&& other) noexcept {
+        swap(other);
+        return *this;
+    }
+
     std::size_t size() const { return size_; }
     bool empty() const { return size_ == 0; }
     T* data() { return reinterpret_cast<T*>(bytes_.data()); }
@@ -87,6 +94,11 @@ class LargeVector {
     }
 
   private:
+    void swap(LargeVector& other) noexcept {
+        std::swap(bytes_, other.bytes_);
+        std::swap(size_, other.size_);
+    }
+
     LargeBytes bytes_;
     std::size_t size_ = 0;
 };
