@@ -13,6 +13,7 @@
 #include "sheets/figures.h"
 #include "sheets/overlay.h"
 #include "sheets/shot.h"
+#include "sheets/tessellation_errors.h"
 #include "sheets/test_patterns.h"
 
 namespace report {
@@ -90,7 +91,8 @@ class PanelDrawing {
         for (const auto step : steps)
             if (std::optional<prep::Error> error = (this->*step)()) return *std::move(error);
         if (subdivided()) {
-            for (const auto step : {&PanelDrawing::cages, &PanelDrawing::curvature})
+            for (const auto step :
+                 {&PanelDrawing::cages, &PanelDrawing::curvature, &PanelDrawing::errors})
                 if (std::optional<prep::Error> error = (this->*step)()) return *std::move(error);
         }
         return std::move(out_);
@@ -494,6 +496,29 @@ class PanelDrawing {
         return {};
     }
 
+    // The last: triangles are apart from then on.
+    Step errors() {
+        if (std::all_of(scene_.tessellation_errors.begin(), scene_.tessellation_errors.end(),
+                        [](const std::vector<float>& errors) { return errors.empty(); }))
+            return {};
+        const ErrorColors found = color_by_errors(scene_);
+        dress(neutral(0.9f, 0.0f), false);
+        Result<Shot> shot = shoot(rast::Shading::phong);
+        if (!shot) return shot.error();
+        const std::string caption =
+            found.asked
+                ? fmt::format("What is proved of each triangle: {} of {} miss what was asked",
+                              with_commas(found.missed), with_commas(found.triangles))
+                : fmt::format("What is proved of each of {} triangles, beside the largest",
+                              with_commas(found.triangles));
+        Panel& panel = add("tessellation-error", "Tessellation error", caption,
+                           "the error proved of each triangle as colours: the darker, the larger");
+        panel.picture = shot->image;
+        panel.legend = {{rgb(0xe2e2e2), "none"}, {rgb(0x2e6fc9), found.asked ? "asked" : "most"}};
+        if (found.missed > 0) panel.legend.push_back({rgb(0xc0392b), "above"});
+        return {};
+    }
+
     Step materials() {
         scene_.scene.materials = materials_;
         for (std::size_t m = 0; m < scene_.meshes.size(); ++m)
@@ -546,6 +571,9 @@ Subject mesh_subject(const prep::PreparedScene& prepared, std::uint32_t mesh) {
     out.subdivided = of_mesh(prepared.subdivided);
     out.normals_made = of_mesh(prepared.normals_made);
     if (mesh < prepared.cages.size()) out.cages = {prepared.cages[mesh]};
+    if (mesh < prepared.tessellated.size()) out.tessellated = {prepared.tessellated[mesh]};
+    if (mesh < prepared.tessellation_errors.size())
+        out.tessellation_errors = {prepared.tessellation_errors[mesh]};
     prep::Node node;
     node.mesh = 0;
     const std::vector<glm::dmat4> world = prep::world_transforms(scene);

@@ -73,8 +73,10 @@ struct PreparedScene {
     std::vector<bool> subdivided;  // by mesh: refined, so that no vertex is the file's own
     std::vector<std::optional<TessellationCertificate>> tessellated;  // by mesh
     std::vector<ResidualMap> residual_maps;                           // by material, ascending
-    std::vector<Mesh> cages;         // by mesh: what was refined, where keep_cages asks for it
-    std::vector<bool> normals_made;  // by mesh: none of its normals is the file's
+    std::vector<Mesh> cages;  // by mesh: what was refined, where keep_cages asks for it
+    // By mesh what is proved of each face (TessellatedMesh::errors), where keep_cages asks for it.
+    std::vector<std::vector<float>> tessellation_errors;
+    std::vector<bool> normals_made;                  // by mesh: none of its normals is the file's
     std::vector<std::optional<OrderChange>> orders;  // by mesh: its triangles are in another order
     std::vector<StageReport> stages;
     std::vector<Finding> findings;

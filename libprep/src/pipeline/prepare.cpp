@@ -148,6 +148,8 @@ Result<PreparedScene> prepare(Scene scene, const PrepareOptions& options) {
     out.tessellated.resize(out.scene.meshes.size());
     if ((options.subdivide || options.tessellate) && options.keep_cages)
         out.cages.resize(out.scene.meshes.size());
+    if (options.tessellate && options.keep_cages)
+        out.tessellation_errors.resize(out.scene.meshes.size());
     out.normals_made.resize(out.scene.meshes.size());
     out.orders.resize(out.scene.meshes.size());
 

@@ -125,6 +125,7 @@ Result<void> MeshPreparation::tessellate_mesh() {
     options.subdivision = options_.subdivision;
     options.hard_edges = options_.hard_edges;
     options.threads = options_.threads;
+    options.keep_errors = options_.keep_cages;
     if (options.pixel_error) {
         auto screens = screens_of(out_.scene, index_, instances_, options.screens);
         if (!screens) return std::move(screens).error();
@@ -180,6 +181,7 @@ Result<void> MeshPreparation::tessellate_mesh() {
         "lines and points do not go through tessellation", PlaceKind::vertex);
     report_certificate(made->certificate, baking_ ? baking_->options : options);
     take_surface(std::move(made->mesh));
+    if (options_.keep_cages) out_.tessellation_errors[index_] = std::move(made->errors);
     out_.tessellated[index_] = made->certificate;
     return {};
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/finite.h"
+#include "base/outward.h"
 #include "base/parallel.h"
 #include "tessellation/limit_base.h"
 #include "tessellation/polygon_surface.h"
@@ -165,6 +166,11 @@ Result<TessellatedMesh> tessellate(const Mesh& cage, const Domain& domain, const
     if (Result<void> refined = refinement.run(first_halving); !refined) return refined.error();
     TessellatedMesh out = output_mesh(cage, domain, surface, refinement, hooks, options.threads);
     certify(options, domain, refinement, out.certificate);
+    if (options.keep_errors) {
+        out.errors.reserve(refinement.bounds().size());
+        for (const TriangleBound& bound : refinement.bounds())
+            out.errors.push_back(float_not_below(bound.sum()));
+    }
     out.certificate.samples = out.certificate.triangles == 0 ? 0 : options.samples;
     out.certificate.measured = measured_error(surface, refinement.mesh(), refinement.samples(),
                                               options.samples, options.threads);

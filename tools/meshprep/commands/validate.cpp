@@ -23,6 +23,7 @@
 #include "sheets/figures.h"
 #include "sheets/page.h"
 #include "sheets/panels.h"
+#include "sheets/tessellation_errors.h"
 
 namespace meshprep {
 namespace {
@@ -308,6 +309,9 @@ class Validator {
         for (const prep::MeshRequirements& need : called_for)
             if (need.tangents.needed) reason = "yes";
         sheet.groups = report::make_figures(subject.scene, summaries, reason);
+        report::FigureGroup tessellation =
+            report::tessellation_group(subject.scene, command_.common.threads);
+        if (!tessellation.figures.empty()) sheet.groups.push_back(std::move(tessellation));
 
         report::PanelOptions options;
         options.size = command_.panel;

@@ -143,6 +143,7 @@ struct TessellateOptions {
     std::optional<std::uint64_t> max_triangles;
     std::vector<ScreenMetric> screens;  // read with pixel_error: one or more
 
+    bool keep_errors = false;       // TessellatedMesh::errors
     HardEdgeOptions hard_edges;     // of polygons without normals of their own
     std::uint64_t samples = 20000;  // at which the error is measured; 0: it is not
     // More is an error; 2²⁶ take 14 GB.
@@ -177,6 +178,9 @@ struct TessellatedMesh {
     Mesh mesh;  // triangles; normals of the displaced surface, UV sets, colours, groups
     std::vector<std::uint32_t> cage_faces;     // per triangle
     std::vector<std::uint32_t> cage_vertices;  // per vertex: the cage's, or no_index
+    // Per triangle what is proved of it, of which certificate.proved is the largest, rounded up to
+    // floats; empty unless keep_errors asks for it.
+    std::vector<float> errors;
     TessellationCertificate certificate;
     std::uint64_t holes = 0;  // cage faces that are left out
     // Sets that do not cover every corner.
