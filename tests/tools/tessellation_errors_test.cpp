@@ -76,23 +76,6 @@ TEST(TessellationErrors, OfEachTriangleAreNotBelowWhatItIsOff) {
     EXPECT_LT(least, most) << "triangles differ";
 }
 
-// What seams and floats take is a part of them: far from the origin the rounding of positions, of
-// whose steps there a flat square has half.
-TEST(TessellationErrors, HoldWhatRoundingTakes) {
-    prep::Mesh mesh = square();
-    for (glm::vec3& p : mesh.positions) p += glm::vec3(1 << 20);
-    prep::TessellateOptions options;
-    options.displacements = {{.height = std::make_shared<Bent>()}};
-    options.max_triangles = 64;
-    options.keep_errors = true;
-    const auto made = prep::tessellate(mesh, options);
-    ASSERT_TRUE(made);
-    ASSERT_GT(made->certificate.largest_shared_gap, 1e-3);
-    EXPECT_GE(double(*std::max_element(made->errors.begin(), made->errors.end())),
-              made->certificate.proved);
-    EXPECT_GT(made->certificate.proved, 1.0001 * made->certificate.proved_refinable);
-}
-
 TEST(TessellationErrors, AreKeptWithTheCages) {
     for (const bool keep : {false, true}) {
         prep::Scene scene;
