@@ -76,23 +76,29 @@ TEST(TessellationErrors, OfEachTriangleAreNotBelowWhatItIsOff) {
     EXPECT_LT(least, most) << "triangles differ";
 }
 
+prep::PrepareOptions options_of(bool tessellate, bool keep_cages) {
+    prep::PrepareOptions options;
+    options.tessellate = tessellate;
+    options.tessellation.edge_length = 0.3;
+    options.keep_cages = keep_cages;
+    return options;
+}
+
+prep::PreparedScene prepared_square(const prep::PrepareOptions& options) {
+    prep::Scene scene;
+    scene.meshes = {square()};
+    scene.nodes.resize(1);
+    scene.nodes[0].mesh = 0;
+    auto prepared = prep::prepare(std::move(scene), options);
+    EXPECT_TRUE(prepared);
+    return *std::move(prepared);
+}
+
 TEST(TessellationErrors, AreKeptWithTheCages) {
-    for (const bool keep : {false, true}) {
-        prep::Scene scene;
-        scene.meshes = {square()};
-        prep::PrepareOptions options;
-        options.tessellate = true;
-        options.tessellation.edge_length = 0.3;
-        options.keep_cages = keep;
-        const auto prepared = prep::prepare(std::move(scene), options);
-        ASSERT_TRUE(prepared);
-        if (!keep) {
-            EXPECT_TRUE(prepared->tessellation_errors.empty());
-            continue;
-        }
-        ASSERT_EQ(prepared->tessellation_errors.size(), 1U);
-        EXPECT_EQ(prepared->tessellation_errors[0].size(), prepared->scene.meshes[0].face_count());
-    }
+    EXPECT_TRUE(prepared_square(options_of(true, false)).tessellation_errors.empty());
+    const prep::PreparedScene kept = prepared_square(options_of(true, true));
+    ASSERT_EQ(kept.tessellation_errors.size(), 1U);
+    EXPECT_EQ(kept.tessellation_errors[0].size(), kept.scene.meshes[0].face_count());
 }
 
 // Four triangles of two materials, whose ranges put them in another order than the faces'.
@@ -196,21 +202,13 @@ TEST(TessellationErrors, FiguresAreThoseOfTheCertificate) {
 
 TEST(TessellationErrors, HaveAPanelOfTessellatedMeshesAlone) {
     for (const bool tessellate : {false, true}) {
-        prep::Scene scene;
-        scene.meshes = {square()};
-        scene.nodes.resize(1);
-        scene.nodes[0].mesh = 0;
-        prep::PrepareOptions prepare;
-        prepare.tessellate = tessellate;
-        prepare.tessellation.edge_length = 0.3;
-        prepare.keep_cages = true;
-        const auto prepared = prep::prepare(std::move(scene), prepare);
-        ASSERT_TRUE(prepared);
+        const prep::PrepareOptions prepare = options_of(tessellate, true);
+        const prep::PreparedScene prepared = prepared_square(prepare);
         report::PanelOptions options;
         options.size = 64;
         options.prepare = prepare;
         for (const report::Subject& subject :
-             {report::whole_subject(*prepared, "it"), report::mesh_subject(*prepared, 0)}) {
+             {report::whole_subject(prepared, "it"), report::mesh_subject(prepared, 0)}) {
             const auto set = report::make_panels(subject, options);
             ASSERT_TRUE(set);
             const auto there = std::find_if(

@@ -80,7 +80,7 @@ struct PrepareOptions {
     SubdivideOptions subdivision;
     bool recover_quads = false;      // first: quads from pairs of triangles, where only one fits
     bool crease_hard_edges = false;  // edges that `hard_edges` calls hard are infinitely sharp
-    bool keep_cages = false;  // PreparedScene::cages: the meshes that were refined; and errors
+    bool keep_cages = false;         // PreparedScene::cages and tessellation_errors
     // Triangles as fine as `tessellation` asks take the place of meshes: of the cage's limit
     // surface where `subdivide` says so (its level is not read), else of the polygons. The scheme,
     // the displacements, the hard edges and the threads that it reads are those given here; where

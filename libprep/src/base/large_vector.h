@@ -7,7 +7,6 @@
 #include <cstddef>
 #include <cstdlib>
 #include <new>
-#include <span>
 #include <type_traits>
 #include <utility>
 

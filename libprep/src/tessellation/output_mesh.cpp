@@ -27,6 +27,7 @@ struct Sides {
     std::vector<Side> sides;                       // by vertex
     ScratchBuffer<Index> of_corner;                // per corner
     std::vector<std::pair<Index, Index>> several;  // first and last side + 1 of other vertices
+    std::vector<Index> of_several;                 // their sides, one vertex after the other
 };
 
 // Sizes a vector whose elements are then set on all threads.
@@ -83,6 +84,7 @@ Sides find_sides(const BisectionMesh& mesh, const Domain& domain, int threads) {
         }
         if (result.sides.size() > side_of[v])
             result.several.emplace_back(side_of[v], Index(result.sides.size()));
+        for (Index s = side_of[v]; s < result.sides.size(); ++s) result.of_several.push_back(s);
     }
     for_corners([&](Index t, Index k, Index v) {
         if (mesh.only_edge(v)) result.of_corner[3 * t + k] = side_of[v];
@@ -260,9 +262,7 @@ class Output {
     // One a vertex and side of a hard edge: sides that the base shades alike have one normal.
     void normals() {
         const auto& sides = sides_.sides;
-        std::vector<Index> several;
-        for (const auto& [first, last] : sides_.several)
-            for (Index s = first; s < last; ++s) several.push_back(s);
+        const std::vector<Index>& several = sides_.of_several;
         std::vector<glm::dvec3> shading(several.size()), displaced(several.size());
         const auto frames_of = [&](std::size_t count, const auto& side, const auto& take) {
             std::vector<RootPoint> points(count);
@@ -395,6 +395,12 @@ class Output {
             return T(w.x * at(root.corners[0]) + w.y * at(root.corners[1]) +
                      w.z * centres[root.fan]);
         };
+        const std::vector<Index>& several = sides_.of_several;
+        std::vector<T> values(several.size());
+        parallel_blocks(several.size(), 1024, threads_, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t k = begin; k < end; ++k)
+                values[k] = value_of(sides_.sides[several[k]]);
+        });
         Shared<T> shared;
         for (const auto& [first, last] : sides_.several) {
             constexpr Index few = 32;  // comparisons take less than a table
@@ -402,7 +408,7 @@ class Output {
             const auto none = [&] { return Index(shared.values.size() - before); };
             std::unordered_map<Bits<T>, Index, BitsHash<T>> known;
             for (Index s = first; s < last; ++s) {
-                const T value = value_of(sides_.sides[s]);
+                const T value = values[shared.of_side.size()];
                 Index found = none();
                 if (last - first <= few) {
                     for (Index k = 0; k < found; ++k)
