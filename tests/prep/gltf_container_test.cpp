@@ -390,11 +390,12 @@ TEST(BinaryParts, AreInOrderHoweverTheyCame) {
         binary.append(bytes(5));
         return bytes(70000);
     }();
-    binary.lend(lent);
-    binary.lend({});
+    binary.take(prep::detail::SharedBytes::lent(lent));
+    binary.take({});
     binary.append(bytes(65535));
     binary.append(bytes(2));
-    binary.take(bytes(9));
+    binary.take(bytes(9));  // small: copied behind the others
+    binary.take(bytes(65536));
     binary.append(bytes(1));
     EXPECT_EQ(binary.size(), expected.size());
     EXPECT_TRUE(binary.joined() == expected);

@@ -9,7 +9,7 @@
 #include <cstring>
 
 #include "base/atomic_files.h"
-#include "base/read_open_file.h"
+#include "base/read_file.h"
 
 namespace prep {
 namespace {
@@ -18,9 +18,8 @@ std::string reason() {
     return std::strerror(errno);
 }
 
-}  // namespace
-
-Result<std::vector<std::byte>> detail::read_open_file(int fd, const std::filesystem::path& path) {
+template <class Bytes>
+Result<Bytes> read_all(int fd, const std::filesystem::path& path) {
     struct stat info {};
     if (::fstat(fd, &info) != 0)
         return Error{ErrorCode::io, "cannot read the file: " + reason(), path.string()};
@@ -29,7 +28,7 @@ Result<std::vector<std::byte>> detail::read_open_file(int fd, const std::filesys
     constexpr off_t limit = off_t(1) << 40;
     if (info.st_size > limit)
         return Error{ErrorCode::limit, "the file is larger than 1 TiB", path.string()};
-    std::vector<std::byte> bytes(std::size_t(info.st_size));
+    Bytes bytes(std::size_t(info.st_size));
     std::size_t have = 0;
     // Pipes and devices say size 0: read until the end either way.
     for (;;) {
@@ -59,6 +58,21 @@ Result<std::vector<std::byte>> detail::read_open_file(int fd, const std::filesys
     return bytes;
 }
 
+template <class Bytes>
+Result<Bytes> read_named(const std::filesystem::path& path) {
+    const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+    if (fd < 0) return Error{ErrorCode::io, "cannot open the file: " + reason(), path.string()};
+    auto bytes = read_all<Bytes>(fd, path);
+    ::close(fd);
+    return bytes;
+}
+
+}  // namespace
+
+Result<std::vector<std::byte>> detail::read_open_file(int fd, const std::filesystem::path& path) {
+    return read_all<std::vector<std::byte>>(fd, path);
+}
+
 Result<std::vector<std::byte>> detail::read_regular_file(const std::filesystem::path& path) {
     std::error_code ec;
     const auto status = std::filesystem::status(path, ec);
@@ -68,11 +82,11 @@ Result<std::vector<std::byte>> detail::read_regular_file(const std::filesystem::
 }
 
 Result<std::vector<std::byte>> read_file(const std::filesystem::path& path) {
-    const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-    if (fd < 0) return Error{ErrorCode::io, "cannot open the file: " + reason(), path.string()};
-    auto bytes = detail::read_open_file(fd, path);
-    ::close(fd);
-    return bytes;
+    return read_named<std::vector<std::byte>>(path);
+}
+
+Result<detail::FileBytes> detail::read_file_bytes(const std::filesystem::path& path) {
+    return read_named<FileBytes>(path);
 }
 
 Result<void> write_file(const std::filesystem::path& path, std::span<const std::byte> bytes) {

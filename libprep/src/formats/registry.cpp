@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 
+#include "base/read_file.h"
 #include "formats/foreign_files.h"
 #include "formats/gltf/gltf.h"
 #include "formats/obj/obj.h"
@@ -20,13 +21,13 @@ namespace {
 // For parsers of a file's bytes, which say its name in their messages.
 template <Result<Scene> (*parse)(std::span<const std::byte>, const std::string&)>
 Result<Scene> load_bytes(const std::filesystem::path& path, const LoadOptions&) {
-    const auto bytes = read_file(path);
+    const auto bytes = read_file_bytes(path);
     if (!bytes) return bytes.error();
     return parse(*bytes, path.filename().string());
 }
 
 Result<Scene> load_polygons(const std::filesystem::path& path, const LoadOptions& options) {
-    const auto bytes = read_file(path);
+    const auto bytes = read_file_bytes(path);
     if (!bytes) return bytes.error();
     PictureSearch pictures(path.parent_path(), options.texture_directories);
     return parse_ply(*bytes, path.filename().string(), &pictures);

@@ -59,7 +59,7 @@ std::size_t RawAccessor::element_size() const {
 namespace {
 
 struct CompressedView {
-    std::span<const std::byte> bytes;
+    SharedBytes bytes;
     std::uint64_t stride = 0, count = 0;
 };
 
@@ -69,7 +69,7 @@ Result<CompressedView> compressed_view(const GltfDocument& d, const Json& extens
     if (!buffer) return buffer.error();
     if (*buffer == no_index) return d.bad(pointer + "/buffer", "the member is missing");
     if (!d.buffers[*buffer]) return d.buffers[*buffer].error();
-    const std::vector<std::byte>& bytes = *d.buffers[*buffer];
+    const SharedBytes& bytes = *d.buffers[*buffer];
     const auto offset = whole_member(d, extension, "byteOffset", pointer, 0, bytes.size(), 0);
     const auto length = whole_member(d, extension, "byteLength", pointer, 1, bytes.size(), {});
     const auto stride = whole_member(d, extension, "byteStride", pointer, 1, 256, {});
@@ -78,7 +78,7 @@ Result<CompressedView> compressed_view(const GltfDocument& d, const Json& extens
         if (!*r) return r->error();
     if (*offset + *length > bytes.size())
         return d.bad(pointer + "/byteLength", "the view goes beyond its buffer");
-    return CompressedView{std::span(bytes).subspan(*offset, *length), *stride, *count};
+    return CompressedView{bytes.part(*offset, *length), *stride, *count};
 }
 
 Result<std::vector<std::byte>> decompress(const GltfDocument& d, const Json& extension,
@@ -128,11 +128,11 @@ Result<std::vector<std::byte>> decompress(const GltfDocument& d, const Json& ext
 
 using namespace detail;
 
-Result<std::span<const std::byte>> GltfDocument::view(std::size_t index) const {
+Result<SharedBytes> GltfDocument::view(std::size_t index) const {
     const Json& view = json["bufferViews"][index];
     const std::string pointer = "/bufferViews/" + std::to_string(index);
     if (const auto known = decompressed_.find(index); known != decompressed_.end())
-        return std::span<const std::byte>(known->second);
+        return known->second;
     if (const Json* compressed = extension_of(view, "EXT_meshopt_compression")) {
         Result<std::vector<std::byte>> bytes = Error{};
         try {
@@ -141,14 +141,13 @@ Result<std::span<const std::byte>> GltfDocument::view(std::size_t index) const {
             bytes = bad(pointer, e.what());
         }
         if (!bytes) return std::move(bytes).error();
-        return std::span<const std::byte>(
-            decompressed_.emplace(index, *std::move(bytes)).first->second);
+        return decompressed_.emplace(index, *std::move(bytes)).first->second;
     }
     const auto buffer = index_member(*this, view, "buffer", pointer, buffers.size());
     if (!buffer) return buffer.error();
     if (*buffer == no_index) return bad(pointer + "/buffer", "the member is missing");
     if (!buffers[*buffer]) return buffers[*buffer].error();
-    const std::vector<std::byte>& bytes = *buffers[*buffer];
+    const SharedBytes& bytes = *buffers[*buffer];
     const auto offset = whole_member(*this, view, "byteOffset", pointer, 0, bytes.size(), 0);
     if (!offset) return offset.error();
     const auto length = whole_member(*this, view, "byteLength", pointer, 1,
@@ -158,7 +157,7 @@ Result<std::span<const std::byte>> GltfDocument::view(std::size_t index) const {
         return bad(pointer + "/byteLength", "the view ends at byte " +
                                                 std::to_string(*offset + *length) +
                                                 ", its buffer has " + std::to_string(bytes.size()));
-    return std::span<const std::byte>(bytes).subspan(*offset, *length);
+    return bytes.part(*offset, *length);
 }
 
 namespace {
@@ -170,7 +169,7 @@ std::string compressed_pointer(std::size_t index) {
 
 }  // namespace
 
-Result<std::span<const std::byte>> GltfDocument::stored_view(std::size_t index) const {
+Result<SharedBytes> GltfDocument::stored_view(std::size_t index) const {
     const Json& extension = json["bufferViews"][index]["extensions"]["EXT_meshopt_compression"];
     const auto view = compressed_view(*this, extension, compressed_pointer(index));
     if (!view) return view.error();
@@ -189,10 +188,11 @@ struct Layout {
     std::size_t count = 0;
 };
 
-// Copies `count` elements out of a view, or those of them that are asked for.
-Result<void> gather(const GltfDocument& d, std::size_t view_index, const Layout& layout,
-                    const std::string& type, const std::string& pointer,
-                    const std::vector<std::uint32_t>* only, std::vector<std::byte>& out) {
+// `count` elements of a view, or those of them that are asked for: copied where they do not lie one
+// after the other.
+Result<SharedBytes> gather(const GltfDocument& d, std::size_t view_index, const Layout& layout,
+                           const std::string& type, const std::string& pointer,
+                           const std::vector<std::uint32_t>* only) {
     const auto bytes = d.view(view_index);
     if (!bytes) return bytes.error();
     const std::size_t padded = padded_matrix_size(type, layout.component);
@@ -207,12 +207,10 @@ Result<void> gather(const GltfDocument& d, std::size_t view_index, const Layout&
                                   std::to_string(stride) + " do not fit the bufferView of " +
                                   std::to_string(bytes->size()) + " bytes");
     const std::size_t count = only ? only->size() : layout.count;
-    out.resize(count * layout.element);
+    if (!only && stride == layout.element && !padded)
+        return bytes->part(layout.offset, count * layout.element);
+    std::vector<std::byte> out(count * layout.element);
     const std::byte* from = bytes->data() + layout.offset;
-    if (!only && stride == layout.element && !padded) {
-        std::memcpy(out.data(), from, out.size());
-        return {};
-    }
     const std::size_t rows = type == "MAT2" ? 2 : 3, column = rows * layout.component;
     for (std::size_t i = 0; i < count; ++i) {
         const std::byte* const element = from + (only ? (*only)[i] : i) * stride;
@@ -223,7 +221,7 @@ Result<void> gather(const GltfDocument& d, std::size_t view_index, const Layout&
             for (std::size_t c = 0; c < rows; ++c)
                 std::memcpy(to + c * column, element + c * (padded / rows), column);
     }
-    return {};
+    return SharedBytes(std::move(out));
 }
 
 // check_structure() has seen to it that members are there and of their types.
@@ -236,20 +234,20 @@ Result<void> apply_sparse(const GltfDocument& d, const Json& sparse, const std::
                           const std::string& pointer, RawAccessor& raw) {
     const std::size_t count = whole(sparse, "count");
     RawAccessor indices{int(whole(sparse["indices"], "componentType")), 1, false, count, {}};
-    std::vector<std::byte> values;
+    SharedBytes values;
     for (const bool first : {true, false}) {
         const Json& part = sparse[first ? "indices" : "values"];
         const Layout layout{
             whole(part, "byteOffset"), 0, first ? indices.element_size() : raw.element_size(),
             component_size(first ? indices.component_type : raw.component_type), count};
-        if (auto done = gather(d, whole(part, "bufferView"), layout, first ? "SCALAR" : type,
-                               pointer + (first ? "/indices" : "/values"), nullptr,
-                               first ? indices.bytes : values);
-            !done)
-            return done;
+        auto read = gather(d, whole(part, "bufferView"), layout, first ? "SCALAR" : type,
+                           pointer + (first ? "/indices" : "/values"), nullptr);
+        if (!read) return std::move(read).error();
+        (first ? indices.bytes : values) = *std::move(read);
     }
     const std::vector<std::uint32_t> targets = to_indices(indices);
     const std::size_t size = raw.element_size();
+    std::vector<std::byte> changed(raw.bytes.begin(), raw.bytes.end());
     for (std::size_t i = 0; i < targets.size(); ++i) {
         if (targets[i] >= raw.count)
             return d.bad(pointer + "/indices", "index " + std::to_string(targets[i]) +
@@ -259,8 +257,9 @@ Result<void> apply_sparse(const GltfDocument& d, const Json& sparse, const std::
             return d.bad(pointer + "/indices", "the indices must ascend, found " +
                                                    std::to_string(targets[i]) + " after " +
                                                    std::to_string(targets[i - 1]));
-        std::memcpy(raw.bytes.data() + targets[i] * size, values.data() + i * size, size);
+        std::memcpy(changed.data() + targets[i] * size, values.data() + i * size, size);
     }
+    raw.bytes = std::move(changed);
     return {};
 }
 
@@ -280,17 +279,25 @@ Result<RawAccessor> read_accessor(const GltfDocument& d, std::size_t index,
         const Layout layout{whole(accessor, "byteOffset"),
                             whole(d.json["bufferViews"][view], "byteStride"), raw.element_size(),
                             component_size(raw.component_type), raw.count};
-        if (auto done = gather(d, view, layout, type, pointer, only, raw.bytes); !done)
-            return std::move(done).error();
+        auto read = gather(d, view, layout, type, pointer, only);
+        if (!read) return std::move(read).error();
+        raw.bytes = *std::move(read);
         if (only) raw.count = only->size();
     } else {
         if (only) raw.count = only->size();
-        raw.bytes.resize(raw.count * raw.element_size());
+        raw.bytes = std::vector<std::byte>(raw.count * raw.element_size());
     }
     if (const auto it = accessor.find("sparse"); it != accessor.end())
         if (auto done = apply_sparse(d, *it, type, pointer + "/sparse", raw); !done)
             return std::move(done).error();
     return raw;
+}
+
+// 0, 1, 2, …
+bool ascends_by_one(const std::vector<std::uint32_t>& elements) {
+    for (std::size_t i = 0; i < elements.size(); ++i)
+        if (elements[i] != i) return false;
+    return true;
 }
 
 }  // namespace
@@ -301,25 +308,42 @@ Result<RawAccessor> GltfDocument::raw_accessor(std::size_t index) const {
 
 Result<RawAccessor> GltfDocument::raw_elements(std::size_t index,
                                                const std::vector<std::uint32_t>& elements) const {
-    if (!json["accessors"][index].contains("sparse")) return read_accessor(*this, index, &elements);
-    auto all = raw_accessor(index);
-    if (!all) return all;
-    return selected(*all, elements);
+    const Json& accessor = json["accessors"][index];
+    const bool all = elements.size() == whole(accessor, "count") && ascends_by_one(elements);
+    if (all) return raw_accessor(index);
+    if (!accessor.contains("sparse")) return read_accessor(*this, index, &elements);
+    auto whole_one = raw_accessor(index);
+    if (!whole_one) return whole_one;
+    return selected(*whole_one, elements);
 }
 
 namespace detail {
 
 namespace {
 
-template <class T, class Out, class Map>
-void convert(const RawAccessor& raw, std::vector<Out>& out, const Map& map) {
-    const std::size_t n = raw.bytes.size() / sizeof(T);
-    out.resize(n);
-    for (std::size_t i = 0; i < n; ++i) {
-        T value;
-        std::memcpy(&value, raw.bytes.data() + i * sizeof(T), sizeof(T));
-        out[i] = map(value);
-    }
+template <class T>
+T value_at(const RawAccessor& raw, std::size_t i) {
+    T value;
+    std::memcpy(&value, raw.bytes.data() + i * sizeof(T), sizeof(T));
+    return value;
+}
+
+template <class T>
+std::vector<std::uint32_t> indices_of(const RawAccessor& raw) {
+    std::vector<std::uint32_t> out(raw.bytes.size() / sizeof(T));
+    for (std::size_t i = 0; i < out.size(); ++i) out[i] = value_at<T>(raw, i);
+    return out;
+}
+
+template <class T>
+void write_scaled(const RawAccessor& raw, double largest, int width, float* out) {
+    const auto from = std::size_t(raw.width), to = std::size_t(width), both = std::min(from, to);
+    for (std::size_t i = 0; i < raw.count; ++i)
+        for (std::size_t k = 0; k < both; ++k) {
+            const T v = value_at<T>(raw, i * from + k);
+            out[i * to + k] =
+                raw.normalized ? float(std::max(double(v) / largest, -1.0)) : float(v);
+        }
 }
 
 }  // namespace
@@ -327,9 +351,10 @@ void convert(const RawAccessor& raw, std::vector<Out>& out, const Map& map) {
 RawAccessor selected(const RawAccessor& raw, const std::vector<std::uint32_t>& elements) {
     RawAccessor out{raw.component_type, raw.width, raw.normalized, elements.size(), {}};
     const std::size_t size = raw.element_size();
-    out.bytes.resize(elements.size() * size);
+    std::vector<std::byte> bytes(elements.size() * size);
     for (std::size_t i = 0; i < elements.size(); ++i)
-        std::memcpy(out.bytes.data() + i * size, raw.bytes.data() + elements[i] * size, size);
+        std::memcpy(bytes.data() + i * size, raw.bytes.data() + elements[i] * size, size);
+    out.bytes = std::move(bytes);
     return out;
 }
 
@@ -360,54 +385,48 @@ std::optional<std::size_t> set_number(std::string_view semantic, std::string_vie
     return std::size_t(std::stoul(std::string(digits)));
 }
 
-std::vector<float> to_floats(const RawAccessor& raw) {
-    std::vector<float> out;
-    const bool n = raw.normalized;
-    const auto scaled = [n](double largest) {
-        return [n, largest](auto v) {
-            return n ? float(std::max(double(v) / largest, -1.0)) : float(v);
-        };
-    };
+void write_floats(const RawAccessor& raw, int width, float* out) {
     switch (raw.component_type) {
         case 5120:
-            convert<std::int8_t>(raw, out, scaled(127));
-            break;
+            return write_scaled<std::int8_t>(raw, 127, width, out);
         case 5121:
-            convert<std::uint8_t>(raw, out, scaled(255));
-            break;
+            return write_scaled<std::uint8_t>(raw, 255, width, out);
         case 5122:
-            convert<std::int16_t>(raw, out, scaled(32767));
-            break;
+            return write_scaled<std::int16_t>(raw, 32767, width, out);
         case 5123:
-            convert<std::uint16_t>(raw, out, scaled(65535));
-            break;
+            return write_scaled<std::uint16_t>(raw, 65535, width, out);
         case 5125:
-            convert<std::uint32_t>(raw, out, scaled(4294967295.0));
-            break;
+            return write_scaled<std::uint32_t>(raw, 4294967295.0, width, out);
         default:
-            convert<float>(raw, out, [](float v) { return v; });
             break;
     }
+    const auto from = std::size_t(raw.width), to = std::size_t(width), both = std::min(from, to);
+    if (from == to) {
+        if (raw.count > 0) std::memcpy(out, raw.bytes.data(), raw.count * from * sizeof(float));
+        return;
+    }
+    for (std::size_t i = 0; i < raw.count; ++i)
+        std::memcpy(out + i * to, raw.bytes.data() + i * from * sizeof(float),
+                    both * sizeof(float));
+}
+
+std::vector<float> to_floats(const RawAccessor& raw) {
+    std::vector<float> out(raw.count * std::size_t(raw.width));
+    write_floats(raw, raw.width, out.data());
     return out;
 }
 
 std::vector<std::uint32_t> to_indices(const RawAccessor& raw) {
-    std::vector<std::uint32_t> out;
-    const auto same = [](auto v) { return std::uint32_t(v); };
     switch (raw.component_type) {
         case 5121:
-            convert<std::uint8_t>(raw, out, same);
-            break;
+            return indices_of<std::uint8_t>(raw);
         case 5123:
-            convert<std::uint16_t>(raw, out, same);
-            break;
+            return indices_of<std::uint16_t>(raw);
         case 5125:
-            convert<std::uint32_t>(raw, out, same);
-            break;
+            return indices_of<std::uint32_t>(raw);
         default:
-            break;
+            return {};
     }
-    return out;
 }
 
 }  // namespace detail

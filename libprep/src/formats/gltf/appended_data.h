@@ -4,10 +4,12 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <map>
+#include <span>
+#include <utility>
 #include <vector>
 
+#include "base/shared_bytes.h"
 #include "formats/gltf/document.h"
 
 namespace prep::detail {
@@ -16,7 +18,7 @@ class AppendedData {
   public:
     explicit AppendedData(Json& json) : json_(json) {}
 
-    std::size_t add_view(std::vector<std::byte> bytes, int target, std::size_t stride) {
+    std::size_t add_view(SharedBytes bytes, int target, std::size_t stride) {
         Json view{{"buffer", 0u}, {"byteLength", bytes.size()}};
         if (stride) view["byteStride"] = stride;
         if (target) view["target"] = target;
@@ -31,47 +33,47 @@ class AppendedData {
         return list.size() - 1;
     }
 
-    // Vectors of three or four floats.
-    template <class T>
-    std::size_t add_floats(const std::vector<T>& values) {
-        std::vector<std::byte> bytes(values.size() * sizeof(T));
-        std::memcpy(bytes.data(), values.data(), bytes.size());
-        return add_accessor(Json{{"bufferView", add_view(std::move(bytes), 34962, 0)},
+    // Vectors of `width` floats: 3 or 4.
+    std::size_t add_floats(SharedBytes vectors, int width) {
+        const std::size_t count = vectors.size() / (std::size_t(width) * sizeof(float));
+        return add_accessor(Json{{"bufferView", add_view(std::move(vectors), 34962, 0)},
                                  {"componentType", 5126},
-                                 {"count", values.size()},
-                                 {"type", sizeof(T) == 12 ? "VEC3" : "VEC4"}});
+                                 {"count", count},
+                                 {"type", width == 3 ? "VEC3" : "VEC4"}});
+    }
+    template <class T>
+    std::size_t add_floats(std::vector<T> values) {
+        return add_floats(SharedBytes::of(std::move(values)), int(T::length()));
     }
 
-    std::size_t add_indices(const std::vector<std::uint32_t>& indices, std::size_t vertices) {
+    // `kept`: the indices' own bytes, where they are kept anyway.
+    std::size_t add_indices(std::span<const std::uint32_t> indices, std::size_t vertices,
+                            SharedBytes kept = {}) {
         const bool narrow = vertices <= 65535;  // the type's largest value is primitive restart
-        std::vector<std::byte> bytes(indices.size() * (narrow ? 2 : 4));
-        for (std::size_t i = 0; i < indices.size(); ++i) {
-            const std::uint16_t small = std::uint16_t(indices[i]);
-            if (narrow)
-                std::memcpy(bytes.data() + 2 * i, &small, 2);
-            else
-                std::memcpy(bytes.data() + 4 * i, &indices[i], 4);
-        }
-        return add_accessor(Json{{"bufferView", add_view(std::move(bytes), 34963, 0)},
+        if (narrow)
+            kept = SharedBytes::of(std::vector<std::uint16_t>(indices.begin(), indices.end()));
+        else if (kept.empty())
+            kept = SharedBytes::of(std::vector<std::uint32_t>(indices.begin(), indices.end()));
+        return add_accessor(Json{{"bufferView", add_view(std::move(kept), 34963, 0)},
                                  {"componentType", narrow ? 5123 : 5125},
                                  {"count", indices.size()},
                                  {"type", "SCALAR"}});
     }
 
     // The bytes that are stored for a view that is there already.
-    void replace_view(std::size_t view, std::vector<std::byte> bytes) {
+    void replace_view(std::size_t view, SharedBytes bytes) {
         bytes_.insert_or_assign(view, std::move(bytes));
     }
 
     // Null: the view is the file's own.
-    const std::vector<std::byte>* bytes_of(std::size_t view) const {
+    const SharedBytes* bytes_of(std::size_t view) const {
         const auto found = bytes_.find(view);
         return found == bytes_.end() ? nullptr : &found->second;
     }
 
   private:
     Json& json_;
-    std::map<std::size_t, std::vector<std::byte>> bytes_;  // by bufferView
+    std::map<std::size_t, SharedBytes> bytes_;  // by bufferView
 };
 
 }  // namespace prep::detail

@@ -7,35 +7,33 @@
 #include <utility>
 #include <vector>
 
+#include "base/shared_bytes.h"
+
 namespace prep::detail {
 
 class BinaryParts {
   public:
     BinaryParts() = default;
-    explicit BinaryParts(std::vector<std::byte> bytes) { take(std::move(bytes)); }
 
     std::size_t size() const { return size_; }
     bool empty() const { return size_ == 0; }
 
+    // Copies them.
     void append(std::span<const std::byte> bytes) {
-        constexpr std::size_t large = 1 << 16;
         if (bytes.size() >= large) {
-            take({bytes.begin(), bytes.end()});
+            take(SharedBytes(std::vector(bytes.begin(), bytes.end())));
             return;
         }
-        if (pieces_.empty() || pieces_.back().closed) pieces_.emplace_back();
-        std::vector<std::byte>& own = pieces_.back().own;
+        if (pieces_.empty() || !pieces_.back().large.empty()) pieces_.emplace_back();
+        std::vector<std::byte>& own = pieces_.back().small;
         own.insert(own.end(), bytes.begin(), bytes.end());
         size_ += bytes.size();
     }
-    void take(std::vector<std::byte> bytes) {
+    // Large ones stay where they are; what SharedBytes::lent() are must outlive this object.
+    void take(SharedBytes bytes) {
+        if (bytes.size() < large) return append(bytes);
         size_ += bytes.size();
-        pieces_.push_back({std::move(bytes), {}, true});
-    }
-    // The bytes stay where they are, and must outlive this object.
-    void lend(std::span<const std::byte> bytes) {
-        size_ += bytes.size();
-        pieces_.push_back({{}, bytes, true});
+        pieces_.push_back({{}, std::move(bytes)});
     }
     // Zeros up to a multiple of four.
     void pad() {
@@ -47,7 +45,8 @@ class BinaryParts {
     std::vector<std::span<const std::byte>> parts() const {
         std::vector<std::span<const std::byte>> all;
         for (const Piece& piece : pieces_)
-            all.push_back(piece.lent.empty() ? piece.own : piece.lent);
+            all.push_back(piece.large.empty() ? std::span<const std::byte>(piece.small)
+                                              : std::span<const std::byte>(piece.large));
         return all;
     }
     std::vector<std::byte> joined() const {
@@ -58,10 +57,11 @@ class BinaryParts {
     }
 
   private:
+    static constexpr std::size_t large = 1 << 16;
+    // One of both.
     struct Piece {
-        std::vector<std::byte> own;
-        std::span<const std::byte> lent;
-        bool closed = false;  // nothing is added to it
+        std::vector<std::byte> small;  // several, one after the other
+        SharedBytes large;
     };
     std::vector<Piece> pieces_;
     std::size_t size_ = 0;

@@ -36,7 +36,7 @@ class GltfBuffer {
     // The same without a copy: the bytes must outlive the binary part.
     std::size_t lend_view(std::span<const std::byte> bytes, int target) {
         const std::size_t index = push_view(bytes.size(), target, 0);
-        binary_.lend(bytes);
+        binary_.take(SharedBytes::lent(bytes));
         return index;
     }
 

@@ -63,11 +63,11 @@ std::string parser_message(const std::string& text) {
 struct Container {
     bool binary_file = false;
     std::string_view json;
-    std::optional<std::span<const std::byte>> binary;
+    std::optional<SharedBytes> binary;
     bool uneven = false;  // a chunk whose length is not a multiple of 4
 };
 
-Result<Container> open_glb(std::span<const std::byte> bytes, const std::string& name) {
+Result<Container> open_glb(const SharedBytes& bytes, const std::string& name) {
     const auto fail = [&](const std::string& text, std::size_t at) {
         return Error{ErrorCode::syntax, text, name + ", byte " + std::to_string(at)};
     };
@@ -95,7 +95,7 @@ Result<Container> open_glb(std::span<const std::byte> bytes, const std::string& 
             return fail("a chunk of " + std::to_string(size) + " bytes, but only " +
                             std::to_string(length - at - 8) + " are left",
                         at);
-        const std::span<const std::byte> content = bytes.subspan(at + 8, size);
+        const SharedBytes content = bytes.part(at + 8, size);
         if (chunk == 0) {
             if (type != json_type) return fail("the first chunk must be JSON", at);
             container.json = {reinterpret_cast<const char*>(content.data()), content.size()};
@@ -207,8 +207,7 @@ std::vector<std::filesystem::path> files_of_buffers(const GltfDocument& document
 
 namespace {
 
-Result<void> load_buffers(GltfDocument& document,
-                          const std::optional<std::span<const std::byte>>& bin) {
+Result<void> load_buffers(GltfDocument& document, const std::optional<SharedBytes>& bin) {
     const auto list = top_array(document, "buffers");
     if (!list) return list.error();
     for (std::size_t b = 0; b < (*list)->size(); ++b) {
@@ -217,15 +216,19 @@ Result<void> load_buffers(GltfDocument& document,
         const auto length = whole_member(document, buffer, "byteLength", pointer, 1,
                                          std::uint64_t(1) << 40, std::nullopt);
         if (!length) return length.error();
-        Result<std::vector<std::byte>> bytes = std::vector<std::byte>();
+        Result<SharedBytes> bytes = SharedBytes();
         if (buffer.contains("uri")) {
             if (!buffer["uri"].is_string())
                 return Error{ErrorCode::invalid, "expected a string",
                              document.place(pointer + "/uri")};
-            bytes = resolve_uri(document, buffer["uri"].get<std::string>(), pointer + "/uri");
-            if (!bytes && bytes.error().code == ErrorCode::syntax) return std::move(bytes).error();
+            auto found = resolve_uri(document, buffer["uri"].get<std::string>(), pointer + "/uri");
+            if (!found && found.error().code == ErrorCode::syntax) return std::move(found).error();
+            if (found)
+                bytes = SharedBytes(*std::move(found));
+            else
+                bytes = std::move(found).error();
         } else if (b == 0 && bin) {
-            bytes = std::vector<std::byte>(bin->begin(), bin->end());
+            bytes = *bin;
         } else {
             bytes = Error{ErrorCode::invalid,
                           "the buffer has neither a uri nor a BIN chunk to be found in",
@@ -237,7 +240,7 @@ Result<void> load_buffers(GltfDocument& document,
                              std::to_string(bytes->size()) + " bytes",
                          document.place(pointer + "/byteLength")};
         if (bytes) {
-            bytes->resize(*length);
+            bytes = bytes->part(0, *length);
             document.input_bytes += *length;
         }
         document.buffers.push_back(std::move(bytes));
@@ -279,7 +282,7 @@ Result<void> check_version(const GltfDocument& document) {
 
 }  // namespace
 
-Result<GltfDocument> open_gltf(std::span<const std::byte> bytes, const GltfOptions& options) {
+Result<GltfDocument> open_gltf(const SharedBytes& bytes, const GltfOptions& options) {
     GltfDocument document;
     document.name = options.name;
     document.directory = options.directory;

@@ -12,6 +12,7 @@
 #include <string_view>
 #include <vector>
 
+#include "base/shared_bytes.h"
 #include "formats/gltf/gltf.h"
 #include "text/json_pointer.h"
 
@@ -32,7 +33,7 @@ struct RawAccessor {
     int width = 1;  // components to an element
     bool normalized = false;
     std::size_t count = 0;
-    std::vector<std::byte> bytes;
+    SharedBytes bytes;  // where they lie in the document's buffer as they are: that part of it
     std::size_t element_size() const;
 };
 
@@ -65,7 +66,7 @@ class GltfDocument final : public RetainedFile {
     detail::Json json;
     // The bytes of each buffer, cut to its byteLength; or why they are not there, which matters
     // only once something refers to them.
-    std::vector<Result<std::vector<std::byte>>> buffers;
+    std::vector<Result<detail::SharedBytes>> buffers;
     std::uint64_t input_bytes = 0;      // of the file and its buffers
     std::vector<std::string> warnings;  // odd but read
     std::filesystem::path directory;
@@ -82,9 +83,9 @@ class GltfDocument final : public RetainedFile {
     }
 
     // The bytes of a bufferView, decompressed if need be; kept for the next call.
-    Result<std::span<const std::byte>> view(std::size_t index) const;
+    Result<detail::SharedBytes> view(std::size_t index) const;
     // A view as it is stored, by EXT_meshopt_compression; or decompressed, its filter not undone.
-    Result<std::span<const std::byte>> stored_view(std::size_t index) const;
+    Result<detail::SharedBytes> stored_view(std::size_t index) const;
     Result<std::vector<std::byte>> filtered_view(std::size_t index) const;
     // Only after check_structure(). Errors: the data are not there, or cannot be decompressed.
     Result<detail::RawAccessor> raw_accessor(std::size_t index) const;
@@ -94,13 +95,13 @@ class GltfDocument final : public RetainedFile {
                                              const std::vector<std::uint32_t>& elements) const;
 
   private:
-    mutable std::map<std::size_t, std::vector<std::byte>> decompressed_;
+    mutable std::map<std::size_t, detail::SharedBytes> decompressed_;
 };
 
 namespace detail {
 
 // Container, JSON, buffers; the structure below is not looked at yet.
-Result<GltfDocument> open_gltf(std::span<const std::byte> bytes, const GltfOptions& options);
+Result<GltfDocument> open_gltf(const SharedBytes& bytes, const GltfOptions& options);
 
 // The files that the document's buffers lie in.
 std::vector<std::filesystem::path> files_of_buffers(const GltfDocument& document);
@@ -115,6 +116,8 @@ RawAccessor selected(const RawAccessor& raw, const std::vector<std::uint32_t>& e
 
 // An accessor as floats, normalised integers mapped to 0 … 1 or −1 … 1.
 std::vector<float> to_floats(const RawAccessor& raw);
+// The same into elements of `width` floats; components that the accessor lacks stay as they are.
+void write_floats(const RawAccessor& raw, int width, float* out);
 std::vector<std::uint32_t> to_indices(const RawAccessor& raw);
 
 // The document that a scene came from, to be written back; null: it came from none.

@@ -10,15 +10,16 @@ namespace {
 
 template <class T>
 bool fill(const draco::Mesh& mesh, const draco::PointAttribute& attribute, int width,
-          std::vector<std::byte>& out) {
+          SharedBytes& to) {
     std::vector<T> value(std::size_t(width) + 1);
-    out.resize(std::size_t(mesh.num_points()) * std::size_t(width) * sizeof(T));
+    std::vector<std::byte> out(std::size_t(mesh.num_points()) * std::size_t(width) * sizeof(T));
     for (draco::PointIndex p(0); p < mesh.num_points(); ++p) {
         if (!attribute.ConvertValue<T>(attribute.mapped_index(p), int8_t(width), value.data()))
             return false;
         std::memcpy(out.data() + std::size_t(p.value()) * std::size_t(width) * sizeof(T),
                     value.data(), std::size_t(width) * sizeof(T));
     }
+    to = std::move(out);
     return true;
 }
 

@@ -5,12 +5,12 @@
 #include <glm/gtc/quaternion.hpp>
 #include <set>
 
+#include "base/read_file.h"
 #include "formats/gltf/document.h"
 #include "formats/gltf/extensions.h"
 #include "formats/gltf/materials.h"
 #include "formats/gltf/meshes.h"
 #include "formats/gltf/structure.h"
-#include "prep/files.h"
 #include "text/name_list.h"
 
 namespace prep {
@@ -489,7 +489,9 @@ class SceneReader {
 
 }  // namespace
 
-Result<Scene> parse_gltf(std::span<const std::byte> bytes, const GltfOptions& options) {
+namespace {
+
+Result<Scene> parse(const SharedBytes& bytes, const GltfOptions& options) {
     try {
         auto opened = detail::open_gltf(bytes, options);
         if (!opened) return std::move(opened).error();
@@ -502,16 +504,22 @@ Result<Scene> parse_gltf(std::span<const std::byte> bytes, const GltfOptions& op
     }
 }
 
+}  // namespace
+
+Result<Scene> parse_gltf(std::span<const std::byte> bytes, const GltfOptions& options) {
+    return parse(std::vector<std::byte>(bytes.begin(), bytes.end()), options);
+}
+
 Result<Scene> load_gltf(const std::filesystem::path& path, const LoadOptions& load) {
-    const auto bytes = read_file(path);
-    if (!bytes) return bytes.error();
+    auto bytes = detail::read_file_bytes(path);
+    if (!bytes) return std::move(bytes).error();
     GltfOptions options;
     options.allowed_extensions = load.allowed_extensions;
     options.name = path.filename().string();
     // Empty would say that the document did not come from a file.
     options.directory = path.has_parent_path() ? path.parent_path() : ".";
     options.texture_directories = load.texture_directories;
-    auto scene = parse_gltf(*bytes, options);
+    auto scene = parse(SharedBytes::of(*std::move(bytes)), options);
     if (!scene) return scene;
     scene->source = path;
     scene->libraries = detail::files_of_buffers(*gltf_document(*scene));

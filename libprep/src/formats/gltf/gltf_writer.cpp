@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <utility>
-
 #include "base/atomic_files.h"
 #include "formats/gltf/build.h"
 #include "formats/gltf/compression/compress.h"
@@ -81,14 +79,13 @@ Result<Encoded> encode(const PreparedScene& prepared, const SaveOptions& options
         build_gltf(prepared, out.document, buffer, notes);
         note_groups(prepared, "glTF", notes);
         note_unwritten(prepared.scene, notes);
-        out.binary = std::move(buffer.binary());
+        packed.bytes = std::move(buffer.binary());
     }
     plan.draco |= compression == Compression::draco;
     plan.meshopt |= compression == Compression::meshopt;
     out.document["asset"]["generator"] = fmt::format("meshprep {}", version());
     plan.optimized = is_reordered(prepared);
     if (rounds) {
-        if (!out.binary.empty()) packed.bytes = std::exchange(out.binary, {}).joined();
         QuantizationReport unread;
         auto quantized =
             quantize_gltf(out.document, std::move(packed), options.quantization,
@@ -98,12 +95,11 @@ Result<Encoded> encode(const PreparedScene& prepared, const SaveOptions& options
         notes.insert(notes.end(), unread.remarks.begin(), unread.remarks.end());
     }
     if (!plan.nothing()) {
-        if (!out.binary.empty()) packed.bytes = std::exchange(out.binary, {}).joined();
         auto compressed = compress_gltf(out.document, std::move(packed), plan, notes);
         if (!compressed) return std::move(compressed).error();
         packed = *std::move(compressed);
     }
-    if (out.binary.empty()) out.binary.take(std::move(packed.bytes));
+    out.binary = std::move(packed.bytes);
     out.binary.pad();
     out.fallback_bytes = packed.fallback_bytes;
     return out;

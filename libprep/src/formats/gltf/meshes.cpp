@@ -122,7 +122,8 @@ class MeshReader {
             indices = *std::move(read);
         }
         if (auto done = budget_.spend(indices->size() * 16, pointer); !done) return done;
-        for (std::size_t i = 0; i < indices->size(); ++i)
+        const auto largest = std::max_element(indices->begin(), indices->end());
+        for (std::size_t i = 0; largest != indices->end() && *largest >= *count; ++i)
             if ((*indices)[i] >= *count)
                 return d_.bad(pointer + "/indices", "index " + std::to_string((*indices)[i]) +
                                                         " (number " + std::to_string(i) +
@@ -146,7 +147,7 @@ class MeshReader {
             if (auto done = read_targets(in, pointer, out, mesh); !done) return done;
         }
         warn_left_over(mode, indices->size(), pointer);
-        add_elements(mode, *indices, out.first_vertex, mesh);
+        add_elements(mode, *std::move(indices), out.first_vertex, mesh);
         mesh.face_materials.resize(mesh.face_count(), *material);
         if (out.triangles) add_variants(in, mesh);
         mesh.face_parts.resize(mesh.face_count(), Index(part));
@@ -198,11 +199,11 @@ class MeshReader {
                                      std::to_string(*accessor) + " is of another type");
         indices = to_indices(*raw);
         const Index restart = type == 5121 ? 0xff : type == 5123 ? 0xffff : 0xffffffff;
-        for (std::size_t i = 0; i < indices.size(); ++i)
-            if (indices[i] == restart)
-                return d_.bad(
-                    place, "index number " + std::to_string(i) + " is " + std::to_string(restart) +
-                               ", the largest of its type, which means primitive restart");
+        if (const auto found = std::find(indices.begin(), indices.end(), restart);
+            found != indices.end())
+            return d_.bad(place, "index number " + std::to_string(found - indices.begin()) +
+                                     " is " + std::to_string(restart) +
+                                     ", the largest of its type, which means primitive restart");
         return indices;
     }
 
@@ -350,7 +351,24 @@ class MeshReader {
 
     // --- faces, lines and points -------------------------------------------------------------
 
-    static void add_elements(int mode, const std::vector<Index>& indices, Index base, Mesh& mesh) {
+    // Of the first primitive they are the mesh's corners as they are.
+    static void add_triangles(std::vector<Index> indices, Index base, Mesh& mesh) {
+        indices.resize(indices.size() / 3 * 3);
+        std::vector<Index>& corners = mesh.corner_vertices;
+        const std::size_t before = corners.size(), faces = mesh.face_offsets.size();
+        if (before == 0 && base == 0) {
+            corners = std::move(indices);
+        } else {
+            corners.resize(before + indices.size());
+            for (std::size_t i = 0; i < indices.size(); ++i)
+                corners[before + i] = base + indices[i];
+        }
+        mesh.face_offsets.resize(faces + (corners.size() - before) / 3);
+        for (std::size_t f = faces; f < mesh.face_offsets.size(); ++f)
+            mesh.face_offsets[f] = mesh.face_offsets[f - 1] + 3;
+    }
+
+    static void add_elements(int mode, std::vector<Index> indices, Index base, Mesh& mesh) {
         const std::size_t n = indices.size();
         const auto face = [&](Index a, Index b, Index c) {
             for (const Index v : {a, b, c}) mesh.corner_vertices.push_back(base + v);
@@ -377,8 +395,7 @@ class MeshReader {
                 line(0, n, false);
                 break;
             case 4:
-                for (std::size_t i = 0; i + 2 < n; i += 3)
-                    face(indices[i], indices[i + 1], indices[i + 2]);
+                add_triangles(std::move(indices), base, mesh);
                 break;
             case 5:  // the order of the specification: the first vertex stays the provoking one
                 for (std::size_t i = 0; i + 2 < n; ++i)

@@ -124,6 +124,16 @@ std::vector<std::size_t> compact(Json& json, const char* key, bool keep_all,
 
 }  // namespace
 
+bool name_all(std::span<const std::uint32_t> indices, std::size_t count) {
+    if (indices.size() < count) return false;
+    std::vector<std::uint8_t> named(count, 0);
+    for (const std::uint32_t i : indices) {
+        if (i >= count) return false;
+        named[i] = 1;
+    }
+    return std::find(named.begin(), named.end(), 0) == named.end();
+}
+
 std::vector<std::uint32_t> number_anew(std::vector<std::uint32_t>& indices) {
     using Index = std::uint32_t;
     std::vector<Index> used;
@@ -187,7 +197,7 @@ void note_non_finite_data(const GltfDocument& document, Json& json,
 Result<PackedBuffer> pack_buffer(const GltfDocument& document, Json& json,
                                  const AppendedData& appended, std::vector<std::string>& notes) {
     PackedBuffer out;
-    std::vector<std::byte>& binary = out.bytes;
+    BinaryParts& binary = out.bytes;
     bool keep_all = false;
     for (const char* list : {"extensionsUsed", "extensionsRequired"})
         if (Json* names = member(json, list); names && names->is_array())
@@ -199,14 +209,10 @@ Result<PackedBuffer> pack_buffer(const GltfDocument& document, Json& json,
     compact(json, "accessors", keep_all, [&](const Visit& v) { visit_accessors(json, v); });
     const std::vector<std::size_t> views =
         compact(json, "bufferViews", keep_all, [&](const Visit& v) { visit_views(json, v); });
-    std::size_t expected = 0;
-    for (const std::size_t v : views)
-        if (const auto* made = appended.bytes_of(v)) expected += made->size() + 4;
-    binary.reserve(expected);
     for (std::size_t v = 0; v < views.size(); ++v) {
         Json& view = json["bufferViews"][v];
         const bool compressed = extension_of(view, "EXT_meshopt_compression") != nullptr;
-        std::span<const std::byte> bytes;
+        SharedBytes bytes;
         if (const auto* made = appended.bytes_of(views[v])) {
             bytes = *made;
         } else if (compressed) {
@@ -218,7 +224,7 @@ Result<PackedBuffer> pack_buffer(const GltfDocument& document, Json& json,
             if (!read) return read.error();
             bytes = *read;
         }
-        binary.resize((binary.size() + 3) & ~std::size_t(3));
+        binary.pad();
         if (compressed) {
             view["buffer"] = 1u;
             view["byteOffset"] = out.fallback_bytes;
@@ -229,7 +235,7 @@ Result<PackedBuffer> pack_buffer(const GltfDocument& document, Json& json,
         stored["buffer"] = 0u;
         stored["byteOffset"] = binary.size();
         stored["byteLength"] = bytes.size();
-        binary.insert(binary.end(), bytes.begin(), bytes.end());
+        binary.take(std::move(bytes));
     }
     json.erase("buffers");
     return out;

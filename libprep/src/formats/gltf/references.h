@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "formats/gltf/appended_data.h"
+#include "formats/gltf/binary_parts.h"
 #include "formats/gltf/document.h"
 
 namespace prep::detail {
@@ -16,7 +17,7 @@ namespace prep::detail {
 // in it as they are compressed, and stand for parts of a second buffer, of which there is only its
 // length.
 struct PackedBuffer {
-    std::vector<std::byte> bytes;
+    BinaryParts bytes;
     std::uint64_t fallback_bytes = 0;
 };
 
@@ -24,6 +25,9 @@ struct PackedBuffer {
 // references are not known, and renumbers the rest. Errors: those of GltfDocument::view.
 Result<PackedBuffer> pack_buffer(const GltfDocument& document, Json& json,
                                  const AppendedData& appended, std::vector<std::string>& notes);
+
+// Whether the indices name each of 0 … `count` − 1, and nothing else. O(indices).
+bool name_all(std::span<const std::uint32_t> indices, std::size_t count);
 
 // The indices' values, each once and ascending; the indices become places in this list.
 std::vector<std::uint32_t> number_anew(std::vector<std::uint32_t>& indices);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <numeric>
 
 #include "base/finite.h"
 #include "formats/gltf/appended_data.h"
@@ -96,35 +97,82 @@ class Rewriter {
     Result<void> mesh(Index m) {
         const std::vector<GltfPrimitive>& primitives = document_.primitives[m];
         const VertexMesh& mesh = prepared_.meshes[m];
+        positions_finite_ = all_finite(floats_of(mesh.positions));
         for (std::size_t p = 0; p < primitives.size(); ++p) {
             if (!primitives[p].triangles) continue;
-            // Ranges are per part and material; a primitive has one material.
-            std::vector<Index> indices;
-            for (const VertexMesh::Range& range : mesh.ranges)
-                if (range.part == p)
-                    indices.insert(
-                        indices.end(),
-                        mesh.indices.begin() + std::ptrdiff_t(range.first_triangle) * 3,
-                        mesh.indices.begin() +
-                            std::ptrdiff_t(range.first_triangle + range.triangle_count) * 3);
-            if (indices.empty() && is_subdivided(m) && primitives[p].vertex_count > 2)
+            Triangles triangles = triangles_of(mesh, p);
+            if (triangles.indices.empty() && is_subdivided(m) && primitives[p].vertex_count > 2)
                 return Error{ErrorCode::unsupported,
                              "no face of a primitive is left of its subdivision (holes, or a "
                              "boundary rule of none): it cannot be written back; use another "
                              "--subdivide-boundary",
                              document_.place("/meshes/" + std::to_string(m) + "/primitives/" +
                                              std::to_string(p))};
-            if (indices.empty()) continue;
-            if (auto done = primitive(m, p, std::move(indices)); !done) return done;
+            if (triangles.indices.empty()) continue;
+            if (auto done = primitive(m, p, std::move(triangles)); !done) return done;
         }
         return {};
     }
 
-    Result<void> primitive(Index m, std::size_t p, std::vector<Index> indices) {
+    // Of a primitive, by the numbers of the mesh's vertices: the mesh's own, where they stand there
+    // one after the other.
+    struct Triangles {
+        std::vector<Index> own;
+        std::span<const Index> indices;
+        SharedBytes bytes() && {
+            return own.empty() ? SharedBytes::lent(std::as_bytes(indices))
+                               : SharedBytes::of(std::move(own));
+        }
+    };
+    // Ranges are per part and material; a primitive has one material.
+    static Triangles triangles_of(const VertexMesh& mesh, std::size_t part) {
+        Triangles all;
+        for (const VertexMesh::Range& range : mesh.ranges) {
+            if (range.part != part || range.triangle_count == 0) continue;
+            const auto some = std::span(mesh.indices)
+                                  .subspan(3 * std::size_t(range.first_triangle),
+                                           3 * std::size_t(range.triangle_count));
+            if (all.indices.empty()) {
+                all.indices = some;
+                continue;
+            }
+            if (all.own.empty()) all.own.assign(all.indices.begin(), all.indices.end());
+            all.own.insert(all.own.end(), some.begin(), some.end());
+            all.indices = all.own;
+        }
+        return all;
+    }
+
+    // The vertices that triangles use, ascending: the triangles' indices become places in the list.
+    struct UsedVertices {
+        std::vector<Index> list;
+        bool all = false;  // of the mesh
+    };
+    static UsedVertices number_used(const VertexMesh& mesh, Triangles& triangles) {
+        UsedVertices used;
+        used.all = name_all(triangles.indices, mesh.positions.size());
+        if (used.all) {
+            used.list.resize(mesh.positions.size());
+            std::iota(used.list.begin(), used.list.end(), Index(0));
+            return used;
+        }
+        if (triangles.own.empty())
+            triangles.own.assign(triangles.indices.begin(), triangles.indices.end());
+        used.list = number_anew(triangles.own);
+        triangles.indices = triangles.own;
+        return used;
+    }
+
+    Result<void> primitive(Index m, std::size_t p, Triangles triangles) {
         const GltfPrimitive& source = document_.primitives[m][p];
         const VertexMesh& mesh = prepared_.meshes[m];
-        dropped_triangles_ += drop_non_finite(mesh.positions, indices);
-        if (indices.empty()) {
+        if (!positions_finite_) {
+            if (triangles.own.empty())
+                triangles.own.assign(triangles.indices.begin(), triangles.indices.end());
+            dropped_triangles_ += drop_non_finite(mesh.positions, triangles.own);
+            triangles.indices = triangles.own;
+        }
+        if (triangles.indices.empty()) {
             if (!source.draco.empty())
                 return Error{ErrorCode::unsupported,
                              "a compressed primitive without a triangle of finite positions cannot "
@@ -134,14 +182,17 @@ class Rewriter {
             note_once("primitives without a triangle of finite positions were left as they are");
             return {};
         }
-        const std::vector<Index> used = number_anew(indices);
+        const UsedVertices used = number_used(mesh, triangles);
+        const std::span<const Index> indices = triangles.indices;
         if (is_subdivided(m)) {
-            refined(m, p, used, indices);
+            refined(m, p, used.list, indices);
             return {};
         }
         const Mesh& faces = prepared_.scene.meshes[m];
         Elements elements;
-        for (const Index i : used) {
+        elements.of_vertices.reserve(used.list.size());
+        if (!faces.corner_file_vertices.empty()) elements.of_corners.reserve(used.list.size());
+        for (const Index i : used.list) {
             const Index v = mesh.source_vertices[i], c = mesh.source_corners[i];
             const Index of_vertex = faces.file_vertex(v);
             elements.of_vertices.push_back(source.element_of(of_vertex - source.first_vertex));
@@ -161,8 +212,8 @@ class Rewriter {
         }
         auto gathered = gather_all(source, out, elements, coding, m);
         if (!gathered) return std::move(gathered).error();
-        const std::vector<glm::vec3> normals = repaired_normals(mesh.normals, used);
-        const std::vector<glm::vec4> tangents = repaired_tangents(mesh.tangents, normals, used);
+        const Vectors<glm::vec3> normals = repaired_normals(mesh.normals, used);
+        const Vectors<glm::vec4> tangents = repaired_tangents(mesh.tangents, normals, used);
         if (!changed_ && elements.of_corners.empty() &&
             untouched(m, out, source, elements.of_vertices, indices, normals, tangents))
             return {};
@@ -175,7 +226,7 @@ class Rewriter {
             if (const auto it = gathered->attributes.find(item.key());
                 it != gathered->attributes.end())
                 attributes[item.key()] =
-                    emit_reshaped(item.key(), std::move(it->second), elements, m, used);
+                    emit_reshaped(item.key(), std::move(it->second), elements, m, used.list);
         const auto frame = [&](const char* semantic, const auto& values) -> Result<void> {
             if (by_meshopt && out["attributes"].contains(semantic)) {
                 auto kept = kept_directions(source, out["attributes"], semantic, elements, values);
@@ -185,7 +236,7 @@ class Rewriter {
                     return {};
                 }
             }
-            attributes[semantic] = appended_.add_floats(values);
+            attributes[semantic] = appended_.add_floats(values.bytes, values.width);
             return {};
         };
         if (!normals.empty())
@@ -193,15 +244,16 @@ class Rewriter {
         if (!tangents.empty() && !normals.empty() && (had_tangents || wants_tangents(m, out)))
             if (auto done = frame("TANGENT", tangents); !done) return done;
         out["attributes"] = std::move(attributes);
-        targets(m, used, std::move(gathered->targets), elements, out);
+        targets(m, used.list, std::move(gathered->targets), elements, out);
         if (!same_numbers(source, out, elements.of_vertices, indices))
             adapt_extensions(
                 document_, out, {elements.of_vertices, indices},
                 [&](const std::vector<Index>& list) {
-                    return appended_.add_indices(list, used.size());
+                    return appended_.add_indices(list, used.list.size());
                 },
                 notes_);
-        out["indices"] = appended_.add_indices(indices, used.size());
+        out["indices"] =
+            appended_.add_indices(indices, used.list.size(), std::move(triangles).bytes());
         // Strips and fans have become triangles, the default.
         out.erase("mode");
         remove_extension(out, "KHR_draco_mesh_compression");
@@ -215,7 +267,7 @@ class Rewriter {
     }
 
     void refined(Index m, std::size_t p, const std::vector<Index>& used,
-                 const std::vector<Index>& indices) {
+                 std::span<const Index> indices) {
         Json& out = json_["meshes"][m]["primitives"][p];
         const bool tangents = out["attributes"].contains("TANGENT") || wants_tangents(m, out);
         if ((keeps_draco_ && !document_.primitives[m][p].draco.empty()) ||
@@ -238,14 +290,17 @@ class Rewriter {
 
     // Whether vertices and triangles still have the numbers that the file gave them.
     bool same_numbers(const GltfPrimitive& source, const Json& out, const std::vector<Index>& old,
-                      const std::vector<Index>& indices) const {
+                      std::span<const Index> indices) const {
+        const auto same = [&](const std::vector<Index>& before) {
+            return std::equal(before.begin(), before.end(), indices.begin(), indices.end());
+        };
         if (old.size() != source.vertex_count || out.value("mode", 4) != 4) return false;
         for (std::size_t i = 0; i < old.size(); ++i)
             if (old[i] != i) return false;
-        if (!source.draco.empty()) return source.draco_indices == indices;
+        if (!source.draco.empty()) return same(source.draco_indices);
         if (out.contains("indices")) {
             const auto raw = document_.raw_accessor(out["indices"].get<std::size_t>());
-            return raw && to_indices(*raw) == indices;
+            return raw && same(to_indices(*raw));
         }
         for (std::size_t i = 0; i < indices.size(); ++i)
             if (indices[i] != i) return false;
@@ -284,9 +339,9 @@ class Rewriter {
                     emit(item.key(), std::move(gathered[t].at(item.key())), elements);
             }
             if (new_normals && attributes.contains("NORMAL"))
-                result["NORMAL"] = appended_.add_floats(at_vertices(made[t].normals, used));
+                result["NORMAL"] = appended_.add_floats(at(made[t].normals, used));
             if (new_tangents && attributes.contains("TANGENT"))
-                result["TANGENT"] = appended_.add_floats(at_vertices(made[t].tangents, used));
+                result["TANGENT"] = appended_.add_floats(at(made[t].tangents, used));
             target = std::move(result);
         }
     }
@@ -379,18 +434,18 @@ class Rewriter {
         now.width = raw.width;
         now.count = used.size();
         const std::size_t size = now.element_size();
-        now.bytes.resize(used.size() * size);
+        std::vector<std::byte> bytes(used.size() * size);
         for (std::size_t i = 0; i < used.size(); ++i)
-            std::memcpy(now.bytes.data() + i * size,
-                        uvs ? &(*uvs)[used[i]].x : &(*colors)[used[i]].x, size);
+            std::memcpy(bytes.data() + i * size, uvs ? &(*uvs)[used[i]].x : &(*colors)[used[i]].x,
+                        size);
+        now.bytes = std::move(bytes);
         repair_values(semantic, RepairOf::attribute, now);
         if (to_floats(now) == to_floats(raw)) return std::nullopt;
         return now;
     }
 
     template <class T>
-    static std::vector<T> at_vertices(const std::vector<T>& values,
-                                      const std::vector<Index>& used) {
+    static std::vector<T> at(const std::vector<T>& values, const std::vector<Index>& used) {
         std::vector<T> result;
         if (values.empty()) return result;
         result.reserve(used.size());
@@ -398,23 +453,46 @@ class Rewriter {
         return result;
     }
 
-    std::vector<glm::vec3> repaired_normals(const std::vector<glm::vec3>& values,
-                                            const std::vector<Index>& used) {
-        std::vector<glm::vec3> result = at_vertices(values, used);
+    // Normals or tangents of a primitive's vertices: the mesh's own, or others.
+    template <class T>
+    struct Vectors {
+        static constexpr int width = int(T::length());
+        SharedBytes bytes;
+        Vectors() = default;
+        explicit Vectors(std::vector<T> own) : bytes(SharedBytes::of(std::move(own))) {}
+        bool empty() const { return bytes.empty(); }
+        std::span<const T> values() const {
+            return {reinterpret_cast<const T*>(bytes.data()), bytes.size() / sizeof(T)};
+        }
+    };
+    // The mesh's own, where the primitive has all of them and they are valid; else empty.
+    template <class T>
+    static Vectors<T> own(const std::vector<T>& values, const UsedVertices& used) {
+        Vectors<T> result;
+        if (used.all && all_finite(floats_of(values)))
+            result.bytes = SharedBytes::lent(std::as_bytes(std::span(values)));
+        return result;
+    }
+
+    Vectors<glm::vec3> repaired_normals(const std::vector<glm::vec3>& values,
+                                        const UsedVertices& used) {
+        if (Vectors<glm::vec3> same = own(values, used); !same.empty()) return same;
+        std::vector<glm::vec3> result = at(values, used.list);
         for (glm::vec3& n : result)
             if (!is_finite(n)) {
                 n = glm::vec3(0, 0, 1);
                 note_once("normals that are not finite were written as (0, 0, 1)");
                 changed_ = true;
             }
-        return result;
+        return Vectors<glm::vec3>(std::move(result));
     }
 
     // Where nothing calls for tangents, the file's own may be anything.
-    std::vector<glm::vec4> repaired_tangents(const std::vector<glm::vec4>& values,
-                                             const std::vector<glm::vec3>& normals,
-                                             const std::vector<Index>& used) {
-        std::vector<glm::vec4> result = at_vertices(values, used);
+    Vectors<glm::vec4> repaired_tangents(const std::vector<glm::vec4>& values,
+                                         const Vectors<glm::vec3>& normals,
+                                         const UsedVertices& used) {
+        if (Vectors<glm::vec4> same = own(values, used); !same.empty()) return same;
+        std::vector<glm::vec4> result = at(values, used.list);
         for (std::size_t i = 0; i < result.size(); ++i) {
             glm::vec4& t = result[i];
             if (is_finite(t)) continue;
@@ -424,13 +502,13 @@ class Rewriter {
                 note_once("signs of tangents that are not finite were written as 1");
                 continue;
             }
-            glm::vec3 n = normals.empty() ? glm::vec3(0, 0, 1) : normals[i];
+            glm::vec3 n = normals.empty() ? glm::vec3(0, 0, 1) : normals.values()[i];
             if (n == glm::vec3(0.0f)) n = glm::vec3(0, 0, 1);
             const glm::vec3 axis = std::abs(n.x) < 0.5f ? glm::vec3(1, 0, 0) : glm::vec3(0, 1, 0);
             t = glm::vec4(glm::normalize(glm::cross(n, axis)), 1.0f);
             note_once("tangents that are not finite were replaced by any in the surface");
         }
-        return result;
+        return Vectors<glm::vec4>(std::move(result));
     }
 
     // --- helpers of primitive() ----------------------------------------------------------
@@ -438,9 +516,8 @@ class Rewriter {
     // Same vertices in the same order, the same triangles, the same normals and tangents: the
     // primitive's accessors stay.
     bool untouched(std::size_t m, const Json& out, const GltfPrimitive& source,
-                   const std::vector<Index>& local, const std::vector<Index>& indices,
-                   const std::vector<glm::vec3>& normals,
-                   const std::vector<glm::vec4>& tangents) const {
+                   const std::vector<Index>& local, std::span<const Index> indices,
+                   const Vectors<glm::vec3>& normals, const Vectors<glm::vec4>& tangents) const {
         if (!source.draco.empty() && !keeps_draco_) return false;
         if (!same_numbers(source, out, local, indices)) return false;
         if (!morphs(m).empty() && out.contains("targets")) return false;
@@ -455,7 +532,7 @@ class Rewriter {
 
     template <class T>
     bool same_values(const GltfPrimitive& source, const Json& attributes, const char* semantic,
-                     const std::vector<T>& values) const {
+                     const Vectors<T>& values) const {
         if (values.empty() || !attributes.contains(semantic)) return true;
         const auto draco = source.draco.find(semantic);
         if (draco != source.draco.end()) return same_directions(draco->second, values, true);
@@ -464,10 +541,13 @@ class Rewriter {
     }
 
     template <class T>
-    static bool same_directions(const RawAccessor& raw, const std::vector<T>& values,
-                                bool rounded) {
+    static bool same_directions(const RawAccessor& raw, const Vectors<T>& values, bool rounded) {
         const std::size_t width = sizeof(T) / sizeof(float);
-        if (raw.width != int(width)) return false;
+        if (raw.width != int(width) || raw.count != values.values().size()) return false;
+        const auto same = [&](const void* before) {
+            return std::memcmp(values.bytes.data(), before, values.bytes.size()) == 0;
+        };
+        if (!rounded && raw.component_type == 5126) return same(raw.bytes.data());
         std::vector<float> before = to_floats(raw);
         if (rounded) {
             // Whole numbers have no unit vectors but along the axes: what they say is a direction.
@@ -476,8 +556,7 @@ class Rewriter {
                 std::memcpy(&before[i], &n, sizeof n);
             }
         }
-        return before.size() == values.size() * width &&
-               std::memcmp(values.data(), before.data(), before.size() * sizeof(float)) == 0;
+        return same(before.data());
     }
 
     // The file's own normals or tangents, where they are whole numbers whose directions were kept.
@@ -485,7 +564,7 @@ class Rewriter {
     Result<std::optional<Gathered>> kept_directions(const GltfPrimitive& source,
                                                     const Json& attributes, const char* semantic,
                                                     const Elements& elements,
-                                                    const std::vector<T>& values) const {
+                                                    const Vectors<T>& values) const {
         const auto accessor = attributes[semantic].get<std::size_t>();
         if (document_.json["accessors"][accessor]["componentType"] == 5126)
             return std::optional<Gathered>();
@@ -523,7 +602,7 @@ class Rewriter {
         if (!gathered.implied) {
             const std::size_t size = raw.element_size();
             const std::size_t stride = (size + 3) & ~std::size_t(3);  // vertex data is aligned
-            std::vector<std::byte> bytes = std::move(raw.bytes);
+            SharedBytes bytes = std::move(raw.bytes);
             if (stride != size) {
                 std::vector<std::byte> apart(raw.count * stride);
                 for (std::size_t i = 0; i < raw.count; ++i)
@@ -573,7 +652,8 @@ class Rewriter {
     std::vector<std::string>& notes_;
     std::uint64_t dropped_triangles_ = 0;
     Json json_;
-    bool changed_ = false;  // the primitive at hand: values were made valid, or left out
+    bool positions_finite_ = true;  // of the mesh at hand
+    bool changed_ = false;          // the primitive at hand: values were made valid, or left out
     AppendedData appended_{json_};
     KeptMeshopt meshopt_{document_, json_, appended_};
 };

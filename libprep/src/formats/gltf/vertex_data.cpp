@@ -40,10 +40,9 @@ Result<void> VertexData::append(const std::string& semantic, const RawAccessor& 
     };
     if (semantic == "POSITION") {
         if (auto done = wants(3, 3); !done) return done;
-        Growing<glm::vec3> positions;
-        positions.append(0, raw);
-        mesh.positions.insert(mesh.positions.end(), positions.values.begin(),
-                              positions.values.end());
+        const std::size_t before = mesh.positions.size();
+        mesh.positions.resize(before + raw.count);
+        if (raw.count > 0) write_floats(raw, 3, &mesh.positions[before].x);
     } else if (semantic == "NORMAL") {
         if (auto done = wants(3, 3); !done) return done;
         normals_.append(first, raw);
@@ -90,10 +89,7 @@ Result<void> VertexData::append_named(const std::string& name, const RawAccessor
         !done)
         return done;
     to.values.resize((first + raw.count) * to.width, 0.0f);
-    const std::vector<float> floats = to_floats(raw);
-    const std::size_t width = std::min(std::size_t(raw.width), std::size_t(to.width));
-    for (std::size_t i = 0; i < raw.count; ++i)
-        std::copy_n(&floats[i * std::size_t(raw.width)], width, &to.values[(first + i) * to.width]);
+    if (raw.count > 0) write_floats(raw, int(to.width), &to.values[first * to.width]);
     return {};
 }
 

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <cstring>
 #include <map>
 #include <string>
 #include <vector>
@@ -36,12 +35,8 @@ struct Growing {
     void append(std::size_t first, const RawAccessor& raw) {
         values.resize(first, T(0.0f));
         has.resize(first, false);
-        const std::vector<float> floats = to_floats(raw);
-        const int width = std::min(raw.width, int(T::length()));
         values.resize(first + raw.count, T(0.0f));
-        for (std::size_t i = 0; i < raw.count; ++i)
-            std::memcpy(&values[first + i], &floats[i * std::size_t(raw.width)],
-                        std::size_t(width) * sizeof(float));
+        if (raw.count > 0) write_floats(raw, int(T::length()), &values[first].x);
         has.resize(values.size(), true);
     }
 
@@ -55,11 +50,10 @@ struct Growing {
         if (!values.empty() && mesh.corner_count() > 0) {
             values.resize(mesh.vertex_count(), T(0.0f));
             has.resize(mesh.vertex_count(), false);
-            layer.indices.resize(mesh.corner_count());
-            for (std::size_t c = 0; c < mesh.corner_count(); ++c) {
-                const std::uint32_t v = mesh.corner_vertices[c];
-                layer.indices[c] = has[v] ? v : no_index;
-            }
+            layer.indices = mesh.corner_vertices;
+            if (std::find(has.begin(), has.end(), false) != has.end())
+                for (std::uint32_t& i : layer.indices)
+                    if (!has[i]) i = no_index;
             layer.values = std::move(values);
         }
         values.clear();

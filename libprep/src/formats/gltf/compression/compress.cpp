@@ -28,7 +28,7 @@ class Compressor {
     Compressor(Json& json, PackedBuffer packed, const CompressionPlan& plan,
                std::vector<std::string>& notes)
         : json_(json), plan_(plan), notes_(notes) {
-        document_.buffers.push_back(std::move(packed.bytes));
+        document_.buffers.push_back(SharedBytes(packed.bytes.joined()));
         document_.buffers.push_back(Error{ErrorCode::io, "a buffer without bytes", {}});
     }
 

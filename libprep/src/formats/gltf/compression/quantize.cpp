@@ -42,7 +42,7 @@ class Quantizer {
     Quantizer(Json& json, PackedBuffer packed, const Quantization& bits, QuantizationReport& report,
               std::vector<std::string>& notes)
         : json_(json), bits_(bits), report_(report), notes_(notes) {
-        document_.buffers.push_back(std::move(packed.bytes));
+        document_.buffers.push_back(SharedBytes(packed.bytes.joined()));
     }
 
     Result<PackedBuffer> run() {
@@ -329,8 +329,7 @@ class Quantizer {
             RawAccessor bounded;
             bounded.width = 3;
             bounded.count = raw->count;
-            bounded.bytes.resize(exact.size() * sizeof(glm::vec3));
-            std::memcpy(bounded.bytes.data(), exact.data(), bounded.bytes.size());
+            bounded.bytes = SharedBytes::lent(std::as_bytes(std::span(exact)));
             set_bounds(bounded, json_["accessors"][made]);
         }
         index = placed_[key] = made;
@@ -349,14 +348,15 @@ class Quantizer {
         const std::size_t one = component_size(type.component_type);
         const std::size_t size = one * std::size_t(width), stride = (size + 3) / 4 * 4;
         std::vector<std::byte> bytes(raw.count * stride);
-        raw.bytes.resize(raw.count * size);
+        std::vector<std::byte> packed(raw.count * size);
         for (std::size_t i = 0; i < values.size(); ++i) {
             const auto value = std::uint32_t(values[i]);
             const std::byte parts[2] = {std::byte(value), std::byte(value >> 8)};
             const std::size_t element = i / std::size_t(width), k = i % std::size_t(width);
             std::memcpy(&bytes[element * stride + k * one], parts, one);
-            std::memcpy(&raw.bytes[i * one], parts, one);
+            std::memcpy(&packed[i * one], parts, one);
         }
+        raw.bytes = std::move(packed);
         Json accessor{{"bufferView",
                        appended_.add_view(std::move(bytes), 34962, stride == size ? 0 : stride)},
                       {"componentType", type.component_type},

@@ -89,23 +89,22 @@ class RefinedPrimitive {
         return out;
     }
     template <class T>
-    std::size_t add(const std::vector<T>& values, const char* type, int component = 5126,
+    std::size_t add(std::vector<T> values, const char* type, int component = 5126,
                     std::size_t stride = 0) {
-        std::vector<std::byte> bytes(values.size() * sizeof(T));
-        std::memcpy(bytes.data(), values.data(), bytes.size());
         return data_.add_accessor(
-            Json{{"bufferView", data_.add_view(std::move(bytes), array_buffer, stride)},
+            Json{{"bufferView",
+                  data_.add_view(SharedBytes::of(std::move(values)), array_buffer, stride)},
                  {"componentType", component},
                  {"count", used_.size()},
                  {"type", type}});
     }
-    std::size_t bounded(const std::vector<glm::vec3>& values) {
-        const std::size_t accessor = add(values, "VEC3");
+    std::size_t bounded(std::vector<glm::vec3> values) {
         glm::vec3 low = values[0], high = values[0];
         for (const glm::vec3& v : values) {
             low = glm::min(low, v);
             high = glm::max(high, v);
         }
+        const std::size_t accessor = add(std::move(values), "VEC3");
         json_["accessors"][accessor]["min"] = {low.x, low.y, low.z};
         json_["accessors"][accessor]["max"] = {high.x, high.y, high.z};
         return accessor;
@@ -114,7 +113,7 @@ class RefinedPrimitive {
     std::size_t color(const std::vector<glm::vec4>& values, const Json& before) {
         std::vector<glm::vec4> own = at_used(values);
         for (glm::vec4& c : own) c = glm::clamp(c, 0.0f, 1.0f);
-        if (before.value("type", "VEC4") != "VEC3") return add(own, "VEC4");
+        if (before.value("type", "VEC4") != "VEC3") return add(std::move(own), "VEC4");
         return add(std::vector<glm::vec3>(own.begin(), own.end()), "VEC3");
     }
     std::size_t joints(std::size_t set) {
@@ -126,7 +125,7 @@ class RefinedPrimitive {
                                                   from.weights[vertices_[i]][k] > 0
                                               ? from.joints[vertices_[i]][k]
                                               : 0);
-        return add(own, "VEC4", 5123);
+        return add(std::move(own), "VEC4", 5123);
     }
     // The sum over all sets is 1.
     std::vector<glm::vec4> normalised(std::size_t set) {
@@ -154,7 +153,7 @@ class RefinedPrimitive {
                 own[i * a.width + k] = a.values[from + k];
         }
         const char* const types[] = {"SCALAR", "VEC2", "VEC3", "VEC4"};
-        return add(own, types[std::min<std::size_t>(a.width, 4) - 1]);
+        return add(std::move(own), types[std::min<std::size_t>(a.width, 4) - 1]);
     }
 
     const PreparedScene& prepared_;
@@ -175,7 +174,7 @@ bool is_left_out(const PreparedScene& prepared, std::size_t mesh, const std::str
 }
 
 void write_refined_primitive(const PreparedScene& prepared, Index mesh,
-                             const std::vector<Index>& used, const std::vector<Index>& indices,
+                             const std::vector<Index>& used, std::span<const Index> indices,
                              bool with_tangents, AppendedData& data, Json& json, Json& primitive,
                              std::vector<std::string>& notes) {
     RefinedPrimitive refined(prepared, mesh, used, data, json);
@@ -256,7 +255,7 @@ void assign_residual_materials(const PreparedScene& prepared, Json& json) {
 void write_residual_maps(const PreparedScene& prepared, AppendedData& data, Json& json) {
     for (const ResidualMap& map : prepared.residual_maps) {
         const ImageRef& image = prepared.scene.images[map.image];
-        const std::size_t view = data.add_view(image.bytes, 0, 0);
+        const std::size_t view = data.add_view(SharedBytes::lent(image.bytes), 0, 0);
         for (const char* list : {"images", "textures"})
             if (!json.contains(list)) json[list] = Json::array();
         json["images"].push_back(

@@ -20,7 +20,7 @@ bool is_left_out(const PreparedScene& prepared, std::size_t mesh, const std::str
 // carry.
 void write_refined_primitive(const PreparedScene& prepared, std::uint32_t mesh,
                              const std::vector<std::uint32_t>& used,
-                             const std::vector<std::uint32_t>& indices, bool with_tangents,
+                             std::span<const std::uint32_t> indices, bool with_tangents,
                              AppendedData& data, Json& json, Json& primitive,
                              std::vector<std::string>& notes);
 

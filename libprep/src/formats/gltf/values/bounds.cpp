@@ -5,17 +5,26 @@
 namespace prep::detail {
 
 void set_bounds(const RawAccessor& raw, Json& out) {
-    RawAccessor plain = raw;
-    plain.normalized = false;
-    const std::vector<float> values = to_floats(plain);
+    RawAccessor block = raw;
+    block.normalized = false;
+    const auto width = std::size_t(raw.width);
+    std::vector<float> leasts, mosts, values;
+    // A block at a time: no copy of the whole.
+    for (std::size_t first = 0; first < raw.count; first += block.count) {
+        block.count = std::min<std::size_t>(4096, raw.count - first);
+        block.bytes = raw.bytes.part(first * raw.element_size(), block.count * raw.element_size());
+        values.resize(block.count * width);
+        write_floats(block, raw.width, values.data());
+        if (first == 0) leasts = mosts = {values.begin(), values.begin() + raw.width};
+        for (std::size_t v = 0; v < values.size(); v += width)
+            for (std::size_t k = 0; k < width; ++k) {
+                leasts[k] = std::min(leasts[k], values[v + k]);
+                mosts[k] = std::max(mosts[k], values[v + k]);
+            }
+    }
     Json low = Json::array(), high = Json::array();
-    for (int k = 0; k < raw.width; ++k) {
-        float least = values[std::size_t(k)], most = least;
-        for (std::size_t v = 0; v < raw.count; ++v) {
-            const float x = values[v * std::size_t(raw.width) + std::size_t(k)];
-            least = std::min(least, x);
-            most = std::max(most, x);
-        }
+    for (std::size_t k = 0; k < width; ++k) {
+        const float least = leasts[k], most = mosts[k];
         if (raw.component_type == 5126) {
             low.push_back(least);
             high.push_back(most);

@@ -39,7 +39,7 @@ void embed_pictures(const std::vector<ImageRef>& images, Json& json, AppendedDat
         if (!image.contains("name") && !uri.starts_with("data:")) image["name"] = uri;
         image.erase("uri");
         image["mimeType"] = mime;
-        image["bufferView"] = appended.add_view(bytes, 0, 0);
+        image["bufferView"] = appended.add_view(SharedBytes::lent(bytes), 0, 0);
     }
 }
 

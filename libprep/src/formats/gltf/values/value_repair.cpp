@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
+#include <utility>
 
 #include "base/finite.h"
 
@@ -16,6 +18,23 @@ bool is_color(const std::string& semantic) {
 }
 bool is_weight(const std::string& semantic) {
     return semantic.starts_with("WEIGHTS_");
+}
+
+// Of floats, which may begin anywhere.
+bool all_within(std::span<const std::byte> floats, float low, float high) {
+    constexpr std::size_t block = 4096 * sizeof(float);
+    const std::size_t size = floats.size() / sizeof(float) * sizeof(float);
+    for (std::size_t first = 0; first < size; first += block) {
+        const std::size_t last = std::min(size, first + block);
+        bool within = true;
+        for (std::size_t at = first; at < last; at += sizeof(float)) {
+            float x;
+            std::memcpy(&x, floats.data() + at, sizeof x);
+            within &= (x >= low) & (x <= high);
+        }
+        if (!within) return false;
+    }
+    return true;
 }
 
 struct Weight {
@@ -132,18 +151,20 @@ unsigned repair_values(const std::string& semantic, RepairOf of, RawAccessor& va
     if (values.component_type != float_type) return 0;
     const bool own = of == RepairOf::attribute;
     const bool color = own && is_color(semantic), weight = own && is_weight(semantic);
-    bool changed = false;
-    for (std::size_t at = 0; at + 4 <= values.bytes.size(); at += 4) {
+    // NaN is in no range.
+    constexpr float largest = std::numeric_limits<float>::max();
+    const float low = color || weight ? 0.0f : -largest, high = color ? 1.0f : largest;
+    if (all_within(values.bytes, low, high)) return 0;
+    std::vector<std::byte> bytes(values.bytes.begin(), values.bytes.end());
+    for (std::size_t at = 0; at + 4 <= bytes.size(); at += 4) {
         float x;
-        std::memcpy(&x, values.bytes.data() + at, 4);
+        std::memcpy(&x, bytes.data() + at, 4);
         float good = std::isfinite(x) ? x : 0.0f;
         if (color) good = x >= 0 ? std::min(x, 1.0f) : 0.0f;
         if (weight && good < 0) good = 0;
-        if (std::isfinite(x) && good == x) continue;
-        std::memcpy(values.bytes.data() + at, &good, 4);
-        changed = true;
+        if (!(std::isfinite(x) && good == x)) std::memcpy(bytes.data() + at, &good, 4);
     }
-    if (!changed) return 0;
+    values.bytes = std::move(bytes);
     return semantic.starts_with("TEXCOORD_") ? repaired_uv
            : color                           ? repaired_color
            : weight                          ? repaired_weight
@@ -173,17 +194,22 @@ bool normalise_weights(std::span<RawAccessor* const> sets) {
     }
     VertexWeights vertex;
     bool changed = false;
+    std::vector<std::vector<std::byte>> bytes;
+    for (const RawAccessor* set : sets) bytes.emplace_back(set->bytes.begin(), set->bytes.end());
     for (std::size_t v = 0; v < count; ++v) {
         vertex.clear();
-        for (RawAccessor* set : sets) {
-            if (v >= set->count) continue;
-            const std::size_t size = component_size(set->component_type);
-            for (std::size_t k = 0; k < std::size_t(set->width); ++k)
-                vertex.add(set->component_type,
-                           set->bytes.data() + (v * std::size_t(set->width) + k) * size);
+        for (std::size_t s = 0; s < sets.size(); ++s) {
+            const RawAccessor& set = *sets[s];
+            if (v >= set.count) continue;
+            const std::size_t size = component_size(set.component_type);
+            for (std::size_t k = 0; k < std::size_t(set.width); ++k)
+                vertex.add(set.component_type,
+                           bytes[s].data() + (v * std::size_t(set.width) + k) * size);
         }
         changed |= vertex.scale();
     }
+    if (changed)
+        for (std::size_t s = 0; s < sets.size(); ++s) sets[s]->bytes = std::move(bytes[s]);
     return changed;
 }
 
