@@ -2,10 +2,11 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <glm/glm.hpp>
-#include <limits>
 #include <span>
 #include <vector>
 
@@ -30,10 +31,10 @@ inline bool all_finite(std::span<const float> values) {
     constexpr std::size_t block = 4096;
     for (std::size_t first = 0; first < values.size(); first += block) {
         const std::size_t last = std::min(values.size(), first + block);
-        bool finite = true;
+        std::uint32_t bits = 0;  // the sign bit of a sum: a magnitude of infinity or beyond
         for (std::size_t i = first; i < last; ++i)
-            finite &= std::abs(values[i]) <= std::numeric_limits<float>::max();
-        if (!finite) return false;
+            bits |= (std::bit_cast<std::uint32_t>(values[i]) & 0x7fffffffu) + 0x00800000u;
+        if (bits >> 31) return false;
     }
     return true;
 }

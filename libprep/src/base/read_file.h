@@ -17,8 +17,9 @@ Result<std::vector<std::byte>> read_open_file(int fd, const std::filesystem::pat
 // For names that stand in files: a device or a pipe may never end. Errors: io, limit.
 Result<std::vector<std::byte>> read_regular_file(const std::filesystem::path& path);
 
-// As prep::read_file(), without a pass over memory that is written over.
+// As prep::read_file(), on at most `threads` threads (0: all cores), without a pass over memory
+// that is written over.
 using FileBytes = UnfilledVector<std::byte>;
-Result<FileBytes> read_file_bytes(const std::filesystem::path& path);
+Result<FileBytes> read_file_bytes(const std::filesystem::path& path, int threads);
 
 }  // namespace prep::detail

@@ -20,14 +20,14 @@ namespace {
 
 // For parsers of a file's bytes, which say its name in their messages.
 template <Result<Scene> (*parse)(std::span<const std::byte>, const std::string&)>
-Result<Scene> load_bytes(const std::filesystem::path& path, const LoadOptions&) {
-    const auto bytes = read_file_bytes(path);
+Result<Scene> load_bytes(const std::filesystem::path& path, const LoadOptions& options) {
+    const auto bytes = read_file_bytes(path, options.threads);
     if (!bytes) return bytes.error();
     return parse(*bytes, path.filename().string());
 }
 
 Result<Scene> load_polygons(const std::filesystem::path& path, const LoadOptions& options) {
-    const auto bytes = read_file_bytes(path);
+    const auto bytes = read_file_bytes(path, options.threads);
     if (!bytes) return bytes.error();
     PictureSearch pictures(path.parent_path(), options.texture_directories);
     return parse_ply(*bytes, path.filename().string(), &pictures);

@@ -416,6 +416,14 @@ std::vector<float> to_floats(const RawAccessor& raw) {
     return out;
 }
 
+bool same_indices(const RawAccessor& raw, std::span<const std::uint32_t> indices) {
+    if (raw.count != indices.size()) return false;
+    if (raw.component_type == 5125)
+        return std::equal(raw.bytes.begin(), raw.bytes.end(), std::as_bytes(indices).begin());
+    const std::vector<std::uint32_t> own = to_indices(raw);
+    return std::equal(own.begin(), own.end(), indices.begin(), indices.end());
+}
+
 std::vector<std::uint32_t> to_indices(const RawAccessor& raw) {
     switch (raw.component_type) {
         case 5121:

@@ -27,6 +27,7 @@ struct GltfOptions {
     std::filesystem::path directory;   // where external buffers and images are looked up
     std::vector<std::string> allowed_extensions = {};             // as LoadOptions'
     std::vector<std::filesystem::path> texture_directories = {};  // and images that are not there
+    int threads = 0;  // 0: all cores; the result does not depend on it
 };
 
 // GLB or JSON, told apart by the first bytes. One Mesh per glTF mesh: its primitives are parts, so

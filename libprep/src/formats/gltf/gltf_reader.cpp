@@ -23,10 +23,11 @@ constexpr double widest_yfov = 3.1;  // at π a picture would have no edge
 
 class SceneReader {
   public:
-    SceneReader(std::shared_ptr<GltfDocument> document, const std::vector<std::string>& allowed)
+    SceneReader(std::shared_ptr<GltfDocument> document, const GltfOptions& options)
         : d_(*document),
           document_(document),
-          allowed_(allowed),
+          allowed_(options.allowed_extensions),
+          threads_(options.threads),
           decoded_bytes_left_(decoded_limit(d_.input_bytes)) {}
 
     Result<Scene> run() {
@@ -38,7 +39,7 @@ class SceneReader {
             if (auto list = top_array(d_, key); !list) return list.error();
         if (auto done = check_structure(d_); !done) return std::move(done).error();
         if (auto done = read_gltf_materials(d_, scene_); !done) return std::move(done).error();
-        if (auto done = read_gltf_meshes(*document_, scene_, joints_); !done)
+        if (auto done = read_gltf_meshes(*document_, scene_, joints_, threads_); !done)
             return std::move(done).error();
         if (auto done = cameras(); !done) return std::move(done).error();
         if (auto done = lights(); !done) return std::move(done).error();
@@ -484,6 +485,7 @@ class SceneReader {
     std::vector<std::vector<GltfJoints>> joints_;                            // per mesh
     std::map<Index, std::shared_ptr<const std::vector<float>>> key_values_;  // by accessor
     const std::vector<std::string>& allowed_;
+    int threads_;
     std::uint64_t decoded_bytes_left_;
 };
 
@@ -495,9 +497,7 @@ Result<Scene> parse(const SharedBytes& bytes, const GltfOptions& options) {
     try {
         auto opened = detail::open_gltf(bytes, options);
         if (!opened) return std::move(opened).error();
-        return SceneReader(std::make_shared<GltfDocument>(*std::move(opened)),
-                           options.allowed_extensions)
-            .run();
+        return SceneReader(std::make_shared<GltfDocument>(*std::move(opened)), options).run();
     } catch (const detail::Json::exception& e) {
         // Types are checked where they are read; this is the net below that.
         return Error{ErrorCode::invalid, std::string("unexpected JSON: ") + e.what(), options.name};
@@ -511,7 +511,7 @@ Result<Scene> parse_gltf(std::span<const std::byte> bytes, const GltfOptions& op
 }
 
 Result<Scene> load_gltf(const std::filesystem::path& path, const LoadOptions& load) {
-    auto bytes = detail::read_file_bytes(path);
+    auto bytes = detail::read_file_bytes(path, load.threads);
     if (!bytes) return std::move(bytes).error();
     GltfOptions options;
     options.allowed_extensions = load.allowed_extensions;
@@ -519,6 +519,7 @@ Result<Scene> load_gltf(const std::filesystem::path& path, const LoadOptions& lo
     // Empty would say that the document did not come from a file.
     options.directory = path.has_parent_path() ? path.parent_path() : ".";
     options.texture_directories = load.texture_directories;
+    options.threads = load.threads;
     auto scene = parse(SharedBytes::of(*std::move(bytes)), options);
     if (!scene) return scene;
     scene->source = path;

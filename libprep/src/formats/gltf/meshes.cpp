@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "base/parallel.h"
 #include "formats/gltf/vertex_data.h"
 
 namespace prep::detail {
@@ -11,8 +12,9 @@ using Index = std::uint32_t;
 
 class MeshReader {
   public:
-    MeshReader(GltfDocument& document, Scene& scene, std::vector<std::vector<GltfJoints>>& joints)
-        : d_(document), scene_(scene), joints_(joints), budget_(document) {
+    MeshReader(GltfDocument& document, Scene& scene, std::vector<std::vector<GltfJoints>>& joints,
+               int threads)
+        : d_(document), scene_(scene), joints_(joints), threads_(threads), budget_(document) {
         accessors_ = (*top_array(d_, "accessors"))->size();
         materials_ = (*top_array(d_, "materials"))->size();
     }
@@ -26,6 +28,8 @@ class MeshReader {
     }
 
   private:
+    static constexpr std::size_t worth_threads = 1 << 16;  // indices
+
     // --- what is there, by JSON alone ---------------------------------------------------------
 
     // Looks at the lists, and finds the accessors that more than one primitive uses.
@@ -78,7 +82,7 @@ class MeshReader {
                     primitive(primitives[p], p, pointer + "/primitives/" + std::to_string(p), mesh);
                 !done)
                 return done;
-        return vertices_.finish(pointer, mesh);
+        return vertices_.finish(pointer, mesh, threads_);
     }
 
     void add_variants(const Json& in, Mesh& mesh) const {
@@ -142,13 +146,22 @@ class MeshReader {
             if (mesh.positions.size() + vertices >= no_index)
                 return Error{ErrorCode::limit, "more than 2^32 - 2 vertices", d_.place(pointer)};
             out.vertex_count = Index(vertices);
-            if (auto done = read_attributes(attributes, pointer + "/attributes", out, mesh); !done)
-                return done;
-            if (auto done = read_targets(in, pointer, out, mesh); !done) return done;
         }
         warn_left_over(mode, indices->size(), pointer);
-        add_elements(mode, *std::move(indices), out.first_vertex, mesh);
-        mesh.face_materials.resize(mesh.face_count(), *material);
+        // They fill different arrays.
+        Result<void> read;
+        parallel_both(
+            indices->size() < worth_threads ? 1 : threads_,
+            [&] {
+                if (!attributes.contains("POSITION")) return;
+                read = read_attributes(attributes, pointer + "/attributes", out, mesh);
+                if (read) read = read_targets(in, pointer, out, mesh);
+            },
+            [&] {
+                add_elements(mode, *std::move(indices), out.first_vertex, mesh);
+                mesh.face_materials.resize(mesh.face_count(), *material);
+            });
+        if (!read) return read;
         if (out.triangles) add_variants(in, mesh);
         mesh.face_parts.resize(mesh.face_count(), Index(part));
         mesh.parts.resize(part + 1);
@@ -413,6 +426,7 @@ class MeshReader {
     GltfDocument& d_;
     Scene& scene_;
     std::vector<std::vector<GltfJoints>>& joints_;
+    int threads_;
     DecodeBudget budget_;
     VertexData vertices_{d_, budget_};
     std::size_t accessors_ = 0, materials_ = 0;
@@ -425,8 +439,8 @@ class MeshReader {
 }  // namespace
 
 Result<void> read_gltf_meshes(GltfDocument& document, Scene& scene,
-                              std::vector<std::vector<GltfJoints>>& joints) {
-    return MeshReader(document, scene, joints).run();
+                              std::vector<std::vector<GltfJoints>>& joints, int threads) {
+    return MeshReader(document, scene, joints, threads).run();
 }
 
 }  // namespace prep::detail

@@ -17,6 +17,6 @@ struct GltfJoints {
 // where they are used. Errors: invalid, limit (attributes of more than 256 MiB + 64 bytes for each
 // byte of the file: its primitives use the same data again and again), those of the accessors.
 Result<void> read_gltf_meshes(GltfDocument& document, Scene& scene,
-                              std::vector<std::vector<GltfJoints>>& joints);
+                              std::vector<std::vector<GltfJoints>>& joints, int threads);
 
 }  // namespace prep::detail

@@ -245,7 +245,7 @@ class Rewriter {
             if (auto done = frame("TANGENT", tangents); !done) return done;
         out["attributes"] = std::move(attributes);
         targets(m, used.list, std::move(gathered->targets), elements, out);
-        if (!same_numbers(source, out, elements.of_vertices, indices))
+        if (out.contains("extensions") && !same_numbers(source, out, elements.of_vertices, indices))
             adapt_extensions(
                 document_, out, {elements.of_vertices, indices},
                 [&](const std::vector<Index>& list) {
@@ -300,7 +300,7 @@ class Rewriter {
         if (!source.draco.empty()) return same(source.draco_indices);
         if (out.contains("indices")) {
             const auto raw = document_.raw_accessor(out["indices"].get<std::size_t>());
-            return raw && same(to_indices(*raw));
+            return raw && same_indices(*raw, indices);
         }
         for (std::size_t i = 0; i < indices.size(); ++i)
             if (indices[i] != i) return false;
@@ -519,7 +519,6 @@ class Rewriter {
                    const std::vector<Index>& local, std::span<const Index> indices,
                    const Vectors<glm::vec3>& normals, const Vectors<glm::vec4>& tangents) const {
         if (!source.draco.empty() && !keeps_draco_) return false;
-        if (!same_numbers(source, out, local, indices)) return false;
         if (!morphs(m).empty() && out.contains("targets")) return false;
         const Json& attributes = out["attributes"];
         if (attributes.contains("NORMAL") != !normals.empty() ||
@@ -527,7 +526,8 @@ class Rewriter {
             (tangents.empty() && attributes.contains("TANGENT")))
             return false;
         return same_values(source, attributes, "NORMAL", normals) &&
-               same_values(source, attributes, "TANGENT", tangents);
+               same_values(source, attributes, "TANGENT", tangents) &&
+               same_numbers(source, out, local, indices);
     }
 
     template <class T>

@@ -1,7 +1,11 @@
 #include "formats/gltf/vertex_data.h"
 
+#include "base/parallel.h"
+
 namespace prep::detail {
 namespace {
+
+constexpr std::size_t worth_threads = 1 << 16;  // corners
 
 using Index = std::uint32_t;
 
@@ -105,23 +109,28 @@ void VertexData::note_names(const Json& attributes, bool triangles, Mesh& mesh) 
     if (layers && !triangles) ++mesh.loose_parts_with_attributes;
 }
 
-Result<void> VertexData::finish(const std::string& pointer, Mesh& mesh) {
+Result<void> VertexData::finish(const std::string& pointer, Mesh& mesh, int threads) {
     const std::uint64_t layers =
         2 + uvs_.size() + colors_.size() + 6 * influences_.size() + named_width_;
     if (auto done =
             budget_.spend(layers * (mesh.vertex_count() + mesh.corner_count()) * 4, pointer);
         !done)
         return done;
-    normals_.finish(mesh, mesh.normals);
-    tangents_.finish(mesh, mesh.tangents);
-    mesh.uvs.resize(uvs_.size());
-    for (std::size_t s = 0; s < uvs_.size(); ++s) uvs_[s].finish(mesh, mesh.uvs[s]);
     if (!colors_.empty() && mesh.corner_count() == 0 && !colors_[0].values.empty()) {
         colors_[0].values.resize(mesh.vertex_count(), glm::vec4(1.0f));
         mesh.vertex_colors = colors_[0].values;
     }
     mesh.colors.resize(mesh.corner_count() > 0 ? colors_.size() : 0);
-    for (std::size_t s = 0; s < mesh.colors.size(); ++s) colors_[s].finish(mesh, mesh.colors[s]);
+    mesh.uvs.resize(uvs_.size());
+    const std::size_t sets = uvs_.size();
+    parallel_tasks(2 + sets + mesh.colors.size(), mesh.corner_count() < worth_threads ? 1 : threads,
+                   [&](std::size_t i) {
+                       if (i == 0) return normals_.finish(mesh, mesh.normals);
+                       if (i == 1) return tangents_.finish(mesh, mesh.tangents);
+                       if (i - 2 < sets) return uvs_[i - 2].finish(mesh, mesh.uvs[i - 2]);
+                       const std::size_t color = i - 2 - sets;
+                       colors_[color].finish(mesh, mesh.colors[color]);
+                   });
     uvs_.clear();
     colors_.clear();
     for (auto& [joints, weights] : influences_) {

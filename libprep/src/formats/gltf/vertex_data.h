@@ -74,7 +74,7 @@ class VertexData {
     void note_names(const Json& attributes, bool triangles, Mesh& mesh);
 
     // Once all primitives are read: fills the mesh's layers. Errors: limit.
-    Result<void> finish(const std::string& pointer, Mesh& mesh);
+    Result<void> finish(const std::string& pointer, Mesh& mesh, int threads);
 
   private:
     using Joints = decltype(SkinInfluences::joints);
