@@ -1,5 +1,9 @@
 #include "normals/crease_fans.h"
 
+#if defined(__SSE2__)
+#include <emmintrin.h>
+#endif
+
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -24,6 +28,24 @@ static_assert(point_grain % GatheredTerms::block_points == 0);
 // Corners of a point that are matched by comparing all with all.
 constexpr std::size_t small_ring = 8;
 constexpr Index none = no_index;
+
+// A bit for each place of a small ring that holds `value`.
+unsigned places_of(Index value, const std::array<Index, small_ring>& ring) {
+#if defined(__SSE2__)
+    static_assert(small_ring == 8);
+    const __m128i wanted = _mm_set1_epi32(int(value));
+    const auto equal = [&](std::size_t first) {
+        const auto* const four = reinterpret_cast<const __m128i*>(ring.data() + first);
+        return _mm_cmpeq_epi32(_mm_loadu_si128(four), wanted);
+    };
+    return unsigned(_mm_movemask_ps(_mm_castsi128_ps(equal(0)))) |
+           unsigned(_mm_movemask_ps(_mm_castsi128_ps(equal(4)))) << 4;
+#else
+    unsigned places = 0;
+    for (unsigned i = 0; i < small_ring; ++i) places |= unsigned(ring[i] == value) << i;
+    return places;
+#endif
+}
 
 // What a block of points brings beside the first fan of each.
 struct Block {
@@ -139,7 +161,7 @@ class PointWalk {
         if (quick_ && corners.size() <= small_ring) {
             const Small small =
                 gathered != nullptr
-                    ? match_small(corners, [&](std::size_t i) { return gathered[i]; })
+                    ? match_small(corners, [&](std::size_t i) { return term_in(gathered[i]); })
                     : match_small(corners, [&](std::size_t i) { return term_of(corners[i]); });
             if (small.bad) return false;
             if (small.one_smooth_fan) {
@@ -179,34 +201,44 @@ class PointWalk {
         std::uint64_t exact = 0;  // decisions, where one_smooth_fan
     };
 
-    CornerTerm term_of(Index c) const {
+    // A corner's neighbours along its face, and the face's area.
+    struct Term {
+        const glm::dvec3* area;
+        Index next, previous;
+    };
+    static Term term_in(const CornerTerm& term) { return {&term.area, term.next, term.previous}; }
+    Term term_of(Index c) const {
+        // Which corner of its triangle it is cannot be foreseen: no branch.
         const Index f = c / 3, k = c - 3 * f;
-        return {faces_.area_vectors[f], corner_points_[k == 2 ? c - 2 : c + 1],
-                corner_points_[k == 0 ? c + 2 : c - 1]};
+        return {&faces_.area_vectors[f], corner_points_[c + 1 - 3 * Index(k == 2)],
+                corner_points_[c - 1 + 3 * Index(k == 0)]};
     }
 
     // Matches all with all without a branch; `terms_` get the faces' areas. `term`: of the i-th
     // corner.
-    template <class Term>
-    Small match_small(std::span<const Index> corners, const Term& term) {
+    template <class Terms>
+    Small match_small(std::span<const Index> corners, const Terms& term) {
         const std::size_t n = corners.size();
         std::array<Index, small_ring> next, previous, to;
+        std::array<const glm::dvec3*, small_ring> areas;
         std::array<double, small_ring> squares;
         previous.fill(none);
         for (std::size_t i = 0; i < n; ++i) {
-            const CornerTerm of = term(i);
+            const Term of = term(i);
+            areas[i] = of.area;
             next[i] = of.next;
             previous[i] = of.previous;
-            const glm::dvec3& a = of.area;
+        }
+        // In between: vectors are not to be loaded of numbers that were just stored.
+        for (std::size_t i = 0; i < n; ++i) {
+            const glm::dvec3& a = *areas[i];
             terms_[i] = glm::dvec4(a, std::abs(a.x) + std::abs(a.y) + std::abs(a.z));
             squares[i] = glm::dot(a, a);
         }
         unsigned entered = 0;
         bool closed = true;
         for (std::size_t i = 0; i < n; ++i) {
-            unsigned mates = 0;
-            for (unsigned j = 0; j < small_ring; ++j)
-                mates |= unsigned(previous[j] == next[i]) << j;
+            const unsigned mates = places_of(next[i], previous);
             if ((mates & (mates - 1)) != 0 || (mates & entered) != 0) return {true, false};
             entered |= mates;
             closed &= mates != 0;
@@ -234,21 +266,18 @@ class PointWalk {
     }
     // Edges that are smooth by far.
     bool turns_little(std::span<const Index> to, std::span<const double> squares) const {
+        if (!is_one_ring(to)) return false;
         bool smooth = true;
-        std::size_t steps = 0;
-        Index i = 0;
-        do {
+        for (std::size_t i = 0; i < to.size(); ++i) {
             const Index j = to[i];
             const glm::dvec4 &a = terms_[i], &b = terms_[j];
             const double dot = a.x * b.x + a.y * b.y + a.z * b.z;
             const double product = squares[i] * squares[j];
             // Also false where squares leave the range of doubles.
-            smooth &= dot > 0 && product > smallest_product && product < largest_product &&
-                      dot * dot > quick_cosine_squared_ * product;
-            i = j;
-            ++steps;
-        } while (i != 0);
-        return smooth && steps == to.size();
+            smooth &= (dot > 0) & (product > smallest_product) & (product < largest_product) &
+                      (dot * dot > quick_cosine_squared_ * product);
+        }
+        return smooth;
     }
     bool is_smooth(std::span<const Index> corners, std::span<const Index> to,
                    std::uint64_t& exact) {
@@ -373,7 +402,7 @@ class PointWalk {
     std::vector<Index> fan_;
 };
 
-// Values by point and fan, and what corners have of them.
+// Values by point and fan, and what corners have of them: one for each point, up to now.
 void number_values(std::span<const Index> corner_points, const VertexCorners& around,
                    const std::vector<Block>& blocks, int threads, CornerLayer<glm::vec3>& layer) {
     const std::size_t points = around.offsets.size() - 1;
@@ -381,15 +410,10 @@ void number_values(std::span<const Index> corner_points, const VertexCorners& ar
     for (std::size_t b = 0; b < blocks.size(); ++b)
         bases[b + 1] = bases[b] + blocks[b].points + Index(blocks[b].extras.size());
     if (bases.back() == points &&
-        std::all_of(blocks.begin(), blocks.end(), [](auto& b) { return b.extras.empty(); })) {
-        layer.indices.assign(corner_points.begin(), corner_points.end());
+        std::all_of(blocks.begin(), blocks.end(), [](auto& b) { return b.extras.empty(); }))
         return;  // one value for each point
-    }
     const std::vector<glm::vec3> firsts = std::move(layer.values);
-    layer.values = {};
-    parallel_both(
-        threads, [&] { layer.values.resize(bases.back()); },
-        [&] { layer.indices.resize(corner_points.size()); });
+    layer.values = std::vector<glm::vec3>(bases.back());
     ScratchBuffer<Index> numbers(points);
     parallel_blocks(points, point_grain, threads, [&](std::size_t begin, std::size_t end) {
         const Block& block = blocks[begin / point_grain];
@@ -431,10 +455,14 @@ std::optional<CreaseNormals> crease_fans(const MeshView& mesh, std::span<const I
     const std::size_t points = around.offsets.size() - 1;
     const EdgeDecider decider(mesh, welded, faces, hard_options, {});
     CreaseNormals result;
-    std::vector<glm::vec3>& values = result.normals.normals.values;
+    CornerLayer<glm::vec3>& layer = result.normals.normals;
+    std::vector<glm::vec3>& values = layer.values;
     parallel_both(
-        options.threads, [&] { values.resize(points); },
-        [&] { result.hard.reasons.assign(mesh.corner_count(), hard_none); });
+        options.threads, [&] { layer.indices.assign(corner_points.begin(), corner_points.end()); },
+        [&] {
+            values.resize(points);
+            result.hard.reasons.assign(mesh.corner_count(), hard_none);
+        });
     std::vector<Block> blocks((points + point_grain - 1) / point_grain);
     std::atomic<bool> bad = false;
     std::optional<GatheredTerms> gathered;
@@ -480,7 +508,7 @@ std::optional<CreaseNormals> crease_fans(const MeshView& mesh, std::span<const I
     });
     gathered.reset();
     if (bad) return {};
-    number_values(corner_points, around, blocks, options.threads, result.normals.normals);
+    number_values(corner_points, around, blocks, options.threads, layer);
     for (const Block& block : blocks) {
         result.hard.hard_count += block.hard;
         result.hard.exact_decisions += block.exact;

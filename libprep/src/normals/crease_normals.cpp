@@ -1,6 +1,7 @@
 #include <optional>
 #include <utility>
 
+#include "base/parallel.h"
 #include "normals/crease_fans.h"
 #include "prep/corner_normals.h"
 #include "prep/face_normals.h"
@@ -14,14 +15,21 @@ Result<CreaseNormals> crease_normals(const MeshView& mesh, std::span<const std::
                                      const NormalOptions& options) {
     HardEdgeOptions edges = hard_options;
     edges.threads = options.threads;
-    const FaceNormals faces = face_normals(mesh, options.precision, options.threads);
+    FaceNormals faces;
+    const auto find_faces = [&] { faces = face_normals(mesh, options.precision, options.threads); };
     if (detail::may_have_crease_fans(mesh, options)) {
         const detail::CornerPoints points(mesh, welded, options.threads);
-        const detail::VertexCorners around =
-            detail::corners_by_vertex(points.of_corners(), mesh.positions.size(), options.threads);
+        detail::VertexCorners around;
+        // Each has parts for one thread.
+        detail::parallel_both(options.threads, find_faces, [&] {
+            around = detail::corners_by_vertex(points.of_corners(), mesh.positions.size(),
+                                               options.threads);
+        });
         if (auto fans = detail::crease_fans(mesh, points.of_corners(), welded, around, faces, edges,
                                             options))
             return *std::move(fans);
+    } else {
+        find_faces();
     }
     const Topology topology = build_topology(mesh, welded, options.threads);
     auto hard = hard_edges(mesh, topology, faces, edges);

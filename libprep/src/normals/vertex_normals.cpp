@@ -163,9 +163,15 @@ class OpenVertices {
         const auto first = std::lower_bound(vertices_.begin(), vertices_.end(), extent.first);
         const auto last = std::upper_bound(first, vertices_.end(), extent.last);
         if (first == last) return;
+        // Mostly it is one of them, and the block is one that only spans it.
+        const Index least = *first, span = *(last - 1) - least;
+        Index any = 0;
+        for (std::size_t c = 3 * begin; c < 3 * end; ++c)
+            any |= Index(mesh_.corner_vertices[c] - least <= span);
+        if (any == 0) return;
         for (std::size_t c = 3 * begin; c < 3 * end; ++c) {
             const Index v = mesh_.corner_vertices[c];
-            if (v >= *first && v <= *(last - 1) && std::binary_search(first, last, v))
+            if (v - least <= span && std::binary_search(first, last, v))
                 found.push_back({v, Index(c)});
         }
     }
@@ -223,9 +229,15 @@ class Stream {
         });
         add_shared();
         std::vector<Index> open;
-        for (std::size_t page = 0; page < open_.size(); ++page)
+        for (std::size_t page = 0; page < open_.size(); ++page) {
+            if (use_.owners[page] == PageUse::unused) {
+                const auto first = normals_.subspan(page * page_vertices);
+                std::fill_n(first.begin(), std::min(page_vertices, first.size()),
+                            glm::vec3(0, 0, 1));
+            }
             for (std::uint64_t rest = open_[page]; rest != 0; rest &= rest - 1)
                 open.push_back(Index(page * page_vertices + std::size_t(std::countr_zero(rest))));
+        }
         return open;
     }
 
@@ -277,7 +289,7 @@ class Stream {
         const std::size_t begin = r * range_triangles,
                           end = std::min(mesh_.face_count(), begin + range_triangles);
         for (std::size_t t = begin; t < end; t += block_triangles)
-            add_block(t, std::min(t + block_triangles, end), pages, scratch);
+            add_block(t, std::min(t + block_triangles, end), scratch);
 
         shared_[r].reserve(std::size_t(std::count_if(pages.begin(), pages.end(), [&](Index page) {
             return use_.owners[page] == PageUse::shared;
@@ -297,8 +309,7 @@ class Stream {
         }
     }
 
-    void add_block(std::size_t begin, std::size_t end, const std::vector<Index>& pages,
-                   Scratch& scratch) const {
+    void add_block(std::size_t begin, std::size_t end, Scratch& scratch) const {
         const PageUse::Extent extent = use_.blocks[begin / block_triangles];
         const bool reads_behind = extent.last + 1 < mesh_.positions.size();
         unsigned components = add_(
@@ -307,11 +318,12 @@ class Stream {
         if (std::is_same_v<T, double> && (components & all_components) != components / differs)
             components = differing(begin, end, components);
         // All pages between the least and the greatest vertex: some too many at worst.
-        const auto first =
-            std::lower_bound(pages.begin(), pages.end(), extent.first / page_vertices);
-        const auto last = std::upper_bound(first, pages.end(), extent.last / page_vertices);
-        for (auto page = first; page != last; ++page)
-            scratch.components[std::size_t(page - pages.begin())] |= std::uint8_t(components);
+        const auto number = [&](Index vertex) {
+            return scratch.page_places[vertex / page_vertices] / page_vertices;
+        };
+        const std::size_t last = number(extent.last);
+        for (std::size_t page = number(extent.first); page <= last; ++page)
+            scratch.components[page] |= std::uint8_t(components);
     }
 
     // Of components whose products are all equal, also those whose accurate area vectors are not
@@ -400,7 +412,7 @@ std::optional<VertexNormals> by_triangles(const MeshView& mesh, const PageUse& u
                                           const VertexNormalOptions& options,
                                           VertexNormalsPath& path) {
     VertexNormals result;
-    result.normals.assign(mesh.positions.size(), {0, 0, 1});
+    result.normals.resize(mesh.positions.size());
     const bool done = options.precision == Precision::fast
                           ? stream<float>(mesh, use, options, result, path)
                           : stream<double>(mesh, use, options, result, path);
@@ -413,7 +425,7 @@ Error invalid_face(std::size_t face, std::string text) {
 }
 
 // Faces of three corners and more that follow each other over all corners.
-std::optional<Error> bad_faces(const MeshView& mesh) {
+std::optional<Error> bad_faces(const MeshView& mesh, int threads) {
     const std::size_t corners = mesh.corner_count();
     const std::span<const Index> offsets = mesh.face_offsets;
     if (offsets.empty() ? corners != 0 : offsets.front() != 0 || offsets.back() != corners)
@@ -424,8 +436,17 @@ std::optional<Error> bad_faces(const MeshView& mesh) {
     const auto is_bad = [&](std::size_t f) {
         return offsets[f + 1] < offsets[f] || offsets[f + 1] - offsets[f] < 3;
     };
-    bool any = false;
-    for (std::size_t f = 0; f < mesh.face_count(); ++f) any |= is_bad(f);
+    std::atomic<bool> any = false;
+    detail::parallel_blocks(mesh.face_count(), range_triangles, threads,
+                            [&](std::size_t begin, std::size_t end) {
+                                Index other = 0;  // than triangles: as many at once as vectors hold
+                                for (std::size_t f = begin; f < end; ++f)
+                                    other |= (offsets[f + 1] - offsets[f]) ^ 3;
+                                bool bad = false;
+                                for (std::size_t f = begin; f < end && other != 0; ++f)
+                                    bad |= is_bad(f);
+                                if (bad) any = true;
+                            });
     if (!any) return std::nullopt;
     std::size_t face = 0;
     while (!is_bad(face)) ++face;
@@ -457,7 +478,7 @@ bool any_bad_vertex(const MeshView& mesh, int threads) {
 Result<VertexNormals> detail::vertex_normals(const MeshView& mesh,
                                              const VertexNormalOptions& options,
                                              VertexNormalsPath& path) {
-    if (auto error = bad_faces(mesh)) return *std::move(error);
+    if (auto error = bad_faces(mesh, options.threads)) return *std::move(error);
     path = {};
     if (options.precision == Precision::exact || !all_triangles(mesh)) {
         if (any_bad_vertex(mesh, options.threads)) return bad_vertex(mesh);

@@ -158,26 +158,127 @@ HWY_INLINE bool is_open(const AreaSum<float>& sum, std::uint32_t count, double l
              (sum.size <= 0x1p120f));
 }
 
+// Normals of a page's vertices from number `i` on, and a bit for each that is open.
 template <class T>
-HWY_INLINE std::uint64_t finish(const AreaSum<T>* sums, const std::uint32_t* counts,
-                                std::size_t count, unsigned components, glm::vec3* normals) {
-    std::array<std::uint8_t, page_vertices> open{};
-    for (std::size_t i = 0; i < count; ++i) {
+HWY_INLINE void finish_one_by_one(const AreaSum<T>* sums, const std::uint32_t* counts,
+                                  std::size_t i, std::size_t count, unsigned components,
+                                  glm::vec3* normals, std::uint64_t& open) {
+    for (; i < count; ++i) {
         const AreaSum<T>& sum = sums[i];
         const glm::dvec3 total(sum.x, sum.y, sum.z);
         const double length = std::sqrt(total.x * total.x + total.y * total.y + total.z * total.z);
         const double scale = 1 / length;
         const glm::dvec3 normal(total.x * scale, total.y * scale, total.z * scale);
         normals[i] = glm::vec3(float(normal.x), float(normal.y), float(normal.z));
-        open[i] = is_open(sum, counts[i], length, normal, components);
+        open |= std::uint64_t(is_open(sum, counts[i], length, normal, components)) << i;
     }
-    std::uint64_t result = 0;
-    for (std::size_t i = 0; i < count; ++i) {
-        if (open[i] == 0) continue;
+}
+
+#if HWY_TARGET != HWY_SCALAR
+// Numbers below 2³², exactly.
+template <class D>
+HWY_INLINE auto counts_at(D d, const std::uint32_t* counts) {
+    const hn::Rebind<std::uint32_t, D> du;
+    const hn::RebindToSigned<decltype(du)> di;
+    const auto number = hn::LoadU(du, counts);
+    const auto low = hn::PromoteTo(d, hn::BitCast(di, hn::And(number, hn::Set(du, 0xffff))));
+    const auto high = hn::PromoteTo(d, hn::BitCast(di, hn::ShiftRight<16>(number)));
+    return hn::Add(hn::Mul(high, hn::Set(d, 65536.0)), low);
+}
+
+template <class D, class V>
+struct Sums {
+    V z, x, y, size;
+};
+template <class D>
+HWY_INLINE auto sums_at(D d, const AreaSum<double>* sums) {
+    hn::Vec<D> z, x, y, size;
+    hn::LoadInterleaved4(d, &sums->z, z, x, y, size);
+    return Sums<D, hn::Vec<D>>{z, x, y, size};
+}
+template <class D>
+HWY_INLINE auto sums_at(D d, const AreaSum<float>* sums) {
+    const hn::Rebind<float, D> df;
+    hn::Vec<decltype(df)> z, x, y, size;
+    hn::LoadInterleaved4(df, &sums->z, z, x, y, size);
+    return Sums<D, hn::Vec<D>>{hn::PromoteTo(d, z), hn::PromoteTo(d, x), hn::PromoteTo(d, y),
+                               hn::PromoteTo(d, size)};
+}
+
+// is_open(), the other way round, of several vertices at once.
+template <class D, class V>
+HWY_INLINE auto are_told(D d, const Sums<D, V>& sum, V count, V length, const Sums<D, V>& normal,
+                         unsigned components, double) {
+    const auto number = [&](double value) { return hn::Set(d, value); };
+    const auto of_size = hn::Add(number(0x1p-43), hn::Mul(count, number(0x1p-51)));
+    const auto error =
+        hn::Add(number(0x1p-43 + 0x1p-50), hn::Mul(of_size, hn::Div(sum.size, length)));
+    const auto differing = hn::Le(sum.size, hn::Mul(number(32), length));
+    const hn::Rebind<float, D> df;
+    const auto told = [&](V x, unsigned component) {
+        const auto low = hn::PromoteTo(d, hn::DemoteTo(df, hn::Sub(x, error)));
+        const auto high = hn::PromoteTo(d, hn::DemoteTo(df, hn::Add(x, error)));
+        const auto none = hn::MaskFromVec(hn::Zero(d)), all = hn::Not(none);
+        const auto absent = hn::IfThenElse(
+            differing, hn::VecFromMask(d, (components / differs & component) == 0 ? all : none),
+            hn::VecFromMask(d, (components & component) == 0 ? all : none));
+        return hn::Or(hn::Eq(low, high), hn::MaskFromVec(absent));
+    };
+    return hn::And(hn::And(told(normal.x, component_x), told(normal.y, component_y)),
+                   hn::And(told(normal.z, component_z), hn::Gt(length, hn::Zero(d))));
+}
+template <class D, class V>
+HWY_INLINE auto are_told(D d, const Sums<D, V>& sum, V count, V length,
+                         const Sums<D, V>& /*normal*/, unsigned /*components*/, float) {
+    const auto number = [&](double value) { return hn::Set(d, value); };
+    const auto error = hn::Mul(hn::Mul(hn::Add(count, number(6)), number(0x1p-24)), sum.size);
+    return hn::And(hn::Le(error, hn::Mul(number(fast_normal_error * 0.99), length)),
+                   hn::And(hn::Ge(sum.size, number(0x1p-90)), hn::Le(sum.size, number(0x1p120))));
+}
+
+// Whole vectors of the page; returns how many vertices that is.
+template <class T>
+HWY_INLINE std::size_t finish_by_vectors(const AreaSum<T>* sums, const std::uint32_t* counts,
+                                         std::size_t count, unsigned components, glm::vec3* normals,
+                                         std::uint64_t& open) {
+    const hn::ScalableTag<double> d;
+    const hn::Rebind<float, decltype(d)> df;
+    const std::size_t lanes = hn::Lanes(d);
+    std::size_t i = 0;
+    for (; i + lanes <= count; i += lanes) {
+        const auto sum = sums_at(d, sums + i);
+        const auto length = hn::Sqrt(
+            hn::Add(hn::Add(hn::Mul(sum.x, sum.x), hn::Mul(sum.y, sum.y)), hn::Mul(sum.z, sum.z)));
+        const auto scale = hn::Div(hn::Set(d, 1.0), length);
+        decltype(sum) normal{hn::Mul(sum.z, scale), hn::Mul(sum.x, scale), hn::Mul(sum.y, scale),
+                             scale};
+        hn::StoreInterleaved3(hn::DemoteTo(df, normal.x), hn::DemoteTo(df, normal.y),
+                              hn::DemoteTo(df, normal.z), df, &normals[i].x);
+        const auto told =
+            are_told(d, sum, counts_at(d, counts + i), length, normal, components, T());
+        std::uint8_t bits[8] = {};
+        hn::StoreMaskBits(d, hn::Not(told), bits);
+        open |= std::uint64_t(bits[0]) << i;
+    }
+    return i;
+}
+#endif
+
+template <class T>
+HWY_INLINE std::uint64_t finish(const AreaSum<T>* sums, const std::uint32_t* counts,
+                                std::size_t count, unsigned components, glm::vec3* normals) {
+    std::uint64_t open = 0;
+    std::size_t done = 0;
+#if HWY_TARGET != HWY_SCALAR
+    done = finish_by_vectors(sums, counts, count, components, normals, open);
+#endif
+    finish_one_by_one(sums, counts, done, count, components, normals, open);
+    for (std::uint64_t rest = open; rest != 0; rest &= rest - 1) {
+        const auto i = std::size_t(hwy::Num0BitsBelowLS1Bit_Nonzero64(rest));
         normals[i] = {0, 0, 1};
-        if (counts[i] != 0) result |= std::uint64_t(1) << i;
+        if (counts[i] == 0) open &= ~(std::uint64_t(1) << i);
     }
-    return result;
+    return open;
 }
 
 }  // namespace

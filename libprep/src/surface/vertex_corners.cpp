@@ -38,10 +38,13 @@ class LocalSort {
     // False: the ranges are too large. result.offsets are zeros.
     bool run(VertexCorners& result) {
         by_block([&](Block& block, std::size_t begin, std::size_t end) {
-            const auto [low, high] =
-                std::minmax_element(vertices_.begin() + begin, vertices_.begin() + end);
-            block.first = *low;
-            block.last = *high + 1;
+            Index low = vertices_[begin], high = low;
+            for (std::size_t c = begin; c < end; ++c) {
+                low = std::min(low, vertices_[c]);
+                high = std::max(high, vertices_[c]);
+            }
+            block.first = low;
+            block.last = high + 1;
         });
         std::size_t ranges = 0;
         for (const Block& block : blocks_) ranges += block.last - block.first;
