@@ -18,15 +18,16 @@ Result<CreaseNormals> crease_normals(const MeshView& mesh, std::span<const std::
     FaceNormals faces;
     const auto find_faces = [&] { faces = face_normals(mesh, options.precision, options.threads); };
     if (detail::may_have_crease_fans(mesh, options)) {
-        const detail::CornerPoints points(mesh, welded, options.threads);
+        std::optional<detail::CornerPoints> points;
         detail::VertexCorners around;
         // Each has parts for one thread.
         detail::parallel_both(options.threads, find_faces, [&] {
-            around = detail::corners_by_vertex(points.of_corners(), mesh.positions.size(),
+            points.emplace(mesh, welded, options.threads);
+            around = detail::corners_by_vertex(points->of_corners(), mesh.positions.size(),
                                                options.threads);
         });
-        if (auto fans = detail::crease_fans(mesh, points.of_corners(), welded, around, faces, edges,
-                                            options))
+        if (auto fans = detail::crease_fans(mesh, points->of_corners(), welded, around, faces,
+                                            edges, options))
             return *std::move(fans);
     } else {
         find_faces();

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "base/unfilled_vector.h"
 #include "prep/mesh.h"
 
 namespace prep::detail {
@@ -32,7 +33,7 @@ class CornerPoints {
     std::span<const std::uint32_t> of_corners() const { return of_corners_; }
 
   private:
-    std::vector<std::uint32_t> own_;
+    UnfilledVector<std::uint32_t> own_;
     std::span<const std::uint32_t> of_corners_;
 };
 
