@@ -376,7 +376,7 @@ TEST(GltfCompression, DracoKeepsTheStepsOfItsInput) {
         raw->width = 3;
         raw->count = 4;
         const auto bytes = std::as_bytes(std::span(raw == &positions ? places : up));
-        raw->bytes.assign(bytes.begin(), bytes.end());
+        raw->bytes = prep::detail::SharedBytes::lent(bytes);
     }
     source.indices = {0, 1, 2, 0, 2, 3};
     prep::detail::DracoCoding coding;
@@ -438,7 +438,7 @@ TEST(GltfCompression, GridsThatCannotHoldTheValuesAreNotUsed) {
     positions.width = 3;
     positions.count = 4;
     const auto bytes = std::as_bytes(std::span(places));
-    positions.bytes.assign(bytes.begin(), bytes.end());
+    positions.bytes = prep::detail::SharedBytes::lent(bytes);
     source.indices = {0, 1, 2, 0, 2, 3};
     constexpr float infinity = std::numeric_limits<float>::infinity();
     for (const float range : {0.0f, -8.0f, 4.0f, infinity, std::nanf("")}) {

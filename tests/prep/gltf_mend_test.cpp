@@ -25,15 +25,14 @@ RawAccessor set_of(const std::vector<T>& values) {
     raw.width = 4;
     raw.normalized = sizeof(T) < 4;
     raw.count = values.size() / 4;
-    raw.bytes.resize(values.size() * sizeof(T));
-    if (!values.empty()) std::memcpy(raw.bytes.data(), values.data(), raw.bytes.size());
+    raw.bytes = prep::detail::SharedBytes::of(values);
     return raw;
 }
 
 template <class T>
 std::vector<T> values_of(const RawAccessor& raw) {
     std::vector<T> values(raw.bytes.size() / sizeof(T));
-    std::memcpy(values.data(), raw.bytes.data(), raw.bytes.size());
+    if (!values.empty()) std::memcpy(values.data(), raw.bytes.data(), raw.bytes.size());
     return values;
 }
 
