@@ -9,8 +9,7 @@
 #include <cstring>
 
 #include "base/atomic_files.h"
-#include "base/parallel.h"
-#include "base/read_file.h"
+#include "base/read_open_file.h"
 
 namespace prep {
 namespace {
@@ -19,27 +18,9 @@ std::string reason() {
     return std::strerror(errno);
 }
 
-// Of a regular file, from its beginning; how many are there, which may be fewer than asked for.
-std::size_t read_at_once(int fd, std::span<std::byte> bytes, int threads) {
-    constexpr std::size_t block = std::size_t(4) << 20;
-    std::vector<std::size_t> have((bytes.size() + block - 1) / block, 0);
-    detail::parallel_blocks(bytes.size(), block, threads, [&](std::size_t begin, std::size_t end) {
-        std::size_t& read = have[begin / block];
-        while (begin + read < end) {
-            const ssize_t n =
-                ::pread(fd, bytes.data() + begin + read, end - begin - read, off_t(begin + read));
-            if (n < 0 && errno == EINTR) continue;
-            if (n <= 0) return;
-            read += std::size_t(n);
-        }
-    });
-    std::size_t all = 0;
-    for (std::size_t b = 0; b < have.size() && all == b * block; ++b) all += have[b];
-    return all;
-}
+}  // namespace
 
-template <class Bytes>
-Result<Bytes> read_all(int fd, const std::filesystem::path& path, int threads = 1) {
+Result<std::vector<std::byte>> detail::read_open_file(int fd, const std::filesystem::path& path) {
     struct stat info {};
     if (::fstat(fd, &info) != 0)
         return Error{ErrorCode::io, "cannot read the file: " + reason(), path.string()};
@@ -48,14 +29,8 @@ Result<Bytes> read_all(int fd, const std::filesystem::path& path, int threads = 
     constexpr off_t limit = off_t(1) << 40;
     if (info.st_size > limit)
         return Error{ErrorCode::limit, "the file is larger than 1 TiB", path.string()};
-    Bytes bytes(std::size_t(info.st_size));
+    std::vector<std::byte> bytes(std::size_t(info.st_size));
     std::size_t have = 0;
-    if (threads != 1 && S_ISREG(info.st_mode)) {
-        have = read_at_once(fd, bytes, threads);
-        // Why it ended early, or what came since, is found below.
-        if (::lseek(fd, off_t(have), SEEK_SET) < 0)
-            return Error{ErrorCode::io, "cannot read the file: " + reason(), path.string()};
-    }
     // Pipes and devices say size 0: read until the end either way.
     for (;;) {
         if (have == bytes.size()) {
@@ -84,21 +59,6 @@ Result<Bytes> read_all(int fd, const std::filesystem::path& path, int threads = 
     return bytes;
 }
 
-template <class Bytes>
-Result<Bytes> read_named(const std::filesystem::path& path, int threads = 1) {
-    const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-    if (fd < 0) return Error{ErrorCode::io, "cannot open the file: " + reason(), path.string()};
-    auto bytes = read_all<Bytes>(fd, path, threads);
-    ::close(fd);
-    return bytes;
-}
-
-}  // namespace
-
-Result<std::vector<std::byte>> detail::read_open_file(int fd, const std::filesystem::path& path) {
-    return read_all<std::vector<std::byte>>(fd, path);
-}
-
 Result<std::vector<std::byte>> detail::read_regular_file(const std::filesystem::path& path) {
     std::error_code ec;
     const auto status = std::filesystem::status(path, ec);
@@ -108,11 +68,11 @@ Result<std::vector<std::byte>> detail::read_regular_file(const std::filesystem::
 }
 
 Result<std::vector<std::byte>> read_file(const std::filesystem::path& path) {
-    return read_named<std::vector<std::byte>>(path);
-}
-
-Result<detail::FileBytes> detail::read_file_bytes(const std::filesystem::path& path, int threads) {
-    return read_named<FileBytes>(path, threads);
+    const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+    if (fd < 0) return Error{ErrorCode::io, "cannot open the file: " + reason(), path.string()};
+    auto bytes = detail::read_open_file(fd, path);
+    ::close(fd);
+    return bytes;
 }
 
 Result<void> write_file(const std::filesystem::path& path, std::span<const std::byte> bytes) {

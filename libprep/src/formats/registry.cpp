@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cctype>
 
-#include "base/read_file.h"
+#include "base/file_bytes.h"
 #include "formats/foreign_files.h"
 #include "formats/gltf/gltf.h"
 #include "formats/obj/obj.h"

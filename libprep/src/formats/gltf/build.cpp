@@ -7,7 +7,7 @@
 #include <set>
 
 #include "base/finite.h"
-#include "base/read_file.h"
+#include "base/read_open_file.h"
 #include "formats/gltf/material_extensions.h"
 #include "formats/gltf/nodes/build_morphs_skins.h"
 #include "formats/gltf/nodes/build_nodes.h"

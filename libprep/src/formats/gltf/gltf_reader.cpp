@@ -5,7 +5,7 @@
 #include <glm/gtc/quaternion.hpp>
 #include <set>
 
-#include "base/read_file.h"
+#include "base/file_bytes.h"
 #include "formats/gltf/document.h"
 #include "formats/gltf/extensions.h"
 #include "formats/gltf/materials.h"

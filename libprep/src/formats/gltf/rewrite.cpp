@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <numeric>
 
 #include "base/finite.h"
 #include "formats/gltf/appended_data.h"
@@ -15,6 +14,7 @@
 #include "formats/gltf/references.h"
 #include "formats/gltf/values/bounds.h"
 #include "formats/gltf/values/pictures.h"
+#include "formats/gltf/values/primitive_vertices.h"
 #include "formats/gltf/values/value_repair.h"
 #include "normals/authored_normals.h"
 
@@ -100,79 +100,28 @@ class Rewriter {
         positions_finite_ = all_finite(floats_of(mesh.positions));
         for (std::size_t p = 0; p < primitives.size(); ++p) {
             if (!primitives[p].triangles) continue;
-            Triangles triangles = triangles_of(mesh, p);
-            if (triangles.indices.empty() && is_subdivided(m) && primitives[p].vertex_count > 2)
+            PrimitiveTriangles triangles(mesh, p);
+            if (triangles.empty() && is_subdivided(m) && primitives[p].vertex_count > 2)
                 return Error{ErrorCode::unsupported,
                              "no face of a primitive is left of its subdivision (holes, or a "
                              "boundary rule of none): it cannot be written back; use another "
                              "--subdivide-boundary",
                              document_.place("/meshes/" + std::to_string(m) + "/primitives/" +
                                              std::to_string(p))};
-            if (triangles.indices.empty()) continue;
+            if (triangles.empty()) continue;
             if (auto done = primitive(m, p, std::move(triangles)); !done) return done;
         }
         return {};
     }
 
-    // Of a primitive, by the numbers of the mesh's vertices: the mesh's own, where they stand there
-    // one after the other.
-    struct Triangles {
-        std::vector<Index> own;
-        std::span<const Index> indices;
-        SharedBytes bytes() && {
-            return own.empty() ? SharedBytes::lent(std::as_bytes(indices))
-                               : SharedBytes::of(std::move(own));
-        }
-    };
-    // Ranges are per part and material; a primitive has one material.
-    static Triangles triangles_of(const VertexMesh& mesh, std::size_t part) {
-        Triangles all;
-        for (const VertexMesh::Range& range : mesh.ranges) {
-            if (range.part != part || range.triangle_count == 0) continue;
-            const auto some = std::span(mesh.indices)
-                                  .subspan(3 * std::size_t(range.first_triangle),
-                                           3 * std::size_t(range.triangle_count));
-            if (all.indices.empty()) {
-                all.indices = some;
-                continue;
-            }
-            if (all.own.empty()) all.own.assign(all.indices.begin(), all.indices.end());
-            all.own.insert(all.own.end(), some.begin(), some.end());
-            all.indices = all.own;
-        }
-        return all;
-    }
-
-    // The vertices that triangles use, ascending: the triangles' indices become places in the list.
-    struct UsedVertices {
-        std::vector<Index> list;
-        bool all = false;  // of the mesh
-    };
-    static UsedVertices number_used(const VertexMesh& mesh, Triangles& triangles) {
-        UsedVertices used;
-        used.all = name_all(triangles.indices, mesh.positions.size());
-        if (used.all) {
-            used.list.resize(mesh.positions.size());
-            std::iota(used.list.begin(), used.list.end(), Index(0));
-            return used;
-        }
-        if (triangles.own.empty())
-            triangles.own.assign(triangles.indices.begin(), triangles.indices.end());
-        used.list = number_anew(triangles.own);
-        triangles.indices = triangles.own;
-        return used;
-    }
-
-    Result<void> primitive(Index m, std::size_t p, Triangles triangles) {
+    Result<void> primitive(Index m, std::size_t p, PrimitiveTriangles triangles) {
         const GltfPrimitive& source = document_.primitives[m][p];
         const VertexMesh& mesh = prepared_.meshes[m];
-        if (!positions_finite_) {
-            if (triangles.own.empty())
-                triangles.own.assign(triangles.indices.begin(), triangles.indices.end());
-            dropped_triangles_ += drop_non_finite(mesh.positions, triangles.own);
-            triangles.indices = triangles.own;
-        }
-        if (triangles.indices.empty()) {
+        if (!positions_finite_)
+            triangles.change([&](std::vector<Index>& indices) {
+                dropped_triangles_ += drop_non_finite(mesh.positions, indices);
+            });
+        if (triangles.empty()) {
             if (!source.draco.empty())
                 return Error{ErrorCode::unsupported,
                              "a compressed primitive without a triangle of finite positions cannot "
@@ -183,7 +132,7 @@ class Rewriter {
             return {};
         }
         const UsedVertices used = number_used(mesh, triangles);
-        const std::span<const Index> indices = triangles.indices;
+        const std::span<const Index> indices = triangles.indices();
         if (is_subdivided(m)) {
             refined(m, p, used.list, indices);
             return {};
@@ -212,8 +161,8 @@ class Rewriter {
         }
         auto gathered = gather_all(source, out, elements, coding, m);
         if (!gathered) return std::move(gathered).error();
-        const Vectors<glm::vec3> normals = repaired_normals(mesh.normals, used);
-        const Vectors<glm::vec4> tangents = repaired_tangents(mesh.tangents, normals, used);
+        const VertexVectors<glm::vec3> normals = repaired_normals(mesh.normals, used);
+        const VertexVectors<glm::vec4> tangents = repaired_tangents(mesh.tangents, normals, used);
         if (!changed_ && elements.of_corners.empty() &&
             untouched(m, out, source, elements.of_vertices, indices, normals, tangents))
             return {};
@@ -339,9 +288,9 @@ class Rewriter {
                     emit(item.key(), std::move(gathered[t].at(item.key())), elements);
             }
             if (new_normals && attributes.contains("NORMAL"))
-                result["NORMAL"] = appended_.add_floats(at(made[t].normals, used));
+                result["NORMAL"] = appended_.add_floats(values_at(made[t].normals, used));
             if (new_tangents && attributes.contains("TANGENT"))
-                result["TANGENT"] = appended_.add_floats(at(made[t].tangents, used));
+                result["TANGENT"] = appended_.add_floats(values_at(made[t].tangents, used));
             target = std::move(result);
         }
     }
@@ -444,55 +393,25 @@ class Rewriter {
         return now;
     }
 
-    template <class T>
-    static std::vector<T> at(const std::vector<T>& values, const std::vector<Index>& used) {
-        std::vector<T> result;
-        if (values.empty()) return result;
-        result.reserve(used.size());
-        for (const Index v : used) result.push_back(values[v]);
-        return result;
-    }
-
-    // Normals or tangents of a primitive's vertices: the mesh's own, or others.
-    template <class T>
-    struct Vectors {
-        static constexpr int width = int(T::length());
-        SharedBytes bytes;
-        Vectors() = default;
-        explicit Vectors(std::vector<T> own) : bytes(SharedBytes::of(std::move(own))) {}
-        bool empty() const { return bytes.empty(); }
-        std::span<const T> values() const {
-            return {reinterpret_cast<const T*>(bytes.data()), bytes.size() / sizeof(T)};
-        }
-    };
-    // The mesh's own, where the primitive has all of them and they are valid; else empty.
-    template <class T>
-    static Vectors<T> own(const std::vector<T>& values, const UsedVertices& used) {
-        Vectors<T> result;
-        if (used.all && all_finite(floats_of(values)))
-            result.bytes = SharedBytes::lent(std::as_bytes(std::span(values)));
-        return result;
-    }
-
-    Vectors<glm::vec3> repaired_normals(const std::vector<glm::vec3>& values,
-                                        const UsedVertices& used) {
-        if (Vectors<glm::vec3> same = own(values, used); !same.empty()) return same;
-        std::vector<glm::vec3> result = at(values, used.list);
+    VertexVectors<glm::vec3> repaired_normals(const std::vector<glm::vec3>& values,
+                                              const UsedVertices& used) {
+        if (VertexVectors<glm::vec3> same = own_vectors(values, used); !same.empty()) return same;
+        std::vector<glm::vec3> result = values_at(values, used.list);
         for (glm::vec3& n : result)
             if (!is_finite(n)) {
                 n = glm::vec3(0, 0, 1);
                 note_once("normals that are not finite were written as (0, 0, 1)");
                 changed_ = true;
             }
-        return Vectors<glm::vec3>(std::move(result));
+        return VertexVectors<glm::vec3>(std::move(result));
     }
 
     // Where nothing calls for tangents, the file's own may be anything.
-    Vectors<glm::vec4> repaired_tangents(const std::vector<glm::vec4>& values,
-                                         const Vectors<glm::vec3>& normals,
-                                         const UsedVertices& used) {
-        if (Vectors<glm::vec4> same = own(values, used); !same.empty()) return same;
-        std::vector<glm::vec4> result = at(values, used.list);
+    VertexVectors<glm::vec4> repaired_tangents(const std::vector<glm::vec4>& values,
+                                               const VertexVectors<glm::vec3>& normals,
+                                               const UsedVertices& used) {
+        if (VertexVectors<glm::vec4> same = own_vectors(values, used); !same.empty()) return same;
+        std::vector<glm::vec4> result = values_at(values, used.list);
         for (std::size_t i = 0; i < result.size(); ++i) {
             glm::vec4& t = result[i];
             if (is_finite(t)) continue;
@@ -508,7 +427,7 @@ class Rewriter {
             t = glm::vec4(glm::normalize(glm::cross(n, axis)), 1.0f);
             note_once("tangents that are not finite were replaced by any in the surface");
         }
-        return Vectors<glm::vec4>(std::move(result));
+        return VertexVectors<glm::vec4>(std::move(result));
     }
 
     // --- helpers of primitive() ----------------------------------------------------------
@@ -517,7 +436,8 @@ class Rewriter {
     // primitive's accessors stay.
     bool untouched(std::size_t m, const Json& out, const GltfPrimitive& source,
                    const std::vector<Index>& local, std::span<const Index> indices,
-                   const Vectors<glm::vec3>& normals, const Vectors<glm::vec4>& tangents) const {
+                   const VertexVectors<glm::vec3>& normals,
+                   const VertexVectors<glm::vec4>& tangents) const {
         if (!source.draco.empty() && !keeps_draco_) return false;
         if (!morphs(m).empty() && out.contains("targets")) return false;
         const Json& attributes = out["attributes"];
@@ -532,7 +452,7 @@ class Rewriter {
 
     template <class T>
     bool same_values(const GltfPrimitive& source, const Json& attributes, const char* semantic,
-                     const Vectors<T>& values) const {
+                     const VertexVectors<T>& values) const {
         if (values.empty() || !attributes.contains(semantic)) return true;
         const auto draco = source.draco.find(semantic);
         if (draco != source.draco.end()) return same_directions(draco->second, values, true);
@@ -541,7 +461,8 @@ class Rewriter {
     }
 
     template <class T>
-    static bool same_directions(const RawAccessor& raw, const Vectors<T>& values, bool rounded) {
+    static bool same_directions(const RawAccessor& raw, const VertexVectors<T>& values,
+                                bool rounded) {
         const std::size_t width = sizeof(T) / sizeof(float);
         if (raw.width != int(width) || raw.count != values.values().size()) return false;
         const auto same = [&](const void* before) {
@@ -564,7 +485,7 @@ class Rewriter {
     Result<std::optional<Gathered>> kept_directions(const GltfPrimitive& source,
                                                     const Json& attributes, const char* semantic,
                                                     const Elements& elements,
-                                                    const Vectors<T>& values) const {
+                                                    const VertexVectors<T>& values) const {
         const auto accessor = attributes[semantic].get<std::size_t>();
         if (document_.json["accessors"][accessor]["componentType"] == 5126)
             return std::optional<Gathered>();

@@ -8,7 +8,7 @@
 #include <cstring>
 #include <utility>
 
-#include "base/read_file.h"
+#include "base/read_open_file.h"
 #include "prep/files.h"
 
 namespace prep::detail {
