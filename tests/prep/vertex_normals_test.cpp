@@ -100,6 +100,30 @@ TEST(VertexNormals, AreCornerNormalsWhereFacesAreOneFan) {
 
 // Whole meshes of components that are sums of zeros are not left to the slow way, and nothing is
 // taken for zero that is not.
+// Hundreds in a row before, among and behind the others.
+TEST(VertexNormals, OfUnusedVerticesPointUp) {
+    const Mesh torus = bumpy_torus(60, 50);
+    Mesh mesh = torus;
+    mesh.positions.clear();
+    const std::size_t half = torus.vertex_count() / 2;
+    const auto place = [&](std::size_t v) { return 200 + v + (v < half ? 0 : 333); };
+    mesh.positions.assign(torus.vertex_count() + 200 + 333 + 77, glm::vec3(5));
+    for (std::size_t v = 0; v < torus.vertex_count(); ++v)
+        mesh.positions[place(v)] = torus.positions[v];
+    for (std::uint32_t& v : mesh.corner_vertices) v = std::uint32_t(place(v));
+    for (const Precision precision : {Precision::fast, Precision::accurate, Precision::exact}) {
+        std::vector<glm::vec3> expected(mesh.vertex_count(), glm::vec3(0, 0, 1));
+        const VertexNormals alone = normals_of(torus, precision);
+        for (std::size_t v = 0; v < torus.vertex_count(); ++v)
+            expected[place(v)] = alone.normals[v];
+        std::size_t different = 0;
+        const VertexNormals ours = normals_of(mesh, precision);
+        for (std::size_t v = 0; v < expected.size(); ++v)
+            different += bits(ours.normals[v]) != bits(expected[v]);
+        EXPECT_EQ(different, 0u) << int(precision);
+    }
+}
+
 TEST(VertexNormals, OfFlatMeshes) {
     Mesh flat = shapes::fan_triangulated(shapes::grid(90, 70));
     EXPECT_EQ(expect_corner_normals(flat), flat.vertex_count());
