@@ -288,6 +288,23 @@ TEST(VertexNormals, RefuseWhatIsNoMesh) {
         }
 }
 
+// A face from just below 2³² to 1 would have three corners; all others have, but the first.
+TEST(VertexNormals, RefuseOffsetsThatWrapAround) {
+    Mesh mesh;
+    mesh.positions.assign(3, glm::vec3(1));
+    mesh.face_offsets = {0, 0xfffffffeu - 3 * 40'000};
+    for (int f = 0; f < 60'000; ++f) mesh.face_offsets.push_back(mesh.face_offsets.back() + 3);
+    mesh.corner_vertices.assign(mesh.face_offsets.back(), 0);
+    ASSERT_LT(mesh.corner_count(), 60'000u);
+    for (const Precision precision : {Precision::fast, Precision::accurate, Precision::exact}) {
+        VertexNormalOptions options;
+        options.precision = precision;
+        const auto normals = prep::vertex_normals(MeshView(mesh), options);
+        ASSERT_FALSE(normals.has_value());
+        EXPECT_EQ(to_string(normals.error()), "face 40001: a face has fewer than 3 corners");
+    }
+}
+
 // x is 1 − 1 + 2⁻⁶⁰ in any order, beside a large z.
 TEST(VertexNormals, DoNotDependOnTheOrderOfWhatCancels) {
     Mesh mesh = shapes::mesh_of({{0, 0, 0},

@@ -13,6 +13,9 @@ namespace prep::detail {
 template <class T>
 struct UnfilledAllocator : std::allocator<T> {
     static_assert(std::is_trivially_default_constructible_v<T>);
+    UnfilledAllocator() = default;
+    template <class U>
+    UnfilledAllocator(const UnfilledAllocator<U>&) {}
     template <class U>
     struct rebind {
         using other = UnfilledAllocator<U>;

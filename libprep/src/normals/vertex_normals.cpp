@@ -437,16 +437,15 @@ std::optional<Error> bad_faces(const MeshView& mesh, int threads) {
         return offsets[f + 1] < offsets[f] || offsets[f + 1] - offsets[f] < 3;
     };
     std::atomic<bool> any = false;
-    detail::parallel_blocks(mesh.face_count(), range_triangles, threads,
-                            [&](std::size_t begin, std::size_t end) {
-                                Index other = 0;  // than triangles: as many at once as vectors hold
-                                for (std::size_t f = begin; f < end; ++f)
-                                    other |= (offsets[f + 1] - offsets[f]) ^ 3;
-                                bool bad = false;
-                                for (std::size_t f = begin; f < end && other != 0; ++f)
-                                    bad |= is_bad(f);
-                                if (bad) any = true;
-                            });
+    detail::parallel_blocks(
+        mesh.face_count(), range_triangles, threads, [&](std::size_t begin, std::size_t end) {
+            Index other = 0;  // than triangles: as many at once as vectors hold
+            for (std::size_t f = begin; f < end; ++f)
+                other |= ((offsets[f + 1] - offsets[f]) ^ 3) | Index(offsets[f + 1] < offsets[f]);
+            bool bad = false;
+            for (std::size_t f = begin; f < end && other != 0; ++f) bad |= is_bad(f);
+            if (bad) any = true;
+        });
     if (!any) return std::nullopt;
     std::size_t face = 0;
     while (!is_bad(face)) ++face;

@@ -174,7 +174,13 @@ HWY_INLINE void finish_one_by_one(const AreaSum<T>* sums, const std::uint32_t* c
     }
 }
 
-#if HWY_TARGET != HWY_SCALAR
+#if HWY_TARGET != HWY_SCALAR && !HWY_HAVE_SCALABLE
+#define PREP_MANY_LANES 1
+#else
+#define PREP_MANY_LANES 0
+#endif
+
+#if PREP_MANY_LANES
 // Numbers below 2³², exactly.
 template <class D>
 HWY_INLINE auto counts_at(D d, const std::uint32_t* counts) {
@@ -243,7 +249,8 @@ HWY_INLINE std::size_t finish_by_vectors(const AreaSum<T>* sums, const std::uint
                                          std::uint64_t& open) {
     const hn::ScalableTag<double> d;
     const hn::Rebind<float, decltype(d)> df;
-    const std::size_t lanes = hn::Lanes(d);
+    constexpr std::size_t lanes = hn::MaxLanes(d);
+    static_assert(lanes <= 8, "a byte of mask");
     std::size_t i = 0;
     for (; i + lanes <= count; i += lanes) {
         const auto sum = sums_at(d, sums + i);
@@ -269,7 +276,7 @@ HWY_INLINE std::uint64_t finish(const AreaSum<T>* sums, const std::uint32_t* cou
                                 std::size_t count, unsigned components, glm::vec3* normals) {
     std::uint64_t open = 0;
     std::size_t done = 0;
-#if HWY_TARGET != HWY_SCALAR
+#if PREP_MANY_LANES
     done = finish_by_vectors(sums, counts, count, components, normals, open);
 #endif
     finish_one_by_one(sums, counts, done, count, components, normals, open);
@@ -300,6 +307,7 @@ std::uint64_t finish_floats(const AreaSum<float>* sums, const std::uint32_t* cou
     return finish(sums, counts, count, components, normals);
 }
 
+#undef PREP_MANY_LANES
 #undef PREP_FOUR_LANES
 
 }  // namespace prep::detail::HWY_NAMESPACE

@@ -419,7 +419,9 @@ std::vector<float> to_floats(const RawAccessor& raw) {
 bool same_indices(const RawAccessor& raw, std::span<const std::uint32_t> indices) {
     if (raw.count != indices.size()) return false;
     if (raw.component_type == 5125)
-        return std::equal(raw.bytes.begin(), raw.bytes.end(), std::as_bytes(indices).begin());
+        return raw.bytes.size() == indices.size_bytes() &&
+               (indices.empty() ||
+                std::memcmp(raw.bytes.data(), indices.data(), indices.size_bytes()) == 0);
     const std::vector<std::uint32_t> own = to_indices(raw);
     return std::equal(own.begin(), own.end(), indices.begin(), indices.end());
 }

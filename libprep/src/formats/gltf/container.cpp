@@ -228,7 +228,11 @@ Result<void> load_buffers(GltfDocument& document, const std::optional<SharedByte
             else
                 bytes = std::move(found).error();
         } else if (b == 0 && bin) {
-            bytes = *bin;
+            // What stands beside the chunk stays in memory with it, unless it is the most of the
+            // file.
+            bytes = bin->size() < document.input_bytes / 2
+                        ? SharedBytes(std::vector<std::byte>(bin->begin(), bin->end()))
+                        : *bin;
         } else {
             bytes = Error{ErrorCode::invalid,
                           "the buffer has neither a uri nor a BIN chunk to be found in",

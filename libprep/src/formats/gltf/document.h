@@ -33,7 +33,8 @@ struct RawAccessor {
     int width = 1;  // components to an element
     bool normalized = false;
     std::size_t count = 0;
-    SharedBytes bytes;  // where they lie in the document's buffer as they are: that part of it
+    // `count` elements; where they lie in the document's buffer as they are: that part of it.
+    SharedBytes bytes;
     std::size_t element_size() const;
 };
 

@@ -489,10 +489,6 @@ class SceneReader {
     std::uint64_t decoded_bytes_left_;
 };
 
-}  // namespace
-
-namespace {
-
 Result<Scene> parse(const SharedBytes& bytes, const GltfOptions& options) {
     try {
         auto opened = detail::open_gltf(bytes, options);

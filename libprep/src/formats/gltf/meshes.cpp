@@ -28,8 +28,6 @@ class MeshReader {
     }
 
   private:
-    static constexpr std::size_t worth_threads = 1 << 16;  // indices
-
     // --- what is there, by JSON alone ---------------------------------------------------------
 
     // Looks at the lists, and finds the accessors that more than one primitive uses.

@@ -5,8 +5,6 @@
 namespace prep::detail {
 namespace {
 
-constexpr std::size_t worth_threads = 1 << 16;  // corners
-
 using Index = std::uint32_t;
 
 void append_joints(const RawAccessor& raw, std::size_t first,

@@ -13,6 +13,9 @@
 
 namespace prep::detail {
 
+// Corners or indices that are filled in no less time than threads take to start.
+constexpr std::size_t worth_threads = 1 << 16;
+
 // What is left of decoded_limit().
 class DecodeBudget {
   public:

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <limits>
 #include <map>
+#include <span>
 #include <tuple>
 
 #include "base/finite.h"

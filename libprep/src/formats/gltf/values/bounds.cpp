@@ -5,6 +5,7 @@
 namespace prep::detail {
 
 void set_bounds(const RawAccessor& raw, Json& out) {
+    if (raw.count == 0) return;
     RawAccessor block = raw;
     block.normalized = false;
     const auto width = std::size_t(raw.width);
