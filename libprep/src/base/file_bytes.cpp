@@ -17,6 +17,7 @@
 namespace prep::detail {
 namespace {
 
+// Enough that handing it out costs nothing beside copying it.
 constexpr std::size_t file_block = std::size_t(4) << 20;
 constexpr std::uint64_t largest_file = std::uint64_t(1) << 40;  // read_open_file() says why not
 

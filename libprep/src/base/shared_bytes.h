@@ -37,7 +37,7 @@ class SharedBytes {
     auto end() const { return bytes_.end(); }
     std::byte operator[](std::size_t i) const { return bytes_[i]; }
 
-    // size() bytes at the most.
+    // offset + size: at most size().
     SharedBytes part(std::size_t offset, std::size_t size) const {
         SharedBytes made;
         made.bytes_ = bytes_.subspan(offset, size);

@@ -13,8 +13,6 @@ namespace prep::detail {
 
 class BinaryParts {
   public:
-    BinaryParts() = default;
-
     std::size_t size() const { return size_; }
     bool empty() const { return size_ == 0; }
 

@@ -107,8 +107,7 @@ class Builder {
         for (Index m = 0; m < scene_.meshes.size(); ++m) {
             Json primitives = Json::array();
             const VertexMesh& mesh = prepared_.meshes[m];
-            all_finite_ = std::all_of(mesh.positions.begin(), mesh.positions.end(),
-                                      [](const glm::vec3& p) { return is_finite(p); });
+            all_finite_ = all_finite(floats_of(mesh.positions));
             for (const VertexMesh::Range& range : mesh.ranges) {
                 const std::span<const Index> whole(
                     mesh.indices.data() + 3 * std::size_t(range.first_triangle),
