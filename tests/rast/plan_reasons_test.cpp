@@ -463,9 +463,9 @@ TEST(PlanReasons, FiguresAreWhatWasFoundAndWhatItIsHeldAgainst) {
 // Each code that a plan can have is in a row here or is one of the skips', each of which has a case
 // of its own (Skips.*, BoundedSkips.*).
 TEST(PlanReasons, AreAllInARow) {
-    Names found = {"light_black",     "light_range",     "light_cone",
-                   "light_behind",    "light_faint",     "map_times_zero",
-                   "highlights_zero", "normal_map_flat", "mask_never_cuts"};
+    Names found = {"light_black",   "light_range",    "light_cone",      "light_behind",
+                   "light_faint",   "map_times_zero", "highlights_zero", "normal_map_flat",
+                   "bump_map_flat", "mask_never_cuts"};
     for (const Row& row : rows()) {
         found.insert(row.come.begin(), row.come.end());
         found.insert(row.go.begin(), row.go.end());

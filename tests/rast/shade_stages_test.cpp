@@ -113,7 +113,7 @@ class Machine {
                 for (const PointValue v :
                      {PointValue::id, PointValue::normal, PointValue::tangent, PointValue::color,
                       PointValue::position, PointValue::vertex_light, PointValue::weights,
-                      PointValue::uv})
+                      PointValue::uv, PointValue::uv_gradients})
                     if (list_.has(v) &&
                         !(v == PointValue::normal && r_.source == NormalSource::object_map))
                         writes_.push_back(v);
@@ -130,7 +130,11 @@ class Machine {
                 reads_.push_back(PointValue::id);
                 if (r_.source != NormalSource::object_map) reads_.push_back(PointValue::normal);
                 if (r_.source == NormalSource::tangent_map) reads_.push_back(PointValue::tangent);
-                if (list_.normal_maps) reads_.push_back(texels_of(MapKind::normal));
+                if (r_.source == NormalSource::tangent_map || r_.source == NormalSource::object_map)
+                    reads_.push_back(texels_of(MapKind::normal));
+                if (mapped(MapKind::bump))
+                    reads_.insert(reads_.end(),
+                                  {texels_of(MapKind::bump), PointValue::uv_gradients});
                 writes_.push_back(PointValue::normal);
                 break;
             case StageKind::eye:

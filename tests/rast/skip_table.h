@@ -19,6 +19,7 @@ inline constexpr SkippedThing skipped_things[] = {
     {"highlights_zero", "highlights of colour 0", nullptr, nullptr, "not left out"},
     {"map_times_zero", "map that multiplies 0"},
     {"normal_map_flat", "normal map of (0, 0, 1)", nullptr, nullptr, "not read"},
+    {"bump_map_flat", "bump map of strength 0", nullptr, nullptr, "not read"},
     {"mask_never_cuts", "alpha mask that never cuts"},
     {"light_faint", "light that is too faint, `--allow-error`", nullptr, "≤ X, to the next step"},
     {"samples_inside", "samples inside one triangle", "no samples"},

@@ -37,6 +37,7 @@ constexpr Skip skips[] = {
     {"highlights_zero", &rast::Counters::highlight_points},
     {"map_times_zero", &rast::Counters::texture_samples},
     {"normal_map_flat", &rast::Counters::normal_map_points},
+    {"bump_map_flat", &rast::Counters::texture_samples},
     {"mask_never_cuts", &rast::Counters::masked_triangles},
     {"samples_inside", &rast::Counters::sample_points},
 };
@@ -165,6 +166,15 @@ const std::vector<Case>& cases() {
          [](prep::PreparedScene& s, rast::RenderRequest&) {
              s.scene.images[0] = constant({0.5f + 0.5f * off_one, 0.5f, 1});
          }},
+        {"bump_map_flat",
+         {"normal maps", "textures", "texture filter", "mip levels", "ripmap levels", "shading"},
+         false,
+         [](prep::PreparedScene& s, rast::RenderRequest&) {
+             s.scene.materials[0].bump_map.strength = 0;
+         },
+         [](prep::PreparedScene& s, rast::RenderRequest&) {
+             s.scene.materials[0].bump_map.strength = off_one;
+         }},
         {"mask_never_cuts",
          {"alpha mask", "shading"},
          false,
@@ -185,6 +195,12 @@ prep::PreparedScene base_of(const Case& c) {
     if (code == "normal_map_flat") {
         material.normal_map.texture = 0;
         return stage_of(material, {constant({0.7f, 0.5f, 0.8f})});
+    }
+    if (code == "bump_map_flat") {
+        material.bump_map.texture = 0;
+        material.bump_map.strength = 0.1f;
+        const float heights[] = {0, 1, 0.5f, 0.25f, 0, 1, 0.5f, 0.75f, 0};
+        return stage_of(material, {test::float_picture(3, 3, 1, heights)});
     }
     if (code == "map_times_zero") {
         material.specular_map.texture = 0;

@@ -210,7 +210,11 @@ class SceneOfChance {
             if (r_.chance(0.15)) m.normal_map_space = prep::NormalMapSpace::object;
             m.normal_map_flip_green = r_.chance(0.3);
         }
-        if (r_.chance(0.1)) m.bump_map = map({0});
+        if (r_.chance(0.1)) {
+            m.bump_map = map({0});
+            float& strength = m.bump_map.strength;  // heights of a unit would hide all else
+            strength = strength != 1 ? 0.0f : 0.05f * m.diffuse.x - 0.01f;
+        }
         if (r_.chance(0.1)) m.displacement_map = map({0});
         if (r_.chance(0.05)) m.layer_normal_map = map({0});
         if (r_.chance(0.05)) m.anisotropy_map = map({0});

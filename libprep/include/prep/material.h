@@ -81,6 +81,8 @@ struct Material {
     float shininess = 32;  // Blinn-Phong exponent
     glm::vec3 emissive{0.0f};
     TextureRef diffuse_map, specular_map, emissive_map, occlusion_map;
+    // bump_map: heights along the normal, its first channel times its strength in scene units, that
+    // light falls on and no silhouette shows (Blinn 1978); on top of a normal map, if there is one.
     TextureRef normal_map, bump_map, displacement_map;
     NormalMapSpace normal_map_space = NormalMapSpace::tangent;
     bool normal_map_flip_green = false;  // true for maps whose green points down
@@ -154,7 +156,7 @@ inline constexpr MaterialMap material_maps[] = {
     {MapKind::normal, "normal", &Material::normal_map, MapUse::normals, false, "normal_map", true},
     {MapKind::metallic_roughness, "metallic-roughness", &Material::metallic_roughness_map,
      MapUse::metallic_roughness, false, nullptr},
-    {MapKind::bump, "bump", &Material::bump_map, MapUse::not_drawn, false, "bump_map"},
+    {MapKind::bump, "bump", &Material::bump_map, MapUse::normals, false, "bump_map"},
     {MapKind::displacement, "displacement", &Material::displacement_map, MapUse::not_drawn, false,
      "displacement_map"},
     {MapKind::layer_normal, "layer normal", &Material::layer_normal_map, MapUse::not_drawn, false,

@@ -208,6 +208,7 @@ struct RenderPlan {         // a value; made by plan(), obeyed by render()
     detail::StageWatch* watch = nullptr;  // looks at each stage of shading, for tests
     std::vector<bool> textures_used;      // per Scene::textures entry
     std::vector<bool> colour_textures;    // decoded from sRGB, where they are
+    std::vector<bool> bump_textures;      // read as heights of bump maps, used otherwise or not
     // Of those: texel_facts() might leave something out by them.
     std::vector<TexelQuestions> texel_questions;
     std::uint64_t triangles = 0, vertices = 0;  // instanced

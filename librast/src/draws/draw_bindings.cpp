@@ -12,7 +12,7 @@ void copy3(const glm::dvec3& from, float to[3]) {
     for (int k = 0; k < 3; ++k) to[k] = float(from[k]);
 }
 
-// Maps of one draw. Neutral ones are factors of 1, and normals straight up.
+// Maps of one draw. Neutral ones are factors of 1, normals straight up, and slopes of 0.
 class Binder {
   public:
     Binder(const RenderPlan& plan, const prep::VertexMesh& mesh, const TextureSet& textures,
@@ -20,7 +20,8 @@ class Binder {
         : plan_(plan), mesh_(mesh), textures_(textures), draw_(draw) {}
 
     bool bind(MapKind kind, const prep::TextureRef& ref) {
-        if (ref.texture >= textures_.size() || !textures_[ref.texture]) return false;
+        const std::size_t at = texture_slot(plan_.textures_used.size(), kind, ref);
+        if (at >= textures_.size() || !textures_[at]) return false;
         MapPlace place;
         place.uv = &mesh_.uvs[ref.uv_set][0].x;
         // KHR_texture_transform: offset + rotation · scale · uv.
@@ -31,7 +32,7 @@ class Binder {
         place.matrix[3] = float(c * ref.scale.y);
         place.offset[0] = ref.offset.x;
         place.offset[1] = ref.offset.y;
-        set(kind, *textures_[ref.texture], place, ref.strength);
+        set(kind, *textures_[at], place, ref.strength);
         return true;
     }
     bool neutral(MapKind kind, std::size_t from_end) {
@@ -89,10 +90,12 @@ void bind_maps(const DrawChoice& choice, const prep::Material& material, Binder&
                ShadeDraw& s) {
     for (const prep::MaterialMap& map : prep::material_maps) {
         if (map.use == prep::MapUse::not_drawn) break;
-        const bool normals = map.use == prep::MapUse::normals;
+        const bool normals = map.kind == MapKind::normal;
         bool bound = choice.has(map.kind) && binder.bind(map.kind, material.*map.ref);
         if (!bound && (choice.could_be >> unsigned(map.kind) & 1u) != 0) {
-            bound = binder.neutral(map.kind, normals ? flat_map : white_map);
+            bound = binder.neutral(map.kind, normals                     ? flat_map
+                                             : map.kind == MapKind::bump ? no_slopes
+                                                                         : white_map);
             if (bound && normals) s.source = NormalSource::tangent_map;
         }
         if (!bound && normals && choice.has(map.kind)) s.source = NormalSource::interpolated;
@@ -100,6 +103,11 @@ void bind_maps(const DrawChoice& choice, const prep::Material& material, Binder&
 }
 
 }  // namespace
+
+std::size_t texture_slot(std::size_t textures, MapKind kind, const prep::TextureRef& ref) {
+    if (ref.texture >= textures) return prep::no_index;
+    return ref.texture + (kind == MapKind::bump ? textures : 0);
+}
 
 void add_neutral_maps(TextureSet& textures, TextureLevels levels) {
     const auto constant = [&](float r, float g) {
@@ -111,6 +119,7 @@ void add_neutral_maps(TextureSet& textures, TextureLevels levels) {
     };
     constant(1, 1);
     constant(0.5f, 0.5f);
+    constant(0, 0);
 }
 
 void set_up_frame(const RenderPlan& plan, FrameInputs& out) {

@@ -20,8 +20,12 @@ struct Draw {
 using TextureSet =
     std::vector<std::shared_ptr<const MipTexture>>;  // null: not used or not readable
 
-// Where nothing is to be left out, two neutral textures end a TextureSet: so far from its end.
-inline constexpr std::size_t white_map = 2, flat_map = 1;
+// Its entries: Scene::textures, then the slopes of each as a bump map. That of a map, beyond all
+// if its material names none that there is.
+std::size_t texture_slot(std::size_t textures, MapKind kind, const prep::TextureRef& ref);
+
+// Where nothing is to be left out, neutral textures end a TextureSet: so far from its end.
+inline constexpr std::size_t white_map = 3, flat_map = 2, no_slopes = 1;
 void add_neutral_maps(TextureSet& textures, TextureLevels levels);
 
 struct FrameInputs {

@@ -8,6 +8,7 @@
 #include "base/scratch_buffer.h"
 #include "passes/area_resolve.h"
 #include "passes/parallel_tiles.h"
+#include "shading/slopes.h"
 
 namespace rast::detail {
 namespace {
@@ -140,8 +141,8 @@ void Renderer::draw_rows(std::uint32_t first, std::uint32_t rows, Frame& frame) 
     inputs.shade_frame = &inputs_.frame;
     // Measured: it pays where several threads want their texels to stay in the caches.
     inputs.clear_past_caches =
-        threads_ != 1 && std::any_of(plan_->textures_used.begin(), plan_->textures_used.end(),
-                                     [](bool used) { return used; });
+        threads_ != 1 && std::any_of(textures_.begin(), textures_.end(),
+                                     [](const auto& texture) { return texture != nullptr; });
     inputs.window = window_;
     inputs.first_row = std::int32_t(first);
     for (TileScratch& scratch : tile_scratch_) scratch.done = {};
@@ -188,10 +189,10 @@ PartTimes Renderer::part_times() {
     PartTimes times{};
     if (!plan_->request.timed) return times;
     for (PartClock& clock : clocks_) clock.tell(clock_reading_, times);
-    for (std::size_t t = 0; t < kept_.size(); ++t) {
-        if (!plan_->textures_used[t]) continue;
-        times[std::size_t(DrawingPart::textures)] += kept_[t].read_ms;
-        times[std::size_t(DrawingPart::levels)] += kept_[t].levels_ms;
+    for (std::size_t slot = 0; slot < kept_.size(); ++slot) {
+        if (!is_read(slot)) continue;
+        times[std::size_t(DrawingPart::textures)] += kept_[slot].read_ms;
+        times[std::size_t(DrawingPart::levels)] += kept_[slot].levels_ms;
     }
     return times;
 }
@@ -216,12 +217,19 @@ prep::Image checker() {
 
 }  // namespace
 
+bool Renderer::is_read(std::size_t slot) const {
+    const std::size_t textures = prepared_.scene.textures.size();
+    return slot < textures ? plan_->textures_used[slot] : plan_->bump_textures[slot - textures];
+}
+
 // Unless it is there.
-void Renderer::load_texture(std::size_t t) {
+void Renderer::load_texture(std::size_t slot) {
     const prep::Scene& scene = prepared_.scene;
+    const bool bump = slot >= scene.textures.size();
+    const std::size_t t = bump ? slot - scene.textures.size() : slot;
     const prep::Texture& texture = scene.textures[t];
-    KeptTexture& kept = kept_[t];
-    const bool colour = plan_->colour_textures[t];
+    KeptTexture& kept = kept_[slot];
+    const bool colour = !bump && plan_->colour_textures[t];
     const TextureLevels levels =
         levels_for(filter_for(plan_->request.filter, texture), texture.mip);
     if (kept.tried && kept.colour == colour && kept.levels == levels) return;
@@ -237,6 +245,7 @@ void Renderer::load_texture(std::size_t t) {
     }
     kept.read_ms = milliseconds_since(reading);
     const Clock::time_point making = Clock::now();
+    if (image && bump) image = slopes_of(*image, texture);
     if (image)
         kept.texture =
             std::make_shared<MipTexture>(*image, texture, colour && !image->floating, levels);
@@ -246,7 +255,7 @@ void Renderer::load_texture(std::size_t t) {
 std::vector<TexelFacts> Renderer::texel_facts(const RenderPlan& plan) {
     plan_ = &plan;
     const prep::Scene& scene = prepared_.scene;
-    kept_.resize(scene.textures.size());
+    kept_.resize(2 * scene.textures.size());
     std::vector<TexelFacts> facts(scene.textures.size());
     for (std::size_t t = 0; t < facts.size(); ++t) {
         const TexelQuestions& asked = plan.texel_questions[t];
@@ -264,15 +273,18 @@ std::vector<TexelFacts> Renderer::texel_facts(const RenderPlan& plan) {
 
 void Renderer::load_textures() {
     const prep::Scene& scene = prepared_.scene;
-    kept_.resize(scene.textures.size());
-    textures_.assign(scene.textures.size(), nullptr);
+    const std::size_t textures = scene.textures.size();
+    kept_.resize(2 * textures);
+    textures_.assign(2 * textures, nullptr);
     textures_read_ = 0;
     warnings_.clear();
-    for (std::size_t t = 0; t < scene.textures.size(); ++t) {
-        if (!plan_->textures_used[t] || scene.textures[t].image >= scene.images.size()) continue;
-        load_texture(t);
-        const KeptTexture& kept = kept_[t];
-        textures_[t] = kept.texture;
+    for (std::size_t slot = 0; slot < 2 * textures; ++slot) {
+        const std::size_t t = slot % textures;
+        if (!is_read(slot) || scene.textures[t].image >= scene.images.size()) continue;
+        load_texture(slot);
+        const KeptTexture& kept = kept_[slot];
+        textures_[slot] = kept.texture;
+        if (slot != t && is_read(t)) continue;  // has been counted or told
         if (kept.warning.empty())
             ++textures_read_;
         else
@@ -287,10 +299,9 @@ void Renderer::load_textures() {
 
 // Maps of one material that are read at the same places.
 void Renderer::pair_textures() {
-    const auto loaded = [&](const prep::TextureRef& ref) -> MipTexture* {
-        return ref && ref.texture < kept_.size() && textures_[ref.texture]
-                   ? kept_[ref.texture].texture.get()
-                   : nullptr;
+    const auto loaded = [&](MapKind kind, const prep::TextureRef& ref) -> MipTexture* {
+        const std::size_t slot = texture_slot(prepared_.scene.textures.size(), kind, ref);
+        return slot < kept_.size() && textures_[slot] ? kept_[slot].texture.get() : nullptr;
     };
     const auto same_place = [](const prep::TextureRef& a, const prep::TextureRef& b) {
         return a.uv_set == b.uv_set && a.offset == b.offset && a.scale == b.scale &&
@@ -302,8 +313,8 @@ void Renderer::pair_textures() {
             for (std::size_t j = i + 1; j < drawn_maps; ++j) {
                 const prep::TextureRef& first = m.*prep::material_maps[i].ref;
                 const prep::TextureRef& second = m.*prep::material_maps[j].ref;
-                MipTexture* const a = loaded(first);
-                MipTexture* const b = loaded(second);
+                MipTexture* const a = loaded(MapKind(i), first);
+                MipTexture* const b = loaded(MapKind(j), second);
                 if (a != nullptr && b != nullptr && same_place(first, second) &&
                     MipTexture::put_together(*a, *b))
                     break;

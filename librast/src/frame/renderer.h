@@ -35,7 +35,8 @@ class Renderer {
     void draw_rows(std::uint32_t first, std::uint32_t rows, Frame& frame);
 
   private:
-    void load_texture(std::size_t index);
+    void load_texture(std::size_t slot);  // of the TextureSet
+    bool is_read(std::size_t slot) const;
     void load_textures();
     void pair_textures();
     void transform();
@@ -73,7 +74,7 @@ class Renderer {
         TexelQuestions asked;
         TexelFacts facts;
     };
-    std::vector<KeptTexture> kept_;
+    std::vector<KeptTexture> kept_;  // by slot of the TextureSet
     TextureSet textures_;
     FrameInputs inputs_;
     std::vector<RenderInstance> instances_;

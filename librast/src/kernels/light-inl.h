@@ -99,6 +99,19 @@ RAST_INLINE V3 object_space_normal(const ShadeDraw& draw, V3 map) {
     return {n.x, draw.flip_green ? -n.y : n.y, n.z};
 }
 
+// Of the surface that is moved by heights along its normal (Blinn 1978): n less the heights'
+// gradient over the surface. `slope`: by u and v, from their gradients over the triangle, turned
+// into the plane that n is perpendicular to (after Mikkelsen 2010). 0 changes no bit of n.
+RAST_INLINE V3 bumped_normal(const ShadeDraw& draw, V3 n, V3 u, V3 v, V3 slope) {
+    const F strength = set(draw.maps[MapKind::bump].strength);
+    const V3 gradient = u * (slope.x * strength) + v * (slope.y * strength);
+    const F squared = dot(n, n), zero = set(0.0f);
+    const M good = (squared > zero) & (squared < set(0x1p126f));
+    const F length = sqrt(select(good, squared, set(1.0f)));
+    const V3 bent = (n - gradient * length) + n * (dot(n, gradient) / length);
+    return select(good, bent, n);
+}
+
 struct Light {
     V3 diffuse, specular;
 };

@@ -8,6 +8,7 @@ struct SurfaceTable {
     alignas(64) float sign[vector_size], face[3][vector_size];
     VectorTable normal, tangent, position;
     RangeTable color[3], light[6], uv[2];
+    GradientTable uv_gradients;
     PlaceTable places[drawn_maps];
 
     inline void set_up(const ShadeDraw& draw, const TilePlace& place, const SurfacePlanes& asked,
@@ -79,6 +80,8 @@ struct SurfaceTable {
             }
         }
         for (int c = 0; asked.uv != nullptr && c < 2; ++c) uv[c].set_up<2>(s, uvs, c);
+        if (asked.uv_gradients != nullptr)
+            uv_gradients.set_up(s, draw.positions, draw.places[draw.maps[MapKind::bump].place]);
     }
     template <class At>
     RAST_INLINE void put_rare(const ShadeDraw& draw, const Weights& w, At at,
@@ -89,6 +92,8 @@ struct SurfaceTable {
         for (int c = 0; to.vertex_light != nullptr && c < 6; ++c)
             put_plane(light[c](w, at), to.vertex_light, c, n);
         for (int c = 0; to.uv != nullptr && c < 2; ++c) put_plane(uv[c](w, at), to.uv, c, n);
+        for (int k = 0; to.uv_gradients != nullptr && k < 6; ++k)
+            put_plane(uv_gradients(k, at), to.uv_gradients, k, n);
         if (to.weights == nullptr) return;
         put_plane(w.b, to.weights, 0, n);
         put_plane(w.c, to.weights, 1, n);

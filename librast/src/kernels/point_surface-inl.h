@@ -8,6 +8,8 @@ inline void finish_normals(const ShadeDraw& draw, const ShadeFrame& frame, const
     float* const normals = points.at(list, PointValue::normal);
     const float* const tangents = points.find(list, PointValue::tangent);
     const float* const texels = points.find(list, texels_of(MapKind::normal));
+    const float* const slopes = points.find(list, texels_of(MapKind::bump));
+    const float* const gradients = points.find(list, PointValue::uv_gradients);
     // Lanes past the end have a triangle, if nothing else.
     store(set(ids[points.held - 1]), ids + points.held);
     for (std::size_t n = 0; n < points.held; n += vector_size) {
@@ -30,6 +32,9 @@ inline void finish_normals(const ShadeDraw& draw, const ShadeFrame& frame, const
             if (draw.source == NormalSource::tangent_map)
                 normal = tangent_space_normal(draw, normal, get3(tangents, n),
                                               get_plane(tangents, 3, n), get3(texels, n));
+            if (slopes != nullptr)
+                normal = bumped_normal(draw, normal, get3(gradients, n),
+                                       get3(gradients + 3 * plane_stride, n), get3(slopes, n));
             normal = finished_normal(draw, frame, normal, there, id, x, y);
         }
         put3(normal, normals, n);

@@ -29,7 +29,7 @@ RAST_INLINE void put3(V3 value, float* planes, std::size_t at) {
 struct SurfacePlanes {
     float *id, *normal, *tangent;
     bool rare;  // any of the next line
-    float *position, *color, *vertex_light, *uv, *weights;
+    float *position, *color, *vertex_light, *uv, *weights, *uv_gradients;
     float* coordinates[drawn_maps];
 };
 
@@ -58,9 +58,10 @@ struct Points {
         surface.vertex_light = find(list, PointValue::vertex_light);
         surface.uv = find(list, PointValue::uv);
         surface.weights = find(list, PointValue::weights);
+        surface.uv_gradients = find(list, PointValue::uv_gradients);
         surface.rare = surface.position != nullptr || surface.color != nullptr ||
                        surface.vertex_light != nullptr || surface.uv != nullptr ||
-                       surface.weights != nullptr;
+                       surface.weights != nullptr || surface.uv_gradients != nullptr;
         for (std::size_t p = 0; p < drawn_maps; ++p)
             surface.coordinates[p] = find(list, coordinates_of(p));
     }

@@ -387,6 +387,17 @@ struct Coordinates {
     F u, v, u_x, v_x, u_y, v_y;
 };
 
+// Where a corner lies in the maps of a place.
+RAST_INLINE void place_corner(const MapPlace& place, const Corners& s, int k, F& u, F& v) {
+    const F raw_u = corner_value<2>(s, place.uv, k, 0), raw_v = corner_value<2>(s, place.uv, k, 1);
+    const auto turned = [&](int row) {
+        return (set(place.matrix[row * 2]) * raw_u + set(place.matrix[row * 2 + 1]) * raw_v) +
+               set(place.offset[row]);
+    };
+    u = turned(0);
+    v = turned(1);
+}
+
 // The coordinates at one place of maps, and their derivatives.
 //
 // A value is Σ qᵢ uᵢ / S with qᵢ = fᵢ eᵢ (factor and edge function of the edge opposite to corner
@@ -404,17 +415,7 @@ struct PlaceTable {
     RAST_INLINE void set_up(const MapPlace& place, const Corners& s,
                             const TriangleTable::Slopes& slopes) {
         F us[3], vs[3];
-        for (int k = 0; k < 3; ++k) {
-            const F raw_u = corner_value<2>(s, place.uv, k, 0);
-            const F raw_v = corner_value<2>(s, place.uv, k, 1);
-            const auto turned = [&](int row) {
-                return (set(place.matrix[row * 2]) * raw_u +
-                        set(place.matrix[row * 2 + 1]) * raw_v) +
-                       set(place.offset[row]);
-            };
-            us[k] = turned(0);
-            vs[k] = turned(1);
-        }
+        for (int k = 0; k < 3; ++k) place_corner(place, s, k, us[k], vs[k]);
         u.set_up(us[0], us[1], us[2]);
         v.set_up(vs[0], vs[1], vs[2]);
         set_up(of_u, us, slopes);
@@ -461,6 +462,45 @@ struct PlaceTable {
         store(to_float(sum(slopes.at)), out.rise);
         store(to_float(sum(slopes.y)), out.at_x);
         store(-to_float(sum(slopes.x)), out.at_y);
+    }
+};
+
+// The gradients of u and v over the triangle, per unit of the mesh.
+struct GradientTable {
+    alignas(64) float component[6][vector_size];
+
+    // With edges a, b and n = a × b: ∇u = (Δu_a (b × n) + Δu_b (n × a)) / n². Edges are brought to
+    // order one by the longer one, so that no product leaves float's range. Triangles without an
+    // area have gradients of 0: nothing is said of slopes there.
+    inline void set_up(const Corners& s, const float* positions, const MapPlace& place) {
+        V3 p[3];
+        F u[3], v[3];
+        for (int k = 0; k < 3; ++k) {
+            p[k] = corner_vector(s, positions, k);
+            place_corner(place, s, k, u[k], v[k]);
+        }
+        const V3 first = p[1] - p[0], second = p[2] - p[0];
+        const auto size_of = [](V3 e) { return max(max(abs(e.x), abs(e.y)), abs(e.z)); };
+        const F size = max(size_of(first), size_of(second)), zero = set(0.0f);
+        const M sized = (size > zero) & (size < set(0x1p126f));
+        const F scale = set(1.0f) / select(sized, size, set(1.0f));
+        const V3 a = first * scale, b = second * scale, n = cross(a, b);
+        const F squared = dot(n, n);
+        const M good = sized & (squared > zero);
+        const F factor = scale / select(good, squared, set(1.0f));
+        const V3 across_b = cross(b, n), across_a = cross(n, a);
+        const auto gradient = [&](const F c[3], int at) {
+            const V3 g = (across_b * (c[1] - c[0]) + across_a * (c[2] - c[0])) * factor;
+            const M finite = good & (size_of(g) < set(0x1p126f));
+            const F values[3] = {g.x, g.y, g.z};
+            for (int k = 0; k < 3; ++k) store(select(finite, values[k], zero), component[at + k]);
+        };
+        gradient(u, 0);
+        gradient(v, 3);
+    }
+    template <class At>
+    RAST_INLINE F operator()(int k, At at) const {
+        return pick(component[k], at);
     }
 };
 

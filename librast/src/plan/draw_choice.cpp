@@ -35,7 +35,10 @@ DrawChoice choose(const RenderPlan& plan, const prep::Consumer& consumer,
         const prep::TextureRef& ref = material.*map.ref;
         const bool there =
             ref && r.textures && ref.uv_set < mesh.uvs.size() && !mesh.uvs[ref.uv_set].empty();
-        if (map.use == prep::MapUse::normals) {
+        if (map.kind == prep::MapKind::bump) {
+            if (choice.source == NormalSource::face) continue;
+            choice.could_be |= bit;
+        } else if (map.use == prep::MapUse::normals) {
             if (mesh.normals.empty()) continue;
             const bool object = material.normal_map_space == prep::NormalMapSpace::object;
             if (!object && mesh.tangents.empty()) continue;

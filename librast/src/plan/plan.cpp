@@ -34,6 +34,7 @@ class Planner {
         plan_.textures_used.assign(textures, false);
         plan_.texel_questions.assign(textures, {});
         plan_.colour_textures.assign(textures, false);
+        plan_.bump_textures.assign(textures, false);
     }
 
     RenderPlan run() {
@@ -116,20 +117,22 @@ class Planner {
     // Its maps one by one: those that bend normals, those that are proved to bend none, and those
     // that cannot.
     void normal_map_step(PlanStep& s) {
-        const prep::MaterialMap& map = prep::material_maps[std::size_t(prep::MapKind::normal)];
-        const std::uint32_t bit = 1u << unsigned(prep::MapKind::normal);
         bool some = false, flat = false;
-        for (const std::uint32_t m : contents_.materials) {
-            if ((plan_.skips.of(m).maps & bit) != 0) {
-                flat = true;
-                s.reasons.push_back(prep::reason(Code::normal_map_flat, prep::map_subject(m, map)));
-            } else if ((maps_[m].placed & bit) != 0) {
-                some = true;
-                s.reasons.push_back(prep::reason(Code::map, prep::map_subject(m, map)));
-            } else if ((maps_[m].wanted & bit) != 0) {
-                s.reasons.push_back(not_placed(m, map));
+        for (const std::uint32_t m : contents_.materials)
+            for (const prep::MaterialMap& map : prep::material_maps) {
+                if (map.use != prep::MapUse::normals) continue;
+                const std::uint32_t bit = 1u << unsigned(map.kind);
+                if ((plan_.skips.of(m).maps & bit) != 0) {
+                    flat = true;
+                    s.reasons.push_back(
+                        prep::reason(detail::flat_map_code(map.kind), prep::map_subject(m, map)));
+                } else if ((maps_[m].placed & bit) != 0) {
+                    some = true;
+                    s.reasons.push_back(prep::reason(Code::map, prep::map_subject(m, map)));
+                } else if ((maps_[m].wanted & bit) != 0) {
+                    s.reasons.push_back(not_placed(m, map));
+                }
             }
-        }
         if (some || !plan_.request.prune) return;
         const prep::Reason why =
             prep::reason(flat ? Code::normal_maps_all_flat : Code::normal_maps_not_placed);
@@ -243,13 +246,18 @@ class Planner {
     }
     void shading() {
         Shading& shading = plan_.request.shading;
-        const bool mapped = any([](const Material& m) { return bool(m.normal_map); });
-        const std::uint32_t bit = 1u << unsigned(prep::MapKind::normal);
+        std::uint32_t bits = 0;
+        bool mapped = false;
+        for (const prep::MaterialMap& map : prep::material_maps) {
+            if (map.use != prep::MapUse::normals) continue;
+            bits |= 1u << unsigned(map.kind);
+            mapped |= any([&](const Material& m) { return bool(m.*map.ref); });
+        }
         bool wanted = false, placed = false, tangents_missing = false;
         for (const detail::MapsOfMaterial& maps :
              detail::maps_of_materials(prepared_, contents_, plan_)) {
-            wanted |= (maps.wanted & bit) != 0;
-            placed |= (maps.placed & bit) != 0;
+            wanted |= (maps.wanted & bits) != 0;
+            placed |= (maps.placed & bits) != 0;
             tangents_missing |= maps.tangents_missing;
         }
         if (plan_.request.prune && shading == Shading::normal_mapped &&
@@ -297,12 +305,13 @@ class Planner {
         // What is left out has its say in how a texture is decoded that others read as well.
         prep::Consumer any_light = consumer_;
         any_light.lights = true;
-        const auto use = [&](const TextureRef& ref, bool colour, bool read) {
+        const auto use = [&](const TextureRef& ref, const prep::MaterialMap& map, bool read) {
             if (!ref || ref.texture >= plan_.textures_used.size()) return;
-            if (colour) plan_.colour_textures[ref.texture] = true;
+            if (map.color) plan_.colour_textures[ref.texture] = true;
             if (!read) return;
-            plan_.textures_used[ref.texture] = true;
-            (colour ? colour_used : data_used) = true;
+            const bool bump = map.kind == prep::MapKind::bump;
+            (bump ? plan_.bump_textures : plan_.textures_used)[ref.texture] = true;
+            (map.color ? colour_used : data_used) = true;
         };
         if (plan_.request.textures) {
             for (const std::uint32_t m : contents_.materials) {
@@ -312,7 +321,7 @@ class Planner {
                 for (const prep::MaterialMap& map : prep::material_maps) {
                     const std::uint32_t bit = 1u << unsigned(map.kind);
                     if (prep::map_is_read(material, map, any_light))
-                        use(material.*map.ref, map.color, (maps.placed & bit) != 0);
+                        use(material.*map.ref, map, (maps.placed & bit) != 0);
                     if ((maps.wanted & ~maps.placed & bit) != 0)
                         unplaced.push_back(not_placed(m, map));
                 }
@@ -337,8 +346,8 @@ class Planner {
         const auto level_step = [&](Kind step_kind, TextureLevels kind) {
             bool read = false;
             for (std::size_t t = 0; t < plan_.textures_used.size(); ++t)
-                read |= plan_.textures_used[t] &&
-                        levels_for(filter_of(t), prepared_.scene.textures[t].mip) == kind;
+                read |=
+                    is_read(t) && levels_for(filter_of(t), prepared_.scene.textures[t].mip) == kind;
             step(step_kind, read, !some ? none : read ? Code::levels : Code::no_levels);
         };
         level_step(Kind::mip_levels, TextureLevels::mipmap);
@@ -348,6 +357,10 @@ class Planner {
             if (!plan_.textures_used[t]) plan_.texel_questions[t] = {};
     }
 
+    bool is_read(std::size_t texture) const {
+        return plan_.textures_used[texture] || plan_.bump_textures[texture];
+    }
+
     TextureFilter filter_of(std::size_t texture) const {
         return filter_for(plan_.request.filter, prepared_.scene.textures[texture]);
     }
@@ -355,7 +368,7 @@ class Planner {
     std::string filter_reason() const {
         std::vector<TextureFilter> used;
         for (std::size_t t = 0; t < plan_.textures_used.size(); ++t)
-            if (plan_.textures_used[t]) used.push_back(filter_of(t));
+            if (is_read(t)) used.push_back(filter_of(t));
         return detail::filter_words(plan_.request, used);
     }
 
@@ -383,6 +396,7 @@ class Planner {
             part("tangent-space normal map");
         else
             part("vertex normals");
+        if (choice.has(prep::MapKind::bump)) part("bump map");
         if (!mesh.colors.empty()) part("vertex colours");
         const auto maps = [&](prep::MapUse use) {
             for (const prep::MaterialMap& map : prep::material_maps)
@@ -398,7 +412,8 @@ class Planner {
         out.lit = !m.unlit && consumer_.lights;
         out.highlights = out.lit && choice.highlights;
         out.bends_normals = out.lit && (choice.source == detail::NormalSource::tangent_map ||
-                                        choice.source == detail::NormalSource::object_map);
+                                        choice.source == detail::NormalSource::object_map ||
+                                        choice.has(prep::MapKind::bump));
         out.masked = choice.masked;
         return out;
     }

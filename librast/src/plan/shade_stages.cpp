@@ -129,6 +129,11 @@ class Compiler {
         list_.normal_maps =
             r_.source == NormalSource::tangent_map || r_.source == NormalSource::object_map;
         if (list_.normal_maps) read_map(s, MapKind::normal);
+        if (has_map(MapKind::bump)) {
+            read_map(s, MapKind::bump);
+            read(s, PointValue::uv_gradients);
+            list_.normal_maps = true;
+        }
         add(s.writes, PointValue::normal);
     }
 

@@ -34,6 +34,7 @@ enum class PointValue : std::uint8_t {
     id,            // of its triangle
     normal,        // as it is interpolated, then unit
     tangent,       // and the sign of the bitangent
+    uv_gradients,  // of the bump map's u and v over the triangle, mesh axes
     color,         // of the vertices
     position,      // from the eye
     vertex_light,  // Gouraud: diffuse and specular
@@ -58,7 +59,7 @@ constexpr PointValue texels_of(MapKind kind) {
 }
 // How many planes it takes.
 constexpr std::size_t planes_of(PointValue value) {
-    constexpr std::uint8_t planes[] = {1, 3, 4, 3, 3, 6, 2, 2, 3, 3, 4, 2, 2, 1};
+    constexpr std::uint8_t planes[] = {1, 3, 4, 6, 3, 3, 6, 2, 2, 3, 3, 4, 2, 2, 1};
     static_assert(sizeof planes == std::size_t(PointValue::coordinates));
     if (value >= PointValue::texels) return 3;
     if (value >= PointValue::coordinates) return 6;

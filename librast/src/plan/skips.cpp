@@ -47,6 +47,7 @@ class Prover {
             highlights(m);
             emissive_map(m);
             normal_map(m);
+            bump_map(m);
             mask(m);
         }
         return std::move(out_);
@@ -291,7 +292,8 @@ class Prover {
         for (const std::uint32_t m : materials_) {
             const Material& material = scene_.scene.materials[m];
             const bool turns = material.double_sided && request_.cull == Cull::by_material;
-            const bool bends = material.normal_map && request_.shading == Shading::normal_mapped;
+            const bool bends = (material.normal_map || material.bump_map) &&
+                               request_.shading == Shading::normal_mapped;
             if (!material.unlit && (turns || bends)) return false;
         }
         bool any = false;
@@ -426,7 +428,18 @@ class Prover {
         });
         if (!sound) return;
         out_.skips.materials[m].maps |= 1u << unsigned(MapKind::normal);
-        out_.maps.push_back(prep::reason(Code::normal_map_flat, prep::map_subject(m, map)));
+        out_.maps.push_back(prep::reason(flat_map_code(map.kind), prep::map_subject(m, map)));
+    }
+
+    // Heights times 0. Slopes are finite, and so are their gradients by the position.
+    void bump_map(std::uint32_t m) {
+        const Material& material = scene_.scene.materials[m];
+        const prep::MaterialMap& map = prep::material_maps[std::size_t(MapKind::bump)];
+        if (!material.bump_map || material.bump_map.strength != 0 || consumer_.normals ||
+            !request_.prune || !request_.textures || !prep::map_is_read(material, map, consumer_))
+            return;
+        out_.skips.materials[m].maps |= 1u << unsigned(MapKind::bump);
+        out_.maps.push_back(prep::reason(flat_map_code(map.kind), prep::map_subject(m, map)));
     }
 
     void mask(std::uint32_t m) {
@@ -496,6 +509,10 @@ class Prover {
 };
 
 }  // namespace
+
+prep::ReasonCode flat_map_code(MapKind kind) {
+    return kind == MapKind::bump ? Code::bump_map_flat : Code::normal_map_flat;
+}
 
 ProvedSkips prove_skips(const prep::PreparedScene& scene, const RenderPlan& plan,
                         const DrawnContents& drawn) {

@@ -22,6 +22,9 @@ struct ProvedSkips {
     std::vector<TexelQuestions> texel_questions;
 };
 
+// Why a map that bends normals is proved to bend none.
+prep::ReasonCode flat_map_code(prep::MapKind kind);
+
 // Of a plan whose request, view and lights are made. O(1) where nothing comes into question, else
 // at most O(vertices).
 ProvedSkips prove_skips(const prep::PreparedScene& scene, const RenderPlan& plan,

@@ -59,6 +59,7 @@ enum class ReasonCode : std::uint8_t {
     normal_maps_textures_off,
     no_normal_map,
     normal_map_flat,
+    bump_map_flat,
     normal_maps_all_flat,
     light_at_vertices,
     light_at_pixels,
