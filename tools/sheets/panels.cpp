@@ -90,6 +90,8 @@ class PanelDrawing {
                             &PanelDrawing::materials};
         for (const auto step : steps)
             if (std::optional<prep::Error> error = (this->*step)()) return *std::move(error);
+        if (subject_.beside)
+            if (std::optional<prep::Error> error = displacement()) return *std::move(error);
         if (subdivided()) {
             for (const auto step :
                  {&PanelDrawing::cages, &PanelDrawing::curvature, &PanelDrawing::errors})
@@ -122,6 +124,9 @@ class PanelDrawing {
     }
 
     Result<Shot> shoot(rast::Shading shading, bool data = false) {
+        return shoot(scene_, shading, data);
+    }
+    Result<Shot> shoot(const prep::PreparedScene& scene, rast::Shading shading, bool data = false) {
         ShotOptions shot;
         shot.size = options_.size;
         shot.samples = options_.samples;
@@ -130,7 +135,7 @@ class PanelDrawing {
         shot.threads = options_.threads;
         shot.data = data;
         if (data) shot.lights = normal_color_lights();
-        Result<Shot> taken = take_shot(scene_, view_, shot);
+        Result<Shot> taken = take_shot(scene, view_, shot);
         if (taken)
             for (const std::string& text : taken->frame.warnings)
                 if (std::find(out_.warnings.begin(), out_.warnings.end(), text) ==
@@ -184,6 +189,7 @@ class PanelDrawing {
         add("phong", "Phong", "Normals interpolated, light at every pixel: highlights are round",
             "Phong shading: normals are interpolated and lit at every pixel")
             .picture = phong->image;
+        phong_ = phong->image;
         out_.differences.title = "Shadings apart (8-bit levels)";
         add_difference("flat – Gouraud", flat->image, gouraud->image);
         add_difference("Gouraud – Phong", gouraud->image, phong->image);
@@ -496,6 +502,58 @@ class PanelDrawing {
         return {};
     }
 
+    // The relief in three ways under the same light: as a bump map, as a normal map on few
+    // triangles, as triangles.
+    Step displacement() {
+        const DisplacementViews& beside = *subject_.beside;
+        if (Step error = relief("bump-mapped", "Bump-mapped", beside.bumped, beside.no_bumped,
+                                "its heights as a bump map: the outline is smooth",
+                                "the surface before it was displaced, its heights as a bump map"))
+            return error;
+        if (Step error = relief("residual", "Residual normal map", beside.coarse, beside.no_coarse,
+                                "displaced, what they do not carry in a normal map",
+                                "displaced with few triangles and a residual normal map"))
+            return error;
+        add("displaced", "Displaced",
+            fmt::format("{} triangles, lit by their own normals", with_commas(triangles_)),
+            "displaced, without any map")
+            .picture = phong_;
+        return {};
+    }
+    Step relief(const char* id, const char* title, const std::optional<prep::PreparedScene>& scene,
+                const std::string& why_not, const char* caption, const char* alt) {
+        if (!scene) {
+            add_note(id, title, why_not);
+            return {};
+        }
+        prep::PreparedScene drawn = *scene;
+        std::uint64_t triangles = 0;
+        for (prep::VertexMesh& mesh : drawn.meshes) {
+            mesh.colors.clear();
+            triangles += mesh.triangle_count();
+        }
+        const Material grey = neutral(0.40f, 0.9f);
+        for (Material& m : drawn.scene.materials) {
+            Material plain = grey;
+            plain.bump_map = m.bump_map;
+            if (!m.bump_map) plain.normal_map = m.normal_map;
+            m = plain;
+        }
+        // Faces without a material are as grey.
+        const auto last = static_cast<std::uint32_t>(drawn.scene.materials.size());
+        drawn.scene.materials.push_back(grey);
+        for (prep::VertexMesh& mesh : drawn.meshes)
+            for (prep::VertexMesh::Range& range : mesh.ranges)
+                range.material = std::min(range.material, last);
+        Result<Shot> shot = shoot(drawn, rast::Shading::normal_mapped);
+        if (!shot) return shot.error();
+        add(id, title, fmt::format("{} triangles, {}", with_commas(triangles), caption), alt)
+            .picture = shot->image;
+        const std::string name = title;
+        add_difference((name + " – displaced").c_str(), shot->image, phong_);
+        return {};
+    }
+
     // The last: triangles are apart from then on.
     Step errors() {
         if (std::all_of(scene_.tessellation_errors.begin(), scene_.tessellation_errors.end(),
@@ -542,6 +600,7 @@ class PanelDrawing {
     std::vector<glm::dmat4> world_;
     std::vector<std::vector<ClassedEdge>> edges_;
     std::optional<Shot> clay_;
+    prep::Image phong_;
     PanelSet out_;
 };
 

@@ -1,13 +1,15 @@
 // The pictures of a validation sheet: four shadings, the file's materials, normals, tangents, UVs,
 // wireframe and hard edges; of subdivided meshes the cage, its edges on the limit surface, and the
-// surface's curvature.
+// surface's curvature; of displaced ones the relief as bump and normal maps show it.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "prep/prepare.h"
 #include "prep/result.h"
+#include "sheets/displacement_views.h"
 #include "sheets/sheet.h"
 
 namespace report {
@@ -24,6 +26,7 @@ struct PanelOptions {
 struct Subject {
     std::string name;
     prep::PreparedScene scene;
+    std::optional<DisplacementViews> beside = {};  // of displaced scenes
 };
 
 // The whole scene, or one mesh alone under the transform of its first instance.

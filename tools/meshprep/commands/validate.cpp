@@ -195,8 +195,19 @@ class Validator {
         // The sheet shows tangents wherever there can be some, unless they are switched off.
         if (options.request.tangents == prep::Request::Level::as_called_for)
             options.request.tangents = prep::Request::Level::always;
+        const bool displaces = is_displaced(options);
+        std::optional<prep::Scene> as_read;
+        if (displaces) as_read = *scene;
         Result<prep::PreparedScene> prepared = prep::prepare(*std::move(scene), options);
         if (!prepared) return prepared.error();
+        std::optional<report::DisplacementViews> beside;
+        if (displaces) {
+            progress("preparing bump and normal maps beside it");
+            Result<report::DisplacementViews> made =
+                report::make_displacement_views(*as_read, options, *prepared);
+            if (!made) return made.error();
+            beside = *std::move(made);
+        }
         Result<Choice> choice = choose(prepared->scene, command_);
         if (!choice) return choice.error();
         if (choice->left_out > 0)
@@ -219,18 +230,23 @@ class Validator {
         page.subtitle = subtitle(*prepared, check.meshes);
         std::size_t sheet = 0;
         if (choice->whole) {
+            report::Subject whole = report::whole_subject(*prepared, "whole scene");
+            whole.beside = beside;
             if (std::optional<Error> error =
-                    add_sheet(page, report::whole_subject(*prepared, "whole scene"), check.meshes,
-                              called_for, out_.findings, options, stems[sheet++]))
+                    add_sheet(page, std::move(whole), check.meshes, called_for, out_.findings,
+                              options, stems[sheet++]))
                 return error;
         }
         for (const std::uint32_t m : choice->meshes) {
             std::vector<prep::Finding> findings;
             for (const prep::Finding& f : out_.findings)
                 if (f.mesh == m) findings.push_back(f);
+            report::Subject subject = report::mesh_subject(*prepared, m);
+            if (beside && m < prepared->tessellated.size() && prepared->tessellated[m])
+                subject.beside = report::views_of_mesh(*beside, m);
             if (std::optional<Error> error =
-                    add_sheet(page, report::mesh_subject(*prepared, m), {check.meshes[m]},
-                              {called_for[m]}, findings, options, stems[sheet++]))
+                    add_sheet(page, std::move(subject), {check.meshes[m]}, {called_for[m]},
+                              findings, options, stems[sheet++]))
                 return error;
         }
         add_tables(page, *prepared);
@@ -241,6 +257,11 @@ class Validator {
             out_.page, std::as_bytes(std::span<const char>(html->data(), html->size())));
         if (!written) return written.error();
         return {};
+    }
+
+    static bool is_displaced(const prep::PrepareOptions& options) {
+        const prep::DisplaceOptions& d = options.displacement;
+        return options.tessellate && (d.from_materials || d.map || d.noise);
     }
 
     // The whole scene's first, where it has one.
