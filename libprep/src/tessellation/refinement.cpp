@@ -353,26 +353,36 @@ Result<void> Refinement::refine_to_budget() {
         Touched touched;
         float excess;
     };
-    std::vector<Mark> marks;
-    const auto worse = [](const Mark& a, const Mark& b) {
-        return a.excess != b.excess ? a.excess > b.excess : a.touched.triangle < b.touched.triangle;
+    // A heap, the worst at its top; those that were halved since are among them.
+    std::vector<Mark> heap, batch;
+    const auto is_better = [](const Mark& a, const Mark& b) {
+        return a.excess != b.excess ? a.excess < b.excess : a.touched.triangle > b.touched.triangle;
     };
+    const auto add_fresh = [&] {
+        for (const Touched& touched : fresh_) {
+            const std::uint32_t t = touched.triangle;
+            if (!mesh_.is_there(touched) || !(excess_[t] > goal) || !can_be_halved(t)) continue;
+            heap.push_back({touched, excess_[t]});
+            std::push_heap(heap.begin(), heap.end(), is_better);
+        }
+    };
+    add_fresh();
     // A batch is so small a part of what is left that worst-first would have taken all of it.
     constexpr std::uint64_t part = 16;
     bool full = false;
     while (!full && mesh_.triangles().size() < most) {
-        marks.clear();
-        for (std::uint32_t t = 0; t < mesh_.triangles().size(); ++t)
-            if (excess_[t] > goal && can_be_halved(t))
-                marks.push_back({mesh_.as_it_is(t), excess_[t]});
-        if (marks.empty()) return {};
         const std::uint64_t left = most - mesh_.triangles().size();
-        const auto batch = std::ptrdiff_t(
-            std::min<std::uint64_t>(marks.size(), std::max<std::uint64_t>(1, left / part)));
-        std::nth_element(marks.begin(), marks.begin() + (batch - 1), marks.end(), worse);
-        std::sort(marks.begin(), marks.begin() + batch, worse);
-        marks.resize(std::size_t(batch));
-        for (const Mark& mark : marks) {
+        const std::uint64_t wanted = std::max<std::uint64_t>(1, left / part);
+        batch.clear();
+        while (batch.size() < wanted && !heap.empty()) {
+            std::pop_heap(heap.begin(), heap.end(), is_better);
+            const Mark& worst = heap.back();
+            if (mesh_.is_there(worst.touched) && worst.excess == excess_[worst.touched.triangle])
+                batch.push_back(worst);
+            heap.pop_back();
+        }
+        if (batch.empty()) return {};
+        for (const Mark& mark : batch) {
             if (!mesh_.is_there(mark.touched)) continue;
             full = mesh_.triangles().size() + mesh_.cost(mark.touched.triangle) > most;
             if (full) break;
@@ -380,6 +390,7 @@ Result<void> Refinement::refine_to_budget() {
         }
         if (Result<void> news = take_news(); !news) return news;
         measure(fresh_, Effort::proving);
+        add_fresh();
     }
     return {};
 }
