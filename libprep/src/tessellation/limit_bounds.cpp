@@ -117,15 +117,15 @@ void NormalCurvature::widen(const BezierPatch& patch, const glm::dvec3& e) {
 // Largest |n − e|; `error`: what roundings may have moved the net's points by. Directions within
 // less than a right angle of e are a convex cone, so that the net's widest is wider than all.
 double cone_about(const NormalNet& net, const glm::dvec3& e, double error) {
-    double most = 0;
+    double widest = 0;  // tangent of the angle to e
     for (const glm::dvec3& x : net.n) {
         const double by_e = glm::dot(x, e);
         const double along = by_e - error, across = glm::length(x - by_e * e) + error;
         if (!(along > 0)) return no_bound;
-        const double length = std::hypot(along, across);
-        most = std::max(most, across / length * std::sqrt(2 / (1 + along / length)));
+        widest = std::max(widest, across / along);
     }
-    return std::min(no_bound, most);
+    const double length = std::hypot(1.0, widest);
+    return std::min(no_bound, widest / length * std::sqrt(2 / (1 + 1 / length)));
 }
 
 double farthest(const glm::dvec3& from, const std::array<glm::dvec3, 3>& to) {
