@@ -11,7 +11,7 @@
 #include "prep/load.h"
 #include "prep/prepare.h"
 #include "rast/render.h"
-#include "sheets/curvature.h"
+#include "sheets/surfaces/curvature.h"
 
 namespace {
 

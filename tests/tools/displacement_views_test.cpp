@@ -1,5 +1,5 @@
 // What stands beside a displaced scene on a validation sheet.
-#include "sheets/displacement_views.h"
+#include "sheets/surfaces/displacement_views.h"
 
 #include <gtest/gtest.h>
 

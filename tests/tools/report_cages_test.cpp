@@ -9,8 +9,8 @@
 
 #include "command_runner.h"
 #include "shapes.h"
-#include "sheets/cage_lines.h"
-#include "sheets/curvature.h"
+#include "sheets/surfaces/cage_lines.h"
+#include "sheets/surfaces/curvature.h"
 #include "sheets/panels.h"
 #include "subdivision_cages.h"
 

@@ -1,6 +1,6 @@
 // What a validation sheet says of tessellated meshes: the error of each triangle, by closed forms,
 // its colour, and the certificate's figures.
-#include "sheets/tessellation_errors.h"
+#include "sheets/surfaces/tessellation_errors.h"
 
 #include <gtest/gtest.h>
 

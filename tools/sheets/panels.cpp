@@ -7,13 +7,13 @@
 #include <cmath>
 #include <map>
 
-#include "sheets/cage_panels.h"
-#include "sheets/curvature.h"
 #include "sheets/edges.h"
 #include "sheets/figures.h"
 #include "sheets/overlay.h"
 #include "sheets/shot.h"
-#include "sheets/tessellation_errors.h"
+#include "sheets/surfaces/cage_panels.h"
+#include "sheets/surfaces/curvature.h"
+#include "sheets/surfaces/tessellation_errors.h"
 #include "sheets/test_patterns.h"
 
 namespace report {
@@ -526,25 +526,9 @@ class PanelDrawing {
             add_note(id, title, why_not);
             return {};
         }
-        prep::PreparedScene drawn = *scene;
+        const prep::PreparedScene drawn = with_relief_alone(*scene, neutral(0.40f, 0.9f));
         std::uint64_t triangles = 0;
-        for (prep::VertexMesh& mesh : drawn.meshes) {
-            mesh.colors.clear();
-            triangles += mesh.triangle_count();
-        }
-        const Material grey = neutral(0.40f, 0.9f);
-        for (Material& m : drawn.scene.materials) {
-            Material plain = grey;
-            plain.bump_map = m.bump_map;
-            if (!m.bump_map) plain.normal_map = m.normal_map;
-            m = plain;
-        }
-        // Faces without a material are as grey.
-        const auto last = static_cast<std::uint32_t>(drawn.scene.materials.size());
-        drawn.scene.materials.push_back(grey);
-        for (prep::VertexMesh& mesh : drawn.meshes)
-            for (prep::VertexMesh::Range& range : mesh.ranges)
-                range.material = std::min(range.material, last);
+        for (const prep::VertexMesh& mesh : drawn.meshes) triangles += mesh.triangle_count();
         Result<Shot> shot = shoot(drawn, rast::Shading::normal_mapped);
         if (!shot) return shot.error();
         add(id, title, fmt::format("{} triangles, {}", with_commas(triangles), caption), alt)
@@ -605,45 +589,6 @@ class PanelDrawing {
 };
 
 }  // namespace
-
-Subject whole_subject(const prep::PreparedScene& prepared, std::string name) {
-    return {std::move(name), prepared};
-}
-
-Subject mesh_subject(const prep::PreparedScene& prepared, std::uint32_t mesh) {
-    Subject subject;
-    prep::PreparedScene& out = subject.scene;
-    const prep::Scene& scene = prepared.scene;
-    subject.name = scene.meshes[mesh].name.empty() ? "mesh " + std::to_string(mesh)
-                                                   : "mesh '" + scene.meshes[mesh].name + "'";
-    out.scene.source = scene.source;
-    out.scene.meshes = {scene.meshes[mesh]};
-    out.scene.materials = scene.materials;
-    out.scene.textures = scene.textures;
-    out.scene.images = scene.images;
-    out.meshes = {prepared.meshes[mesh]};
-    out.requirements = {prepared.requirements[mesh]};
-    const auto of_mesh = [mesh](const std::vector<bool>& facts) {
-        return std::vector<bool>{mesh < facts.size() && facts[mesh]};
-    };
-    out.welded = of_mesh(prepared.welded);
-    out.subdivided = of_mesh(prepared.subdivided);
-    out.normals_made = of_mesh(prepared.normals_made);
-    if (mesh < prepared.cages.size()) out.cages = {prepared.cages[mesh]};
-    if (mesh < prepared.tessellated.size()) out.tessellated = {prepared.tessellated[mesh]};
-    if (mesh < prepared.tessellation_errors.size())
-        out.tessellation_errors = {prepared.tessellation_errors[mesh]};
-    prep::Node node;
-    node.mesh = 0;
-    const std::vector<glm::dmat4> world = prep::world_transforms(scene);
-    for (std::size_t n = 0; n < scene.nodes.size(); ++n) {
-        if (scene.nodes[n].mesh != mesh) continue;
-        node.transform = world[n];
-        break;
-    }
-    out.scene.nodes.push_back(std::move(node));
-    return subject;
-}
 
 Result<PanelSet> make_panels(Subject subject, const PanelOptions& options) {
     return PanelDrawing(std::move(subject), options).run();

@@ -3,14 +3,13 @@
 // surface's curvature; of displaced ones the relief as bump and normal maps show it.
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "prep/prepare.h"
 #include "prep/result.h"
-#include "sheets/displacement_views.h"
 #include "sheets/sheet.h"
+#include "sheets/subject.h"
 
 namespace report {
 
@@ -21,17 +20,6 @@ struct PanelOptions {
     prep::PrepareOptions prepare;         // what the scene was prepared with: names hard edges
     int threads = 0;
 };
-
-// What is drawn on one sheet: a scene of its own, changed while drawing.
-struct Subject {
-    std::string name;
-    prep::PreparedScene scene;
-    std::optional<DisplacementViews> beside = {};  // of displaced scenes
-};
-
-// The whole scene, or one mesh alone under the transform of its first instance.
-Subject whole_subject(const prep::PreparedScene& prepared, std::string name);
-Subject mesh_subject(const prep::PreparedScene& prepared, std::uint32_t mesh);
 
 struct PanelSet {
     std::vector<Panel> panels;

@@ -23,7 +23,7 @@
 #include "sheets/figures.h"
 #include "sheets/page.h"
 #include "sheets/panels.h"
-#include "sheets/tessellation_errors.h"
+#include "sheets/surfaces/tessellation_errors.h"
 
 namespace meshprep {
 namespace {

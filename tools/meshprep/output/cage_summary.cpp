@@ -8,7 +8,7 @@
 
 #include "meshprep/output/counts.h"
 #include "prep/topology.h"
-#include "sheets/cage_lines.h"
+#include "sheets/surfaces/cage_lines.h"
 
 namespace meshprep {
 namespace {

@@ -1,11 +1,11 @@
-#include "sheets/cage_panels.h"
+#include "sheets/surfaces/cage_panels.h"
 
 #include <fmt/format.h>
 
 #include <array>
 
-#include "sheets/cage_lines.h"
 #include "sheets/overlay.h"
+#include "sheets/surfaces/cage_lines.h"
 
 namespace report {
 namespace {

@@ -1,4 +1,4 @@
-#include "sheets/tessellation_errors.h"
+#include "sheets/surfaces/tessellation_errors.h"
 
 #include <fmt/format.h>
 

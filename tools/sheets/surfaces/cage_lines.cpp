@@ -1,4 +1,4 @@
-#include "sheets/cage_lines.h"
+#include "sheets/surfaces/cage_lines.h"
 
 #include <algorithm>
 #include <cmath>

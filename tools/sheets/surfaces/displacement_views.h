@@ -29,4 +29,8 @@ prep::Result<DisplacementViews> make_displacement_views(const prep::Scene& scene
 // Each with one of its meshes, as mesh_subject() has it.
 DisplacementViews views_of_mesh(const DisplacementViews& views, std::uint32_t mesh);
 
+// With bump and normal maps alone, on materials that are otherwise all like `model`; no colours.
+// Faces without a material get one.
+prep::PreparedScene with_relief_alone(prep::PreparedScene scene, const prep::Material& model);
+
 }  // namespace report

@@ -1,4 +1,4 @@
-#include "sheets/curvature.h"
+#include "sheets/surfaces/curvature.h"
 
 #include <algorithm>
 #include <array>

@@ -1,8 +1,8 @@
-#include "sheets/displacement_views.h"
+#include "sheets/surfaces/displacement_views.h"
 
 #include <algorithm>
 
-#include "sheets/panels.h"
+#include "sheets/subject.h"
 
 namespace report {
 namespace {
@@ -120,6 +120,23 @@ DisplacementViews views_of_mesh(const DisplacementViews& views, std::uint32_t me
     if (views.bumped) out.bumped = mesh_subject(*views.bumped, mesh).scene;
     if (views.coarse) out.coarse = mesh_subject(*views.coarse, mesh).scene;
     return out;
+}
+
+prep::PreparedScene with_relief_alone(prep::PreparedScene scene, const Material& model) {
+    const auto last = static_cast<std::uint32_t>(scene.scene.materials.size());
+    for (Material& m : scene.scene.materials) {
+        Material plain = model;
+        plain.bump_map = m.bump_map;
+        if (!m.bump_map) plain.normal_map = m.normal_map;
+        m = plain;
+    }
+    scene.scene.materials.push_back(model);
+    for (prep::VertexMesh& mesh : scene.meshes) {
+        mesh.colors.clear();
+        for (prep::VertexMesh::Range& range : mesh.ranges)
+            range.material = std::min(range.material, last);
+    }
+    return scene;
 }
 
 }  // namespace report
