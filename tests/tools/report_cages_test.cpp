@@ -9,9 +9,9 @@
 
 #include "command_runner.h"
 #include "shapes.h"
+#include "sheets/panels.h"
 #include "sheets/surfaces/cage_lines.h"
 #include "sheets/surfaces/curvature.h"
-#include "sheets/panels.h"
 #include "subdivision_cages.h"
 
 namespace {
