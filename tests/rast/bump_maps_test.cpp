@@ -221,6 +221,7 @@ TEST(BumpMaps, AreReadWhereThereAreNormalsToBend) {
     request.view = flat_view(1);
     request.lights = {directional({1, 1, 2}, {1, 1, 1})};
     const rast::Frame bumped = draw(scene, request);
+    EXPECT_TRUE(rast::plan(scene, request)->warnings.empty()) << "tangents are not needed";
     prep::PreparedScene bare = scene;
     bare.scene.materials[0].bump_map = {};
     EXPECT_NE(differing(bumped, draw(bare, request)), "");

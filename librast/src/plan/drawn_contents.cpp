@@ -66,7 +66,7 @@ std::vector<MapsOfMaterial> maps_of_materials(const prep::PreparedScene& prepare
                     with_uvs[range.material] |= bit;
                 else
                     maps.uvs_missing = true;
-                maps.tangents_missing |= map.use == prep::MapUse::normals &&
+                maps.tangents_missing |= map.kind == prep::MapKind::normal &&
                                          mesh.tangents.empty() &&
                                          material.normal_map_space == prep::NormalMapSpace::tangent;
             }
