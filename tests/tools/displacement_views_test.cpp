@@ -67,9 +67,7 @@ prep::PrepareOptions options_with_map() {
 report::DisplacementViews views_of(const prep::Scene& scene, const prep::PrepareOptions& options) {
     const auto displaced = prep::prepare(scene, options);
     EXPECT_TRUE(displaced) << to_string(displaced.error());
-    auto views = report::make_displacement_views(scene, options, *displaced);
-    EXPECT_TRUE(views) << to_string(views.error());
-    return *std::move(views);
+    return report::make_displacement_views(scene, options, *displaced);
 }
 
 double height_of(const prep::PreparedScene& scene) {
@@ -138,6 +136,29 @@ TEST(DisplacementViews, SayWhyThereAreNone) {
     const report::DisplacementViews none = views_of(scene, options_with_map());
     EXPECT_FALSE(none.bumped || none.coarse);
     EXPECT_EQ(none.no_bumped, "No mesh was displaced.");
+}
+
+TEST(DisplacementViews, LeaveOutWhatCannotBePreparedAndWhatIsNoPartOfTheRelief) {
+    prep::PrepareOptions options = options_with_map();
+    options.request.tangents = prep::Request::Level::never;
+    const report::DisplacementViews without = views_of(square(), options);
+    EXPECT_TRUE(without.bumped);
+    EXPECT_FALSE(without.coarse);
+    EXPECT_NE(without.no_coarse.find("tangents"), std::string::npos) << without.no_coarse;
+    // Two meshes: one has a bump map of its own, and so no residual map.
+    prep::Scene scene = square_with_material();
+    scene.materials.push_back(scene.materials[0]);
+    scene.materials[1].bump_map.texture = 0;
+    scene.meshes.push_back(scene.meshes[0]);
+    scene.meshes[1].face_materials = {1};
+    scene.nodes.push_back(scene.nodes[0]);
+    scene.nodes[1].mesh = 1;
+    const report::DisplacementViews mixed = views_of(scene, options_with_map());
+    ASSERT_TRUE(mixed.coarse);
+    const std::vector<prep::Material>& materials = mixed.coarse->scene.materials;
+    EXPECT_TRUE(materials.at(0).normal_map);
+    EXPECT_FALSE(materials.at(1).normal_map);
+    EXPECT_FALSE(materials.at(1).bump_map);
 }
 
 const report::Panel* find(const report::PanelSet& set, const char* id) {

@@ -81,8 +81,9 @@ struct Material {
     float shininess = 32;  // Blinn-Phong exponent
     glm::vec3 emissive{0.0f};
     TextureRef diffuse_map, specular_map, emissive_map, occlusion_map;
-    // bump_map: heights along the normal, its first channel times its strength in scene units, that
-    // light falls on and no silhouette shows (Blinn 1978); on top of a normal map, if there is one.
+    // bump_map: heights along the normal, its first channel times its strength in units of the
+    // mesh, that light falls on and no silhouette shows (Blinn 1978); on top of a normal map, if
+    // there is one.
     TextureRef normal_map, bump_map, displacement_map;
     NormalMapSpace normal_map_space = NormalMapSpace::tangent;
     bool normal_map_flip_green = false;  // true for maps whose green points down

@@ -203,10 +203,7 @@ class Validator {
         std::optional<report::DisplacementViews> beside;
         if (displaces) {
             progress("preparing bump and normal maps beside it");
-            Result<report::DisplacementViews> made =
-                report::make_displacement_views(*as_read, options, *prepared);
-            if (!made) return made.error();
-            beside = *std::move(made);
+            beside = report::make_displacement_views(*as_read, options, *prepared);
         }
         Result<Choice> choice = choose(prepared->scene, command_);
         if (!choice) return choice.error();

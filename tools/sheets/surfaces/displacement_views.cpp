@@ -1,6 +1,7 @@
 #include "sheets/surfaces/displacement_views.h"
 
 #include <algorithm>
+#include <vector>
 
 #include "sheets/subject.h"
 
@@ -11,8 +12,14 @@ using prep::Material;
 using prep::no_index;
 using prep::Result;
 
-constexpr std::uint32_t coarser = 32;          // times fewer triangles
-constexpr std::uint32_t residual_size = 1024;  // texels a side
+constexpr std::uint32_t coarser = 32;  // times fewer triangles
+
+// Texels a side: all materials' maps together have about 1024².
+std::uint32_t residual_size(std::size_t materials) {
+    std::uint32_t size = 1024;
+    while (size > 64 && std::uint64_t(size) * size * materials > 1024 * 1024) size /= 2;
+    return size;
+}
 
 // The picture that displaces every face, in place of the materials' bump maps.
 void bump_all(prep::Scene& scene, const prep::DisplaceOptions& options) {
@@ -62,6 +69,17 @@ std::uint64_t tessellated_triangles(const prep::PreparedScene& scene) {
     return sum;
 }
 
+// What a material has of its own is no part of the relief.
+void keep_residual_maps(prep::PreparedScene& scene) {
+    std::vector<bool> made(scene.scene.materials.size(), false);
+    for (const prep::ResidualMap& map : scene.residual_maps)
+        if (map.material < made.size()) made[map.material] = true;
+    for (std::size_t m = 0; m < made.size(); ++m) {
+        scene.scene.materials[m].bump_map = {};
+        if (!made[m]) scene.scene.materials[m].normal_map = {};
+    }
+}
+
 // Meshes in proportion: the goal is one for each of them.
 std::uint64_t coarse_goal(const prep::PreparedScene& scene) {
     std::uint64_t meshes = 0;
@@ -72,9 +90,9 @@ std::uint64_t coarse_goal(const prep::PreparedScene& scene) {
 
 }  // namespace
 
-Result<DisplacementViews> make_displacement_views(const prep::Scene& scene,
-                                                  const prep::PrepareOptions& options,
-                                                  const prep::PreparedScene& displaced) {
+DisplacementViews make_displacement_views(const prep::Scene& scene,
+                                          const prep::PrepareOptions& options,
+                                          const prep::PreparedScene& displaced) {
     DisplacementViews out;
     if (tessellated_triangles(displaced) == 0) {
         out.no_bumped = out.no_coarse = "No mesh was displaced.";
@@ -92,17 +110,21 @@ Result<DisplacementViews> make_displacement_views(const prep::Scene& scene,
             bump_by_materials(bare, displacement);
         asked.displacement = {};
         Result<prep::PreparedScene> made = prep::prepare(std::move(bare), asked);
-        if (!made) return made.error();
-        out.bumped = *std::move(made);
+        if (made)
+            out.bumped = *std::move(made);
+        else
+            out.no_bumped = "Not made: " + to_string(made.error());
     }
     asked.displacement = displacement;
-    asked.displacement.residual = prep::ResidualMapOptions{residual_size, 16};
+    asked.displacement.residual =
+        prep::ResidualMapOptions{residual_size(scene.materials.size()), 16};
     prep::TessellateOptions& fineness = asked.tessellation;
     fineness.chord_error = fineness.edge_length = fineness.pixel_error = {};
     fineness.max_triangles = coarse_goal(displaced);
     Result<prep::PreparedScene> made = prep::prepare(scene, asked);
-    if (!made) return made.error();
-    if (made->residual_maps.empty()) {
+    if (!made) {
+        out.no_coarse = "Not made: " + to_string(made.error());
+    } else if (made->residual_maps.empty()) {
         out.no_coarse = "No residual normal map can be made:";
         for (const prep::Finding& f : made->findings)
             if (f.kind == "no-residual-map") {
@@ -111,6 +133,7 @@ Result<DisplacementViews> make_displacement_views(const prep::Scene& scene,
             }
     } else {
         out.coarse = *std::move(made);
+        keep_residual_maps(*out.coarse);
     }
     return out;
 }

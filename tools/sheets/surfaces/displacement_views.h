@@ -6,7 +6,6 @@
 
 #include "prep/prepare.h"
 #include "prep/prepared_scene.h"
-#include "prep/result.h"
 
 namespace report {
 
@@ -20,11 +19,11 @@ struct DisplacementViews {
     std::string no_coarse;
 };
 
-// Of the scene that `displaced` was prepared from with these options, which displace. Errors: those
-// of prepare().
-prep::Result<DisplacementViews> make_displacement_views(const prep::Scene& scene,
-                                                        const prep::PrepareOptions& options,
-                                                        const prep::PreparedScene& displaced);
+// Of the scene that `displaced` was prepared from with these options, which displace. What cannot
+// be prepared is not there, and says why.
+DisplacementViews make_displacement_views(const prep::Scene& scene,
+                                          const prep::PrepareOptions& options,
+                                          const prep::PreparedScene& displaced);
 
 // Each with one of its meshes, as mesh_subject() has it.
 DisplacementViews views_of_mesh(const DisplacementViews& views, std::uint32_t mesh);
