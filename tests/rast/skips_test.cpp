@@ -1,5 +1,6 @@
 // What a plan leaves out: the picture is the same to the bit, the full one would have done it, and
-// a neutral element that is off by one part in 2^23 shows.
+// a neutral element that is off by one part in 2^23 shows. Long because all skips are held against
+// one table.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -165,6 +165,7 @@ TEST(Render, WhatIsNotDrawnIsTold) {
     for (const char* text :
          {"displacement map, which is not drawn", "tone_map is for pictures of 8 bits"})
         EXPECT_NE(linear.find(text), std::string::npos) << text << "\n" << linear;
+    EXPECT_EQ(linear.find("bump map"), std::string::npos) << linear;
     const std::string chosen = warnings("a.png", {});
     EXPECT_EQ(chosen.find("tone_map"), std::string::npos) << chosen;
 }

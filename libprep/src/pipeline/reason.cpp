@@ -83,7 +83,7 @@ constexpr ReasonRow rows[] = {
     {Code::normal_maps_not_placed, "normal_maps_not_placed", Label::not_possible,
      "the meshes have not the normals, tangents or UVs that they need"},
     {Code::normal_map_not_placed, "normal_map_not_placed", Label::not_possible,
-     "{material} has a {map} map, but its meshes have not the normals or tangents for it"},
+     "{material} has a {map} map, but its meshes have not the normals or tangents that it needs"},
     {Code::normal_maps_textures_off, "normal_maps_textures_off", Label::not_requested,
      "textures are switched off: shaded as Phong"},
     {Code::no_normal_map, "no_normal_map", Label::not_requested,

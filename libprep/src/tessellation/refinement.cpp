@@ -353,7 +353,8 @@ Result<void> Refinement::refine_to_budget() {
         Touched touched;
         float excess;
     };
-    // A heap, the worst at its top; those that were halved since are among them.
+    // A heap, the worst at its top; those that were halved since are among them. What is there is
+    // as it was measured: once at each depth.
     std::vector<Mark> heap, batch;
     const auto is_better = [](const Mark& a, const Mark& b) {
         return a.excess != b.excess ? a.excess < b.excess : a.touched.triangle > b.touched.triangle;
@@ -376,9 +377,7 @@ Result<void> Refinement::refine_to_budget() {
         batch.clear();
         while (batch.size() < wanted && !heap.empty()) {
             std::pop_heap(heap.begin(), heap.end(), is_better);
-            const Mark& worst = heap.back();
-            if (mesh_.is_there(worst.touched) && worst.excess == excess_[worst.touched.triangle])
-                batch.push_back(worst);
+            if (mesh_.is_there(heap.back().touched)) batch.push_back(heap.back());
             heap.pop_back();
         }
         if (batch.empty()) return {};

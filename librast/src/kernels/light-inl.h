@@ -100,8 +100,9 @@ RAST_INLINE V3 object_space_normal(const ShadeDraw& draw, V3 map) {
 }
 
 // Of the surface that is moved by heights along its normal (Blinn 1978): n less the heights'
-// gradient over the surface. `slope`: by u and v, from their gradients over the triangle, turned
-// into the plane that n is perpendicular to (after Mikkelsen 2010). 0 changes no bit of n.
+// gradient over the surface. `slope`: by u and v, whose gradients over the triangle are projected
+// onto the plane that n is perpendicular to; Mikkelsen (2010) keeps slopes along the triangle
+// instead, which grow without end where n leans from it. 0 changes no bit of n but a zero's sign.
 RAST_INLINE V3 bumped_normal(const ShadeDraw& draw, V3 n, V3 u, V3 v, V3 slope) {
     const F strength = set(draw.maps[MapKind::bump].strength);
     const V3 gradient = u * (slope.x * strength) + v * (slope.y * strength);

@@ -5,6 +5,16 @@
 #include "shading/texture.h"
 
 namespace rast::detail {
+namespace {
+
+// Steep enough for any surface, and far from where a filter's sums leave float's range.
+constexpr double steepest = 0x1p100;
+
+float kept(double slope) {
+    return std::abs(slope) <= steepest ? float(slope) : 0.0f;  // NaN fails
+}
+
+}  // namespace
 
 prep::Image slopes_of(const prep::Image& heights, const prep::Texture& sampler) {
     prep::Image out;
@@ -27,8 +37,8 @@ prep::Image slopes_of(const prep::Image& heights, const prep::Texture& sampler) 
             const double along_u = (height(x + 1, y) - height(x - 1, y)) * out.width / 2;
             const double along_v = (height(x, y + 1) - height(x, y - 1)) * out.height / 2;
             float* const texel = &out.pixels[(std::size_t(y) * out.width + std::size_t(x)) * 3];
-            texel[0] = std::isfinite(float(along_u)) ? float(along_u) : 0.0f;
-            texel[1] = std::isfinite(float(along_v)) ? float(along_v) : 0.0f;
+            texel[0] = kept(along_u);
+            texel[1] = kept(along_v);
         }
     return out;
 }

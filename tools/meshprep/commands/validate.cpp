@@ -195,16 +195,10 @@ class Validator {
         // The sheet shows tangents wherever there can be some, unless they are switched off.
         if (options.request.tangents == prep::Request::Level::as_called_for)
             options.request.tangents = prep::Request::Level::always;
-        const bool displaces = is_displaced(options);
         std::optional<prep::Scene> as_read;
-        if (displaces) as_read = *scene;
+        if (is_displaced(options)) as_read = *scene;
         Result<prep::PreparedScene> prepared = prep::prepare(*std::move(scene), options);
         if (!prepared) return prepared.error();
-        std::optional<report::DisplacementViews> beside;
-        if (displaces) {
-            progress("preparing bump and normal maps beside it");
-            beside = report::make_displacement_views(*as_read, options, *prepared);
-        }
         Result<Choice> choice = choose(prepared->scene, command_);
         if (!choice) return choice.error();
         if (choice->left_out > 0)
@@ -222,6 +216,11 @@ class Validator {
         if (std::optional<Error> refused = claim(stems)) return refused;
         if (const Result<void> made = shared_.directories.make(command_.output); !made)
             return made.error();
+        std::optional<report::DisplacementViews> beside;
+        if (as_read) {
+            progress("preparing bump and normal maps beside it");
+            beside = report::make_displacement_views(*as_read, options, *prepared);
+        }
         report::Page page;
         page.title = out_.input.filename().string();
         page.subtitle = subtitle(*prepared, check.meshes);

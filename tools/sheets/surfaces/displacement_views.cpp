@@ -9,7 +9,6 @@ namespace report {
 namespace {
 
 using prep::Material;
-using prep::no_index;
 using prep::Result;
 
 constexpr std::uint32_t coarser = 32;  // times fewer triangles
@@ -21,7 +20,7 @@ std::uint32_t residual_size(std::size_t materials) {
     return size;
 }
 
-// The picture that displaces every face, in place of the materials' bump maps.
+// The picture that displaces every face, in place of the materials' bump and normal maps.
 void bump_all(prep::Scene& scene, const prep::DisplaceOptions& options) {
     prep::Texture texture;
     texture.image = static_cast<std::uint32_t>(scene.images.size());
@@ -40,13 +39,17 @@ void bump_all(prep::Scene& scene, const prep::DisplaceOptions& options) {
         if (mesh.face_materials.empty()) mesh.face_materials.assign(mesh.face_count(), plain);
         for (std::uint32_t& m : mesh.face_materials) m = std::min(m, plain);
     }
-    for (Material& m : scene.materials) m.bump_map = bump;
+    for (Material& m : scene.materials) {
+        m.bump_map = bump;
+        m.normal_map = {};
+    }
 }
 
 void bump_by_materials(prep::Scene& scene, const prep::DisplaceOptions& options) {
     for (Material& m : scene.materials) {
         m.bump_map = m.displacement_map;
         m.bump_map.strength *= m.displacement_scale * static_cast<float>(options.heights.scale);
+        m.normal_map = {};
     }
 }
 
@@ -150,7 +153,7 @@ prep::PreparedScene with_relief_alone(prep::PreparedScene scene, const Material&
     for (Material& m : scene.scene.materials) {
         Material plain = model;
         plain.bump_map = m.bump_map;
-        if (!m.bump_map) plain.normal_map = m.normal_map;
+        plain.normal_map = m.normal_map;
         m = plain;
     }
     scene.scene.materials.push_back(model);
