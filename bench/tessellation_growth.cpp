@@ -81,7 +81,6 @@ int run(const Case& of, std::uint64_t wanted) {
     const prep::Mesh mesh = cube();
     prep::HeightMapOptions as;
     as.scale = 0.1;
-    as.band_limited = false;
     const auto map = prep::height_function(waves(2048), as, &mesh);
     if (!map) return failed(map.error());
     prep::TessellateOptions options;

@@ -46,6 +46,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     heights.wrap_v = prep::Wrap(in.below(4));
     heights.channel = in.below(3);
     heights.scale = in.below(8) ? in.below(100) / 50.0 - 1 : in.take<double>();
+    heights.sample_spacing = in.below(2)   ? 0
+                             : in.below(8) ? 0.02 * in.below(60)
+                                           : in.take<double>();
     heights.threads = 1;
     const bool confined = in.below(2) == 1;
     const std::uint32_t sources = in.below(8);  // heights, noise, vectors
@@ -54,6 +57,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     noise.octaves = int(in.below(5));
     noise.frequency = in.below(8) ? 0.5 * in.below(10) : in.take<double>();
     noise.scale = in.below(8) ? 0.1 * in.below(20) : in.take<double>();
+    noise.sample_spacing = heights.sample_spacing;
 
     const prep::Mesh mesh = fuzz::hostile_mesh(in);
     prep::Displacement displacement;

@@ -21,6 +21,14 @@ double part(std::mt19937& random) {
     return double(random()) / 4294967296.0;
 }
 
+Result<HeightMap> limited(const Image& image, const HeightMapOptions& options, double spacing) {
+    const auto map = HeightMap::make(image, options);
+    if (!map) return map.error();
+    auto made = map->limited({}, spacing);
+    if (!made) return made.error();
+    return std::move(made->map);
+}
+
 // Waves of whole cycles a map, in many directions: their amplitude after the filter, by the least
 // squares fit of the same wave at scattered points, against the promise.
 TEST(BandLimit, WavesOfEveryDirectionPassOrDoNot) {
@@ -46,13 +54,13 @@ TEST(BandLimit, WavesOfEveryDirectionPassOrDoNot) {
                 const Image image = picture(width, height, [&](auto x, auto y) {
                     return std::cos(2 * pi * (cx * (x + 0.5) / width + cy * (y + 0.5) / height));
                 });
-                const auto map = HeightMap::make(image, plain());
+                const auto map = limited(image, plain(), spacing);
                 ASSERT_TRUE(map);
                 double in_phase = 0, most = 0;
                 constexpr int samples = 400;
                 for (int s = 0; s < samples; ++s) {
                     const glm::dvec2 uv(part(random), part(random));
-                    const double value = map->filtered(uv, spacing).value;
+                    const double value = map->value(uv);
                     in_phase += value * std::cos(2 * pi * (cx * uv.x + cy * uv.y)) * 2 / samples;
                     most = std::max(most, std::abs(value));
                 }
@@ -82,16 +90,16 @@ TEST(BandLimit, ZonePlate) {
     });
     HeightMapOptions options = plain();
     options.wrap_u = options.wrap_v = Wrap::clamp;
-    const auto map = HeightMap::make(image, options);
-    ASSERT_TRUE(map);
     for (const double spacing : {1.0 / 512, 1.0 / 300, 1.0 / 128, 1.0 / 90}) {
+        const auto map = limited(image, options, spacing);
+        ASSERT_TRUE(map);
         double most_stopped = 0;
         for (int k = 0; k < 24; ++k) {
             const double angle = 2 * pi * k / 24;
             const glm::dvec2 along(std::cos(angle), std::sin(angle));
             double crest = 0, crests = 0, least = 1;
             for (double r = 0.02; r < 0.5 - 4 * spacing; r += 0.0001) {
-                const double value = map->filtered(glm::dvec2(0.5) + r * along, spacing).value;
+                const double value = map->value(glm::dvec2(0.5) + r * along);
                 // A kernel's width away from the bands' limits: a zone plate's frequency changes
                 // under the kernel.
                 const double change = 2 * most_cycles * 4 * spacing;
@@ -112,52 +120,26 @@ TEST(BandLimit, ZonePlate) {
     }
 }
 
-TEST(BandLimit, FineSpacingsAreTheMapItself) {
+TEST(BandLimit, SpacingsBelowATexelLeaveTheMapAsItIs) {
     const auto map = HeightMap::make(random_picture(32, 32, 3), plain());
-    HeightMapOptions without = plain();
-    without.band_limited = false;
-    const auto bare = HeightMap::make(random_picture(32, 32, 3), without);
-    ASSERT_TRUE(map && bare);
+    ASSERT_TRUE(map);
+    const auto same = map->limited({}, 0.99 / 32), other = map->limited({}, 1.01 / 32);
+    ASSERT_TRUE(same && other);
+    EXPECT_EQ(same->change, 0.0);
+    EXPECT_GT(other->change, 0.1);
+    EXPECT_EQ(same->map.width(), 32u);
+    EXPECT_EQ(other->map.width(), 4 * 32u);
     std::mt19937 random(4);
     for (int k = 0; k < 100; ++k) {
         const glm::dvec2 uv(part(random), part(random));
-        EXPECT_EQ(map->filtered(uv, 0.5 / 32).value, map->at(uv).value);
-        EXPECT_EQ(map->filtered(uv, 0.5 / 32).gradient, map->at(uv).gradient);
-        EXPECT_EQ(bare->filtered(uv, 0.3).value, map->at(uv).value);
-        // No step where the filter begins.
-        EXPECT_NEAR(map->filtered(uv, 0.50001 / 32).value, map->at(uv).value, 1e-6);
-        EXPECT_NEAR(map->filtered(uv, 0.99999 / 32).value, map->filtered(uv, 1.00001 / 32).value,
-                    1e-3);
+        EXPECT_EQ(same->map.value(uv), map->value(uv));
     }
-}
-
-TEST(BandLimit, GradientsAreThoseOfTheFilteredValues) {
-    std::mt19937 random(5);
-    for (const auto& [width, height] :
-         std::initializer_list<std::pair<std::uint32_t, std::uint32_t>>{
-             {64, 64}, {64, 16}, {1, 64}, {16, 128}}) {
-        HeightMapOptions options = plain(HeightFilter::bicubic);
-        options.placement.scale = {1.5f, 1};
-        options.placement.rotation = 0.4f;
-        const auto map = HeightMap::make(random_picture(width, height, 6), options);
-        ASSERT_TRUE(map);
-        for (const double spacing : {0.011, 0.02, 0.05, 0.3})
-            for (int k = 0; k < 60; ++k) {
-                const glm::dvec2 uv(part(random), part(random));
-                constexpr double h = 1e-5;
-                for (int axis = 0; axis < 2; ++axis) {
-                    glm::dvec2 before = uv, after = uv;
-                    before[axis] -= h;
-                    after[axis] += h;
-                    const double slope = (map->filtered(after, spacing).value -
-                                          map->filtered(before, spacing).value) /
-                                         (2 * h);
-                    EXPECT_NEAR(map->filtered(uv, spacing).gradient[axis], slope,
-                                1e-3 * (1 + std::abs(slope)))
-                        << width << "x" << height << " spacing " << spacing;
-                }
-            }
-    }
+    // Texels beyond what memory is for are refused.
+    const auto large =
+        HeightMap::make(picture(8192, 8192, [](auto, auto) { return 0.5; }), plain());
+    const auto refused = large->limited({}, 1.5 / 8192);
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().code, ErrorCode::limit);
 }
 
 // A map longer than wide, at spacings between both of its texels: detail along the long side goes,
@@ -166,14 +148,13 @@ TEST(BandLimit, SidesOfDifferentLengthAreFilteredAlike) {
     const Image image = picture(16, 512, [](auto x, auto y) {
         return std::cos(2 * pi * 3 * (x + 0.5) / 16) + std::cos(2 * pi * 150 * (y + 0.5) / 512);
     });
-    const auto map = HeightMap::make(image, plain());
+    const auto map = limited(image, plain(), 1.0 / 100);
     ASSERT_TRUE(map);
     double most = 0;
     for (int i = 0; i < 64; ++i)
         for (int j = 0; j < 16; ++j) {
             const glm::dvec2 uv((i % 16 + 0.5) / 16, (i * 16 + j) / 1024.0 + 0.0007);
-            most = std::max(
-                most, std::abs(map->filtered(uv, 1.0 / 100).value - std::cos(2 * pi * 3 * uv.x)));
+            most = std::max(most, std::abs(map->value(uv) - std::cos(2 * pi * 3 * uv.x)));
         }
     EXPECT_LE(most, 0.06);
 }
@@ -215,6 +196,16 @@ TEST(Gutters, PoisonOutsideOfChartsMovesNothing) {
                 return HeightMap::make(image, plain(filter))->confined(charts);
             };
             const HeightMap clean = make(0), poisoned = make(1e6);
+            const auto smooth = [&](double poison) {
+                const Image image = picture(96, 96, [&](auto x, auto y) {
+                    const glm::dvec2 p((x + 0.5) / 96, (y + 0.5) / 96);
+                    return inside(p) || poison == 0 ? height(p.x, p.y) : poison;
+                });
+                return HeightMap::make(image, plain(filter))
+                    ->limited({.triangles = charts}, 0.05)
+                    ->map.confined(charts);
+            };
+            const HeightMap clean_smooth = smooth(0), poisoned_smooth = smooth(1e6);
             for (const auto& t : charts)
                 for (int s = 0; s < 2000; ++s) {
                     glm::dvec3 w(part(random), part(random), part(random));
@@ -222,8 +213,7 @@ TEST(Gutters, PoisonOutsideOfChartsMovesNothing) {
                     w /= w.x + w.y + w.z;
                     const glm::dvec2 p = w.x * t[0] + w.y * t[1] + w.z * t[2];
                     EXPECT_NEAR(poisoned.at(p).value, clean.at(p).value, 1e-6);
-                    EXPECT_NEAR(poisoned.filtered(p, 0.05).value, clean.filtered(p, 0.05).value,
-                                1e-6);
+                    EXPECT_NEAR(poisoned_smooth.value(p), clean_smooth.value(p), 1e-6);
                     // And it is the height, to a texel's step; the chart's tips reach furthest.
                     EXPECT_NEAR(poisoned.at(p).value, height(p.x, p.y), 5.0 / 96);
                 }

@@ -137,10 +137,13 @@ TEST(HeightMap, MidLevelOfEveryFileTypeIsExactlyZero) {
             options.scale = 0.1;
             const auto map = HeightMap::make(*loaded, options);
             ASSERT_TRUE(map);
+            const auto limited = map->limited({}, 0.4);
+            ASSERT_TRUE(limited);
+            EXPECT_EQ(limited->change, 0.0) << c.name;
             for (const double u : {0.0, 0.1, 0.37, 1.2}) {
                 EXPECT_EQ(map->at({u, 0.7 - u}).value, 0.0) << c.name;
                 EXPECT_EQ(map->at({u, 0.7 - u}).gradient, glm::dvec2(0.0)) << c.name;
-                EXPECT_EQ(map->filtered({u, 0.7 - u}, 0.4).value, 0.0) << c.name;
+                EXPECT_EQ(limited->map.value({u, 0.7 - u}), 0.0) << c.name;
             }
             const Deviation none = map->deviation({{{0, 0}, {3, 0}, {0, 2}}}, {{0, 0, 0}}, 0);
             EXPECT_EQ(none.upper, 0.0) << c.name;
@@ -259,7 +262,12 @@ TEST(HeightMap, OddCoordinatesReadSomething) {
         for (const Wrap wrap : wraps) {
             const auto of = HeightMap::make(random_picture(8, 8, 9), plain(filters[1], wrap));
             EXPECT_TRUE(std::isfinite(of->at({odd, 0.5}).value));
-            EXPECT_TRUE(std::isfinite(of->filtered({odd, 0.5}, 0.3).value));
+            const std::array<glm::dvec2, 3> t{{{odd, 0}, {0, 0}, {0, 1}}};
+            for (const double spacing : {0.3, 1e-300, 1e300}) {
+                const auto limited = of->limited({.triangles = {t}}, spacing);
+                ASSERT_TRUE(limited);
+                EXPECT_TRUE(std::isfinite(limited->map.value({0.25, 0.5})));
+            }
             const Deviation far = of->deviation({{{odd, 0}, {0, 0}, {0, 1}}}, {{0, 0, 0}}, 0);
             EXPECT_GE(far.upper, far.lower);
         }
@@ -438,7 +446,6 @@ TEST(HeightMap, ASpikeOfOneTexelIsFoundQuickly) {
     std::mt19937 random(16);
     HeightMapOptions options = plain(HeightFilter::bilinear, Wrap::clamp);
     options.midlevel = 0.5;
-    options.band_limited = false;
     for (const HeightFilter filter : filters) {
         options.filter = filter;
         const auto x = std::size_t(random() % 2048), y = std::size_t(random() % 2047);
@@ -482,14 +489,10 @@ TEST(HeightMap, DeviationHoldsWithLittleEffort) {
 
 TEST(HeightMap, BlocksTakeLessThanAThirdOfTheTexels) {
     HeightMapOptions options = plain(HeightFilter::bicubic);
-    options.band_limited = false;
     const auto map = HeightMap::make(random_picture(1024, 512, 18), options);
     ASSERT_TRUE(map);
     const double texels = 1024 * 512 * sizeof(float);
     EXPECT_LE(double(map->memory()), texels * 4 / 3);
-    options.band_limited = true;
-    const auto banded = HeightMap::make(random_picture(512, 512, 18), options);
-    EXPECT_LE(double(banded->memory()), texels / 2 * 1.6);
 }
 
 TEST(HeightMap, ThreadsChangeNothing) {
@@ -500,11 +503,21 @@ TEST(HeightMap, ThreadsChangeNothing) {
     options.threads = 7;
     const auto seven = HeightMap::make(image, options);
     ASSERT_TRUE(one && seven);
+    const detail::ChartAtlas charts{
+        {{{{0.1, 0.1}, {0.4, 0.2}, {0.2, 0.7}}}, {{{0.5, 0.1}, {1.2, 0.2}, {0.7, 0.9}}}}};
     std::mt19937 random(20);
     for (int k = 0; k < 200; ++k) {
         const glm::dvec2 uv(part(random), part(random));
         const double s = part(random) * 0.2;
-        EXPECT_EQ(one->filtered(uv, s).value, seven->filtered(uv, s).value);
+        if (k % 20 == 0) {
+            const auto a = one->limited(charts, s), b = seven->limited(charts, s);
+            ASSERT_TRUE(a && b);
+            EXPECT_EQ(a->change, b->change);
+            for (int i = 0; i < 40; ++i) {
+                const glm::dvec2 p(part(random), part(random));
+                EXPECT_EQ(a->map.value(p), b->map.value(p));
+            }
+        }
         const std::array<glm::dvec2, 3> t{uv, uv + glm::dvec2(s, 0), uv + glm::dvec2(0, s)};
         EXPECT_EQ(one->deviation(t, {{0, 0, 0}}, 0.1).upper,
                   seven->deviation(t, {{0, 0, 0}}, 0.1).upper);

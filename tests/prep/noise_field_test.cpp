@@ -145,11 +145,44 @@ TEST(NoiseField, OctavesAreASum) {
 
 TEST(NoiseField, OctavesTooFineForTheSpacingAreLeftOut) {
     const NoiseField five = field(NoiseKind::perlin, 5), two = field(NoiseKind::perlin, 2);
+    const auto limited = [](double spacing) {
+        NoiseOptions options;
+        options.octaves = 5;
+        options.seed = 1;
+        options.sample_spacing = spacing;
+        return *NoiseField::make(options);
+    };
     const glm::dvec3 p(0.3, 0.4, 0.55);
-    EXPECT_EQ(five.filtered(p, 1.0 / 64).value, five.value(p));  // 16 cells at most
-    EXPECT_EQ(five.filtered(p, 1.0 / 8).value, two.value(p));    // 4 and more are gone
-    EXPECT_EQ(five.filtered(p, 10).value, 0.0);
-    EXPECT_EQ(five.filtered(p, 10).gradient, glm::dvec3(0.0));
+    EXPECT_EQ(limited(1.0 / 64).value(p), five.value(p));  // 16 cells at most
+    EXPECT_EQ(limited(1.0 / 8).value(p), two.value(p));    // 4 and more are gone
+    EXPECT_EQ(limited(1.0 / 8).steepest(), two.steepest());
+    EXPECT_EQ(limited(10).value(p), 0.0);
+    EXPECT_EQ(limited(10).gradient(p), glm::dvec3(0.0));
+    // From a quarter to a half of a cycle an octave fades.
+    const double faded = limited(1.0 / 48).value(p) - field(NoiseKind::perlin, 4).value(p);
+    const double whole = five.value(p) - field(NoiseKind::perlin, 4).value(p);
+    EXPECT_GT(faded / whole, 0.1);
+    EXPECT_LT(faded / whole, 0.9);
+    // What is left is bounded as it is.
+    const NoiseField some = limited(1.0 / 48);
+    const std::array<glm::dvec3, 3> corners{p, p + glm::dvec3(0.1, 0, 0),
+                                            p + glm::dvec3(0, 0.1, 0)};
+    std::array<double, 3> values{};
+    for (std::size_t k = 0; k < 3; ++k) values[k] = some.value(corners[k]);
+    const detail::Deviation d = some.deviation(corners, values, 0);
+    double most = 0;
+    for (int i = 0; i <= 40; ++i)
+        for (int j = 0; i + j <= 40; ++j) {
+            const glm::dvec3 w = glm::dvec3(40 - i - j, i, j) / 40.0;
+            const glm::dvec3 at = w.x * corners[0] + w.y * corners[1] + w.z * corners[2];
+            const double linear = w.x * values[0] + w.y * values[1] + w.z * values[2];
+            most = std::max(most, std::abs(some.value(at) - linear));
+        }
+    EXPECT_LE(most, d.upper);
+    EXPECT_GE(most, 0.5 * d.lower);
+    NoiseOptions negative;
+    negative.sample_spacing = -1;
+    EXPECT_FALSE(NoiseField::make(negative));
 }
 
 TEST(NoiseField, OddNumbersAreErrorsOrNothing) {

@@ -439,6 +439,42 @@ TEST_F(Displace, NoiseMovesByItsValue) {
     EXPECT_EQ(prepared(square, options).ran.exit_code, 2);
 }
 
+// What samples of a length cannot carry is left out: of maps, whose lengths are the mesh's and not
+// the map's, and of noise.
+TEST_F(Displace, BandLimitsLeaveOutWhatSamplesCannotCarry) {
+    // 2 and 20 waves over the square's two units.
+    constexpr double pi = 3.14159265358979323846;
+    const std::string two = map("waves.exr", 256, prep::PixelType::f32, [](auto x, auto) {
+        return std::cos(4 * pi * (x + 0.5) / 256) + std::cos(40 * pi * (x + 0.5) / 256);
+    });
+    std::vector<std::string> options{"--displace",        two,  "--height-scale", "0.1",
+                                     "--height-midlevel", "0",  "--edge-length",  "0.07",
+                                     "--band-limit",      "0.1"};
+    const Written limited = prepared(square, options);
+    ASSERT_EQ(limited.ran.exit_code, 0) << limited.ran.err;
+    EXPECT_TRUE(limited.has("band-limited"));
+    ASSERT_GT(limited.points.size(), 1000U);
+    double off = 0;
+    for (const Vertex& v : limited.points)
+        off = std::max(off, std::abs(v.z - 0.1 * std::cos(2 * pi * v.x)));
+    EXPECT_LE(off, 0.003);
+    options.back() = "0.01";  // 25 cycles a unit are whole
+    const Written carried = prepared(square, options);
+    ASSERT_EQ(carried.ran.exit_code, 0) << carried.ran.err;
+    double most = 0;
+    for (const Vertex& v : carried.points) most = std::max(most, v.z);
+    EXPECT_GT(most, 0.18);
+
+    const auto field = prep::noise_function({.frequency = 1.5, .scale = 0.3});
+    ASSERT_TRUE(field);
+    const Written noise = prepared(
+        square, {"--displace", "noise", "--noise-frequency", "1.5", "--noise-scale", "0.3",
+                 "--noise-octaves", "3,2.2", "--band-limit", "0.1516", "--chord-error", "0.01"});
+    ASSERT_EQ(noise.ran.exit_code, 0) << noise.ran.err;
+    ASSERT_GT(noise.points.size(), 100U);
+    for (const Vertex& v : noise.points) EXPECT_NEAR(v.z, (*field)->at({v.x, v.y, 0}).value, 1e-6);
+}
+
 TEST_F(Displace, MistakesAreUsageErrors) {
     const std::string some = map("some.exr", 2, prep::PixelType::f32, [](auto, auto) { return 1; });
     struct Row {
@@ -458,6 +494,9 @@ TEST_F(Displace, MistakesAreUsageErrors) {
           Row{{"--displace", some, "--displace-kind", "vector-tangent", "--displace-axes",
                "object"},
               "tangent-bitangent-normal"},
+          Row{{"--band-limit", "0.1", "--chord-error", "1"}, "--displace"},
+          Row{{"--displace", some, "--band-limit", "0"}, "--band-limit"},
+          Row{{"--displace", some, "--band-limit", "fine"}, "fine"},
           Row{{"--noise", "simplex"}, "--displace"},
           Row{{"--displace", "noise", "--noise", "worley"}, "simplex"},
           Row{{"--displace", "noise", "--noise-octaves", "0"}, "--noise-octaves"},

@@ -167,15 +167,18 @@ class ResidualSurface : public testing::Test {
         EXPECT_TRUE(scene) << to_string(scene.error());
         return *std::move(scene);
     }
-    // p99 of `triangles` triangles with a map of `size` texels, against `dense` ones.
+    // p99 of `triangles` triangles with a map of `size` texels, against `dense` ones, which do
+    // without the last options.
     void check(const char* what, const std::string& obj, std::vector<std::string> options,
-               const char* triangles, const char* size, const char* dense, double gain) {
+               const char* triangles, const char* size, const char* dense, double gain,
+               const std::vector<std::string>& of_the_coarse = {}) {
         options.insert(options.end(), {"--max-triangles", dense});
         const prep::Scene truth = prepared("dense.glb", obj, options);
         options.back() = triangles;
         for (const auto& [bits, most] : {std::pair("16", 1.5), std::pair("8", 2.0)}) {
             std::vector<std::string> with = options;
             with.insert(with.end(), {"--residual-normal-map", size, "--residual-bits", bits});
+            with.insert(with.end(), of_the_coarse.begin(), of_the_coarse.end());
             const Angles angles = compare(prepared("coarse.glb", obj, with), truth);
             std::printf(
                 "%s, %s triangles, %s texels a side, %s bits: p99 %.2f, without %.1f, %zu\n", what,
@@ -220,6 +223,14 @@ TEST_F(ResidualSurface, HeightsOfALimitSurface) {
           {"--subdivide", "catmark", "--displace", waves("waves.exr", 1), "--height-midlevel", "0",
            "--height-scale", "0.04", "--height-filter", "bicubic"},
           "1500", "256", "150k", 5);
+}
+
+// What a band limit leaves out of the triangles is in the map.
+TEST_F(ResidualSurface, HeightsBeyondABandLimit) {
+    check("cube, heights with a band limit", in_cells(cube()),
+          {"--subdivide", "catmark", "--displace", waves("waves.exr", 1), "--height-midlevel", "0",
+           "--height-scale", "0.04", "--height-filter", "bicubic"},
+          "1500", "256", "150k", 5, {"--band-limit", "0.3"});
 }
 
 TEST_F(ResidualSurface, VectorsOfALimitSurface) {

@@ -65,6 +65,9 @@ struct DisplaceOptions {
     // None: the material's, whatever its file holds; for `map` 0.5, but 0 for vectors in a file of
     // floats.
     std::optional<double> midlevel;
+    // What samples of the surface so far apart cannot carry is left out of maps and noise, in units
+    // of the mesh; 0: nothing. The spacings of `heights` and `noise` are not read.
+    double band_limit = 0;
     // What the triangles cannot carry of the surface, as normal maps (displacement/residual.h).
     std::optional<ResidualMapOptions> residual;
 };

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "base/parallel.h"
 #include "displacement/height_data.h"
-#include "displacement/map_regions.h"
 
 namespace prep::detail {
 namespace {
@@ -21,20 +21,13 @@ constexpr double axis_radius = 5;  // in texels of the coarser level
 constexpr std::array<double, 7> axis_kernel{-1.254419,  0.691344,    45.127711, -206.815387,
                                             410.556259, -393.704705, 146.399197};
 
-// y² Σ a_m y^m, and its derivative by y.
+// y² Σ a_m y^m.
 template <std::size_t N>
 double kernel(const std::array<double, N>& a, double y) {
     double sum = 0;
     for (std::size_t m = N; m-- > 0;) sum = sum * y + a[m];
     return sum * y * y;
 }
-template <std::size_t N>
-double kernel_slope(const std::array<double, N>& a, double y) {
-    double sum = 0;
-    for (std::size_t m = N; m-- > 0;) sum = sum * y + double(m + 2) * a[m];
-    return sum * y;
-}
-
 // Which texels make one of `coarse` texels out of `fine`, with weights that sum to 1.
 struct Resampling {
     struct Texel {
@@ -179,12 +172,12 @@ bool footprint_of(const HeightMapData& map, Footprint& out) {
     return true;
 }
 
-RawSample filtered_at(const HeightMapData& map, const glm::dvec2& uv, double spacing,
-                      const Footprint& footprint, const glm::dvec2& spacings) {
+double filtered_at(const HeightMapData& map, const BandLimits& bands, const glm::dvec2& at,
+                   double spacing, const Footprint& footprint, const glm::dvec2& spacings) {
     // The coarsest level with at least a texel a spacing along both sides.
     std::int64_t width = map.x.size, height = map.y.size;
     const float* raw = map.raw.data();
-    for (const BandLimits::Level& level : map.bands.levels) {
+    for (const BandLimits::Level& level : bands.levels) {
         const auto enough = [](double s, std::int64_t size, std::int64_t all) {
             return size == all || s * double(size) >= 1;
         };
@@ -204,9 +197,8 @@ RawSample filtered_at(const HeightMapData& map, const glm::dvec2& uv, double spa
     const LevelRows rows(map, raw, width, height, parts);
     const glm::dvec2 texels(double(width * parts.x), double(height * parts.y));
 
-    // From where the map is read, which rounds to the same point as at() does.
-    glm::dvec2 point = map.map_point(uv);
-    point = (point + 0.5) / glm::dvec2(double(map.x.size), double(map.y.size)) * texels - 0.5;
+    const glm::dvec2 point =
+        (at + 0.5) / glm::dvec2(double(map.x.size), double(map.y.size)) * texels - 0.5;
     // d in texels to the unit disk, and how far the disk reaches in texels.
     const glm::dmat2 to_disk =
         footprint.inverse * glm::dmat2(1 / texels.x, 0, 0, 1 / texels.y) * (1 / (spacing * radius));
@@ -234,7 +226,6 @@ RawSample filtered_at(const HeightMapData& map, const glm::dvec2& uv, double spa
     double about = 0;
     rows.read(i0, j0, 1, &about, row);
     double weight = 0, sum = 0;
-    glm::dvec2 weight_slope(0.0), sum_slope(0.0);
     for (std::int64_t j = j0; j <= j1; ++j) {
         rows.read(i0, j, n, row, row + n);
         const glm::dvec2 across = b * (flat_y ? 0.0 : double(j) - point.y);
@@ -244,24 +235,20 @@ RawSample filtered_at(const HeightMapData& map, const glm::dvec2& uv, double spa
             const double y = 1 - (d.x * d.x + d.y * d.y);
             if (y <= 0) continue;
             const double w = kernel(radial_kernel, y);
-            // The point moves the other way than d: 2 d · (a, b) dk/dy.
-            const double slope = 2 * kernel_slope(radial_kernel, y);
-            const glm::dvec2 by_point(slope * (d.x * a.x + d.y * a.y),
-                                      slope * (d.x * b.x + d.y * b.y));
             weight += w;
             sum += w * (row[k] - about);
-            weight_slope += by_point;
-            sum_slope += by_point * (row[k] - about);
         }
     }
-    RawSample sample;
-    const double above = sum / weight;
-    sample.value = about + above;
-    sample.gradient = (sum_slope - weight_slope * above) / weight;
-    sample.gradient *= texels / glm::dvec2(double(map.x.size), double(map.y.size));
-    if (flat_x) sample.gradient.x = 0;
-    if (flat_y) sample.gradient.y = 0;
-    return sample;
+    return about + sum / weight;
+}
+
+// Spacings that samples along the map's own axes would need for the same frequencies, by its UVs.
+glm::dvec2 along_axes(const Footprint& footprint, double spacing) {
+    const auto along = [&](int axis) {
+        const glm::dvec2 column = footprint.inverse[axis];
+        return spacing / std::sqrt(column.x * column.x + column.y * column.y);
+    };
+    return {along(0), along(1)};
 }
 
 }  // namespace
@@ -289,65 +276,21 @@ BandLimits make_band_limits(const HeightMapData& map, int threads) {
     return bands;
 }
 
-namespace {
-
-// The gradient where it is asked for.
-inline double raw_at_point(const HeightMapData& map, const glm::dvec2& p, glm::dvec2* gradient) {
-    // Between the map's own texels: as below in its first region, with the same bits.
-    if (p.x >= 0 && p.y >= 0 && p.x < double(map.x.size - 1) && p.y < double(map.y.size - 1)) {
-        const glm::dvec2 along(p.x - double(map.x.first()), p.y - double(map.y.first()));
-        const auto x = std::int64_t(along.x), y = std::int64_t(along.y);
-        return raw_at(map, x + map.x.first(), y + map.y.first(), along.x - double(x),
-                      along.y - double(y), gradient);
-    }
-    const AxisRegion rx = region(map.x, region_of(map.x, p.x));
-    const AxisRegion ry = region(map.y, region_of(map.y, p.y));
-    const CellPoint x = cell_point(map.x, rx.cell(p.x)), y = cell_point(map.y, ry.cell(p.y));
-    const double value =
-        raw_at(map, x.cell + map.x.first(), y.cell + map.y.first(), x.part, y.part, gradient);
-    if (gradient) *gradient *= glm::dvec2(rx.turn, ry.turn);
-    return value;
-}
-
-}  // namespace
-
-RawSample raw_sample(const HeightMapData& map, const glm::dvec2& uv) {
-    RawSample sample;
-    sample.value = raw_at_point(map, map.map_point(uv), &sample.gradient);
-    return sample;
-}
-
-double raw_value(const HeightMapData& map, const glm::dvec2& uv) {
-    return raw_at_point(map, map.map_point(uv), nullptr);
-}
-
-RawSample band_limited(const HeightMapData& map, const glm::dvec2& uv, double spacing) {
+glm::dvec2 texels_between(const HeightMapData& map, double spacing) {
     Footprint footprint;
-    if (map.bands.levels.empty() || !footprint_of(map, footprint)) return raw_sample(map, uv);
-    // Spacings that samples along the map's own axes would need for the same frequencies.
-    const auto along = [&](int axis) {
-        const glm::dvec2 column = footprint.inverse[axis];
-        return spacing / std::sqrt(column.x * column.x + column.y * column.y);
-    };
-    glm::dvec2 spacings(along(0), along(1));
+    if (!footprint_of(map, footprint)) return glm::dvec2(std::numeric_limits<double>::infinity());
+    return along_axes(footprint, spacing) * glm::dvec2(double(map.x.size), double(map.y.size));
+}
+
+double band_limited(const HeightMapData& map, const BandLimits& bands, const glm::dvec2& point,
+                    double spacing) {
+    Footprint footprint;
+    if (!footprint_of(map, footprint)) return raw_value_at(map, point);
+    const glm::dvec2 spacings = along_axes(footprint, spacing);
     // Nothing of a map that repeats is left by then.
-    if (!(spacings.x < 2) && !(spacings.y < 2))
-        return {double(map.bands.levels.back().raw[0]), glm::dvec2(0.0)};
-    // Far out, where coordinates are coarse, there is nothing to average.
-    constexpr double far = 0x1p40;
-    const glm::dvec2 point = map.map_point(uv);
-    if (!(std::abs(point.x) < far) || !(std::abs(point.y) < far)) return raw_sample(map, uv);
-    double finest = 0;
-    if (map.x.size > 1) finest = std::max(finest, spacings.x * double(map.x.size));
-    if (map.y.size > 1) finest = std::max(finest, spacings.y * double(map.y.size));
-    if (!(finest > 0.5)) return raw_sample(map, uv);
-    if (finest >= 1) return filtered_at(map, uv, spacing, footprint, spacings);
-    // From half a texel to a whole one the map turns into what a texel's spacing leaves of it.
-    const RawSample whole = filtered_at(map, uv, spacing / finest, footprint, spacings / finest);
-    const RawSample fine = raw_sample(map, uv);
-    const double t = 2 * finest - 1, part = t * t * (3 - 2 * t);
-    return {fine.value + part * (whole.value - fine.value),
-            fine.gradient + part * (whole.gradient - fine.gradient)};
+    if (!(spacings.x < 2) && !(spacings.y < 2) && !bands.levels.empty())
+        return double(bands.levels.back().raw[0]);
+    return filtered_at(map, bands, point, spacing, footprint, spacings);
 }
 
 }  // namespace prep::detail

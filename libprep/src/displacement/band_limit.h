@@ -24,18 +24,16 @@ struct BandLimits {
     std::vector<Level> levels;  // beyond the map itself, the last one a single texel
 };
 
-// The side that is twice the other and longer is halved alone. The result does not depend on the
-// number of threads.
+// Of the map's texels and axes alone. The side that is twice the other and longer is halved alone.
+// The result does not depend on the number of threads.
 BandLimits make_band_limits(const HeightMapData& map, int threads);
 
-// Raw height and its gradient by map coordinates. Spacing by the mesh's UVs, above 0.
-struct RawSample {
-    double value = 0;
-    glm::dvec2 gradient{0.0};
-};
-RawSample band_limited(const HeightMapData& map, const glm::dvec2& uv, double spacing);
-// Not band-limited.
-RawSample raw_sample(const HeightMapData& map, const glm::dvec2& uv);
-double raw_value(const HeightMapData& map, const glm::dvec2& uv);
+// Raw height at a point in map coordinates without what samples `spacing` apart, by the mesh's UVs,
+// cannot carry. O(1). Needs the map's axes, its matrix and its texels.
+double band_limited(const HeightMapData& map, const BandLimits& bands, const glm::dvec2& point,
+                    double spacing);
+// The texels of the map between samples so far apart, along either axis: infinite where a spacing
+// has no meaning, as the map is placed in a point or a line.
+glm::dvec2 texels_between(const HeightMapData& map, double spacing);
 
 }  // namespace prep::detail

@@ -14,6 +14,31 @@ namespace {
 constexpr double far = 0x1p50;
 constexpr double on_border = 1e-9;  // texels: UVs are floats, which are coarser
 
+// Where the triangle meets the row through texels' centres.
+std::pair<double, double> crossing(const std::array<glm::dvec2, 3>& p, double y) {
+    double low = std::numeric_limits<double>::infinity(), high = -low;
+    const auto note = [&](double x) {
+        low = std::min(low, x);
+        high = std::max(high, x);
+    };
+    for (std::size_t k = 0; k < 3; ++k) {
+        const glm::dvec2 a = p[k], b = p[(k + 1) % 3];
+        const auto [top, bottom] = std::minmax(a.y, b.y);
+        if (y < top - on_border || y > bottom + on_border) continue;
+        if (bottom - top <= 2 * on_border) {
+            note(a.x);
+            note(b.x);
+        } else {
+            const double t = std::clamp((y - a.y) / (b.y - a.y), 0.0, 1.0);
+            note(a.x + t * (b.x - a.x));
+        }
+    }
+    // Rows outside of a clamped map read its first or last one.
+    if (low > high)
+        for (const glm::dvec2& c : p) note(c.x);
+    return {low, high};
+}
+
 class Coverage {
   public:
     explicit Coverage(const HeightMapData& map)
@@ -95,30 +120,6 @@ class Coverage {
         }
         return {std::int64_t(first), std::int64_t(last)};
     }
-    // Where the triangle meets the row through texels' centres.
-    static std::pair<double, double> crossing(const std::array<glm::dvec2, 3>& p, double y) {
-        double low = std::numeric_limits<double>::infinity(), high = -low;
-        const auto note = [&](double x) {
-            low = std::min(low, x);
-            high = std::max(high, x);
-        };
-        for (std::size_t k = 0; k < 3; ++k) {
-            const glm::dvec2 a = p[k], b = p[(k + 1) % 3];
-            const auto [top, bottom] = std::minmax(a.y, b.y);
-            if (y < top - on_border || y > bottom + on_border) continue;
-            if (bottom - top <= 2 * on_border) {
-                note(a.x);
-                note(b.x);
-            } else {
-                const double t = std::clamp((y - a.y) / (b.y - a.y), 0.0, 1.0);
-                note(a.x + t * (b.x - a.x));
-            }
-        }
-        // Rows outside of a clamped map read its first or last one.
-        if (low > high)
-            for (const glm::dvec2& c : p) note(c.x);
-        return {low, high};
-    }
     std::size_t index(std::int64_t i, std::int64_t j) const {
         return std::size_t(map_.y.texel(j) * map_.x.size + map_.x.texel(i));
     }
@@ -127,27 +128,6 @@ class Coverage {
     std::vector<std::uint8_t> mask_;
     std::size_t unset_;  // of it
 };
-
-// For each triangle one that stands for its chart: triangles with a corner in common are of one.
-std::vector<std::uint32_t> charts_of(ChartTriangles triangles) {
-    std::vector<std::uint32_t> corners(triangles.size() * 3);
-    for (std::size_t i = 0; i < corners.size(); ++i) corners[i] = std::uint32_t(i);
-    const auto key = [&](std::uint32_t corner) {
-        const glm::dvec2& p = triangles[corner / 3][corner % 3];
-        // One order for everything that is no number.
-        return std::isfinite(p.x) && std::isfinite(p.y) ? std::pair(p.x, p.y)
-                                                        : std::pair(HUGE_VAL, HUGE_VAL);
-    };
-    std::sort(corners.begin(), corners.end(), [&](std::uint32_t a, std::uint32_t b) {
-        return std::pair(key(a), a) < std::pair(key(b), b);
-    });
-    DisjointSets sets(triangles.size());
-    for (std::size_t i = 1; i < corners.size(); ++i)
-        if (key(corners[i]) == key(corners[i - 1])) sets.unite(corners[i] / 3, corners[i - 1] / 3);
-    std::vector<std::uint32_t> charts(triangles.size());
-    for (std::size_t t = 0; t < charts.size(); ++t) charts[t] = sets.find(std::uint32_t(t));
-    return charts;
-}
 
 // Neighbours by index; past the edge of a map that does not repeat there are none.
 class Neighbours {
@@ -172,6 +152,34 @@ constexpr int directions[8][2] = {{-1, -1}, {0, -1}, {1, -1}, {-1, 0},
                                   {1, 0},   {-1, 1}, {0, 1},  {1, 1}};
 
 }  // namespace
+
+std::vector<std::uint32_t> charts_of(ChartTriangles triangles) {
+    std::vector<std::uint32_t> corners(triangles.size() * 3);
+    for (std::size_t i = 0; i < corners.size(); ++i) corners[i] = std::uint32_t(i);
+    const auto key = [&](std::uint32_t corner) {
+        const glm::dvec2& p = triangles[corner / 3][corner % 3];
+        // One order for everything that is no number.
+        return std::isfinite(p.x) && std::isfinite(p.y) ? std::pair(p.x, p.y)
+                                                        : std::pair(HUGE_VAL, HUGE_VAL);
+    };
+    std::sort(corners.begin(), corners.end(), [&](std::uint32_t a, std::uint32_t b) {
+        return std::pair(key(a), a) < std::pair(key(b), b);
+    });
+    DisjointSets sets(triangles.size());
+    for (std::size_t i = 1; i < corners.size(); ++i)
+        if (key(corners[i]) == key(corners[i - 1])) sets.unite(corners[i] / 3, corners[i - 1] / 3);
+    std::vector<std::uint32_t> charts(triangles.size());
+    for (std::size_t t = 0; t < charts.size(); ++t) charts[t] = sets.find(std::uint32_t(t));
+    return charts;
+}
+
+std::pair<std::int64_t, std::int64_t> covered_in_row(const std::array<glm::dvec2, 3>& p,
+                                                     std::int64_t y) {
+    const auto [low, high] = std::minmax({p[0].y, p[1].y, p[2].y});
+    if (double(y) < low - on_border || double(y) > high + on_border) return {0, -1};
+    const auto [from, to] = crossing(p, double(y));
+    return {std::int64_t(std::ceil(from - on_border)), std::int64_t(std::floor(to + on_border))};
+}
 
 std::vector<std::uint8_t> covered_texels(const HeightMapData& map, ChartTriangles charts) {
     Coverage coverage(map);

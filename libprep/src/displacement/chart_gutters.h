@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "displacement/height_field.h"
@@ -10,6 +11,14 @@
 namespace prep::detail {
 
 struct HeightMapData;
+
+// For each triangle one that stands for its chart: triangles with a corner in common are of one.
+std::vector<std::uint32_t> charts_of(ChartTriangles triangles);
+
+// Texels of row y whose centres a triangle of map coordinates covers, to within rounding: from the
+// first to the last, none where that is less.
+std::pair<std::int64_t, std::int64_t> covered_in_row(const std::array<glm::dvec2, 3>& p,
+                                                     std::int64_t y);
 
 // 1 for each texel that the charts cover (height_field.h says which those are); triangles with a
 // corner in common are of one chart. Coordinates that

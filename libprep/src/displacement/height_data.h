@@ -13,7 +13,6 @@
 #include <glm/glm.hpp>
 #include <vector>
 
-#include "displacement/band_limit.h"
 #include "displacement/height_field.h"
 #include "displacement/height_pyramid.h"
 
@@ -46,7 +45,6 @@ struct HeightMapData {
     glm::dmat2 matrix{1.0};
     glm::dvec2 offset{0.0};
     HeightPyramid pyramid;
-    BandLimits bands;
 
     int taps() const { return options.filter == HeightFilter::bicubic ? 4 : 2; }
     double height(double value) const { return unit * (value - mid); }
@@ -66,6 +64,16 @@ struct HeightMapData {
                glm::dvec2(by_map.x * double(x.size), by_map.y * double(y.size));
     }
 };
+
+// The map as read: raw height and its gradient by map coordinates, by the mesh's UVs or at a point
+// in map coordinates.
+struct RawSample {
+    double value = 0;
+    glm::dvec2 gradient{0.0};
+};
+RawSample raw_sample(const HeightMapData& map, const glm::dvec2& uv);
+double raw_value(const HeightMapData& map, const glm::dvec2& uv);
+double raw_value_at(const HeightMapData& map, const glm::dvec2& point);
 
 // Catmull-Rom weights of four texels at t in the cell between the middle two, and by t.
 inline void catmull_rom(double t, double weights[4], double slopes[4]) {

@@ -11,6 +11,7 @@
 #include <glm/glm.hpp>
 #include <memory>
 #include <span>
+#include <vector>
 
 #include "prep/displacement/sources.h"
 #include "prep/image.h"
@@ -46,6 +47,23 @@ struct Quantisation {
 // through.
 using ChartTriangles = std::span<const std::array<glm::dvec2, 3>>;
 
+// A triangle of the surface, laid flat: its corners are (0, 0), (length, 0) and (along, height).
+struct FlatTriangle {
+    double length = 0, along = 0, height = 0;
+};
+
+// A surface in the map: triangles of UVs, and what they are of the surface.
+struct ChartAtlas {
+    std::vector<std::array<glm::dvec2, 3>> triangles;
+    std::vector<double> areas = {};  // of the surface; empty: those of the UVs
+    // What filters read across edges by; empty: nothing is across. Half-edge 3 t + e runs from
+    // corner e of triangle t to the next one; `across`: the other half-edge of that edge, or
+    // no_index. `same_way`: both begin at the same end.
+    std::vector<FlatTriangle> flat = {};
+    std::vector<std::uint32_t> across = {};
+    std::vector<std::uint8_t> same_way = {};
+};
+
 struct HeightMapData;
 
 class HeightMap {
@@ -57,11 +75,6 @@ class HeightMap {
     // The map as read: the truth.
     HeightSample at(const glm::dvec2& uv) const;
     double value(const glm::dvec2& uv) const;  // at(uv).value, the same bits
-
-    // Without what samples `spacing` apart (UV units, any direction) cannot carry: at most 2 % of
-    // amplitudes beyond 1/(2 spacing) cycles a unit, at least 95 % of those below 1/(4 spacing).
-    // Spacings of at most half a texel, and all where the map was made without band limits: at().
-    HeightSample filtered(const glm::dvec2& uv, double spacing) const;
 
     // Bounds of at() over a box, rounded outwards.
     Interval range(const glm::dvec2& low, const glm::dvec2& high) const;
@@ -82,6 +95,13 @@ class HeightMap {
     // bicubic) share the texels between them.
     HeightMap confined(ChartTriangles charts) const;
 
+    // Without what samples `spacing` apart, a length of the surface, cannot carry, chart by chart
+    // (chart_filter.h): of amplitudes beyond 1/(2 spacing) cycles a unit at most 2 % are left, of
+    // those below 1/(4 spacing) at least 95 %. No triangles: all of the map, by UVs. Errors: limit
+    // (too many texels).
+    struct Limited;
+    Result<Limited> limited(const ChartAtlas& atlas, double spacing) const;
+
     // Half a step of the file's integers, in the units of heights; 0 for floats.
     double quantum() const;
     Quantisation quantisation() const;
@@ -98,6 +118,11 @@ class HeightMap {
     std::shared_ptr<const HeightMapData> data_;
 };
 
+struct HeightMap::Limited {
+    HeightMap map;
+    double change = 0;  // the largest of a height
+};
+
 struct VectorSample {
     glm::dvec3 value{0.0};
     glm::dvec3 du{0.0}, dv{0.0};
@@ -110,7 +135,6 @@ class VectorMap {
     static Result<VectorMap> make(const Image& image, const VectorMapOptions& options = {});
     bool in_object_space() const { return axes_ == VectorAxes::object; }
     VectorSample at(const glm::dvec2& uv) const;
-    VectorSample filtered(const glm::dvec2& uv, double spacing) const;
     // Of the length of at(Σ λ uv) − Σ λ values.
     Deviation deviation(const std::array<glm::dvec2, 3>& uv,
                         const std::array<glm::dvec3, 3>& values, double enough,
@@ -121,6 +145,8 @@ class VectorMap {
     double longest(const glm::dvec2& low, const glm::dvec2& high) const;
     double steepest(const glm::dvec2& low, const glm::dvec2& high) const;
     VectorMap confined(ChartTriangles charts) const;
+    struct Limited;
+    Result<Limited> limited(const ChartAtlas& atlas, double spacing) const;
     double quantum() const;
     // The most bits of a channel; half_step is that of vectors.
     Quantisation quantisation() const;
@@ -131,6 +157,11 @@ class VectorMap {
         : axes_(axes), channels_(std::move(channels)) {}
     VectorAxes axes_;
     std::array<HeightMap, 3> channels_;  // in the order of results
+};
+
+struct VectorMap::Limited {
+    VectorMap map;
+    double change = 0;  // of a vector, no more than this
 };
 
 }  // namespace prep::detail

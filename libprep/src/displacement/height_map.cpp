@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "displacement/bilinear_deviation.h"
+#include "displacement/chart_filter.h"
 #include "displacement/chart_gutters.h"
 #include "displacement/height_data.h"
 #include "displacement/height_field.h"
@@ -98,10 +99,52 @@ void place(HeightMapData& map) {
 
 void finish(HeightMapData& map) {
     map.pyramid = make_height_pyramid(map, map.options.threads);
-    if (map.options.band_limited) map.bands = make_band_limits(map, map.options.threads);
+}
+
+// All but its texels and what they were in the file.
+std::shared_ptr<HeightMapData> like(const HeightMapData& other) {
+    auto map = std::make_shared<HeightMapData>();
+    map->options = other.options;
+    map->unit = other.unit;
+    map->mid = other.mid;
+    map->matrix = other.matrix;
+    map->offset = other.offset;
+    return map;
+}
+
+// The gradient where it is asked for.
+inline double raw_at_point(const HeightMapData& map, const glm::dvec2& p, glm::dvec2* gradient) {
+    // Between the map's own texels: as below in its first region, with the same bits.
+    if (p.x >= 0 && p.y >= 0 && p.x < double(map.x.size - 1) && p.y < double(map.y.size - 1)) {
+        const glm::dvec2 along(p.x - double(map.x.first()), p.y - double(map.y.first()));
+        const auto x = std::int64_t(along.x), y = std::int64_t(along.y);
+        return raw_at(map, x + map.x.first(), y + map.y.first(), along.x - double(x),
+                      along.y - double(y), gradient);
+    }
+    const AxisRegion rx = region(map.x, region_of(map.x, p.x));
+    const AxisRegion ry = region(map.y, region_of(map.y, p.y));
+    const CellPoint x = cell_point(map.x, rx.cell(p.x)), y = cell_point(map.y, ry.cell(p.y));
+    const double value =
+        raw_at(map, x.cell + map.x.first(), y.cell + map.y.first(), x.part, y.part, gradient);
+    if (gradient) *gradient *= glm::dvec2(rx.turn, ry.turn);
+    return value;
 }
 
 }  // namespace
+
+RawSample raw_sample(const HeightMapData& map, const glm::dvec2& uv) {
+    RawSample sample;
+    sample.value = raw_at_point(map, map.map_point(uv), &sample.gradient);
+    return sample;
+}
+
+double raw_value(const HeightMapData& map, const glm::dvec2& uv) {
+    return raw_value_at(map, map.map_point(uv));
+}
+
+double raw_value_at(const HeightMapData& map, const glm::dvec2& point) {
+    return raw_at_point(map, point, nullptr);
+}
 
 Result<HeightMap> HeightMap::make(const Image& image, const HeightMapOptions& options) {
     if (auto checked = check_options(image, options); !checked) return checked.error();
@@ -120,20 +163,26 @@ Result<HeightMap> HeightMap::make(const Image& image, const HeightMapOptions& op
 }
 
 HeightMap HeightMap::confined(ChartTriangles charts) const {
-    auto map = std::make_shared<HeightMapData>();
-    map->options = data_->options;
+    auto map = like(*data_);
     map->x = data_->x;
     map->y = data_->y;
-    map->unit = data_->unit;
-    map->mid = data_->mid;
     map->bits = data_->bits;
     map->file_bits = data_->file_bits;
-    map->matrix = data_->matrix;
-    map->offset = data_->offset;
     map->raw = data_->raw;
     fill_gutters(*map, covered_texels(*map, charts));
     finish(*map);
     return HeightMap(std::move(map));
+}
+
+Result<HeightMap::Limited> HeightMap::limited(const ChartAtlas& atlas, double spacing) const {
+    auto filtered = filter_charts(*data_, atlas, spacing);
+    if (!filtered) return std::move(filtered).error();
+    auto map = like(*data_);
+    map->x = {filtered->width, data_->x.wrap};
+    map->y = {filtered->height, data_->y.wrap};
+    map->raw = std::move(filtered->raw);
+    finish(*map);
+    return Limited{HeightMap(std::move(map)), filtered->change};
 }
 
 HeightSample HeightMap::at(const glm::dvec2& uv) const {
@@ -143,11 +192,6 @@ HeightSample HeightMap::at(const glm::dvec2& uv) const {
 
 double HeightMap::value(const glm::dvec2& uv) const {
     return data_->height(raw_value(*data_, uv));
-}
-
-HeightSample HeightMap::filtered(const glm::dvec2& uv, double spacing) const {
-    const RawSample sample = band_limited(*data_, uv, spacing);
-    return {data_->height(sample.value), data_->unit * data_->mesh_gradient(sample.gradient)};
 }
 
 Deviation HeightMap::deviation(const std::array<glm::dvec2, 3>& uv,
@@ -187,7 +231,6 @@ std::size_t HeightMap::memory() const {
     std::size_t bytes = data_->raw.size() * sizeof(float);
     for (const auto& level : data_->pyramid.levels)
         bytes += level.blocks.size() * sizeof(HeightBlock);
-    for (const auto& level : data_->bands.levels) bytes += level.raw.size() * sizeof(float);
     return bytes;
 }
 

@@ -19,7 +19,6 @@ Result<Image> height_to_normal(const Image& heights, const HeightToNormalOptions
                      ""};
     HeightMapOptions as = options.map;
     as.filter = HeightFilter::bicubic;
-    as.band_limited = false;
     as.placement = {};  // the normal map is laid as the height map is
     const auto map = detail::HeightMap::make(heights, as);
     if (!map) return map.error();

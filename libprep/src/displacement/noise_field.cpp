@@ -117,12 +117,20 @@ NoiseSample noise(NoiseKind kind, const glm::dvec3& p, std::uint64_t seed) {
     return kind == NoiseKind::perlin ? perlin(p, seed) : simplex(p, seed);
 }
 
-// Calls visit(octave's seed, frequency, amplitude).
+// Of an octave what samples so far apart carry: from 1/(4 spacing) to 1/(2 spacing) it fades out.
+double carried(double frequency, double spacing) {
+    if (!(spacing > 0)) return 1;
+    const double beyond = std::clamp(4 * spacing * std::abs(frequency) - 1, 0.0, 1.0);
+    return 1 - beyond * beyond * (3 - 2 * beyond);
+}
+
+// Calls visit(octave's seed, frequency, amplitude), but for those of which nothing is carried.
 template <class Visit>
 void over_octaves(const NoiseOptions& options, const Visit& visit) {
     double frequency = options.frequency, amplitude = options.scale;
     for (int i = 0; i < options.octaves; ++i) {
-        visit((std::uint64_t(i) << 32) + options.seed, frequency, amplitude);
+        const double part = carried(frequency, options.sample_spacing);
+        if (part > 0) visit((std::uint64_t(i) << 32) + options.seed, frequency, part * amplitude);
         frequency *= options.lacunarity;
         amplitude *= options.gain;
     }
@@ -153,10 +161,12 @@ bool smaller(const TriangleNode& a, const TriangleNode& b) {
 }  // namespace
 
 Result<NoiseField> NoiseField::make(const NoiseOptions& options) {
-    for (const double number :
-         {options.frequency, options.lacunarity, options.gain, options.scale, options.midlevel})
+    for (const double number : {options.frequency, options.lacunarity, options.gain, options.scale,
+                                options.midlevel, options.sample_spacing})
         if (!std::isfinite(number))
             return Error{ErrorCode::invalid, "the numbers of a noise must be finite", ""};
+    if (options.sample_spacing < 0)
+        return Error{ErrorCode::invalid, "a noise's spacing of samples must not be negative", ""};
     constexpr int most_octaves = 32;
     if (options.octaves < 1 || options.octaves > most_octaves)
         return Error{ErrorCode::invalid,
@@ -187,21 +197,6 @@ NoiseSample NoiseField::sample(const glm::dvec3& p) const {
         const NoiseSample octave = noise(options_.kind, p * frequency, seed);
         sum.value += amplitude * octave.value;
         sum.gradient += amplitude * frequency * octave.gradient;
-    });
-    return sum;
-}
-
-NoiseSample NoiseField::filtered(const glm::dvec3& p, double spacing) const {
-    NoiseSample sum;
-    sum.value = -options_.midlevel * options_.scale;
-    over_octaves(options_, [&](std::uint64_t seed, double frequency, double amplitude) {
-        // From 1/(4 spacing) to 1/(2 spacing) an octave fades out.
-        const double beyond = std::clamp(4 * spacing * std::abs(frequency) - 1, 0.0, 1.0);
-        const double part = 1 - beyond * beyond * (3 - 2 * beyond);
-        if (part == 0) return;
-        const NoiseSample octave = noise(options_.kind, p * frequency, seed);
-        sum.value += part * amplitude * octave.value;
-        sum.gradient += part * amplitude * frequency * octave.gradient;
     });
     return sum;
 }

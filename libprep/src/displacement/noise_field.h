@@ -24,9 +24,6 @@ class NoiseField {
     NoiseSample sample(const glm::dvec3& p) const;
     double value(const glm::dvec3& p) const { return sample(p).value; }
     glm::dvec3 gradient(const glm::dvec3& p) const { return sample(p).gradient; }
-    // Octaves of more than 1/(2 spacing) cells a unit of length are left out, those of less than
-    // 1/(4 spacing) are whole.
-    NoiseSample filtered(const glm::dvec3& p, double spacing) const;
 
     // Everywhere: of values, of the gradient's length, of the spectral norm of the second
     // derivatives.

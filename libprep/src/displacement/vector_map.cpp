@@ -48,11 +48,6 @@ VectorSample VectorMap::at(const glm::dvec2& uv) const {
     return together({channels_[0].at(uv), channels_[1].at(uv), channels_[2].at(uv)});
 }
 
-VectorSample VectorMap::filtered(const glm::dvec2& uv, double spacing) const {
-    return together({channels_[0].filtered(uv, spacing), channels_[1].filtered(uv, spacing),
-                     channels_[2].filtered(uv, spacing)});
-}
-
 Deviation VectorMap::deviation(const std::array<glm::dvec2, 3>& uv,
                                const std::array<glm::dvec3, 3>& values, double enough,
                                std::uint32_t effort) const {
@@ -91,6 +86,18 @@ double VectorMap::steepest(const glm::dvec2& low, const glm::dvec2& high) const 
 VectorMap VectorMap::confined(ChartTriangles charts) const {
     return VectorMap(axes_, {channels_[0].confined(charts), channels_[1].confined(charts),
                              channels_[2].confined(charts)});
+}
+
+Result<VectorMap::Limited> VectorMap::limited(const ChartAtlas& atlas, double spacing) const {
+    std::array<HeightMap, 3> channels = channels_;
+    double squares = 0;
+    for (HeightMap& channel : channels) {
+        auto limited = channel.limited(atlas, spacing);
+        if (!limited) return std::move(limited).error();
+        channel = std::move(limited->map);
+        squares += limited->change * limited->change;
+    }
+    return Limited{VectorMap(axes_, std::move(channels)), std::sqrt(squares)};
 }
 
 double VectorMap::quantum() const {

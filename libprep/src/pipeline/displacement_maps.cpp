@@ -55,6 +55,15 @@ class NoiseAbout final : public SpaceFunction {
     glm::dvec3 origin_;
 };
 
+std::shared_ptr<const HeightFunction> function_of(const HeightMap& map, const Mesh* charts,
+                                                  std::size_t uv_set, Index material, int threads) {
+    return height_function(map, charts, uv_set, material, threads);
+}
+std::shared_ptr<const VectorFunction> function_of(const VectorMap& map, const Mesh* charts,
+                                                  std::size_t uv_set, Index material, int threads) {
+    return vector_function(map, charts, uv_set, material, threads);
+}
+
 }  // namespace
 
 Result<const Image*> DisplacementMaps::picture(const ImageRef& ref) {
@@ -67,9 +76,50 @@ Result<const Image*> DisplacementMaps::picture(const ImageRef& ref) {
     return known.get();
 }
 
+Result<DisplacementMaps::Surface> DisplacementMaps::surface(
+    const Mesh& mesh, const SubdivideOptions* subdivision) const {
+    Surface surface{mesh, {}};
+    if (!(options_.band_limit > 0)) return surface;
+    surface.face_areas.assign(mesh.face_count(), 0);
+    if (!subdivision) {
+        surface.face_areas = polygon_areas(mesh);
+        return surface;
+    }
+    constexpr std::size_t many_faces = 50'000;
+    SubdivideOptions options = *subdivision;
+    options.level = mesh.face_count() < many_faces ? 2 : 1;
+    options.control_points = false;
+    options.threads = threads_;
+    const auto refined = subdivide(mesh, options);
+    if (!refined) return refined.error();
+    const std::vector<double> areas = polygon_areas(refined->mesh);
+    for (std::size_t f = 0; f < areas.size(); ++f)
+        surface.face_areas[refined->cage_faces[f]] += areas[f];
+    return surface;
+}
+
+template <class Map, class Function>
+Result<Function> DisplacementMaps::function(const Map& map, const Reading& as,
+                                            const Surface& surface, OfMesh& to, Function& as_read) {
+    const auto of = [&](const Map& read) {
+        return function_of(read, &surface.mesh, as.uv_set, as.material, threads_);
+    };
+    if (!(options_.band_limit > 0)) {
+        to.changes.push_back(0);
+        return of(map);
+    }
+    auto limited = band_limited(map, &surface.mesh, as.uv_set, as.material, options_.band_limit,
+                                surface.face_areas, threads_);
+    if (!limited) return std::move(limited).error();
+    to.changes.push_back(limited->change);
+    as_read = of(map);
+    return of(limited->map);
+}
+
 Result<Displacement> DisplacementMaps::read(const ImageRef& image, const Reading& as,
-                                            const std::string& name, const Mesh& mesh, OfMesh& to) {
-    Displacement made{.height = nullptr, .uv_set = as.uv_set};
+                                            const std::string& name, const Surface& surface,
+                                            OfMesh& to) {
+    Displacement made{.height = nullptr, .uv_set = as.uv_set}, as_read = made;
     const auto named = [&](Error error) {
         if (error.place.empty()) error.place = name;
         return error;
@@ -84,44 +134,52 @@ Result<Displacement> DisplacementMaps::read(const ImageRef& image, const Reading
         }
         const HeightMap& map = maps_.at(as.material);
         to.quantisations.push_back(map.quantisation());
-        made.height = height_function(map, &mesh, as.uv_set, as.material, threads_);
-        return made;
+        auto height = function(map, as, surface, to, as_read.height);
+        if (!height) return named(std::move(height).error());
+        made.height = *std::move(height);
+    } else {
+        if (!vector_maps_.contains(as.material)) {
+            const auto pixels = picture(image);
+            if (!pixels) return pixels.error();
+            VectorMapOptions options{.map = as.map, .axes = VectorAxes::object};
+            if (as.kind == DisplacementKind::vector_tangent) options.axes = options_.axes;
+            // Files of floats hold vectors as they are.
+            if (as.default_midlevel && (*pixels)->integer_bits == 0) options.map.midlevel = 0;
+            auto map = VectorMap::make(**pixels, options);
+            if (!map) return named(std::move(map).error());
+            vector_maps_.emplace(as.material, *std::move(map));
+        }
+        const VectorMap& map = vector_maps_.at(as.material);
+        to.quantisations.push_back(map.quantisation());
+        auto vector = function(map, as, surface, to, as_read.vector);
+        if (!vector) return named(std::move(vector).error());
+        made.vector = *std::move(vector);
+        made.tangent_space = as_read.tangent_space = !map.in_object_space();
     }
-    if (!vector_maps_.contains(as.material)) {
-        const auto pixels = picture(image);
-        if (!pixels) return pixels.error();
-        VectorMapOptions options{.map = as.map, .axes = VectorAxes::object};
-        if (as.kind == DisplacementKind::vector_tangent) options.axes = options_.axes;
-        // Files of floats hold vectors as they are.
-        if (as.default_midlevel && (*pixels)->integer_bits == 0) options.map.midlevel = 0;
-        auto map = VectorMap::make(**pixels, options);
-        if (!map) return named(std::move(map).error());
-        vector_maps_.emplace(as.material, *std::move(map));
-    }
-    const VectorMap& map = vector_maps_.at(as.material);
-    to.quantisations.push_back(map.quantisation());
-    made.vector = vector_function(map, &mesh, as.uv_set, as.material, threads_);
-    made.tangent_space = !map.in_object_space();
+    if (options_.band_limit > 0) to.as_read.push_back(std::move(as_read));
     return made;
 }
 
-Result<void> DisplacementMaps::add(const ImageRef& image, const Reading& as, const Mesh& mesh,
+Result<void> DisplacementMaps::add(const ImageRef& image, const Reading& as, const Surface& surface,
                                    OfMesh& to) {
     const std::string name = image.path.empty() ? image.name : image.path.filename().string();
-    if (auto checked = check_uvs(mesh, as.material, as.uv_set, name); !checked)
+    if (auto checked = check_uvs(surface.mesh, as.material, as.uv_set, name); !checked)
         return checked.error();
-    auto made = read(image, as, name, mesh, to);
+    auto made = read(image, as, name, surface, to);
     if (!made) return std::move(made).error();
     to.names.push_back(name);
     to.displacements.push_back(*std::move(made));
     return {};
 }
 
-Result<DisplacementMaps::OfMesh> DisplacementMaps::of(const Scene& scene, const Mesh& mesh) {
+Result<DisplacementMaps::OfMesh> DisplacementMaps::of(const Scene& scene, const Mesh& mesh,
+                                                      const SubdivideOptions* subdivision) {
     OfMesh out;
+    const double band_limit = options_.band_limit;
+    if (!(band_limit >= 0) || !std::isfinite(band_limit))
+        return Error{ErrorCode::invalid, "the band limit of heights must be a positive number", ""};
     HeightMapOptions heights = options_.heights;
     heights.threads = threads_;
-    heights.band_limited = false;  // errors are measured against the map as it is
     heights.midlevel = options_.midlevel.value_or(HeightMapOptions{}.midlevel);
     if (options_.axes == VectorAxes::object)
         return Error{ErrorCode::invalid,
@@ -134,23 +192,36 @@ Result<DisplacementMaps::OfMesh> DisplacementMaps::of(const Scene& scene, const 
                      "noise moves all faces, alone or with one map for all: it is not added to "
                      "materials' maps",
                      ""};
-    if (options_.noise) {
-        auto made = noise_function(*options_.noise);
+    std::shared_ptr<const SpaceFunction> noise_as_read;
+    for (const bool limited : {true, false}) {
+        if (!options_.noise || (!limited && band_limit == 0)) continue;
+        NoiseOptions as = *options_.noise;
+        as.sample_spacing = limited ? band_limit : 0;
+        auto made = noise_function(as);
         if (!made) return std::move(made).error();
-        noise = mesh.origin == glm::dvec3(0.0)
-                    ? *std::move(made)
-                    : std::make_shared<NoiseAbout>(*std::move(made), mesh.origin);
+        (limited ? noise : noise_as_read) =
+            mesh.origin == glm::dvec3(0.0)
+                ? *std::move(made)
+                : std::make_shared<NoiseAbout>(*std::move(made), mesh.origin);
     }
+    const auto surface =
+        this->surface(mesh, options_.map || options_.from_materials ? subdivision : nullptr);
+    if (!surface) return surface.error();
     if (options_.map) {
         const Reading as{.kind = options_.kind,
                          .map = heights,
                          .uv_set = options_.uv_set,
                          .default_midlevel = !options_.midlevel};
-        if (auto added = add(*options_.map, as, mesh, out); !added) return added.error();
+        if (auto added = add(*options_.map, as, *surface, out); !added) return added.error();
     }
     if (noise) {
         if (out.displacements.empty()) out.displacements.emplace_back();
         out.displacements[0].noise = noise;
+        if (band_limit > 0) {
+            out.as_read.resize(1);
+            out.as_read[0].noise = noise_as_read;
+        }
+        out.changes.push_back(0);
         out.names.push_back(std::string(name_of(options_.noise->kind)) + " noise");
         out.quantisations.emplace_back();
     }
@@ -177,7 +248,7 @@ Result<DisplacementMaps::OfMesh> DisplacementMaps::of(const Scene& scene, const 
                           .map = of_material,
                           .uv_set = ref.uv_set,
                           .material = m},
-                         mesh, out);
+                         *surface, out);
         if (!added) return added.error();
         used_.insert(m);
     }

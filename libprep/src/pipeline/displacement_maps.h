@@ -29,10 +29,15 @@ class DisplacementMaps {
         std::vector<std::uint32_t> material_displacements;
         std::vector<std::string> names;           // of the pictures
         std::vector<Quantisation> quantisations;  // likewise
+        // With a band limit: the same without it, and how much it changes heights (or vectors) at
+        // most, by picture; 0 for noise.
+        std::vector<Displacement> as_read;
+        std::vector<double> changes;
     };
     // Errors: those of load_image and HeightMap::make; invalid where the mesh lacks the UVs, or the
     // axes of tangent space are those of object space.
-    Result<OfMesh> of(const Scene& scene, const Mesh& mesh);
+    // `subdivision`: of the limit surface; null: the polygons are displaced.
+    Result<OfMesh> of(const Scene& scene, const Mesh& mesh, const SubdivideOptions* subdivision);
 
     // Takes the maps that displaced a mesh from their materials, unless a mesh that was left as it
     // is has such a one: then a finding says so.
@@ -48,9 +53,19 @@ class DisplacementMaps {
         std::uint32_t material = no_index;  // whose faces; no_index: all
         bool default_midlevel = false;      // nobody said it
     };
-    Result<void> add(const ImageRef& image, const Reading& as, const Mesh& mesh, OfMesh& to);
+    // A mesh, and the areas of the surface over its faces where a band limit needs them.
+    struct Surface {
+        const Mesh& mesh;
+        std::vector<double> face_areas;
+    };
+    Result<Surface> surface(const Mesh& mesh, const SubdivideOptions* subdivision) const;
+    Result<void> add(const ImageRef& image, const Reading& as, const Surface& surface, OfMesh& to);
     Result<Displacement> read(const ImageRef& image, const Reading& as, const std::string& name,
-                              const Mesh& mesh, OfMesh& to);
+                              const Surface& surface, OfMesh& to);
+    // The map's function, and where there is a band limit first its own without it.
+    template <class Map, class Function>
+    Result<Function> function(const Map& map, const Reading& as, const Surface& surface, OfMesh& to,
+                              Function& as_read);
 
     const DisplaceOptions& options_;
     int threads_;

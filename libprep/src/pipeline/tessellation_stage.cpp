@@ -132,9 +132,12 @@ Result<void> MeshPreparation::tessellate_mesh() {
         options.screens = std::move(*screens);
     }
     std::vector<std::string> pictures;
+    std::vector<Displacement> as_read;
     if (asks_for_heights) {
-        auto maps = log_.run("height maps", "displacement was asked for",
-                             [&] { return maps_.of(out_.scene, mesh_); });
+        auto maps = log_.run("height maps", "displacement was asked for", [&] {
+            return maps_.of(out_.scene, mesh_,
+                            options_.subdivide ? &options_.subdivision : nullptr);
+        });
         if (!maps) return std::move(maps).error();
         report_heights(*maps);
         if (maps->displacements.empty() && !options_.subdivide && !has_goal(options)) {
@@ -145,6 +148,7 @@ Result<void> MeshPreparation::tessellate_mesh() {
         options.displacements = std::move(maps->displacements);
         options.material_displacements = std::move(maps->material_displacements);
         pictures = std::move(maps->names);
+        as_read = std::move(maps->as_read);
     }
     if (!has_goal(options)) {
         constexpr double share_of_diagonal = 1e-3;
@@ -160,6 +164,8 @@ Result<void> MeshPreparation::tessellate_mesh() {
     const std::string reason =
         surface +
         (pictures.empty() ? "" : fmt::format(" displaced by {}", fmt::join(pictures, ", "))) +
+        (as_read.empty() ? ""
+                         : fmt::format(" as samples {} apart carry it", displacement.band_limit)) +
         ": " + goal_of(options);
     const std::size_t attributes = mesh_.vertex_attributes.size();
     choose_residuals(options);
@@ -170,6 +176,8 @@ Result<void> MeshPreparation::tessellate_mesh() {
     if (baking_) {
         baking_->cage = mesh_;
         baking_->options = std::move(options);
+        // What a band limit left out is in the normals.
+        if (!as_read.empty()) baking_->options.displacements = std::move(as_read);
     }
     report_left_out(made->holes, made->uv_sets_left_out, made->color_sets_left_out);
     add_finding("attribute-left-out", Severity::warning, attributes, {},
@@ -224,6 +232,14 @@ void MeshPreparation::report_heights(const DisplacementMaps::OfMesh& maps) {
                     "displacement map",
                     PlaceKind::face);
     for (std::size_t k = 0; k < maps.names.size(); ++k) {
+        if (maps.changes[k] > 0)
+            add_finding(
+                "band-limited", Severity::info, 1, {},
+                fmt::format("what samples {} apart cannot carry of {} is left out of the "
+                            "heights: they change by up to {:.3g}; errors are measured "
+                            "against what is left",
+                            options_.displacement.band_limit, maps.names[k], maps.changes[k]),
+                PlaceKind::face);
         const Quantisation& q = maps.quantisations[k];
         if (q.bits == 0 || q.bits > 8) continue;
         add_finding("coarse-heights", Severity::warning, 1, {},

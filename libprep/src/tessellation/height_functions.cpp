@@ -1,6 +1,9 @@
 #include "tessellation/height_functions.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
+#include <span>
 #include <vector>
 
 #include "displacement/noise_field.h"
@@ -65,53 +68,147 @@ class NoiseHeights final : public SpaceFunction {
     NoiseField field_;
 };
 
+// Triangles of UVs of the faces that have a material: as fans of the domain lie over them.
 class Charts {
   public:
-    explicit Charts(const CornerLayer<glm::vec2>& layer) : layer_(layer) {}
-    // Of a fan; nothing where a corner has no UV.
-    void add(const std::vector<std::uint32_t>& corners) {
-        glm::dvec2 mean(0.0);
-        for (const std::uint32_t c : corners) {
-            if (layer_.indices[c] == no_index) return;
-            mean += at(c);
+    Charts(const Mesh& mesh, std::size_t uv_set, std::uint32_t material, int threads)
+        : mesh_(mesh), layer_(mesh.uvs[uv_set]) {
+        const Domain domain = make_domain(mesh, {}, true, threads);
+        std::vector<std::uint32_t> corners;
+        for (std::uint32_t fan = 0; fan < domain.fans(); ++fan) {
+            const std::uint32_t face = domain.roots[domain.fan_roots[fan]].face;
+            if (material != no_index &&
+                (mesh.face_materials.empty() || mesh.face_materials[face] != material))
+                continue;
+            corners.clear();
+            for_fan_corners(domain, fan, [&](std::uint32_t c) { corners.push_back(c); });
+            add(face, corners);
+            // A face that was cut is one fan on limit surfaces.
+            const std::uint32_t first = mesh.face_offsets[face], last = mesh.face_offsets[face + 1];
+            if (corners.size() == last - first) continue;
+            corners.clear();
+            for (std::uint32_t c = first; c < last; ++c) corners.push_back(c);
+            add(face, corners);
         }
-        mean /= double(corners.size());
-        for (std::size_t k = 0; k < corners.size(); ++k)
-            triangles_.push_back({at(corners[k]), at(corners[(k + 1) % corners.size()]), mean});
     }
     const std::vector<std::array<glm::dvec2, 3>>& triangles() const { return triangles_; }
 
+    // Each face's area spread over its triangles as their UVs have it; and what is across edges.
+    ChartAtlas atlas(std::span<const double> face_areas) const {
+        ChartAtlas atlas{.triangles = triangles_};
+        const auto of_uvs = [&](std::size_t t) {
+            const glm::dvec2 a = triangles_[t][1] - triangles_[t][0];
+            const glm::dvec2 b = triangles_[t][2] - triangles_[t][0];
+            return 0.5 * std::abs(a.x * b.y - a.y * b.x);
+        };
+        std::vector<double> whole(face_areas.size(), 0);
+        atlas.areas.assign(triangles_.size(), 0);
+        for (std::size_t t = 0; t < triangles_.size(); ++t) whole[sources_[t].face] += of_uvs(t);
+        for (std::size_t t = 0; t < triangles_.size(); ++t)
+            if (const std::uint32_t f = sources_[t].face; whole[f] > 0)
+                atlas.areas[t] = face_areas[f] * of_uvs(t) / whole[f];
+        find_across(atlas);
+        return atlas;
+    }
+
   private:
-    glm::dvec2 at(std::uint32_t c) const { return glm::dvec2(layer_.values[layer_.indices[c]]); }
+    struct Source {
+        std::uint32_t face = 0;
+        std::array<std::uint32_t, 2> corners{};
+        std::uint32_t next = 0, previous = 0;  // of the fan
+        glm::dvec3 centre{0.0};
+        // Of the face: fans of cut faces have inner ones as well, and are there twice.
+        bool is_edge = false;
+    };
+    glm::dvec2 uv(std::uint32_t c) const { return glm::dvec2(layer_.values[layer_.indices[c]]); }
+    glm::dvec3 position(std::uint32_t c) const {
+        return glm::dvec3(mesh_.positions[mesh_.corner_vertices[c]]);
+    }
+    // A fan; nothing where a corner has no UV.
+    void add(std::uint32_t face, const std::vector<std::uint32_t>& corners) {
+        glm::dvec2 mean(0.0);
+        glm::dvec3 centre(0.0);
+        for (const std::uint32_t c : corners) {
+            if (layer_.indices[c] == no_index) return;
+            mean += uv(c);
+            centre += position(c);
+        }
+        mean /= double(corners.size());
+        centre /= double(corners.size());
+        const bool is_face =
+            corners.size() == mesh_.face_offsets[face + 1] - mesh_.face_offsets[face];
+        const auto first = std::uint32_t(triangles_.size()), count = std::uint32_t(corners.size());
+        for (std::uint32_t k = 0; k < count; ++k) {
+            const std::uint32_t after = (k + 1) % count, before = (k + count - 1) % count;
+            triangles_.push_back({uv(corners[k]), uv(corners[after]), mean});
+            sources_.push_back({face,
+                                {corners[k], corners[after]},
+                                first + after,
+                                first + before,
+                                centre,
+                                is_face});
+        }
+    }
+
+    void find_across(ChartAtlas& atlas) const {
+        const auto count = std::uint32_t(triangles_.size());
+        atlas.flat.resize(count);
+        atlas.across.assign(3 * std::size_t(count), no_index);
+        atlas.same_way.assign(3 * std::size_t(count), 0);
+        struct Edge {
+            std::uint64_t ends;
+            std::uint32_t triangle;
+        };
+        std::vector<Edge> edges;
+        for (std::uint32_t t = 0; t < count; ++t) {
+            const Source& source = sources_[t];
+            const auto [a, b] = source.corners;
+            const glm::dvec3 edge = position(b) - position(a), up = source.centre - position(a);
+            const double length = glm::length(edge);
+            if (length > 0)
+                atlas.flat[t] = {length, glm::dot(up, edge) / length,
+                                 glm::length(glm::cross(edge, up)) / length};
+            atlas.across[3 * t + 1] = 3 * source.next + 2;
+            atlas.across[3 * t + 2] = 3 * source.previous + 1;
+            if (!source.is_edge) continue;
+            const auto [least, most] =
+                std::minmax(mesh_.corner_vertices[a], mesh_.corner_vertices[b]);
+            edges.push_back({std::uint64_t(least) << 32 | most, t});
+        }
+        std::sort(edges.begin(), edges.end(), [](const Edge& a, const Edge& b) {
+            return a.ends != b.ends ? a.ends < b.ends : a.triangle < b.triangle;
+        });
+        for (std::size_t first = 0, last = 0; first < edges.size(); first = last) {
+            while (last < edges.size() && edges[last].ends == edges[first].ends) ++last;
+            if (last - first != 2) continue;
+            const std::uint32_t s = edges[first].triangle, t = edges[first + 1].triangle;
+            const auto start = [&](std::uint32_t k) {
+                return mesh_.corner_vertices[sources_[k].corners[0]];
+            };
+            atlas.across[3 * s] = 3 * t;
+            atlas.across[3 * t] = 3 * s;
+            atlas.same_way[3 * s] = atlas.same_way[3 * t] = start(s) == start(t);
+        }
+    }
+
+    const Mesh& mesh_;
     const CornerLayer<glm::vec2>& layer_;
     std::vector<std::array<glm::dvec2, 3>> triangles_;
+    std::vector<Source> sources_;  // per triangle
 };
-
-// The triangles of UVs of the faces that have this material.
-Charts charts_of(const Mesh& mesh, std::size_t uv_set, std::uint32_t material, int threads) {
-    const Domain domain = make_domain(mesh, {}, true, threads);
-    Charts covered(mesh.uvs[uv_set]);
-    std::vector<std::uint32_t> corners;
-    for (std::uint32_t fan = 0; fan < domain.fans(); ++fan) {
-        const std::uint32_t face = domain.roots[domain.fan_roots[fan]].face;
-        if (material != no_index &&
-            (mesh.face_materials.empty() || mesh.face_materials[face] != material))
-            continue;
-        corners.clear();
-        for_fan_corners(domain, fan, [&](std::uint32_t c) { corners.push_back(c); });
-        covered.add(corners);
-        // A face that was cut is one fan on limit surfaces.
-        const std::uint32_t first = mesh.face_offsets[face], last = mesh.face_offsets[face + 1];
-        if (corners.size() == last - first) continue;
-        corners.clear();
-        for (std::uint32_t c = first; c < last; ++c) corners.push_back(c);
-        covered.add(corners);
-    }
-    return covered;
-}
 
 bool has_charts(const Mesh* mesh, std::size_t uv_set) {
     return mesh && uv_set < mesh->uvs.size() && !mesh->uvs[uv_set].empty();
+}
+
+template <class Map>
+Result<typename Map::Limited> limited_in(const Map& map, const Mesh* mesh, std::size_t uv_set,
+                                         std::uint32_t material, double spacing,
+                                         std::span<const double> face_areas, int threads) {
+    if (!has_charts(mesh, uv_set)) return map.limited({}, spacing);
+    std::vector<double> of_polygons;
+    if (face_areas.empty()) face_areas = of_polygons = polygon_areas(*mesh);
+    return map.limited(Charts(*mesh, uv_set, material, threads).atlas(face_areas), spacing);
 }
 
 }  // namespace
@@ -121,7 +218,7 @@ std::shared_ptr<const HeightFunction> height_function(const HeightMap& map, cons
                                                       int threads) {
     if (!has_charts(charts, uv_set)) return std::make_shared<MapHeights>(map);
     return std::make_shared<MapHeights>(
-        map.confined(charts_of(*charts, uv_set, material, threads).triangles()));
+        map.confined(Charts(*charts, uv_set, material, threads).triangles()));
 }
 
 std::shared_ptr<const VectorFunction> vector_function(const VectorMap& map, const Mesh* charts,
@@ -129,19 +226,66 @@ std::shared_ptr<const VectorFunction> vector_function(const VectorMap& map, cons
                                                       int threads) {
     if (!has_charts(charts, uv_set)) return std::make_shared<MapVectors>(map);
     return std::make_shared<MapVectors>(
-        map.confined(charts_of(*charts, uv_set, material, threads).triangles()));
+        map.confined(Charts(*charts, uv_set, material, threads).triangles()));
+}
+
+std::vector<double> polygon_areas(const Mesh& mesh) {
+    std::vector<double> areas(mesh.face_count(), 0);
+    for (std::size_t f = 0; f < areas.size(); ++f) {
+        const std::uint32_t first = mesh.face_offsets[f], last = mesh.face_offsets[f + 1];
+        const auto at = [&](std::uint32_t c) {
+            return glm::dvec3(mesh.positions[mesh.corner_vertices[c]]);
+        };
+        // Of the fan around the corners' mean, as tessellation has it.
+        glm::dvec3 middle(0.0);
+        for (std::uint32_t c = first; c < last; ++c) middle += at(c) - at(first);
+        middle = at(first) + middle / double(last - first);
+        for (std::uint32_t c = first; c < last; ++c)
+            areas[f] += 0.5 * glm::length(glm::cross(at(c) - middle,
+                                                     at(c + 1 == last ? first : c + 1) - middle));
+    }
+    return areas;
+}
+
+Result<HeightMap::Limited> band_limited(const HeightMap& map, const Mesh* charts,
+                                        std::size_t uv_set, std::uint32_t material, double spacing,
+                                        std::span<const double> face_areas, int threads) {
+    return limited_in(map, charts, uv_set, material, spacing, face_areas, threads);
+}
+
+Result<VectorMap::Limited> band_limited(const VectorMap& map, const Mesh* charts,
+                                        std::size_t uv_set, std::uint32_t material, double spacing,
+                                        std::span<const double> face_areas, int threads) {
+    return limited_in(map, charts, uv_set, material, spacing, face_areas, threads);
 }
 
 }  // namespace detail
+
+namespace {
+
+Result<void> check_spacing(double spacing) {
+    if (spacing >= 0 && std::isfinite(spacing)) return {};
+    return Error{ErrorCode::invalid,
+                 "the spacing of samples that heights are limited to must be a positive number, "
+                 "or 0",
+                 ""};
+}
+
+}  // namespace
 
 Result<std::shared_ptr<const HeightFunction>> height_function(const Image& image,
                                                               const HeightMapOptions& options,
                                                               const Mesh* charts,
                                                               std::size_t uv_set) {
-    HeightMapOptions as_read = options;
-    as_read.band_limited = false;
-    const Result<detail::HeightMap> map = detail::HeightMap::make(image, as_read);
+    if (auto checked = check_spacing(options.sample_spacing); !checked) return checked.error();
+    Result<detail::HeightMap> map = detail::HeightMap::make(image, options);
     if (!map) return map.error();
+    if (options.sample_spacing > 0) {
+        auto limited = detail::band_limited(*map, charts, uv_set, no_index, options.sample_spacing,
+                                            {}, options.threads);
+        if (!limited) return std::move(limited).error();
+        *map = std::move(limited->map);
+    }
     return detail::height_function(*map, charts, uv_set, no_index, options.threads);
 }
 
@@ -149,10 +293,15 @@ Result<std::shared_ptr<const VectorFunction>> vector_function(const Image& image
                                                               const VectorMapOptions& options,
                                                               const Mesh* charts,
                                                               std::size_t uv_set) {
-    VectorMapOptions as_read = options;
-    as_read.map.band_limited = false;
-    const Result<detail::VectorMap> map = detail::VectorMap::make(image, as_read);
+    if (auto checked = check_spacing(options.map.sample_spacing); !checked) return checked.error();
+    Result<detail::VectorMap> map = detail::VectorMap::make(image, options);
     if (!map) return map.error();
+    if (options.map.sample_spacing > 0) {
+        auto limited = detail::band_limited(*map, charts, uv_set, no_index,
+                                            options.map.sample_spacing, {}, options.map.threads);
+        if (!limited) return std::move(limited).error();
+        *map = std::move(limited->map);
+    }
     return detail::vector_function(*map, charts, uv_set, no_index, options.map.threads);
 }
 

@@ -3,6 +3,8 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
+#include <vector>
 
 #include "displacement/height_field.h"
 #include "prep/displacement/tessellate.h"
@@ -19,5 +21,17 @@ std::shared_ptr<const HeightFunction> height_function(const HeightMap& map, cons
 std::shared_ptr<const VectorFunction> vector_function(const VectorMap& map, const Mesh* charts,
                                                       std::size_t uv_set, std::uint32_t material,
                                                       int threads);
+
+// Of the fan of triangles around the mean of each face's corners.
+std::vector<double> polygon_areas(const Mesh& mesh);
+
+// The map as samples of the surface so far apart carry it (HeightMap::limited), in the same charts;
+// `face_areas`: of the surface over each face; empty: of the polygons.
+Result<HeightMap::Limited> band_limited(const HeightMap& map, const Mesh* charts,
+                                        std::size_t uv_set, std::uint32_t material, double spacing,
+                                        std::span<const double> face_areas, int threads);
+Result<VectorMap::Limited> band_limited(const VectorMap& map, const Mesh* charts,
+                                        std::size_t uv_set, std::uint32_t material, double spacing,
+                                        std::span<const double> face_areas, int threads);
 
 }  // namespace prep::detail

@@ -53,7 +53,6 @@ prep::Result<prep::TessellatedMesh> displaced(const prep::Mesh& cage, const prep
     heights.filter = filter;
     heights.scale = wave_height;
     heights.midlevel = 0;
-    heights.band_limited = false;
     heights.threads = threads;
     const auto function = prep::height_function(map, heights);
     if (!function) return function.error();

@@ -304,6 +304,17 @@ void add_displacement_options(OptionSet& options, prep::PrepareOptions& p) {
             "maps)")
         .needs(displace);
     add_noise_options(options, d, displace);
+    options
+        .value(
+            "--band-limit", "LENGTH",
+            [&d](const std::string& text) {
+                d.band_limit = parse_number("--band-limit", text, true);
+            },
+            "Leaves out of heights, vectors and noise what samples of the surface so far apart "
+            "cannot carry, in the mesh's units: with few triangles coarse waves instead of what "
+            "fine ones happen to be at their corners. Errors are measured against what is left; "
+            "--residual-normal-map has all of it")
+        .needs(displace);
 
     options.group("Tessellation");
     prep::TessellateOptions& t = p.tessellation;

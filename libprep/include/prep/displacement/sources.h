@@ -38,8 +38,11 @@ struct HeightMapOptions {
     // Of the mesh's UVs, as TextureRef has it: its offset, scale and rotation are applied; its
     // texture, UV set and strength are not read.
     TextureRef placement = {};
-    bool band_limited = true;  // make what filtered() reads: a third of the map's memory
-    int threads = 0;           // 0: all cores; the result does not depend on it
+    // What samples of the surface so far apart cannot carry is left out (docs/displacement.md, band
+    // limits): read where heights move a surface, in its mesh's units or, without a mesh, by UVs.
+    // 0: the map as it is.
+    double sample_spacing = 0;
+    int threads = 0;  // 0: all cores; the result does not depend on it
 };
 
 // What the three channels of a vector map stand for. Results are always in the order (tangent,
@@ -81,6 +84,9 @@ struct NoiseOptions {
     double lacunarity = 2, gain = 0.5;
     std::uint32_t seed = 0;
     double scale = 1, midlevel = 0;
+    // Octaves that samples so far apart cannot carry are left out: those of more than 1/(2 spacing)
+    // cells, and from 1/(4 spacing) on they fade.
+    double sample_spacing = 0;
 };
 
 struct HeightToNormalOptions {

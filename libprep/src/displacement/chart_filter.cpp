@@ -1,0 +1,414 @@
+#include "displacement/chart_filter.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "base/parallel.h"
+#include "displacement/band_limit.h"
+#include "displacement/chart_continuation.h"
+#include "displacement/chart_gutters.h"
+#include "displacement/height_data.h"
+
+namespace prep::detail {
+namespace {
+
+using MapTriangle = std::array<glm::dvec2, 3>;  // map coordinates
+
+constexpr double fine_texels = 4;       // a spacing, of maps that carry it
+constexpr double kernel_spacings = 4;   // that the filter reads around a point
+constexpr double coarse_from = 0x1p40;  // map coordinates beyond are coarse
+constexpr double largest_map = 0x1p28;  // of what is made
+
+double area_of(const MapTriangle& t) {
+    const glm::dvec2 a = t[1] - t[0], b = t[2] - t[0];
+    return 0.5 * std::abs(a.x * b.y - a.y * b.x);
+}
+
+struct Rectangle {
+    std::int64_t x = 0, y = 0, width = 0, height = 0;
+    std::size_t size() const { return std::size_t(width) * std::size_t(height); }
+    std::size_t index(std::int64_t i, std::int64_t j) const {
+        return std::size_t(j - y) * std::size_t(width) + std::size_t(i - x);
+    }
+};
+
+// Texels of the rectangle whose centres the triangle covers.
+template <class Body>
+void for_covered(const MapTriangle& p, const Rectangle& in, const Body& body) {
+    const auto [top, bottom] = std::minmax({p[0].y, p[1].y, p[2].y});
+    const auto first = std::max(in.y, std::int64_t(std::floor(top)));
+    const auto last = std::min(in.y + in.height - 1, std::int64_t(std::ceil(bottom)));
+    for (std::int64_t j = first; j <= last; ++j) {
+        const auto [from, to] = covered_in_row(p, j);
+        const std::int64_t i1 = std::min(to, in.x + in.width - 1);
+        for (std::int64_t i = std::max(from, in.x); i <= i1; ++i) body(i, j);
+    }
+}
+
+class ChartFilter {
+  public:
+    ChartFilter(const HeightMapData& map, const ChartAtlas& atlas, double spacing)
+        : map_(map), atlas_(atlas), spacing_(spacing), threads_(map.options.threads) {}
+
+    Result<FilteredMap> run() {
+        find_charts();
+        choose_parts();
+        if (parts_.x * double(map_.x.size) * parts_.y * double(map_.y.size) > largest_map)
+            return Error{
+                ErrorCode::limit,
+                fmt::format("a band limit so fine takes {} by {} texels for each of a map of {} by "
+                            "{}: ask for one of 4 texels or more, or for none",
+                            parts_.x, parts_.y, map_.x.size, map_.y.size),
+                ""};
+        made_.width = map_.x.size * std::int64_t(parts_.x);
+        made_.height = map_.y.size * std::int64_t(parts_.y);
+        start();
+        if (whole_ && carries(texels_between(map_, whole_spacing_))) filter_whole();
+        for (std::uint32_t c = 0; c < charts_.size(); ++c)
+            if (Result<void> filtered = filter(c); !filtered) return filtered.error();
+        made_.change *= std::abs(map_.unit);
+        return std::move(made_);
+    }
+
+  private:
+    struct Chart {
+        std::vector<std::uint32_t> triangles;
+        Rectangle box;           // of texels
+        double spacing = 0;      // 0: it stays as it is
+        glm::dvec2 texels{0.0};  // between samples
+    };
+
+    MapTriangle in_map(std::uint32_t t) const {
+        MapTriangle p;
+        for (std::size_t k = 0; k < 3; ++k) p[k] = map_.map_point(atlas_.triangles[t][k]);
+        return p;
+    }
+    static bool is_plain(const MapTriangle& t) {
+        return std::all_of(t.begin(), t.end(), [](const glm::dvec2& p) {
+            return std::abs(p.x) < coarse_from && std::abs(p.y) < coarse_from;
+        });
+    }
+    // Between texels there is nothing that the map carries.
+    static bool carries(const glm::dvec2& texels) {
+        return std::isfinite(texels.x) && std::max(texels.x, texels.y) >= 1;
+    }
+
+    // Charts and their spacings; whether one is as large as the map.
+    void find_charts() {
+        const std::vector<std::uint32_t> names = charts_of(atlas_.triangles);
+        std::vector<std::uint32_t> numbers(names.size(), no_index);
+        std::vector<glm::dvec2> areas;  // of UVs and of the surface
+        whole_ = names.empty();
+        for (std::uint32_t t = 0; t < names.size(); ++t) {
+            const MapTriangle& uv = atlas_.triangles[t];
+            if (!std::all_of(uv.begin(), uv.end(), [](const glm::dvec2& p) {
+                    return std::isfinite(p.x) && std::isfinite(p.y);
+                }))
+                continue;
+            whole_ = whole_ || !is_plain(in_map(t));
+            std::uint32_t& c = numbers[names[t]];
+            if (c == no_index) {
+                c = std::uint32_t(charts_.size());
+                charts_.emplace_back();
+                areas.emplace_back(0.0);
+            }
+            charts_[c].triangles.push_back(t);
+            const double area = area_of(uv);
+            areas[c] += glm::dvec2(area, atlas_.areas.empty() ? area : atlas_.areas[t]);
+        }
+        const auto by_uvs = [&](const glm::dvec2& of) {
+            return of.x > 0 && of.y > 0 ? spacing_ * std::sqrt(of.x / of.y) : 0;
+        };
+        glm::dvec2 all(0.0);
+        for (std::size_t c = 0; c < charts_.size(); ++c) {
+            all += areas[c];
+            charts_[c].spacing = by_uvs(areas[c]);
+            whole_ = whole_ || !find_box(charts_[c]);
+        }
+        whole_spacing_ = names.empty() ? spacing_ : by_uvs(all);
+        if (whole_) charts_.clear();
+    }
+
+    // The chart's texels, none where it has none, and a spacing that fits into it. False where it
+    // has texels twice, or nearly.
+    bool find_box(Chart& chart) const {
+        glm::dvec2 low(std::numeric_limits<double>::infinity()), high(-low);
+        for (const std::uint32_t t : chart.triangles)
+            for (const glm::dvec2& p : in_map(t)) {
+                low = glm::min(low, p);
+                high = glm::max(high, p);
+            }
+        const HeightAxis* const axes[2] = {&map_.x, &map_.y};
+        for (glm::length_t k = 0; k < 2; ++k) {
+            const double size = double(axes[k]->size);
+            if (axes[k]->wrap == Wrap::clamp) {
+                low[k] = std::max(low[k], 0.0);
+                high[k] = std::min(high[k], size - 1);
+            } else if (high[k] - low[k] > size - 1 ||
+                       (axes[k]->wrap == Wrap::mirror && (low[k] < -0.5 || high[k] > size - 0.5))) {
+                return false;
+            }
+        }
+        constexpr double roundings = 1e-6;
+        low = glm::ceil(low - roundings);
+        high = glm::floor(high + roundings);
+        chart.texels = texels_between(map_, chart.spacing);
+        if (low.x > high.x || low.y > high.y || !carries(chart.texels)) {
+            chart.spacing = 0;
+            return true;
+        }
+        chart.box = {std::int64_t(low.x), std::int64_t(low.y), std::int64_t(high.x - low.x) + 1,
+                     std::int64_t(high.y - low.y) + 1};
+        const double larger = double(std::max(chart.box.width, chart.box.height));
+        const double most = std::max(fine_texels, 0.5 * larger);
+        const double shrunk = std::min(1.0, most / std::max(chart.texels.x, chart.texels.y));
+        chart.spacing *= shrunk;
+        chart.texels *= shrunk;
+        return true;
+    }
+
+    // Of the finest spacing that a side carries.
+    void choose_parts() {
+        glm::dvec2 finest(std::numeric_limits<double>::infinity());
+        const auto see = [&](const glm::dvec2& texels) {
+            for (glm::length_t k = 0; k < 2; ++k)
+                if (texels[k] >= 1) finest[k] = std::min(finest[k], texels[k]);
+        };
+        for (const Chart& chart : charts_)
+            if (chart.spacing > 0) see(chart.texels);
+        if (whole_) see(texels_between(map_, whole_spacing_));
+        for (glm::length_t k = 0; k < 2; ++k)
+            if ((k == 0 ? map_.x : map_.y).size > 1 && finest[k] < fine_texels)
+                parts_[k] = std::ceil(fine_texels / finest[k]);
+    }
+
+    // The map as it is, with charts going on into the gutters, with so many parts of its texels.
+    void start() {
+        filled_.options = map_.options;
+        filled_.x = map_.x;
+        filled_.y = map_.y;
+        filled_.raw = map_.raw;
+        if (!whole_) fill_gutters(filled_, covered_texels(map_, atlas_.triangles));
+        made_.raw.resize(std::size_t(made_.width) * std::size_t(made_.height));
+        written_.assign(made_.raw.size(), 0);
+        if (parts_ == glm::dvec2(1.0)) {
+            made_.raw = filled_.raw;
+            return;
+        }
+        rows(made_.height, [&](std::int64_t j) {
+            for (std::int64_t i = 0; i < made_.width; ++i)
+                made_.raw[std::size_t(j * made_.width + i)] =
+                    float(raw_value_at(filled_, texel_point(i, j)));
+        });
+    }
+
+    glm::dvec2 texel_point(std::int64_t i, std::int64_t j) const {
+        return (glm::dvec2(double(i), double(j)) + 0.5) / parts_ - 0.5;
+    }
+    template <class Body>
+    void rows(std::int64_t count, const Body& body) const {
+        parallel_blocks(std::size_t(count), 4, threads_, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t j = begin; j < end; ++j) body(std::int64_t(j));
+        });
+    }
+
+    // What `value` makes of the texels of a rectangle that are covered and were not written yet.
+    template <class Value>
+    void write(const Rectangle& in, const std::vector<std::uint8_t>& covered, const Value& value) {
+        const HeightAxis x{made_.width, map_.x.wrap}, y{made_.height, map_.y.wrap};
+        std::vector<double> changes(std::size_t(in.height), 0);
+        rows(in.height, [&](std::int64_t row) {
+            for (std::int64_t i = in.x; i < in.x + in.width; ++i) {
+                const std::int64_t j = in.y + row;
+                if (!covered.empty() && !covered[in.index(i, j)]) continue;
+                const auto to = std::size_t(y.texel(j) * x.size + x.texel(i));
+                if (written_[to]) continue;
+                written_[to] = 1;
+                const auto made = float(value(texel_point(i, j)));
+                double& change = changes[std::size_t(row)];
+                change = std::max(change, std::abs(double(made) - double(made_.raw[to])));
+                made_.raw[to] = made;
+            }
+        });
+        for (const double change : changes) made_.change = std::max(made_.change, change);
+    }
+
+    // What a filter reads: differences from a plane, so that what is level or steep comes out as
+    // it is.
+    HeightMapData differences(const HeightAxis& x, const HeightAxis& y) const {
+        HeightMapData own;
+        own.options = map_.options;
+        own.x = x;
+        own.y = y;
+        const glm::dvec2 scale(double(map_.x.size) / double(x.size),
+                               double(map_.y.size) / double(y.size));
+        own.matrix = glm::dmat2(scale.x, 0, 0, scale.y) * map_.matrix;
+        return own;
+    }
+
+    void filter_whole() {
+        HeightMapData all = differences(map_.x, map_.y);
+        const float about = map_.raw[0];
+        all.raw = map_.raw;
+        for (float& h : all.raw) h -= about;
+        const BandLimits bands = make_band_limits(all, threads_);
+        write({0, 0, made_.width, made_.height}, {}, [&](const glm::dvec2& at) {
+            return double(about) + band_limited(all, bands, at, whole_spacing_);
+        });
+    }
+
+    Result<void> filter(std::uint32_t number) {
+        const Chart& chart = charts_[number];
+        if (!(chart.spacing > 0)) return {};
+        // A slanted kernel reaches further along an axis than samples along it are apart.
+        const double reach = kernel_spacings * std::max(chart.texels.x, chart.texels.y);
+        const std::int64_t around = std::int64_t(std::ceil(reach)) + 2;
+        const Rectangle in{chart.box.x - around, chart.box.y - around, chart.box.width + 2 * around,
+                           chart.box.height + 2 * around};
+        if (in.size() > std::size_t(largest_map))
+            return Error{ErrorCode::limit,
+                         fmt::format("a band limit of {:.3g} texels takes {} by {} texels around a "
+                                     "chart: ask for a finer one, or make the map smaller",
+                                     std::max(chart.texels.x, chart.texels.y), in.width, in.height),
+                         ""};
+        ChartTexels own{in.width, in.height, std::vector<float>(in.size()), {}};
+        own.covered = cover(number, glm::dvec2(1.0), in);
+        const auto first = std::find(own.covered.begin(), own.covered.end(), std::uint8_t(1));
+        if (first == own.covered.end()) return {};
+        const auto raw_at = [&](std::int64_t i, std::int64_t j) {
+            return double(map_.raw[std::size_t(map_.y.texel(j) * map_.x.size + map_.x.texel(i))]);
+        };
+        const Plane plane = fitted(in, own.covered, raw_at);
+        const auto fill = [&](std::int64_t j) {
+            for (std::int64_t i = 0; i < in.width; ++i)
+                if (const auto t = std::size_t(j * in.width + i); own.covered[t])
+                    own.heights[t] =
+                        float(raw_at(in.x + i, in.y + j) - plane.at({double(i), double(j)}));
+        };
+        rows(in.height, fill);
+        const glm::dvec2 corner{double(in.x), double(in.y)};
+        const auto across = [&](const glm::dvec2& texel, const AtlasPoint& there) {
+            const auto& uv = atlas_.triangles[there.triangle];
+            const glm::dvec3& w = there.weights;
+            return raw_value_at(filled_, map_.map_point(w.x * uv[0] + w.y * uv[1] + w.z * uv[2])) -
+                   plane.at(texel);
+        };
+        continue_chart(own, atlas_, borders(number, corner), across, chart.texels, threads_);
+        HeightMapData differences =
+            this->differences({in.width, Wrap::clamp}, {in.height, Wrap::clamp});
+        differences.raw = std::move(own.heights);
+        const BandLimits bands = make_band_limits(differences, threads_);
+        const Rectangle to = written_box(chart.box);
+        write(to, cover(number, parts_, to), [&](const glm::dvec2& at) {
+            const glm::dvec2 there = at - corner;
+            return plane.at(there) + band_limited(differences, bands, there, chart.spacing);
+        });
+        return {};
+    }
+
+    struct Plane {
+        glm::dvec2 from{0.0}, slope{0.0};
+        double height = 0;
+        double at(const glm::dvec2& p) const { return height + glm::dot(slope, p - from); }
+    };
+    // Through the first texel, its slope by least squares of all.
+    template <class RawAt>
+    static Plane fitted(const Rectangle& in, const std::vector<std::uint8_t>& covered,
+                        const RawAt& raw_at) {
+        Plane plane;
+        PlaneFit fit;
+        bool any = false;
+        for (std::int64_t j = 0; j < in.height; ++j)
+            for (std::int64_t i = 0; i < in.width; ++i) {
+                if (!covered[std::size_t(j * in.width + i)]) continue;
+                const glm::dvec2 at{double(i), double(j)};
+                const double height = raw_at(in.x + i, in.y + j);
+                if (!any) {
+                    any = true;
+                    plane.from = at;
+                    plane.height = height;
+                }
+                fit.add(at - plane.from, height - plane.height, 1);
+            }
+        plane.slope = fit.slope();
+        return plane;
+    }
+
+    // 1 for each texel of the rectangle that the chart covers; `parts`: texels for each of the
+    // map's.
+    std::vector<std::uint8_t> cover(std::uint32_t chart, const glm::dvec2& parts,
+                                    const Rectangle& in) const {
+        std::vector<std::uint8_t> covered(in.size(), 0);
+        for (const std::uint32_t t : charts_[chart].triangles) {
+            MapTriangle p = in_map(t);
+            for (glm::dvec2& corner : p) corner = (corner + 0.5) * parts - 0.5;
+            for_covered(p, in,
+                        [&](std::int64_t i, std::int64_t j) { covered[in.index(i, j)] = 1; });
+        }
+        return covered;
+    }
+
+    // Edges of its triangles beyond which its UVs do not go on.
+    std::vector<ChartBorder> borders(std::uint32_t chart, const glm::dvec2& corner) const {
+        std::vector<ChartBorder> borders;
+        if (atlas_.across.empty()) return borders;
+        for (const std::uint32_t t : charts_[chart].triangles)
+            for (std::uint32_t h = 3 * t; h < 3 * t + 3; ++h) {
+                if (goes_on(h)) continue;
+                ChartBorder border{h, in_map(t)};
+                for (glm::dvec2& p : border.triangle) p -= corner;
+                borders.push_back(border);
+            }
+        return borders;
+    }
+    bool goes_on(std::uint32_t h) const {
+        const std::uint32_t other = atlas_.across[h];
+        if (other == no_index) return false;
+        const auto ends = [&](std::uint32_t half_edge) {
+            const MapTriangle& uv = atlas_.triangles[half_edge / 3];
+            return std::pair(uv[half_edge % 3], uv[(half_edge + 1) % 3]);
+        };
+        const auto [a, b] = ends(h);
+        const auto [c, d] = ends(other);
+        return atlas_.same_way[h] ? a == c && b == d : a == d && b == c;
+    }
+
+    // What is made of a chart's texels and half of one around them: no texel twice.
+    Rectangle written_box(const Rectangle& box) const {
+        Rectangle to{box.x - 1, box.y - 1, box.width + 2, box.height + 2};
+        const auto inside = [](const HeightAxis& axis, std::int64_t& first, std::int64_t& count) {
+            if (axis.wrap == Wrap::repeat) return;
+            const std::int64_t last = std::min(first + count, axis.size);
+            first = std::max<std::int64_t>(first, 0);
+            count = last - first;
+        };
+        inside(map_.x, to.x, to.width);
+        inside(map_.y, to.y, to.height);
+        const auto px = std::int64_t(parts_.x), py = std::int64_t(parts_.y);
+        return {to.x * px, to.y * py, to.width * px, to.height * py};
+    }
+
+    const HeightMapData& map_;
+    const ChartAtlas& atlas_;
+    double spacing_, whole_spacing_ = 0;
+    int threads_;
+    bool whole_ = false;  // there are no charts, or one is as large as the map
+    std::vector<Chart> charts_;
+    HeightMapData filled_;
+    glm::dvec2 parts_{1.0};
+    FilteredMap made_;
+    std::vector<std::uint8_t> written_;
+};
+
+}  // namespace
+
+Result<FilteredMap> filter_charts(const HeightMapData& map, const ChartAtlas& atlas,
+                                  double spacing) {
+    return ChartFilter(map, atlas, spacing).run();
+}
+
+}  // namespace prep::detail

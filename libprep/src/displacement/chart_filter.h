@@ -1,0 +1,36 @@
+// A height map without the detail that samples of a spacing cannot carry, chart by chart: what
+// tessellation reads where a band limit is asked for.
+//
+// Each chart is continued beyond its border (chart_continuation.h) by what lies across its seams,
+// or by itself, so that no other chart and no gutter is averaged in, and both sides of a seam that
+// agreed before agree as well as the surface is flat over some spacings. Then each texel of the
+// chart becomes what band_limit.h makes of the spacing there, about the plane that fits the chart
+// best. Charts that are as large as the map or larger (tiles) are filtered as the map goes on by
+// its wrap.
+//
+// A spacing is a length of the surface, and in UVs what the chart's area there makes of it. One of
+// at least 4 texels is filtered texel by texel; of finer ones, down to one texel, the map gets 2 to
+// 4 texels for each along that axis, as no coarser map carries them; what is finer than a texel
+// leaves the map as it is. Of charts that are smaller than two spacings half their size is taken:
+// there are no waves of that length in them.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "displacement/height_field.h"
+
+namespace prep::detail {
+
+struct HeightMapData;
+
+// Errors: limit (more than 2^28 texels).
+struct FilteredMap {
+    std::int64_t width = 0, height = 0;
+    std::vector<float> raw;
+    double change = 0;  // the largest of a height, in the map's units
+};
+Result<FilteredMap> filter_charts(const HeightMapData& map, const ChartAtlas& atlas,
+                                  double spacing);
+
+}  // namespace prep::detail
