@@ -72,6 +72,53 @@ TEST(ChartFilter, SlopesGoOnUpToTheBorder) {
         }
 }
 
+// Where a height bends, its slope at the border is not the chart's: what is off grows with the
+// square of the spacing, not with the spacing.
+TEST(ChartFilter, BordersKeepTheirOwnSlope) {
+    constexpr std::uint32_t size = 256;
+    Charts charts;
+    add_quad(charts, {{{0.2, 0.2}, {0.8, 0.2}, {0.8, 0.8}, {0.2, 0.8}}});
+    const auto height = [](const glm::dvec2& p) { return 4 * p.x * p.x; };
+    const Image image = picture(size, size, [&](auto x, auto y) {
+        const glm::dvec2 p((x + 0.5) / size, (y + 0.5) / size);
+        return is_inside(charts, p) ? height(p) : 1e6;
+    });
+    const auto map = HeightMap::make(image, plain());
+    ASSERT_TRUE(map);
+    for (const double spacing : {0.02, 0.04}) {
+        const auto limited = map->limited({.triangles = charts}, spacing);
+        ASSERT_TRUE(limited);
+        const HeightMap read = limited->map.confined(charts);
+        double most = 0;
+        for (int k = 0; k <= 200; ++k)
+            for (const double x : {0.2, 0.8}) {
+                const glm::dvec2 p(x, 0.2 + 0.6 * k / 200);
+                most = std::max(most, std::abs(read.value(p) - height(p)));
+            }
+        // Half the second derivative times the square of a spacing is 4 s².
+        EXPECT_LE(most, 4 * spacing * spacing + 1e-3) << spacing;
+    }
+}
+
+// Beside a chart that needs finer texels, one whose texels are coarser than its spacing along one
+// side is what it was along that: linear between texels.
+TEST(ChartFilter, TexelsCoarserThanASpacingAreReadBetween) {
+    Charts charts;
+    add_quad(charts, {{{0.05, 0.1}, {0.45, 0.1}, {0.45, 0.9}, {0.05, 0.9}}});
+    add_quad(charts, {{{0.55, 0.1}, {0.95, 0.1}, {0.95, 0.9}, {0.55, 0.9}}});
+    const std::vector<double> areas{0.16, 0.16, 40, 40};  // lengths of the second: 16 times
+    const Image image = picture(32, 2048, [](auto x, auto) { return x % 2 == 0 ? 1.0 : -1.0; });
+    const auto map = HeightMap::make(image, plain());
+    ASSERT_TRUE(map);
+    const auto limited = map->limited({.triangles = charts, .areas = areas}, 0.05);
+    ASSERT_TRUE(limited);
+    EXPECT_EQ(limited->map.width(), 3 * 32U);
+    for (double x = 20; x <= 28; x += 0.05) {
+        const double u = (x + 0.5) / 32;
+        EXPECT_NEAR(limited->map.value({u, 0.5}), map->value({u, 0.5}), 0.35) << x;
+    }
+}
+
 TEST(ChartFilter, OtherChartsMoveNothing) {
     constexpr std::uint32_t size = 128;
     Charts charts;
