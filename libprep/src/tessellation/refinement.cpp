@@ -192,6 +192,16 @@ void Refinement::fetch_ahead(std::span<const Touched> fresh, std::size_t k) cons
         }
 }
 
+// Of those that will be halved, the triangles on both sides.
+void Refinement::fetch_rings_ahead(std::size_t k) const {
+    constexpr std::size_t triangles_ahead = 24, rings_ahead = 12;
+    const auto fetch = [&](std::uint32_t t) { __builtin_prefetch(&mesh_.triangles()[t], 1); };
+    if (k + triangles_ahead < fresh_.size() && to_halve_[k + triangles_ahead] != 0)
+        fetch(fresh_[k + triangles_ahead].triangle);
+    if (k + rings_ahead < fresh_.size() && to_halve_[k + rings_ahead] != 0)
+        fetch(mesh_.triangles()[fresh_[k + rings_ahead].triangle].next[0] / 3);
+}
+
 // Those that a look shows to be halved get no bound; nor do those that nothing is asked of. Looks
 // take a point of the base each, which costs more than a quick bound and less than a tight one.
 void Refinement::look(std::span<const Touched> fresh) {
@@ -239,11 +249,16 @@ void Refinement::prove(std::uint32_t t, const Asked& asked) {
 void Refinement::measure(std::span<const Touched> fresh, Effort effort) {
     bounds_.resize_to_fill(mesh_.triangles().size());
     excess_.resize_to_fill(mesh_.triangles().size());
+    to_halve_.resize_to_fill(fresh.size());
     parallel_blocks(fresh.size(), block, options_.threads, [&](std::size_t begin, std::size_t end) {
         const auto part = fresh.subspan(begin, end - begin);
-        if (effort == Effort::looking) return look(part);
-        for (const Touched& touched : part)
-            if (mesh_.is_there(touched)) prove(touched.triangle, {});
+        if (effort == Effort::looking) look(part);
+        for (std::size_t k = begin; k < end; ++k) {
+            const std::uint32_t t = fresh[k].triangle;
+            const bool is_there = mesh_.is_there(fresh[k]);
+            if (is_there && effort == Effort::proving) prove(t, {});
+            to_halve_[k] = is_there && excess_[t] > 1 && can_be_halved(t);
+        }
     });
 }
 
@@ -318,16 +333,9 @@ Error Refinement::too_many() const {
 
 Result<void> Refinement::refine_to_error() {
     for (;;) {
-        to_halve_.resize_to_fill(fresh_.size());
-        parallel_blocks(
-            fresh_.size(), block, options_.threads, [&](std::size_t begin, std::size_t end) {
-                for (std::size_t k = begin; k < end; ++k) {
-                    const std::uint32_t t = fresh_[k].triangle;
-                    to_halve_[k] = mesh_.is_there(fresh_[k]) && excess_[t] > 1 && can_be_halved(t);
-                }
-            });
         bool any = false;
         for (std::size_t k = 0; k < fresh_.size(); ++k) {
+            fetch_rings_ahead(k);
             if (to_halve_[k] == 0 || !mesh_.is_there(fresh_[k])) continue;
             any = true;
             mesh_.bisect(fresh_[k].triangle);

@@ -44,6 +44,7 @@ class Refinement {
     enum class Effort : std::uint8_t { looking, proving };
     void measure(std::span<const Touched> fresh, Effort effort);
     void fetch_ahead(std::span<const Touched> fresh, std::size_t k) const;
+    void fetch_rings_ahead(std::size_t k) const;
     void look(std::span<const Touched> fresh);
     void prove(std::uint32_t t, const Asked& asked);
     double longest_edge(std::uint32_t t) const;
@@ -76,8 +77,8 @@ class Refinement {
     VertexSamples samples_;
     LargeVector<TriangleBound> bounds_;
     LargeVector<float> excess_;
-    LargeVector<Touched> fresh_;  // what the last halvings touched
-    LargeVector<std::uint8_t> to_halve_;
+    LargeVector<Touched> fresh_;          // what the last halvings touched
+    LargeVector<std::uint8_t> to_halve_;  // those of them that exceed what was asked
     double largest_coordinate_ = 0;
     std::uint64_t unresolved_ = 0, over_budget_ = 0;
 };
