@@ -441,4 +441,18 @@ TEST(CostLadders, HeightFilter) {
                   0.1);  // where the triangles lie may move
 }
 
+TEST(CostLadders, BandLimit) {
+    auto n = climbed(ladder_named("band-limit"));
+    // As read, vertices have the ripples: a fiftieth of the wave's 0.05.
+    EXPECT_NEAR(n["none"][0], 0.02 * 0.05, 1e-4);
+    EXPECT_LT(n["0.02"][0], n["none"][0] / 4);
+    expect_errors(n, 0,
+                  {{"none", 9.43e-4},
+                   {"0.01", 8.63e-4},
+                   {"0.02", 1.84e-4},
+                   {"0.04", 5.94e-4},
+                   {"0.08", 8.05e-4},
+                   {"0.16", 4.83e-3}});
+}
+
 }  // namespace

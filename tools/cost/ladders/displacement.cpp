@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <memory>
+#include <numbers>
 
 #include "cost/ladders/ladder.h"
 #include "cost/ladders/meshes.h"
@@ -47,21 +48,27 @@ prep::Image map_of(const WaveTexels& wave, int size) {
 }
 
 prep::Result<prep::TessellatedMesh> displaced(const prep::Mesh& cage, const prep::Image& map,
-                                              prep::HeightFilter filter, double chord_error,
-                                              int threads) {
-    prep::HeightMapOptions heights;
-    heights.filter = filter;
+                                              prep::HeightMapOptions heights,
+                                              prep::TessellateOptions options, int threads) {
     heights.scale = wave_height;
     heights.midlevel = 0;
     heights.threads = threads;
     const auto function = prep::height_function(map, heights);
     if (!function) return function.error();
-    prep::TessellateOptions options;
     options.displacements = {{*function}};
-    options.chord_error = chord_error;
     options.samples = 0;
     options.threads = threads;
     return prep::tessellate(cage, options);
+}
+
+prep::Result<prep::TessellatedMesh> displaced(const prep::Mesh& cage, const prep::Image& map,
+                                              prep::HeightFilter filter, double chord_error,
+                                              int threads) {
+    prep::HeightMapOptions heights;
+    heights.filter = filter;
+    prep::TessellateOptions options;
+    options.chord_error = chord_error;
+    return displaced(cage, map, heights, options, threads);
 }
 
 // Along z, which the square is displaced along: of vertices, edges' midpoints and middles.
@@ -230,6 +237,80 @@ prep::Result<Ladder> chord_error_by_height_filter_grid(const Subject& subject) {
         rung.because = creases_cost_triangles;
         return rung;
     });
+    return ladder;
+}
+
+namespace {
+
+// The wave, and a fine one of 24 by 18 cycles, which edges of a thirty-second cannot carry.
+prep::Image rippled_map(int size) {
+    constexpr double ripple = 0.02, along_u = 24, along_v = 18;
+    prep::Image image = map_of(WaveTexels(size), size);
+    std::size_t at = 0;
+    for (int j = 0; j < size; ++j)
+        for (int i = 0; i < size; ++i)
+            image.pixels[at++] += float(
+                ripple * std::cos(2 * std::numbers::pi *
+                                  (along_u * (i + 0.5) + along_v * (j + 0.5)) / double(size)));
+    return image;
+}
+
+}  // namespace
+
+prep::Result<Ladder> band_limit_ladder(const Subject& subject) {
+    constexpr int size = 256;
+    static constexpr double edge = 0.03125;
+    const auto cage = std::make_shared<const prep::Mesh>(square_cage());
+    const auto map = std::make_shared<const prep::Image>(rippled_map(size));
+    Ladder ladder;
+    ladder.name = "band-limit";
+    ladder.title = "Band limits of heights";
+    ladder.setting = "displacement: --band-limit, with --edge-length 0.03125";
+    ladder.subject = fmt::format(
+        "{}, by a map of 256² texels of a wave of up to two turns and ripples of 30", square);
+    ladder.oracle = "the wave in closed form, without the ripples: what such edges can carry";
+    ladder.timed = {"the filter, bounds of the map, and the tessellation",
+                    "without the samples that measure it; freeing the last result"};
+    constexpr const char* vertices = "distance along the displacement, at vertices";
+    ladder.metrics = {{"largest", "units", vertices},
+                      {"99.9 %", "units", vertices},
+                      {"mean", "units", vertices},
+                      {"triangles", "", ""}};
+    ladder.reference = 0;
+    ladder.floor = 0x1p-29;
+    ladder.floor_text = "heights rounded to float: half a unit in the last place of 0.05";
+    for (const char* limit : {"none", "0.01", "0.02", "0.04", "0.08", "0.16"}) {
+        Rung rung;
+        rung.name = limit;
+        const double spacing = std::strtod(limit, nullptr);  // none: 0
+        rung.command = fmt::format("prepare --displace materials --edge-length {}{}", edge,
+                                   spacing > 0 ? fmt::format(" --band-limit {}", limit) : "");
+        rung.because =
+            "limits far below the edges' length leave what edges cannot carry, those far above it "
+            "take from what they can";
+        const auto made = std::make_shared<prep::TessellatedMesh>();
+        rung.run = [cage, map, made, spacing, threads = subject.threads]() -> prep::Result<void> {
+            prep::HeightMapOptions heights;
+            heights.sample_spacing = spacing;
+            prep::TessellateOptions options;
+            options.edge_length = edge;
+            auto result = displaced(*cage, *map, heights, options, threads);
+            if (!result) return result.error();
+            *made = *std::move(result);
+            return {};
+        };
+        rung.judge = [made] {
+            std::vector<double> errors;
+            for (const glm::vec3& point : made->mesh.positions) {
+                const Vector p(point);
+                errors.push_back(double(std::abs(p.z - Real(wave_height) * wave_at(p.x, p.y))));
+            }
+            std::vector<double> numbers = three_of(std::move(errors));
+            numbers.push_back(double(made->mesh.face_count()));
+            return numbers;
+        };
+        ladder.rungs.push_back(std::move(rung));
+    }
     return ladder;
 }
 

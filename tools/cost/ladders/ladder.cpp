@@ -55,6 +55,8 @@ std::span<const LadderRow> ladder_rows() {
         {"chord-error-by-height-filter",
          "error asked of displaced triangles and the filter of the map, together", false, true,
          chord_error_by_height_filter_grid},
+        {"band-limit", "what is left out of heights, against what edges of a length can carry",
+         false, false, band_limit_ladder},
         {"shading-frequency", "flat, Gouraud and Phong shading over rising tessellation", false,
          true, shading_frequency_ladder},
         {"anti-aliasing", "samples, supersampling and exact areas", true, false,

@@ -105,6 +105,7 @@ prep::Result<Ladder> subdivision_level_ladder(const Subject& subject);
 prep::Result<Ladder> chord_error_ladder(const Subject& subject);
 prep::Result<Ladder> displacement_error_ladder(const Subject& subject);
 prep::Result<Ladder> height_filter_ladder(const Subject& subject);
+prep::Result<Ladder> band_limit_ladder(const Subject& subject);
 prep::Result<Ladder> chord_error_by_height_filter_grid(const Subject& subject);
 prep::Result<Ladder> shading_frequency_ladder(const Subject& subject);
 prep::Result<Ladder> anti_aliasing_ladder(const Subject& subject);
