@@ -264,11 +264,12 @@ TEST(ChartFilter, EachChartHasItsOwnSpacing) {
     add_quad(charts, {{{0.7, 0.7}, {0.86, 0.7}, {0.86, 0.86}, {0.7, 0.86}}});  // a quarter as wide
     const std::vector<double> areas(charts.size(), 0.5);
     for (const auto& [cycles, passes] : {std::pair(4.0, true), std::pair(11.0, false)}) {
+        const double all = cycles;
         const Image image = picture(size, size, [&](auto x, auto y) {
             const double u = (x + 0.5) / size, v = (y + 0.5) / size;
             const bool large = u < 0.68 && v < 0.68;
             const double s = large ? (u - 0.02) / 0.64 : (u - 0.7) / 0.16;
-            return std::cos(2 * pi * cycles * s);
+            return std::cos(2 * pi * all * s);
         });
         const auto map = HeightMap::make(image, plain());
         const auto made =

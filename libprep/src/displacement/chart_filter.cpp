@@ -66,10 +66,18 @@ class ChartFilter {
                 ""};
         made_.width = map_.x.size * std::int64_t(parts_.x);
         made_.height = map_.y.size * std::int64_t(parts_.y);
+        for (const Chart& chart : charts_)
+            if (const Rectangle in = read_box(chart); in.size() > std::size_t(largest_map))
+                return Error{
+                    ErrorCode::limit,
+                    fmt::format("a band limit of {:.3g} texels takes {} by {} texels "
+                                "around a chart: ask for a finer one, or make the map "
+                                "smaller",
+                                std::max(chart.texels.x, chart.texels.y), in.width, in.height),
+                    ""};
         start();
         if (whole_ && carries(texels_between(map_, whole_spacing_))) filter_whole();
-        for (std::uint32_t c = 0; c < charts_.size(); ++c)
-            if (Result<void> filtered = filter(c); !filtered) return filtered.error();
+        filter_charts();
         made_.change *= std::abs(map_.unit);
         return std::move(made_);
     }
@@ -80,6 +88,7 @@ class ChartFilter {
         Rectangle box;           // of texels
         double spacing = 0;      // 0: it stays as it is
         glm::dvec2 texels{0.0};  // between samples
+        bool is_small = false;   // the spacing was larger
     };
 
     MapTriangle in_map(std::uint32_t t) const {
@@ -164,10 +173,12 @@ class ChartFilter {
         chart.box = {std::int64_t(low.x), std::int64_t(low.y), std::int64_t(high.x - low.x) + 1,
                      std::int64_t(high.y - low.y) + 1};
         const double larger = double(std::max(chart.box.width, chart.box.height));
-        const double most = std::max(fine_texels, 0.5 * larger);
-        const double shrunk = std::min(1.0, most / std::max(chart.texels.x, chart.texels.y));
-        chart.spacing *= shrunk;
-        chart.texels *= shrunk;
+        const double part = std::max(1.0, 0.5 * larger) / std::max(chart.texels.x, chart.texels.y);
+        chart.is_small = part < 1;
+        if (chart.is_small) {
+            chart.spacing *= part;
+            chart.texels *= part;
+        }
         return true;
     }
 
@@ -179,7 +190,7 @@ class ChartFilter {
                 if (texels[k] >= 1) finest[k] = std::min(finest[k], texels[k]);
         };
         for (const Chart& chart : charts_)
-            if (chart.spacing > 0) see(chart.texels);
+            if (chart.spacing > 0 && !chart.is_small) see(chart.texels);
         if (whole_) see(texels_between(map_, whole_spacing_));
         for (glm::length_t k = 0; k < 2; ++k)
             if ((k == 0 ? map_.x : map_.y).size > 1 && finest[k] < fine_texels)
@@ -194,12 +205,11 @@ class ChartFilter {
         filled_.raw = map_.raw;
         if (!whole_) fill_gutters(filled_, covered_texels(map_, atlas_.triangles));
         made_.raw.resize(std::size_t(made_.width) * std::size_t(made_.height));
-        written_.assign(made_.raw.size(), 0);
         if (parts_ == glm::dvec2(1.0)) {
             made_.raw = filled_.raw;
             return;
         }
-        rows(made_.height, [&](std::int64_t j) {
+        rows(made_.height, threads_, [&](std::int64_t j) {
             for (std::int64_t i = 0; i < made_.width; ++i)
                 made_.raw[std::size_t(j * made_.width + i)] =
                     float(raw_value_at(filled_, texel_point(i, j)));
@@ -210,31 +220,33 @@ class ChartFilter {
         return (glm::dvec2(double(i), double(j)) + 0.5) / parts_ - 0.5;
     }
     template <class Body>
-    void rows(std::int64_t count, const Body& body) const {
-        parallel_blocks(std::size_t(count), 4, threads_, [&](std::size_t begin, std::size_t end) {
+    static void rows(std::int64_t count, int threads, const Body& body) {
+        parallel_blocks(std::size_t(count), 4, threads, [&](std::size_t begin, std::size_t end) {
             for (std::size_t j = begin; j < end; ++j) body(std::int64_t(j));
         });
     }
 
-    // What `value` makes of the texels of a rectangle that are covered and were not written yet.
-    template <class Value>
-    void write(const Rectangle& in, const std::vector<std::uint8_t>& covered, const Value& value) {
-        const HeightAxis x{made_.width, map_.x.wrap}, y{made_.height, map_.y.wrap};
+    // Sets the texels of a rectangle that `is_mine` to what `value` makes of them. Returns their
+    // largest change.
+    template <class IsMine, class Value>
+    double write(const Rectangle& in, int threads, const IsMine& is_mine, const Value& value) {
         std::vector<double> changes(std::size_t(in.height), 0);
-        rows(in.height, [&](std::int64_t row) {
+        rows(in.height, threads, [&](std::int64_t row) {
+            const std::int64_t j = in.y + row;
             for (std::int64_t i = in.x; i < in.x + in.width; ++i) {
-                const std::int64_t j = in.y + row;
-                if (!covered.empty() && !covered[in.index(i, j)]) continue;
-                const auto to = std::size_t(y.texel(j) * x.size + x.texel(i));
-                if (written_[to]) continue;
-                written_[to] = 1;
+                const std::size_t to = made_index(i, j);
+                if (!is_mine(to)) continue;
                 const auto made = float(value(texel_point(i, j)));
                 double& change = changes[std::size_t(row)];
                 change = std::max(change, std::abs(double(made) - double(made_.raw[to])));
                 made_.raw[to] = made;
             }
         });
-        for (const double change : changes) made_.change = std::max(made_.change, change);
+        return *std::max_element(changes.begin(), changes.end());
+    }
+    std::size_t made_index(std::int64_t i, std::int64_t j) const {
+        const HeightAxis x{made_.width, map_.x.wrap}, y{made_.height, map_.y.wrap};
+        return std::size_t(y.texel(j) * x.size + x.texel(i));
     }
 
     // What a filter reads: differences from a plane, so that what is level or steep comes out as
@@ -256,29 +268,59 @@ class ChartFilter {
         all.raw = map_.raw;
         for (float& h : all.raw) h -= about;
         const BandLimits bands = make_band_limits(all, threads_);
-        write({0, 0, made_.width, made_.height}, {}, [&](const glm::dvec2& at) {
-            return double(about) + band_limited(all, bands, at, whole_spacing_);
-        });
+        const auto every = [](std::size_t) { return true; };
+        made_.change =
+            write({0, 0, made_.width, made_.height}, threads_, every, [&](const glm::dvec2& at) {
+                return double(about) + band_limited(all, bands, at, whole_spacing_);
+            });
     }
 
-    Result<void> filter(std::uint32_t number) {
-        const Chart& chart = charts_[number];
-        if (!(chart.spacing > 0)) return {};
-        // A slanted kernel reaches further along an axis than samples along it are apart.
+    // Many charts on all threads, few ones each.
+    void filter_charts() {
+        constexpr std::size_t many = 64;
+        choose_owners();
+        std::vector<double> changes(charts_.size(), 0);
+        if (charts_.size() < many) {
+            for (std::uint32_t c = 0; c < charts_.size(); ++c) changes[c] = filter(c, threads_);
+        } else {
+            parallel_blocks(charts_.size(), 4, threads_, [&](std::size_t begin, std::size_t end) {
+                for (std::size_t c = begin; c < end; ++c) changes[c] = filter(std::uint32_t(c), 1);
+            });
+        }
+        for (const double change : changes) made_.change = std::max(made_.change, change);
+    }
+
+    // Texels that several charts cover are the first one's.
+    void choose_owners() {
+        if (charts_.empty()) return;
+        owners_.assign(made_.raw.size(), no_index);
+        for (std::uint32_t c = 0; c < charts_.size(); ++c) {
+            if (!(charts_[c].spacing > 0)) continue;
+            const Rectangle to = written_box(charts_[c].box);
+            for (const std::uint32_t t : charts_[c].triangles)
+                for_covered(in_parts(t), to, [&](std::int64_t i, std::int64_t j) {
+                    std::uint32_t& owner = owners_[made_index(i, j)];
+                    if (owner == no_index) owner = c;
+                });
+        }
+    }
+
+    // A slanted kernel reaches further along an axis than samples along it are apart.
+    static Rectangle read_box(const Chart& chart) {
         const double reach = kernel_spacings * std::max(chart.texels.x, chart.texels.y);
-        const std::int64_t around = std::int64_t(std::ceil(reach)) + 2;
-        const Rectangle in{chart.box.x - around, chart.box.y - around, chart.box.width + 2 * around,
-                           chart.box.height + 2 * around};
-        if (in.size() > std::size_t(largest_map))
-            return Error{ErrorCode::limit,
-                         fmt::format("a band limit of {:.3g} texels takes {} by {} texels around a "
-                                     "chart: ask for a finer one, or make the map smaller",
-                                     std::max(chart.texels.x, chart.texels.y), in.width, in.height),
-                         ""};
+        const std::int64_t around = chart.spacing > 0 ? std::int64_t(std::ceil(reach)) + 2 : 0;
+        return {chart.box.x - around, chart.box.y - around, chart.box.width + 2 * around,
+                chart.box.height + 2 * around};
+    }
+
+    double filter(std::uint32_t number, int threads) {
+        const Chart& chart = charts_[number];
+        if (!(chart.spacing > 0)) return 0;
+        const Rectangle in = read_box(chart);
         ChartTexels own{in.width, in.height, std::vector<float>(in.size()), {}};
-        own.covered = cover(number, glm::dvec2(1.0), in);
+        own.covered = cover(number, in);
         const auto first = std::find(own.covered.begin(), own.covered.end(), std::uint8_t(1));
-        if (first == own.covered.end()) return {};
+        if (first == own.covered.end()) return 0;
         const auto raw_at = [&](std::int64_t i, std::int64_t j) {
             return double(map_.raw[std::size_t(map_.y.texel(j) * map_.x.size + map_.x.texel(i))]);
         };
@@ -289,7 +331,7 @@ class ChartFilter {
                     own.heights[t] =
                         float(raw_at(in.x + i, in.y + j) - plane.at({double(i), double(j)}));
         };
-        rows(in.height, fill);
+        rows(in.height, threads, fill);
         const glm::dvec2 corner{double(in.x), double(in.y)};
         const auto across = [&](const glm::dvec2& texel, const AtlasPoint& there) {
             const auto& uv = atlas_.triangles[there.triangle];
@@ -297,17 +339,16 @@ class ChartFilter {
             return raw_value_at(filled_, map_.map_point(w.x * uv[0] + w.y * uv[1] + w.z * uv[2])) -
                    plane.at(texel);
         };
-        continue_chart(own, atlas_, borders(number, corner), across, chart.texels, threads_);
+        continue_chart(own, atlas_, borders(number, corner), across, chart.texels, threads);
         HeightMapData differences =
             this->differences({in.width, Wrap::clamp}, {in.height, Wrap::clamp});
         differences.raw = std::move(own.heights);
-        const BandLimits bands = make_band_limits(differences, threads_);
-        const Rectangle to = written_box(chart.box);
-        write(to, cover(number, parts_, to), [&](const glm::dvec2& at) {
+        const BandLimits bands = make_band_limits(differences, threads);
+        const auto is_mine = [&](std::size_t to) { return owners_[to] == number; };
+        return write(written_box(chart.box), threads, is_mine, [&](const glm::dvec2& at) {
             const glm::dvec2 there = at - corner;
             return plane.at(there) + band_limited(differences, bands, there, chart.spacing);
         });
-        return {};
     }
 
     struct Plane {
@@ -338,18 +379,19 @@ class ChartFilter {
         return plane;
     }
 
-    // 1 for each texel of the rectangle that the chart covers; `parts`: texels for each of the
-    // map's.
-    std::vector<std::uint8_t> cover(std::uint32_t chart, const glm::dvec2& parts,
-                                    const Rectangle& in) const {
+    // 1 for each texel of the rectangle that the chart covers.
+    std::vector<std::uint8_t> cover(std::uint32_t chart, const Rectangle& in) const {
         std::vector<std::uint8_t> covered(in.size(), 0);
-        for (const std::uint32_t t : charts_[chart].triangles) {
-            MapTriangle p = in_map(t);
-            for (glm::dvec2& corner : p) corner = (corner + 0.5) * parts - 0.5;
-            for_covered(p, in,
+        for (const std::uint32_t t : charts_[chart].triangles)
+            for_covered(in_map(t), in,
                         [&](std::int64_t i, std::int64_t j) { covered[in.index(i, j)] = 1; });
-        }
         return covered;
+    }
+    // By the texels that are made.
+    MapTriangle in_parts(std::uint32_t t) const {
+        MapTriangle p = in_map(t);
+        for (glm::dvec2& corner : p) corner = (corner + 0.5) * parts_ - 0.5;
+        return p;
     }
 
     // Edges of its triangles beyond which its UVs do not go on.
@@ -401,7 +443,7 @@ class ChartFilter {
     HeightMapData filled_;
     glm::dvec2 parts_{1.0};
     FilteredMap made_;
-    std::vector<std::uint8_t> written_;
+    std::vector<std::uint32_t> owners_;  // per texel that is made: the chart that makes it
 };
 
 }  // namespace
