@@ -25,13 +25,14 @@ double squared_distance(const glm::dvec2& p, const glm::dvec2& a, const glm::dve
 class Continuation {
   public:
     Continuation(ChartTexels& texels, const ChartAtlas& atlas, std::span<const ChartBorder> borders,
-                 const ReadAcross& read, const glm::dvec2& spacing)
+                 const ReadAcross& read, const glm::dvec2& spacing, int samples)
         : in_(texels),
           heights_(texels.heights),
           covered_(texels.covered),
           atlas_(atlas),
           borders_(borders),
           read_(read),
+          samples_(samples),
           nearest_(covered_.size(), none),
           border_(covered_.size(), none) {
         reach_x_ = std::max<std::int64_t>(2, std::int64_t(std::ceil(2 * spacing.x)));
@@ -106,19 +107,36 @@ class Continuation {
         }
     }
 
-    // The height across the nearest border, where there is one.
+    // The height across the nearest border, where there is one: a mean that fades out a texel away.
     std::optional<double> across(std::size_t texel) const {
         if (border_[texel] == none) return std::nullopt;
         const ChartBorder& border = borders_[border_[texel]];
+        if (samples_ == 1) return across(border, centre(texel));
+        double weights = 0, all = 0, sum = 0;
+        for (int j = 0; j < samples_; ++j)
+            for (int i = 0; i < samples_; ++i) {
+                const glm::dvec2 off =
+                    2.0 * (glm::dvec2(double(i), double(j)) + 0.5) / double(samples_) - 1.0;
+                const double weight = (1 - std::abs(off.x)) * (1 - std::abs(off.y));
+                all += weight;
+                const auto height = across(border, centre(texel) + off);
+                if (!height) continue;
+                weights += weight;
+                sum += weight * *height;
+            }
+        if (!(weights > 0.5 * all)) return std::nullopt;
+        return sum / weights;
+    }
+    std::optional<double> across(const ChartBorder& border, const glm::dvec2& at) const {
         const std::array<glm::dvec2, 3>& p = border.triangle;
-        const glm::dvec2 a = p[1] - p[0], b = p[2] - p[0], d = centre(texel) - p[0];
+        const glm::dvec2 a = p[1] - p[0], b = p[2] - p[0], d = at - p[0];
         const double area = a.x * b.y - a.y * b.x;
         if (!(std::abs(area) > far_from_singular * std::sqrt(squared(a) * squared(b))))
             return std::nullopt;
         const double y = (d.x * b.y - d.y * b.x) / area, z = (a.x * d.y - a.y * d.x) / area;
         const auto there = across_edge(atlas_, border.half_edge, {1 - y - z, y, z});
         if (!there) return std::nullopt;
-        return read_(centre(texel), *there);
+        return read_(at, *there);
     }
 
     // Ring by ring, each texel from its neighbours' nearest, of texels and borders.
@@ -198,6 +216,7 @@ class Continuation {
     const ChartAtlas& atlas_;
     std::span<const ChartBorder> borders_;
     const ReadAcross& read_;
+    int samples_;
     std::vector<std::uint32_t> nearest_;  // covered texel
     std::vector<std::uint32_t> border_;   // nearest one
     std::int64_t reach_x_, reach_y_;
@@ -277,8 +296,8 @@ glm::dvec2 PlaneFit::slope() const {
 
 void continue_chart(ChartTexels& texels, const ChartAtlas& atlas,
                     std::span<const ChartBorder> borders, const ReadAcross& read,
-                    const glm::dvec2& spacing, int threads) {
-    Continuation(texels, atlas, borders, read, spacing).fill(threads);
+                    const glm::dvec2& spacing, int samples, int threads) {
+    Continuation(texels, atlas, borders, read, spacing, samples).fill(threads);
 }
 
 }  // namespace prep::detail

@@ -54,7 +54,7 @@ class PlaneFit {
 };
 
 // Fills the texels of a rectangle that are not covered, from those that are. `spacing`: in texels,
-// over which planes are fitted.
+// over which planes are fitted. Across borders a texel is the mean of `samples` by `samples`.
 struct ChartTexels {
     std::int64_t width = 0, height = 0;
     std::vector<float> heights;  // row by row
@@ -62,6 +62,6 @@ struct ChartTexels {
 };
 void continue_chart(ChartTexels& texels, const ChartAtlas& atlas,
                     std::span<const ChartBorder> borders, const ReadAcross& read,
-                    const glm::dvec2& spacing, int threads);
+                    const glm::dvec2& spacing, int samples, int threads);
 
 }  // namespace prep::detail

@@ -34,6 +34,9 @@ struct Rectangle {
     std::size_t index(std::int64_t i, std::int64_t j) const {
         return std::size_t(j - y) * std::size_t(width) + std::size_t(i - x);
     }
+    bool has(std::int64_t i, std::int64_t j) const {
+        return i >= x && j >= y && i < x + width && j < y + height;
+    }
 };
 
 // Texels of the rectangle whose centres the triangle covers.
@@ -68,13 +71,11 @@ class ChartFilter {
         made_.height = map_.y.size * std::int64_t(parts_.y);
         for (const Chart& chart : charts_)
             if (const Rectangle in = read_box(chart); in.size() > std::size_t(largest_map))
-                return Error{
-                    ErrorCode::limit,
-                    fmt::format("a band limit of {:.3g} texels takes {} by {} texels "
-                                "around a chart: ask for a finer one, or make the map "
-                                "smaller",
-                                std::max(chart.texels.x, chart.texels.y), in.width, in.height),
-                    ""};
+                return Error{ErrorCode::limit,
+                             fmt::format("the texels around a chart that a band limit reads are "
+                                         "{} by {}: make the map smaller",
+                                         in.width, in.height),
+                             ""};
         start();
         if (whole_ && carries(texels_between(map_, whole_spacing_))) filter_whole();
         filter_charts();
@@ -89,6 +90,8 @@ class ChartFilter {
         double spacing = 0;      // 0: it stays as it is
         glm::dvec2 texels{0.0};  // between samples
         bool is_small = false;   // the spacing was larger
+        // Texels to one of those that the filter reads, so that there are 8 or more a spacing.
+        glm::i64vec2 step{1};
     };
 
     MapTriangle in_map(std::uint32_t t) const {
@@ -179,6 +182,8 @@ class ChartFilter {
             chart.spacing *= part;
             chart.texels *= part;
         }
+        constexpr double texels_read = 8;
+        chart.step = glm::i64vec2(glm::max(glm::floor(chart.texels / texels_read), 1.0));
         return true;
     }
 
@@ -251,19 +256,20 @@ class ChartFilter {
 
     // What a filter reads: differences from a plane, so that what is level or steep comes out as
     // it is.
-    HeightMapData differences(const HeightAxis& x, const HeightAxis& y) const {
+    HeightMapData differences(const HeightAxis& x, const HeightAxis& y,
+                              const glm::dvec2& step) const {
         HeightMapData own;
         own.options = map_.options;
         own.x = x;
         own.y = y;
-        const glm::dvec2 scale(double(map_.x.size) / double(x.size),
-                               double(map_.y.size) / double(y.size));
+        const glm::dvec2 scale(double(map_.x.size) / (double(x.size) * step.x),
+                               double(map_.y.size) / (double(y.size) * step.y));
         own.matrix = glm::dmat2(scale.x, 0, 0, scale.y) * map_.matrix;
         return own;
     }
 
     void filter_whole() {
-        HeightMapData all = differences(map_.x, map_.y);
+        HeightMapData all = differences(map_.x, map_.y, glm::dvec2(1.0));
         const float about = map_.raw[0];
         all.raw = map_.raw;
         for (float& h : all.raw) h -= about;
@@ -305,75 +311,137 @@ class ChartFilter {
         }
     }
 
-    // A slanted kernel reaches further along an axis than samples along it are apart.
+    struct Plane {
+        glm::dvec2 from{0.0}, slope{0.0};
+        double height = 0;
+        double at(const glm::dvec2& p) const { return height + glm::dot(slope, p - from); }
+    };
+    // What the filter reads of a chart, in steps. A slanted kernel reaches further along an axis
+    // than samples along it are apart.
     static Rectangle read_box(const Chart& chart) {
+        if (!(chart.spacing > 0)) return {};
         const double reach = kernel_spacings * std::max(chart.texels.x, chart.texels.y);
-        const std::int64_t around = chart.spacing > 0 ? std::int64_t(std::ceil(reach)) + 2 : 0;
-        return {chart.box.x - around, chart.box.y - around, chart.box.width + 2 * around,
-                chart.box.height + 2 * around};
+        const auto side = [&](std::int64_t first, std::int64_t count, std::int64_t step) {
+            const auto around = std::int64_t(std::ceil(reach / double(step))) + 2;
+            const auto low = std::int64_t(std::floor(double(first) / double(step))) - around;
+            const auto high =
+                std::int64_t(std::floor(double(first + count - 1) / double(step))) + around;
+            return std::pair(low, high - low + 1);
+        };
+        const auto [x, width] = side(chart.box.x, chart.box.width, chart.step.x);
+        const auto [y, height] = side(chart.box.y, chart.box.height, chart.step.y);
+        return {x, y, width, height};
     }
 
     double filter(std::uint32_t number, int threads) {
         const Chart& chart = charts_[number];
         if (!(chart.spacing > 0)) return 0;
         const Rectangle in = read_box(chart);
-        ChartTexels own{in.width, in.height, std::vector<float>(in.size()), {}};
-        own.covered = cover(number, in);
-        const auto first = std::find(own.covered.begin(), own.covered.end(), std::uint8_t(1));
-        if (first == own.covered.end()) return 0;
-        const auto raw_at = [&](std::int64_t i, std::int64_t j) {
-            return double(map_.raw[std::size_t(map_.y.texel(j) * map_.x.size + map_.x.texel(i))]);
+        const glm::dvec2 step(chart.step), corner{double(in.x), double(in.y)};
+        // Between the map's texels and those that are read.
+        const auto in_map = [&](const glm::dvec2& own) {
+            return (own + corner + 0.5) * step - 0.5;
         };
-        const Plane plane = fitted(in, own.covered, raw_at);
-        const auto fill = [&](std::int64_t j) {
-            for (std::int64_t i = 0; i < in.width; ++i)
-                if (const auto t = std::size_t(j * in.width + i); own.covered[t])
-                    own.heights[t] =
-                        float(raw_at(in.x + i, in.y + j) - plane.at({double(i), double(j)}));
-        };
-        rows(in.height, threads, fill);
-        const glm::dvec2 corner{double(in.x), double(in.y)};
+        const auto in_own = [&](const glm::dvec2& at) { return (at + 0.5) / step - 0.5 - corner; };
+        const std::vector<std::uint8_t> covered = cover(number, chart.box);
+        if (std::find(covered.begin(), covered.end(), std::uint8_t(1)) == covered.end()) return 0;
+        const Plane plane = fitted(chart.box, covered);
+        ChartTexels own = reduced(chart, covered, plane, in, threads);
         const auto across = [&](const glm::dvec2& texel, const AtlasPoint& there) {
             const auto& uv = atlas_.triangles[there.triangle];
             const glm::dvec3& w = there.weights;
             return raw_value_at(filled_, map_.map_point(w.x * uv[0] + w.y * uv[1] + w.z * uv[2])) -
-                   plane.at(texel);
+                   plane.at(in_map(texel));
         };
-        continue_chart(own, atlas_, borders(number, corner), across, chart.texels, threads);
-        HeightMapData differences =
-            this->differences({in.width, Wrap::clamp}, {in.height, Wrap::clamp});
-        differences.raw = std::move(own.heights);
-        const BandLimits bands = make_band_limits(differences, threads);
+        std::vector<ChartBorder> borders = this->borders(number);
+        for (ChartBorder& border : borders)
+            for (glm::dvec2& p : border.triangle) p = in_own(p);
+        const bool is_reduced = chart.step != glm::i64vec2(1);
+        continue_chart(own, atlas_, borders, across, chart.texels / step, is_reduced ? 4 : 1,
+                       threads);
+        HeightMapData read = differences({in.width, Wrap::clamp}, {in.height, Wrap::clamp}, step);
+        read.raw = std::move(own.heights);
+        const BandLimits bands = make_band_limits(read, threads);
+        const auto limited = [&](const glm::dvec2& own_place) {
+            return band_limited(read, bands, own_place, chart.spacing);
+        };
         const auto is_mine = [&](std::size_t to) { return owners_[to] == number; };
-        return write(written_box(chart.box), threads, is_mine, [&](const glm::dvec2& at) {
-            const glm::dvec2 there = at - corner;
-            return plane.at(there) + band_limited(differences, bands, there, chart.spacing);
+        const Rectangle to = written_box(chart.box);
+        if (!is_reduced)
+            return write(to, threads, is_mine,
+                         [&](const glm::dvec2& at) { return plane.at(at) + limited(in_own(at)); });
+        // At steps, and smoothly between them.
+        HeightMapData smooth = read;
+        smooth.options.filter = HeightFilter::bicubic;
+        rows(in.height, threads, [&](std::int64_t j) {
+            for (std::int64_t i = 0; i < in.width; ++i) {
+                const glm::dvec2 at = in_map({double(i), double(j)});
+                const glm::dvec2 around = 3.0 * step;
+                const bool is_read = at.x >= double(chart.box.x) - around.x &&
+                                     at.y >= double(chart.box.y) - around.y &&
+                                     at.x <= double(chart.box.x + chart.box.width) + around.x &&
+                                     at.y <= double(chart.box.y + chart.box.height) + around.y;
+                if (is_read)
+                    smooth.raw[std::size_t(j * in.width + i)] =
+                        float(limited({double(i), double(j)}));
+            }
+        });
+        return write(to, threads, is_mine, [&](const glm::dvec2& at) {
+            return plane.at(at) + raw_value_at(smooth, in_own(at));
         });
     }
 
-    struct Plane {
-        glm::dvec2 from{0.0}, slope{0.0};
-        double height = 0;
-        double at(const glm::dvec2& p) const { return height + glm::dot(slope, p - from); }
-    };
+    // The chart's heights over the plane, in steps: means that fade out a step away, so that what
+    // is finer does not become what is coarse.
+    ChartTexels reduced(const Chart& chart, const std::vector<std::uint8_t>& covered,
+                        const Plane& plane, const Rectangle& in, int threads) const {
+        ChartTexels own{in.width, in.height, std::vector<float>(in.size(), 0.0F),
+                        std::vector<std::uint8_t>(in.size(), 0)};
+        std::vector<float> parts(in.size(), 0.0F);  // of a step that the chart covers
+        const glm::dvec2 step(chart.step);
+        rows(in.height, threads, [&](std::int64_t row) {
+            for (std::int64_t column = 0; column < in.width; ++column) {
+                const glm::dvec2 centre{(double(in.x + column) + 0.5) * step.x - 0.5,
+                                        (double(in.y + row) + 0.5) * step.y - 0.5};
+                const auto first = glm::i64vec2(glm::floor(centre - step)) + std::int64_t(1);
+                const auto last = glm::i64vec2(glm::ceil(centre + step)) - std::int64_t(1);
+                double weights = 0, sum = 0;
+                for (std::int64_t j = first.y; j <= last.y; ++j)
+                    for (std::int64_t i = first.x; i <= last.x; ++i) {
+                        if (!chart.box.has(i, j) || !covered[chart.box.index(i, j)]) continue;
+                        const glm::dvec2 at{double(i), double(j)};
+                        const glm::dvec2 part = 1.0 - glm::abs(at - centre) / step;
+                        weights += part.x * part.y;
+                        sum += part.x * part.y * (raw_at(i, j) - plane.at(at));
+                    }
+                if (!(weights > 0)) continue;
+                const auto t = std::size_t(row * in.width + column);
+                own.heights[t] = float(sum / weights);
+                parts[t] = float(weights / (step.x * step.y));
+            }
+        });
+        // Those that the chart fills by half; where there are none, what there is.
+        const float most = *std::max_element(parts.begin(), parts.end());
+        for (std::size_t t = 0; t < parts.size(); ++t)
+            own.covered[t] = parts[t] > 0 && parts[t] >= std::min(0.5F, most);
+        return own;
+    }
+    double raw_at(std::int64_t i, std::int64_t j) const {
+        return double(map_.raw[std::size_t(map_.y.texel(j) * map_.x.size + map_.x.texel(i))]);
+    }
+
     // Through the first texel, its slope by least squares of all.
-    template <class RawAt>
-    static Plane fitted(const Rectangle& in, const std::vector<std::uint8_t>& covered,
-                        const RawAt& raw_at) {
+    Plane fitted(const Rectangle& in, const std::vector<std::uint8_t>& covered) const {
         Plane plane;
         PlaneFit fit;
         bool any = false;
-        for (std::int64_t j = 0; j < in.height; ++j)
-            for (std::int64_t i = 0; i < in.width; ++i) {
-                if (!covered[std::size_t(j * in.width + i)]) continue;
+        for (std::int64_t j = in.y; j < in.y + in.height; ++j)
+            for (std::int64_t i = in.x; i < in.x + in.width; ++i) {
+                if (!covered[in.index(i, j)]) continue;
                 const glm::dvec2 at{double(i), double(j)};
-                const double height = raw_at(in.x + i, in.y + j);
-                if (!any) {
-                    any = true;
-                    plane.from = at;
-                    plane.height = height;
-                }
-                fit.add(at - plane.from, height - plane.height, 1);
+                if (!any) plane = {at, glm::dvec2(0.0), raw_at(i, j)};
+                any = true;
+                fit.add(at - plane.from, raw_at(i, j) - plane.height, 1);
             }
         plane.slope = fit.slope();
         return plane;
@@ -395,15 +463,13 @@ class ChartFilter {
     }
 
     // Edges of its triangles beyond which its UVs do not go on.
-    std::vector<ChartBorder> borders(std::uint32_t chart, const glm::dvec2& corner) const {
+    std::vector<ChartBorder> borders(std::uint32_t chart) const {
         std::vector<ChartBorder> borders;
         if (atlas_.across.empty()) return borders;
         for (const std::uint32_t t : charts_[chart].triangles)
             for (std::uint32_t h = 3 * t; h < 3 * t + 3; ++h) {
                 if (goes_on(h)) continue;
-                ChartBorder border{h, in_map(t)};
-                for (glm::dvec2& p : border.triangle) p -= corner;
-                borders.push_back(border);
+                borders.push_back({h, in_map(t)});
             }
         return borders;
     }
