@@ -274,11 +274,43 @@ class ChartFilter {
         all.raw = map_.raw;
         for (float& h : all.raw) h -= about;
         const BandLimits bands = make_band_limits(all, threads_);
+        const Rectangle everywhere{0, 0, map_.x.size, map_.y.size};
+        const auto limited = [&](const glm::dvec2& at) {
+            return band_limited(all, bands, at, whole_spacing_);
+        };
         const auto every = [](std::size_t) { return true; };
-        made_.change =
-            write({0, 0, made_.width, made_.height}, threads_, every, [&](const glm::dvec2& at) {
-                return double(about) + band_limited(all, bands, at, whole_spacing_);
-            });
+        const auto set_all = [&](const auto& height) {
+            made_.change = write({0, 0, made_.width, made_.height}, threads_, every,
+                                 [&](const glm::dvec2& at) { return double(about) + height(at); });
+        };
+        if (!goes_by_texels(texels_between(map_, whole_spacing_), glm::i64vec2(1)))
+            return set_all(limited);
+        const HeightMapData smooth = at_texels(all, everywhere, limited, threads_);
+        set_all([&](const glm::dvec2& at) { return raw_value_at(smooth, at); });
+    }
+
+    // Where a spacing has two texels or more, what is between them is as smooth as they are.
+    bool goes_by_texels(const glm::dvec2& texels, const glm::i64vec2& step) const {
+        return step != glm::i64vec2(1) ||
+               (parts_ != glm::dvec2(1.0) && std::min(texels.x, texels.y) >= 2);
+    }
+    // A map of heights at the texels within `in`, read smoothly between them.
+    template <class Height>
+    static HeightMapData at_texels(const HeightMapData& like, const Rectangle& in,
+                                   const Height& height, int threads) {
+        HeightMapData smooth;
+        smooth.options = like.options;
+        smooth.options.filter = HeightFilter::bicubic;
+        smooth.x = like.x;
+        smooth.y = like.y;
+        smooth.raw.assign(like.raw.size(), 0.0F);
+        rows(smooth.y.size, threads, [&](std::int64_t j) {
+            for (std::int64_t i = 0; i < smooth.x.size; ++i)
+                if (in.has(i, j))
+                    smooth.raw[std::size_t(j * smooth.x.size + i)] =
+                        float(height(glm::dvec2{double(i), double(j)}));
+        });
+        return smooth;
     }
 
     // Many charts on all threads, few ones each.
@@ -367,25 +399,17 @@ class ChartFilter {
         };
         const auto is_mine = [&](std::size_t to) { return owners_[to] == number; };
         const Rectangle to = written_box(chart.box);
-        if (!is_reduced)
+        if (!goes_by_texels(chart.texels, chart.step))
             return write(to, threads, is_mine,
                          [&](const glm::dvec2& at) { return plane.at(at) + limited(in_own(at)); });
-        // At steps, and smoothly between them.
-        HeightMapData smooth = read;
-        smooth.options.filter = HeightFilter::bicubic;
-        rows(in.height, threads, [&](std::int64_t j) {
-            for (std::int64_t i = 0; i < in.width; ++i) {
-                const glm::dvec2 at = in_map({double(i), double(j)});
-                const glm::dvec2 around = 3.0 * step;
-                const bool is_read = at.x >= double(chart.box.x) - around.x &&
-                                     at.y >= double(chart.box.y) - around.y &&
-                                     at.x <= double(chart.box.x + chart.box.width) + around.x &&
-                                     at.y <= double(chart.box.y + chart.box.height) + around.y;
-                if (is_read)
-                    smooth.raw[std::size_t(j * in.width + i)] =
-                        float(limited({double(i), double(j)}));
-            }
-        });
+        const glm::dvec2 first{double(chart.box.x), double(chart.box.y)};
+        const glm::dvec2 size{double(chart.box.width), double(chart.box.height)};
+        const auto low = glm::i64vec2(glm::floor(in_own(first)));
+        const auto high = glm::i64vec2(glm::ceil(in_own(first + size)));
+        constexpr std::int64_t around = 3;  // what is read between texels, and more
+        const Rectangle near{low.x - around, low.y - around, high.x - low.x + 2 * around + 1,
+                             high.y - low.y + 2 * around + 1};
+        const HeightMapData smooth = at_texels(read, near, limited, threads);
         return write(to, threads, is_mine, [&](const glm::dvec2& at) {
             return plane.at(at) + raw_value_at(smooth, in_own(at));
         });
