@@ -336,6 +336,7 @@ TEST(ChartFilter, LengthsAreThoseOfTheLimitSurface) {
         const double cycles = (passes ? 0.245 : 0.51) / (spacing * scale);
         DisplaceOptions options;
         options.band_limit = spacing;
+        options.residual.emplace();
         options.midlevel = 0;
         const Image image = picture(size, size, [&](auto, auto y) {
             return std::cos(2 * pi * cycles * ((y + 0.5) / size - 0.16));

@@ -129,8 +129,10 @@ class ChartFilter {
                 areas.emplace_back(0.0);
             }
             charts_[c].triangles.push_back(t);
+            // Faces without a surface, holes of a cage, have no scale.
             const double area = area_of(uv);
-            areas[c] += glm::dvec2(area, atlas_.areas.empty() ? area : atlas_.areas[t]);
+            const double of_surface = atlas_.areas.empty() ? area : atlas_.areas[t];
+            if (of_surface > 0) areas[c] += glm::dvec2(area, of_surface);
         }
         const auto by_uvs = [&](const glm::dvec2& of) {
             return of.x > 0 && of.y > 0 ? spacing_ * std::sqrt(of.x / of.y) : 0;
@@ -492,7 +494,7 @@ class ChartFilter {
         if (atlas_.across.empty()) return borders;
         for (const std::uint32_t t : charts_[chart].triangles)
             for (std::uint32_t h = 3 * t; h < 3 * t + 3; ++h) {
-                if (goes_on(h)) continue;
+                if (goes_on(h) || !(atlas_.flat[t].length > 0)) continue;
                 borders.push_back({h, in_map(t)});
             }
         return borders;

@@ -47,7 +47,8 @@ struct Quantisation {
 // through.
 using ChartTriangles = std::span<const std::array<glm::dvec2, 3>>;
 
-// A triangle of the surface, laid flat: its corners are (0, 0), (length, 0) and (along, height).
+// A triangle of the surface, laid flat: its corners are (0, 0), (length, 0) and (along, height). Of
+// no length: it has no edges that others are across of.
 struct FlatTriangle {
     double length = 0, along = 0, height = 0;
 };

@@ -112,7 +112,7 @@ Result<Function> DisplacementMaps::function(const Map& map, const Reading& as,
                                 surface.face_areas, threads_);
     if (!limited) return std::move(limited).error();
     to.changes.push_back(limited->change);
-    as_read = of(map);
+    if (keeps_as_read()) as_read = of(map);
     return of(limited->map);
 }
 
@@ -156,7 +156,7 @@ Result<Displacement> DisplacementMaps::read(const ImageRef& image, const Reading
         made.vector = *std::move(vector);
         made.tangent_space = as_read.tangent_space = !map.in_object_space();
     }
-    if (options_.band_limit > 0) to.as_read.push_back(std::move(as_read));
+    if (keeps_as_read()) to.as_read.push_back(std::move(as_read));
     return made;
 }
 
@@ -194,7 +194,7 @@ Result<DisplacementMaps::OfMesh> DisplacementMaps::of(const Scene& scene, const 
                      ""};
     std::shared_ptr<const SpaceFunction> noise_as_read;
     for (const bool limited : {true, false}) {
-        if (!options_.noise || (!limited && band_limit == 0)) continue;
+        if (!options_.noise || (!limited && !keeps_as_read())) continue;
         NoiseOptions as = *options_.noise;
         as.sample_spacing = limited ? band_limit : 0;
         auto made = noise_function(as);
@@ -217,7 +217,7 @@ Result<DisplacementMaps::OfMesh> DisplacementMaps::of(const Scene& scene, const 
     if (noise) {
         if (out.displacements.empty()) out.displacements.emplace_back();
         out.displacements[0].noise = noise;
-        if (band_limit > 0) {
+        if (keeps_as_read()) {
             out.as_read.resize(1);
             out.as_read[0].noise = noise_as_read;
         }

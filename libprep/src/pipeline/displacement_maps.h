@@ -29,8 +29,8 @@ class DisplacementMaps {
         std::vector<std::uint32_t> material_displacements;
         std::vector<std::string> names;           // of the pictures
         std::vector<Quantisation> quantisations;  // likewise
-        // With a band limit: the same without it, and how much it changes heights (or vectors) at
-        // most, by picture; 0 for noise.
+        // With a band limit: the same without it where residual maps are made, and how much it
+        // changes heights (or vectors) at most, by picture; 0 for noise.
         std::vector<Displacement> as_read;
         std::vector<double> changes;
     };
@@ -62,7 +62,8 @@ class DisplacementMaps {
     Result<void> add(const ImageRef& image, const Reading& as, const Surface& surface, OfMesh& to);
     Result<Displacement> read(const ImageRef& image, const Reading& as, const std::string& name,
                               const Surface& surface, OfMesh& to);
-    // The map's function, and where there is a band limit first its own without it.
+    bool keeps_as_read() const { return options_.band_limit > 0 && options_.residual; }
+    // The map's function, with a band limit, and where that is kept its own without it.
     template <class Map, class Function>
     Result<Function> function(const Map& map, const Reading& as, const Surface& surface, OfMesh& to,
                               Function& as_read);

@@ -164,8 +164,9 @@ Result<void> MeshPreparation::tessellate_mesh() {
     const std::string reason =
         surface +
         (pictures.empty() ? "" : fmt::format(" displaced by {}", fmt::join(pictures, ", "))) +
-        (as_read.empty() ? ""
-                         : fmt::format(" as samples {} apart carry it", displacement.band_limit)) +
+        (pictures.empty() || displacement.band_limit == 0
+             ? ""
+             : fmt::format(" as samples {} apart carry it", displacement.band_limit)) +
         ": " + goal_of(options);
     const std::size_t attributes = mesh_.vertex_attributes.size();
     choose_residuals(options);

@@ -165,7 +165,7 @@ class Charts {
             const auto [a, b] = source.corners;
             const glm::dvec3 edge = position(b) - position(a), up = source.centre - position(a);
             const double length = glm::length(edge);
-            if (length > 0)
+            if (length > 0 && source.is_edge)
                 atlas.flat[t] = {length, glm::dot(up, edge) / length,
                                  glm::length(glm::cross(edge, up)) / length};
             atlas.across[3 * t + 1] = 3 * source.next + 2;
