@@ -72,6 +72,45 @@ TEST(ChartFilter, SlopesGoOnUpToTheBorder) {
         }
 }
 
+// Charts that are as large as the map have two ends, whatever the map's wrap: a ramp stays one, for
+// any number of threads.
+TEST(ChartFilter, WholeMapsHaveTwoEnds) {
+    constexpr std::uint32_t size = 64;
+    const auto ramp = [](const glm::dvec2& p) { return 2 * p.x + p.y; };
+    const Image image = picture(size, size, [&](auto x, auto y) {
+        return ramp({(x + 0.5) / size, (y + 0.5) / size});
+    });
+    for (const Wrap wrap : {Wrap::repeat, Wrap::mirror, Wrap::clamp})
+        for (const double inset : {0.0, 0.3 / size, 0.5 / size, 0.7 / size})
+            for (const double spacing : {1.5 / size, 3.0 / size, 0.1, 0.4}) {
+                Charts charts;
+                add_quad(charts, {{{inset, inset},
+                                   {1 - inset, inset},
+                                   {1 - inset, 1 - inset},
+                                   {inset, 1 - inset}}});
+                std::vector<HeightMap> made;
+                for (const int threads : {1, 3}) {
+                    HeightMapOptions options = plain(HeightFilter::bilinear, wrap);
+                    options.threads = threads;
+                    const auto map = HeightMap::make(image, options);
+                    const auto limited = map->limited({.triangles = charts}, spacing);
+                    ASSERT_TRUE(limited);
+                    made.push_back(limited->map.confined(charts));
+                }
+                double most = 0;
+                for (int j = 0; j < 60; ++j)
+                    for (int i = 0; i < 60; ++i) {
+                        // Beyond the last texels' centres there is what the map repeats.
+                        const glm::dvec2 p =
+                            glm::dvec2(1.0 / size) +
+                            (1 - 2.0 / size) * glm::dvec2(double(i), double(j)) / 59.0;
+                        ASSERT_EQ(made[0].value(p), made[1].value(p));
+                        most = std::max(most, std::abs(made[0].value(p) - ramp(p)));
+                    }
+                EXPECT_LE(most, 1e-3) << int(wrap) << " inset " << inset << " by " << spacing;
+            }
+}
+
 // Where a height bends, its slope at the border is not the chart's: what is off grows with the
 // square of the spacing, not with the spacing.
 TEST(ChartFilter, BordersKeepTheirOwnSlope) {

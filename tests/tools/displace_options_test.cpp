@@ -455,9 +455,14 @@ TEST_F(Displace, BandLimitsLeaveOutWhatSamplesCannotCarry) {
     EXPECT_TRUE(limited.has("band-limited"));
     ASSERT_GT(limited.points.size(), 1000U);
     double off = 0;
-    for (const Vertex& v : limited.points)
-        off = std::max(off, std::abs(v.z - 0.1 * std::cos(2 * pi * v.x)));
+    double at_ends = 0;
+    for (const Vertex& v : limited.points) {
+        // Within a kernel's width of the surface's border there is less to average.
+        double& most = v.x > 0.4 && v.x < 1.6 ? off : at_ends;
+        most = std::max(most, std::abs(v.z - 0.1 * std::cos(2 * pi * v.x)));
+    }
     EXPECT_LE(off, 0.003);
+    EXPECT_LE(at_ends, 0.01);
     options.back() = "0.01";  // 25 cycles a unit are whole
     const Written carried = prepared(square, options);
     ASSERT_EQ(carried.ran.exit_code, 0) << carried.ran.err;

@@ -22,6 +22,7 @@ constexpr double fine_texels = 4;       // a spacing, of maps that carry it
 constexpr double kernel_spacings = 4;   // that the filter reads around a point
 constexpr double coarse_from = 0x1p40;  // map coordinates beyond are coarse
 constexpr double largest_map = 0x1p28;  // of what is made
+constexpr double roundings = 1e-6;      // of map coordinates
 
 double area_of(const MapTriangle& t) {
     const glm::dvec2 a = t[1] - t[0], b = t[2] - t[0];
@@ -86,10 +87,11 @@ class ChartFilter {
   private:
     struct Chart {
         std::vector<std::uint32_t> triangles;
-        Rectangle box;           // of texels
-        double spacing = 0;      // 0: it stays as it is
-        glm::dvec2 texels{0.0};  // between samples
-        bool is_small = false;   // the spacing was larger
+        glm::dvec2 low{0.0}, high{0.0};  // in map coordinates
+        Rectangle box;                   // of texels
+        double spacing = 0;              // 0: it stays as it is
+        glm::dvec2 texels{0.0};          // between samples
+        bool is_small = false;           // the spacing was larger
         // Texels to one of those that the filter reads, so that there are 8 or more a spacing.
         glm::i64vec2 step{1};
     };
@@ -148,7 +150,7 @@ class ChartFilter {
     }
 
     // The chart's texels, none where it has none, and a spacing that fits into it. False where it
-    // has texels twice, or nearly.
+    // has texels twice.
     bool find_box(Chart& chart) const {
         glm::dvec2 low(std::numeric_limits<double>::infinity()), high(-low);
         for (const std::uint32_t t : chart.triangles)
@@ -162,12 +164,14 @@ class ChartFilter {
             if (axes[k]->wrap == Wrap::clamp) {
                 low[k] = std::max(low[k], 0.0);
                 high[k] = std::min(high[k], size - 1);
-            } else if (high[k] - low[k] > size - 1 ||
-                       (axes[k]->wrap == Wrap::mirror && (low[k] < -0.5 || high[k] > size - 0.5))) {
+            } else if (high[k] - low[k] > size + roundings ||
+                       (axes[k]->wrap == Wrap::mirror &&
+                        (low[k] < -0.5 - roundings || high[k] > size - 0.5 + roundings))) {
                 return false;
             }
         }
-        constexpr double roundings = 1e-6;
+        chart.low = low;
+        chart.high = high;
         low = glm::ceil(low - roundings);
         high = glm::floor(high + roundings);
         chart.texels = texels_between(map_, chart.spacing);
@@ -249,7 +253,7 @@ class ChartFilter {
                 made_.raw[to] = made;
             }
         });
-        return *std::max_element(changes.begin(), changes.end());
+        return changes.empty() ? 0 : *std::max_element(changes.begin(), changes.end());
     }
     std::size_t made_index(std::int64_t i, std::int64_t j) const {
         const HeightAxis x{made_.width, map_.x.wrap}, y{made_.height, map_.y.wrap};
@@ -336,7 +340,7 @@ class ChartFilter {
         owners_.assign(made_.raw.size(), no_index);
         for (std::uint32_t c = 0; c < charts_.size(); ++c) {
             if (!(charts_[c].spacing > 0)) continue;
-            const Rectangle to = written_box(charts_[c].box);
+            const Rectangle to = written_box(charts_[c]);
             for (const std::uint32_t t : charts_[c].triangles)
                 for_covered(in_parts(t), to, [&](std::int64_t i, std::int64_t j) {
                     std::uint32_t& owner = owners_[made_index(i, j)];
@@ -400,7 +404,7 @@ class ChartFilter {
             return band_limited(read, bands, own_place, chart.spacing);
         };
         const auto is_mine = [&](std::size_t to) { return owners_[to] == number; };
-        const Rectangle to = written_box(chart.box);
+        const Rectangle to = written_box(chart);
         if (!goes_by_texels(chart.texels, chart.step))
             return write(to, threads, is_mine,
                          [&](const glm::dvec2& at) { return plane.at(at) + limited(in_own(at)); });
@@ -429,12 +433,17 @@ class ChartFilter {
             for (std::int64_t column = 0; column < in.width; ++column) {
                 const glm::dvec2 centre{(double(in.x + column) + 0.5) * step.x - 0.5,
                                         (double(in.y + row) + 0.5) * step.y - 0.5};
-                const auto first = glm::i64vec2(glm::floor(centre - step)) + std::int64_t(1);
-                const auto last = glm::i64vec2(glm::ceil(centre + step)) - std::int64_t(1);
+                const glm::i64vec2 low(chart.box.x, chart.box.y);
+                const glm::i64vec2 size(chart.box.width, chart.box.height);
+                const auto first =
+                    glm::max(low, glm::i64vec2(glm::floor(centre - step)) + std::int64_t(1));
+                const auto last =
+                    glm::min(low + size - std::int64_t(1),
+                             glm::i64vec2(glm::ceil(centre + step)) - std::int64_t(1));
                 double weights = 0, sum = 0;
                 for (std::int64_t j = first.y; j <= last.y; ++j)
                     for (std::int64_t i = first.x; i <= last.x; ++i) {
-                        if (!chart.box.has(i, j) || !covered[chart.box.index(i, j)]) continue;
+                        if (!covered[chart.box.index(i, j)]) continue;
                         const glm::dvec2 at{double(i), double(j)};
                         const glm::dvec2 part = 1.0 - glm::abs(at - centre) / step;
                         weights += part.x * part.y;
@@ -511,19 +520,22 @@ class ChartFilter {
         return atlas_.same_way[h] ? a == c && b == d : a == d && b == c;
     }
 
-    // What is made of a chart's texels and half of one around them: no texel twice.
-    Rectangle written_box(const Rectangle& box) const {
-        Rectangle to{box.x - 1, box.y - 1, box.width + 2, box.height + 2};
-        const auto inside = [](const HeightAxis& axis, std::int64_t& first, std::int64_t& count) {
-            if (axis.wrap == Wrap::repeat) return;
-            const std::int64_t last = std::min(first + count, axis.size);
-            first = std::max<std::int64_t>(first, 0);
-            count = last - first;
+    // What may be made of a chart: no texel twice.
+    Rectangle written_box(const Chart& chart) const {
+        const auto side = [](double low, double high, double parts, const HeightAxis& axis) {
+            auto first = std::int64_t(std::ceil((low + 0.5) * parts - 0.5 - roundings));
+            auto last = std::int64_t(std::floor((high + 0.5) * parts - 0.5 + roundings));
+            const std::int64_t size = axis.size * std::int64_t(parts);
+            if (axis.wrap != Wrap::repeat) {
+                first = std::max<std::int64_t>(first, 0);
+                last = std::min(last, size - 1);
+            }
+            last = std::min(last, first + size - 1);
+            return std::pair(first, std::max<std::int64_t>(last - first + 1, 0));
         };
-        inside(map_.x, to.x, to.width);
-        inside(map_.y, to.y, to.height);
-        const auto px = std::int64_t(parts_.x), py = std::int64_t(parts_.y);
-        return {to.x * px, to.y * py, to.width * px, to.height * py};
+        const auto [x, width] = side(chart.low.x, chart.high.x, parts_.x, map_.x);
+        const auto [y, height] = side(chart.low.y, chart.high.y, parts_.y, map_.y);
+        return {x, y, width, height};
     }
 
     const HeightMapData& map_;

@@ -5,7 +5,7 @@
 // or by itself, so that no other chart and no gutter is averaged in, and both sides of a seam that
 // agreed before agree as well as the surface is flat over some spacings. Then each texel of the
 // chart becomes what band_limit.h makes of the spacing there, about the plane that fits the chart
-// best. Charts that are as large as the map or larger (tiles) are filtered as the map goes on by
+// best. Charts that are larger than the map (tiles) are filtered as the map goes on by
 // its wrap.
 //
 // A spacing is a length of the surface, and in UVs what the chart's area there makes of it. One of
