@@ -30,7 +30,7 @@ Result<Scene> load_polygons(const std::filesystem::path& path, const LoadOptions
     const auto bytes = read_file_bytes(path, options.threads);
     if (!bytes) return bytes.error();
     PictureSearch pictures(path.parent_path(), options.texture_directories);
-    return parse_ply(*bytes, path.filename().string(), &pictures);
+    return parse_ply(*bytes, path.filename().string(), &pictures, options.threads);
 }
 
 Result<Scene> load_openmesh(const std::filesystem::path& path, const LoadOptions&) {

@@ -31,8 +31,9 @@ class PictureSearch;
 // One mesh and one node. `name` is for messages. Errors: syntax, invalid (an index out of range),
 // unsupported, limit; place = "name:line" in text and "name, byte N" in binary files.
 Result<Scene> parse_ply(std::span<const std::byte> bytes, const std::string& name);
-// With the files of textures, which `pictures` finds; in memory they are named alone.
+// With the files of textures, which `pictures` finds; in memory they are named alone. On at most
+// `threads` threads (0: all cores), which does not change the result.
 Result<Scene> parse_ply(std::span<const std::byte> bytes, const std::string& name,
-                        detail::PictureSearch* pictures);
+                        detail::PictureSearch* pictures, int threads);
 
 }  // namespace prep

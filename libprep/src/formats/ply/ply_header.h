@@ -19,9 +19,13 @@ inline std::size_t size_of(PlyType type) {
     return sizes[std::size_t(type)];
 }
 
+inline bool is_integer(PlyType type) {
+    return type != PlyType::f32 && type != PlyType::f64;
+}
+
 struct PlyProperty {
     std::string name;
-    PlyType type = PlyType::f32, count_type = PlyType::u8;
+    PlyType type = PlyType::f32, count_type = PlyType::u8;  // count_type is an integer
     bool list = false;
 };
 

@@ -1,196 +1,33 @@
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <cstring>
 #include <optional>
 
-#include "base/srgb.h"
+#include "base/parallel.h"
 #include "formats/picture_search.h"
 #include "formats/ply/ply.h"
 #include "formats/ply/ply_header.h"
+#include "formats/ply/ply_records.h"
+#include "formats/ply/ply_values.h"
+#include "formats/ply/ply_vertices.h"
 #include "prep/mesh.h"
 #include "text/line_ends.h"
 #include "text/name_list.h"
-#include "text/scan.h"
 
 namespace prep {
 namespace {
 
 using namespace detail;
 
-// Values one after the other, from text or from bytes of either order.
-class Values {
-  public:
-    Values(std::span<const std::byte> bytes, PlyEncoding encoding, std::size_t at)
-        : bytes_(bytes), encoding_(encoding), at_(at) {}
-
-    bool next(PlyType type, double& value) {
-        return encoding_ == PlyEncoding::ascii ? next_text(value) : next_binary(type, value);
-    }
-    // Where the last value stood: ":line" in text, ", byte N" behind it in binary files.
-    std::string place() const {
-        if (encoding_ != PlyEncoding::ascii) return ", byte " + std::to_string(at_);
-        const auto* data = reinterpret_cast<const char*>(bytes_.data());
-        return ":" + std::to_string(1 + std::count(data, data + at_, '\n'));
-    }
-    std::size_t left() const { return bytes_.size() - at_; }
-    bool skip(std::size_t bytes) {
-        if (bytes > left()) return false;
-        at_ += bytes;
-        return true;
-    }
-
-    // Text with a line for each element, as the format has it: what a line holds beyond the
-    // properties that the header names is passed over. Files with several elements on a line are
-    // read value by value.
-    void expect_lines(double elements) {
-        if (encoding_ != PlyEncoding::ascii) return;
-        const char* data = reinterpret_cast<const char*>(bytes_.data());
-        double lines = 0;
-        for (std::size_t at = at_; at < bytes_.size() && lines <= elements;) {
-            const void* const end = std::memchr(data + at, '\n', bytes_.size() - at);
-            const std::size_t next =
-                end ? std::size_t(static_cast<const char*>(end) - data) + 1 : bytes_.size();
-            lines += std::any_of(data + at, data + next, [](char c) { return !is_space(c); });
-            at = next;
-        }
-        by_line_ = lines == elements;
-    }
-    void end_element() {
-        if (!by_line_) return;
-        const char* data = reinterpret_cast<const char*>(bytes_.data());
-        bool more = false;
-        for (; at_ < bytes_.size() && data[at_] != '\n'; ++at_) more |= !is_space(data[at_]);
-        long_lines_ += more;
-    }
-    std::uint64_t long_lines() const { return long_lines_; }
-
-  private:
-    static bool is_space(char c) { return is_blank(c) || c == '\n'; }
-
-    bool next_text(double& value) {
-        const char* data = reinterpret_cast<const char*>(bytes_.data());
-        while (at_ < bytes_.size() && is_space(data[at_])) ++at_;
-        const std::size_t begin = at_;
-        while (at_ < bytes_.size() && !is_space(data[at_])) ++at_;
-        return LineScanner(data + begin, data + at_).number(value);
-    }
-
-    bool next_binary(PlyType type, double& value) {
-        const std::size_t size = size_of(type);
-        if (size > left()) return false;
-        std::array<std::byte, 8> raw{};
-        std::memcpy(raw.data(), bytes_.data() + at_, size);
-        at_ += size;
-        if (encoding_ == PlyEncoding::big) std::reverse(raw.begin(), raw.begin() + long(size));
-        switch (type) {
-            case PlyType::i8:
-                value = as<std::int8_t>(raw);
-                break;
-            case PlyType::u8:
-                value = as<std::uint8_t>(raw);
-                break;
-            case PlyType::i16:
-                value = as<std::int16_t>(raw);
-                break;
-            case PlyType::u16:
-                value = as<std::uint16_t>(raw);
-                break;
-            case PlyType::i32:
-                value = as<std::int32_t>(raw);
-                break;
-            case PlyType::u32:
-                value = as<std::uint32_t>(raw);
-                break;
-            case PlyType::f32:
-                value = double(as<float>(raw));
-                break;
-            case PlyType::f64:
-                value = as<double>(raw);
-                break;
-        }
-        return true;
-    }
-
-    template <class T>
-    static T as(const std::array<std::byte, 8>& raw) {
-        T value;
-        std::memcpy(&value, raw.data(), sizeof value);
-        return value;
-    }
-
-    std::span<const std::byte> bytes_;
-    PlyEncoding encoding_;
-    std::size_t at_;
-    bool by_line_ = false;
-    std::uint64_t long_lines_ = 0;
-};
-
-enum Slot { px, py, pz, nx, ny, nz, red, green, blue, alpha, tu, tv, tx, ty, tz, tw, slot_count };
-
-std::optional<Slot> slot_of(const std::string& name) {
-    static const std::pair<const char*, Slot> names[] = {{"x", px},
-                                                         {"y", py},
-                                                         {"z", pz},
-                                                         {"nx", nx},
-                                                         {"ny", ny},
-                                                         {"nz", nz},
-                                                         {"red", red},
-                                                         {"green", green},
-                                                         {"blue", blue},
-                                                         {"alpha", alpha},
-                                                         {"r", red},
-                                                         {"g", green},
-                                                         {"b", blue},
-                                                         {"a", alpha},
-                                                         {"diffuse_red", red},
-                                                         {"diffuse_green", green},
-                                                         {"diffuse_blue", blue},
-                                                         {"s", tu},
-                                                         {"t", tv},
-                                                         {"u", tu},
-                                                         {"v", tv},
-                                                         {"texture_u", tu},
-                                                         {"texture_v", tv},
-                                                         {"tx", tx},
-                                                         {"ty", ty},
-                                                         {"tz", tz},
-                                                         {"tw", tw}};
-    for (const auto& [text, slot] : names)
-        if (name == text) return slot;
-    return std::nullopt;
-}
-
-double largest_of(PlyType type) {
-    switch (type) {
-        case PlyType::i8:
-            return 127;
-        case PlyType::u8:
-            return 255;
-        case PlyType::i16:
-            return 32767;
-        case PlyType::u16:
-            return 65535;
-        case PlyType::i32:
-            return 2147483647.0;
-        case PlyType::u32:
-            return 4294967295.0;
-        default:
-            return 1;
-    }
-}
-
-float linear(double x, PlyType type) {
-    if (type == PlyType::f32 || type == PlyType::f64) return float(x);
-    return float(srgb_to_linear(std::clamp(x / largest_of(type), 0.0, 1.0)));
-}
-
 class PlyParser {
   public:
     PlyParser(std::span<const std::byte> bytes, const std::string& name, PlyHeader header,
-              PictureSearch* pictures)
+              PictureSearch* pictures, int threads)
         : name_(name),
           pictures_(pictures),
+          threads_(threads),
           header_(std::move(header)),
           values_(bytes, header_.encoding, header_.size) {}
 
@@ -241,28 +78,6 @@ class PlyParser {
         return {};
     }
 
-    // One list's length, checked against the bytes that are left.
-    bool list_length(const PlyProperty& p, std::uint64_t& length) {
-        double value;
-        if (!values_.next(p.count_type, value) || !(value >= 0) || value != std::floor(value))
-            return false;
-        const std::size_t each = header_.encoding == PlyEncoding::ascii ? 2 : size_of(p.type);
-        if (value > double((values_.left() + 1) / each)) return false;
-        length = std::uint64_t(value);
-        return true;
-    }
-
-    bool skip_property(const PlyProperty& p) {
-        double value;
-        if (!p.list) return values_.next(p.type, value);
-        std::uint64_t length = 0;
-        if (!list_length(p, length)) return false;
-        if (header_.encoding != PlyEncoding::ascii) return values_.skip(length * size_of(p.type));
-        for (std::uint64_t k = 0; k < length; ++k)
-            if (!values_.next(p.type, value)) return false;
-        return true;
-    }
-
     void leave(const PlyElement& element, const PlyProperty& property) {
         if (element.count > 0) not_taken_.add(element.name + " " + property.name);
     }
@@ -272,60 +87,20 @@ class PlyParser {
         if (element.properties.empty()) return {};
         for (std::uint64_t i = 0; i < element.count; ++i) {
             for (const PlyProperty& p : element.properties)
-                if (!skip_property(p)) return cut_short(element, i);
+                if (!values_.skip(p)) return cut_short(element, i);
             values_.end_element();
         }
         return {};
     }
 
     Result<void> vertices(const PlyElement& element) {
-        std::vector<std::optional<Slot>> slots;
-        std::array<bool, slot_count> has{};
-        for (const PlyProperty& p : element.properties) {
-            slots.push_back(p.list ? std::nullopt : slot_of(p.name));
-            if (slots.back()) {
-                has[*slots.back()] = true;
-                types_[*slots.back()] = p.type;
-            }
-        }
-        if (!has[px] || !has[py] || !has[pz]) return fail("vertices without x, y and z");
         if (have_vertices_) return fail("a second element \"vertex\"");
         have_vertices_ = true;
-        has_normals_ = has[nx] && has[ny] && has[nz];
-        has_colors_ = has[red] && has[green] && has[blue];
-        has_uvs_ = has[tu] && has[tv];
-        has_tangents_ = has_normals_ && has[tx] && has[ty] && has[tz] && has[tw];
-        for (std::size_t p = 0; p < slots.size(); ++p) {
-            const auto slot = slots[p];
-            const bool taken = slot && (*slot <= pz || (*slot <= nz && has_normals_) ||
-                                        (*slot >= red && *slot <= alpha && has_colors_) ||
-                                        (*slot >= tu && *slot <= tv && has_uvs_) ||
-                                        (*slot >= tx && has_tangents_));
-            if (!taken) leave(element, element.properties[p]);
-        }
-        positions_.reserve(element.count);
-        for (std::uint64_t i = 0; i < element.count; ++i) {
-            std::array<double, slot_count> v{};
-            if (!has[alpha]) v[alpha] = 1;
-            for (std::size_t p = 0; p < slots.size(); ++p) {
-                if (!slots[p]) {
-                    if (!skip_property(element.properties[p])) return cut_short(element, i);
-                } else if (!values_.next(element.properties[p].type, v[*slots[p]])) {
-                    return cut_short(element, i);
-                }
-            }
-            values_.end_element();
-            positions_.push_back({v[px], v[py], v[pz]});
-            if (has_normals_) normals_.push_back({float(v[nx]), float(v[ny]), float(v[nz])});
-            if (has_uvs_) uvs_.push_back({float(v[tu]), float(1.0 - v[tv])});
-            if (has_tangents_)
-                tangents_.push_back({float(v[tx]), float(v[ty]), float(v[tz]), float(v[tw])});
-            if (has_colors_) {
-                const double a = has[alpha] ? v[alpha] / largest_of(types_[alpha]) : 1;
-                colors_.push_back({linear(v[red], types_[red]), linear(v[green], types_[green]),
-                                   linear(v[blue], types_[blue]), float(a)});
-            }
-        }
+        if (!vertices_.choose(element)) return fail("vertices without x, y and z");
+        for (std::size_t p = 0; p < element.properties.size(); ++p)
+            if (!vertices_.takes(p)) leave(element, element.properties[p]);
+        const std::uint64_t read = vertices_.read(element, header_.encoding, threads_, values_);
+        if (read < element.count) return cut_short(element, read);
         return {};
     }
 
@@ -336,8 +111,8 @@ class PlyParser {
     Result<void> faces(const PlyElement& element, Mesh& mesh) {
         std::vector<double> texcoords;
         for (const PlyProperty& p : element.properties)
-            if (!lists_corners(p) && !(p.list && p.name == "texcoord") && !names_texture(p))
-                leave(element, p);
+            if (!lists_corners(p) && !lists_uvs(p) && !names_texture(p)) leave(element, p);
+        if (face_records(element, mesh)) return {};
         for (std::uint64_t f = 0; f < element.count; ++f) {
             const std::size_t first = mesh.corner_vertices.size();
             bool have_corners = false;
@@ -345,17 +120,17 @@ class PlyParser {
             texcoords.clear();
             for (const PlyProperty& p : element.properties) {
                 const bool corners = lists_corners(p);
-                const bool coordinates = p.list && p.name == "texcoord";
+                const bool coordinates = lists_uvs(p);
                 if (names_texture(p)) {
                     if (!values_.next(p.type, texture)) return cut_short(element, f);
                     continue;
                 }
                 if (!corners && !coordinates) {
-                    if (!skip_property(p)) return cut_short(element, f);
+                    if (!values_.skip(p)) return cut_short(element, f);
                     continue;
                 }
                 std::uint64_t length = 0;
-                if (!list_length(p, length)) return cut_short(element, f);
+                if (!values_.list_length(p, length)) return cut_short(element, f);
                 for (std::uint64_t k = 0; k < length; ++k) {
                     double value;
                     if (!values_.next(p.type, value)) return cut_short(element, f);
@@ -371,12 +146,99 @@ class PlyParser {
             values_.end_element();
             close_face(first, texcoords, mesh);
             if (header_.textures.empty()) continue;
-            // Outside of the list, and below 0 for "none": the first, as other readers have it.
-            const bool known = texture >= 0 && texture < double(header_.textures.size());
-            mesh.face_materials.resize(mesh.face_count(), known ? std::uint32_t(texture) : 0);
+            mesh.face_materials.resize(mesh.face_count(), material_of(texture));
         }
         return {};
     }
+
+    // Faces of a binary file that all have as many corners as the first, all at once. False, and
+    // nothing is taken, where that is not so, or where an index is none: value by value, faces()
+    // says which.
+    bool face_records(const PlyElement& element, Mesh& mesh) {
+        const auto records = PlyRecords::of(element, header_.encoding, values_.rest());
+        if (!records) return false;
+        std::optional<std::size_t> corners, uvs, texture;
+        for (std::size_t p = 0; p < element.properties.size(); ++p) {
+            const PlyProperty& property = element.properties[p];
+            std::optional<std::size_t>* const found = lists_corners(property)   ? &corners
+                                                      : lists_uvs(property)     ? &uvs
+                                                      : names_texture(property) ? &texture
+                                                                                : nullptr;
+            if (!found) continue;
+            if (*found) return false;
+            *found = p;
+        }
+        if (!corners || !is_integer(element.properties[*corners].type)) return false;
+        const std::size_t n = records->length(*corners);
+        const std::size_t first = mesh.corner_vertices.size(), first_face = mesh.face_count();
+        if (n < 3 || element.count > (no_index - 1 - first) / n) return false;
+        if (uvs && records->length(*uvs) != 2 * n) return false;
+        mesh.corner_vertices.resize(first + n * element.count);
+        mesh.face_offsets.resize(first_face + element.count + 1);
+        const std::size_t first_uv = corner_uvs_.size();
+        if (uvs) {
+            corner_uv_indices_.resize(first, no_index);
+            corner_uv_indices_.resize(mesh.corner_vertices.size());
+            corner_uvs_.resize(first_uv + n * element.count);
+        }
+        if (!header_.textures.empty()) mesh.face_materials.resize(first_face + element.count, 0);
+        std::atomic<bool> good = true;
+        constexpr std::size_t block = 4096;
+        parallel_blocks(element.count, block, threads_, [&](std::size_t begin, std::size_t end) {
+            if (!good || !records->alike(begin, end)) {
+                good = false;
+                return;
+            }
+            const std::size_t count = end - begin;
+            std::vector<std::int64_t> vertices(count);
+            for (std::size_t k = 0; k < n; ++k) {
+                records->read(*corners, k, begin, end, vertices.data());
+                std::uint32_t* to = mesh.corner_vertices.data() + first + n * begin + k;
+                std::int64_t outside = 0;
+                for (std::size_t i = 0; i < count; ++i, to += n) {
+                    outside |= vertices[i] | (std::int64_t(no_index) - 1 - vertices[i]);
+                    *to = std::uint32_t(vertices[i]);
+                }
+                if (outside < 0) good = false;
+            }
+            for (std::size_t f = begin; f < end; ++f)
+                mesh.face_offsets[first_face + f + 1] = std::uint32_t(first + n * (f + 1));
+            std::vector<double> values(uvs || texture ? count : 0);
+            for (std::size_t k = 0; uvs && k < 2 * n; ++k) {
+                records->read(*uvs, k, begin, end, values.data());
+                for (std::size_t i = 0; i < count; ++i) {
+                    const std::size_t corner = n * (begin + i) + k / 2;
+                    glm::vec2& uv = corner_uvs_[first_uv + corner];
+                    k % 2 == 0 ? uv.x = float(values[i]) : uv.y = float(1.0 - values[i]);
+                    corner_uv_indices_[first + corner] = std::uint32_t(first_uv + corner);
+                }
+            }
+            if (!texture) return;
+            records->read(*texture, 0, begin, end, values.data());
+            for (std::size_t i = 0; i < count; ++i)
+                mesh.face_materials[first_face + begin + i] = material_of(values[i]);
+        });
+        if (good) {
+            values_.skip(records->size());
+            return true;
+        }
+        mesh.corner_vertices.resize(first);
+        mesh.face_offsets.resize(first_face + 1);
+        if (uvs) {
+            corner_uv_indices_.resize(std::min(corner_uv_indices_.size(), first));
+            corner_uvs_.resize(first_uv);
+        }
+        if (!header_.textures.empty()) mesh.face_materials.resize(first_face);
+        return false;
+    }
+
+    // Outside of the list, and below 0 for "none": the first, as other readers have it.
+    std::uint32_t material_of(double texture) const {
+        const bool known = texture >= 0 && texture < double(header_.textures.size());
+        return known ? std::uint32_t(texture) : 0;
+    }
+
+    static bool lists_uvs(const PlyProperty& p) { return p.list && p.name == "texcoord"; }
 
     bool names_texture(const PlyProperty& p) const {
         return !header_.textures.empty() && !p.list && p.name == "texnumber";
@@ -443,11 +305,11 @@ class PlyParser {
         for (std::uint64_t i = 0; i < element.count; ++i, values_.end_element())
             for (const PlyProperty& p : element.properties) {
                 if (!lists_corners(p)) {
-                    if (!skip_property(p)) return cut_short(element, i);
+                    if (!values_.skip(p)) return cut_short(element, i);
                     continue;
                 }
                 std::uint64_t length = 0;
-                if (!list_length(p, length)) return cut_short(element, i);
+                if (!values_.list_length(p, length)) return cut_short(element, i);
                 std::array<double, 2> last{};
                 std::uint64_t run = 0;
                 for (std::uint64_t k = 0; k < length; ++k) {
@@ -477,7 +339,7 @@ class PlyParser {
             for (const PlyProperty& p : element.properties) {
                 const int end = p.name == "vertex1" ? 0 : p.name == "vertex2" ? 1 : -1;
                 if (p.list || end < 0) {
-                    if (!skip_property(p)) return cut_short(element, i);
+                    if (!values_.skip(p)) return cut_short(element, i);
                 } else if (!values_.next(p.type, ends[end])) {
                     return cut_short(element, i);
                 }
@@ -493,40 +355,55 @@ class PlyParser {
         return {};
     }
 
+    // The first index that is not below `count`.
+    std::optional<std::uint32_t> first_beyond(std::span<const std::uint32_t> indices,
+                                              std::size_t count) const {
+        std::atomic<bool> within = true;
+        constexpr std::size_t block = 1 << 16;
+        parallel_blocks(indices.size(), block, threads_, [&](std::size_t begin, std::size_t end) {
+            std::uint32_t largest = 0;
+            for (std::size_t i = begin; i < end; ++i) largest = std::max(largest, indices[i]);
+            if (largest >= count) within = false;
+        });
+        if (within) return std::nullopt;
+        return *std::find_if(indices.begin(), indices.end(),
+                             [&](std::uint32_t v) { return v >= count; });
+    }
+
     Result<Scene> finish(Mesh& mesh) {
-        const std::size_t count = positions_.size();
+        const std::size_t count = vertices_.size();
         for (const auto* list : {&mesh.corner_vertices, &mesh.line_vertices})
-            for (const std::uint32_t v : *list)
-                if (v >= count)
-                    return fail("vertex index " + std::to_string(v) +
-                                    " is out of range: the file has " + std::to_string(count),
-                                ErrorCode::invalid);
-        set_positions(mesh, positions_);
+            if (const auto v = first_beyond(*list, count))
+                return fail("vertex index " + std::to_string(*v) +
+                                " is out of range: the file has " + std::to_string(count),
+                            ErrorCode::invalid);
+        vertices_.move_positions(mesh);
         const auto by_vertex = [&](auto& layer, auto& values) {
             layer.values = std::move(values);
             layer.indices = mesh.corner_vertices;
         };
         const bool faces = mesh.corner_count() > 0;
-        if (has_normals_ && faces) by_vertex(mesh.normals, normals_);
-        if (has_tangents_ && faces) by_vertex(mesh.tangents, tangents_);
+        if (vertices_.has_normals && faces) by_vertex(mesh.normals, vertices_.normals);
+        if (vertices_.has_tangents && faces) by_vertex(mesh.tangents, vertices_.tangents);
         if (!corner_uvs_.empty()) {
             corner_uv_indices_.resize(mesh.corner_count(), no_index);
             mesh.uvs.push_back({std::move(corner_uvs_), std::move(corner_uv_indices_)});
-        } else if (has_uvs_ && faces) {
-            by_vertex(mesh.uvs.emplace_back(), uvs_);
+        } else if (vertices_.has_uvs && faces) {
+            by_vertex(mesh.uvs.emplace_back(), vertices_.uvs);
         }
         materials(mesh);
-        if (has_colors_ && faces) by_vertex(mesh.colors.emplace_back(), colors_);
-        if (has_colors_ && !faces) mesh.vertex_colors = std::move(colors_);
+        if (vertices_.has_colors && faces) by_vertex(mesh.colors.emplace_back(), vertices_.colors);
+        if (vertices_.has_colors && !faces) mesh.vertex_colors = std::move(vertices_.colors);
         if (!faces && mesh.line_vertices.empty()) {
             mesh.points.resize(count);
             for (std::uint32_t v = 0; v < count; ++v) mesh.points[v] = v;
         }
-        if (!faces && (has_normals_ || has_uvs_) && count > 0)
+        if (!faces && (vertices_.has_normals || vertices_.has_uvs) && count > 0)
             scene_.warnings.push_back(name_ + ": " +
-                                      (has_normals_ && has_uvs_ ? "normals and UVs"
-                                       : has_normals_           ? "normals"
-                                                                : "UVs") +
+                                      (vertices_.has_normals && vertices_.has_uvs
+                                           ? "normals and UVs"
+                                       : vertices_.has_normals ? "normals"
+                                                               : "UVs") +
                                       " of points were not taken: only faces have them here");
         if (const std::uint64_t lines = values_.long_lines(); lines > 0)
             scene_.warnings.push_back(
@@ -544,17 +421,14 @@ class PlyParser {
 
     const std::string& name_;
     PictureSearch* pictures_;
+    int threads_;
     PlyHeader header_;
-    Values values_;
+    PlyValues values_;
     Scene scene_;
-    std::vector<glm::dvec3> positions_;
-    std::vector<glm::vec3> normals_;
-    std::vector<glm::vec2> uvs_, corner_uvs_;
-    std::vector<glm::vec4> colors_, tangents_;
+    bool have_vertices_ = false;
+    PlyVertices vertices_;
+    std::vector<glm::vec2> corner_uvs_;
     std::vector<std::uint32_t> corner_uv_indices_;
-    std::array<PlyType, slot_count> types_{};
-    bool have_vertices_ = false, has_normals_ = false, has_colors_ = false, has_uvs_ = false,
-         has_tangents_ = false;
     std::uint64_t short_faces_ = 0;
     NameList not_taken_;  // "element property"
 };
@@ -562,11 +436,11 @@ class PlyParser {
 }  // namespace
 
 Result<Scene> parse_ply(std::span<const std::byte> bytes, const std::string& name) {
-    return parse_ply(bytes, name, nullptr);
+    return parse_ply(bytes, name, nullptr, 0);
 }
 
 Result<Scene> parse_ply(std::span<const std::byte> bytes, const std::string& name,
-                        detail::PictureSearch* pictures) {
+                        detail::PictureSearch* pictures, int threads) {
     // The header alone decides; what is binary behind it keeps its bytes.
     const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
     const std::string_view last = "\rend_header\r";
@@ -578,11 +452,11 @@ Result<Scene> parse_ply(std::span<const std::byte> bytes, const std::string& nam
         const bool ascii = text.substr(0, head).find("format ascii") != std::string_view::npos;
         std::string mended = with_line_feeds(text.substr(0, ascii ? text.size() : head));
         if (!ascii) mended += text.substr(head);
-        return parse_ply(std::as_bytes(std::span(mended)), name, pictures);
+        return parse_ply(std::as_bytes(std::span(mended)), name, pictures, threads);
     }
     auto header = read_ply_header(bytes, name);
     if (!header) return std::move(header).error();
-    return PlyParser(bytes, name, *std::move(header), pictures).run();
+    return PlyParser(bytes, name, *std::move(header), pictures, threads).run();
 }
 
 }  // namespace prep
