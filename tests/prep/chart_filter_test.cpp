@@ -17,27 +17,6 @@ using detail::HeightMap;
 using namespace test;
 
 constexpr double pi = std::numbers::pi;
-using Charts = std::vector<std::array<glm::dvec2, 3>>;
-
-// Two triangles of one chart, wherever its corners are.
-void add_quad(Charts& charts, const std::array<glm::dvec2, 4>& c) {
-    charts.push_back({c[0], c[1], c[2]});
-    charts.push_back({c[0], c[2], c[3]});
-}
-
-bool is_inside(const Charts& charts, const glm::dvec2& p) {
-    for (const auto& t : charts) {
-        const auto side = [&](std::size_t i) {
-            const glm::dvec2 a = t[i], b = t[(i + 1) % 3];
-            return (b.x - a.x) * (p.y - a.y) - (b.y - a.y) * (p.x - a.x);
-        };
-        const double s[3] = {side(0), side(1), side(2)};
-        if ((s[0] >= 0 && s[1] >= 0 && s[2] >= 0) || (s[0] <= 0 && s[1] <= 0 && s[2] <= 0))
-            return true;
-    }
-    return false;
-}
-
 // What is linear over a chart stays so up to its border, whatever lies around it; charts of few
 // texels and slivers as well.
 TEST(ChartFilter, SlopesGoOnUpToTheBorder) {
@@ -151,7 +130,7 @@ TEST(ChartFilter, TexelsCoarserThanASpacingAreReadBetween) {
     ASSERT_TRUE(map);
     const auto limited = map->limited({.triangles = charts, .areas = areas}, 0.05);
     ASSERT_TRUE(limited);
-    EXPECT_EQ(limited->map.width(), 3 * 32U);
+    EXPECT_EQ(limited->map.width(), 5 * 32U);
     for (double x = 20; x <= 28; x += 0.05) {
         const double u = (x + 0.5) / 32;
         EXPECT_NEAR(limited->map.value({u, 0.5}), map->value({u, 0.5}), 0.35) << x;
@@ -271,6 +250,10 @@ void check_seams(std::uint32_t size, const std::vector<double>& angles) {
         const glm::dvec2 few = seams(limited(wave(3, angle)));
         const glm::dvec2 more = seams(limited(wave(6, angle)));
         const glm::dvec2 gone = seams(limited(wave(32, angle)));
+        // Down to periods of a few texels, which must not come back as coarse ones.
+        for (const double texels : {3.0, 5.0, 8.0})
+            EXPECT_LE(seams(limited(wave(0.84 * size / texels, angle))).y, 0.025)
+                << angle << ", a period of " << texels << " texels";
         std::printf("angle %.1f: sides of seams apart %.4f (3 cycles), %.4f (6); 32: %.4f left\n",
                     angle, few.x, more.x, gone.y);
         EXPECT_LE(few.x, 0.025) << angle;

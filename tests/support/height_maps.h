@@ -2,11 +2,13 @@
 // definition.
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <functional>
 #include <glm/glm.hpp>
 #include <random>
+#include <vector>
 
 #include "displacement/height_field.h"
 #include "prep/image.h"
@@ -82,6 +84,27 @@ template <class Visit>
 void over_triangle(int n, const Visit& visit) {
     for (int i = 0; i <= n; ++i)
         for (int j = 0; i + j <= n; ++j) visit(glm::dvec3(i, j, n - i - j) / double(n));
+}
+
+using Charts = std::vector<std::array<glm::dvec2, 3>>;
+
+// Two triangles of one chart, wherever its corners are.
+inline void add_quad(Charts& charts, const std::array<glm::dvec2, 4>& c) {
+    charts.push_back({c[0], c[1], c[2]});
+    charts.push_back({c[0], c[2], c[3]});
+}
+
+inline bool is_inside(const Charts& charts, const glm::dvec2& p) {
+    for (const auto& t : charts) {
+        const auto side = [&](std::size_t i) {
+            const glm::dvec2 a = t[i], b = t[(i + 1) % 3];
+            return (b.x - a.x) * (p.y - a.y) - (b.y - a.y) * (p.x - a.x);
+        };
+        const double s[3] = {side(0), side(1), side(2)};
+        if ((s[0] >= 0 && s[1] >= 0 && s[2] >= 0) || (s[0] <= 0 && s[1] <= 0 && s[2] <= 0))
+            return true;
+    }
+    return false;
 }
 
 }  // namespace prep::test

@@ -476,6 +476,7 @@ TEST_F(Displace, BandLimitsLeaveOutWhatSamplesCannotCarry) {
         square, {"--displace", "noise", "--noise-frequency", "1.5", "--noise-scale", "0.3",
                  "--noise-octaves", "3,2.2", "--band-limit", "0.1516", "--chord-error", "0.01"});
     ASSERT_EQ(noise.ran.exit_code, 0) << noise.ran.err;
+    EXPECT_TRUE(noise.has("band-limited"));
     ASSERT_GT(noise.points.size(), 100U);
     for (const Vertex& v : noise.points) EXPECT_NEAR(v.z, (*field)->at({v.x, v.y, 0}).value, 1e-6);
 }

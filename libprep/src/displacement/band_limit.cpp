@@ -158,8 +158,7 @@ struct Footprint {
 // ellipse would be arbitrarily long.
 constexpr double most_stretch = 4;
 
-bool footprint_of(const HeightMapData& map, Footprint& out) {
-    const glm::dmat2& m = map.matrix;
+bool footprint_of(const glm::dmat2& m, Footprint& out) {
     const double det = m[0][0] * m[1][1] - m[0][1] * m[1][0];
     const double squares =
         m[0][0] * m[0][0] + m[0][1] * m[0][1] + m[1][0] * m[1][0] + m[1][1] * m[1][1];
@@ -172,6 +171,14 @@ bool footprint_of(const HeightMapData& map, Footprint& out) {
     return true;
 }
 
+// In UVs that are scaled.
+Footprint scaled(const Footprint& of, const glm::dvec2& scale) {
+    const glm::dmat2 by(scale.x, 0, 0, scale.y);
+    return {by * of.matrix, of.inverse * glm::inverse(by)};
+}
+
+constexpr double a_texel = 1 - 1e-9;  // a spacing of just one comes with roundings
+
 double filtered_at(const HeightMapData& map, const BandLimits& bands, const glm::dvec2& at,
                    double spacing, const Footprint& footprint, const glm::dvec2& spacings) {
     // The coarsest level with at least a texel a spacing along both sides.
@@ -179,7 +186,7 @@ double filtered_at(const HeightMapData& map, const BandLimits& bands, const glm:
     const float* raw = map.raw.data();
     for (const BandLimits::Level& level : bands.levels) {
         const auto enough = [](double s, std::int64_t size, std::int64_t all) {
-            return size == all || s * double(size) >= 1;
+            return size == all || s * double(size) >= a_texel;
         };
         if (!enough(spacings.x, level.width, map.x.size) ||
             !enough(spacings.y, level.height, map.y.size))
@@ -190,7 +197,7 @@ double filtered_at(const HeightMapData& map, const BandLimits& bands, const glm:
     }
     const auto parts_of = [](double s, std::int64_t size) {
         std::int64_t parts = 1;
-        while (size > 1 && parts < 4096 && s * double(size * parts) < 1) parts *= 2;
+        while (size > 1 && parts < 4096 && s * double(size * parts) < a_texel) parts *= 2;
         return parts;
     };
     const glm::i64vec2 parts(parts_of(spacings.x, width), parts_of(spacings.y, height));
@@ -278,14 +285,16 @@ BandLimits make_band_limits(const HeightMapData& map, int threads) {
 
 glm::dvec2 texels_between(const HeightMapData& map, double spacing) {
     Footprint footprint;
-    if (!footprint_of(map, footprint)) return glm::dvec2(std::numeric_limits<double>::infinity());
+    if (!footprint_of(map.matrix, footprint))
+        return glm::dvec2(std::numeric_limits<double>::infinity());
     return along_axes(footprint, spacing) * glm::dvec2(double(map.x.size), double(map.y.size));
 }
 
 double band_limited(const HeightMapData& map, const BandLimits& bands, const glm::dvec2& point,
-                    double spacing) {
+                    double spacing, const glm::dvec2& scale) {
     Footprint footprint;
-    if (!footprint_of(map, footprint)) return raw_value_at(map, point);
+    if (!footprint_of(map.matrix, footprint)) return raw_value_at(map, point);
+    footprint = scaled(footprint, scale);
     const glm::dvec2 spacings = along_axes(footprint, spacing);
     // Nothing of a map that repeats is left by then.
     if (!(spacings.x < 2) && !(spacings.y < 2) && !bands.levels.empty())

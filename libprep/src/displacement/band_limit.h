@@ -29,9 +29,10 @@ struct BandLimits {
 BandLimits make_band_limits(const HeightMapData& map, int threads);
 
 // Raw height at a point in map coordinates without what samples `spacing` apart, by the mesh's UVs,
-// cannot carry. O(1). Needs the map's axes, its matrix and its texels.
+// cannot carry. O(1). Needs the map's axes, its matrix and its texels. `scale`: of a piece of a
+// map, its own UVs over those that the matrix makes.
 double band_limited(const HeightMapData& map, const BandLimits& bands, const glm::dvec2& point,
-                    double spacing);
+                    double spacing, const glm::dvec2& scale = glm::dvec2(1.0));
 // The texels of the map between samples so far apart, along either axis: infinite where a spacing
 // has no meaning, as the map is placed in a point or a line.
 glm::dvec2 texels_between(const HeightMapData& map, double spacing);

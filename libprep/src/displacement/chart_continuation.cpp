@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "base/parallel.h"
 
@@ -25,14 +26,13 @@ double squared_distance(const glm::dvec2& p, const glm::dvec2& a, const glm::dve
 class Continuation {
   public:
     Continuation(ChartTexels& texels, const ChartAtlas& atlas, std::span<const ChartBorder> borders,
-                 const ReadAcross& read, const glm::dvec2& spacing, int samples)
+                 const ReadAcross& read, const glm::dvec2& spacing)
         : in_(texels),
           heights_(texels.heights),
           covered_(texels.covered),
           atlas_(atlas),
           borders_(borders),
           read_(read),
-          samples_(samples),
           nearest_(covered_.size(), none),
           border_(covered_.size(), none) {
         reach_x_ = std::max<std::int64_t>(2, std::int64_t(std::ceil(2 * spacing.x)));
@@ -94,10 +94,13 @@ class Continuation {
     void mark_borders() {
         for (std::uint32_t b = 0; b < borders_.size(); ++b) {
             const glm::dvec2 from = borders_[b].begin(), to = borders_[b].end();
+            const auto [first, last] = part_inside(from, to);
+            if (!(first <= last)) continue;
             const double length = std::max(std::abs(to.x - from.x), std::abs(to.y - from.y));
-            const auto steps = std::int64_t(std::ceil(2 * length)) + 1;
+            const auto steps = std::int64_t(std::ceil(2 * length * (last - first))) + 1;
             for (std::int64_t s = 0; s <= steps; ++s) {
-                const glm::dvec2 at = glm::mix(from, to, double(s) / double(steps)) + 0.5;
+                const double t = glm::mix(first, last, double(s) / double(steps));
+                const glm::dvec2 at = glm::mix(from, to, t) + 0.5;
                 const auto i = std::int64_t(std::floor(at.x)), j = std::int64_t(std::floor(at.y));
                 if (i < 0 || j < 0 || i >= in_.width || j >= in_.height) continue;
                 const auto texel = std::size_t(j * in_.width + i);
@@ -106,17 +109,35 @@ class Continuation {
             }
         }
     }
+    // From where to where a line runs within a texel of the rectangle (Liang and Barsky 1984): a
+    // border may be longer than there is time for.
+    std::pair<double, double> part_inside(const glm::dvec2& from, const glm::dvec2& to) const {
+        double first = 0, last = 1;
+        const glm::dvec2 size(double(in_.width), double(in_.height));
+        for (glm::length_t k = 0; k < 2; ++k) {
+            const double way = to[k] - from[k];
+            const double low = -1.0 - from[k], high = size[k] - from[k];
+            if (way == 0) {
+                if (low > 0 || high < 0) return {1, 0};
+                continue;
+            }
+            first = std::max(first, std::min(low / way, high / way));
+            last = std::min(last, std::max(low / way, high / way));
+        }
+        return {first, last};
+    }
 
     // The height across the nearest border, where there is one: a mean that fades out a texel away.
     std::optional<double> across(std::size_t texel) const {
         if (border_[texel] == none) return std::nullopt;
         const ChartBorder& border = borders_[border_[texel]];
-        if (samples_ == 1) return across(border, centre(texel));
+        const int samples = border.samples;
+        if (samples == 1) return across(border, centre(texel));
         double weights = 0, all = 0, sum = 0;
-        for (int j = 0; j < samples_; ++j)
-            for (int i = 0; i < samples_; ++i) {
+        for (int j = 0; j < samples; ++j)
+            for (int i = 0; i < samples; ++i) {
                 const glm::dvec2 off =
-                    2.0 * (glm::dvec2(double(i), double(j)) + 0.5) / double(samples_) - 1.0;
+                    2.0 * (glm::dvec2(double(i), double(j)) + 0.5) / double(samples) - 1.0;
                 const double weight = (1 - std::abs(off.x)) * (1 - std::abs(off.y));
                 all += weight;
                 const auto height = across(border, centre(texel) + off);
@@ -216,7 +237,6 @@ class Continuation {
     const ChartAtlas& atlas_;
     std::span<const ChartBorder> borders_;
     const ReadAcross& read_;
-    int samples_;
     std::vector<std::uint32_t> nearest_;  // covered texel
     std::vector<std::uint32_t> border_;   // nearest one
     std::int64_t reach_x_, reach_y_;
@@ -296,8 +316,8 @@ glm::dvec2 PlaneFit::slope() const {
 
 void continue_chart(ChartTexels& texels, const ChartAtlas& atlas,
                     std::span<const ChartBorder> borders, const ReadAcross& read,
-                    const glm::dvec2& spacing, int samples, int threads) {
-    Continuation(texels, atlas, borders, read, spacing, samples).fill(threads);
+                    const glm::dvec2& spacing, int threads) {
+    Continuation(texels, atlas, borders, read, spacing).fill(threads);
 }
 
 }  // namespace prep::detail

@@ -34,6 +34,7 @@ std::optional<AtlasPoint> across_edge(const ChartAtlas& atlas, std::uint32_t hal
 struct ChartBorder {
     std::uint32_t half_edge = 0;
     std::array<glm::dvec2, 3> triangle{};
+    int samples = 1;  // along either side, whose mean a texel across is
     const glm::dvec2& begin() const { return triangle[half_edge % 3]; }
     const glm::dvec2& end() const { return triangle[(half_edge + 1) % 3]; }
 };
@@ -62,6 +63,6 @@ struct ChartTexels {
 };
 void continue_chart(ChartTexels& texels, const ChartAtlas& atlas,
                     std::span<const ChartBorder> borders, const ReadAcross& read,
-                    const glm::dvec2& spacing, int samples, int threads);
+                    const glm::dvec2& spacing, int threads);
 
 }  // namespace prep::detail

@@ -5,53 +5,50 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
 
 #include "base/parallel.h"
 #include "displacement/band_limit.h"
 #include "displacement/chart_continuation.h"
 #include "displacement/chart_gutters.h"
 #include "displacement/height_data.h"
+#include "displacement/map_charts.h"
 
 namespace prep::detail {
 namespace {
 
-using MapTriangle = std::array<glm::dvec2, 3>;  // map coordinates
-
-constexpr double fine_texels = 4;       // a spacing, of maps that carry it
+constexpr double fine_texels = 3.6;     // a spacing, of maps that carry it
+constexpr double coarse_texels = 0.8;   // a spacing: coarser ones need no finer parts
 constexpr double kernel_spacings = 4;   // that the filter reads around a point
-constexpr double coarse_from = 0x1p40;  // map coordinates beyond are coarse
 constexpr double largest_map = 0x1p28;  // of what is made
-constexpr double roundings = 1e-6;      // of map coordinates
-
-double area_of(const MapTriangle& t) {
-    const glm::dvec2 a = t[1] - t[0], b = t[2] - t[0];
-    return 0.5 * std::abs(a.x * b.y - a.y * b.x);
-}
+constexpr double largest_spacing = 0x1p500;
+constexpr double roundings = 1e-6;  // of map coordinates
 
 struct Rectangle {
     std::int64_t x = 0, y = 0, width = 0, height = 0;
     std::size_t size() const { return std::size_t(width) * std::size_t(height); }
-    std::size_t index(std::int64_t i, std::int64_t j) const {
-        return std::size_t(j - y) * std::size_t(width) + std::size_t(i - x);
-    }
     bool has(std::int64_t i, std::int64_t j) const {
         return i >= x && j >= y && i < x + width && j < y + height;
     }
 };
 
-// Texels of the rectangle whose centres the triangle covers.
-template <class Body>
-void for_covered(const MapTriangle& p, const Rectangle& in, const Body& body) {
-    const auto [top, bottom] = std::minmax({p[0].y, p[1].y, p[2].y});
-    const auto first = std::max(in.y, std::int64_t(std::floor(top)));
-    const auto last = std::min(in.y + in.height - 1, std::int64_t(std::ceil(bottom)));
-    for (std::int64_t j = first; j <= last; ++j) {
-        const auto [from, to] = covered_in_row(p, j);
-        const std::int64_t i1 = std::min(to, in.x + in.width - 1);
-        for (std::int64_t i = std::max(from, in.x); i <= i1; ++i) body(i, j);
+struct Plane {
+    glm::dvec2 from{0.0}, slope{0.0};
+    double height = 0;
+    double at(const glm::dvec2& p) const { return height + glm::dot(slope, p - from); }
+};
+
+// The texels that a chart covers, by the map's wrap where it wraps.
+struct CoveredTexels {
+    TexelRange x, y;
+    std::vector<std::uint8_t> mask;
+    bool operator()(std::int64_t i, std::int64_t j) const {
+        if (x.wraps) i = x.axis.texel(i);
+        if (y.wraps) j = y.axis.texel(j);
+        const std::int64_t column = i - x.first, row = j - y.first;
+        return column >= 0 && row >= 0 && column < x.count && row < y.count &&
+               mask[std::size_t(row * x.count + column)];
     }
-}
+};
 
 class ChartFilter {
   public:
@@ -78,110 +75,94 @@ class ChartFilter {
                                          in.width, in.height),
                              ""};
         start();
-        if (whole_ && carries(texels_between(map_, whole_spacing_))) filter_whole();
-        filter_charts();
+        choose_owners();
+        std::vector<double> changes(charts_.size(), 0);
+        reduced_.resize(charts_.size());
+        for_charts([&](std::uint32_t c, int threads) {
+            if (charts_[c].is_reduced()) reduced_[c] = reduced(c, threads);
+        });
+        for_charts([&](std::uint32_t c, int threads) { changes[c] = filter(c, threads); });
+        for (const double change : changes) made_.change = std::max(made_.change, change);
         made_.change *= std::abs(map_.unit);
         return std::move(made_);
     }
 
   private:
     struct Chart {
-        std::vector<std::uint32_t> triangles;
-        glm::dvec2 low{0.0}, high{0.0};  // in map coordinates
-        Rectangle box;                   // of texels
-        double spacing = 0;              // 0: it stays as it is
-        glm::dvec2 texels{0.0};          // between samples
-        bool is_small = false;           // the spacing was larger
+        MapChart of;
+        Rectangle own;           // its texels in the map
+        Rectangle box;           // with those around that it has by the map's wrap
+        double spacing = 0;      // 0: it stays as it is
+        glm::dvec2 texels{0.0};  // between samples
+        bool is_small = false;   // the spacing was larger
         // Texels to one of those that the filter reads, so that there are 8 or more a spacing.
         glm::i64vec2 step{1};
+        bool is_reduced() const { return spacing > 0 && step != glm::i64vec2(1); }
+        // Of those that the filter reads, to a spacing.
+        glm::dvec2 reads() const { return texels / glm::dvec2(step); }
+    };
+    // What the filter reads of a chart, in steps: differences from a plane, so that what is level
+    // or steep comes out as it is.
+    struct Reduced {
+        Rectangle in;
+        Plane plane;
+        ChartTexels texels;
+        HeightMapData around;  // with what is not covered made from what is
     };
 
-    MapTriangle in_map(std::uint32_t t) const {
-        MapTriangle p;
-        for (std::size_t k = 0; k < 3; ++k) p[k] = map_.map_point(atlas_.triangles[t][k]);
-        return p;
-    }
-    static bool is_plain(const MapTriangle& t) {
-        return std::all_of(t.begin(), t.end(), [](const glm::dvec2& p) {
-            return std::abs(p.x) < coarse_from && std::abs(p.y) < coarse_from;
-        });
-    }
     // Between texels there is nothing that the map carries.
     static bool carries(const glm::dvec2& texels) {
         return std::isfinite(texels.x) && std::max(texels.x, texels.y) >= 1;
     }
-
-    // Charts and their spacings; whether one is as large as the map.
-    void find_charts() {
-        const std::vector<std::uint32_t> names = charts_of(atlas_.triangles);
-        std::vector<std::uint32_t> numbers(names.size(), no_index);
-        std::vector<glm::dvec2> areas;  // of UVs and of the surface
-        whole_ = names.empty();
-        for (std::uint32_t t = 0; t < names.size(); ++t) {
-            const MapTriangle& uv = atlas_.triangles[t];
-            if (!std::all_of(uv.begin(), uv.end(), [](const glm::dvec2& p) {
-                    return std::isfinite(p.x) && std::isfinite(p.y);
-                }))
-                continue;
-            whole_ = whole_ || !is_plain(in_map(t));
-            std::uint32_t& c = numbers[names[t]];
-            if (c == no_index) {
-                c = std::uint32_t(charts_.size());
-                charts_.emplace_back();
-                areas.emplace_back(0.0);
-            }
-            charts_[c].triangles.push_back(t);
-            // Faces without a surface, holes of a cage, have no scale.
-            const double area = area_of(uv);
-            const double of_surface = atlas_.areas.empty() ? area : atlas_.areas[t];
-            if (of_surface > 0) areas[c] += glm::dvec2(area, of_surface);
+    // Many charts on all threads, few ones each.
+    template <class Body>
+    void for_charts(const Body& body) const {
+        constexpr std::size_t many = 64;
+        if (charts_.size() < many) {
+            for (std::uint32_t c = 0; c < charts_.size(); ++c) body(c, threads_);
+        } else {
+            parallel_blocks(charts_.size(), 4, threads_, [&](std::size_t begin, std::size_t end) {
+                for (std::size_t c = begin; c < end; ++c) body(std::uint32_t(c), 1);
+            });
         }
-        const auto by_uvs = [&](const glm::dvec2& of) {
-            return of.x > 0 && of.y > 0 ? spacing_ * std::sqrt(of.x / of.y) : 0;
-        };
-        glm::dvec2 all(0.0);
-        for (std::size_t c = 0; c < charts_.size(); ++c) {
-            all += areas[c];
-            charts_[c].spacing = by_uvs(areas[c]);
-            whole_ = whole_ || !find_box(charts_[c]);
-        }
-        whole_spacing_ = names.empty() ? spacing_ : by_uvs(all);
-        if (whole_) charts_.clear();
     }
 
-    // The chart's texels, none where it has none, and a spacing that fits into it. False where it
-    // has texels twice.
-    bool find_box(Chart& chart) const {
-        glm::dvec2 low(std::numeric_limits<double>::infinity()), high(-low);
-        for (const std::uint32_t t : chart.triangles)
-            for (const glm::dvec2& p : in_map(t)) {
-                low = glm::min(low, p);
-                high = glm::max(high, p);
-            }
-        const HeightAxis* const axes[2] = {&map_.x, &map_.y};
+    void find_charts() {
+        chart_of_.assign(atlas_.triangles.size(), no_index);
+        for (MapChart& found : map_charts(map_, atlas_)) {
+            for (const std::uint32_t t : found.triangles)
+                chart_of_[t] = std::uint32_t(charts_.size());
+            charts_.emplace_back();
+            charts_.back().of = std::move(found);
+            find_texels(charts_.back());
+        }
+    }
+
+    // The chart's texels, and a spacing that fits into them.
+    void find_texels(Chart& chart) const {
+        const MapChart& of = chart.of;
+        if (!(of.of_uvs > 0 && of.of_surface > 0)) return;
+        const double spacing =
+            std::min(spacing_ * std::sqrt(of.of_uvs / of.of_surface), largest_spacing);
+        chart.texels = texels_between(map_, spacing);
+        const glm::dvec2 last(double(map_.x.size) - 1, double(map_.y.size) - 1);
+        const bool clamps[2] = {map_.x.wrap == Wrap::clamp, map_.y.wrap == Wrap::clamp};
+        const glm::dvec2 begin = glm::ceil(of.low - roundings);
+        const glm::dvec2 end = glm::floor(of.high + roundings);
+        glm::dvec2 low = begin, high = end;
         for (glm::length_t k = 0; k < 2; ++k) {
-            const double size = double(axes[k]->size);
-            if (axes[k]->wrap == Wrap::clamp) {
-                low[k] = std::max(low[k], 0.0);
-                high[k] = std::min(high[k], size - 1);
-            } else if (high[k] - low[k] > size + roundings ||
-                       (axes[k]->wrap == Wrap::mirror &&
-                        (low[k] < -0.5 - roundings || high[k] > size - 0.5 + roundings))) {
-                return false;
-            }
+            const bool wraps = of.wraps[std::size_t(k)];
+            if (wraps || clamps[k]) low[k] = wraps ? 0 : std::max(low[k], 0.0);
+            if (wraps || clamps[k]) high[k] = wraps ? last[k] : std::min(high[k], last[k]);
         }
-        chart.low = low;
-        chart.high = high;
-        low = glm::ceil(low - roundings);
-        high = glm::floor(high + roundings);
-        chart.texels = texels_between(map_, chart.spacing);
-        if (low.x > high.x || low.y > high.y || !carries(chart.texels)) {
-            chart.spacing = 0;
-            return true;
-        }
-        chart.box = {std::int64_t(low.x), std::int64_t(low.y), std::int64_t(high.x - low.x) + 1,
-                     std::int64_t(high.y - low.y) + 1};
-        const double larger = double(std::max(chart.box.width, chart.box.height));
+        if (low.x > high.x || low.y > high.y || !carries(chart.texels)) return;
+        const auto between = [](const glm::dvec2& from, const glm::dvec2& to) {
+            return Rectangle{std::int64_t(from.x), std::int64_t(from.y),
+                             std::int64_t(to.x - from.x) + 1, std::int64_t(to.y - from.y) + 1};
+        };
+        chart.own = between(low, high);
+        chart.spacing = spacing;
+        const double larger = double(std::max(chart.own.width, chart.own.height));
         const double part = std::max(1.0, 0.5 * larger) / std::max(chart.texels.x, chart.texels.y);
         chart.is_small = part < 1;
         if (chart.is_small) {
@@ -190,22 +171,30 @@ class ChartFilter {
         }
         constexpr double texels_read = 8;
         chart.step = glm::i64vec2(glm::max(glm::floor(chart.texels / texels_read), 1.0));
-        return true;
+        const double reach = std::ceil(kernel_spacings * std::max(chart.texels.x, chart.texels.y));
+        const glm::dvec2 around = reach + 2.0 * glm::dvec2(chart.step);
+        for (glm::length_t k = 0; k < 2; ++k) {
+            if (of.wraps[std::size_t(k)]) {
+                low[k] -= around[k];
+                high[k] += around[k];
+            } else if (clamps[k]) {
+                low[k] = std::max(begin[k], low[k] - around[k]);
+                high[k] = std::min(end[k], high[k] + around[k]);
+            }
+        }
+        chart.box = between(low, high);
     }
 
-    // Of the finest spacing that a side carries.
+    // Of the finest spacing that a chart carries; odd ones, so that texels stay where they are.
     void choose_parts() {
         glm::dvec2 finest(std::numeric_limits<double>::infinity());
-        const auto see = [&](const glm::dvec2& texels) {
-            for (glm::length_t k = 0; k < 2; ++k)
-                if (texels[k] >= 1) finest[k] = std::min(finest[k], texels[k]);
-        };
         for (const Chart& chart : charts_)
-            if (chart.spacing > 0 && !chart.is_small) see(chart.texels);
-        if (whole_) see(texels_between(map_, whole_spacing_));
-        for (glm::length_t k = 0; k < 2; ++k)
-            if ((k == 0 ? map_.x : map_.y).size > 1 && finest[k] < fine_texels)
-                parts_[k] = std::ceil(fine_texels / finest[k]);
+            if (chart.spacing > 0 && !chart.is_small) finest = glm::min(finest, chart.texels);
+        for (glm::length_t k = 0; k < 2; ++k) {
+            if ((k == 0 ? map_.x : map_.y).size == 1 || finest[k] >= fine_texels) continue;
+            const double parts = std::ceil(fine_texels / std::max(finest[k], coarse_texels));
+            parts_[k] = 2 * std::floor(0.5 * parts) + 1;
+        }
     }
 
     // The map as it is, with charts going on into the gutters, with so many parts of its texels.
@@ -214,7 +203,8 @@ class ChartFilter {
         filled_.x = map_.x;
         filled_.y = map_.y;
         filled_.raw = map_.raw;
-        if (!whole_) fill_gutters(filled_, covered_texels(map_, atlas_.triangles));
+        if (!atlas_.triangles.empty())
+            fill_gutters(filled_, covered_texels(map_, atlas_.triangles));
         made_.raw.resize(std::size_t(made_.width) * std::size_t(made_.height));
         if (parts_ == glm::dvec2(1.0)) {
             made_.raw = filled_.raw;
@@ -260,45 +250,25 @@ class ChartFilter {
         return std::size_t(y.texel(j) * x.size + x.texel(i));
     }
 
-    // What a filter reads: differences from a plane, so that what is level or steep comes out as
-    // it is.
-    HeightMapData differences(const HeightAxis& x, const HeightAxis& y,
-                              const glm::dvec2& step) const {
+    // Texels in steps of the map's, without heights yet.
+    HeightMapData in_steps(const Rectangle& in) const {
         HeightMapData own;
         own.options = map_.options;
-        own.x = x;
-        own.y = y;
-        const glm::dvec2 scale(double(map_.x.size) / (double(x.size) * step.x),
-                               double(map_.y.size) / (double(y.size) * step.y));
-        own.matrix = glm::dmat2(scale.x, 0, 0, scale.y) * map_.matrix;
+        own.x = {in.width, Wrap::clamp};
+        own.y = {in.height, Wrap::clamp};
+        own.matrix = map_.matrix;
         return own;
     }
-
-    void filter_whole() {
-        HeightMapData all = differences(map_.x, map_.y, glm::dvec2(1.0));
-        const float about = map_.raw[0];
-        all.raw = map_.raw;
-        for (float& h : all.raw) h -= about;
-        const BandLimits bands = make_band_limits(all, threads_);
-        const Rectangle everywhere{0, 0, map_.x.size, map_.y.size};
-        const auto limited = [&](const glm::dvec2& at) {
-            return band_limited(all, bands, at, whole_spacing_);
-        };
-        const auto every = [](std::size_t) { return true; };
-        const auto set_all = [&](const auto& height) {
-            made_.change = write({0, 0, made_.width, made_.height}, threads_, every,
-                                 [&](const glm::dvec2& at) { return double(about) + height(at); });
-        };
-        if (!goes_by_texels(texels_between(map_, whole_spacing_), glm::i64vec2(1)))
-            return set_all(limited);
-        const HeightMapData smooth = at_texels(all, everywhere, limited, threads_);
-        set_all([&](const glm::dvec2& at) { return raw_value_at(smooth, at); });
+    // Their UVs over the map's.
+    glm::dvec2 scale_of(const Rectangle& in, const glm::i64vec2& step) const {
+        return {double(map_.x.size) / double(in.width * step.x),
+                double(map_.y.size) / double(in.height * step.y)};
     }
 
     // Where a spacing has two texels or more, what is between them is as smooth as they are.
-    bool goes_by_texels(const glm::dvec2& texels, const glm::i64vec2& step) const {
-        return step != glm::i64vec2(1) ||
-               (parts_ != glm::dvec2(1.0) && std::min(texels.x, texels.y) >= 2);
+    bool goes_by_texels(const Chart& chart) const {
+        return chart.is_reduced() ||
+               (parts_ != glm::dvec2(1.0) && std::min(chart.texels.x, chart.texels.y) >= 2);
     }
     // A map of heights at the texels within `in`, read smoothly between them.
     template <class Height>
@@ -319,41 +289,26 @@ class ChartFilter {
         return smooth;
     }
 
-    // Many charts on all threads, few ones each.
-    void filter_charts() {
-        constexpr std::size_t many = 64;
-        choose_owners();
-        std::vector<double> changes(charts_.size(), 0);
-        if (charts_.size() < many) {
-            for (std::uint32_t c = 0; c < charts_.size(); ++c) changes[c] = filter(c, threads_);
-        } else {
-            parallel_blocks(charts_.size(), 4, threads_, [&](std::size_t begin, std::size_t end) {
-                for (std::size_t c = begin; c < end; ++c) changes[c] = filter(std::uint32_t(c), 1);
-            });
-        }
-        for (const double change : changes) made_.change = std::max(made_.change, change);
-    }
-
     // Texels that several charts cover are the first one's.
     void choose_owners() {
-        if (charts_.empty()) return;
         owners_.assign(made_.raw.size(), no_index);
         for (std::uint32_t c = 0; c < charts_.size(); ++c) {
-            if (!(charts_[c].spacing > 0)) continue;
-            const Rectangle to = written_box(charts_[c]);
-            for (const std::uint32_t t : charts_[c].triangles)
-                for_covered(in_parts(t), to, [&](std::int64_t i, std::int64_t j) {
-                    std::uint32_t& owner = owners_[made_index(i, j)];
-                    if (owner == no_index) owner = c;
-                });
+            const Chart& chart = charts_[c];
+            if (!(chart.spacing > 0)) continue;
+            const auto own = [&](std::int64_t i, std::int64_t j) {
+                std::uint32_t& owner = owners_[made_index(i, j)];
+                if (owner == no_index) owner = c;
+            };
+            const Rectangle to = written_box(chart);
+            const TexelRange x{to.x, to.width, {made_.width, map_.x.wrap}, chart.of.wraps[0]};
+            const TexelRange y{to.y, to.height, {made_.height, map_.y.wrap}, chart.of.wraps[1]};
+            for (const std::uint32_t t : chart.of.triangles) for_covered(in_parts(t), x, y, own);
+            if (chart.of.triangles.empty())
+                for (std::int64_t j = 0; j < made_.height; ++j)
+                    for (std::int64_t i = 0; i < made_.width; ++i) own(i, j);
         }
     }
 
-    struct Plane {
-        glm::dvec2 from{0.0}, slope{0.0};
-        double height = 0;
-        double at(const glm::dvec2& p) const { return height + glm::dot(slope, p - from); }
-    };
     // What the filter reads of a chart, in steps. A slanted kernel reaches further along an axis
     // than samples along it are apart.
     static Rectangle read_box(const Chart& chart) {
@@ -371,45 +326,44 @@ class ChartFilter {
         return {x, y, width, height};
     }
 
+    // Between the map's texels and those that are read.
+    static glm::dvec2 from_steps(const glm::dvec2& own, const Rectangle& in,
+                                 const glm::i64vec2& step) {
+        return (own + glm::dvec2(double(in.x), double(in.y)) + 0.5) * glm::dvec2(step) - 0.5;
+    }
+    static glm::dvec2 to_steps(const glm::dvec2& at, const Rectangle& in,
+                               const glm::i64vec2& step) {
+        return (at + 0.5) / glm::dvec2(step) - 0.5 - glm::dvec2(double(in.x), double(in.y));
+    }
+
     double filter(std::uint32_t number, int threads) {
         const Chart& chart = charts_[number];
         if (!(chart.spacing > 0)) return 0;
-        const Rectangle in = read_box(chart);
-        const glm::dvec2 step(chart.step), corner{double(in.x), double(in.y)};
-        // Between the map's texels and those that are read.
-        const auto in_map = [&](const glm::dvec2& own) {
-            return (own + corner + 0.5) * step - 0.5;
-        };
-        const auto in_own = [&](const glm::dvec2& at) { return (at + 0.5) / step - 0.5 - corner; };
-        const std::vector<std::uint8_t> covered = cover(number, chart.box);
-        if (std::find(covered.begin(), covered.end(), std::uint8_t(1)) == covered.end()) return 0;
-        const Plane plane = fitted(chart.box, covered);
-        ChartTexels own = reduced(chart, covered, plane, in, threads);
+        Reduced own = chart.is_reduced() ? reduced_[number] : reduced(number, threads);
+        if (own.texels.covered.empty()) return 0;
+        const Plane& plane = own.plane;
+        const auto in_own = [&](const glm::dvec2& at) { return to_steps(at, own.in, chart.step); };
         const auto across = [&](const glm::dvec2& texel, const AtlasPoint& there) {
-            const auto& uv = atlas_.triangles[there.triangle];
-            const glm::dvec3& w = there.weights;
-            return raw_value_at(filled_, map_.map_point(w.x * uv[0] + w.y * uv[1] + w.z * uv[2])) -
-                   plane.at(in_map(texel));
+            return height_there(there) - plane.at(from_steps(texel, own.in, chart.step));
         };
         std::vector<ChartBorder> borders = this->borders(number);
         for (ChartBorder& border : borders)
             for (glm::dvec2& p : border.triangle) p = in_own(p);
-        const bool is_reduced = chart.step != glm::i64vec2(1);
-        continue_chart(own, atlas_, borders, across, chart.texels / step, is_reduced ? 4 : 1,
-                       threads);
-        HeightMapData read = differences({in.width, Wrap::clamp}, {in.height, Wrap::clamp}, step);
-        read.raw = std::move(own.heights);
+        continue_chart(own.texels, atlas_, borders, across, chart.reads(), threads);
+        HeightMapData read = in_steps(own.in);
+        read.raw = std::move(own.texels.heights);
         const BandLimits bands = make_band_limits(read, threads);
+        const glm::dvec2 scale = scale_of(own.in, chart.step);
         const auto limited = [&](const glm::dvec2& own_place) {
-            return band_limited(read, bands, own_place, chart.spacing);
+            return band_limited(read, bands, own_place, chart.spacing, scale);
         };
         const auto is_mine = [&](std::size_t to) { return owners_[to] == number; };
         const Rectangle to = written_box(chart);
-        if (!goes_by_texels(chart.texels, chart.step))
+        if (!goes_by_texels(chart))
             return write(to, threads, is_mine,
                          [&](const glm::dvec2& at) { return plane.at(at) + limited(in_own(at)); });
-        const glm::dvec2 first{double(chart.box.x), double(chart.box.y)};
-        const glm::dvec2 size{double(chart.box.width), double(chart.box.height)};
+        const glm::dvec2 first{double(chart.own.x), double(chart.own.y)};
+        const glm::dvec2 size{double(chart.own.width), double(chart.own.height)};
         const auto low = glm::i64vec2(glm::floor(in_own(first)));
         const auto high = glm::i64vec2(glm::ceil(in_own(first + size)));
         constexpr std::int64_t around = 3;  // what is read between texels, and more
@@ -421,20 +375,59 @@ class ChartFilter {
         });
     }
 
+    // The surface's height at a place across a seam: in the steps of the chart there, if it has
+    // such, so that what is finer does not become what is coarse.
+    double height_there(const AtlasPoint& there) const {
+        const auto& uv = atlas_.triangles[there.triangle];
+        const glm::dvec3& w = there.weights;
+        glm::dvec2 at = map_.map_point(w.x * uv[0] + w.y * uv[1] + w.z * uv[2]);
+        const std::uint32_t c = chart_of_[there.triangle];
+        if (c == no_index || !charts_[c].is_reduced() || reduced_[c].texels.covered.empty())
+            return raw_value_at(filled_, at);
+        const Chart& chart = charts_[c];
+        const HeightAxis* const axes[2] = {&map_.x, &map_.y};
+        for (glm::length_t k = 0; k < 2; ++k) {
+            if (!chart.of.wraps[std::size_t(k)]) continue;
+            const double size = double(axes[k]->size);
+            const double turns = std::floor((at[k] + 0.5) / size);
+            at[k] -= turns * size;
+            if (axes[k]->wrap == Wrap::mirror && std::fmod(turns, 2) != 0) at[k] = size - 1 - at[k];
+        }
+        const Reduced& other = reduced_[c];
+        return other.plane.at(at) + raw_value_at(other.around, to_steps(at, other.in, chart.step));
+    }
+
+    Reduced reduced(std::uint32_t number, int threads) const {
+        const Chart& chart = charts_[number];
+        Reduced made{.in = read_box(chart), .plane = {}, .texels = {}, .around = {}};
+        const CoveredTexels covered = cover(chart);
+        if (std::find(covered.mask.begin(), covered.mask.end(), std::uint8_t(1)) ==
+            covered.mask.end())
+            return made;
+        made.plane = fitted(chart, covered);
+        made.texels = means(chart, covered, made.plane, made.in, threads);
+        if (!chart.is_reduced()) return made;
+        made.around = in_steps(made.in);
+        made.around.options.filter = HeightFilter::bicubic;  // as sharp as the steps are
+        made.around.raw = made.texels.heights;
+        fill_gutters(made.around, made.texels.covered);
+        return made;
+    }
+
     // The chart's heights over the plane, in steps: means that fade out a step away, so that what
     // is finer does not become what is coarse.
-    ChartTexels reduced(const Chart& chart, const std::vector<std::uint8_t>& covered,
-                        const Plane& plane, const Rectangle& in, int threads) const {
+    ChartTexels means(const Chart& chart, const CoveredTexels& covered, const Plane& plane,
+                      const Rectangle& in, int threads) const {
         ChartTexels own{in.width, in.height, std::vector<float>(in.size(), 0.0F),
                         std::vector<std::uint8_t>(in.size(), 0)};
         std::vector<float> parts(in.size(), 0.0F);  // of a step that the chart covers
         const glm::dvec2 step(chart.step);
+        const glm::i64vec2 low(chart.box.x, chart.box.y);
+        const glm::i64vec2 size(chart.box.width, chart.box.height);
         rows(in.height, threads, [&](std::int64_t row) {
             for (std::int64_t column = 0; column < in.width; ++column) {
                 const glm::dvec2 centre{(double(in.x + column) + 0.5) * step.x - 0.5,
                                         (double(in.y + row) + 0.5) * step.y - 0.5};
-                const glm::i64vec2 low(chart.box.x, chart.box.y);
-                const glm::i64vec2 size(chart.box.width, chart.box.height);
                 const auto first =
                     glm::max(low, glm::i64vec2(glm::floor(centre - step)) + std::int64_t(1));
                 const auto last =
@@ -443,7 +436,7 @@ class ChartFilter {
                 double weights = 0, sum = 0;
                 for (std::int64_t j = first.y; j <= last.y; ++j)
                     for (std::int64_t i = first.x; i <= last.x; ++i) {
-                        if (!covered[chart.box.index(i, j)]) continue;
+                        if (!covered(i, j)) continue;
                         const glm::dvec2 at{double(i), double(j)};
                         const glm::dvec2 part = 1.0 - glm::abs(at - centre) / step;
                         weights += part.x * part.y;
@@ -465,67 +458,86 @@ class ChartFilter {
         return double(map_.raw[std::size_t(map_.y.texel(j) * map_.x.size + map_.x.texel(i))]);
     }
 
-    // Through the first texel, its slope by least squares of all.
-    Plane fitted(const Rectangle& in, const std::vector<std::uint8_t>& covered) const {
+    // Through the first texel, its slope by least squares of all; level where the chart wraps.
+    Plane fitted(const Chart& chart, const CoveredTexels& covered) const {
+        const Rectangle& in = chart.own;
         Plane plane;
         PlaneFit fit;
         bool any = false;
         for (std::int64_t j = in.y; j < in.y + in.height; ++j)
             for (std::int64_t i = in.x; i < in.x + in.width; ++i) {
-                if (!covered[in.index(i, j)]) continue;
+                if (!covered(i, j)) continue;
                 const glm::dvec2 at{double(i), double(j)};
                 if (!any) plane = {at, glm::dvec2(0.0), raw_at(i, j)};
                 any = true;
                 fit.add(at - plane.from, raw_at(i, j) - plane.height, 1);
             }
         plane.slope = fit.slope();
+        for (glm::length_t k = 0; k < 2; ++k)
+            if (chart.of.wraps[std::size_t(k)]) plane.slope[k] = 0;
         return plane;
     }
 
-    // 1 for each texel of the rectangle that the chart covers.
-    std::vector<std::uint8_t> cover(std::uint32_t chart, const Rectangle& in) const {
-        std::vector<std::uint8_t> covered(in.size(), 0);
-        for (const std::uint32_t t : charts_[chart].triangles)
-            for_covered(in_map(t), in,
-                        [&](std::int64_t i, std::int64_t j) { covered[in.index(i, j)] = 1; });
-        return covered;
+    CoveredTexels cover(const Chart& chart) const {
+        const auto& wraps = chart.of.wraps;
+        const Rectangle &own = chart.own, &box = chart.box;
+        CoveredTexels made{
+            .x = {wraps[0] ? own.x : box.x, wraps[0] ? own.width : box.width, map_.x, wraps[0]},
+            .y = {wraps[1] ? own.y : box.y, wraps[1] ? own.height : box.height, map_.y, wraps[1]},
+            .mask = {}};
+        made.mask.assign(std::size_t(made.x.count * made.y.count), chart.of.triangles.empty());
+        for (const std::uint32_t t : chart.of.triangles)
+            for_covered(
+                in_map(map_, atlas_, t), made.x, made.y, [&](std::int64_t i, std::int64_t j) {
+                    made.mask[std::size_t((j - made.y.first) * made.x.count + i - made.x.first)] =
+                        1;
+                });
+        return made;
     }
     // By the texels that are made.
     MapTriangle in_parts(std::uint32_t t) const {
-        MapTriangle p = in_map(t);
+        MapTriangle p = in_map(map_, atlas_, t);
         for (glm::dvec2& corner : p) corner = (corner + 0.5) * parts_ - 0.5;
         return p;
     }
 
-    // Edges of its triangles beyond which its UVs do not go on.
-    std::vector<ChartBorder> borders(std::uint32_t chart) const {
+    // Edges of its triangles beyond which its UVs do not go on. Of tiles there are none: one texel
+    // is at many places of the surface, beside as many others.
+    std::vector<ChartBorder> borders(std::uint32_t number) const {
         std::vector<ChartBorder> borders;
-        if (atlas_.across.empty()) return borders;
-        for (const std::uint32_t t : charts_[chart].triangles)
+        const Chart& chart = charts_[number];
+        if (atlas_.across.empty() || chart.of.has_tiles()) return borders;
+        for (const std::uint32_t t : chart.of.triangles)
             for (std::uint32_t h = 3 * t; h < 3 * t + 3; ++h) {
-                if (goes_on(h) || !(atlas_.flat[t].length > 0)) continue;
-                borders.push_back({h, in_map(t)});
+                if (uvs_go_on(atlas_, h) || !(atlas_.flat[t].length > 0)) continue;
+                borders.push_back({h, in_map(map_, atlas_, t), samples_across(chart, h)});
             }
         return borders;
     }
-    bool goes_on(std::uint32_t h) const {
-        const std::uint32_t other = atlas_.across[h];
-        if (other == no_index) return false;
-        const auto ends = [&](std::uint32_t half_edge) {
-            const MapTriangle& uv = atlas_.triangles[half_edge / 3];
-            return std::pair(uv[half_edge % 3], uv[(half_edge + 1) % 3]);
-        };
-        const auto [a, b] = ends(h);
-        const auto [c, d] = ends(other);
-        return atlas_.same_way[h] ? a == c && b == d : a == d && b == c;
+    // Where what is across has more texels to a spacing than the chart, a texel is a mean of some.
+    int samples_across(const Chart& chart, std::uint32_t half_edge) const {
+        constexpr int some = 4;
+        constexpr double more = 1.5;
+        const std::uint32_t other = atlas_.across[half_edge];
+        const std::uint32_t c = other == no_index ? no_index : chart_of_[other / 3];
+        if (c == no_index || !(charts_[c].spacing > 0)) return chart.is_reduced() ? some : 1;
+        const glm::dvec2 here = chart.reads(), there = charts_[c].reads();
+        return std::max(there.x, there.y) > more * std::min(here.x, here.y) ? some : 1;
     }
 
     // What may be made of a chart: no texel twice.
     Rectangle written_box(const Chart& chart) const {
-        const auto side = [](double low, double high, double parts, const HeightAxis& axis) {
+        const auto side = [&](glm::length_t k, const HeightAxis& axis) {
+            const double parts = parts_[k];
+            const std::int64_t size = axis.size * std::int64_t(parts);
+            if (chart.of.wraps[std::size_t(k)]) return std::pair(std::int64_t(0), size);
+            double low = chart.of.low[k], high = chart.of.high[k];
+            if (axis.wrap != Wrap::repeat) {
+                low = std::max(low, -0.5);
+                high = std::min(high, double(axis.size) - 0.5);
+            }
             auto first = std::int64_t(std::ceil((low + 0.5) * parts - 0.5 - roundings));
             auto last = std::int64_t(std::floor((high + 0.5) * parts - 0.5 + roundings));
-            const std::int64_t size = axis.size * std::int64_t(parts);
             if (axis.wrap != Wrap::repeat) {
                 first = std::max<std::int64_t>(first, 0);
                 last = std::min(last, size - 1);
@@ -533,17 +545,18 @@ class ChartFilter {
             last = std::min(last, first + size - 1);
             return std::pair(first, std::max<std::int64_t>(last - first + 1, 0));
         };
-        const auto [x, width] = side(chart.low.x, chart.high.x, parts_.x, map_.x);
-        const auto [y, height] = side(chart.low.y, chart.high.y, parts_.y, map_.y);
+        const auto [x, width] = side(0, map_.x);
+        const auto [y, height] = side(1, map_.y);
         return {x, y, width, height};
     }
 
     const HeightMapData& map_;
     const ChartAtlas& atlas_;
-    double spacing_, whole_spacing_ = 0;
+    double spacing_;
     int threads_;
-    bool whole_ = false;  // there are no charts, or one is as large as the map
     std::vector<Chart> charts_;
+    std::vector<std::uint32_t> chart_of_;  // by triangle
+    std::vector<Reduced> reduced_;         // by chart, of those that are
     HeightMapData filled_;
     glm::dvec2 parts_{1.0};
     FilteredMap made_;

@@ -1,16 +1,16 @@
 // A height map without the detail that samples of a spacing cannot carry, chart by chart: what
 // tessellation reads where a band limit is asked for.
 //
-// Each chart is continued beyond its border (chart_continuation.h) by what lies across its seams,
-// or by itself, so that no other chart and no gutter is averaged in, and both sides of a seam that
-// agreed before agree as well as the surface is flat over some spacings. Then each texel of the
-// chart becomes what band_limit.h makes of the spacing there, about the plane that fits the chart
-// best. Charts that are larger than the map (tiles) are filtered as the map goes on by
-// its wrap.
+// Each chart (map_charts.h) is continued beyond its border (chart_continuation.h) by what lies
+// across its seams, or by itself, so that no other chart and no gutter is averaged in, and both
+// sides of a seam that agreed before agree as well as the surface is flat over some spacings. Then
+// each texel of the chart becomes what band_limit.h makes of the spacing there, about the plane
+// that fits the chart best. Tiles, which have a texel several times, go on by the map's wrap
+// instead.
 //
 // A spacing is a length of the surface, and in UVs what the chart's area there makes of it. One of
-// at least 4 texels is filtered texel by texel; of finer ones, down to one texel, the map gets 2 to
-// 4 texels for each along that axis, as no coarser map carries them; what is finer than a texel
+// at least 4 texels is filtered texel by texel; of finer ones, down to one texel, the map gets 3 or
+// 5 texels for each along that axis, as no coarser map carries them; what is finer than a texel
 // leaves the map as it is. Of charts that are smaller than two spacings half their size is taken:
 // there are no waves of that length in them.
 #pragma once

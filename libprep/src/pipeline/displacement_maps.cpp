@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "displacement/noise_field.h"
 #include "tessellation/height_functions.h"
 
 namespace prep::detail {
@@ -54,6 +55,18 @@ class NoiseAbout final : public SpaceFunction {
     std::shared_ptr<const SpaceFunction> noise_;
     glm::dvec3 origin_;
 };
+
+// By how much a band limit moves a noise's heights at most: by the range of what it leaves out.
+double band_limit_change(NoiseOptions options, double band_limit) {
+    const auto reach = [&](double spacing) {
+        options.sample_spacing = spacing;
+        const auto field = NoiseField::make(options);
+        if (!field) return 0.0;
+        const Interval range = field->range();
+        return 0.5 * (range.high - range.low);
+    };
+    return reach(0) - reach(band_limit);
+}
 
 std::shared_ptr<const HeightFunction> function_of(const HeightMap& map, const Mesh* charts,
                                                   std::size_t uv_set, Index material, int threads) {
@@ -221,7 +234,7 @@ Result<DisplacementMaps::OfMesh> DisplacementMaps::of(const Scene& scene, const 
             out.as_read.resize(1);
             out.as_read[0].noise = noise_as_read;
         }
-        out.changes.push_back(0);
+        out.changes.push_back(band_limit_change(*options_.noise, band_limit));
         out.names.push_back(std::string(name_of(options_.noise->kind)) + " noise");
         out.quantisations.emplace_back();
     }

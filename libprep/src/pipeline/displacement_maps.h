@@ -30,7 +30,7 @@ class DisplacementMaps {
         std::vector<std::string> names;           // of the pictures
         std::vector<Quantisation> quantisations;  // likewise
         // With a band limit: the same without it where residual maps are made, and how much it
-        // changes heights (or vectors) at most, by picture; 0 for noise.
+        // changes heights (or vectors) at most, by picture or noise.
         std::vector<Displacement> as_read;
         std::vector<double> changes;
     };

@@ -1,0 +1,194 @@
+// Which charts of a map a band limit takes for one, and what lies between and beyond them.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "displacement/height_field.h"
+#include "height_maps.h"
+#include "pipeline/displacement_maps.h"
+
+namespace prep {
+namespace {
+
+using detail::HeightMap;
+using namespace test;
+
+constexpr double pi = std::numbers::pi;
+
+// Two squares that touch in the map and nowhere on the surface: neither reads the other.
+TEST(MapCharts, NeighboursInTheMapAloneAreNotAveraged) {
+    Mesh mesh;
+    mesh.uvs.resize(1);
+    mesh.face_offsets = {0};
+    for (int q = 0; q < 2; ++q) {
+        for (const glm::ivec2& c :
+             {glm::ivec2(0, 0), glm::ivec2(1, 0), glm::ivec2(1, 1), glm::ivec2(0, 1)}) {
+            const auto corner = std::uint32_t(mesh.positions.size());
+            mesh.positions.emplace_back(float(c.x), float(c.y), float(q));
+            mesh.corner_vertices.push_back(corner);
+            mesh.uvs[0].indices.push_back(corner);
+            mesh.uvs[0].values.emplace_back(0.25f + 0.25f * float(q + c.x),
+                                            0.25f + 0.5f * float(c.y));
+        }
+        mesh.face_offsets.push_back(std::uint32_t(mesh.corner_vertices.size()));
+    }
+    constexpr std::uint32_t size = 128;
+    const Image image = picture(size, size, [](auto x, auto) { return x < 64 ? 0.0 : 1.0; });
+    for (const double spacing : {0.1, 0.4}) {
+        HeightMapOptions options = plain();
+        options.sample_spacing = spacing;
+        const auto map = *height_function(image, options, &mesh);
+        for (double u = 0.26; u < 0.74; u += 0.01)
+            if (std::abs(u - 0.5) > 1.0 / size) {
+                EXPECT_NEAR(map->value({u, 0.5}), u < 0.5 ? 0 : 1, 1e-6) << u << ", " << spacing;
+            }
+    }
+}
+
+// A strip of three tiles beside a small chart, and triangles with odd UVs: the chart is filtered by
+// its own scale, and what lies around it is not read.
+TEST(MapCharts, TilesLeaveOtherChartsAlone) {
+    constexpr std::uint32_t size = 256;
+    Charts chart;
+    add_quad(chart, {{{0.1, 0.6}, {0.4, 0.6}, {0.4, 0.9}, {0.1, 0.9}}});
+    Charts beside = chart;  // a triangle that spans the map often is not among them: it covers all
+    add_quad(beside, {{{0, 0.1}, {3, 0.1}, {3, 0.4}, {0, 0.4}}});
+    beside.push_back({{{0, 0.5}, {3, 0.5}, {0, 0.5}}});
+    const auto wave = [](double cycles) {
+        return [=](const glm::dvec2& p) { return std::sin(2 * pi * cycles * (p.x - 0.1) / 0.3); };
+    };
+    for (const auto& [cycles, passes] : {std::pair(2.0, true), std::pair(7.0, false)}) {
+        const Image image = picture(size, size, [&](auto x, auto y) {
+            const glm::dvec2 p((x + 0.5) / size, (y + 0.5) / size);
+            if (is_inside(chart, p)) return wave(cycles)(p);
+            return p.y < 0.45 && p.y > 0.05 ? std::sin(2 * pi * 4 * p.x + 1) : 1e6;
+        });
+        const auto map = HeightMap::make(image, plain());
+        ASSERT_TRUE(map);
+        constexpr double spacing = 0.03;
+        const auto alone = map->limited({.triangles = chart}, spacing);
+        const auto made = map->limited({.triangles = beside}, spacing);
+        ASSERT_TRUE(alone && made);
+        const HeightMap one = alone->map.confined(chart), other = made->map.confined(beside);
+        double most = 0;
+        for (int j = 0; j <= 50; ++j)
+            for (int i = 0; i <= 50; ++i) {
+                const glm::dvec2 p = 0.1 + 0.3 * glm::dvec2(i, j) / 50.0 + glm::dvec2(0, 0.5);
+                EXPECT_NEAR(one.value(p), other.value(p), 1e-6) << i << ", " << j;
+                if (i > 18 && i < 32) most = std::max(most, std::abs(other.value(p)));
+            }
+        if (passes)
+            EXPECT_GE(most, 0.95);
+        else
+            EXPECT_LE(most, 0.02);
+        // The strip goes on across the map's edges.
+        for (double u = 0; u < 1; u += 0.01)
+            EXPECT_NEAR(other.value({u, 0.25}), std::sin(2 * pi * 4 * u + 1), 0.06) << u;
+    }
+}
+
+// A triangle beyond what floats tell apart is of no chart.
+TEST(MapCharts, StrayTrianglesFlattenNothing) {
+    constexpr std::uint32_t size = 128;
+    Charts charts;
+    add_quad(charts, {{{0.1, 0.1}, {0.9, 0.1}, {0.9, 0.9}, {0.1, 0.9}}});
+    const Image image =
+        picture(size, size, [](auto x, auto) { return std::sin(2 * pi * 4 * (x + 0.5) / size); });
+    const auto map = HeightMap::make(image, plain());
+    const auto alone = map->limited({.triangles = charts}, 0.05);
+    charts.push_back({{{1e12, 0.7}, {2e12, 0.7}, {1e12, -3e12}}});
+    charts.push_back({{{1e30, 0.7}, {0.5, 0.7}, {0.2, 0.1}}});
+    const auto other = map->limited({.triangles = charts}, 0.05);
+    ASSERT_TRUE(alone && other);
+    for (double u = 0.15; u < 0.85; u += 0.01)
+        EXPECT_EQ(alone->map.value({u, 0.5}), other->map.value({u, 0.5})) << u;
+}
+
+// Of charts that share texels the spacing is one, whatever their order.
+TEST(MapCharts, ChartsThatShareTexelsAreOne) {
+    constexpr std::uint32_t size = 256;
+    const Image image =
+        picture(size, size, [](auto x, auto) { return std::sin(2 * pi * 16 * (x + 0.5) / size); });
+    const auto map = HeightMap::make(image, plain());
+    ASSERT_TRUE(map);
+    for (const double tiles : {0.0, 1.0}) {
+        std::vector<HeightMap> made;
+        for (const bool turned : {false, true}) {
+            Charts charts;
+            std::vector<double> areas;
+            for (const int k : turned ? std::array{1, 0} : std::array{0, 1}) {
+                // The second lies within the first, or within its place a tile further.
+                const double low = k == 0 ? 0.1 : 0.2 + tiles, high = k == 0 ? 0.9 : 0.7 + tiles;
+                add_quad(charts, {{{low, 0.1}, {high, 0.1}, {high, 0.9}, {low, 0.9}}});
+                areas.insert(areas.end(), 2, k == 0 ? 0.32 : 32.0);
+            }
+            const auto limited = map->limited({.triangles = charts, .areas = areas}, 0.05);
+            ASSERT_TRUE(limited);
+            made.push_back(limited->map);
+        }
+        double most = 0;
+        for (double u = 0.3; u < 0.6; u += 0.003) {
+            EXPECT_EQ(made[0].value({u, 0.5}), made[1].value({u, 0.5})) << u;
+            most = std::max(most, std::abs(made[0].value({u, 0.5})));
+        }
+        // UVs of 1.04 over a surface of 64.64: samples are 0.0063 apart there, which carries it.
+        EXPECT_GE(most, 0.95) << tiles;
+    }
+}
+
+// Beyond the edge of a clamped map lies what its edge has.
+TEST(MapCharts, ClampedMapsGoOnLevel) {
+    constexpr std::uint32_t size = 256;
+    Charts charts;
+    add_quad(charts, {{{-1, 0.1}, {2, 0.1}, {2, 0.9}, {-1, 0.9}}});
+    const Image image = picture(size, size, [](auto x, auto) {
+        return x < 8 ? 1.0 : std::sin(2 * pi * 32 * (x + 0.5) / size);
+    });
+    HeightMapOptions options = plain(HeightFilter::bilinear, Wrap::clamp);
+    const auto map = HeightMap::make(image, options);
+    ASSERT_TRUE(map);
+    const auto limited = map->limited({.triangles = charts}, 0.05);
+    ASSERT_TRUE(limited);
+    // 8 texels and all beyond are 1, which is half of what the kernel reads there and more.
+    EXPECT_GE(limited->map.value({-0.5, 0.5}), 0.5);
+    EXPECT_LE(limited->map.value({-0.5, 0.5}), 1.2);
+    EXPECT_NEAR(limited->map.value({0.5, 0.5}), 0, 0.02);
+    // However far: borders are walked within the map alone.
+    Mesh mesh;
+    for (const float x : {-1.0f, 1.0f})
+        for (const float y : {-1.0f, 1.0f}) mesh.positions.emplace_back(x, y, 0);
+    mesh.corner_vertices = {0, 2, 3, 1};
+    mesh.face_offsets = {0, 4};
+    mesh.uvs.resize(1);
+    for (const glm::vec3& p : mesh.positions) mesh.uvs[0].values.emplace_back(1e9f * p.x, p.y);
+    mesh.uvs[0].indices = mesh.corner_vertices;
+    options.sample_spacing = 1e-6;
+    EXPECT_TRUE(height_function(image, options, &mesh));
+}
+
+// A chart whose limit is below a texel stays as it is, also where another needs finer texels.
+TEST(MapCharts, FinerTexelsKeepWhatIsThere) {
+    constexpr std::uint32_t size = 64;
+    Charts charts;
+    add_quad(charts, {{{0.05, 0.1}, {0.45, 0.1}, {0.45, 0.9}, {0.05, 0.9}}});
+    add_quad(charts, {{{0.55, 0.1}, {0.95, 0.1}, {0.95, 0.9}, {0.55, 0.9}}});
+    const std::vector<double> areas{0.16, 0.16, 4, 4};  // lengths of the second: 5 times
+    for (const double texels : {1.2, 1.6, 2.5, 3.5}) {
+        const Image image =
+            picture(size, size, [](auto x, auto y) { return x == 48 && y == 32 ? 1.0 : 0.0; });
+        const auto map = HeightMap::make(image, plain());
+        const auto limited = map->limited({.triangles = charts, .areas = areas}, texels / size);
+        ASSERT_TRUE(limited);
+        EXPECT_GT(limited->map.width(), size);
+        for (double x = 46; x <= 50; x += 0.25) {
+            const glm::dvec2 p((x + 0.5) / size, 32.5 / size);
+            EXPECT_NEAR(limited->map.value(p), map->value(p), 1e-6) << x << ", " << texels;
+        }
+        EXPECT_EQ(limited->change, 0);
+    }
+}
+
+}  // namespace
+}  // namespace prep
