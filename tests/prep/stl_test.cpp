@@ -64,6 +64,28 @@ TEST(Stl, BinaryKeepsEveryBit) {
     EXPECT_TRUE(m.normals.empty());
 }
 
+TEST(Stl, LargeBinaryFilesAreTheSameForAnyThreads) {
+    constexpr std::uint32_t count = 2 * 16384 + 5;
+    const std::string text = binary(count, count);
+    const auto bytes = std::as_bytes(std::span(text));
+    for (const int threads : {1, 2, 8}) {
+        const auto scene = prep::parse_stl(bytes, "test.stl", threads);
+        ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
+        const prep::Mesh& m = scene->meshes[0];
+        ASSERT_EQ(m.face_count(), count);
+        ASSERT_EQ(m.positions.size(), 3 * std::size_t(count));
+        std::size_t wrong = 0;
+        for (std::uint32_t c = 0; c < 3 * count; ++c) {
+            const float first = float(c / 3 * 9) + float(c % 3 * 3) + 0.1f;
+            wrong += m.positions[c].x != first || m.corner_vertices[c] != c ||
+                     m.face_offsets[c / 3] != c / 3 * 3;
+        }
+        EXPECT_EQ(wrong, 0u);
+        EXPECT_NE(scene->warnings.at(0).find("bytes of " + std::to_string(count) + " facets"),
+                  std::string::npos);
+    }
+}
+
 TEST(Stl, ABinaryFileMayBeginWithSolid) {
     EXPECT_EQ(parse(binary(1, 1, "solid made by a CAD system"))->meshes[0].face_count(), 1u);
     // Even with bytes after the last facet, or with a cut-short end.

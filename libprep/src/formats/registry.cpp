@@ -18,12 +18,16 @@ namespace prep {
 namespace detail {
 namespace {
 
-// For parsers of a file's bytes, which say its name in their messages.
-template <Result<Scene> (*parse)(std::span<const std::byte>, const std::string&)>
-Result<Scene> load_bytes(const std::filesystem::path& path, const LoadOptions& options) {
+Result<Scene> load_facets(const std::filesystem::path& path, const LoadOptions& options) {
     const auto bytes = read_file_bytes(path, options.threads);
     if (!bytes) return bytes.error();
-    return parse(*bytes, path.filename().string());
+    return parse_stl(*bytes, path.filename().string(), options.threads);
+}
+
+Result<Scene> load_object_file(const std::filesystem::path& path, const LoadOptions& options) {
+    const auto bytes = read_file_bytes(path, options.threads);
+    if (!bytes) return bytes.error();
+    return parse_off(*bytes, path.filename().string());
 }
 
 Result<Scene> load_polygons(const std::filesystem::path& path, const LoadOptions& options) {
@@ -98,12 +102,12 @@ const std::vector<Format>& formats() {
          {.corner_values = false, .float_colors = false}},
         {{"STL", "STL", {".stl"}, {".stl"}},
          is_stl,
-         load_bytes<parse_stl>,
+         load_facets,
          write_stl,
          {.corner_values = false, .uvs = false, .float_colors = false}},
         {{"OFF", "OFF", {".off"}, {".off"}},
          is_off,
-         load_bytes<parse_off>,
+         load_object_file,
          write_off,
          {.corner_values = false}},
         {{"OM", "OM", {".om"}, {}}, nullptr, load_openmesh, nullptr, {}, "OpenMesh"},

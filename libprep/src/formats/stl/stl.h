@@ -15,5 +15,7 @@ namespace prep {
 // corners. Every triangle has vertices of its own. One mesh and one node; `name` and errors as in
 // parse_ply().
 Result<Scene> parse_stl(std::span<const std::byte> bytes, const std::string& name);
+// On at most `threads` threads (0: all cores), which does not change the result.
+Result<Scene> parse_stl(std::span<const std::byte> bytes, const std::string& name, int threads);
 
 }  // namespace prep

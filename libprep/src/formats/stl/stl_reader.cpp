@@ -1,8 +1,11 @@
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <cmath>
 #include <cstring>
 #include <string_view>
 
+#include "base/parallel.h"
 #include "formats/stl/stl.h"
 #include "prep/mesh.h"
 #include "text/line_ends.h"
@@ -16,48 +19,53 @@ using detail::LineScanner;
 constexpr std::size_t header_size = 84, facet_size = 50;
 constexpr std::size_t max_facets = (std::size_t(no_index) - 1) / 3;
 
-Scene make_scene(const std::string& name, std::vector<glm::dvec3> positions,
-                 std::vector<std::uint32_t> parts, std::vector<std::string> part_names) {
-    Scene scene;
+// A mesh whose triangles have corners of their own, one after the other.
+Mesh& add_mesh(Scene& scene, const std::string& name) {
     scene.name = name;
-    scene.meshes.emplace_back();
-    Mesh& mesh = scene.meshes.back();
+    Mesh& mesh = scene.meshes.emplace_back();
     mesh.name = std::filesystem::path(name).stem().string();
-    set_positions(mesh, positions);
-    const std::uint32_t corners = std::uint32_t(positions.size());
-    mesh.corner_vertices.resize(corners);
-    for (std::uint32_t c = 0; c < corners; ++c) mesh.corner_vertices[c] = c;
-    for (std::uint32_t c = 3; c <= corners; c += 3) mesh.face_offsets.push_back(c);
-    if (part_names.size() > 1) {
-        mesh.face_parts = std::move(parts);
-        mesh.parts = std::move(part_names);
-    }
-    instance_unused_meshes(scene);
-    return scene;
+    return mesh;
 }
 
-float read_float(const std::byte* at) {
-    // The format is little-endian, as is every machine this runs on (x86-64).
-    float value;
-    std::memcpy(&value, at, sizeof value);
-    return value;
+void number_corners(Mesh& mesh, int threads) {
+    const std::size_t corners = mesh.positions.size();
+    mesh.corner_vertices.resize(corners);
+    mesh.face_offsets.resize(corners / 3 + 1);
+    constexpr std::size_t block = 1 << 16;
+    detail::parallel_blocks(corners / 3, block, threads, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t c = 3 * begin; c < 3 * end; ++c)
+            mesh.corner_vertices[c] = std::uint32_t(c);
+        for (std::size_t f = begin; f < end; ++f)
+            mesh.face_offsets[f + 1] = std::uint32_t(3 * f + 3);
+    });
 }
 
 Result<Scene> parse_binary(std::span<const std::byte> bytes, const std::string& name,
-                           std::uint32_t count) {
+                           std::uint32_t count, int threads) {
     if (count > max_facets)
         return Error{ErrorCode::limit, "more than 2^32 - 2 corners: cut the file into pieces",
                      name};
-    std::vector<glm::dvec3> positions;
-    positions.reserve(std::size_t(count) * 3);
-    std::size_t attributes = 0;
-    for (std::size_t f = 0; f < count; ++f) {
-        const std::byte* at = bytes.data() + header_size + f * facet_size + 12;
-        attributes += at[36] != std::byte(0) || at[37] != std::byte(0);
-        for (int k = 0; k < 3; ++k, at += 12)
-            positions.push_back({read_float(at), read_float(at + 4), read_float(at + 8)});
-    }
-    Scene scene = make_scene(name, std::move(positions), {}, {});
+    Scene scene;
+    Mesh& mesh = add_mesh(scene, name);
+    // Floats as they are: their origin is zero (set_positions).
+    mesh.positions.resize(std::size_t(count) * 3);
+    std::atomic<std::size_t> attributes = 0;
+    constexpr std::size_t block = 1 << 14;
+    detail::parallel_blocks(count, block, threads, [&](std::size_t begin, std::size_t end) {
+        std::size_t with_attributes = 0;
+        for (std::size_t f = begin; f < end; ++f) {
+            const std::byte* const facet = bytes.data() + header_size + f * facet_size;
+            // The format is little-endian, as is every machine this runs on (x86-64).
+            std::array<glm::vec3, 4> normal_and_corners;
+            std::memcpy(normal_and_corners.data(), facet, sizeof normal_and_corners);
+            std::copy(normal_and_corners.begin() + 1, normal_and_corners.end(),
+                      mesh.positions.begin() + std::ptrdiff_t(3 * f));
+            with_attributes += facet[48] != std::byte(0) || facet[49] != std::byte(0);
+        }
+        attributes += with_attributes;
+    });
+    number_corners(mesh, threads);
+    instance_unused_meshes(scene);
     const std::size_t extra = bytes.size() - header_size - std::size_t(count) * facet_size;
     if (extra > 0)
         scene.warnings.push_back(name + ": " + std::to_string(extra) +
@@ -166,8 +174,15 @@ class AsciiParser {
                          "none of the " + std::to_string(odd_facets_) +
                              " facets has exactly three corners: there is no triangle to read",
                          name_};
-        Scene scene =
-            make_scene(name_, std::move(positions_), std::move(parts_), std::move(part_names_));
+        Scene scene;
+        Mesh& mesh = add_mesh(scene, name_);
+        set_positions(mesh, positions_);
+        number_corners(mesh, 1);
+        if (part_names_.size() > 1) {
+            mesh.face_parts = std::move(parts_);
+            mesh.parts = std::move(part_names_);
+        }
+        instance_unused_meshes(scene);
         if (odd_facets_ > 0)
             scene.warnings.push_back(name_ + ": " + std::to_string(odd_facets_) +
                                      " facets without exactly three corners were dropped");
@@ -289,6 +304,10 @@ class AsciiParser {
 }  // namespace
 
 Result<Scene> parse_stl(std::span<const std::byte> bytes, const std::string& name) {
+    return parse_stl(bytes, name, 0);
+}
+
+Result<Scene> parse_stl(std::span<const std::byte> bytes, const std::string& name, int threads) {
     const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
     const std::size_t begin = text.find_first_not_of(" \t\r\n");
     const bool says_solid = begin != std::string_view::npos &&
@@ -300,7 +319,8 @@ Result<Scene> parse_stl(std::span<const std::byte> bytes, const std::string& nam
         std::memcpy(&count, bytes.data() + 80, 4);
         const std::size_t room = (bytes.size() - header_size) / facet_size;
         const bool exact = bytes.size() == header_size + std::size_t(count) * facet_size;
-        if (exact || (!text_like && count <= room)) return parse_binary(bytes, name, count);
+        if (exact || (!text_like && count <= room))
+            return parse_binary(bytes, name, count, threads);
         if (!text_like)
             return Error{ErrorCode::syntax,
                          "the header announces " + std::to_string(count) +
