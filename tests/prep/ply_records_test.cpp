@@ -173,7 +173,7 @@ TEST(PlyRecords, ListsOfOtherLengthsAreReadOneByOne) {
         expect_same_as_text(file, "no texcoord in " + std::to_string(odd) + " ");
     }
     // Also where the vertices have lists.
-    File file = strip(3, false, false, false);
+    File file = strip(3, false, true, false);
     file.vertex_properties += "property list uchar int neighbours\n";
     for (Record& vertex : file.vertices) vertex.push_back({"uchar", 0});
     expect_same_as_text(file, "empty lists of vertices");
