@@ -11,6 +11,9 @@ namespace prep::detail::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 using Index = std::uint32_t;
+
+#include "base/compress_store-inl.h"
+
 using Floats = hn::ScalableTag<float>;
 using Indices = hn::RebindToUnsigned<Floats>;
 using I = hn::Vec<Indices>;
@@ -66,7 +69,7 @@ std::size_t find(const glm::vec3* positions, std::size_t count, Index last_word,
         const I word = hn::GatherIndex(d, filter, hn::BitCast(di, at.word));
         const auto set = hn::Eq(hn::And(word, at.bits), at.bits);
         if (HWY_LIKELY(hn::AllFalse(d, set))) continue;
-        n += hn::CompressStore(hn::Iota(d, first + Index(i)), set, d, found + n);
+        n += compress_store(d, hn::Iota(d, first + Index(i)), set, found + n);
     }
     for (; i < count; ++i) {
         const FilterBits at = filter_bits(positions[i], last_word);

@@ -13,6 +13,9 @@ namespace prep::detail::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 using Index = std::uint32_t;
+
+#include "base/compress_store-inl.h"
+
 struct Corner {
     std::uint64_t next_previous;  // vertices, as VertexRing has them
     Index normal, uv;             // indices
@@ -149,9 +152,9 @@ HWY_INLINE void find_done(const Index* vertices, std::size_t corners, const Met&
         const auto done = hn::Eq(hn::And(after, hn::Set(d, VertexWord::to_come)), hn::Zero(d));
         const std::size_t rest = corners - c;
         if (rest >= hn::Lanes(d)) {
-            hn::CompressStore(after, done, d, state.done_words + state.done_count);
-            state.done_count += hn::CompressStore(hn::LoadU(d, vertices + c), done, d,
-                                                  state.done_vertices + state.done_count);
+            compress_store(d, after, done, state.done_words + state.done_count);
+            state.done_count += compress_store(d, hn::LoadU(d, vertices + c), done,
+                                               state.done_vertices + state.done_count);
             continue;
         }
         for (std::size_t k = c; k < corners; ++k) {

@@ -15,6 +15,8 @@ HWY_BEFORE_NAMESPACE();
 namespace prep::detail::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
+#include "base/compress_store-inl.h"
+
 using Index = std::uint32_t;
 using Indices = hn::ScalableTag<Index>;
 
@@ -164,7 +166,7 @@ HWY_INLINE void sort_candidates(const RingBatch& batch, Index (*lists)[ring_batc
         for (std::size_t count = 2; count <= most_ring_members; ++count) {
             const auto these = hn::And(candidate, hn::Eq(members, hn::Set(d, Index(count))));
             if (hn::AllFalse(d, these)) continue;
-            sizes[count] += hn::CompressStore(which, these, d, lists[count] + sizes[count]);
+            sizes[count] += compress_store(d, which, these, lists[count] + sizes[count]);
         }
     }
 }
