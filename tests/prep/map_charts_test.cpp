@@ -89,6 +89,53 @@ TEST(MapCharts, TilesLeaveOtherChartsAlone) {
     }
 }
 
+// Tiles of any number, wherever they lie: their mean is what a limit far above their detail leaves.
+TEST(MapCharts, TilesLieAnywhere) {
+    constexpr std::uint32_t size = 64;
+    const Image image =
+        picture(size, size, [](auto x, auto y) { return (x + y) % 2 == 0 ? 0.25 : 0.75; });
+    for (const Wrap wrap : {Wrap::repeat, Wrap::mirror}) {
+        const auto map = HeightMap::make(image, plain(HeightFilter::bilinear, wrap));
+        ASSERT_TRUE(map);
+        for (const double tiles : {0.97, 1.03, 2.5, 3.97, 3.99, 4.0, 4.03, 9.0})
+            for (const double from : {0.0, 1.0, 10.0, -10.0, -3.4})
+                for (const bool along_u : {false, true}) {
+                    Charts charts;
+                    const auto at = [&](double a, double b) {
+                        return along_u ? glm::dvec2(b, a) : glm::dvec2(a, b);
+                    };
+                    add_quad(charts, {{at(0, from), at(1, from), at(1, from + tiles),
+                                       at(0, from + tiles)}});
+                    const auto limited = map->limited({.triangles = charts}, 0.1);
+                    ASSERT_TRUE(limited);
+                    double most = 0;
+                    for (int k = 1; k < 40; ++k)
+                        for (const double a : {0.3, 0.5, 0.62})
+                            most = std::max(
+                                most,
+                                std::abs(limited->map.value(at(a, from + tiles * k / 40)) - 0.5));
+                    EXPECT_LE(most, 0.02) << tiles << " from " << from << (along_u ? ", u" : ", v");
+                }
+    }
+}
+
+// A floor of many tiles, each larger than the map, takes the time of the map, not of the tiles.
+TEST(MapCharts, ManyTilesAreOneChart) {
+    constexpr std::uint32_t size = 1024;
+    Charts charts;
+    for (int j = 0; j < 100; ++j)
+        for (int i = 0; i < 100; ++i) {
+            const glm::dvec2 low = glm::dvec2(i, j) * (i % 2 == 0 ? 10.0 : 2.0);
+            const glm::dvec2 high = low + (i % 2 == 0 ? 10.0 : 2.0);
+            add_quad(charts, {{low, {high.x, low.y}, high, {low.x, high.y}}});
+        }
+    const auto map = HeightMap::make(random_picture(size, size, 2), plain());
+    ASSERT_TRUE(map);
+    const auto limited = map->limited({.triangles = charts}, 0.2);  // texel by texel: 10¹¹ steps
+    ASSERT_TRUE(limited);
+    EXPECT_NEAR(limited->map.value({5.3, 7.7}), 0.5, 0.05);
+}
+
 // A triangle beyond what floats tell apart is of no chart.
 TEST(MapCharts, StrayTrianglesFlattenNothing) {
     constexpr std::uint32_t size = 128;

@@ -198,6 +198,39 @@ TEST(PlyRecords, TwoElementsOfFacesAreOneMesh) {
     EXPECT_EQ(test::exact_difference(first->meshes[0], second->meshes[0]), "");
 }
 
+TEST(PlyRecords, StripsBeforeFacesHaveTheFirstPicture) {
+    for (const bool odd : {false, true}) {
+        File file = strip(3, false, true, true);
+        if (odd) {
+            Record& face = file.faces[1];
+            face[1].value = 4;
+            face.insert(face.begin() + 2, {"uint", 7});
+        }
+        std::string text = file.bytes(false);
+        const std::string element = "element face ";
+        text.insert(text.find(element),
+                    "element tristrips 1\nproperty list int int vertex_indices\n");
+        std::string strips;
+        for (const int v : {4, 0, 1, 2, 3}) put<std::int32_t>(strips, v, false);
+        std::size_t faces = 0;
+        for (const Record& record : file.faces)
+            for (const Value& v : record) {
+                std::string bytes;
+                put(bytes, v, false);
+                faces += bytes.size();
+            }
+        text.insert(text.size() - faces, strips);
+        const auto scene = parse(text);
+        ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
+        const prep::Mesh& mesh = scene->meshes[0];
+        ASSERT_EQ(mesh.face_count(), std::size_t(count) + 2);
+        EXPECT_EQ(mesh.face_materials[0], 0u);
+        EXPECT_EQ(mesh.face_materials[1], 0u);
+        for (std::uint32_t f = 0; f < 10; ++f)
+            EXPECT_EQ(mesh.face_materials[f + 2], f % 5 == 2 ? 1u : 0u) << f;
+    }
+}
+
 TEST(PlyRecords, ErrorsNameTheRecordAndTheByte) {
     const File good = strip(3, true, false, false);
     const std::size_t faces_begin = good.bytes(false).size() - std::size_t(count) * 13;
@@ -227,7 +260,11 @@ TEST(PlyRecords, ErrorsNameTheRecordAndTheByte) {
     }
     const std::string whole = good.bytes(false);
     for (const std::size_t left : {faces_begin + 4096 * 13 + 5, whole.size() - 1})
-        EXPECT_FALSE(parse(whole.substr(0, left)).has_value());
+        EXPECT_NE(
+            test::error_of(parse(whole.substr(0, left)))
+                .find("the file ends or is malformed in face " +
+                      std::to_string((left - faces_begin) / 13) + " of " + std::to_string(count)),
+            std::string::npos);
 }
 
 TEST(PlyRecords, LengthsBelowZeroAndBeyondTheFileAreErrors) {
@@ -236,8 +273,10 @@ TEST(PlyRecords, LengthsBelowZeroAndBeyondTheFileAreErrors) {
         file.face_properties = "property list int uint vertex_indices\n";
         for (Record& face : file.faces) face[0].type = "int";
         file.faces[0][0].value = length;
-        EXPECT_FALSE(parse(file.bytes(false)).has_value()) << length;
-        EXPECT_FALSE(parse(file.bytes(true)).has_value()) << length;
+        for (const bool big : {false, true})
+            EXPECT_NE(test::error_of(parse(file.bytes(big))).find("in face 0 of"),
+                      std::string::npos)
+                << length;
     }
 }
 

@@ -10,6 +10,7 @@
 #include "displacement/band_limit.h"
 #include "displacement/chart_continuation.h"
 #include "displacement/chart_gutters.h"
+#include "displacement/chart_texels.h"
 #include "displacement/height_data.h"
 #include "displacement/map_charts.h"
 
@@ -18,37 +19,11 @@ namespace {
 
 constexpr double fine_texels = 3.6;     // a spacing, of maps that carry it
 constexpr double coarse_texels = 0.8;   // a spacing: coarser ones need no finer parts
+constexpr double texels_read = 8;       // a spacing, at least, where there are more
 constexpr double kernel_spacings = 4;   // that the filter reads around a point
 constexpr double largest_map = 0x1p28;  // of what is made
 constexpr double largest_spacing = 0x1p500;
 constexpr double roundings = 1e-6;  // of map coordinates
-
-struct Rectangle {
-    std::int64_t x = 0, y = 0, width = 0, height = 0;
-    std::size_t size() const { return std::size_t(width) * std::size_t(height); }
-    bool has(std::int64_t i, std::int64_t j) const {
-        return i >= x && j >= y && i < x + width && j < y + height;
-    }
-};
-
-struct Plane {
-    glm::dvec2 from{0.0}, slope{0.0};
-    double height = 0;
-    double at(const glm::dvec2& p) const { return height + glm::dot(slope, p - from); }
-};
-
-// The texels that a chart covers, by the map's wrap where it wraps.
-struct CoveredTexels {
-    TexelRange x, y;
-    std::vector<std::uint8_t> mask;
-    bool operator()(std::int64_t i, std::int64_t j) const {
-        if (x.wraps) i = x.axis.texel(i);
-        if (y.wraps) j = y.axis.texel(j);
-        const std::int64_t column = i - x.first, row = j - y.first;
-        return column >= 0 && row >= 0 && column < x.count && row < y.count &&
-               mask[std::size_t(row * x.count + column)];
-    }
-};
 
 class ChartFilter {
   public:
@@ -68,7 +43,7 @@ class ChartFilter {
         made_.width = map_.x.size * std::int64_t(parts_.x);
         made_.height = map_.y.size * std::int64_t(parts_.y);
         for (const Chart& chart : charts_)
-            if (const Rectangle in = read_box(chart); in.size() > std::size_t(largest_map))
+            if (const TexelBox in = read_box(chart); in.size() > std::size_t(largest_map))
                 return Error{ErrorCode::limit,
                              fmt::format("the texels around a chart that a band limit reads are "
                                          "{} by {}: make the map smaller",
@@ -77,9 +52,9 @@ class ChartFilter {
         start();
         choose_owners();
         std::vector<double> changes(charts_.size(), 0);
-        reduced_.resize(charts_.size());
+        steps_.resize(charts_.size());
         for_charts([&](std::uint32_t c, int threads) {
-            if (charts_[c].is_reduced()) reduced_[c] = reduced(c, threads);
+            if (is_read_across(c)) steps_[c] = cropped(reduced(c, threads), charts_[c]);
         });
         for_charts([&](std::uint32_t c, int threads) { changes[c] = filter(c, threads); });
         for (const double change : changes) made_.change = std::max(made_.change, change);
@@ -90,13 +65,12 @@ class ChartFilter {
   private:
     struct Chart {
         MapChart of;
-        Rectangle own;           // its texels in the map
-        Rectangle box;           // with those around that it has by the map's wrap
+        TexelBox own;            // its texels in the map
+        TexelBox box;            // with those around that it has by the map's wrap
         double spacing = 0;      // 0: it stays as it is
         glm::dvec2 texels{0.0};  // between samples
         bool is_small = false;   // the spacing was larger
-        // Texels to one of those that the filter reads, so that there are 8 or more a spacing.
-        glm::i64vec2 step{1};
+        glm::i64vec2 step{1};    // texels to one of those that the filter reads
         bool is_reduced() const { return spacing > 0 && step != glm::i64vec2(1); }
         // Of those that the filter reads, to a spacing.
         glm::dvec2 reads() const { return texels / glm::dvec2(step); }
@@ -104,10 +78,15 @@ class ChartFilter {
     // What the filter reads of a chart, in steps: differences from a plane, so that what is level
     // or steep comes out as it is.
     struct Reduced {
-        Rectangle in;
-        Plane plane;
+        TexelBox in;
+        HeightPlane plane;
         ChartTexels texels;
-        HeightMapData around;  // with what is not covered made from what is
+    };
+    // What is read of it from across a seam: its own texels, and what continues them a little.
+    struct Steps {
+        TexelBox in;
+        HeightPlane plane;
+        HeightMapData heights;
     };
 
     // Between texels there is nothing that the map carries.
@@ -152,13 +131,14 @@ class ChartFilter {
         glm::dvec2 low = begin, high = end;
         for (glm::length_t k = 0; k < 2; ++k) {
             const bool wraps = of.wraps[std::size_t(k)];
-            if (wraps || clamps[k]) low[k] = wraps ? 0 : std::max(low[k], 0.0);
-            if (wraps || clamps[k]) high[k] = wraps ? last[k] : std::min(high[k], last[k]);
+            if (!wraps && !clamps[k]) continue;
+            low[k] = wraps ? 0 : std::max(low[k], 0.0);
+            high[k] = wraps ? last[k] : std::min(high[k], last[k]);
         }
         if (low.x > high.x || low.y > high.y || !carries(chart.texels)) return;
         const auto between = [](const glm::dvec2& from, const glm::dvec2& to) {
-            return Rectangle{std::int64_t(from.x), std::int64_t(from.y),
-                             std::int64_t(to.x - from.x) + 1, std::int64_t(to.y - from.y) + 1};
+            return TexelBox{std::int64_t(from.x), std::int64_t(from.y),
+                            std::int64_t(to.x - from.x) + 1, std::int64_t(to.y - from.y) + 1};
         };
         chart.own = between(low, high);
         chart.spacing = spacing;
@@ -169,7 +149,6 @@ class ChartFilter {
             chart.spacing *= part;
             chart.texels *= part;
         }
-        constexpr double texels_read = 8;
         chart.step = glm::i64vec2(glm::max(glm::floor(chart.texels / texels_read), 1.0));
         const double reach = std::ceil(kernel_spacings * std::max(chart.texels.x, chart.texels.y));
         const glm::dvec2 around = reach + 2.0 * glm::dvec2(chart.step);
@@ -230,7 +209,7 @@ class ChartFilter {
     // Sets the texels of a rectangle that `is_mine` to what `value` makes of them. Returns their
     // largest change.
     template <class IsMine, class Value>
-    double write(const Rectangle& in, int threads, const IsMine& is_mine, const Value& value) {
+    double write(const TexelBox& in, int threads, const IsMine& is_mine, const Value& value) {
         std::vector<double> changes(std::size_t(in.height), 0);
         rows(in.height, threads, [&](std::int64_t row) {
             const std::int64_t j = in.y + row;
@@ -251,7 +230,7 @@ class ChartFilter {
     }
 
     // Texels in steps of the map's, without heights yet.
-    HeightMapData in_steps(const Rectangle& in) const {
+    HeightMapData in_steps(const TexelBox& in) const {
         HeightMapData own;
         own.options = map_.options;
         own.x = {in.width, Wrap::clamp};
@@ -260,7 +239,7 @@ class ChartFilter {
         return own;
     }
     // Their UVs over the map's.
-    glm::dvec2 scale_of(const Rectangle& in, const glm::i64vec2& step) const {
+    glm::dvec2 scale_of(const TexelBox& in, const glm::i64vec2& step) const {
         return {double(map_.x.size) / double(in.width * step.x),
                 double(map_.y.size) / double(in.height * step.y)};
     }
@@ -272,7 +251,7 @@ class ChartFilter {
     }
     // A map of heights at the texels within `in`, read smoothly between them.
     template <class Height>
-    static HeightMapData at_texels(const HeightMapData& like, const Rectangle& in,
+    static HeightMapData at_texels(const HeightMapData& like, const TexelBox& in,
                                    const Height& height, int threads) {
         HeightMapData smooth;
         smooth.options = like.options;
@@ -292,26 +271,40 @@ class ChartFilter {
     // Texels that several charts cover are the first one's.
     void choose_owners() {
         owners_.assign(made_.raw.size(), no_index);
+        std::size_t unowned = owners_.size();
         for (std::uint32_t c = 0; c < charts_.size(); ++c) {
             const Chart& chart = charts_[c];
             if (!(chart.spacing > 0)) continue;
             const auto own = [&](std::int64_t i, std::int64_t j) {
                 std::uint32_t& owner = owners_[made_index(i, j)];
-                if (owner == no_index) owner = c;
+                if (owner != no_index) return;
+                owner = c;
+                --unowned;
             };
-            const Rectangle to = written_box(chart);
+            const TexelBox to = written_box(chart);
             const TexelRange x{to.x, to.width, {made_.width, map_.x.wrap}, chart.of.wraps[0]};
             const TexelRange y{to.y, to.height, {made_.height, map_.y.wrap}, chart.of.wraps[1]};
-            for (const std::uint32_t t : chart.of.triangles) for_covered(in_parts(t), x, y, own);
-            if (chart.of.triangles.empty())
-                for (std::int64_t j = 0; j < made_.height; ++j)
-                    for (std::int64_t i = 0; i < made_.width; ++i) own(i, j);
+            const bool all = covers_map(chart);
+            for (std::int64_t j = 0; all && j < made_.height; ++j)
+                for (std::int64_t i = 0; i < made_.width; ++i) own(i, j);
+            for (const std::uint32_t t : chart.of.triangles) {
+                if (unowned == 0 || all) break;
+                for_covered(in_parts(t), x, y, own);
+            }
         }
+    }
+    // Without triangles, or by one that spans the map often.
+    bool covers_map(const Chart& chart) const {
+        const auto& triangles = chart.of.triangles;
+        const auto covers = [&](std::uint32_t t) {
+            return covers_all(in_map(map_, atlas_, t), all_of(map_.x), all_of(map_.y));
+        };
+        return triangles.empty() || std::any_of(triangles.begin(), triangles.end(), covers);
     }
 
     // What the filter reads of a chart, in steps. A slanted kernel reaches further along an axis
     // than samples along it are apart.
-    static Rectangle read_box(const Chart& chart) {
+    static TexelBox read_box(const Chart& chart) {
         if (!(chart.spacing > 0)) return {};
         const double reach = kernel_spacings * std::max(chart.texels.x, chart.texels.y);
         const auto side = [&](std::int64_t first, std::int64_t count, std::int64_t step) {
@@ -326,22 +319,12 @@ class ChartFilter {
         return {x, y, width, height};
     }
 
-    // Between the map's texels and those that are read.
-    static glm::dvec2 from_steps(const glm::dvec2& own, const Rectangle& in,
-                                 const glm::i64vec2& step) {
-        return (own + glm::dvec2(double(in.x), double(in.y)) + 0.5) * glm::dvec2(step) - 0.5;
-    }
-    static glm::dvec2 to_steps(const glm::dvec2& at, const Rectangle& in,
-                               const glm::i64vec2& step) {
-        return (at + 0.5) / glm::dvec2(step) - 0.5 - glm::dvec2(double(in.x), double(in.y));
-    }
-
     double filter(std::uint32_t number, int threads) {
         const Chart& chart = charts_[number];
         if (!(chart.spacing > 0)) return 0;
-        Reduced own = chart.is_reduced() ? reduced_[number] : reduced(number, threads);
+        Reduced own = reduced(number, threads);
         if (own.texels.covered.empty()) return 0;
-        const Plane& plane = own.plane;
+        const HeightPlane& plane = own.plane;
         const auto in_own = [&](const glm::dvec2& at) { return to_steps(at, own.in, chart.step); };
         const auto across = [&](const glm::dvec2& texel, const AtlasPoint& there) {
             return height_there(there) - plane.at(from_steps(texel, own.in, chart.step));
@@ -358,7 +341,7 @@ class ChartFilter {
             return band_limited(read, bands, own_place, chart.spacing, scale);
         };
         const auto is_mine = [&](std::size_t to) { return owners_[to] == number; };
-        const Rectangle to = written_box(chart);
+        const TexelBox to = written_box(chart);
         if (!goes_by_texels(chart))
             return write(to, threads, is_mine,
                          [&](const glm::dvec2& at) { return plane.at(at) + limited(in_own(at)); });
@@ -367,8 +350,8 @@ class ChartFilter {
         const auto low = glm::i64vec2(glm::floor(in_own(first)));
         const auto high = glm::i64vec2(glm::ceil(in_own(first + size)));
         constexpr std::int64_t around = 3;  // what is read between texels, and more
-        const Rectangle near{low.x - around, low.y - around, high.x - low.x + 2 * around + 1,
-                             high.y - low.y + 2 * around + 1};
+        const TexelBox near{low.x - around, low.y - around, high.x - low.x + 2 * around + 1,
+                            high.y - low.y + 2 * around + 1};
         const HeightMapData smooth = at_texels(read, near, limited, threads);
         return write(to, threads, is_mine, [&](const glm::dvec2& at) {
             return plane.at(at) + raw_value_at(smooth, in_own(at));
@@ -382,8 +365,7 @@ class ChartFilter {
         const glm::dvec3& w = there.weights;
         glm::dvec2 at = map_.map_point(w.x * uv[0] + w.y * uv[1] + w.z * uv[2]);
         const std::uint32_t c = chart_of_[there.triangle];
-        if (c == no_index || !charts_[c].is_reduced() || reduced_[c].texels.covered.empty())
-            return raw_value_at(filled_, at);
+        if (c == no_index || steps_[c].heights.raw.empty()) return raw_value_at(filled_, at);
         const Chart& chart = charts_[c];
         const HeightAxis* const axes[2] = {&map_.x, &map_.y};
         for (glm::length_t k = 0; k < 2; ++k) {
@@ -393,31 +375,65 @@ class ChartFilter {
             at[k] -= turns * size;
             if (axes[k]->wrap == Wrap::mirror && std::fmod(turns, 2) != 0) at[k] = size - 1 - at[k];
         }
-        const Reduced& other = reduced_[c];
-        return other.plane.at(at) + raw_value_at(other.around, to_steps(at, other.in, chart.step));
+        const Steps& other = steps_[c];
+        return other.plane.at(at) + raw_value_at(other.heights, to_steps(at, other.in, chart.step));
     }
 
     Reduced reduced(std::uint32_t number, int threads) const {
         const Chart& chart = charts_[number];
-        Reduced made{.in = read_box(chart), .plane = {}, .texels = {}, .around = {}};
+        Reduced made{.in = read_box(chart), .plane = {}, .texels = {}};
         const CoveredTexels covered = cover(chart);
         if (std::find(covered.mask.begin(), covered.mask.end(), std::uint8_t(1)) ==
             covered.mask.end())
             return made;
         made.plane = fitted(chart, covered);
         made.texels = means(chart, covered, made.plane, made.in, threads);
-        if (!chart.is_reduced()) return made;
-        made.around = in_steps(made.in);
-        made.around.options.filter = HeightFilter::bicubic;  // as sharp as the steps are
-        made.around.raw = made.texels.heights;
-        fill_gutters(made.around, made.texels.covered);
+        return made;
+    }
+
+    // Whether another chart, or another part of it, reads its steps across a seam.
+    bool is_read_across(std::uint32_t number) const {
+        const Chart& chart = charts_[number];
+        if (!chart.is_reduced() || atlas_.across.empty()) return false;
+        for (const std::uint32_t t : chart.of.triangles)
+            for (std::uint32_t h = 3 * t; h < 3 * t + 3; ++h)
+                if (atlas_.across[h] != no_index && !uvs_go_on(atlas_, h)) return true;
+        return false;
+    }
+    Steps cropped(const Reduced& of, const Chart& chart) const {
+        if (of.texels.covered.empty()) return {};
+        constexpr std::int64_t around = 3;  // that a bicubic filter reads, and roundings
+        const auto side = [&](std::int64_t first, std::int64_t count, std::int64_t step,
+                              std::int64_t from, std::int64_t all) {
+            const auto low = std::int64_t(std::floor(double(first) / double(step))) - around;
+            const auto high =
+                std::int64_t(std::floor(double(first + count - 1) / double(step))) + around;
+            const std::int64_t begin = std::max(low, from), end = std::min(high + 1, from + all);
+            return std::pair(begin, end - begin);
+        };
+        const auto [x, width] =
+            side(chart.own.x, chart.own.width, chart.step.x, of.in.x, of.in.width);
+        const auto [y, height] =
+            side(chart.own.y, chart.own.height, chart.step.y, of.in.y, of.in.height);
+        Steps made{{x, y, width, height}, of.plane, in_steps({x, y, width, height})};
+        made.heights.options.filter = HeightFilter::bicubic;  // as sharp as the steps are
+        std::vector<std::uint8_t> covered;
+        for (std::int64_t j = y; j < y + height; ++j) {
+            const auto row = std::ptrdiff_t((j - of.in.y) * of.in.width + x - of.in.x);
+            const auto add = [&](const auto& from, auto& to) {
+                to.insert(to.end(), from.begin() + row, from.begin() + row + width);
+            };
+            add(of.texels.heights, made.heights.raw);
+            add(of.texels.covered, covered);
+        }
+        fill_gutters(made.heights, std::move(covered));
         return made;
     }
 
     // The chart's heights over the plane, in steps: means that fade out a step away, so that what
     // is finer does not become what is coarse.
-    ChartTexels means(const Chart& chart, const CoveredTexels& covered, const Plane& plane,
-                      const Rectangle& in, int threads) const {
+    ChartTexels means(const Chart& chart, const CoveredTexels& covered, const HeightPlane& plane,
+                      const TexelBox& in, int threads) const {
         ChartTexels own{in.width, in.height, std::vector<float>(in.size(), 0.0F),
                         std::vector<std::uint8_t>(in.size(), 0)};
         std::vector<float> parts(in.size(), 0.0F);  // of a step that the chart covers
@@ -459,9 +475,9 @@ class ChartFilter {
     }
 
     // Through the first texel, its slope by least squares of all; level where the chart wraps.
-    Plane fitted(const Chart& chart, const CoveredTexels& covered) const {
-        const Rectangle& in = chart.own;
-        Plane plane;
+    HeightPlane fitted(const Chart& chart, const CoveredTexels& covered) const {
+        const TexelBox& in = chart.own;
+        HeightPlane plane;
         PlaneFit fit;
         bool any = false;
         for (std::int64_t j = in.y; j < in.y + in.height; ++j)
@@ -480,18 +496,23 @@ class ChartFilter {
 
     CoveredTexels cover(const Chart& chart) const {
         const auto& wraps = chart.of.wraps;
-        const Rectangle &own = chart.own, &box = chart.box;
+        const TexelBox &own = chart.own, &box = chart.box;
         CoveredTexels made{
             .x = {wraps[0] ? own.x : box.x, wraps[0] ? own.width : box.width, map_.x, wraps[0]},
             .y = {wraps[1] ? own.y : box.y, wraps[1] ? own.height : box.height, map_.y, wraps[1]},
             .mask = {}};
-        made.mask.assign(std::size_t(made.x.count * made.y.count), chart.of.triangles.empty());
-        for (const std::uint32_t t : chart.of.triangles)
+        made.mask.assign(std::size_t(made.x.count * made.y.count), covers_map(chart));
+        std::size_t unset = covers_map(chart) ? 0 : made.mask.size();
+        for (const std::uint32_t t : chart.of.triangles) {
+            if (unset == 0) break;
             for_covered(
                 in_map(map_, atlas_, t), made.x, made.y, [&](std::int64_t i, std::int64_t j) {
-                    made.mask[std::size_t((j - made.y.first) * made.x.count + i - made.x.first)] =
-                        1;
+                    std::uint8_t& is = made.mask[std::size_t((j - made.y.first) * made.x.count + i -
+                                                             made.x.first)];
+                    unset -= is == 0;
+                    is = 1;
                 });
+        }
         return made;
     }
     // By the texels that are made.
@@ -526,7 +547,7 @@ class ChartFilter {
     }
 
     // What may be made of a chart: no texel twice.
-    Rectangle written_box(const Chart& chart) const {
+    TexelBox written_box(const Chart& chart) const {
         const auto side = [&](glm::length_t k, const HeightAxis& axis) {
             const double parts = parts_[k];
             const std::int64_t size = axis.size * std::int64_t(parts);
@@ -556,7 +577,7 @@ class ChartFilter {
     int threads_;
     std::vector<Chart> charts_;
     std::vector<std::uint32_t> chart_of_;  // by triangle
-    std::vector<Reduced> reduced_;         // by chart, of those that are
+    std::vector<Steps> steps_;             // by chart, of those that are read across seams
     HeightMapData filled_;
     glm::dvec2 parts_{1.0};
     FilteredMap made_;

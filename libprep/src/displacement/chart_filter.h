@@ -9,8 +9,8 @@
 // instead.
 //
 // A spacing is a length of the surface, and in UVs what the chart's area there makes of it. One of
-// at least 4 texels is filtered texel by texel; of finer ones, down to one texel, the map gets 3 or
-// 5 texels for each along that axis, as no coarser map carries them; what is finer than a texel
+// at least 3.6 texels is filtered texel by texel; of finer ones, down to one texel, the map gets 3
+// or 5 texels for each along that axis, as no coarser map carries them; what is finer than a texel
 // leaves the map as it is. Of charts that are smaller than two spacings half their size is taken:
 // there are no waves of that length in them.
 #pragma once

@@ -17,26 +17,60 @@ double area_of(const MapTriangle& t) {
 }
 
 // Charts that have a texel's centre inside of both are one. Borders that touch are not enough.
-void unite_where_shared(const HeightMapData& map, const ChartAtlas& atlas,
-                        const std::vector<std::uint8_t>& is_plain, DisjointSets& sets) {
-    const TexelRange x{0, map.x.size, map.x, map.x.wrap != Wrap::clamp};
-    const TexelRange y{0, map.y.size, map.y, map.y.wrap != Wrap::clamp};
-    std::vector<std::uint32_t> first(map.raw.size(), no_index);
-    constexpr double inner = 1 - 1e-3;
-    for (std::uint32_t t = 0; t < atlas.triangles.size(); ++t) {
-        if (!is_plain[t]) continue;
-        MapTriangle p = in_map(map, atlas, t);
-        const glm::dvec2 centre = (p[0] + p[1] + p[2]) / 3.0;
-        for (glm::dvec2& corner : p) corner = glm::mix(centre, corner, inner);
-        for_covered(p, x, y, [&](std::int64_t i, std::int64_t j) {
-            std::uint32_t& of = first[std::size_t(j * map.x.size + i)];
-            if (of == no_index)
-                of = t;
-            else
-                sets.unite(of, t);
-        });
+class SharedTexels {
+  public:
+    SharedTexels(const HeightMapData& map, const ChartAtlas& atlas,
+                 const std::vector<std::uint8_t>& is_plain, DisjointSets& sets)
+        : map_(map), atlas_(atlas), is_plain_(is_plain), sets_(sets) {}
+
+    void unite() {
+        const TexelRange x = all_of(map_.x), y = all_of(map_.y);
+        const auto count = std::uint32_t(atlas_.triangles.size());
+        for (std::uint32_t t = 0; t < count; ++t)
+            if (is_plain_[t] && covers_all(in_map(map_, atlas_, t), x, y)) return unite_all(t);
+        first_.assign(map_.raw.size(), no_index);
+        unset_ = first_.size();
+        constexpr double inner = 1 - 1e-3;
+        std::uint32_t next_look = 0;
+        for (std::uint32_t t = 0; t < count; ++t) {
+            if (!is_plain_[t]) continue;
+            MapTriangle p = in_map(map_, atlas_, t);
+            const glm::dvec2 centre = (p[0] + p[1] + p[2]) / 3.0;
+            for (glm::dvec2& corner : p) corner = glm::mix(centre, corner, inner);
+            for_covered(p, x, y, [&](std::int64_t i, std::int64_t j) {
+                std::uint32_t& of = first_[std::size_t(j * map_.x.size + i)];
+                if (of == no_index) {
+                    of = t;
+                    --unset_;
+                } else if (of != t) {
+                    sets_.unite(of, t);
+                }
+            });
+            // Tiles: where one chart has all of the map, the others are of it.
+            if (unset_ > 0 || t < next_look) continue;
+            if (is_one()) return unite_all(first_[0]);
+            next_look = 2 * t + 1;
+        }
     }
-}
+
+  private:
+    void unite_all(std::uint32_t with) {
+        for (std::uint32_t t = 0; t < is_plain_.size(); ++t)
+            if (is_plain_[t]) sets_.unite(with, t);
+    }
+    bool is_one() {
+        const std::uint32_t one = sets_.find(first_[0]);
+        return std::all_of(first_.begin(), first_.end(),
+                           [&](std::uint32_t t) { return sets_.find(t) == one; });
+    }
+
+    const HeightMapData& map_;
+    const ChartAtlas& atlas_;
+    const std::vector<std::uint8_t>& is_plain_;
+    DisjointSets& sets_;
+    std::vector<std::uint32_t> first_;  // by texel: a triangle that covers it
+    std::size_t unset_ = 0;             // of them
+};
 
 // Where the chart lies, and whether along an axis it has texels twice.
 void find_place(const HeightMapData& map, const ChartAtlas& atlas, MapChart& chart) {
@@ -106,7 +140,7 @@ std::vector<MapChart> map_charts(const HeightMapData& map, const ChartAtlas& atl
     }
     for (std::uint32_t h = 0; h < atlas.across.size(); ++h)
         if (uvs_go_on(atlas, h)) sets.unite(h / 3, atlas.across[h] / 3);
-    unite_where_shared(map, atlas, is_plain, sets);
+    SharedTexels(map, atlas, is_plain, sets).unite();
 
     std::vector<MapChart> charts;
     std::vector<std::uint32_t> numbers(count, no_index);

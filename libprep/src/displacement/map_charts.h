@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <utility>
 #include <vector>
@@ -20,7 +21,7 @@ struct MapChart {
     std::vector<std::uint32_t> triangles;  // none: all of the map, by its wrap
     double of_uvs = 0, of_surface = 0;     // areas
     glm::dvec2 low{0.0}, high{0.0};        // in map coordinates
-    // Along an axis it has texels twice, as tiles have: it goes on there by the map's wrap.
+    // Along an axis it is larger than the map, as tiles are: it goes on there by the map's wrap.
     std::array<bool, 2> wraps{};
     bool has_tiles() const { return wraps[0] || wraps[1]; }
 };
@@ -43,20 +44,29 @@ struct TexelRange {
     bool wraps = false;
 };
 
+inline TexelRange all_of(const HeightAxis& axis) {
+    return {0, axis.size, axis, axis.wrap != Wrap::clamp};
+}
+
+// Whether the triangle spans the range several times.
+inline bool spans_often(const MapTriangle& p, const TexelRange& range, glm::length_t axis) {
+    constexpr double often = 4;
+    const auto [low, high] = std::minmax({p[0][axis], p[1][axis], p[2][axis]});
+    return range.wraps && !(high - low < often * double(range.count));
+}
+// It is taken to cover all of a map then.
+inline bool covers_all(const MapTriangle& p, const TexelRange& x, const TexelRange& y) {
+    return spans_often(p, x, 0) && spans_often(p, y, 1);
+}
+
 // Calls body(i, j) for the texels whose centres the triangle covers: those within the ranges, by
-// their wrap each at least once. A triangle that spans a map often along both axes covers all.
+// their wrap each at least once. Not for those that cover all.
 template <class Body>
 void for_covered(const MapTriangle& p, const TexelRange& x, const TexelRange& y, const Body& body) {
-    constexpr double often = 4;
-    const auto side = [](const TexelRange& range, double low, double high) {
-        const double size = double(range.count);
-        const bool few = !range.wraps || high - low < often * size;
-        auto first = std::int64_t(few ? low : 0), last = std::int64_t(few ? high : size - 1);
-        if (!range.wraps) {
-            first = std::max(first, range.first);
-            last = std::min(last, range.first + range.count - 1);
-        }
-        return std::pair(first, last);
+    const auto within = [](const TexelRange& range, std::int64_t first, std::int64_t last) {
+        if (range.wraps) return std::pair(first, last);
+        return std::pair(std::max(first, range.first),
+                         std::min(last, range.first + range.count - 1));
     };
     const auto at = [](const TexelRange& range, std::int64_t i) {
         return range.wraps ? range.axis.texel(i) : i;
@@ -64,31 +74,24 @@ void for_covered(const MapTriangle& p, const TexelRange& x, const TexelRange& y,
     const auto by_rows = [&](const MapTriangle& t, const TexelRange& columns,
                              const TexelRange& rows, const auto& see) {
         const auto [top, bottom] = std::minmax({t[0].y, t[1].y, t[2].y});
-        const auto [first, last] = side(rows, std::floor(top), std::ceil(bottom));
+        const auto [first, last] =
+            within(rows, std::int64_t(std::floor(top)), std::int64_t(std::ceil(bottom)));
         for (std::int64_t j = first; j <= last; ++j) {
-            const auto [left, right] = covered_in_row(t, j);
-            if (left > right) continue;
-            // A row that is covered once or more by repeating is covered whole.
-            const bool whole = columns.wraps && right - left + 1 >= 2 * columns.count;
-            const auto [from, to] = whole ? std::pair(std::int64_t(0), columns.count - 1)
-                                          : side(columns, double(left), double(right));
-            for (std::int64_t i = from; i <= to; ++i) see(at(columns, i), at(rows, j));
+            auto [from, to] = covered_in_row(t, j);
+            if (from > to) continue;
+            if (columns.wraps && to - from + 1 >= 2 * columns.count) {
+                from = 0;  // all of the row, mirrored or not
+                to = columns.count - 1;
+            }
+            const auto [i0, i1] = within(columns, from, to);
+            for (std::int64_t i = i0; i <= i1; ++i) see(at(columns, i), at(rows, j));
         }
     };
-    const auto spans_often = [&](const TexelRange& range, glm::length_t k) {
-        const auto [low, high] = std::minmax({p[0][k], p[1][k], p[2][k]});
-        return range.wraps && !(high - low < often * double(range.count));
-    };
-    if (!spans_often(y, 1)) {
-        by_rows(p, x, y, body);
-    } else if (!spans_often(x, 0)) {
-        MapTriangle turned = p;
-        for (glm::dvec2& corner : turned) std::swap(corner.x, corner.y);
-        by_rows(turned, y, x, [&](std::int64_t j, std::int64_t i) { body(i, j); });
-    } else {
-        for (std::int64_t j = 0; j < y.count; ++j)
-            for (std::int64_t i = 0; i < x.count; ++i) body(i, j);
-    }
+    // Along the side that it spans less often.
+    if (!spans_often(p, y, 1)) return by_rows(p, x, y, body);
+    MapTriangle turned = p;
+    for (glm::dvec2& corner : turned) std::swap(corner.x, corner.y);
+    by_rows(turned, y, x, [&](std::int64_t j, std::int64_t i) { body(i, j); });
 }
 
 }  // namespace prep::detail

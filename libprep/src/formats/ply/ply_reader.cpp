@@ -112,6 +112,8 @@ class PlyParser {
         std::vector<double> texcoords;
         for (const PlyProperty& p : element.properties)
             if (!lists_corners(p) && !lists_uvs(p) && !names_texture(p)) leave(element, p);
+        // Strips before them have the first picture.
+        if (!header_.textures.empty()) mesh.face_materials.resize(mesh.face_count(), 0);
         if (face_records(element, mesh)) return {};
         for (std::uint64_t f = 0; f < element.count; ++f) {
             const std::size_t first = mesh.corner_vertices.size();

@@ -160,6 +160,7 @@ std::uint64_t PlyVertices::read(const PlyElement& element, PlyEncoding encoding,
                                 PlyValues& values) {
     if (read_records(element, encoding, threads, values)) return element.count;
     positions_are_floats_ = false;
+    float_positions_ = {};
     make_room(element.count);
     for (std::uint64_t i = 0; i < element.count; ++i) {
         Row row = empty_row();
