@@ -420,8 +420,9 @@ class ChartFilter {
         std::vector<std::uint8_t> covered;
         for (std::int64_t j = y; j < y + height; ++j) {
             const auto row = std::ptrdiff_t((j - of.in.y) * of.in.width + x - of.in.x);
-            const auto add = [&](const auto& from, auto& to) {
-                to.insert(to.end(), from.begin() + row, from.begin() + row + width);
+            const auto end = row + std::ptrdiff_t(width);
+            const auto add = [row, end](const auto& from, auto& to) {
+                to.insert(to.end(), from.begin() + row, from.begin() + end);
             };
             add(of.texels.heights, made.heights.raw);
             add(of.texels.covered, covered);
