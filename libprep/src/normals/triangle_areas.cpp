@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/simd_targets.h"
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "normals/triangle_areas.cpp"
 #include <hwy/foreach_target.h>
@@ -37,15 +39,13 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace prep::detail {
 
-HWY_EXPORT(cross_products);
-
 void triangle_areas(std::span<const glm::vec3> positions,
                     std::span<const std::uint32_t> corner_vertices, std::uint32_t first,
                     std::uint32_t last, std::span<glm::dvec3> area_vectors,
-                    std::vector<std::uint32_t>& left_over) {
+                    std::vector<std::uint32_t>& left_over, SimdLevel simd) {
     constexpr std::size_t batch = 64;  // a multiple of every target's vector length in floats
     alignas(64) float edges[6 * batch] = {}, areas[4 * batch];
-    const auto cross = HWY_DYNAMIC_DISPATCH(cross_products);
+    const auto cross = SIMD_KERNEL(simd, cross_products);
     for (std::uint32_t start = first; start < last; start += batch) {
         const std::size_t count = std::min<std::size_t>(batch, last - start);
         for (std::size_t i = 0; i < count; ++i) {

@@ -6,6 +6,8 @@
 #include <span>
 #include <vector>
 
+#include "prep/simd.h"
+
 namespace prep::detail {
 
 // area_vectors[f] for the triangles first … last−1, whose corners are corner_vertices[3f …].
@@ -19,6 +21,6 @@ namespace prep::detail {
 void triangle_areas(std::span<const glm::vec3> positions,
                     std::span<const std::uint32_t> corner_vertices, std::uint32_t first,
                     std::uint32_t last, std::span<glm::dvec3> area_vectors,
-                    std::vector<std::uint32_t>& left_over);
+                    std::vector<std::uint32_t>& left_over, SimdLevel simd = SimdLevel::automatic);
 
 }  // namespace prep::detail
