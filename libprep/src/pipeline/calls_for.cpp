@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "base/uniform.h"
+
 namespace prep {
 namespace {
 
@@ -235,7 +237,9 @@ MeshContents contents_of(const Mesh& mesh, std::size_t material_count) {
     out.uv_sets = sets_of(mesh.uvs);
     std::vector<bool> seen(material_count, false);
     out.default_material = mesh.face_materials.empty();
-    for (const std::uint32_t m : mesh.face_materials) {
+    std::span<const std::uint32_t> named = mesh.face_materials;
+    if (!named.empty() && detail::is_uniform(named)) named = named.first(1);
+    for (const std::uint32_t m : named) {
         if (m < material_count)
             seen[m] = true;
         else

@@ -8,6 +8,7 @@
 #include "base/parallel.h"
 #include "base/scratch_buffer.h"
 #include "base/step_count.h"
+#include "base/uniform.h"
 #include "prep/triangulate.h"
 #include "surface/corner_steps.h"
 
@@ -112,8 +113,8 @@ class Attributes {
         list(uvs_);
         list(colors_);
         if (file_vertices_) lists_.push_back({file_vertices_, {}});
-        parts_apart_ = options.parts_apart && !uniform(mesh.face_parts);
-        materials_apart_ = !uniform(mesh.face_materials);
+        parts_apart_ = options.parts_apart && !detail::is_uniform<Index>(mesh.face_parts);
+        materials_apart_ = !detail::is_uniform<Index>(mesh.face_materials);
         triangles_ = detail::all_triangles(MeshView(mesh));
         if ((parts_apart_ || materials_apart_ || hard) && !triangles_) {
             corner_faces_.resize(mesh.corner_count());
@@ -235,9 +236,6 @@ class Attributes {
     }
 
   private:
-    static bool uniform(const std::vector<Index>& v) {
-        return std::all_of(v.begin(), v.end(), [&](Index x) { return x == v.front(); });
-    }
     bool same_group(Index a, Index b) const {
         if (!parts_apart_ && !materials_apart_) return true;
         const Index f = face_of(a), g = face_of(b);
@@ -341,6 +339,8 @@ class RangeMaker {
         : mesh_(mesh),
           threads_(options.threads),
           by_part_(options.parts_apart && !mesh.face_parts.empty()),
+          one_range_(detail::is_uniform<Index>(mesh.face_materials) &&
+                     (!by_part_ || detail::is_uniform<Index>(mesh.face_parts))),
           out_(out) {}
 
     void run() {
@@ -359,8 +359,9 @@ class RangeMaker {
                 }
             });
         if (triangles_ == 0) return;
-        if (!keyed()) {
-            out_.ranges.push_back({0, Index(triangles_), no_index, no_index});
+        if (one_range_) {
+            const std::uint64_t key = key_of(0);
+            out_.ranges.push_back({0, Index(triangles_), Index(key), Index(key >> 32)});
             return;
         }
         for (std::size_t t = 0; t < triangles_; ++t) {
@@ -377,7 +378,6 @@ class RangeMaker {
     Index face(std::size_t t) const {
         return cut_.corners.empty() ? Index(t) : cut_.triangle_faces[t];
     }
-    bool keyed() const { return by_part_ || !mesh_.face_materials.empty(); }
     std::uint64_t key_of(Index f) const {
         const Index part = by_part_ ? mesh_.face_parts[f] : no_index;
         const Index material = mesh_.face_materials.empty() ? no_index : mesh_.face_materials[f];
@@ -385,7 +385,7 @@ class RangeMaker {
     }
     // Empty where the source order is the right one.
     std::vector<Index> sorted_order() const {
-        if (!keyed()) return {};
+        if (one_range_) return {};
         bool sorted = true;
         for (std::size_t t = 1; t < triangles_ && sorted; ++t)
             sorted = key_of(face(t - 1)) <= key_of(face(t));
@@ -399,7 +399,7 @@ class RangeMaker {
 
     const Mesh& mesh_;
     int threads_;
-    bool by_part_;
+    bool by_part_, one_range_;
     VertexMesh& out_;
     std::size_t triangles_ = 0;
     Triangulation cut_;  // empty where every face is a triangle

@@ -10,6 +10,12 @@ namespace {
 
 using Index = std::uint32_t;
 
+Index largest_of(std::span<const Index> list) {  // several at once, which max_element() is not
+    Index largest = 0;
+    for (const Index i : list) largest = std::max(largest, i);
+    return largest;
+}
+
 class MeshReader {
   public:
     MeshReader(GltfDocument& document, Scene& scene, std::vector<std::vector<GltfJoints>>& joints,
@@ -124,8 +130,8 @@ class MeshReader {
             indices = *std::move(read);
         }
         if (auto done = budget_.spend(indices->size() * 16, pointer); !done) return done;
-        const auto largest = std::max_element(indices->begin(), indices->end());
-        for (std::size_t i = 0; largest != indices->end() && *largest >= *count; ++i)
+        const bool in_range = indices->empty() || largest_of(*indices) < *count;
+        for (std::size_t i = 0; !in_range; ++i)
             if ((*indices)[i] >= *count)
                 return d_.bad(pointer + "/indices", "index " + std::to_string((*indices)[i]) +
                                                         " (number " + std::to_string(i) +
@@ -210,7 +216,9 @@ class MeshReader {
                                      std::to_string(*accessor) + " is of another type");
         indices = to_indices(*raw);
         const Index restart = type == 5121 ? 0xff : type == 5123 ? 0xffff : 0xffffffff;
-        if (const auto found = std::find(indices.begin(), indices.end(), restart);
+        if (const auto found = largest_of(indices) < restart
+                                   ? indices.end()
+                                   : std::find(indices.begin(), indices.end(), restart);
             found != indices.end())
             return d_.bad(place, "index number " + std::to_string(found - indices.begin()) +
                                      " is " + std::to_string(restart) +

@@ -139,15 +139,17 @@ class Rewriter {
         }
         const Mesh& faces = prepared_.scene.meshes[m];
         Elements elements;
-        elements.of_vertices.reserve(used.list.size());
-        if (!faces.corner_file_vertices.empty()) elements.of_corners.reserve(used.list.size());
-        for (const Index i : used.list) {
-            const Index v = mesh.source_vertices[i], c = mesh.source_corners[i];
+        const bool by_corner = !faces.corner_file_vertices.empty();
+        elements.of_vertices.resize(used.list.size());
+        if (by_corner) elements.of_corners.resize(used.list.size());
+        for (std::size_t k = 0; k < used.list.size(); ++k) {
+            const Index v = mesh.source_vertices[used.list[k]];
+            const Index c = mesh.source_corners[used.list[k]];
             const Index of_vertex = faces.file_vertex(v);
-            elements.of_vertices.push_back(source.element_of(of_vertex - source.first_vertex));
-            if (faces.corner_file_vertices.empty()) continue;
+            elements.of_vertices[k] = source.element_of(of_vertex - source.first_vertex);
+            if (!by_corner) continue;
             const Index of_corner = c == no_index ? of_vertex : faces.corner_file_vertex(c);
-            elements.of_corners.push_back(source.element_of(of_corner - source.first_vertex));
+            elements.of_corners[k] = source.element_of(of_corner - source.first_vertex);
         }
 
         Json& out = json_["meshes"][m]["primitives"][p];

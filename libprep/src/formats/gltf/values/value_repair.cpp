@@ -26,13 +26,13 @@ bool all_within(std::span<const std::byte> floats, float low, float high) {
     const std::size_t size = floats.size() / sizeof(float) * sizeof(float);
     for (std::size_t first = 0; first < size; first += block) {
         const std::size_t last = std::min(size, first + block);
-        bool within = true;
+        std::uint32_t outside = 0;  // whole numbers: truth values would go one by one
         for (std::size_t at = first; at < last; at += sizeof(float)) {
             float x;
             std::memcpy(&x, floats.data() + at, sizeof x);
-            within &= (x >= low) & (x <= high);
+            outside |= std::uint32_t(!(x >= low)) | std::uint32_t(!(x <= high));
         }
-        if (!within) return false;
+        if (outside) return false;
     }
     return true;
 }
