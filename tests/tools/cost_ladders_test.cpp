@@ -58,9 +58,10 @@ TEST(CostLadders, LooksAreAPartOfThePictureAndItsError) {
         const Ladder ladder = ladder_named(row.name);
         std::size_t drawn = 0;
         for (const cost::Rung& rung : ladder.rungs) drawn += bool(rung.look);
-        const std::set<std::string> draw = {"anti-aliasing",     "texture-filter",
-                                            "shading-frequency", "depth-format",
-                                            "scene-sampling",    "samples-by-supersampling"};
+        const std::set<std::string> draw = {
+            "anti-aliasing", "texture-filter", "shading-frequency",
+            "depth-format",  "scene-sampling", "samples-by-supersampling",
+            "relief"};
         EXPECT_EQ(drawn, draw.count(row.name) ? ladder.rungs.size() : 0) << row.name;
     }
     const Ladder ladder = ladder_named("texture-filter");
@@ -453,6 +454,30 @@ TEST(CostLadders, BandLimit) {
                    {"0.04", 6.26e-4},
                    {"0.08", 8.97e-4},
                    {"0.16", 4.57e-3}});
+}
+
+TEST(CostLadders, Relief) {
+    auto n = climbed(ladder_named("relief"));
+    expect_errors(n, 2,
+                  {{"bump map, 32²", 0.2949},
+                   {"bump map, 64²", 0.07118},
+                   {"bump map, 128²", 0.01899},
+                   {"bump map, 256²", 8.286e-3},
+                   {"normal map, 32²", 0.2980},
+                   {"normal map, 64²", 0.07208},
+                   {"normal map, 128²", 0.01932},
+                   {"normal map, 256²", 8.504e-3}});
+    expect_errors(n, 2,
+                  {{"displaced, 0.003", 0.827},
+                   {"displaced, 0.001", 0.325},
+                   {"displaced, 0.0003", 0.0917},
+                   {"displaced, 0.0001", 0.0362}},
+                  0.1);  // where the triangles lie may move
+    // What a pixel shows is off by at most as much as its normal turns.
+    for (const auto& [name, numbers] : n)
+        EXPECT_LT(numbers[3], numbers[0] * std::numbers::pi / 180) << name;
+    EXPECT_EQ(n["bump map, 64²"][4], 2);
+    EXPECT_GT(n["displaced, 0.0001"][4], 2 * n["displaced, 0.0003"][4]);
 }
 
 }  // namespace

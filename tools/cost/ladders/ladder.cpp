@@ -57,6 +57,8 @@ std::span<const LadderRow> ladder_rows() {
          chord_error_by_height_filter_grid},
         {"band-limit", "what is left out of heights, against what edges of a length can carry",
          false, false, band_limit_ladder},
+        {"relief", "the same heights as bump maps, as normal maps and as displaced triangles",
+         false, false, relief_ladder},
         {"shading-frequency", "flat, Gouraud and Phong shading over rising tessellation", false,
          true, shading_frequency_ladder},
         {"anti-aliasing", "samples, supersampling and exact areas", true, false,

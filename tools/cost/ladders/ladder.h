@@ -107,6 +107,7 @@ prep::Result<Ladder> displacement_error_ladder(const Subject& subject);
 prep::Result<Ladder> height_filter_ladder(const Subject& subject);
 prep::Result<Ladder> band_limit_ladder(const Subject& subject);
 prep::Result<Ladder> chord_error_by_height_filter_grid(const Subject& subject);
+prep::Result<Ladder> relief_ladder(const Subject& subject);
 prep::Result<Ladder> shading_frequency_ladder(const Subject& subject);
 prep::Result<Ladder> anti_aliasing_ladder(const Subject& subject);
 prep::Result<Ladder> samples_by_supersampling_grid(const Subject& subject);

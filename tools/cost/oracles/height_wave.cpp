@@ -12,6 +12,15 @@ Real wave_at(Real u, Real v) {
            3;
 }
 
+Vector wave_normal(Real u, Real v, Real height) {
+    constexpr Real turn = 2 * std::numbers::pi_v<Real>;
+    const Real a = std::cos(turn * (2 * u + Real(0.1))), b = std::cos(turn * (u - v)),
+               c = std::sin(turn * (u + v + Real(0.3)));
+    const Real along_u = height * turn * (2 * a + b - c) / 3,
+               along_v = height * turn * (-b - c) / 3;
+    return glm::normalize(Vector(-along_u, -along_v, 1));
+}
+
 WaveTexels::WaveTexels(int size) : size_(size) {
     for (int j = 0; j < size; ++j)
         for (int i = 0; i < size; ++i)

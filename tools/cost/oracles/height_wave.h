@@ -10,6 +10,8 @@ namespace cost {
 
 // −1 … 1; its second derivatives are (4π)² at most in any direction.
 Real wave_at(Real u, Real v);
+// The unit normal of (u, v, height · wave_at(u, v)), z upwards.
+Vector wave_normal(Real u, Real v, Real height);
 
 // The wave at the centres of size × size texels, row by row, v downwards; rounded to floats.
 class WaveTexels {
