@@ -527,4 +527,23 @@ TEST(CostOracles, WavesOfTexelsTendToTheWave) {
     }
 }
 
+TEST(CostOracles, NormalsOfTheWaveAreThoseOfItsDifferences) {
+    const Real height = Real(0.05), step = Real(1e-5);
+    double steepest = 0;
+    for (int j = 0; j < 20; ++j)
+        for (int i = 0; i < 20; ++i) {
+            const Real u = i / Real(20), v = j / Real(20);
+            const auto slope = [&](Real du, Real dv) {
+                return height * (cost::wave_at(u + du, v + dv) - cost::wave_at(u - du, v - dv)) /
+                       (2 * step);
+            };
+            const Vector by_differences(-slope(step, 0), -slope(0, step), 1);
+            const Vector n = cost::wave_normal(u, v, height);
+            EXPECT_LT(cost::degrees_between(n, by_differences), 1e-6);
+            EXPECT_NEAR(double(length(n)), 1, 1e-15);
+            steepest = std::max(steepest, cost::degrees_between(n, Vector(0, 0, 1)));
+        }
+    EXPECT_GT(steepest, 15);
+}
+
 }  // namespace
