@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cstring>
+#include <optional>
 #include <unordered_map>
 
 #include "base/parallel.h"
@@ -11,6 +12,7 @@
 #include "base/uniform.h"
 #include "prep/triangulate.h"
 #include "surface/corner_steps.h"
+#include "vertices/source_corners.h"
 
 namespace prep {
 namespace {
@@ -127,27 +129,35 @@ class Attributes {
     // What is looked up below by vertex. Corners of a vertex may lie anywhere: to go to each from
     // the vertex would read the layers in no order, while going through corners in theirs reads but
     // what there is of each vertex in no order.
-    void compare(const detail::VertexCorners& around) {
+    void compare(const detail::SourceCorners& corners) {
         const std::size_t vertices = mesh_.vertex_count();
         differ_ = detail::ScratchBuffer<std::uint8_t>(vertices);
         std::memset(differ_.data(), 0, vertices);
         for (List& list : lists_) {
             list.firsts = detail::ScratchBuffer<Index>(vertices);
-            detail::parallel_blocks(
-                vertices, vertex_grain, threads_, [&](std::size_t begin, std::size_t end) {
-                    for (std::size_t v = begin; v < end; ++v)
-                        if (around.offsets[v] < around.offsets[v + 1])
-                            list.firsts[v] = list.indices[around.corners[around.offsets[v]]];
-                });
+            detail::parallel_blocks(vertices, vertex_grain, threads_,
+                                    [&](std::size_t begin, std::size_t end) {
+                                        for (std::size_t v = begin; v < end; ++v)
+                                            if (corners.is_used(v))
+                                                list.firsts[v] = list.indices[corners.first(v)];
+                                    });
         }
+        const bool groups = parts_apart_ || materials_apart_;
         detail::parallel_blocks(
             mesh_.corner_count(), 3 * triangle_grain, threads_,
             [&](std::size_t begin, std::size_t end) {
+                const auto differs = [&](Index v) {
+                    std::atomic_ref(differ_[v]).store(1, std::memory_order_relaxed);
+                };
                 for (const List& list : lists_)
                     for (std::size_t c = begin; c < end; ++c)
                         if (const Index v = mesh_.corner_vertices[c];
                             list.indices[c] != list.firsts[v])
-                            std::atomic_ref(differ_[v]).store(1, std::memory_order_relaxed);
+                            differs(v);
+                for (std::size_t c = begin; groups && c < end; ++c)
+                    if (const Index v = mesh_.corner_vertices[c];
+                        !same_group(corners.first(v), Index(c)))
+                        differs(v);
             });
         std::size_t list = 0;
         const auto hand_out = [&](auto& layers) {
@@ -170,15 +180,9 @@ class Attributes {
         for (const auto& l : colors_) to.color(l.set(), l.of(vertex, corner, first));
     }
 
-    // Whether all of a vertex' have the same entries of every layer, which is nearly always so;
-    // others may have the same values still.
-    bool alike(Index vertex, std::span<const Index> corners) const {
-        if (differ_[vertex] != 0) return false;
-        if (!parts_apart_ && !materials_apart_) return true;
-        for (const Index c : corners.subspan(1))
-            if (!same_group(corners[0], c)) return false;
-        return true;
-    }
+    // By vertex: not 0 where its corners have different entries of a layer, or are of different
+    // groups. They may have the same values still.
+    std::span<const std::uint8_t> differ() const { return differ_; }
 
     bool same(Index a, Index b) const {
         for (const auto& l : normals_)
@@ -293,7 +297,6 @@ class VertexSplitter {
     VertexSplitter& operator=(const VertexSplitter&) = delete;
 
     void split(Index v, std::span<const Index> corners) {
-        if (attributes_.alike(v, corners)) return;
         firsts_.clear();
         if (!by_hash_.empty()) by_hash_.clear();
         for (const Index c : corners) {
@@ -452,8 +455,8 @@ class VertexMaker {
                                });
     }
 
-    // `around`: corners by source vertex; `loose`: those that lines or points use.
-    void fill(const detail::VertexCorners& around, const std::vector<bool>& loose) {
+    // `loose`: source vertices that lines or points use.
+    void fill(const detail::SourceCorners& corners, const std::vector<bool>& loose) {
         const std::size_t sources = mesh_.vertex_count();
         detail::ScratchBuffer<Index> numbers(sources);
         detail::parallel_blocks(
@@ -463,11 +466,11 @@ class VertexMaker {
                 auto copy = block.copies.begin();
                 for (Index v = Index(begin); v < end; ++v) {
                     numbers[v] = number;
-                    if (around.offsets[v] == around.offsets[v + 1]) {
+                    if (!corners.is_used(v)) {
                         if (loose[v]) fill_loose(number++, v);
                         continue;
                     }
-                    fill_vertex(number++, v, around.corners[around.offsets[v]], 0, true);
+                    fill_vertex(number++, v, corners.first(v), 0, true);
                     for (; copy != block.copies.end() && copy->source == v; ++copy)
                         fill_vertex(number++, v, copy->first_corner, copy->reasons, false);
                 }
@@ -527,35 +530,32 @@ Result<VertexMesh> split_vertices(const Mesh& mesh, const HardEdges* hard,
         return Error{ErrorCode::limit,
                      "more than 2^32 - 2 corners and vertices: cut the mesh into pieces",
                      mesh.name};
-    VertexCorners own;
-    if (around == nullptr) {
-        own = corners_by_vertex(mesh.corner_vertices, sources, options.threads);
-        around = &own;
-    }
+    std::optional<SourceCorners> corners(std::in_place, mesh.corner_vertices, sources, around,
+                                         options.threads);
     Attributes attributes(mesh, hard, options);
-    attributes.compare(*around);
+    attributes.compare(*corners);
+    const std::span<const std::uint8_t> differ = attributes.differ();
+    corners->make_lists(differ);
     std::vector<bool> loose(sources, false);
     for (const Index v : mesh.line_vertices) loose[v] = true;
     for (const Index v : mesh.points) loose[v] = true;
 
     std::vector<Block> blocks((sources + vertex_grain - 1) / vertex_grain);
-    parallel_blocks(
-        sources, vertex_grain, options.threads, [&](std::size_t begin, std::size_t end) {
-            Block& block = blocks[begin / vertex_grain];
-            VertexSplitter splitter(attributes, block);
-            for (std::size_t v = begin; v < end; ++v) {
-                const Index first = around->offsets[v], last = around->offsets[v + 1];
-                if (first < last)
-                    splitter.split(Index(v), {around->corners.data() + first, last - first});
-                block.sources += first < last || loose[v];
-            }
-        });
+    parallel_blocks(sources, vertex_grain, options.threads,
+                    [&](std::size_t begin, std::size_t end) {
+                        Block& block = blocks[begin / vertex_grain];
+                        VertexSplitter splitter(attributes, block);
+                        for (std::size_t v = begin; v < end; ++v) {
+                            if (differ[v] != 0) splitter.split(Index(v), corners->of(v));
+                            block.sources += corners->is_used(v) || loose[v];
+                        }
+                    });
     VertexMesh out;
     out.origin = mesh.origin;
     VertexMaker maker(mesh, attributes, blocks, options.threads, out);
     maker.make_room();
-    maker.fill(*around, loose);
-    own = {};
+    maker.fill(*corners, loose);
+    corners.reset();
     RangeMaker(mesh, options, out).run();
 
     if (!mesh.line_vertices.empty() || !mesh.points.empty()) {
