@@ -1,10 +1,13 @@
 // Which charts of a map a band limit takes for one, and what lies between and beyond them.
 
+#include "displacement/map_charts.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 
+#include "base/step_count.h"
 #include "displacement/height_field.h"
 #include "height_maps.h"
 #include "pipeline/displacement_maps.h"
@@ -134,6 +137,83 @@ TEST(MapCharts, ManyTilesAreOneChart) {
     const auto limited = map->limited({.triangles = charts}, 0.2);  // texel by texel: 10¹¹ steps
     ASSERT_TRUE(limited);
     EXPECT_NEAR(limited->map.value({5.3, 7.7}), 0.5, 0.05);
+}
+
+detail::HeightMapData texels_of(int size, Wrap wrap) {
+    detail::HeightMapData map;
+    map.x = map.y = {size, wrap};
+    map.raw.assign(std::size_t(size) * std::size_t(size), 0.0f);
+    return map;
+}
+
+// Nor do tiles that none covers many times: where one chart has all of the map, a tile is looked at
+// until it has a texel.
+TEST(MapCharts, TilesOfAFewMapsAreOneChart) {
+    constexpr int size = 128, tiles = 400;
+    Charts charts;
+    for (int k = 0; k < tiles; ++k) {
+        const glm::dvec2 low(3.0 * (k % 20), 3.0 * (k / 20));
+        add_quad(charts, {{low, {low.x + 3, low.y}, low + 3.0, {low.x, low.y + 3}}});
+    }
+    const std::uint64_t before = detail::steps_taken;
+    const auto made = detail::map_charts(texels_of(size, Wrap::repeat), {.triangles = charts});
+    EXPECT_EQ(made.size(), 1u);
+    // Each of them alone is 9 maps.
+    EXPECT_LT(detail::steps_taken - before, std::uint64_t(4 * 9 * size * size + 2 * tiles));
+}
+
+// What has no texel has no part in the spacing of a chart that has them all.
+TEST(MapCharts, WhatHasNoTexelIsOfNoOtherChart) {
+    const auto square = [](double low, double high) {
+        return std::array<glm::dvec2, 4>{{{low, low}, {high, low}, {high, high}, {low, high}}};
+    };
+    struct Case {
+        Wrap wrap;
+        double tile;
+        std::array<glm::dvec2, 4> stray;
+    };
+    for (const Case& c :
+         {Case{Wrap::repeat, 1, square(0.3, 0.30001)}, Case{Wrap::repeat, 5, square(0.3, 0.30001)},
+          Case{Wrap::clamp, 1, square(0.3, 0.30001)}, Case{Wrap::clamp, 1, square(3, 13)}}) {
+        Charts charts;
+        for (int k = 0; k < 2; ++k) add_quad(charts, square(-0.1, c.tile + 0.1));
+        add_quad(charts, c.stray);
+        const auto made = detail::map_charts(texels_of(64, c.wrap), {.triangles = charts});
+        ASSERT_EQ(made.size(), 2u) << c.tile;
+        EXPECT_EQ(made[0].triangles.size(), 4u);
+        EXPECT_EQ(made[1].triangles.size(), 2u);
+    }
+}
+
+// Beyond its edge a clamped map is level, and so is what a chart reads there across a seam.
+TEST(MapCharts, SeamsBeyondAClampedMapAreLevel) {
+    constexpr std::uint32_t size = 256;
+    // Two squares side by side: UVs end at 3 on one side of their edge and begin at 0 on the other.
+    Mesh mesh;
+    mesh.uvs.resize(1);
+    mesh.face_offsets = {0, 4, 8};
+    mesh.positions = {{0, 0, 0}, {3, 0, 0}, {3, 0.3, 0}, {0, 0.3, 0}, {4, 0, 0}, {4, 0.3, 0}};
+    mesh.corner_vertices = {0, 1, 2, 3, 1, 4, 5, 2};
+    for (const glm::vec2& uv : {glm::vec2(0, 0.1f),
+                                {3, 0.1f},
+                                {3, 0.4f},
+                                {0, 0.4f},
+                                {0, 0.6f},
+                                {1, 0.6f},
+                                {1, 0.9f},
+                                {0, 0.9f}}) {
+        mesh.uvs[0].indices.push_back(std::uint32_t(mesh.uvs[0].values.size()));
+        mesh.uvs[0].values.push_back(uv);
+    }
+    // At the seam 1 on one side, 0 on the other: a step, of which a half is left in its middle.
+    const Image image =
+        picture(size, size, [](auto x, auto y) { return y < size / 2 ? (x + 0.5) / size : 0.0; });
+    HeightMapOptions options = plain(HeightFilter::bilinear, Wrap::clamp);
+    options.sample_spacing = 0.2;
+    const auto map = *height_function(image, options, &mesh);
+    EXPECT_NEAR(map->value({0.002, 0.75}), 0.5, 0.1);  // half a step of the filter is 0.08
+    EXPECT_NEAR(map->value({0.9, 0.75}), 0, 0.03);
+    EXPECT_NEAR(map->value({0.5, 0.25}), 0.5, 0.03);
 }
 
 // A triangle beyond what floats tell apart is of no chart.

@@ -369,8 +369,10 @@ class ChartFilter {
         const Chart& chart = charts_[c];
         const HeightAxis* const axes[2] = {&map_.x, &map_.y};
         for (glm::length_t k = 0; k < 2; ++k) {
-            if (!chart.of.wraps[std::size_t(k)]) continue;
             const double size = double(axes[k]->size);
+            // Beyond its edge a clamped map goes on level, not as a plane does.
+            if (axes[k]->wrap == Wrap::clamp) at[k] = std::clamp(at[k], 0.0, size - 1);
+            if (!chart.of.wraps[std::size_t(k)]) continue;
             const double turns = std::floor((at[k] + 0.5) / size);
             at[k] -= turns * size;
             if (axes[k]->wrap == Wrap::mirror && std::fmod(turns, 2) != 0) at[k] = size - 1 - at[k];
@@ -402,7 +404,7 @@ class ChartFilter {
     }
     Steps cropped(const Reduced& of, const Chart& chart) const {
         if (of.texels.covered.empty()) return {};
-        constexpr std::int64_t around = 3;  // that a bicubic filter reads, and roundings
+        constexpr std::int64_t around = 5;  // a bicubic filter's, its gutters', and roundings
         const auto side = [&](std::int64_t first, std::int64_t count, std::int64_t step,
                               std::int64_t from, std::int64_t all) {
             const auto low = std::int64_t(std::floor(double(first) / double(step))) - around;

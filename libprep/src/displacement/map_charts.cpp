@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "base/disjoint_sets.h"
+#include "base/step_count.h"
 
 namespace prep::detail {
 namespace {
@@ -21,23 +22,27 @@ class SharedTexels {
   public:
     SharedTexels(const HeightMapData& map, const ChartAtlas& atlas,
                  const std::vector<std::uint8_t>& is_plain, DisjointSets& sets)
-        : map_(map), atlas_(atlas), is_plain_(is_plain), sets_(sets) {}
+        : map_(map),
+          atlas_(atlas),
+          is_plain_(is_plain),
+          sets_(sets),
+          x_(all_of(map.x)),
+          y_(all_of(map.y)) {}
+    ~SharedTexels() { count_steps(steps_); }
+    SharedTexels(const SharedTexels&) = delete;
+    SharedTexels& operator=(const SharedTexels&) = delete;
 
     void unite() {
-        const TexelRange x = all_of(map_.x), y = all_of(map_.y);
         const auto count = std::uint32_t(atlas_.triangles.size());
         for (std::uint32_t t = 0; t < count; ++t)
-            if (is_plain_[t] && covers_all(in_map(map_, atlas_, t), x, y)) return unite_all(t);
+            if (is_plain_[t] && covers_all(in_map(map_, atlas_, t), x_, y_)) return unite_all(t);
         first_.assign(map_.raw.size(), no_index);
         unset_ = first_.size();
-        constexpr double inner = 1 - 1e-3;
         std::uint32_t next_look = 0;
         for (std::uint32_t t = 0; t < count; ++t) {
             if (!is_plain_[t]) continue;
-            MapTriangle p = in_map(map_, atlas_, t);
-            const glm::dvec2 centre = (p[0] + p[1] + p[2]) / 3.0;
-            for (glm::dvec2& corner : p) corner = glm::mix(centre, corner, inner);
-            for_covered(p, x, y, [&](std::int64_t i, std::int64_t j) {
+            for_covered(inside_of(t), x_, y_, [&](std::int64_t i, std::int64_t j) {
+                ++steps_;
                 std::uint32_t& of = first_[std::size_t(j * map_.x.size + i)];
                 if (of == no_index) {
                     of = t;
@@ -46,7 +51,7 @@ class SharedTexels {
                     sets_.unite(of, t);
                 }
             });
-            // Tiles: where one chart has all of the map, the others are of it.
+            // Tiles: where one chart has all of the map, the others that have texels are of it.
             if (unset_ > 0 || t < next_look) continue;
             if (is_one()) return unite_all(first_[0]);
             next_look = 2 * t + 1;
@@ -54,9 +59,22 @@ class SharedTexels {
     }
 
   private:
+    // A little smaller than it is.
+    MapTriangle inside_of(std::uint32_t triangle) const {
+        constexpr double inner = 1 - 1e-3;
+        MapTriangle p = in_map(map_, atlas_, triangle);
+        const glm::dvec2 centre = (p[0] + p[1] + p[2]) / 3.0;
+        for (glm::dvec2& corner : p) corner = glm::mix(centre, corner, inner);
+        return p;
+    }
+    // With the chart that has all texels: those that have one.
     void unite_all(std::uint32_t with) {
-        for (std::uint32_t t = 0; t < is_plain_.size(); ++t)
-            if (is_plain_[t]) sets_.unite(with, t);
+        for (std::uint32_t t = 0; t < is_plain_.size(); ++t) {
+            if (!is_plain_[t]) continue;
+            const MapTriangle p = inside_of(t);
+            const auto has_one = [&](std::int64_t, std::int64_t) { return ++steps_ > 0; };
+            if (covers_all(p, x_, y_) || any_covered(p, x_, y_, has_one)) sets_.unite(with, t);
+        }
     }
     bool is_one() {
         const std::uint32_t one = sets_.find(first_[0]);
@@ -68,11 +86,13 @@ class SharedTexels {
     const ChartAtlas& atlas_;
     const std::vector<std::uint8_t>& is_plain_;
     DisjointSets& sets_;
+    const TexelRange x_, y_;
     std::vector<std::uint32_t> first_;  // by texel: a triangle that covers it
     std::size_t unset_ = 0;             // of them
+    std::uint64_t steps_ = 0;           // texels looked at
 };
 
-// Where the chart lies, and whether along an axis it has texels twice.
+// Where the chart lies, and along which axes it goes on by the map's wrap.
 void find_place(const HeightMapData& map, const ChartAtlas& atlas, MapChart& chart) {
     glm::dvec2 low(std::numeric_limits<double>::infinity()), high(-low);
     for (const std::uint32_t t : chart.triangles)

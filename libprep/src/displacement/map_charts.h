@@ -21,15 +21,16 @@ struct MapChart {
     std::vector<std::uint32_t> triangles;  // none: all of the map, by its wrap
     double of_uvs = 0, of_surface = 0;     // areas
     glm::dvec2 low{0.0}, high{0.0};        // in map coordinates
-    // Along an axis it is larger than the map, as tiles are: it goes on there by the map's wrap.
+    // Along an axis it goes on by the map's wrap, as tiles do: it is larger than the map, or, where
+    // the map is mirrored, beyond it.
     std::array<bool, 2> wraps{};
     bool has_tiles() const { return wraps[0] || wraps[1]; }
 };
 
-// Triangles whose UVs go on across an edge that they share, and such groups where they share
-// texels: stacked and mirrored halves, tiles and trims. Triangles whose UVs are not finite, or
-// farther out than floats tell texels apart, are of no chart. Without triangles: one chart, of all
-// of the map.
+// Triangles whose UVs go on across an edge that they share, and such groups where both cover the
+// centre of a texel: stacked and mirrored halves, tiles and trims. Triangles whose UVs are not
+// finite, or farther out than floats tell texels apart, are of no chart. Without triangles: one
+// chart, of all of the map.
 std::vector<MapChart> map_charts(const HeightMapData& map, const ChartAtlas& atlas);
 
 // Whether the surface goes on across an edge, and its UVs with it.
@@ -59,10 +60,11 @@ inline bool covers_all(const MapTriangle& p, const TexelRange& x, const TexelRan
     return spans_often(p, x, 0) && spans_often(p, y, 1);
 }
 
-// Calls body(i, j) for the texels whose centres the triangle covers: those within the ranges, by
-// their wrap each at least once. Not for those that cover all.
-template <class Body>
-void for_covered(const MapTriangle& p, const TexelRange& x, const TexelRange& y, const Body& body) {
+// Calls see(i, j) for the texels whose centres the triangle covers, those within the ranges, by
+// their wrap each at least once, until it returns true; returns whether it did. Not for triangles
+// that cover all.
+template <class See>
+bool any_covered(const MapTriangle& p, const TexelRange& x, const TexelRange& y, const See& see) {
     const auto within = [](const TexelRange& range, std::int64_t first, std::int64_t last) {
         if (range.wraps) return std::pair(first, last);
         return std::pair(std::max(first, range.first),
@@ -72,7 +74,7 @@ void for_covered(const MapTriangle& p, const TexelRange& x, const TexelRange& y,
         return range.wraps ? range.axis.texel(i) : i;
     };
     const auto by_rows = [&](const MapTriangle& t, const TexelRange& columns,
-                             const TexelRange& rows, const auto& see) {
+                             const TexelRange& rows, const auto& see_it) {
         const auto [top, bottom] = std::minmax({t[0].y, t[1].y, t[2].y});
         const auto [first, last] =
             within(rows, std::int64_t(std::floor(top)), std::int64_t(std::ceil(bottom)));
@@ -84,14 +86,24 @@ void for_covered(const MapTriangle& p, const TexelRange& x, const TexelRange& y,
                 to = columns.count - 1;
             }
             const auto [i0, i1] = within(columns, from, to);
-            for (std::int64_t i = i0; i <= i1; ++i) see(at(columns, i), at(rows, j));
+            for (std::int64_t i = i0; i <= i1; ++i)
+                if (see_it(at(columns, i), at(rows, j))) return true;
         }
+        return false;
     };
     // Along the side that it spans less often.
-    if (!spans_often(p, y, 1)) return by_rows(p, x, y, body);
+    if (!spans_often(p, y, 1)) return by_rows(p, x, y, see);
     MapTriangle turned = p;
     for (glm::dvec2& corner : turned) std::swap(corner.x, corner.y);
-    by_rows(turned, y, x, [&](std::int64_t j, std::int64_t i) { body(i, j); });
+    return by_rows(turned, y, x, [&](std::int64_t j, std::int64_t i) { return see(i, j); });
+}
+// The same for all of them.
+template <class Body>
+void for_covered(const MapTriangle& p, const TexelRange& x, const TexelRange& y, const Body& body) {
+    any_covered(p, x, y, [&](std::int64_t i, std::int64_t j) {
+        body(i, j);
+        return false;
+    });
 }
 
 }  // namespace prep::detail
