@@ -2,6 +2,7 @@
 // face normals, hard edges, corner normals.
 #include <algorithm>
 
+#include "base/parallel.h"
 #include "normals/authored_normals.h"
 #include "normals/crease_fans.h"
 #include "pipeline/array_bytes.h"
@@ -97,7 +98,12 @@ bool MeshPreparation::keeps_lengths() const {
 // lets pass turns tangents by degrees.
 void MeshPreparation::make_normals_unit() {
     if (keeps_lengths()) return;
-    for (glm::vec3& n : mesh_.normals.values) n = unit_normal(n);
+    std::vector<glm::vec3>& values = mesh_.normals.values;
+    parallel_blocks(values.size(), 16384, options_.threads,
+                    [&](std::size_t begin, std::size_t end) {
+                        for (std::size_t i = begin; i < end; ++i)
+                            values[i] = unit_normal(values[i]);
+                    });
 }
 
 Result<CornerNormals> MeshPreparation::compute_normals(const std::string& reason) {
