@@ -1,5 +1,5 @@
 # Every third-party package, named once: the build finds them with find_package, the installed
 # meshprepConfig.cmake with find_dependency. Each is linked PRIVATE by the library that wraps it.
 set(meshprep_dependencies
-  Threads glm TBB nlohmann_json FastFloat meshoptimizer draco assimp fmt OpenMesh
+  Threads glm TBB nlohmann_json FastFloat meshoptimizer draco assimp hwy fmt OpenMesh
   OpenImageIOLibrary CGALHeaders OpenSubdiv)
