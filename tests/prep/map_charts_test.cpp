@@ -63,9 +63,10 @@ TEST(MapCharts, TilesLeaveOtherChartsAlone) {
         return [=](const glm::dvec2& p) { return std::sin(2 * pi * cycles * (p.x - 0.1) / 0.3); };
     };
     for (const auto& [cycles, passes] : {std::pair(2.0, true), std::pair(7.0, false)}) {
+        const auto inside = wave(cycles);
         const Image image = picture(size, size, [&](auto x, auto y) {
             const glm::dvec2 p((x + 0.5) / size, (y + 0.5) / size);
-            if (is_inside(chart, p)) return wave(cycles)(p);
+            if (is_inside(chart, p)) return inside(p);
             return p.y < 0.45 && p.y > 0.05 ? std::sin(2 * pi * 4 * p.x + 1) : 1e6;
         });
         const auto map = HeightMap::make(image, plain());

@@ -48,7 +48,7 @@ void check(const Case& of, const prep::detail::VertexCorners* around, int thread
     }
 }
 
-TEST(SourceCorners, AreThoseOfEachVertex) {
+TEST(SourceCorners, AreThoseOfEachVertexWithAnyThreads) {
     for (const auto& [corners, vertices, reach] :
          {std::tuple(0, 0, 1u), std::tuple(3, 12, 3u), std::tuple(700'000, 120'000, 40u),
           std::tuple(500'000, 9, 9u)}) {
