@@ -295,6 +295,24 @@ TEST(Split, RandomLayersGiveOneVertexForEachSetOfBits) {
     }
 }
 
+// Layers that have their vertices' numbers are read by vertex: those that have them up to some
+// corner, or from one on, are not.
+TEST(Split, LayersThatFollowVerticesInPartAreReadByCorner) {
+    for (const bool from_the_end : {false, true}) {
+        Mesh mesh = shapes::grid(6, 4);
+        prep::CornerLayer<glm::vec2>& uvs = mesh.uvs.emplace_back();
+        for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
+            uvs.values.emplace_back(float(v), 0.5f);
+        uvs.indices = mesh.corner_vertices;
+        const std::size_t corner = from_the_end ? 1 : mesh.corner_count() - 2;
+        uvs.indices[corner] = uvs.indices[corner] == 0 ? 1 : 0;
+        const VertexMesh out = split_of(mesh);
+        for (std::size_t c = 0; c < mesh.corner_count(); ++c)
+            EXPECT_EQ(out.uvs[0][out.corner_vertices[c]], uvs.values[uvs.indices[c]]) << c;
+        split_oracle::expect_right(mesh, out);
+    }
+}
+
 TEST(Split, SplitMeshSplitsNoFurther) {
     for (std::uint64_t seed = 0; seed < 10; ++seed) {
         const VertexMesh once = split_of(random_layers(seed));
