@@ -80,6 +80,33 @@ TEST(GltfCompressionOdd, IndicesOfADracoPrimitiveThatAreNotThereAreErrors) {
         << prep::to_string(scene.error());
 }
 
+// A Draco primitive that has nothing to draw is written as it came, accessors included.
+TEST(GltfCompressionOdd, QuantisingLeavesDracoPrimitivesWithoutPositions) {
+    const test::TempDir dir;
+    Maker d;
+    Maker::Json primitive = d.draco_primitive(
+        {{"POSITION", 5126, 3, false, {0, 0, 0, 4, 0, 0, 4, 4, 1, 0, 0, 0, 4, 4, 1, 0, 4, 2}},
+         {"NORMAL",
+          5126,
+          3,
+          false,
+          {1e5, 0, 0.8, 0.8, 0, 0.6, 0, 0.6, 0.8, 1e5, 0, 0.8, 0, 0.6, 0.8, 0, 0.8, 0.6}}});
+    primitive["attributes"]["_PLACE"] = primitive["attributes"]["POSITION"];
+    primitive["attributes"].erase("POSITION");
+    d.mesh({primitive});
+    const auto scene = d.read();
+    ASSERT_TRUE(scene) << prep::to_string(scene.error());
+    for (const Compression c : {Compression::keep, Compression::none, Compression::meshopt}) {
+        prep::SaveOptions options;
+        options.compression = c;
+        options.quantization = {8, 8, 8, 8};
+        prep::Scene copy = *scene;
+        ASSERT_TRUE(prep::save_scene(test::untouched(std::move(copy)), dir / "a.glb", options));
+        const auto again = prep::load_scene(dir / "a.glb");
+        EXPECT_TRUE(again) << prep::to_string(again.error());
+    }
+}
+
 TEST(GltfCompressionOdd, AListOfExtensionsThatIsNoListBecomesOne) {
     const test::TempDir dir;
     for (const Compression c : {Compression::draco, Compression::meshopt})

@@ -38,6 +38,12 @@ glm::dvec3 vector_at(const std::vector<float>& values, std::size_t i, std::size_
     return {values[i * width], values[i * width + 1], values[i * width + 2]};
 }
 
+// One that could not be drawn is written as it came: its accessors say what the Draco data hold.
+bool stays_in_draco(const Json& primitive) {
+    const auto extensions = primitive.find("extensions");
+    return extensions != primitive.end() && extensions->contains("KHR_draco_mesh_compression");
+}
+
 class Quantizer {
   public:
     Quantizer(Json& json, PackedBuffer packed, const Quantization& bits, QuantizationReport& report,
@@ -92,7 +98,8 @@ class Quantizer {
     }
 
     Result<void> mesh(std::size_t m) {
-        for (Json& primitive : json_["meshes"][m]["primitives"])
+        for (Json& primitive : json_["meshes"][m]["primitives"]) {
+            if (stays_in_draco(primitive)) continue;
             for (auto& item : primitive["attributes"].items()) {
                 Result<void> done;
                 if (item.key() == "NORMAL" && bits_.normals != 0)
@@ -103,6 +110,7 @@ class Quantizer {
                     done = attribute(uvs, item.value(), 2);
                 if (!done) return done;
             }
+        }
         return bits_.positions != 0 ? place(m) : Result<void>();
     }
 
@@ -215,6 +223,9 @@ class Quantizer {
         if (!box) return box.error();
         if (box->values == 0) return {};
         std::string why = nodes_.no_place_for_grid(m);
+        for (const Json& primitive : json_["meshes"][m]["primitives"])
+            if (stays_in_draco(primitive) && primitive["attributes"].contains("POSITION"))
+                why = "with primitives that are written as they came";
         if (!box->finite) why = "that are not finite";
         const glm::dvec3 size = box->high - box->low;
         const double extent = std::max({size.x, size.y, size.z});
