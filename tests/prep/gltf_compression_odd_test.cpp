@@ -11,6 +11,7 @@
 #include "mesh_files.h"
 #include "prep/load.h"
 #include "prep/save.h"
+#include "shared_data.h"
 #include "written_gltf.h"
 
 namespace {
@@ -76,6 +77,15 @@ TEST(GltfCompressionOdd, IndicesOfADracoPrimitiveThatAreNotThereAreErrors) {
     const auto scene = d.read();
     ASSERT_FALSE(scene.has_value());
     EXPECT_NE(prep::to_string(scene.error()).find("/meshes/0/primitives/0/indices"),
+              std::string::npos)
+        << prep::to_string(scene.error());
+}
+
+// Draco has them, glTF has not.
+TEST(GltfCompressionOdd, TruthValuesInDracoAreErrors) {
+    const auto scene = prep::load_scene(test::source_dir() / "fuzz/corpus/gltf/draco_of_bools.glb");
+    ASSERT_FALSE(scene);
+    EXPECT_NE(prep::to_string(scene.error()).find("its values cannot be converted"),
               std::string::npos)
         << prep::to_string(scene.error());
 }

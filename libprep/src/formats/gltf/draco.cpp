@@ -24,6 +24,8 @@ bool fill(const draco::Mesh& mesh, const draco::PointAttribute& attribute, int w
 }
 
 bool fill(const draco::Mesh& mesh, const draco::PointAttribute& attribute, RawAccessor& raw) {
+    // glTF has none, and Draco reads their bytes, which may be any, as truth values.
+    if (attribute.data_type() == draco::DT_BOOL) return false;
     switch (raw.component_type) {
         case 5120:
             return fill<std::int8_t>(mesh, attribute, raw.width, raw.bytes);
