@@ -72,7 +72,10 @@ class SharedTexels {
         for (std::uint32_t t = 0; t < is_plain_.size(); ++t) {
             if (!is_plain_[t]) continue;
             const MapTriangle p = inside_of(t);
-            const auto has_one = [&](std::int64_t, std::int64_t) { return ++steps_ > 0; };
+            const auto has_one = [&](std::int64_t, std::int64_t) {
+                ++steps_;
+                return true;
+            };
             if (covers_all(p, x_, y_) || any_covered(p, x_, y_, has_one)) sets_.unite(with, t);
         }
     }

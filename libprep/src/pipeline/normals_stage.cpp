@@ -12,6 +12,8 @@
 namespace prep::detail {
 namespace {
 
+constexpr std::size_t normal_grain = 16384;
+
 // Formats that index by vertex repeat a point for every seam: adjacency then needs the weld. A file
 // that indexes attributes apart from positions says itself which points are one.
 bool indexed_by_vertex(const Mesh& mesh) {
@@ -99,7 +101,7 @@ bool MeshPreparation::keeps_lengths() const {
 void MeshPreparation::make_normals_unit() {
     if (keeps_lengths()) return;
     std::vector<glm::vec3>& values = mesh_.normals.values;
-    parallel_blocks(values.size(), 16384, options_.threads,
+    parallel_blocks(values.size(), normal_grain, options_.threads,
                     [&](std::size_t begin, std::size_t end) {
                         for (std::size_t i = begin; i < end; ++i)
                             values[i] = unit_normal(values[i]);

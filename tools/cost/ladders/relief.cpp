@@ -16,6 +16,7 @@ namespace {
 
 constexpr std::uint32_t side = 192;  // pixels, which the unit square fills
 constexpr double relief_height = 0.05;
+
 enum class Shown { bump, normal_map, displaced };
 
 // −1 … 1 as 0 … 1, which 16 bits hold to a 65,535th.
@@ -50,15 +51,12 @@ prep::Mesh one_quad() {
     return mesh;
 }
 
-prep::VertexMesh flat_square() {
-    prep::VertexMesh mesh;
-    mesh.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
-    mesh.normals.assign(4, {0, 0, 1});
+prep::Result<prep::VertexMesh> flat_square() {
+    auto mesh = prep::split(one_quad());
+    if (!mesh) return mesh;
+    mesh->normals.assign(mesh->vertex_count(), {0, 0, 1});
     // v runs down in pictures: the bitangent is against it.
-    mesh.tangents.assign(4, {1, 0, 0, -1});
-    mesh.uvs.emplace_back();
-    for (const glm::vec3& p : mesh.positions) mesh.uvs[0].emplace_back(p);
-    mesh.indices = {0, 1, 2, 0, 2, 3};
+    mesh->tangents.assign(mesh->vertex_count(), {1, 0, 0, -1});
     return mesh;
 }
 
@@ -87,34 +85,24 @@ prep::Result<std::shared_ptr<const prep::PreparedScene>> scene_shown(const prep:
     material.diffuse = glm::vec4(1);
     material.specular = glm::vec3(0);
     material.double_sided = true;
-    prep::VertexMesh mesh = flat_square();
+    auto mesh =
+        shown == Shown::displaced ? displaced_square(heights, chord_error, threads) : flat_square();
+    if (!mesh) return mesh.error();
     prep::Image map = heights;
-    if (shown == Shown::displaced) {
-        auto made = displaced_square(heights, chord_error, threads);
-        if (!made) return made.error();
-        mesh = *std::move(made);
-    } else if (shown == Shown::normal_map) {
+    if (shown == Shown::normal_map) {
         prep::HeightToNormalOptions options;
         options.map = height_options();
         auto normals = prep::height_to_normal(heights, options);
         if (!normals) return normals.error();
         map = *std::move(normals);
         material.normal_map.texture = 0;
-    } else {
+    } else if (shown == Shown::bump) {
         material.bump_map.texture = 0;
         material.bump_map.strength = 2 * float(relief_height);
     }
-    prep::PreparedScene scene = scene_of(std::move(mesh), material);
-    if (shown != Shown::displaced) {
-        auto png = prep::encode_png(map, prep::PixelType::u16);
-        if (!png) return png.error();
-        prep::ImageRef ref;
-        ref.name = "relief";
-        ref.bytes = *std::move(png);
-        ref.mime_type = "image/png";
-        scene.scene.images.push_back(std::move(ref));
-        scene.scene.textures.push_back({.image = 0});
-    }
+    prep::PreparedScene scene = scene_of(*std::move(mesh), material);
+    if (shown != Shown::displaced)
+        if (auto done = add_texture(scene, map, prep::PixelType::u16); !done) return done.error();
     return std::make_shared<const prep::PreparedScene>(std::move(scene));
 }
 

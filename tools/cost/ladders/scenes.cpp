@@ -17,6 +17,21 @@ prep::PreparedScene scene_of(prep::VertexMesh mesh, const prep::Material& materi
     return out;
 }
 
+prep::Result<void> add_texture(prep::PreparedScene& scene, const prep::Image& image,
+                               prep::PixelType type) {
+    auto png = prep::encode_png(image, type);
+    if (!png) return png.error();
+    prep::ImageRef ref;
+    ref.name = "picture";
+    ref.bytes = *std::move(png);
+    ref.mime_type = "image/png";
+    prep::Texture texture;
+    texture.image = std::uint32_t(scene.scene.images.size());
+    scene.scene.images.push_back(std::move(ref));
+    scene.scene.textures.push_back(texture);
+    return {};
+}
+
 prep::Material plain_white() {
     prep::Material white;
     white.diffuse = glm::vec4(1);

@@ -12,6 +12,9 @@ namespace cost {
 
 // One mesh, one material, as preparation would leave them.
 prep::PreparedScene scene_of(prep::VertexMesh mesh, const prep::Material& material);
+// Adds a picture and a texture of it, the scene's last. Errors: those of writing a PNG.
+prep::Result<void> add_texture(prep::PreparedScene& scene, const prep::Image& image,
+                               prep::PixelType type = prep::PixelType::u8);
 // White whatever the light.
 prep::Material plain_white();
 

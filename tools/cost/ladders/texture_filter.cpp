@@ -42,16 +42,7 @@ prep::Result<prep::PreparedScene> scene_of_floor(const TexturedPlane& plane) {
     prep::Image image{texels, texels, 3, {}};
     for (const double t : plane.texels)
         for (int c = 0; c < 3; ++c) image.pixels.push_back(float(t));
-    auto png = prep::encode_png(image);
-    if (!png) return png.error();
-    prep::ImageRef ref;
-    ref.name = "floor";
-    ref.bytes = *std::move(png);
-    ref.mime_type = "image/png";
-    scene.scene.images.push_back(std::move(ref));
-    prep::Texture texture;
-    texture.image = 0;
-    scene.scene.textures.push_back(texture);
+    if (auto done = add_texture(scene, image); !done) return done.error();
     return scene;
 }
 
