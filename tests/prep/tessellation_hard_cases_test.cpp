@@ -3,7 +3,7 @@
 
 #include "hard_cases.h"
 #include "prep/displacement/tessellate.h"
-#include "tessellation/limit_base.h"
+#include "tessellation/limit/limit_base.h"
 #include "tessellation/tessellation.h"
 #include "tessellation_checks.h"
 

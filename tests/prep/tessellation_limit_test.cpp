@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "prep/displacement/tessellate.h"
-#include "tessellation/limit_base.h"
+#include "tessellation/limit/limit_base.h"
 #include "tessellation/tessellation.h"
 #include "tessellation_checks.h"
 
@@ -31,21 +31,75 @@ Mesh creased_cube(float sharpness) {
     return mesh;
 }
 
-std::vector<Mesh> cages() {
-    return {cube(),  torus(6, 5), prism(3),         prism(5),          prism(9),
-            cone(3), cone(8),     creased_cube(10), creased_cube(2.5F)};
+// Polygons as fans of triangles; creases stay.
+Mesh in_triangles(const Mesh& polygons) {
+    Mesh mesh;
+    mesh.positions = polygons.positions;
+    mesh.subdivision.creases = polygons.subdivision.creases;
+    for (std::uint32_t f = 0; f < polygons.face_count(); ++f) {
+        const auto* const v = polygons.corner_vertices.data() + polygons.face_offsets[f];
+        for (std::uint32_t k = 2; k < polygons.face_offsets[f + 1] - polygons.face_offsets[f]; ++k)
+            add_face(mesh, {v[0], v[k - 1], v[k]});
+    }
+    return mesh;
+}
+
+// A vertex where `n` triangles meet, at the tip of a cone; around it another ring of them.
+Mesh wide_cone(std::uint32_t n) {
+    Mesh mesh;
+    mesh.positions.emplace_back(0, 0, 1);
+    for (const double r : {1.0, 2.0})
+        for (std::uint32_t k = 0; k < n; ++k) {
+            const double a = 2 * std::numbers::pi * k / n;
+            mesh.positions.emplace_back(r * std::cos(a), r * std::sin(a), r == 1 ? 0.3 : 0.1);
+        }
+    for (std::uint32_t k = 0; k < n; ++k) {
+        const std::uint32_t p = 1 + k, q = 1 + (k + 1) % n;
+        add_face(mesh, {0, p, q});
+        add_face(mesh, {p, p + n, q + n});
+        add_face(mesh, {p, q + n, q});
+    }
+    return mesh;
+}
+
+struct Cage {
+    Mesh mesh;
+    SubdivisionScheme scheme;
+};
+
+Result<detail::LimitBase> base_of(const Cage& cage) {
+    SubdivideOptions options;
+    options.scheme = cage.scheme;
+    return detail::LimitBase::make(cage.mesh, options, true);
+}
+detail::Domain domain_of(const Cage& cage, const detail::LimitBase& base) {
+    return detail::make_domain(cage.mesh, base.left_out(), base.has_triangles(), 1);
+}
+
+std::vector<Cage> cages() {
+    std::vector<Cage> all;
+    for (const Mesh& mesh : {cube(), torus(6, 5), prism(3), prism(5), prism(9), cone(3), cone(8),
+                             creased_cube(10), creased_cube(2.5F)})
+        all.push_back({mesh, SubdivisionScheme::catmark});
+    for (const Mesh& mesh : {cube(), torus(6, 5), prism(3), cone(8), wide_cone(3), wide_cone(9),
+                             creased_cube(10), creased_cube(2.5F)})
+        all.push_back({in_triangles(mesh), SubdivisionScheme::loop});
+    return all;
 }
 
 // A random triangle of bisection within a random root, against samples of LimitSurface.
 TEST(TessellationLimit, BoundsHoldOverSampledTriangles) {
     std::mt19937 random(11);
-    std::vector<double> position_looseness, direction_looseness, direction_at_corners,
-        direction_of_small;
-    int coarse_bounds = 0;
-    for (const Mesh& cage : cages()) {
-        auto base = detail::LimitBase::make(cage, {}, true);
+    struct Looseness {
+        std::vector<double> position, direction, at_corners, of_small;
+        int coarse_bounds = 0;
+    };
+    std::map<SubdivisionScheme, Looseness> of_scheme;
+    for (const Cage& cage : cages()) {
+        Looseness& looseness = of_scheme[cage.scheme];
+        auto base = base_of(cage);
         ASSERT_TRUE(base) << to_string(base.error());
-        const detail::Domain domain = detail::make_domain(cage, base->left_out(), false, 1);
+        const detail::Domain domain = domain_of(cage, *base);
         base->set_domain(domain);
         std::uniform_int_distribution<std::uint32_t> roots(0,
                                                            std::uint32_t(domain.roots.size() - 1));
@@ -91,34 +145,37 @@ TEST(TessellationLimit, BoundsHoldOverSampledTriangles) {
             EXPECT_LE(position, bound.position + 1e-13) << trial;
             EXPECT_LE(direction, bound.direction + 1e-11) << trial;
             if (const auto coarse = base->coarse_deviation(root, weights)) {
-                ++coarse_bounds;
+                ++looseness.coarse_bounds;
                 EXPECT_LE(position, coarse->position + 1e-13) << trial;
                 EXPECT_LE(direction, coarse->direction + 1e-11) << trial;
             }
-            if (position > 1e-12) position_looseness.push_back(bound.position / position);
+            if (position > 1e-12) looseness.position.push_back(bound.position / position);
             if (direction > 1e-11)
-                (at_corner ? direction_at_corners : direction_looseness)
+                (at_corner ? looseness.at_corners : looseness.direction)
                     .push_back(bound.direction / direction);
             if (direction > 1e-11 && !at_corner && depth >= 8)
-                direction_of_small.push_back(bound.direction / direction);
+                looseness.of_small.push_back(bound.direction / direction);
         }
     }
-    EXPECT_GE(coarse_bounds, 500);
     const auto median = [](std::vector<double> v) {
         std::nth_element(v.begin(), v.begin() + std::ptrdiff_t(v.size() / 2), v.end());
         return v[v.size() / 2];
     };
-    std::printf(
-        "median of bound / true: position %.2f, direction %.2f, of small triangles %.2f, at "
-        "corners %.2f\n",
-        median(position_looseness), median(direction_looseness), median(direction_of_small),
-        median(direction_at_corners));
-    EXPECT_LE(median(position_looseness), 4);
-    // Large triangles and all: 5.8. At extraordinary vertices second derivatives are not bounded,
-    // and the bound is of first order.
-    EXPECT_LE(median(direction_looseness), 7);
-    EXPECT_LE(median(direction_of_small), 5);
-    EXPECT_LE(median(direction_at_corners), 20);
+    for (const auto& [scheme, looseness] : of_scheme) {
+        std::printf(
+            "%s, median of bound / true: position %.2f, direction %.2f, of small triangles %.2f, "
+            "at corners %.2f; %d bounds of cells\n",
+            scheme == SubdivisionScheme::loop ? "loop" : "catmark", median(looseness.position),
+            median(looseness.direction), median(looseness.of_small), median(looseness.at_corners),
+            looseness.coarse_bounds);
+        EXPECT_GE(looseness.coarse_bounds, 500);
+        EXPECT_LE(median(looseness.position), 4);
+        // Large triangles and all: 5.8. At extraordinary vertices second derivatives are not
+        // bounded, and the bound is of first order.
+        EXPECT_LE(median(looseness.direction), 7);
+        EXPECT_LE(median(looseness.of_small), 5);
+        EXPECT_LE(median(looseness.at_corners), 20);
+    }
 }
 
 // Against differences of the directions themselves. Points that come together, piece after piece
@@ -126,10 +183,10 @@ TEST(TessellationLimit, BoundsHoldOverSampledTriangles) {
 TEST(TessellationLimit, FramesTurnAsDirectionsDo) {
     std::mt19937 random(17);
     const auto part = [&] { return 0.1 + 0.3 * double(random()) / 4294967296.0; };
-    for (const Mesh& cage : cages()) {
-        auto base = detail::LimitBase::make(cage, {}, true);
+    for (const Cage& cage : cages()) {
+        auto base = base_of(cage);
         ASSERT_TRUE(base) << to_string(base.error());
-        const detail::Domain domain = detail::make_domain(cage, base->left_out(), false, 1);
+        const detail::Domain domain = domain_of(cage, *base);
         base->set_domain(domain);
         std::vector<detail::RootPoint> at;
         for (int k = 0; k < 200; ++k) {
@@ -165,19 +222,24 @@ TEST(TessellationLimit, FramesTurnAsDirectionsDo) {
     }
 }
 
-Result<detail::ChannelSurface> channel_surface(const Mesh& cage) {
-    const auto channel = detail::position_cage(cage, {});
+Result<detail::ChannelSurface> channel_surface(const Cage& cage) {
+    SubdivideOptions options;
+    options.scheme = cage.scheme;
+    const auto channel = detail::position_cage(cage.mesh, options);
     if (!channel) return channel.error();
     std::vector<double> numbers;
-    for (const glm::vec3& p : cage.positions)
+    for (const glm::vec3& p : cage.mesh.positions)
         for (int k = 0; k < 3; ++k) numbers.push_back(double(p[k]));
     return detail::ChannelSurface::make(*channel, numbers, 3, true, 12, 1);
 }
 
-// Against one that has never been asked: two surfaces in turn, with normals and without.
-TEST(TessellationLimit, CellsAreThoseOfTheSurfaceAndOfWhatIsAsked) {
+void expect_cells_of_their_surface(SubdivisionScheme scheme) {
+    const bool triangles = scheme == SubdivisionScheme::loop;
+    const auto made_of = [&](const Mesh& mesh) {
+        return channel_surface({triangles ? in_triangles(mesh) : mesh, scheme});
+    };
     std::mt19937 random(21);
-    const auto a = channel_surface(torus(6, 5)), b = channel_surface(torus(5, 6));
+    const auto a = made_of(torus(6, 5)), b = made_of(torus(5, 6));
     ASSERT_TRUE(a && b);
     const std::array<const detail::ChannelSurface*, 2> surfaces{&*a, &*b};
     std::vector<std::unique_ptr<detail::CellBounds>> asked;
@@ -189,8 +251,12 @@ TEST(TessellationLimit, CellsAreThoseOfTheSurfaceAndOfWhatIsAsked) {
         const std::size_t which = random() % 4;
         const auto root = std::uint32_t(random() % 30);
         const double side = std::ldexp(1.0, -3 - int(random() % 3)), cell = 4 * side;
-        const glm::dvec2 low = cell * glm::dvec2(std::floor(double(random() % 1024) / 1024 / cell),
-                                                 std::floor(double(random() % 1024) / 1024 / cell));
+        glm::dvec2 low = cell * glm::dvec2(std::floor(double(random() % 1024) / 1024 / cell),
+                                           std::floor(double(random() % 1024) / 1024 / cell));
+        if (triangles) {
+            low *= detail::triangle_root_side;
+            if (low.x + low.y >= detail::triangle_root_side) continue;
+        }
         const std::array<glm::dvec2, 3> p{low, low + glm::dvec2(side, 0),
                                           low + glm::dvec2(0, side)};
         const auto known = asked[which]->deviation(root, p);
@@ -203,7 +269,13 @@ TEST(TessellationLimit, CellsAreThoseOfTheSurfaceAndOfWhatIsAsked) {
         ASSERT_EQ(known->direction, made->direction);
         ASSERT_EQ(known->direction > 0, which % 2 == 1);
     }
-    EXPECT_GT(bounded, 10000);
+    EXPECT_GT(bounded, triangles ? 5000 : 10000);
+}
+
+// Against one that has never been asked: two surfaces in turn, with normals and without.
+TEST(TessellationLimit, CellsAreThoseOfTheSurfaceAndOfWhatIsAsked) {
+    expect_cells_of_their_surface(SubdivisionScheme::catmark);
+    expect_cells_of_their_surface(SubdivisionScheme::loop);
 }
 
 // A base without bounds of cells.
@@ -237,11 +309,10 @@ Mesh uneven_torus() {
     return mesh;
 }
 
-TEST(TessellationLimit, CellsHalveTheSameTriangles) {
-    const Mesh cage = uneven_torus();
-    auto base = detail::LimitBase::make(cage, {}, true);
+void expect_cells_to_halve_the_same(const Cage& cage) {
+    auto base = base_of(cage);
     ASSERT_TRUE(base) << to_string(base.error());
-    const detail::Domain domain = detail::make_domain(cage, base->left_out(), false, 1);
+    const detail::Domain domain = domain_of(cage, *base);
     base->set_domain(domain);
     for (const auto& [frequency, scale, asked] :
          {std::array{5.0, 0.05, 0.015}, std::array{5.0, 0.05, 0.004}, std::array{6.0, 0.02, 0.008},
@@ -252,18 +323,23 @@ TEST(TessellationLimit, CellsHalveTheSameTriangles) {
         const auto function = noise_function(noise);
         ASSERT_TRUE(function) << to_string(function.error());
         TessellateOptions options;
-        options.scheme = SubdivisionScheme::catmark;
+        options.scheme = cage.scheme;
         options.chord_error = asked;
         options.displacements.resize(1);
         options.displacements[0].noise = *function;
         const auto count = [&](const detail::BaseSurface& surface) -> std::uint64_t {
             const auto made =
-                detail::tessellate(cage, domain, surface, options, base->first_halving(), {});
+                detail::tessellate(cage.mesh, domain, surface, options, base->first_halving(), {});
             EXPECT_TRUE(made) << to_string(made.error());
             return made ? made->certificate.triangles : 0;
         };
         EXPECT_EQ(count(*base), count(WithoutCells(*base))) << asked;
     }
+}
+
+TEST(TessellationLimit, CellsHalveTheSameTriangles) {
+    expect_cells_to_halve_the_same({uneven_torus(), SubdivisionScheme::catmark});
+    expect_cells_to_halve_the_same({in_triangles(uneven_torus()), SubdivisionScheme::loop});
 }
 
 // A vector that is 0: quick bounds are for heights alone, and a look is taken at every triangle.
@@ -305,79 +381,111 @@ TEST(TessellationLimit, QuickBoundsHalveTheSameTriangles) {
     }
 }
 
+// The hull, and the cone about the vertex' normal, of what a tip is bounded by.
+void expect_tip_to_hold(const detail::LimitTip& tip, const detail::RingCones& cones,
+                        const glm::dvec3& axis, const glm::dvec3& p, const glm::dvec3& normal) {
+    glm::dvec3 low(HUGE_VAL), high(-HUGE_VAL);
+    for (const glm::dvec3& at : tip.hull) {
+        low = glm::min(low, at);
+        high = glm::max(high, at);
+    }
+    for (glm::length_t d = 0; d < 3; ++d) {
+        EXPECT_GE(p[d], low[d] - 1e-14);
+        EXPECT_LE(p[d], high[d] + 1e-14);
+    }
+    EXPECT_LE(glm::length(normal - axis), cones.from_level(tip.ring, tip.sector, tip.level) + 1e-9);
+}
+
 // Of the innermost part no bound of a triangle shows what it adds: pieces around it reach farther.
 TEST(TessellationLimit, WhatIsLeftAroundAVertexIsBounded) {
     std::mt19937 random(16);
     std::uniform_real_distribution<double> number(0, 1);
-    std::size_t tips = 0;
-    for (const Mesh& cage : cages()) {
+    std::map<SubdivisionScheme, std::size_t> tips;
+    for (const Cage& cage : cages()) {
         const auto surface = channel_surface(cage);
         ASSERT_TRUE(surface);
+        const bool triangles = cage.scheme == SubdivisionScheme::loop;
+        const double root_side = triangles ? detail::triangle_root_side : 1;
         const detail::RingCones cones(*surface, 1);
         detail::PatchEvaluator evaluator(surface->pieces(), SimdLevel::automatic);
         detail::LimitPieces pieces;
+        const auto look = [&](std::uint32_t root, double asked_area) {
+            double area = 0;
+            for (const auto& patch : pieces.patches)
+                area += patch.box.size().x * patch.box.size().y;
+            for (const auto& patch : pieces.triangles)
+                area += std::abs(detail::cross_of(patch.corners[1] - patch.corners[0],
+                                                  patch.corners[2] - patch.corners[0])) /
+                        2;
+            for (const detail::LimitTip& tip : pieces.tips) {
+                ++tips[cage.scheme];
+                const glm::dvec2 size = tip.box.size();
+                area += size.x * size.y / (triangles ? 2 : 1);
+                const glm::dvec3 axis = surface->rings.normal(tip.ring).normal;
+                for (int sample = 0; sample < 20; ++sample) {
+                    glm::dvec2 at = tip.box.low + glm::dvec2(number(random), number(random)) * size;
+                    const glm::dvec2 part = (at - tip.box.low) / size;
+                    if (triangles && part.x + part.y > 1) at = tip.box.low + tip.box.high - at;
+                    glm::dvec3 p, du, dv;
+                    evaluator.point(root, at.x / root_side, at.y / root_side, &p.x, &du.x, &dv.x);
+                    expect_tip_to_hold(tip, cones, axis, p, glm::normalize(glm::cross(du, dv)));
+                }
+            }
+            EXPECT_NEAR(area, asked_area, 1e-12 * asked_area);
+        };
         for (std::uint32_t root = 0; root < surface->tree.roots.size(); ++root)
-            for (const double x : {0.0, 1.0})
-                for (const double y : {0.0, 1.0})
-                    for (const double size : {0x1p-3, 0x1p-7}) {
-                        const glm::dvec2 a(x, y), b = a + size * (1.0 - 2.0 * a);
-                        detail::collect_pieces(*surface, root, {glm::min(a, b), glm::max(a, b)},
-                                               pieces);
-                        double area = 0;
-                        for (const auto& patch : pieces.patches)
-                            area += patch.box.size().x * patch.box.size().y;
-                        for (const detail::LimitTip& tip : pieces.tips) {
-                            ++tips;
-                            area += tip.box.size().x * tip.box.size().y;
-                            glm::dvec3 low(HUGE_VAL), high(-HUGE_VAL);
-                            for (const glm::dvec3& p : tip.hull) {
-                                low = glm::min(low, p);
-                                high = glm::max(high, p);
-                            }
-                            const double cone = cones.from_level(tip.ring, tip.sector, tip.level);
-                            const glm::dvec3 middle = surface->rings.normal(tip.ring).normal;
-                            for (int sample = 0; sample < 20; ++sample) {
-                                const glm::dvec2 at =
-                                    tip.box.low +
-                                    glm::dvec2(number(random), number(random)) * tip.box.size();
-                                glm::dvec3 p, du, dv;
-                                evaluator.point(root, at.x, at.y, &p.x, &du.x, &dv.x);
-                                for (glm::length_t d = 0; d < 3; ++d) {
-                                    EXPECT_GE(p[d], low[d] - 1e-14);
-                                    EXPECT_LE(p[d], high[d] + 1e-14);
-                                }
-                                EXPECT_LE(glm::length(glm::normalize(glm::cross(du, dv)) - middle),
-                                          cone + 1e-9);
-                            }
-                        }
-                        EXPECT_NEAR(area, size * size, 1e-12 * size * size);
+            for (const double size : {0x1p-3, 0x1p-7}) {
+                if (triangles) {
+                    const double side = root_side * size, rest = root_side - side;
+                    for (const glm::dvec2 at : {glm::dvec2(0.0), {rest, 0}, {0, rest}}) {
+                        const detail::ParameterTriangle asked{at, at + glm::dvec2(side, 0),
+                                                              at + glm::dvec2(0, side)};
+                        detail::collect_pieces(*surface, root, asked, pieces);
+                        look(root, side * side / 2);
                     }
+                    continue;
+                }
+                for (const double x : {0.0, 1.0})
+                    for (const double y : {0.0, 1.0}) {
+                        const glm::dvec2 a(x, y), b = a + size * (1.0 - 2.0 * a);
+                        const detail::ParameterBox box{glm::min(a, b), glm::max(a, b)};
+                        detail::collect_pieces(*surface, root, box, pieces);
+                        look(root, size * size);
+                    }
+            }
     }
-    EXPECT_GT(tips, 100u);
+    EXPECT_GT(tips[SubdivisionScheme::catmark], 100u);
+    EXPECT_GT(tips[SubdivisionScheme::loop], 100u);
 }
 
 TEST(TessellationLimit, PointsAreThoseOfTheLimitSurface) {
-    for (const Mesh& cage : cages()) {
-        const auto limit = LimitSurface::make(cage);
+    for (const Cage& cage : cages()) {
+        const Mesh& mesh = cage.mesh;
+        SubdivideOptions subdivision;
+        subdivision.scheme = cage.scheme;
+        const auto limit = LimitSurface::make(mesh, subdivision);
         ASSERT_TRUE(limit);
         TessellateOptions options;
-        options.scheme = SubdivisionScheme::catmark;
+        options.scheme = cage.scheme;
         options.edge_length = 0.3;
-        const auto made = tessellate(cage, options);
+        const auto made = tessellate(mesh, options);
         ASSERT_TRUE(made) << to_string(made.error());
         // Corners of the cage, by another way.
         std::vector<SurfaceLocation> at(1);
         std::vector<SurfacePoint> points(1);
-        std::vector<glm::dvec3> expected(cage.vertex_count());
-        for (std::uint32_t f = 0; f < cage.face_count(); ++f) {
-            const std::uint32_t first = cage.face_offsets[f], n = cage.face_offsets[f + 1] - first;
+        std::vector<glm::dvec3> expected(mesh.vertex_count());
+        for (std::uint32_t f = 0; f < mesh.face_count(); ++f) {
+            const std::uint32_t first = mesh.face_offsets[f], n = mesh.face_offsets[f + 1] - first;
             for (std::uint32_t k = 0; k < n; ++k) {
                 const std::uint32_t columns = 1 + std::uint32_t(std::sqrt(double(n - 1)));
-                at[0] = n == 4
-                            ? SurfaceLocation{f, k == 1 || k == 2 ? 1.0 : 0.0, k >= 2 ? 1.0 : 0.0}
-                            : SurfaceLocation{f, double(k % columns), double(k / columns)};
+                if (cage.scheme == SubdivisionScheme::loop)
+                    at[0] = {f, double(k == 1), double(k == 2)};
+                else if (n == 4)
+                    at[0] = {f, k == 1 || k == 2 ? 1.0 : 0.0, k >= 2 ? 1.0 : 0.0};
+                else
+                    at[0] = {f, double(k % columns), double(k / columns)};
                 limit->evaluate(at, points);
-                expected[cage.corner_vertices[first + k]] = points[0].position;
+                expected[mesh.corner_vertices[first + k]] = points[0].position;
             }
         }
         for (std::size_t v = 0; v < made->mesh.vertex_count(); ++v) {
@@ -390,13 +498,13 @@ TEST(TessellationLimit, PointsAreThoseOfTheLimitSurface) {
 }
 
 TEST(TessellationLimit, ErrorAskedForIsProvedAndMeasured) {
-    for (const Mesh& cage : cages())
+    for (const Cage& cage : cages())
         for (const double asked : {0.03, 0.003, 0.0005}) {
             TessellateOptions options;
-            options.scheme = SubdivisionScheme::catmark;
+            options.scheme = cage.scheme;
             options.chord_error = asked;
             options.samples = 20000;
-            const auto made = tessellate(cage, options);
+            const auto made = tessellate(cage.mesh, options);
             ASSERT_TRUE(made) << to_string(made.error());
             const TessellationCertificate& c = made->certificate;
             EXPECT_LE(c.measured, c.proved);
@@ -407,7 +515,7 @@ TEST(TessellationLimit, ErrorAskedForIsProvedAndMeasured) {
 }
 
 TEST(TessellationLimit, DisplacedErrorIsProvedAndMeasured) {
-    for (Mesh cage : cages()) {
+    for (auto& [cage, scheme] : cages()) {
         cage.uvs.resize(1);
         for (std::size_t c = 0; c < cage.corner_count(); ++c) {
             const glm::vec3 p = cage.positions[cage.corner_vertices[c]];
@@ -416,7 +524,7 @@ TEST(TessellationLimit, DisplacedErrorIsProvedAndMeasured) {
         }
         for (const double asked : {0.03, 0.005}) {
             TessellateOptions options;
-            options.scheme = SubdivisionScheme::catmark;
+            options.scheme = scheme;
             options.chord_error = asked;
             options.samples = 20000;
             options.displacements = {{std::make_shared<Waves>(0.1, 4, 3, 0.5), 1, 0, 0}};
@@ -434,10 +542,13 @@ TEST(TessellationLimit, ClosedCagesStayClosed) {
     std::mt19937 random(12);
     std::vector<Mesh> closed = {cube(), torus(6, 5), creased_cube(10), creased_cube(2.5F)};
     for (std::uint32_t n = 3; n <= 9; ++n) closed.push_back(prism(n));
-    for (Mesh& cage : closed) {
+    const std::size_t polygons = closed.size();
+    for (std::size_t k = 0; k < polygons; ++k) closed.push_back(in_triangles(closed[k]));
+    for (std::size_t k = 0; k < closed.size(); ++k) {
+        Mesh& cage = closed[k];
         add_charts(cage, random);
         TessellateOptions options;
-        options.scheme = SubdivisionScheme::catmark;
+        options.scheme = k < polygons ? SubdivisionScheme::catmark : SubdivisionScheme::loop;
         options.edge_length = 0.15;
         options.displacements = {{std::make_shared<Waves>(0.1, 9, 7, 0.5), 1, 0, 0}};
         const auto made = tessellate(cage, options);
@@ -469,10 +580,10 @@ class Constant final : public HeightFunction {
 
 TEST(TessellationLimit, ConstantOffsetKeepsTheLimitNormals) {
     std::mt19937 random(13);
-    for (Mesh cage : cages()) {
+    for (auto& [cage, scheme] : cages()) {
         add_charts(cage, random);
         TessellateOptions options;
-        options.scheme = SubdivisionScheme::catmark;
+        options.scheme = scheme;
         options.edge_length = 0.1;
         const auto plain = tessellate(cage, options);
         options.displacements = {{std::make_shared<Constant>(0.5), 0.1, 0.5, 0}};
@@ -482,7 +593,6 @@ TEST(TessellationLimit, ConstantOffsetKeepsTheLimitNormals) {
         options.displacements[0].midlevel = 0;
         const auto offset = tessellate(cage, options);
         ASSERT_TRUE(offset);
-        const auto limit = LimitSurface::make(cage);
         // Points moved by 0.05 along the normal that is written, except on creases.
         const auto normal_at = [](const Mesh& mesh, std::size_t c) {
             return glm::dvec3(mesh.normals.values[mesh.normals.indices[c]]);
@@ -518,32 +628,34 @@ TEST(TessellationLimit, ConstantOffsetKeepsTheLimitNormals) {
 
 TEST(TessellationLimit, SameBytesWithAnyNumberOfThreads) {
     std::mt19937 random(14);
-    Mesh cage = prism(7);
-    add_charts(cage, random);
-    TessellateOptions options;
-    options.scheme = SubdivisionScheme::catmark;
-    options.chord_error = 0.01;
-    options.displacements = {{std::make_shared<Waves>(0.1, 9, 7, 0.5), 1, 0, 0}};
-    options.threads = 1;
-    const auto one = tessellate(cage, options);
-    ASSERT_TRUE(one);
-    for (const int threads : {2, 8}) {
-        options.threads = threads;
-        const auto more = tessellate(cage, options);
-        ASSERT_TRUE(more);
-        EXPECT_TRUE(same_bytes(one->mesh, more->mesh)) << threads;
-        EXPECT_EQ(one->certificate.proved, more->certificate.proved);
+    for (const SubdivisionScheme scheme : {SubdivisionScheme::catmark, SubdivisionScheme::loop}) {
+        Mesh cage = scheme == SubdivisionScheme::loop ? in_triangles(prism(7)) : prism(7);
+        add_charts(cage, random);
+        TessellateOptions options;
+        options.scheme = scheme;
+        options.chord_error = 0.01;
+        options.displacements = {{std::make_shared<Waves>(0.1, 9, 7, 0.5), 1, 0, 0}};
+        options.threads = 1;
+        const auto one = tessellate(cage, options);
+        ASSERT_TRUE(one);
+        for (const int threads : {2, 8}) {
+            options.threads = threads;
+            const auto more = tessellate(cage, options);
+            ASSERT_TRUE(more);
+            EXPECT_TRUE(same_bytes(one->mesh, more->mesh)) << threads;
+            EXPECT_EQ(one->certificate.proved, more->certificate.proved);
+        }
     }
 }
 
-TEST(TessellationLimit, LoopIsRefusedWithAWayOut) {
-    Mesh mesh;
-    mesh.positions = {{0, 0, 0}, {3, 0, 0}, {0, 3, 0}};
-    add_face(mesh, {0, 1, 2});
+TEST(TessellationLimit, LoopTakesTrianglesOnly) {
     TessellateOptions options;
     options.scheme = SubdivisionScheme::loop;
     options.chord_error = 0.1;
-    EXPECT_EQ(tessellate(mesh, options).error().code, ErrorCode::unsupported);
+    const auto made = tessellate(cube(), options);
+    ASSERT_FALSE(made);
+    EXPECT_NE(to_string(made.error()).find("triangle"), std::string::npos)
+        << to_string(made.error());
 }
 
 }  // namespace

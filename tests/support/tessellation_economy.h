@@ -12,7 +12,7 @@
 #include <atomic>
 
 #include "base/parallel.h"
-#include "tessellation/limit_base.h"
+#include "tessellation/limit/limit_base.h"
 #include "tessellation/polygon_surface.h"
 #include "tessellation/tessellation.h"
 
@@ -34,7 +34,7 @@ class Economy {
             auto base = LimitBase::make(cage_, {}, true);
             EXPECT_TRUE(base);
             auto made = std::make_unique<LimitBase>(*std::move(base));
-            domain_ = make_domain(cage_, made->left_out(), false, 0);
+            domain_ = make_domain(cage_, made->left_out(), made->has_triangles(), 0);
             made->set_domain(domain_);
             base_ = std::move(made);
         } else {

@@ -88,10 +88,22 @@ std::array<Row, 15> polynomials() {
     return right;
 }
 
+const std::array<Row, 15>& coefficients_of_monomials() {
+    static const std::array<Row, 15> coefficients = polynomials();
+    return coefficients;
+}
+
+// n (n − 1) … of `count` factors.
+double falling(int n, int count) {
+    double product = 1;
+    for (int k = 0; k < count; ++k) product *= n - k;
+    return product;
+}
+
 }  // namespace
 
 LoopWeights loop_weights(double u, double v) {
-    static const std::array<Row, 15> coefficients = polynomials();
+    const std::array<Row, 15>& coefficients = coefficients_of_monomials();
     double pu[5] = {1, u, u * u, u * u * u, u * u * u * u},
            pv[5] = {1, v, v * v, v * v * v, v * v * v * v};
     LoopWeights weights{};
@@ -105,6 +117,45 @@ LoopWeights loop_weights(double u, double v) {
             weights.dv[k] += coefficients[m][k] * dv;
         }
     }
+    return weights;
+}
+
+LoopSecondWeights loop_second_weights(double u, double v) {
+    const std::array<Row, 15>& coefficients = coefficients_of_monomials();
+    const double pu[5] = {1, u, u * u, u * u * u, u * u * u * u},
+                 pv[5] = {1, v, v * v, v * v * v, v * v * v * v};
+    LoopSecondWeights weights{};
+    const auto power = [](const double* p, int n) { return n < 0 ? 0.0 : p[n]; };
+    for (std::size_t m = 0; m < 15; ++m) {
+        const int a = monomials[m][0], b = monomials[m][1];
+        const double uu = falling(a, 2) * power(pu, a - 2) * pv[b];
+        const double uv = a * b * power(pu, a - 1) * power(pv, b - 1);
+        const double vv = falling(b, 2) * pu[a] * power(pv, b - 2);
+        for (std::size_t k = 0; k < 12; ++k) {
+            weights.uu[k] += coefficients[m][k] * uu;
+            weights.uv[k] += coefficients[m][k] * uv;
+            weights.vv[k] += coefficients[m][k] * vv;
+        }
+    }
+    return weights;
+}
+
+// The polar form of uᵃ vᵇ, of degree 4, at i times (1,0), j times (0,1) and (0,0) otherwise: the
+// ways to take a of the i and b of the j, of all to take a and b of the 4.
+const std::array<Row, 15>& loop_bezier_weights() {
+    static const std::array<Row, 15> weights = [] {
+        std::array<Row, 15> rows{};
+        std::size_t r = 0;
+        for (int j = 0; j <= 4; ++j)
+            for (int i = 0; i + j <= 4; ++i, ++r)
+                for (std::size_t m = 0; m < 15; ++m) {
+                    const int a = monomials[m][0], b = monomials[m][1];
+                    const double polar = falling(i, a) * falling(j, b) / falling(4, a + b);
+                    for (std::size_t k = 0; k < 12; ++k)
+                        rows[r][k] += polar * coefficients_of_monomials()[m][k];
+                }
+        return rows;
+    }();
     return weights;
 }
 

@@ -41,8 +41,7 @@ PointTraits PatchEvaluator::point(std::uint32_t root, double u, double v, double
                                   double* dv, const SecondDerivatives* second) {
     const PatchRoot& at = pieces_.tree->roots[root];
     if (pieces_.cage->corners_per_face != 3) return quad_point(at, u, v, value, du, dv, second);
-    assert(!second);
-    return triangle_point(at.level, at.face, u, v, value, du, dv);
+    return triangle_point(at.level, at.face, u, v, value, du, dv, second);
 }
 
 PatchEvaluator::Corners PatchEvaluator::corner_values(std::uint32_t level,

@@ -74,9 +74,9 @@ class PatchEvaluator {
     void grid(std::uint32_t root, std::uint32_t n, bool control_points, const GridTables& tables,
               const GridOutput& out);
 
-    // u, v in 0 … 1. Derivatives by the root's parameters. `second` (null for Loop's scheme, where
-    // they are not made): at a ring's vertex they are none, and 0. Points that follow each other in
-    // one piece take much less time than others.
+    // u, v in 0 … 1. Derivatives by the root's parameters. `second` may be null; at a ring's vertex
+    // they are none, and 0. Points that follow each other in one piece take much less time than
+    // others.
     PointTraits point(std::uint32_t root, double u, double v, double* value, double* du, double* dv,
                       const SecondDerivatives* second = nullptr);
 
@@ -134,11 +134,12 @@ class PatchEvaluator {
     void triangle_grid(const PatchRoot& root, std::uint32_t n, const GridOutput& out);
     // Derivatives by the parameters of that face.
     PointTraits triangle_point(std::uint32_t level, std::uint32_t face, double u, double v,
-                               double* value, double* du, double* dv);
-    void triangle_patch_point(double u, double v, double* value, double* du, double* dv) const;
+                               double* value, double* du, double* dv,
+                               const SecondDerivatives* second);
+    void triangle_patch_point(double u, double v, double* value, double* du, double* dv,
+                              const SecondDerivatives* second) const;
     void gather_triangle(const TrianglePatch& patch);
     void gather_triangle_ring(const RingSector& sector, const RingAccess& access, int part);
-    std::uint32_t middle_corner(std::uint32_t level, std::uint32_t first_child) const;
 
     SurfacePieces pieces_;
     SimdLevel simd_;

@@ -1,7 +1,6 @@
 // Points and grids of Loop's scheme.
 //
-// A piece covers a triangle of its root in lattice steps: its first corner at (x, y), one of its
-// steps along its first edge (ax, ay), along its last one (bx, by).
+// A piece covers a triangle of its root: a frame in lattice steps.
 #include <algorithm>
 #include <cmath>
 
@@ -11,19 +10,7 @@ namespace prep::detail {
 namespace {
 
 template <class T>
-struct Frame {
-    T x, y, ax, ay, bx, by;
-
-    Frame at_corner(std::uint32_t c, T n) const {
-        if (c == 0) return *this;
-        if (c == 1) return {x + n * ax, y + n * ay, bx - ax, by - ay, -ax, -ay};
-        return {x + n * bx, y + n * by, -bx, -by, ax - bx, ay - by};
-    }
-    Frame moved(T a, T b) const {
-        return {x + a * ax + b * bx, y + a * ay + b * by, ax, ay, bx, by};
-    }
-    Frame inverted() const { return {x, y, -ax, -ay, -bx, -by}; }
-};
+using Frame = TriangleFrame<T>;
 
 // Derivatives by the root's parameters out of those by the piece's, in place; the determinant of
 // the steps is 1.
@@ -34,6 +21,22 @@ void to_root(const Frame<T>& frame, std::uint32_t width, double scale, double* d
         da[d] = frame.by * a - frame.ay * b;
         db[d] = frame.ax * b - frame.bx * a;
     }
+}
+
+template <class T>
+void to_root(const Frame<T>& f, std::uint32_t width, double scale, const SecondDerivatives& of) {
+    for (std::uint32_t d = 0; d < width; ++d) {
+        const double aa = of.uu[d] * scale * scale, ab = of.uv[d] * scale * scale;
+        const double bb = of.vv[d] * scale * scale;
+        of.uu[d] = f.by * f.by * aa - 2 * f.by * f.ay * ab + f.ay * f.ay * bb;
+        of.uv[d] = (f.ax * f.by + f.ay * f.bx) * ab - f.by * f.bx * aa - f.ay * f.ax * bb;
+        of.vv[d] = f.bx * f.bx * aa - 2 * f.ax * f.bx * ab + f.ax * f.ax * bb;
+    }
+}
+
+void no_second(std::uint32_t width, const SecondDerivatives* second) {
+    for (std::uint32_t d = 0; second && d < width; ++d)
+        second->uu[d] = second->uv[d] = second->vv[d] = 0;
 }
 
 void linear(const std::array<const double*, 4>& p, std::uint32_t width, double u, double v,
@@ -76,15 +79,6 @@ void PatchEvaluator::gather_triangle_ring(const RingSector& sector, const RingAc
                sector.sector, part & 1, part >> 1, controls_.data());
 }
 
-// Where the third corner of the middle child is: the one at the middle of the face's second edge.
-std::uint32_t PatchEvaluator::middle_corner(std::uint32_t level, std::uint32_t first_child) const {
-    const auto& vertices = pieces_.cage->levels[level].corner_vertices;
-    const std::uint32_t opposite = vertices[3 * (first_child + 1) + 2];
-    std::uint32_t corner = 0;
-    while (corner < 2 && vertices[3 * (first_child + 3) + corner] != opposite) ++corner;
-    return corner;
-}
-
 struct PatchEvaluator::TriangleCell {
     std::uint32_t level, face;
     Frame<int> frame;
@@ -106,12 +100,17 @@ void PatchEvaluator::triangle_grid(const PatchRoot& root, std::uint32_t n, const
     triangle_cell({root.level, root.face, {0, 0, 1, 0, 0, 1}, n, 1}, out);
 }
 
-void PatchEvaluator::triangle_patch_point(double u, double v, double* value, double* du,
-                                          double* dv) const {
+void PatchEvaluator::triangle_patch_point(double u, double v, double* value, double* du, double* dv,
+                                          const SecondDerivatives* second) const {
     const LoopWeights weights = loop_weights(u, v);
     combine(weights.value, controls_.data(), pieces_.source.width, value);
     combine(weights.du, controls_.data(), pieces_.source.width, du);
     combine(weights.dv, controls_.data(), pieces_.source.width, dv);
+    if (!second) return;
+    const LoopSecondWeights of = loop_second_weights(u, v);
+    combine(of.uu, controls_.data(), pieces_.source.width, second->uu);
+    combine(of.uv, controls_.data(), pieces_.source.width, second->uv);
+    combine(of.vv, controls_.data(), pieces_.source.width, second->vv);
 }
 
 // The points of a cell whose 12 controls are gathered.
@@ -158,11 +157,7 @@ void PatchEvaluator::triangle_cell(const TriangleCell& cell, const GridOutput& o
         const std::uint32_t level = cell.level + 1;
         const std::uint32_t first = pieces_.cage->levels[cell.level].first_child[cell.face];
         const int half = n / 2;
-        // The middle one's frame is that of its own first corner.
-        const std::uint32_t corner = middle_corner(level, first);
-        const Frame<int> frames[4] = {
-            cell.frame, cell.frame.moved(half, 0), cell.frame.moved(0, half),
-            cell.frame.moved(half, half).inverted().at_corner((3 - corner) % 3, half)};
+        const auto frames = child_frames(*pieces_.cage, level, first, cell.frame, half);
         for (std::uint32_t c = 0; c < 4; ++c)
             triangle_cell({level, first + c, frames[c], cell.n / 2, 2 * cell.scale}, out);
         return;
@@ -178,7 +173,7 @@ void PatchEvaluator::triangle_cell(const TriangleCell& cell, const GridOutput& o
         }
         double* const du = to.du ? to.du : unused.data();
         double* const dv = to.du ? to.dv : unused.data() + width;
-        triangle_point(cell.level, cell.face, c == 1, c == 2, to.value, du, dv);
+        triangle_point(cell.level, cell.face, c == 1, c == 2, to.value, du, dv, nullptr);
         to_root(cell.frame, width, cell.scale, du, dv);
     }
 }
@@ -225,7 +220,8 @@ void PatchEvaluator::triangle_ring_grid(const TriangleCell& cell, const GridOutp
 }
 
 PointTraits PatchEvaluator::triangle_point(std::uint32_t level, std::uint32_t face, double u,
-                                           double v, double* value, double* du, double* dv) {
+                                           double v, double* value, double* du, double* dv,
+                                           const SecondDerivatives* second) {
     const PatchTree& tree = *pieces_.tree;
     const std::uint32_t width = pieces_.source.width;
     PatchNode node = tree.nodes[level][face];
@@ -249,20 +245,17 @@ PointTraits PatchEvaluator::triangle_point(std::uint32_t level, std::uint32_t fa
         const std::uint32_t first = pieces_.cage->levels[level].first_child[face];
         const std::uint32_t c = u > 0.5 ? 1 : v > 0.5 ? 2 : u + v <= 0.5 ? 0 : 3;
         u *= 2, v *= 2, unit *= 2;
-        if (c == 1) u -= 1;
-        if (c == 2) v -= 1;
-        if (c == 3) {
-            const std::uint32_t corner = middle_corner(level + 1, first);
-            into(Frame<double>{1, 1, -1, 0, 0, -1}.at_corner((3 - corner) % 3, 1));
-        }
+        into(
+            child_frames(*pieces_.cage, level + 1, first, Frame<double>{0, 0, 1, 0, 0, 1}, 1.0)[c]);
         node = tree.nodes[++level][face = first + c];
     }
     PointTraits traits;
     if (node.kind == PatchNode::linear) {
         linear(corner_values(level, face), width, u, v, value, du, dv);
+        no_second(width, second);
     } else if (node.kind == PatchNode::regular) {
         gather_triangle(tree.triangle_patches[node.index]);
-        triangle_patch_point(u, v, value, du, dv);
+        triangle_patch_point(u, v, value, du, dv, second);
     } else {
         const RingSector sector = tree.sectors[node.index];
         into(Frame<double>{0, 0, 1, 0, 0, 1}.at_corner(sector.corner, 1));
@@ -271,6 +264,7 @@ PointTraits PatchEvaluator::triangle_point(std::uint32_t level, std::uint32_t fa
         for (; k < deepest_ring_level && u + v <= 0.5; ++k) u *= 2, v *= 2;
         if (k == deepest_ring_level || u + v == 0) {
             sector_limit(sector, ring_access(sector.ring, 0), 0, 0, value, du, dv);
+            no_second(width, second);
             traits = {sector.ring, sector.sector};
         } else {
             const int part = u > 0.5 ? 1 : v > 0.5 ? 2 : 3;
@@ -280,11 +274,12 @@ PointTraits PatchEvaluator::triangle_point(std::uint32_t level, std::uint32_t fa
             if (part == 1) u -= 1;
             if (part == 2) v -= 1;
             if (part == 3) into({1, 1, -1, 0, 0, -1});
-            triangle_patch_point(u, v, value, du, dv);
+            triangle_patch_point(u, v, value, du, dv, second);
             for (std::uint32_t d = 0; d < width; ++d) value[d] += access.centre[d];
         }
     }
     to_root(frame, width, unit, du, dv);
+    if (second) to_root(frame, width, unit, *second);
     return traits;
 }
 

@@ -48,8 +48,9 @@ struct Domain {
 };
 
 // One fan a face, in order; faces whose `left_out` is set (empty: none) have no roots. With
-// `straight`, a polygon that is not star-shaped about the mean of its corners is cut into triangles
-// first, a fan each. Half-edges of equal vertices at an edge of no length are not linked.
+// `straight` (polygons, and triangles that have one parameter triangle each), triangles are closed,
+// and a polygon that is not star-shaped about the mean of its corners is cut into triangles first,
+// a fan each. Half-edges of equal vertices at an edge of no length are not linked.
 Domain make_domain(const Mesh& mesh, const std::vector<std::uint8_t>& left_out, bool straight,
                    int threads);
 

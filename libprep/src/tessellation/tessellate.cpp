@@ -7,7 +7,7 @@
 #include "base/finite.h"
 #include "base/outward.h"
 #include "base/parallel.h"
-#include "tessellation/limit_base.h"
+#include "tessellation/limit/limit_base.h"
 #include "tessellation/polygon_surface.h"
 #include "tessellation/tessellation.h"
 
@@ -186,7 +186,8 @@ Result<TessellatedMesh> tessellate(const Mesh& cage, const TessellateOptions& op
         subdivision.threads = options.threads;
         auto base = LimitBase::make(cage, subdivision, !options.displacements.empty());
         if (!base) return base.error();
-        const Domain domain = make_domain(cage, base->left_out(), false, options.threads);
+        const Domain domain =
+            make_domain(cage, base->left_out(), base->has_triangles(), options.threads);
         base->set_domain(domain);
         auto made = tessellate(cage, domain, *base, options, base->first_halving(), hooks);
         if (made)

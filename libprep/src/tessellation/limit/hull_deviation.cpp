@@ -1,4 +1,4 @@
-#include "tessellation/hull_deviation.h"
+#include "tessellation/limit/hull_deviation.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,10 +7,6 @@
 
 namespace prep::detail {
 namespace {
-
-double cross_of(const glm::dvec2& a, const glm::dvec2& b) {
-    return a.x * b.y - a.y * b.x;
-}
 
 // 1 or −1 as the triangle runs.
 double orientation(const std::array<glm::dvec2, 3>& p) {
@@ -153,6 +149,21 @@ std::array<BezierPatch, 2> halves_of(const BezierPatch& patch) {
     return parts;
 }
 
+template <std::size_t degree>
+TriangleNet<degree + 1> raised_once(const TriangleNet<degree>& p) {
+    TriangleNet<degree + 1> out;
+    for (std::size_t j = 0; j <= degree + 1; ++j)
+        for (std::size_t i = 0; i + j <= degree + 1; ++i) {
+            const std::size_t own = degree + 1 - i - j;
+            glm::dvec3 sum(0.0);
+            if (own > 0) sum += double(own) * p[triangle_point(degree, i, j)];
+            if (i > 0) sum += double(i) * p[triangle_point(degree, i - 1, j)];
+            if (j > 0) sum += double(j) * p[triangle_point(degree, i, j - 1)];
+            out[triangle_point(degree + 1, i, j)] = sum / double(degree + 1);
+        }
+    return out;
+}
+
 }  // namespace
 
 LinearMap::LinearMap(const LimitTriangle& t) : at(t.parameters[0]), value(t.positions[0]) {
@@ -188,6 +199,21 @@ double hull_deviation(const BezierPatch& patch, const LimitTriangle& triangle,
     const auto [first, second] = halves_of(patch);
     return std::max(hull_deviation(first, triangle, linear),
                     hull_deviation(second, triangle, linear));
+}
+
+double hull_deviation(const QuarticPatch& patch, const LimitTriangle& /*triangle*/,
+                      const LinearMap& linear) {
+    double most = 0;
+    const auto raised = raised_once<5>(raised_once<4>(patch.p));
+    for (std::size_t j = 0, k = 0; j <= 6; ++j)
+        for (std::size_t i = 0; i + j <= 6; ++i, ++k) {
+            const glm::dvec2 at = (double(6 - i - j) * patch.corners[0] +
+                                   double(i) * patch.corners[1] + double(j) * patch.corners[2]) /
+                                  6.0;
+            const glm::dvec3 off = raised[k] - linear(at);
+            most = std::max(most, glm::dot(off, off));
+        }
+    return std::sqrt(most);
 }
 
 }  // namespace prep::detail

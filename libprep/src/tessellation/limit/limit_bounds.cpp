@@ -1,9 +1,10 @@
-#include "tessellation/limit_bounds.h"
+#include "tessellation/limit/limit_bounds.h"
 
 #include <atomic>
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <span>
 
 #include "base/parallel.h"
 #include "tessellation/polygon_surface.h"
@@ -23,7 +24,8 @@ double over_extent(const glm::dvec2& extent, double uu, double uv, double vv) {
 // another.
 class Curvature {
   public:
-    void widen(const BezierPatch& patch) {
+    template <class Patch>
+    void widen(const Patch& patch) {
         const auto [uu, uv, vv] = second_derivative_bounds(patch);
         const glm::dvec2 factor = 1.0 / patch.box.size();
         uu_ = std::max(uu_, factor.x * factor.x * uu);
@@ -38,11 +40,60 @@ class Curvature {
     double uu_ = 0, uv_ = 0, vv_ = 0;
 };
 
+// Squares of the lengths of vectors by e, and across it: the largest ones.
+struct AboutAxis {
+    double along = 0, across = 0;
+    void widen(const glm::dvec3& x, const glm::dvec3& e) {
+        const double by_e = glm::dot(x, e);
+        const glm::dvec3 rest = x - by_e * e;
+        along = std::max(along, by_e * by_e);
+        across = std::max(across, glm::dot(rest, rest));
+    }
+    void widen(std::span<const glm::dvec3> all, const glm::dvec3& e) {
+        for (const glm::dvec3& x : all) widen(x, e);
+    }
+};
+
+// Differences of a net's points, by the patch's size: of the first order, and of the second. A
+// derivative is `first`, `pure` (twice by one parameter) or `mixed` times as much; each difference
+// carries the errors of `points` points.
+struct NetDifferences {
+    AboutAxis u, v, uu, uv, vv;
+    double first, pure, mixed, points;
+};
+
+NetDifferences differences_about(const NormalNet& net, const glm::dvec3& e) {
+    NetDifferences d{{}, {}, {}, {}, {}, 5, 20, 25, 4};
+    const auto& n = net.n;
+    for (std::size_t j = 0; j < 6; ++j)
+        for (std::size_t i = 0; i < 6; ++i) {
+            const std::size_t k = 6 * j + i;
+            if (i < 5) d.u.widen(n[k + 1] - n[k], e);
+            if (j < 5) d.v.widen(n[k + 6] - n[k], e);
+            if (i < 4) d.uu.widen((n[k] - n[k + 1]) - (n[k + 1] - n[k + 2]), e);
+            if (j < 4) d.vv.widen((n[k] - n[k + 6]) - (n[k + 6] - n[k + 12]), e);
+            if (i < 5 && j < 5) d.uv.widen((n[k] - n[k + 1]) - (n[k + 6] - n[k + 7]), e);
+        }
+    return d;
+}
+
+NetDifferences differences_about(const QuarticNormalNet& net, const glm::dvec3& e) {
+    NetDifferences d{{}, {}, {}, {}, {}, 6, 30, 30, std::max(1.0, net.reach * net.reach)};
+    const TriangleNet<5> u = differences<6>(net.n, net.by_u), v = differences<6>(net.n, net.by_v);
+    d.u.widen(u, e);
+    d.v.widen(v, e);
+    d.uu.widen(differences<5>(u, net.by_u), e);
+    d.uv.widen(differences<5>(u, net.by_v), e);
+    d.vv.widen(differences<5>(v, net.by_v), e);
+    return d;
+}
+
 // The same of the direction: all by |N|, whose unit is each piece's own.
 class NormalCurvature {
   public:
     // `e`: a unit vector that is near the patch's normals.
-    void widen(const BezierPatch& patch, const glm::dvec3& e);
+    template <class Patch>
+    void widen(const Patch& patch, const glm::dvec3& e);
     double deviation(const glm::dvec2& extent) const {
         if (!bounded_) return no_bound;
         const double along = extent.x * u_.along + extent.y * v_.along;
@@ -64,22 +115,13 @@ class NormalCurvature {
     bool bounded_ = true;
 };
 
-void NormalCurvature::widen(const BezierPatch& patch, const glm::dvec3& e) {
+template <class Patch>
+void NormalCurvature::widen(const Patch& patch, const glm::dvec3& e) {
     const glm::dvec2 factor = 1.0 / patch.box.size();
-    const NormalNet net = normal_net(patch);
-    const auto& n = net.n;
-    struct Suprema {
-        double along = 0, across = 0;  // squares of the parts by e and across it
-        void widen(const glm::dvec3& x, const glm::dvec3& e) {
-            const double by_e = glm::dot(x, e);
-            const glm::dvec3 rest = x - by_e * e;
-            along = std::max(along, by_e * by_e);
-            across = std::max(across, glm::dot(rest, rest));
-        }
-    };
+    const auto net = normal_net(patch);
     double least = std::numeric_limits<double>::infinity();
-    Suprema whole;
-    for (const glm::dvec3& x : n) {
+    AboutAxis whole;
+    for (const glm::dvec3& x : net.n) {
         least = std::min(least, glm::dot(x, e));
         whole.widen(x, e);
     }
@@ -90,33 +132,25 @@ void NormalCurvature::widen(const BezierPatch& patch, const glm::dvec3& e) {
     }
     // Of the angle to e, no more than its tangent: what the planes across the two differ by.
     const double sine = std::min(1.0, (std::sqrt(whole.across) + net.error) / least);
-    Suprema u, v, uu, uv, vv;
-    for (std::size_t j = 0; j < 6; ++j)
-        for (std::size_t i = 0; i < 6; ++i) {
-            const std::size_t k = 6 * j + i;
-            if (i < 5) u.widen(n[k + 1] - n[k], e);
-            if (j < 5) v.widen(n[k + 6] - n[k], e);
-            if (i < 4) uu.widen((n[k] - n[k + 1]) - (n[k + 1] - n[k + 2]), e);
-            if (j < 4) vv.widen((n[k] - n[k + 6]) - (n[k + 6] - n[k + 12]), e);
-            if (i < 5 && j < 5) uv.widen((n[k] - n[k + 1]) - (n[k + 6] - n[k + 7]), e);
-        }
-    const auto derivative = [&](const Suprema& x, double times) {
-        const double error = 4 * net.error;
+    const NetDifferences by = differences_about(net, e);
+    const auto derivative = [&](const AboutAxis& x, double times) {
+        const double error = by.points * net.error;
         const double along = times / least * (std::sqrt(x.along) + error);
         const double across = times / least * (std::sqrt(x.across) + error);
         return Derivative{std::min(along + sine * across, std::hypot(along, across)),
                           across + sine * along};
     };
-    u_.widen(derivative(u, 5 * factor.x));
-    v_.widen(derivative(v, 5 * factor.y));
-    uu_ = std::max(uu_, derivative(uu, 20 * factor.x * factor.x).across);
-    uv_ = std::max(uv_, derivative(uv, 25 * factor.x * factor.y).across);
-    vv_ = std::max(vv_, derivative(vv, 20 * factor.y * factor.y).across);
+    u_.widen(derivative(by.u, by.first * factor.x));
+    v_.widen(derivative(by.v, by.first * factor.y));
+    uu_ = std::max(uu_, derivative(by.uu, by.pure * factor.x * factor.x).across);
+    uv_ = std::max(uv_, derivative(by.uv, by.mixed * factor.x * factor.y).across);
+    vv_ = std::max(vv_, derivative(by.vv, by.pure * factor.y * factor.y).across);
 }
 
 // Largest |n − e|; `error`: what roundings may have moved the net's points by. Directions within
 // less than a right angle of e are a convex cone, so that the net's widest is wider than all.
-double cone_about(const NormalNet& net, const glm::dvec3& e, double error) {
+template <class Net>
+double cone_about(const Net& net, const glm::dvec3& e, double error) {
     double widest = 0;  // tangent of the angle to e
     for (const glm::dvec3& x : net.n) {
         const double by_e = glm::dot(x, e);
@@ -134,16 +168,18 @@ double farthest(const glm::dvec3& from, const std::array<glm::dvec3, 3>& to) {
 }
 
 // Of its normals: the one in its middle.
-glm::dvec3 axis_of(const BezierPatch& patch, const glm::dvec3& otherwise) {
+template <class Patch>
+glm::dvec3 axis_of(const Patch& patch, const glm::dvec3& otherwise) {
     const auto middle = middle_derivatives(patch);
     return unit_or(glm::cross(middle[0], middle[1]), otherwise);
 }
 
 // Of first order: how far the normal turns within the patch, and between it and the corners; or
 // directly how far it is from each of those, as |n − I n| is no more than the largest |n − n(v)|.
-double cone_deviation(const BezierPatch& patch, const LimitTriangle& triangle) {
+template <class Patch>
+double cone_deviation(const Patch& patch, const LimitTriangle& triangle) {
     const glm::dvec3 e = axis_of(patch, triangle.normals[0]);
-    const NormalNet net = normal_net(patch);
+    const auto net = normal_net(patch);
     double from_corners = 0;
     for (const glm::dvec3& normal : triangle.normals)
         from_corners = std::max(from_corners, cone_about(net, normal, net.error));
@@ -154,11 +190,11 @@ BaseDeviation at_vertex(const ChannelSurface& surface, const RingCones* cones,
                         const LimitTriangle& triangle, const LimitPieces& pieces) {
     BaseDeviation most;
     const LinearMap linear(triangle);
-    for (const BezierPatch& patch : pieces.patches) {
-        if (is_apart(patch.box, triangle)) continue;
+    pieces.for_each_patch([&](const auto& patch) {
+        if (is_apart(patch.box, triangle)) return;
         most.position = std::max(most.position, hull_deviation(patch, triangle, linear));
         if (cones) most.direction = std::max(most.direction, cone_deviation(patch, triangle));
-    }
+    });
     for (const LimitTip& tip : pieces.tips) {
         if (is_apart(tip.box, triangle)) continue;
         const glm::dvec3 middle = linear(0.5 * (tip.box.low + tip.box.high));
@@ -199,9 +235,14 @@ RingCones::RingCones(const ChannelSurface& surface, int threads) {
                 const double* const next = walked.after();
                 for (std::uint32_t j = 0; j < ring.shape.sectors; ++j) {
                     double most = 0;
-                    for (const BezierPatch& patch :
-                         ring_level_patches(ring.shape, rings, next, j, k))
-                        most = std::max(most, cone_about(normal_net(patch), normal, 0));
+                    const auto widen = [&](const auto& patches) {
+                        for (const auto& patch : patches)
+                            most = std::max(most, cone_about(normal_net(patch), normal, 0));
+                    };
+                    if (ring.shape.triangles)
+                        widen(ring_level_triangles(ring.shape, rings, next, j, k));
+                    else
+                        widen(ring_level_patches(ring.shape, rings, next, j, k));
                     cones[std::size_t(j) * levels + std::size_t(k)] =
                         std::nextafter(float(most), std::numeric_limits<float>::infinity());
                 }
@@ -220,17 +261,20 @@ double RingCones::from_level(std::uint32_t ring, std::uint32_t sector, int k) co
     return double(cones_[(first_[ring] + sector) * std::size_t(levels) + std::size_t(k)]);
 }
 
-// A square of the root's parameters: (i, j) of 2^level each way.
+// Of the root's parameters: the square (i, j) of 2^level each way, or of those of a triangle its
+// half at (i, j), or the other one.
 struct CellBounds::Key {
     std::uint64_t owner = 0;  // none has 0
     std::uint32_t root = 0;
     int level = 0;
     std::uint64_t i = 0, j = 0;
+    bool far_half = false;
 
     bool operator==(const Key&) const = default;
     std::uint64_t hash() const {
         std::uint64_t hash = (owner << 40) ^ (std::uint64_t(root) << 8) ^ std::uint64_t(level);
-        for (const std::uint64_t part : {i, j}) hash = (hash ^ part) * 0x9e3779b97f4a7c15U;
+        for (const std::uint64_t part : {i, 2 * j + std::uint64_t(far_half)})
+            hash = (hash ^ part) * 0x9e3779b97f4a7c15U;
         return hash >> 40;
     }
 };
@@ -245,18 +289,28 @@ struct CellBounds::Cell {
     void make(const Key& wanted, const ChannelSurface& surface, bool with_normals) {
         key = {};
         thread_local LimitPieces pieces;
-        const double side = std::ldexp(1.0, -wanted.level);
+        const double side = std::ldexp(root_side(surface), -wanted.level);
         const glm::dvec2 low = side * glm::dvec2(double(wanted.i), double(wanted.j));
-        collect_pieces(surface, wanted.root, {low, low + side}, pieces);
+        const glm::dvec2 right = low + glm::dvec2(side, 0), up = low + glm::dvec2(0, side);
+        if (surface.cage.corners_per_face != 3)
+            collect_pieces(surface, wanted.root, ParameterBox{low, low + side}, pieces);
+        else if (wanted.far_half)
+            collect_pieces(surface, wanted.root, ParameterTriangle{low + side, up, right}, pieces);
+        else
+            collect_pieces(surface, wanted.root, ParameterTriangle{low, right, up}, pieces);
         bounded = pieces.tips.empty();
         curvature = {};
         normal_curvature = {};
-        for (const BezierPatch& patch : pieces.patches) {
-            if (!bounded) break;
-            curvature.widen(patch);
-            if (with_normals) normal_curvature.widen(patch, axis_of(patch, glm::dvec3(0, 0, 1)));
-        }
+        if (bounded)
+            pieces.for_each_patch([&](const auto& patch) {
+                curvature.widen(patch);
+                if (with_normals)
+                    normal_curvature.widen(patch, axis_of(patch, glm::dvec3(0, 0, 1)));
+            });
         key = wanted;
+    }
+    static double root_side(const ChannelSurface& surface) {
+        return surface.cage.corners_per_face == 3 ? triangle_root_side : 1;
     }
 };
 
@@ -268,23 +322,38 @@ CellBounds::CellBounds(const ChannelSurface& surface, bool with_normals)
 
 std::optional<BaseDeviation> CellBounds::deviation(std::uint32_t root,
                                                    const std::array<glm::dvec2, 3>& p) const {
-    const glm::dvec2 low = glm::min(p[0], glm::min(p[1], p[2]));
-    const glm::dvec2 high = glm::max(p[0], glm::max(p[1], p[2]));
+    const double root_side = Cell::root_side(surface_);
+    const auto [low, high] = box_of(p);
     const glm::dvec2 extent = high - low;
     // A cell is four triangles wide: some dozens share it, and derivatives differ little in it.
     int exponent = 0;
     std::frexp(std::max(extent.x, extent.y), &exponent);
-    const int level = std::max(0, -exponent - 1);
+    int level = -exponent - 1;
+    if (root_side < 1) --level;
+    level = std::max(0, level);
     constexpr int deepest = 48;
-    if (!(low.x >= 0 && low.y >= 0 && high.x <= 1 && high.y <= 1) || level > deepest)
+    if (!(low.x >= 0 && low.y >= 0 && high.x <= root_side && high.y <= root_side) ||
+        level > deepest)
         return std::nullopt;
-    const double cells = std::ldexp(1.0, level);
-    const double x = std::min(std::floor(low.x * cells), cells - 1);
-    const double y = std::min(std::floor(low.y * cells), cells - 1);
+    const double cells = std::ldexp(1.0, level) / root_side;
+    const double last = std::ldexp(1.0, level) - 1;
+    const double x = std::min(std::floor(low.x * cells), last);
+    const double y = std::min(std::floor(low.y * cells), last);
     if (high.x * cells > x + 1 || high.y * cells > y + 1) return std::nullopt;
+    bool far_half = false;
+    if (root_side < 1) {
+        double least = 2, most = 0;  // of the sums of both parameters within the square
+        for (const glm::dvec2& at : p) {
+            const double sum = (at.x * cells - x) + (at.y * cells - y);
+            least = std::min(least, sum);
+            most = std::max(most, sum);
+        }
+        far_half = most > 1;
+        if (far_half && least < 1) return std::nullopt;
+    }
     constexpr std::size_t kept = 1024;
     thread_local std::vector<Cell> cache(kept);
-    const Key key{owner_, root, level, std::uint64_t(x), std::uint64_t(y)};
+    const Key key{owner_, root, level, std::uint64_t(x), std::uint64_t(y), far_half};
     Cell& cell = cache[std::size_t(key.hash()) % kept];
     if (cell.key != key) cell.make(key, surface_, with_normals_);
     if (!cell.bounded) return std::nullopt;
@@ -294,22 +363,23 @@ std::optional<BaseDeviation> CellBounds::deviation(std::uint32_t root,
 
 BaseDeviation limit_deviation(const ChannelSurface& surface, const RingCones* cones,
                               const LimitTriangle& triangle) {
-    const auto& p = triangle.parameters;
-    const ParameterBox box{glm::min(p[0], glm::min(p[1], p[2])),
-                           glm::max(p[0], glm::max(p[1], p[2]))};
+    const ParameterBox box = box_of(triangle.parameters);
     thread_local LimitPieces pieces;
-    collect_pieces(surface, triangle.root, box, pieces);
+    if (surface.cage.corners_per_face == 3)
+        collect_pieces(surface, triangle.root, triangle.parameters, pieces);
+    else
+        collect_pieces(surface, triangle.root, box, pieces);
     if (!pieces.tips.empty()) return at_vertex(surface, cones, triangle, pieces);
     const LinearMap linear(triangle);
     Curvature curvature;
     NormalCurvature normal_curvature;
     double by_hulls = 0;
-    for (const BezierPatch& patch : pieces.patches) {
-        if (is_apart(patch.box, triangle)) continue;
+    pieces.for_each_patch([&](const auto& patch) {
+        if (is_apart(patch.box, triangle)) return;
         curvature.widen(patch);
         by_hulls = std::max(by_hulls, hull_deviation(patch, triangle, linear));
         if (cones) normal_curvature.widen(patch, axis_of(patch, triangle.normals[0]));
-    }
+    });
     BaseDeviation most;
     most.position = std::min(curvature.deviation(box.size()), by_hulls);
     if (cones) most.direction = normal_curvature.deviation(box.size());
@@ -317,9 +387,10 @@ BaseDeviation limit_deviation(const ChannelSurface& surface, const RingCones* co
     constexpr double worth_a_second_look = 0.01;
     if (cones && most.direction > worth_a_second_look) {
         double by_cones = 0;
-        for (const BezierPatch& patch : pieces.patches)
+        pieces.for_each_patch([&](const auto& patch) {
             if (!is_apart(patch.box, triangle))
                 by_cones = std::max(by_cones, cone_deviation(patch, triangle));
+        });
         most.direction = std::min(most.direction, by_cones);
     }
     return most;

@@ -1,4 +1,4 @@
-#include "tessellation/limit_base.h"
+#include "tessellation/limit/limit_base.h"
 
 namespace prep::detail {
 namespace {
@@ -7,16 +7,14 @@ namespace {
 constexpr int ring_levels = 12;
 
 constexpr std::array<glm::dvec2, 4> square{{{0, 0}, {1, 0}, {1, 1}, {0, 1}}};
+constexpr std::array<glm::dvec2, 3> triangle{
+    {{0, 0}, {triangle_root_side, 0}, {0, triangle_root_side}}};
+constexpr glm::dvec2 triangle_centre(triangle_root_side / 3);
 
 }  // namespace
 
 Result<LimitBase> LimitBase::make(const Mesh& mesh, const SubdivideOptions& options,
                                   bool has_heights) {
-    if (options.scheme == SubdivisionScheme::loop)
-        return Error{ErrorCode::unsupported,
-                     "adaptive tessellation has no bounds for loop's triangles: take catmark, or "
-                     "subdivide uniformly",
-                     mesh.name.empty() ? "" : "mesh '" + mesh.name + "'"};
     const Result<SurfaceCage> cage = position_cage(mesh, options);
     if (!cage) return cage.error();
     std::vector<double> numbers;
@@ -42,7 +40,7 @@ std::vector<std::uint8_t> LimitBase::first_halving() const {
     std::vector<std::uint8_t> halved(domain_->roots.size());
     for (std::size_t r = 0; r < halved.size(); ++r) {
         const std::uint32_t f = domain_->roots[r].face;
-        halved[r] = mesh_->face_offsets[f + 1] - mesh_->face_offsets[f] != 4;
+        halved[r] = !has_triangles() && mesh_->face_offsets[f + 1] - mesh_->face_offsets[f] != 4;
     }
     return halved;
 }
@@ -53,6 +51,8 @@ LimitBase::Chart LimitBase::chart(std::uint32_t root, bool towards_a) const {
     const std::uint32_t count = mesh_->face_offsets[at.face + 1] - first;
     const std::uint32_t a = at.corners[0] - first, b = at.corners[1] - first;
     const std::uint32_t tree_root = surface_->tree.face_roots[at.face];
+    if (has_triangles())
+        return {tree_root, {triangle[a], triangle[b], triangle_centre}, triangle_root_side};
     if (count == 4) return {tree_root, {square[a], square[b], glm::dvec2(0.5)}};
     if (towards_a) return {tree_root + a, {{{0, 0}, {2, 0}, {1, 1}}}};
     return {tree_root + b, {{{0, 2}, {0, 0}, {1, 1}}}};
@@ -88,7 +88,8 @@ void LimitBase::evaluate(std::span<const RootPoint> at, std::span<BasePoint> poi
     PatchEvaluator evaluator(surface_->pieces(), SimdLevel::automatic);
     for (std::size_t k = 0; k < at.size(); ++k) {
         const Chart chart = this->chart(at[k].root, at[k].weights.x >= at[k].weights.y);
-        const Point p = point(evaluator, at[k].root, chart.tree_root, chart.at(at[k].weights));
+        const Point p =
+            point(evaluator, at[k].root, chart.tree_root, chart.parameters(at[k].weights));
         points[k] = {p.position, p.normal};
     }
 }
@@ -97,13 +98,15 @@ glm::dvec3 LimitBase::turn_by_differences(PatchEvaluator& evaluator, std::uint32
                                           std::uint32_t tree_root, const glm::dvec2& uv,
                                           const glm::dvec3& normal, glm::length_t axis) const {
     constexpr double step = 0x1p-10;
-    const double inside = uv[axis] < 0.5 ? step : -step;
+    const double beyond = has_triangles() ? 1 - uv[1 - axis] : 1;  // where the root ends
+    const double inside = uv[axis] < 0.5 * beyond ? step : -step;
     const auto moved = [&](double by) {
         glm::dvec2 to = uv;
         to[axis] += by;
         return point(evaluator, root, tree_root, to).normal;
     };
-    if (uv[axis] >= step && uv[axis] <= 1 - step) return (moved(step) - moved(-step)) / (2 * step);
+    if (uv[axis] >= step && uv[axis] <= beyond - step)
+        return (moved(step) - moved(-step)) / (2 * step);
     return (4.0 * moved(inside) - 3.0 * normal - moved(2 * inside)) / (2 * inside);
 }
 
@@ -118,13 +121,13 @@ void LimitBase::frames(std::span<const RootPoint> at, std::span<BaseFrame> frame
     for (std::size_t k = 0; k < at.size(); ++k) {
         const std::uint32_t root = at[k].root;
         const Chart chart = this->chart(root, at[k].weights.x >= at[k].weights.y);
-        glm::dvec2 uv = chart.at(at[k].weights);
+        glm::dvec2 uv = chart.parameters(at[k].weights);
         SecondSteps second;
         Point p = point(evaluator, root, chart.tree_root, uv, &second);
         BaseFrame& frame = frames[k];
         frame.point = {p.position, p.normal};
         frame.normal = p.normal;
-        const glm::dvec2 nearby = uv + 0x1p-7 * (glm::dvec2(0.5) - uv);
+        const glm::dvec2 nearby = uv + 0x1p-7 * (glm::dvec2(has_triangles() ? 1.0 / 3 : 0.5) - uv);
         // Derivatives at an extraordinary vertex are none by (u, v): those nearby.
         if (p.extraordinary) {
             uv = nearby;
@@ -152,7 +155,7 @@ void LimitBase::frames(std::span<const RootPoint> at, std::span<BaseFrame> frame
             turns[std::size_t(axis)] = turn - glm::dot(turn, frame.normal) * frame.normal;
         }
         for (std::size_t s = 0; s < 2; ++s) {
-            const glm::dvec2 by = chart.corners[s + 1] - chart.corners[0];
+            const glm::dvec2 by = (chart.corners[s + 1] - chart.corners[0]) / chart.side;
             frame.position_steps[s] = by.x * du + by.y * dv;
             frame.direction_steps[s] = by.x * turns[0] + by.y * turns[1];
         }

@@ -1,4 +1,4 @@
-#include "tessellation/bezier_patch.h"
+#include "tessellation/limit/bezier_patch.h"
 
 #include <cmath>
 

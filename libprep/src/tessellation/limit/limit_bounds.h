@@ -32,8 +32,8 @@
 #include <optional>
 #include <vector>
 
-#include "tessellation/hull_deviation.h"
-#include "tessellation/limit_pieces.h"
+#include "tessellation/limit/hull_deviation.h"
+#include "tessellation/limit/limit_pieces.h"
 #include "tessellation/surface.h"
 
 namespace prep::detail {

@@ -1,9 +1,10 @@
-// The limit surface of a cage (Catmull–Clark, or bilinear) as the surface that is displaced, along
-// its limit normals.
+// The limit surface of a cage (Catmull–Clark, Loop, or bilinear) as the surface that is displaced,
+// along its limit normals.
 //
-// Parameters: a quad's fan is its unit square cut by both diagonals. An n-gon's consists of n
-// quads, each with a corner, the middles of its edges and the centre: a root (a, b, centre) is half
-// of a's quad and half of b's; so its triangles are right once they are halved.
+// Parameters: a triangle of Loop's scheme is one (limit_pieces.h). Else a quad's fan is its unit
+// square cut by both diagonals. An n-gon's consists of n quads, each with a corner, the middles of
+// its edges and the centre: a root (a, b, centre) is half of a's quad and half of b's; so its
+// triangles are right once they are halved.
 #pragma once
 
 #include <memory>
@@ -12,21 +13,24 @@
 
 #include "prep/result.h"
 #include "tessellation/domain.h"
-#include "tessellation/limit_bounds.h"
+#include "tessellation/limit/limit_bounds.h"
 #include "tessellation/surface.h"
 
 namespace prep::detail {
 
 class LimitBase final : public BaseSurface {
   public:
-    // Errors: those of LimitSurface; loop is unsupported. The mesh must outlive the surface.
+    // Errors: those of LimitSurface. The mesh must outlive the surface.
     static Result<LimitBase> make(const Mesh& mesh, const SubdivideOptions& options,
                                   bool has_heights);
 
     const std::vector<std::uint8_t>& left_out() const { return left_out_; }  // per face
-    // The domain, made with left_out(), must outlive the surface.
+    // Faces have one parameter triangle each.
+    bool has_triangles() const { return surface_->cage.corners_per_face == 3; }
+    // The domain, made with left_out() and whole triangles where it has_triangles(), must outlive
+    // the surface.
     void set_domain(const Domain& domain) { domain_ = &domain; }
-    // Per root: those of n-gons.
+    // Per root: those of n-gons, but for Loop's triangles.
     std::vector<std::uint8_t> first_halving() const;
 
     void evaluate(std::span<const RootPoint> at, std::span<BasePoint> points) const override;
@@ -41,9 +45,12 @@ class LimitBase final : public BaseSurface {
     struct Chart {
         std::uint32_t tree_root;
         std::array<glm::dvec2, 3> corners;
+        double side = 1;  // of the root
         glm::dvec2 at(const glm::dvec3& weights) const {
             return weights.x * corners[0] + weights.y * corners[1] + weights.z * corners[2];
         }
+        // Of the patch tree's root.
+        glm::dvec2 parameters(const glm::dvec3& weights) const { return at(weights) / side; }
     };
     // `towards_a`: of an n-gon's two halves.
     Chart chart(std::uint32_t root, bool towards_a) const;

@@ -1,4 +1,4 @@
-#include "tessellation/limit_pieces.h"
+#include "tessellation/limit/limit_pieces.h"
 
 #include <cmath>
 
@@ -150,28 +150,16 @@ class Collector {
             const glm::dvec2 q = corner + part.high.x * along_a + part.high.y * along_b;
             return ParameterBox{glm::min(p, q), glm::max(p, q)};
         };
-        RingLevels walked;
-        const int stored = surface_.rings.stored_levels();
-        bool walks = false;
-        int last = deepest_level;
+        RingWalk walk(surface_, sector.ring);
+        int last = deepest_tip;
         for (int k = 0; k <= last; ++k) {
             const double tip = std::ldexp(1.0, -k);
             const ParameterBox rest = turned({glm::dvec2(0.0), glm::dvec2(tip)});
             if (!overlap(rest, box_)) return;
-            const double *rings = nullptr, *next = nullptr;
-            if (k < stored) {
-                rings = surface_.rings.level(surface_.tree, sector.ring, k);
-                next = surface_.rings.level(surface_.tree, sector.ring, k + 1);
-            } else {
-                if (!walks)
-                    walked.start(ring, 3, surface_.rings.level(surface_.tree, sector.ring, stored));
-                walks = true;
-                rings = walked.level(k - stored);
-                next = walked.after();
-            }
+            const auto [rings, next] = walk.level(k);
             const bool has_all = rest.low.x >= box_.low.x && rest.low.y >= box_.low.y &&
                                  rest.high.x <= box_.high.x && rest.high.y <= box_.high.y;
-            if (has_all && last == deepest_level) last = std::min(last, k + tip_levels);
+            if (has_all && last == deepest_tip) last = std::min(last, k + tip_levels);
             if (k == last) {
                 LimitTip left{sector.ring, sector.sector, k, common(rest, box_), {}};
                 for (std::uint32_t p = 0; p < ring.shape.point_count(); ++p)
@@ -200,7 +188,6 @@ class Collector {
         }
     }
 
-    static constexpr int deepest_level = 60;
     const ChannelSurface& surface_;
     const ParameterBox& box_;
     LimitPieces& pieces_;
@@ -227,8 +214,7 @@ std::array<BezierPatch, 3> ring_level_patches(const RingShape& shape, const doub
 
 void collect_pieces(const ChannelSurface& surface, std::uint32_t root, const ParameterBox& box,
                     LimitPieces& pieces) {
-    pieces.patches.clear();
-    pieces.tips.clear();
+    pieces.clear();
     const PatchRoot& at = surface.tree.roots[root];
     Collector(surface, box, pieces).node(at.level, at.face, {glm::dvec2(0.0), glm::dvec2(1.0)});
 }

@@ -1,0 +1,93 @@
+// The pieces of a limit surface over a part of a root's parameters (limit_surface/patch_tree.h), as
+// Bézier patches: of a Catmull–Clark (or bilinear) surface over a box, cut to it; of Loop's scheme
+// over a triangle (triangle_pieces.cpp).
+//
+// The parameters of a triangle's root are three quarters of its own, (0, 0), (3/4, 0), (0, 3/4): so
+// its centre and all that bisections make are multiples of powers of two.
+//
+// Around an extraordinary vertex there are three patches a level, for ever. A part that has the
+// vertex gets those of `tip_levels` levels, and what is left as a tip: the vertex' two rings at
+// the level after, in whose hull the surface lies (each level's points are convex combinations of
+// the last one's).
+#pragma once
+
+#include <vector>
+
+#include "limit_surface/channel_surface.h"
+#include "tessellation/limit/bezier_patch.h"
+#include "tessellation/limit/quartic_patch.h"
+
+namespace prep::detail {
+
+struct LimitTip {
+    std::uint32_t ring = 0, sector = 0;
+    int level = 0;
+    ParameterBox box;  // of the root's parameters
+    std::vector<glm::dvec3> hull;
+};
+
+struct LimitPieces {
+    std::vector<BezierPatch> patches;
+    std::vector<QuarticPatch> triangles;  // in their place in Loop's scheme
+    std::vector<LimitTip> tips;
+
+    void clear() {
+        patches.clear();
+        triangles.clear();
+        tips.clear();
+    }
+    template <class Body>
+    void for_each_patch(const Body& body) const {
+        for (const BezierPatch& patch : patches) body(patch);
+        for (const QuarticPatch& patch : triangles) body(patch);
+    }
+};
+inline constexpr int tip_levels = 8;
+inline constexpr int deepest_tip = 60;  // where no part ends, or it has but a part of the tip
+
+inline constexpr double triangle_root_side = 0.75;
+
+// Of tree root `root`. A box without area gets what is on one of its sides.
+void collect_pieces(const ChannelSurface& surface, std::uint32_t root, const ParameterBox& box,
+                    LimitPieces& pieces);
+
+// Of a triangle root. A patch is over the triangle asked for where that is the smaller one, and as
+// a polynomial reaches beyond its own; else whole.
+void collect_pieces(const ChannelSurface& surface, std::uint32_t root,
+                    const ParameterTriangle& triangle, LimitPieces& pieces);
+
+// The three patches of level k of a ring's sector, over (a, b) of the sector's face from 0 to 1,
+// relative to the ring's centre. `rings` and `next` are levels k and k + 1.
+std::array<BezierPatch, 3> ring_level_patches(const RingShape& shape, const double* rings,
+                                              const double* next, std::uint32_t sector, int k);
+std::array<QuarticPatch, 3> ring_level_triangles(const RingShape& shape, const double* rings,
+                                                 const double* next, std::uint32_t sector, int k);
+
+// Levels of a ring in turn: those that are stored, then refined ones.
+class RingWalk {
+  public:
+    RingWalk(const ChannelSurface& surface, std::uint32_t ring) : surface_(surface), ring_(ring) {}
+    struct Level {
+        const double *rings, *next;
+    };
+    Level level(int k) {
+        const int stored = surface_.rings.stored_levels();
+        if (k < stored)
+            return {surface_.rings.level(surface_.tree, ring_, k),
+                    surface_.rings.level(surface_.tree, ring_, k + 1)};
+        if (!walks_)
+            walked_.start(surface_.tree.rings[ring_], 3,
+                          surface_.rings.level(surface_.tree, ring_, stored));
+        walks_ = true;
+        const double* const rings = walked_.level(k - stored);
+        return {rings, walked_.after()};
+    }
+
+  private:
+    const ChannelSurface& surface_;
+    std::uint32_t ring_;
+    RingLevels walked_;
+    bool walks_ = false;
+};
+
+}  // namespace prep::detail

@@ -1,0 +1,128 @@
+#include "tessellation/limit/quartic_patch.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "limit_surface/loop_patch.h"
+
+namespace prep::detail {
+namespace {
+
+// The weights' change by a step of the box's width, and of its height.
+struct BoxSteps {
+    glm::dvec3 u, v;
+    double reach = 0;  // the most that their lengths add up to
+    explicit BoxSteps(const QuarticPatch& patch) {
+        const glm::dvec2 p = patch.corners[1] - patch.corners[0];
+        const glm::dvec2 q = patch.corners[2] - patch.corners[0];
+        const double area = cross_of(p, q);
+        const glm::dvec2 size = patch.box.size();
+        u = size.x / area * glm::dvec3(p.y - q.y, q.y, -p.y);
+        v = size.y / area * glm::dvec3(q.x - p.x, -q.x, p.x);
+        for (const glm::dvec3& step : {u, v})
+            reach = std::max(reach, std::abs(step.x) + std::abs(step.y) + std::abs(step.z));
+    }
+};
+
+double size_of(const TriangleNet<4>& p) {
+    double size = 0;
+    for (const glm::dvec3& at : p)
+        size = std::max({size, std::abs(at.x), std::abs(at.y), std::abs(at.z)});
+    return size;
+}
+
+template <std::size_t count>
+double longest(const std::array<glm::dvec3, count>& vectors) {
+    double most = 0;
+    for (const glm::dvec3& v : vectors) most = std::max(most, glm::dot(v, v));
+    return std::sqrt(most);
+}
+
+// In place, a degree less: what is left are the first rows.
+void blossom(std::array<glm::dvec3, 15>& p, std::size_t degree, const glm::dvec3& weights) {
+    std::size_t k = 0;
+    for (std::size_t j = 0; j < degree; ++j)
+        for (std::size_t i = 0; i + j < degree; ++i, ++k)
+            p[k] = weights.x * p[triangle_point(degree, i, j)] +
+                   (weights.y * p[triangle_point(degree, i + 1, j)] +
+                    weights.z * p[triangle_point(degree, i, j + 1)]);
+}
+
+}  // namespace
+
+TriangleNet<4> quartic_points(const std::array<glm::dvec3, 12>& controls) {
+    const auto& rows = loop_bezier_weights();
+    TriangleNet<4> points;
+    for (std::size_t k = 0; k < points.size(); ++k) {
+        points[k] = glm::dvec3(0.0);
+        for (std::size_t c = 0; c < 12; ++c) points[k] += rows[k][c] * controls[c];
+    }
+    return points;
+}
+
+TriangleNet<4> over_triangle(const TriangleNet<4>& points,
+                             const std::array<glm::dvec3, 3>& weights) {
+    TriangleNet<4> out;
+    TriangleNet<4> third = points;  // after j times the third argument
+    for (std::size_t j = 0; j <= 4; ++j) {
+        TriangleNet<4> second = third;
+        for (std::size_t i = 0; i + j <= 4; ++i) {
+            TriangleNet<4> first = second;
+            for (std::size_t degree = 4 - i - j; degree > 0; --degree)
+                blossom(first, degree, weights[0]);
+            out[triangle_point(4, i, j)] = first[0];
+            if (i + j < 4) blossom(second, 4 - i - j, weights[1]);
+        }
+        if (j < 4) blossom(third, 4 - j, weights[2]);
+    }
+    return out;
+}
+
+std::array<double, 3> second_derivative_bounds(const QuarticPatch& patch) {
+    const BoxSteps steps(patch);
+    const TriangleNet<3> by_u = differences<4>(patch.p, steps.u);
+    const TriangleNet<3> by_v = differences<4>(patch.p, steps.v);
+    // A second difference adds up points that carry errors of some roundings.
+    const double slack = 12 * steps.reach * steps.reach * size_of(patch.p) * 0x1p-49;
+    return {12 * longest(differences<3>(by_u, steps.u)) + slack,
+            12 * longest(differences<3>(by_u, steps.v)) + slack,
+            12 * longest(differences<3>(by_v, steps.v)) + slack};
+}
+
+QuarticNormalNet normal_net(const QuarticPatch& patch) {
+    // The binomials 3!/(i! j! k!) and 6!/(i! j! k!), row by row.
+    static constexpr double of_three[10] = {1, 3, 3, 1, 3, 6, 3, 3, 3, 1};
+    static constexpr double of_six[28] = {1,  6,  15, 20, 15, 6,  1,  6,  30, 60, 60, 30, 6, 15,
+                                          60, 90, 60, 15, 20, 60, 60, 20, 15, 30, 15, 6,  6, 1};
+    const BoxSteps steps(patch);
+    QuarticNormalNet net;
+    net.by_u = steps.u;
+    net.by_v = steps.v;
+    net.reach = steps.reach;
+    net.n.fill(glm::dvec3(0.0));
+    const TriangleNet<3> by_u = differences<4>(patch.p, steps.u);
+    TriangleNet<3> by_v = differences<4>(patch.p, steps.v);
+    const double lengths = 4 * (longest(by_u) + longest(by_v));
+    for (std::size_t k = 0; k < 10; ++k) by_v[k] *= of_three[k];
+    for (std::size_t j = 0, k = 0; j <= 3; ++j)
+        for (std::size_t i = 0; i + j <= 3; ++i, ++k) {
+            const glm::dvec3 u = of_three[k] * 16.0 * by_u[k];
+            for (std::size_t m = 0, l = 0; m <= 3; ++m)
+                for (std::size_t h = 0; h + m <= 3; ++h, ++l)
+                    net.n[triangle_point(6, i + h, j + m)] += glm::cross(u, by_v[l]);
+        }
+    for (std::size_t k = 0; k < 28; ++k) net.n[k] /= of_six[k];
+    // Differences of points err by roundings of their size, products by some of theirs.
+    net.error = lengths * (net.reach * size_of(patch.p) * 0x1p-47 + lengths * 0x1p-48);
+    return net;
+}
+
+std::array<glm::dvec3, 2> middle_derivatives(const QuarticPatch& patch) {
+    const BoxSteps steps(patch);
+    std::array<glm::dvec3, 2> d{glm::dvec3(0.0), glm::dvec3(0.0)};
+    for (const glm::dvec3& p : differences<4>(patch.p, steps.u)) d[0] += p;
+    for (const glm::dvec3& p : differences<4>(patch.p, steps.v)) d[1] += p;
+    return d;
+}
+
+}  // namespace prep::detail

@@ -1,0 +1,77 @@
+// Patches of Loop's scheme in Bézier form of degree 4 over a triangle of the root's parameters:
+// hulls of their control points are bounds.
+//
+// Control points of degree n are row by row from corner 0 to corner 1: number (i, j) is of i times
+// corner 1, j times corner 2 and else corner 0.
+#pragma once
+
+#include <array>
+#include <glm/glm.hpp>
+
+#include "tessellation/limit/bezier_patch.h"
+
+namespace prep::detail {
+
+constexpr std::size_t triangle_points(std::size_t degree) {
+    return (degree + 1) * (degree + 2) / 2;
+}
+constexpr std::size_t triangle_point(std::size_t degree, std::size_t i, std::size_t j) {
+    return j * (2 * degree + 3 - j) / 2 + i;
+}
+template <std::size_t degree>
+using TriangleNet = std::array<glm::dvec3, triangle_points(degree)>;
+
+using ParameterTriangle = std::array<glm::dvec2, 3>;
+
+inline double cross_of(const glm::dvec2& a, const glm::dvec2& b) {
+    return a.x * b.y - a.y * b.x;
+}
+
+inline ParameterBox box_of(const ParameterTriangle& t) {
+    return {glm::min(t[0], glm::min(t[1], t[2])), glm::max(t[0], glm::max(t[1], t[2]))};
+}
+
+struct QuarticPatch {
+    TriangleNet<4> p;
+    ParameterTriangle corners;
+    ParameterBox box;  // around them: derivatives are by its size
+};
+
+// Of the 12 control points (loop_patch.h), over the whole triangle.
+TriangleNet<4> quartic_points(const std::array<glm::dvec3, 12>& controls);
+
+// The control points over the triangle whose corners have these weights of the corners, by the
+// polar form (Ramshaw 1989). It may reach beyond.
+TriangleNet<4> over_triangle(const TriangleNet<4>& points,
+                             const std::array<glm::dvec3, 3>& weights);
+
+// As those of bicubic patches (bezier_patch.h).
+std::array<double, 3> second_derivative_bounds(const QuarticPatch& patch);
+
+struct QuarticNormalNet {
+    TriangleNet<6> n;
+    double error = 0;
+    // A step by u, and by v, as sums of steps from a control point: what it has of each corner, and
+    // the most that their lengths add up to.
+    glm::dvec3 by_u, by_v;
+    double reach = 0;
+};
+QuarticNormalNet normal_net(const QuarticPatch& patch);
+
+// First derivatives about the triangle's middle, by the box's size.
+std::array<glm::dvec3, 2> middle_derivatives(const QuarticPatch& patch);
+
+// Σ by[c] · (the control point one further towards corner c): a derivative, over its degree.
+template <std::size_t degree>
+TriangleNet<degree - 1> differences(const TriangleNet<degree>& p, const glm::dvec3& by) {
+    TriangleNet<degree - 1> out;
+    std::size_t k = 0;
+    for (std::size_t j = 0; j < degree; ++j)
+        for (std::size_t i = 0; i + j < degree; ++i, ++k)
+            out[k] = by.x * p[triangle_point(degree, i, j)] +
+                     (by.y * p[triangle_point(degree, i + 1, j)] +
+                      by.z * p[triangle_point(degree, i, j + 1)]);
+    return out;
+}
+
+}  // namespace prep::detail

@@ -1,0 +1,183 @@
+// limit_pieces.h, of Loop's scheme.
+#include <cmath>
+
+#include "limit_surface/loop_patch.h"
+#include "tessellation/limit/limit_pieces.h"
+
+namespace prep::detail {
+namespace {
+
+using LoopControls = std::array<glm::dvec3, 12>;
+using Frame = TriangleFrame<double>;
+
+glm::dvec3 vector_of(const double* numbers) {
+    return {numbers[0], numbers[1], numbers[2]};
+}
+
+double doubled_area(const ParameterTriangle& t) {
+    return std::abs(cross_of(t[1] - t[0], t[2] - t[0]));
+}
+
+// Whether all of `other` is beyond an edge of `t`, or on it.
+bool is_beyond_an_edge(const ParameterTriangle& t, const ParameterTriangle& other) {
+    const double side = cross_of(t[1] - t[0], t[2] - t[0]) > 0 ? 1 : -1;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const glm::dvec2 along = t[(k + 1) % 3] - t[k];
+        if (side * cross_of(along, other[0] - t[k]) <= 0 &&
+            side * cross_of(along, other[1] - t[k]) <= 0 &&
+            side * cross_of(along, other[2] - t[k]) <= 0)
+            return true;
+    }
+    return false;
+}
+
+ParameterTriangle triangle_of(const Frame& frame, double side) {
+    return {glm::dvec2(frame.x, frame.y),
+            glm::dvec2(frame.x + side * frame.ax, frame.y + side * frame.ay),
+            glm::dvec2(frame.x + side * frame.bx, frame.y + side * frame.by)};
+}
+
+LoopControls controls_of(const RingShape& shape, const double* rings, const double* next,
+                         std::uint32_t sector, int part) {
+    std::array<double, 36> numbers;
+    ring_patch(shape, 3, rings, next, sector, part & 1, part >> 1, numbers.data());
+    LoopControls controls;
+    for (std::size_t c = 0; c < 12; ++c) controls[c] = vector_of(numbers.data() + 3 * c);
+    return controls;
+}
+
+// Where those of a ring's level are, `half` the side of what is left.
+Frame part_frame(const Frame& frame, double half, int part) {
+    return part == 3 ? frame.moved(half, half).inverted()
+                     : frame.moved(part == 1 ? half : 0, part == 2 ? half : 0);
+}
+
+class TriangleCollector {
+  public:
+    TriangleCollector(const ChannelSurface& surface, const ParameterTriangle& asked,
+                      LimitPieces& pieces)
+        : surface_(surface), asked_(asked), area_(doubled_area(asked)), pieces_(pieces) {}
+
+    void node(std::uint32_t level, std::uint32_t face, const Frame& frame, double side) {
+        if (is_apart(triangle_of(frame, side))) return;
+        const PatchNode node = surface_.tree.nodes[level][face];
+        if (node.kind == PatchNode::regular)
+            return patch(gather(surface_.tree.triangle_patches[node.index]), frame, side);
+        if (node.kind == PatchNode::linear) return plane(level, face, frame, side);
+        if (node.kind == PatchNode::ring)
+            return ring(surface_.tree.sectors[node.index], frame, side);
+        if (node.kind != PatchNode::split) return;
+        const std::uint32_t first = surface_.cage.levels[level].first_child[face];
+        const auto frames = child_frames(surface_.cage, level + 1, first, frame, side / 2);
+        for (std::uint32_t c = 0; c < 4; ++c) this->node(level + 1, first + c, frames[c], side / 2);
+    }
+
+  private:
+    bool is_apart(const ParameterTriangle& other) const {
+        return is_beyond_an_edge(asked_, other) || is_beyond_an_edge(other, asked_);
+    }
+
+    void points(const TriangleNet<4>& points, const Frame& frame, double side) {
+        const ParameterTriangle own = triangle_of(frame, side);
+        if (doubled_area(own) < area_) {
+            pieces_.triangles.push_back({points, own, box_of(own)});
+            return;
+        }
+        std::array<glm::dvec3, 3> weights;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const glm::dvec2 at = asked_[k] - own[0];
+            const double u = (frame.by * at.x - frame.bx * at.y) / side;
+            const double v = (frame.ax * at.y - frame.ay * at.x) / side;
+            weights[k] = {1 - u - v, u, v};
+        }
+        pieces_.triangles.push_back({over_triangle(points, weights), asked_, box_of(asked_)});
+    }
+
+    void patch(const LoopControls& controls, const Frame& frame, double side) {
+        points(quartic_points(controls), frame, side);
+    }
+
+    LoopControls gather(const TrianglePatch& patch) const {
+        LoopControls controls;
+        controls.fill(glm::dvec3(0.0));
+        for (const TrianglePatch::Term& term : patch.terms)
+            controls[term.control] +=
+                double(term.weight) * vector_of(surface_.values.of(term.vertex));
+        return controls;
+    }
+
+    void plane(std::uint32_t level, std::uint32_t face, const Frame& frame, double side) {
+        const RefinedLevel& at = surface_.cage.levels[level];
+        const std::uint32_t* const vertices = at.corner_vertices.data() + at.first_corner(face, 3);
+        std::array<glm::dvec3, 3> c;
+        for (std::size_t k = 0; k < 3; ++k)
+            c[k] = vector_of(surface_.values.of(at.first_vertex + vertices[k]));
+        TriangleNet<4> flat;
+        for (std::size_t j = 0; j <= 4; ++j)
+            for (std::size_t i = 0; i + j <= 4; ++i)
+                flat[triangle_point(4, i, j)] =
+                    (double(4 - i - j) * c[0] + double(i) * c[1] + double(j) * c[2]) / 4.0;
+        points(flat, frame, side);
+    }
+
+    void ring(const RingSector& sector, const Frame& face, double side) {
+        const Ring& ring = surface_.tree.rings[sector.ring];
+        const glm::dvec3 centre = vector_of(surface_.rings.centre(sector.ring));
+        const Frame frame = face.at_corner(sector.corner, side);
+        const ParameterBox box = box_of(asked_);
+        RingWalk walk(surface_, sector.ring);
+        int last = deepest_tip;
+        for (int k = 0; k <= last; ++k, side /= 2) {
+            const ParameterTriangle rest = triangle_of(frame, side);
+            if (is_apart(rest)) return;
+            const auto [rings, next] = walk.level(k);
+            const ParameterBox around = box_of(rest);
+            const bool has_all = around.low.x >= box.low.x && around.low.y >= box.low.y &&
+                                 around.high.x <= box.high.x && around.high.y <= box.high.y;
+            if (has_all && last == deepest_tip) last = std::min(last, k + tip_levels);
+            if (k == last) {
+                LimitTip left{sector.ring, sector.sector, k, around, {}};
+                for (std::uint32_t p = 0; p < ring.shape.point_count(); ++p)
+                    left.hull.push_back(centre + vector_of(rings + 3 * std::size_t(p)));
+                pieces_.tips.push_back(std::move(left));
+                return;
+            }
+            for (int part = 1; part < 4; ++part) {
+                const Frame own = part_frame(frame, side / 2, part);
+                if (is_apart(triangle_of(own, side / 2))) continue;
+                LoopControls controls = controls_of(ring.shape, rings, next, sector.sector, part);
+                for (glm::dvec3& control : controls) control += centre;
+                patch(controls, own, side / 2);
+            }
+        }
+    }
+
+    const ChannelSurface& surface_;
+    const ParameterTriangle& asked_;
+    double area_;
+    LimitPieces& pieces_;
+};
+
+}  // namespace
+
+std::array<QuarticPatch, 3> ring_level_triangles(const RingShape& shape, const double* rings,
+                                                 const double* next, std::uint32_t sector, int k) {
+    std::array<QuarticPatch, 3> patches;
+    const double half = std::ldexp(0.5, -k);
+    for (int part = 1; part < 4; ++part) {
+        const ParameterTriangle own = triangle_of(part_frame({0, 0, 1, 0, 0, 1}, half, part), half);
+        patches[std::size_t(part - 1)] = {
+            quartic_points(controls_of(shape, rings, next, sector, part)), own, box_of(own)};
+    }
+    return patches;
+}
+
+void collect_pieces(const ChannelSurface& surface, std::uint32_t root,
+                    const ParameterTriangle& triangle, LimitPieces& pieces) {
+    pieces.clear();
+    const PatchRoot& at = surface.tree.roots[root];
+    TriangleCollector(surface, triangle, pieces)
+        .node(at.level, at.face, {0, 0, 1, 0, 0, 1}, triangle_root_side);
+}
+
+}  // namespace prep::detail
