@@ -35,6 +35,14 @@ struct RingShape {
     bool is_sharp(std::uint32_t i) const {
         return closed ? sharp_edge && edge(i) == 0 : i == 0 || i == sectors;
     }
+    // Below this parameter, of a power of two, a point is taken for the vertex. Where three
+    // triangles meet, or one sector is all between a crease's two sides, rings shrink to a quarter
+    // with each level, along the crease or to both sides: what the normal comes from would be
+    // rounding errors before the others' is.
+    int deepest_level() const {
+        const bool thin = !corner_rule && (closed ? triangles && sectors == 3 : sectors == 1);
+        return thin ? 36 : 50;
+    }
     std::uint32_t next(std::uint32_t j) const { return j + 1 == sectors ? 0 : j + 1; }
     std::uint32_t previous(std::uint32_t j) const { return j == 0 ? sectors - 1U : j - 1; }
 

@@ -85,9 +85,6 @@ class PatchEvaluator {
     std::uint64_t gathered_ring_points() const { return gathered_points_; }
 
   private:
-    // Below this parameter, of a power of two, a point is taken for the vertex of a ring.
-    static constexpr int deepest_ring_level = 50;
-
     using Corners = std::array<const double*, 4>;  // a triangle's first three
     Corners corner_values(std::uint32_t level, std::uint32_t face) const;
     // The rings of a sector's vertex: numbers of level k and of the next one, and value, t0, t1.

@@ -349,9 +349,10 @@ PointTraits PatchEvaluator::quad_point(const PatchRoot& root, double u, double v
     }
     const RingSector sector = tree.sectors[node.index];
     Parameters p = sector_parameters(sector.corner, u, v);
+    const int deepest = tree.rings[sector.ring].shape.deepest_level();
     int k = 0;
-    for (; k < deepest_ring_level && std::max(p.a, p.b) <= 0.5; ++k) p.a *= 2, p.b *= 2;
-    if (k == deepest_ring_level || std::max(p.a, p.b) == 0) {
+    for (; k < deepest && std::max(p.a, p.b) <= 0.5; ++k) p.a *= 2, p.b *= 2;
+    if (k == deepest || std::max(p.a, p.b) == 0) {
         sector_limit(sector, ring_access(sector.ring, 0), 0, 0, value, du, dv);
         turn_derivatives(sector.corner, width, scale_of(level), du, dv);
         for (std::uint32_t d = 0; second && d < width; ++d)

@@ -260,9 +260,10 @@ PointTraits PatchEvaluator::triangle_point(std::uint32_t level, std::uint32_t fa
         const RingSector sector = tree.sectors[node.index];
         into(Frame<double>{0, 0, 1, 0, 0, 1}.at_corner(sector.corner, 1));
         u = std::max(u, 0.0), v = std::max(v, 0.0);
+        const int deepest = tree.rings[sector.ring].shape.deepest_level();
         int k = 0;
-        for (; k < deepest_ring_level && u + v <= 0.5; ++k) u *= 2, v *= 2;
-        if (k == deepest_ring_level || u + v == 0) {
+        for (; k < deepest && u + v <= 0.5; ++k) u *= 2, v *= 2;
+        if (k == deepest || u + v == 0) {
             sector_limit(sector, ring_access(sector.ring, 0), 0, 0, value, du, dv);
             no_second(width, second);
             traits = {sector.ring, sector.sector};

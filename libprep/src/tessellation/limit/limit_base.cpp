@@ -76,6 +76,12 @@ LimitBase::Point LimitBase::point(PatchEvaluator& evaluator, std::uint32_t root,
     const PointTraits traits = evaluator.point(tree_root, uv.x, uv.y, &p.position.x, &p.du.x,
                                                &p.dv.x, second ? &to : nullptr);
     p.extraordinary = traits.ring != no_index;
+    if (p.extraordinary) {
+        const RingNormal& normal = surface_->rings.normal(traits.ring);
+        p.normal = normal.normal;
+        p.fallback = normal.nearby;
+        if (p.normal != glm::dvec3(0.0)) return p;
+    }
     const PointNormal normal = point_normal(
         *surface_, evaluator, tree_root, uv.x, uv.y, p.du, p.dv,
         std::span(mesh_->corner_vertices).subspan(first, mesh_->face_offsets[face + 1] - first));

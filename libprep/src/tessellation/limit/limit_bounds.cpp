@@ -19,6 +19,14 @@ double over_extent(const glm::dvec2& extent, double uu, double uv, double vv) {
     return extent.x * extent.x * uu + 2 * extent.x * extent.y * uv + extent.y * extent.y * vv;
 }
 
+// What a patch's derivatives are by, in units of extents.
+glm::dvec2 unit_of(const BezierPatch& patch) {
+    return patch.box.size();
+}
+glm::dvec2 unit_of(const QuarticPatch&) {
+    return glm::dvec2(1.0);
+}
+
 // Suprema over all pieces that the triangle meets, by its root's parameters: ways from a point to
 // the corners lead through several, and the largest derivative by u may be in one, that by v in
 // another.
@@ -27,7 +35,7 @@ class Curvature {
     template <class Patch>
     void widen(const Patch& patch) {
         const auto [uu, uv, vv] = second_derivative_bounds(patch);
-        const glm::dvec2 factor = 1.0 / patch.box.size();
+        const glm::dvec2 factor = 1.0 / unit_of(patch);
         uu_ = std::max(uu_, factor.x * factor.x * uu);
         uv_ = std::max(uv_, factor.x * factor.y * uv);
         vv_ = std::max(vv_, factor.y * factor.y * vv);
@@ -54,9 +62,9 @@ struct AboutAxis {
     }
 };
 
-// Differences of a net's points, by the patch's size: of the first order, and of the second. A
-// derivative is `first`, `pure` (twice by one parameter) or `mixed` times as much; each difference
-// carries the errors of `points` points.
+// Differences of a net's points, by what the patch's are by: of the first order, and of the second.
+// A derivative is `first`, `pure` (twice by one parameter) or `mixed` times as much; each
+// difference carries the errors of `points` points.
 struct NetDifferences {
     AboutAxis u, v, uu, uv, vv;
     double first, pure, mixed, points;
@@ -117,7 +125,7 @@ class NormalCurvature {
 
 template <class Patch>
 void NormalCurvature::widen(const Patch& patch, const glm::dvec3& e) {
-    const glm::dvec2 factor = 1.0 / patch.box.size();
+    const glm::dvec2 factor = 1.0 / unit_of(patch);
     const auto net = normal_net(patch);
     double least = std::numeric_limits<double>::infinity();
     AboutAxis whole;
@@ -229,8 +237,9 @@ RingCones::RingCones(const ChannelSurface& surface, int threads) {
             RingLevels walked;
             walked.start(ring, 3, surface.rings.level(surface.tree, std::uint32_t(r), 0));
             // Without a margin: where rings grow thin, level by level, roundings are in the end as
-            // large as they are wide, here and in what evaluation takes for the normal.
-            for (int k = 0; k < levels; ++k) {
+            // large as they are wide, here and in what evaluation takes for the normal. After the
+            // deepest level that is the vertex' own.
+            for (int k = 0; k < ring.shape.deepest_level(); ++k) {
                 const double* const rings = walked.level(k);
                 const double* const next = walked.after();
                 for (std::uint32_t j = 0; j < ring.shape.sectors; ++j) {
@@ -257,7 +266,7 @@ RingCones::RingCones(const ChannelSurface& surface, int threads) {
 }
 
 double RingCones::from_level(std::uint32_t ring, std::uint32_t sector, int k) const {
-    if (k >= levels) k = levels - 1;
+    if (k >= levels) return 0;
     return double(cones_[(first_[ring] + sector) * std::size_t(levels) + std::size_t(k)]);
 }
 
@@ -291,13 +300,14 @@ struct CellBounds::Cell {
         thread_local LimitPieces pieces;
         const double side = std::ldexp(root_side(surface), -wanted.level);
         const glm::dvec2 low = side * glm::dvec2(double(wanted.i), double(wanted.j));
-        const glm::dvec2 right = low + glm::dvec2(side, 0), up = low + glm::dvec2(0, side);
+        const ParameterAxes axes{{side, 0}, {0, side}};
+        const glm::dvec2 right = low + axes.u, up = low + axes.v;
         if (surface.cage.corners_per_face != 3)
-            collect_pieces(surface, wanted.root, ParameterBox{low, low + side}, pieces);
+            collect_pieces(surface, wanted.root, {low, low + side}, pieces);
         else if (wanted.far_half)
-            collect_pieces(surface, wanted.root, ParameterTriangle{low + side, up, right}, pieces);
+            collect_pieces(surface, wanted.root, {low + side, up, right}, axes, pieces);
         else
-            collect_pieces(surface, wanted.root, ParameterTriangle{low, right, up}, pieces);
+            collect_pieces(surface, wanted.root, {low, right, up}, axes, pieces);
         bounded = pieces.tips.empty();
         curvature = {};
         normal_curvature = {};
@@ -357,8 +367,10 @@ std::optional<BaseDeviation> CellBounds::deviation(std::uint32_t root,
     Cell& cell = cache[std::size_t(key.hash()) % kept];
     if (cell.key != key) cell.make(key, surface_, with_normals_);
     if (!cell.bounded) return std::nullopt;
-    return BaseDeviation{cell.curvature.deviation(extent),
-                         with_normals_ ? cell.normal_curvature.deviation(extent) : 0};
+    const glm::dvec2 by =
+        root_side < 1 ? extent * cells : extent;  // of triangles: by a cell's side
+    return BaseDeviation{cell.curvature.deviation(by),
+                         with_normals_ ? cell.normal_curvature.deviation(by) : 0};
 }
 
 BaseDeviation limit_deviation(const ChannelSurface& surface, const RingCones* cones,
@@ -366,10 +378,12 @@ BaseDeviation limit_deviation(const ChannelSurface& surface, const RingCones* co
     const ParameterBox box = box_of(triangle.parameters);
     thread_local LimitPieces pieces;
     if (surface.cage.corners_per_face == 3)
-        collect_pieces(surface, triangle.root, triangle.parameters, pieces);
+        collect_pieces(surface, triangle.root, triangle.parameters, axes_of(triangle.parameters),
+                       pieces);
     else
         collect_pieces(surface, triangle.root, box, pieces);
     if (!pieces.tips.empty()) return at_vertex(surface, cones, triangle, pieces);
+    const glm::dvec2 extent = surface.cage.corners_per_face == 3 ? glm::dvec2(1.0) : box.size();
     const LinearMap linear(triangle);
     Curvature curvature;
     NormalCurvature normal_curvature;
@@ -381,8 +395,8 @@ BaseDeviation limit_deviation(const ChannelSurface& surface, const RingCones* co
         if (cones) normal_curvature.widen(patch, axis_of(patch, triangle.normals[0]));
     });
     BaseDeviation most;
-    most.position = std::min(curvature.deviation(box.size()), by_hulls);
-    if (cones) most.direction = normal_curvature.deviation(box.size());
+    most.position = std::min(curvature.deviation(extent), by_hulls);
+    if (cones) most.direction = normal_curvature.deviation(extent);
     // Beside an extraordinary vertex the second derivatives are as large at every scale.
     constexpr double worth_a_second_look = 0.01;
     if (cones && most.direction > worth_a_second_look) {

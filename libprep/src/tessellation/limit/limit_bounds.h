@@ -46,7 +46,7 @@ class RingCones {
     double from_level(std::uint32_t ring, std::uint32_t sector, int k) const;
 
   private:
-    static constexpr int levels = 51;
+    static constexpr int levels = 50;
     std::vector<std::size_t> first_;  // per ring
     std::vector<float> cones_;        // per sector `levels`
 };

@@ -51,10 +51,11 @@ inline constexpr double triangle_root_side = 0.75;
 void collect_pieces(const ChannelSurface& surface, std::uint32_t root, const ParameterBox& box,
                     LimitPieces& pieces);
 
-// Of a triangle root. A patch is over the triangle asked for where that is the smaller one, and as
-// a polynomial reaches beyond its own; else whole.
+// Of a triangle root; patches get these axes. A patch is over the triangle asked for where that is
+// the smaller one, and as a polynomial reaches beyond its own; else whole.
 void collect_pieces(const ChannelSurface& surface, std::uint32_t root,
-                    const ParameterTriangle& triangle, LimitPieces& pieces);
+                    const ParameterTriangle& triangle, const ParameterAxes& axes,
+                    LimitPieces& pieces);
 
 // The three patches of level k of a ring's sector, over (a, b) of the sector's face from 0 to 1,
 // relative to the ring's centre. `rings` and `next` are levels k and k + 1.

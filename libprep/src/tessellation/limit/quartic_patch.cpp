@@ -8,19 +8,22 @@
 namespace prep::detail {
 namespace {
 
-// The weights' change by a step of the box's width, and of its height.
-struct BoxSteps {
+// The weights' change by a step along each of the axes.
+struct AxisSteps {
     glm::dvec3 u, v;
-    double reach = 0;  // the most that their lengths add up to
-    explicit BoxSteps(const QuarticPatch& patch) {
+    double reach = 0;  // the most that one adds up to
+    explicit AxisSteps(const QuarticPatch& patch) {
         const glm::dvec2 p = patch.corners[1] - patch.corners[0];
         const glm::dvec2 q = patch.corners[2] - patch.corners[0];
         const double area = cross_of(p, q);
-        const glm::dvec2 size = patch.box.size();
-        u = size.x / area * glm::dvec3(p.y - q.y, q.y, -p.y);
-        v = size.y / area * glm::dvec3(q.x - p.x, -q.x, p.x);
-        for (const glm::dvec3& step : {u, v})
-            reach = std::max(reach, std::abs(step.x) + std::abs(step.y) + std::abs(step.z));
+        const auto step = [&](const glm::dvec2& along) {
+            const double second = cross_of(along, q) / area, third = cross_of(p, along) / area;
+            const glm::dvec3 change(-(second + third), second, third);
+            reach = std::max(reach, std::abs(change.x) + std::abs(second) + std::abs(third));
+            return change;
+        };
+        u = step(patch.axes.u);
+        v = step(patch.axes.v);
     }
 };
 
@@ -49,6 +52,14 @@ void blossom(std::array<glm::dvec3, 15>& p, std::size_t degree, const glm::dvec3
 }
 
 }  // namespace
+
+ParameterAxes axes_of(const ParameterTriangle& t) {
+    const glm::dvec2 along = t[1] - t[0], to_tip = t[2] - t[0];
+    const glm::dvec2 across(-(0.5 * along.x + along.y), along.x + 0.5 * along.y);
+    const double area = cross_of(along, across), foot = cross_of(to_tip, across) / area;
+    const double width = std::max(1.0, foot) - std::min(0.0, foot);
+    return {width * along, cross_of(along, to_tip) / area * across};
+}
 
 TriangleNet<4> quartic_points(const std::array<glm::dvec3, 12>& controls) {
     const auto& rows = loop_bezier_weights();
@@ -79,7 +90,7 @@ TriangleNet<4> over_triangle(const TriangleNet<4>& points,
 }
 
 std::array<double, 3> second_derivative_bounds(const QuarticPatch& patch) {
-    const BoxSteps steps(patch);
+    const AxisSteps steps(patch);
     const TriangleNet<3> by_u = differences<4>(patch.p, steps.u);
     const TriangleNet<3> by_v = differences<4>(patch.p, steps.v);
     // A second difference adds up points that carry errors of some roundings.
@@ -94,7 +105,7 @@ QuarticNormalNet normal_net(const QuarticPatch& patch) {
     static constexpr double of_three[10] = {1, 3, 3, 1, 3, 6, 3, 3, 3, 1};
     static constexpr double of_six[28] = {1,  6,  15, 20, 15, 6,  1,  6,  30, 60, 60, 30, 6, 15,
                                           60, 90, 60, 15, 20, 60, 60, 20, 15, 30, 15, 6,  6, 1};
-    const BoxSteps steps(patch);
+    const AxisSteps steps(patch);
     QuarticNormalNet net;
     net.by_u = steps.u;
     net.by_v = steps.v;
@@ -118,7 +129,7 @@ QuarticNormalNet normal_net(const QuarticPatch& patch) {
 }
 
 std::array<glm::dvec3, 2> middle_derivatives(const QuarticPatch& patch) {
-    const BoxSteps steps(patch);
+    const AxisSteps steps(patch);
     std::array<glm::dvec3, 2> d{glm::dvec3(0.0), glm::dvec3(0.0)};
     for (const glm::dvec3& p : differences<4>(patch.p, steps.u)) d[0] += p;
     for (const glm::dvec3& p : differences<4>(patch.p, steps.v)) d[1] += p;

@@ -31,10 +31,19 @@ inline ParameterBox box_of(const ParameterTriangle& t) {
     return {glm::min(t[0], glm::min(t[1], t[2])), glm::max(t[0], glm::max(t[1], t[2]))};
 }
 
+// What derivatives are by, in place of the parameters.
+struct ParameterAxes {
+    glm::dvec2 u{1, 0}, v{0, 1};
+};
+// Of a triangle (a, b, c): along ab, and across it as it is where the parameters' triangle is
+// equilateral; as long as the triangle is wide.
+ParameterAxes axes_of(const ParameterTriangle& triangle);
+
 struct QuarticPatch {
     TriangleNet<4> p;
     ParameterTriangle corners;
-    ParameterBox box;  // around them: derivatives are by its size
+    ParameterBox box;  // around them
+    ParameterAxes axes;
 };
 
 // Of the 12 control points (loop_patch.h), over the whole triangle.
@@ -45,20 +54,20 @@ TriangleNet<4> quartic_points(const std::array<glm::dvec3, 12>& controls);
 TriangleNet<4> over_triangle(const TriangleNet<4>& points,
                              const std::array<glm::dvec3, 3>& weights);
 
-// As those of bicubic patches (bezier_patch.h).
+// As those of bicubic patches (bezier_patch.h), by the axes.
 std::array<double, 3> second_derivative_bounds(const QuarticPatch& patch);
 
 struct QuarticNormalNet {
     TriangleNet<6> n;
     double error = 0;
-    // A step by u, and by v, as sums of steps from a control point: what it has of each corner, and
-    // the most that their lengths add up to.
+    // Of a step along each of the axes: what it has of each corner, and the most that this adds up
+    // to.
     glm::dvec3 by_u, by_v;
     double reach = 0;
 };
 QuarticNormalNet normal_net(const QuarticPatch& patch);
 
-// First derivatives about the triangle's middle, by the box's size.
+// First derivatives about the triangle's middle, by the axes.
 std::array<glm::dvec3, 2> middle_derivatives(const QuarticPatch& patch);
 
 // Σ by[c] · (the control point one further towards corner c): a derivative, over its degree.

@@ -55,8 +55,12 @@ Frame part_frame(const Frame& frame, double half, int part) {
 class TriangleCollector {
   public:
     TriangleCollector(const ChannelSurface& surface, const ParameterTriangle& asked,
-                      LimitPieces& pieces)
-        : surface_(surface), asked_(asked), area_(doubled_area(asked)), pieces_(pieces) {}
+                      const ParameterAxes& axes, LimitPieces& pieces)
+        : surface_(surface),
+          asked_(asked),
+          axes_(axes),
+          area_(doubled_area(asked)),
+          pieces_(pieces) {}
 
     void node(std::uint32_t level, std::uint32_t face, const Frame& frame, double side) {
         if (is_apart(triangle_of(frame, side))) return;
@@ -80,7 +84,7 @@ class TriangleCollector {
     void points(const TriangleNet<4>& points, const Frame& frame, double side) {
         const ParameterTriangle own = triangle_of(frame, side);
         if (doubled_area(own) < area_) {
-            pieces_.triangles.push_back({points, own, box_of(own)});
+            pieces_.triangles.push_back({points, own, box_of(own), axes_});
             return;
         }
         std::array<glm::dvec3, 3> weights;
@@ -90,7 +94,8 @@ class TriangleCollector {
             const double v = (frame.ax * at.y - frame.ay * at.x) / side;
             weights[k] = {1 - u - v, u, v};
         }
-        pieces_.triangles.push_back({over_triangle(points, weights), asked_, box_of(asked_)});
+        pieces_.triangles.push_back(
+            {over_triangle(points, weights), asked_, box_of(asked_), axes_});
     }
 
     void patch(const LoopControls& controls, const Frame& frame, double side) {
@@ -154,6 +159,7 @@ class TriangleCollector {
 
     const ChannelSurface& surface_;
     const ParameterTriangle& asked_;
+    const ParameterAxes& axes_;
     double area_;
     LimitPieces& pieces_;
 };
@@ -167,16 +173,20 @@ std::array<QuarticPatch, 3> ring_level_triangles(const RingShape& shape, const d
     for (int part = 1; part < 4; ++part) {
         const ParameterTriangle own = triangle_of(part_frame({0, 0, 1, 0, 0, 1}, half, part), half);
         patches[std::size_t(part - 1)] = {
-            quartic_points(controls_of(shape, rings, next, sector, part)), own, box_of(own)};
+            quartic_points(controls_of(shape, rings, next, sector, part)),
+            own,
+            box_of(own),
+            {{half, 0}, {0, half}}};
     }
     return patches;
 }
 
 void collect_pieces(const ChannelSurface& surface, std::uint32_t root,
-                    const ParameterTriangle& triangle, LimitPieces& pieces) {
+                    const ParameterTriangle& triangle, const ParameterAxes& axes,
+                    LimitPieces& pieces) {
     pieces.clear();
     const PatchRoot& at = surface.tree.roots[root];
-    TriangleCollector(surface, triangle, pieces)
+    TriangleCollector(surface, triangle, axes, pieces)
         .node(at.level, at.face, {0, 0, 1, 0, 0, 1}, triangle_root_side);
 }
 
