@@ -49,8 +49,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     options.threads = 1;
     options.tessellate = true;
     options.subdivide = in.below(2) == 1;
-    options.subdivision.scheme =
-        in.below(2) ? prep::SubdivisionScheme::catmark : prep::SubdivisionScheme::bilinear;
+    options.subdivision.scheme = prep::SubdivisionScheme(in.below(3));
+    const bool triangles = options.subdivision.scheme == prep::SubdivisionScheme::loop;
     options.tessellation.samples = 50;
     options.tessellation.triangle_limit = 5000;
     options.tessellation.max_triangles = 10 + in.below(250);
@@ -70,7 +70,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     scene.materials.resize(2);
     scene.materials[1].unlit = in.below(4) == 0;
     if (in.below(4) == 0) scene.materials[1].normal_map.texture = 0;
-    scene.meshes.push_back(fuzz::hostile_mesh(in));
+    scene.meshes.push_back(fuzz::hostile_mesh(in, triangles));
     if (in.below(4) == 1)
         for (auto& set : scene.meshes[0].uvs)
             for (glm::vec2& uv : set.values) uv -= glm::vec2(std::ldexp(1.0F, in.below(21)));

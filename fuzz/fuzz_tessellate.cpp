@@ -11,9 +11,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     options.threads = 1;
     options.samples = 200;
     options.triangle_limit = 20000;
-    if (in.below(2))
-        options.scheme =
-            in.below(2) ? prep::SubdivisionScheme::catmark : prep::SubdivisionScheme::bilinear;
+    if (const std::uint32_t scheme = in.below(4); scheme < 3)
+        options.scheme = prep::SubdivisionScheme(scheme);
+    const bool triangles = options.scheme == prep::SubdivisionScheme::loop;
     const auto length = [&] {
         return in.below(8) ? 0.01 * (1 + in.below(200)) : in.take<double>();
     };
@@ -59,7 +59,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     noise.scale = in.below(8) ? 0.1 * in.below(20) : in.take<double>();
     noise.sample_spacing = heights.sample_spacing;
 
-    const prep::Mesh mesh = fuzz::hostile_mesh(in);
+    const prep::Mesh mesh = fuzz::hostile_mesh(in, triangles);
     prep::Displacement displacement;
     if (sources & 1)
         if (const auto map = prep::height_function(image, heights, confined ? &mesh : nullptr))

@@ -49,7 +49,7 @@ inline glm::vec4 vector4(Bytes& in) {
     return {xyz, coordinate(in)};
 }
 
-inline prep::Mesh hostile_mesh(Bytes& in) {
+inline prep::Mesh hostile_mesh(Bytes& in, bool triangles = false) {
     prep::Mesh mesh;
     const std::uint32_t vertices = 1 + in.below(20), layers = in.take<std::uint8_t>();
     for (std::uint32_t v = 0; v < vertices; ++v) mesh.positions.push_back(vector3(in));
@@ -64,7 +64,7 @@ inline prep::Mesh hostile_mesh(Bytes& in) {
     }
     if (groups && in.below(2) == 1) mesh.smoothing_kind = prep::SmoothingKind::bit_mask;
     while (!in.empty() && mesh.face_count() < 64) {
-        const std::uint32_t corners = 3 + in.below(6);
+        const std::uint32_t corners = 3 + in.below(triangles ? 1 : 6);
         for (std::uint32_t k = 0; k < corners; ++k) {
             const std::uint32_t corner = std::uint32_t(mesh.corner_count());
             mesh.corner_vertices.push_back(in.below(vertices));

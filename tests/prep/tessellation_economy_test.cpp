@@ -24,6 +24,9 @@ Mesh charted(Mesh mesh) {
     return mesh;
 }
 
+constexpr std::optional<SubdivisionScheme> polygons = std::nullopt;
+constexpr auto catmark = SubdivisionScheme::catmark, loop = SubdivisionScheme::loop;
+
 // Cones on a plane: detail here and there, as of craters.
 Displacement cones() {
     constexpr std::uint32_t size = 64;
@@ -53,30 +56,30 @@ TEST(TessellationEconomy, TrianglesAtEqualTrueError) {
     struct Case {
         const char* name;
         Mesh cage;
-        bool limit;
+        std::optional<SubdivisionScheme> scheme;
         Displacement by;
         double most = 0;  // of uniform triangles at level 4, where that is less than all
     };
     const Displacement nothing{.height = nullptr};
     std::vector<Case> cases{{"quad, a spike of a texel of 32²",
                              unit_quad(),
-                             false,
+                             polygons,
                              {.height = std::make_shared<Spike>(32, 10, 18, 0.1)},
                              0.5},
-                            {"quad, four cones", unit_quad(), false, cones(), 0.5},
-                            {"quad, sines", unit_quad(), false, waves(0.1, round)},
-                            {"quad, noise", unit_quad(), false, space_noise(4, 3, 0.1)},
-                            {"cube, noise", cube(), false, space_noise(1, 3, 0.2)},
-                            {"cube's limit surface", cube(), true, nothing},
-                            {"the same, sines", charted(cube()), true, waves(0.1, round)},
-                            {"the same, noise", cube(), true, space_noise(1, 3, 0.2)},
-                            {"torus' limit surface", torus(6, 4), true, nothing},
-                            {"the same, noise", torus(6, 4), true, space_noise(0.7, 3, 0.2)}};
+                            {"quad, four cones", unit_quad(), polygons, cones(), 0.5},
+                            {"quad, sines", unit_quad(), polygons, waves(0.1, round)},
+                            {"quad, noise", unit_quad(), polygons, space_noise(4, 3, 0.1)},
+                            {"cube, noise", cube(), polygons, space_noise(1, 3, 0.2)},
+                            {"cube's limit surface", cube(), catmark, nothing},
+                            {"the same, sines", charted(cube()), catmark, waves(0.1, round)},
+                            {"the same, noise", cube(), catmark, space_noise(1, 3, 0.2)},
+                            {"torus' limit surface", torus(6, 4), catmark, nothing},
+                            {"the same, noise", torus(6, 4), catmark, space_noise(0.7, 3, 0.2)}};
     // The table of docs/displacement.md has six faces at level 4, too.
     const std::size_t few = std::getenv("MESHPREP_LONG_TESTS") != nullptr ? 10 : 2;
     std::vector<double> ratios;
     for (Case& c : cases) {
-        Economy of(c.cage, c.limit, c.by);
+        Economy of(c.cage, c.scheme, c.by);
         // Points along a face's side: of one quad those that have all centres of 32² and 64²
         // texels.
         const int dense = c.cage.face_count() == 1 ? 128 : 64;
@@ -113,40 +116,44 @@ TEST(TessellationEconomy, TrianglesAtEqualTrueError) {
 struct RealCase {
     const char* name;
     const char* cage;  // in the corpus
-    bool limit;
+    std::optional<SubdivisionScheme> scheme;
     const char* map = nullptr;  // in the corpus; seen along z, over the box around the cage
     double noise = 0;           // cells along the box's diagonal
     double height = 0;          // over the diagonal
 };
 constexpr RealCase real_cases[] = {
-    {"wall, stones", "Brickwall/brickwall.obj", false, "seaside-rocks01/seaside-rocks01-height.jpg",
-     0, 0.04},
-    {"wall, tiles", "Brickwall/brickwall.obj", false, "floor_tiles/floor_tiles_bumpmap.png", 0,
+    {"wall, stones", "Brickwall/brickwall.obj", polygons,
+     "seaside-rocks01/seaside-rocks01-height.jpg", 0, 0.04},
+    {"wall, tiles", "Brickwall/brickwall.obj", polygons, "floor_tiles/floor_tiles_bumpmap.png", 0,
      0.02},
-    {"wall, letters", "Brickwall/brickwall.obj", false, "parallax_cube/cube_depth.png", 0, 0.03},
-    {"spot's limit surface", "spot_control_mesh.obj", true},
-    {"spot's limit surface, noise", "spot_control_mesh.obj", true, nullptr, 6, 0.02},
-    {"spot's cage, stones", "spot_control_mesh.obj", false,
+    {"wall, letters", "Brickwall/brickwall.obj", polygons, "parallax_cube/cube_depth.png", 0, 0.03},
+    {"spot's limit surface", "spot_control_mesh.obj", catmark},
+    {"spot's limit surface, noise", "spot_control_mesh.obj", catmark, nullptr, 6, 0.02},
+    {"spot's cage, stones", "spot_control_mesh.obj", polygons,
      "seaside-rocks01/seaside-rocks01-height.jpg", 0, 0.01},
-    {"penguin's limit surface", "penguin_control_mesh.obj", true},
-    {"penguin's limit surface, letters", "penguin_control_mesh.obj", true,
+    {"penguin's limit surface", "penguin_control_mesh.obj", catmark},
+    {"penguin's limit surface, letters", "penguin_control_mesh.obj", catmark,
      "parallax_cube/cube_depth.png", 0, 0.02},
-    {"Suzanne's limit surface", "suzanne.obj", true},
-    {"Suzanne's limit surface, noise", "suzanne.obj", true, nullptr, 8, 0.01},
-    {"car's limit surface", "subdiv/catmark_car.obj", true},
-    {"rook's limit surface", "subdiv/catmark_rook.obj", true},
-    {"rook's limit surface, noise", "subdiv/catmark_rook.obj", true, nullptr, 5, 0.02},
-    {"helmet's limit surface", "osd-shapes/catmark_helmet.obj", true},
-    {"helmet's limit surface, letters", "osd-shapes/catmark_helmet.obj", true,
+    {"Suzanne's limit surface", "suzanne.obj", catmark},
+    {"Suzanne's limit surface, noise", "suzanne.obj", catmark, nullptr, 8, 0.01},
+    {"car's limit surface", "subdiv/catmark_car.obj", catmark},
+    {"rook's limit surface", "subdiv/catmark_rook.obj", catmark},
+    {"rook's limit surface, noise", "subdiv/catmark_rook.obj", catmark, nullptr, 5, 0.02},
+    {"helmet's limit surface", "osd-shapes/catmark_helmet.obj", catmark},
+    {"helmet's limit surface, letters", "osd-shapes/catmark_helmet.obj", catmark,
      "parallax_cube/cube_depth.png", 0, 0.03},
-    {"pole of 64", "subdiv/catmark_pole64.obj", true},
-    {"cube with creases, noise", "subdiv/catmark_cube_creases0.obj", true, nullptr, 3, 0.03},
-    {"sheet with a crease", "subdiv/catmark_single_crease.obj", true},
-    {"fandisk's quads, tiles", "fandisk_quads.off", false, "floor_tiles/floor_tiles_bumpmap.png", 0,
-     0.01},
-    {"fandisk's limit surface", "fandisk_quads.off", true},
-    {"head, noise", "african_head/african_head.obj", false, nullptr, 10, 0.01},
-    {"beetle, noise", "beetle.obj", false, nullptr, 4, 0.01},
+    {"pole of 64", "subdiv/catmark_pole64.obj", catmark},
+    {"cube with creases, noise", "subdiv/catmark_cube_creases0.obj", catmark, nullptr, 3, 0.03},
+    {"sheet with a crease", "subdiv/catmark_single_crease.obj", catmark},
+    {"fandisk's quads, tiles", "fandisk_quads.off", polygons, "floor_tiles/floor_tiles_bumpmap.png",
+     0, 0.01},
+    {"fandisk's limit surface", "fandisk_quads.off", catmark},
+    {"fandisk, Loop", "fandisk.obj", loop},
+    {"fandisk, Loop, noise", "fandisk.obj", loop, nullptr, 6, 0.01},
+    {"head, Loop", "african_head/african_head.obj", loop},
+    {"head, Loop, noise", "african_head/african_head.obj", loop, nullptr, 10, 0.01},
+    {"head, noise", "african_head/african_head.obj", polygons, nullptr, 10, 0.01},
+    {"beetle, noise", "beetle.obj", polygons, nullptr, 4, 0.01},
 };
 
 // Of half as many texels a side, until they are no more than that.
@@ -203,7 +210,7 @@ std::unique_ptr<Economy> economy_of(const RealCase& c, const std::filesystem::pa
         EXPECT_TRUE(made);
         by.height = *made;
     }
-    return std::make_unique<Economy>(std::move(cage), c.limit, std::move(by));
+    return std::make_unique<Economy>(std::move(cage), c.scheme, std::move(by));
 }
 
 double quantile(std::vector<double> values, double part) {

@@ -458,6 +458,31 @@ TEST(TessellationLimit, WhatIsLeftAroundAVertexIsBounded) {
     EXPECT_GT(tips[SubdivisionScheme::loop], 100u);
 }
 
+// Also where three of Loop's triangles meet, and where a crease has one face on a side: there
+// normals are those of rounding errors before others are.
+TEST(TessellationLimit, NormalsComeTogetherTowardsEveryVertex) {
+    std::mt19937 random(18);
+    std::uniform_real_distribution<float> part(-0.05F, 0.05F);
+    std::set<std::pair<SubdivisionScheme, int>> thin;
+    for (Cage& cage : cages())
+        for (int round = 0; round < 3; ++round) {
+            for (glm::vec3& p : cage.mesh.positions)
+                p += glm::vec3(part(random), part(random), part(random));
+            const auto surface = channel_surface(cage);
+            ASSERT_TRUE(surface);
+            const detail::RingCones cones(*surface, 1);
+            for (std::uint32_t r = 0; r < surface->tree.rings.size(); ++r) {
+                const detail::RingShape& shape = surface->tree.rings[r].shape;
+                if (shape.deepest_level() < 50) thin.emplace(cage.scheme, shape.sectors);
+                for (std::uint32_t sector = 0; sector < shape.sectors; ++sector) {
+                    EXPECT_LE(cones.from_level(r, sector, 24), 0.01);
+                    EXPECT_EQ(cones.from_level(r, sector, shape.deepest_level()), 0);
+                }
+            }
+        }
+    EXPECT_EQ(thin.size(), 3u);
+}
+
 TEST(TessellationLimit, PointsAreThoseOfTheLimitSurface) {
     for (const Cage& cage : cages()) {
         const Mesh& mesh = cage.mesh;

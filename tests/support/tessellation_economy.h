@@ -2,9 +2,9 @@
 // errors are measured alike, as the largest distance to the truth at equal parameters over many
 // points of each triangle.
 //
-// A uniform level k has 2 · 4ᵏ triangles a quad; on polygons 4ᵏ a triangle; of other faces n · 2 ·
-// 4ᵏ⁻¹ (each corner's part of the face is a quad), at level 0 the n triangles of a fan, one of a
-// triangle.
+// A uniform level k has 2 · 4ᵏ triangles a quad; on polygons and in Loop's scheme 4ᵏ a triangle; of
+// other faces n · 2 · 4ᵏ⁻¹ (each corner's part of the face is a quad), at level 0 the n triangles
+// of a fan, one of a triangle.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -23,15 +23,20 @@ class Economy {
     // The domain is pointed at: it stays where it is.
     Economy(const Economy&) = delete;
     Economy& operator=(const Economy&) = delete;
-    Economy(prep::Mesh cage, bool limit, prep::Displacement displacement)
-        : cage_(std::move(cage)), limit_(limit) {
+    // Polygons without a scheme.
+    Economy(prep::Mesh cage, std::optional<prep::SubdivisionScheme> scheme,
+            prep::Displacement displacement)
+        : cage_(std::move(cage)),
+          whole_triangles_(!scheme || scheme == prep::SubdivisionScheme::loop) {
         using namespace prep::detail;
-        if (limit) options_.scheme = prep::SubdivisionScheme::catmark;
+        options_.scheme = scheme;
         options_.samples = 0;
         if (displacement.height || displacement.noise)
             options_.displacements = {std::move(displacement)};
-        if (limit) {
-            auto base = LimitBase::make(cage_, {}, true);
+        if (scheme) {
+            prep::SubdivideOptions subdivision;
+            subdivision.scheme = *scheme;
+            auto base = LimitBase::make(cage_, subdivision, true);
             EXPECT_TRUE(base);
             auto made = std::make_unique<LimitBase>(*std::move(base));
             domain_ = make_domain(cage_, made->left_out(), made->has_triangles(), 0);
@@ -55,10 +60,10 @@ class Economy {
         std::uint64_t sum = 0;
         for (std::uint32_t fan = 0; fan < domain_.fans(); ++fan) {
             const std::uint64_t n = corners(fan), grown = std::uint64_t(1) << 2 * level;
-            sum += n == 4                              ? 2 * grown
-                   : n == 3 && (level == 0 || !limit_) ? grown
-                   : level == 0                        ? n
-                                                       : n * grown / 2;
+            sum += n == 4                                       ? 2 * grown
+                   : n == 3 && (level == 0 || whole_triangles_) ? grown
+                   : level == 0                                 ? n
+                                                                : n * grown / 2;
         }
         return sum;
     }
@@ -185,7 +190,7 @@ class Economy {
         if (n == 4)
             return square_error(1 << level, each, enough,
                                 [&](const glm::dvec2& st) { return in_quad(fan, st); });
-        if (n == 3 && (level == 0 || !limit_))
+        if (n == 3 && (level == 0 || whole_triangles_))
             return grid_error(1 << level, each,
                               [&](const glm::dvec3& w) { return in_triangle(fan, w); });
         double most = 0;
@@ -267,7 +272,7 @@ class Economy {
     static glm::dvec3 rounded(const glm::dvec3& p) { return glm::dvec3(glm::vec3(p)); }
 
     prep::Mesh cage_;
-    bool limit_;
+    bool whole_triangles_;
     prep::TessellateOptions options_;
     prep::detail::Domain domain_;
     std::unique_ptr<const prep::detail::BaseSurface> base_;

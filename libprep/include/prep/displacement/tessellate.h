@@ -192,7 +192,7 @@ struct TessellatedMesh {
 // finite, faces without the UVs that their displacement reads (invalid, with the face); an error
 // finer than floats of that size can hold, heights beyond floats (limit); morph targets or skins
 // (unsupported: they would not fit the new points); more triangles than triangle_limit (limit);
-// those of LimitSurface; Loop's scheme (unsupported). An empty mesh gives an empty mesh.
+// those of LimitSurface. An empty mesh gives an empty mesh.
 // O(triangles), O(log) times that with max_triangles. Lines and points are left out.
 Result<TessellatedMesh> tessellate(const Mesh& cage, const TessellateOptions& options);
 

@@ -1,4 +1,4 @@
-// limit_pieces.h, of Loop's scheme.
+// limit_pieces.h, of Loop's scheme, whose positions have no linear pieces.
 #include <cmath>
 
 #include "limit_surface/loop_patch.h"
@@ -67,7 +67,6 @@ class TriangleCollector {
         const PatchNode node = surface_.tree.nodes[level][face];
         if (node.kind == PatchNode::regular)
             return patch(gather(surface_.tree.triangle_patches[node.index]), frame, side);
-        if (node.kind == PatchNode::linear) return plane(level, face, frame, side);
         if (node.kind == PatchNode::ring)
             return ring(surface_.tree.sectors[node.index], frame, side);
         if (node.kind != PatchNode::split) return;
@@ -109,20 +108,6 @@ class TriangleCollector {
             controls[term.control] +=
                 double(term.weight) * vector_of(surface_.values.of(term.vertex));
         return controls;
-    }
-
-    void plane(std::uint32_t level, std::uint32_t face, const Frame& frame, double side) {
-        const RefinedLevel& at = surface_.cage.levels[level];
-        const std::uint32_t* const vertices = at.corner_vertices.data() + at.first_corner(face, 3);
-        std::array<glm::dvec3, 3> c;
-        for (std::size_t k = 0; k < 3; ++k)
-            c[k] = vector_of(surface_.values.of(at.first_vertex + vertices[k]));
-        TriangleNet<4> flat;
-        for (std::size_t j = 0; j <= 4; ++j)
-            for (std::size_t i = 0; i + j <= 4; ++i)
-                flat[triangle_point(4, i, j)] =
-                    (double(4 - i - j) * c[0] + double(i) * c[1] + double(j) * c[2]) / 4.0;
-        points(flat, frame, side);
     }
 
     void ring(const RingSector& sector, const Frame& face, double side) {
