@@ -278,6 +278,52 @@ TEST(TessellationLimit, CellsAreThoseOfTheSurfaceAndOfWhatIsAsked) {
     expect_cells_of_their_surface(SubdivisionScheme::loop);
 }
 
+// A fold that is bent in a strip: beside it the cells are flat.
+TEST(TessellationLimit, CellsBoundTheTrianglesInThem) {
+    for (const SubdivisionScheme scheme : {SubdivisionScheme::catmark, SubdivisionScheme::loop}) {
+        constexpr std::uint32_t n = 6;
+        Mesh quads;
+        for (std::uint32_t y = 0; y <= n; ++y)
+            for (std::uint32_t x = 0; x <= n; ++x)
+                quads.positions.emplace_back(x, y, x < 3 ? 3 - x : x - 3);
+        for (std::uint32_t y = 0; y < n; ++y)
+            quads.subdivision.creases.push_back({y * (n + 1) + 3, (y + 1) * (n + 1) + 3, 1.5F});
+        for (std::uint32_t y = 0; y < n; ++y)
+            for (std::uint32_t x = 0; x < n; ++x) {
+                const std::uint32_t v = y * (n + 1) + x;
+                add_face(quads, {v, v + 1, v + n + 2, v + n + 1});
+            }
+        const Cage cage{scheme == SubdivisionScheme::loop ? in_triangles(quads) : quads, scheme};
+        auto base = base_of(cage);
+        ASSERT_TRUE(base) << to_string(base.error());
+        const detail::Domain domain = domain_of(cage, *base);
+        base->set_domain(domain);
+        int bounded = 0;
+        for (std::uint32_t root = 0; root < domain.roots.size(); ++root)
+            for (std::uint64_t path = 4; path < 256; ++path) {
+                const auto weights = detail::path_weights(path);
+                const auto coarse = base->coarse_deviation(root, weights);
+                if (!coarse) continue;
+                ++bounded;
+                std::array<detail::BasePoint, 3> corners;
+                glm::dvec3 sum(0.0), direction(0.0);
+                detail::RootPoint middle{root, glm::dvec3(0.0)};
+                for (std::size_t k = 0; k < 3; ++k) {
+                    const detail::RootPoint at{root, weights[k]};
+                    base->evaluate({&at, 1}, {&corners[k], 1});
+                    middle.weights += weights[k] / 3.0;
+                    sum += corners[k].position / 3.0;
+                    direction += corners[k].direction / 3.0;
+                }
+                detail::BasePoint point;
+                base->evaluate({&middle, 1}, {&point, 1});
+                EXPECT_LE(glm::length(point.position - sum), coarse->position + 1e-14);
+                EXPECT_LE(glm::length(point.direction - direction), coarse->direction + 1e-14);
+            }
+        EXPECT_GT(bounded, 5000);
+    }
+}
+
 // A base without bounds of cells.
 class WithoutCells final : public detail::BaseSurface {
   public:

@@ -184,18 +184,18 @@ glm::dvec3 axis_of(const Patch& patch, const glm::dvec3& otherwise) {
 
 // Of first order: how far the normal turns within the patch, and between it and the corners; or
 // directly how far it is from each of those, as |n − I n| is no more than the largest |n − n(v)|.
-// No less than `known`.
+// What is not above `enough` need not be the less of the two.
 template <class Patch>
-double cone_deviation(const Patch& patch, const LimitTriangle& triangle, double known) {
+double cone_deviation(const Patch& patch, const LimitTriangle& triangle, double enough) {
     const glm::dvec3 e = axis_of(patch, triangle.normals[0]);
     const auto net = normal_net(patch);
     const double about_axis = cone_about(net, e, net.error) + farthest(e, triangle.normals);
-    double from_corners = known;
+    double from_corners = enough;
     for (const glm::dvec3& normal : triangle.normals) {
-        if (about_axis <= from_corners) return std::max(known, about_axis);
+        if (about_axis <= from_corners) return about_axis;
         from_corners = std::max(from_corners, cone_about(net, normal, net.error));
     }
-    return std::min(from_corners, std::max(known, about_axis));
+    return std::min(from_corners, about_axis);
 }
 
 BaseDeviation at_vertex(const ChannelSurface& surface, const RingCones* cones,
@@ -205,7 +205,9 @@ BaseDeviation at_vertex(const ChannelSurface& surface, const RingCones* cones,
     pieces.for_each_patch([&](const auto& patch) {
         if (is_apart(patch.box, triangle)) return;
         most.position = std::max(most.position, hull_deviation(patch, triangle, linear));
-        if (cones) most.direction = cone_deviation(patch, triangle, most.direction);
+        if (cones)
+            most.direction =
+                std::max(most.direction, cone_deviation(patch, triangle, most.direction));
     });
     for (const LimitTip& tip : pieces.tips) {
         if (is_apart(tip.box, triangle)) continue;
@@ -407,7 +409,7 @@ BaseDeviation limit_deviation(const ChannelSurface& surface, const RingCones* co
         double by_cones = 0;
         pieces.for_each_patch([&](const auto& patch) {
             if (!is_apart(patch.box, triangle))
-                by_cones = cone_deviation(patch, triangle, by_cones);
+                by_cones = std::max(by_cones, cone_deviation(patch, triangle, by_cones));
         });
         most.direction = std::min(most.direction, by_cones);
     }
