@@ -163,6 +163,15 @@ Cage random_cage(std::mt19937& random) {
     return cage;
 }
 
+// Each face as a fan about its first corner.
+void cut_into_triangles(Cage& cage) {
+    std::vector<Face> triangles;
+    for (const Face& face : cage.faces)
+        for (std::size_t k = 2; k < face.size(); ++k)
+            triangles.push_back({face[0], face[k - 1], face[k]});
+    cage.faces = std::move(triangles);
+}
+
 // Each edge with a chance of a fourth, of sharpness 0 to 10.
 std::string random_creases(const Cage& cage, std::mt19937& random) {
     std::uniform_real_distribution<double> sharpness(0, 10);
@@ -289,16 +298,18 @@ class DisplacedFiles : public testing::Test {
         EXPECT_TRUE(saved) << to_string(saved.error());
     }
 
-    // By its number: with a limit surface or the polygons, as GLB and OBJ. The Euler number.
+    // By its number: with a limit surface of either scheme or the polygons, as GLB and OBJ. The
+    // Euler number.
     std::int64_t write(int seed) {
         std::mt19937 random{std::uint32_t(seed)};
-        const Cage cage = random_cage(random);
+        Cage cage = random_cage(random);
         corners_ = {std::min(corners_[0], cage.fewest_corners),
                     std::max(corners_[1], cage.most_corners)};
         highest_valence_ = std::max(highest_valence_, cage.highest_valence);
+        if (seed % 4 == 3) cut_into_triangles(cage);
         const std::string in = (dir_ / "cage.obj").string();
         std::string text = obj_of(cage, random);
-        if (seed % 4 == 2) text += random_creases(cage, random);
+        if (seed % 4 >= 2) text += random_creases(cage, random);
         test::write_text(in, text);
         for (const char* const ending : {".glb", ".obj"}) {
             std::vector<std::string> options = {
@@ -310,6 +321,7 @@ class DisplacedFiles : public testing::Test {
             options.insert(options.end(),
                            {"--chord-error", errors[seed % 3], "--max-triangles", "12k"});
             if (seed % 2 == 0) options.insert(options.end(), {"--subdivide", "catmark"});
+            if (seed % 4 == 3) options.insert(options.end(), {"--subdivide", "loop"});
             // Edges that an angle calls hard are infinitely sharp.
             if (seed % 4 == 0) options.insert(options.end(), {"--crease-from", "hard-edges"});
             const test::Ran ran = test::run_here(options);
