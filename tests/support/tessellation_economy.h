@@ -39,7 +39,7 @@ class Economy {
             auto base = LimitBase::make(cage_, subdivision, true);
             EXPECT_TRUE(base);
             auto made = std::make_unique<LimitBase>(*std::move(base));
-            domain_ = make_domain(cage_, made->left_out(), made->has_triangles(), 0);
+            domain_ = make_domain(cage_, made->left_out(), false, 0);
             made->set_domain(domain_);
             base_ = std::move(made);
         } else {

@@ -17,7 +17,7 @@ Result<std::unique_ptr<const SurfaceTruth>> SurfaceTruth::make(const Mesh& cage,
         auto made = LimitBase::make(cage, subdivision, false);
         if (!made) return std::move(made).error();
         auto base = std::make_unique<LimitBase>(*std::move(made));
-        truth->domain_ = make_domain(cage, base->left_out(), base->has_triangles(), o.threads);
+        truth->domain_ = make_domain(cage, base->left_out(), false, o.threads);
         base->set_domain(truth->domain_);
         truth->base_ = std::move(base);
     } else {

@@ -210,7 +210,7 @@ Domain make_domain(const Mesh& mesh, const std::vector<std::uint8_t>& left_out, 
         corners.clear();
         for (Index c = first; c < last; ++c) corners.push_back(c);
         add_fan(domain, f, corners);
-        starts.push_back(straight && corners.size() == 3 ? whole : diagonal_start(mesh, corners));
+        starts.push_back(corners.size() == 3 ? whole : diagonal_start(mesh, corners));
     }
     FirstTriangles(domain, mesh, std::move(starts)).make();
     return domain;

@@ -4,7 +4,7 @@
 // ab is an edge of the face, counter-clockwise; so that an edge of the cage is the refinement edge
 // of all roots at it (bisection.h).
 //
-// Tessellation starts with faces closed, as far as may be. A triangle of a polygon mesh is one. A
+// Tessellation starts with faces closed, as far as may be. A triangle is one. A
 // quad is two pairs of its roots: the triangles on both sides of a diagonal, whose middle stands
 // for the centre. Of the diagonals along which the two run the same way it is the shorter one
 // between the cage's vertices, of equal ones that of the corner whose position is the least by x,
@@ -48,9 +48,8 @@ struct Domain {
 };
 
 // One fan a face, in order; faces whose `left_out` is set (empty: none) have no roots. With
-// `straight` (polygons, and triangles that have one parameter triangle each), triangles are closed,
-// and a polygon that is not star-shaped about the mean of its corners is cut into triangles first,
-// a fan each. Half-edges of equal vertices at an edge of no length are not linked.
+// `straight`, a polygon that is not star-shaped about the mean of its corners is cut into triangles
+// first, a fan each. Half-edges of equal vertices at an edge of no length are not linked.
 Domain make_domain(const Mesh& mesh, const std::vector<std::uint8_t>& left_out, bool straight,
                    int threads);
 

@@ -443,7 +443,7 @@ Result<void> Refinement::check_pixels() const {
                  cage_.name.empty() ? "" : "mesh '" + cage_.name + "'"};
 }
 
-Result<void> Refinement::run(const std::vector<std::uint8_t>& first_halving) {
+Result<void> Refinement::run() {
     make_first_vertices();
     constexpr double float_steps = 0x1p-22;  // twice what rounding a position moves it by, and more
     if (options_.chord_error && *options_.chord_error < float_steps * largest_coordinate_)
@@ -453,18 +453,11 @@ Result<void> Refinement::run(const std::vector<std::uint8_t>& first_halving) {
                                  *options_.chord_error, 1.01 * float_steps * largest_coordinate_),
                      cage_.name.empty() ? "" : "mesh '" + cage_.name + "'"};
     if (mesh_.triangles().size() > options_.triangle_limit) return too_many();
-    if (!first_halving.empty())
-        for (std::uint32_t t = 0; t < domain_.triangles.size(); ++t)
-            if (first_halving[domain_.triangles[t].root] && mesh_.triangles()[t].depth() == 0)
-                mesh_.bisect(t);
-    make_new_vertices();
-    mesh_.take_touched(fresh_);
     if (Result<void> range = check_range(0); !range) return range;
     if (options_.pixel_error) {
         if (Result<void> focused = focus_screens(); !focused) return focused;
         if (Result<void> checked = check_pixels(); !checked) return checked;
     }
-    fresh_.clear();
     for (std::uint32_t t = 0; t < mesh_.triangles().size(); ++t)
         fresh_.push_back(mesh_.as_it_is(t));
     measure(fresh_, options_.max_triangles ? Effort::proving : Effort::looking);

@@ -17,13 +17,12 @@ namespace prep::detail {
 
 class Refinement {
   public:
-    // All must outlive it. `first_halving`: roots that are halved once in any case (surface pieces
-    // that have another formula on the two sides).
+    // All must outlive it.
     Refinement(const Mesh& cage, const Domain& domain, const DisplacedSurface& surface,
                const TessellateOptions& options);
 
     // Errors: limit, as tessellate's.
-    Result<void> run(const std::vector<std::uint8_t>& first_halving);
+    Result<void> run();
 
     const BisectionMesh& mesh() const { return mesh_; }
     const VertexSamples& samples() const { return samples_; }

@@ -150,7 +150,6 @@ double measured_error(const DisplacedSurface& surface, const BisectionMesh& mesh
 
 Result<TessellatedMesh> tessellate(const Mesh& cage, const Domain& domain, const BaseSurface& base,
                                    const TessellateOptions& options,
-                                   const std::vector<std::uint8_t>& first_halving,
                                    const TessellationHooks& hooks) {
     if (Result<void> checked = check_options(cage, options); !checked) return checked.error();
     if (Result<void> checked = check_mesh(cage); !checked) return checked.error();
@@ -163,7 +162,7 @@ Result<TessellatedMesh> tessellate(const Mesh& cage, const Domain& domain, const
     if (!heights) return heights.error();
     const DisplacedSurface surface(base, *heights);
     Refinement refinement(cage, domain, surface, limited);
-    if (Result<void> refined = refinement.run(first_halving); !refined) return refined.error();
+    if (Result<void> refined = refinement.run(); !refined) return refined.error();
     TessellatedMesh out = output_mesh(cage, domain, surface, refinement, hooks, options.threads);
     certify(options, domain, refinement, out.certificate);
     if (options.keep_errors) {
@@ -186,10 +185,9 @@ Result<TessellatedMesh> tessellate(const Mesh& cage, const TessellateOptions& op
         subdivision.threads = options.threads;
         auto base = LimitBase::make(cage, subdivision, !options.displacements.empty());
         if (!base) return base.error();
-        const Domain domain =
-            make_domain(cage, base->left_out(), base->has_triangles(), options.threads);
+        const Domain domain = make_domain(cage, base->left_out(), false, options.threads);
         base->set_domain(domain);
-        auto made = tessellate(cage, domain, *base, options, base->first_halving(), hooks);
+        auto made = tessellate(cage, domain, *base, options, hooks);
         if (made)
             for (const std::uint8_t hole : base->left_out()) made->holes += hole;
         return made;
@@ -197,7 +195,7 @@ Result<TessellatedMesh> tessellate(const Mesh& cage, const TessellateOptions& op
     const Domain domain = make_domain(cage, {}, true, options.threads);
     const auto surface = PolygonSurface::make(cage, domain, options.hard_edges, options.threads);
     if (!surface) return surface.error();
-    return tessellate(cage, domain, *surface, options, {}, hooks);
+    return tessellate(cage, domain, *surface, options, hooks);
 }
 
 }  // namespace prep::detail

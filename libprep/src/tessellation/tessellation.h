@@ -21,7 +21,6 @@ Result<TessellatedMesh> tessellate(const Mesh& cage, const TessellateOptions& op
 // The same over any surface; for tests with surfaces of closed form. `options.scheme` is not read.
 Result<TessellatedMesh> tessellate(const Mesh& cage, const Domain& domain, const BaseSurface& base,
                                    const TessellateOptions& options,
-                                   const std::vector<std::uint8_t>& first_halving,
                                    const TessellationHooks& hooks);
 
 // Mesh, cage_faces and cage_vertices out of the triangles.

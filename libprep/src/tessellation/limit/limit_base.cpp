@@ -36,13 +36,12 @@ Result<LimitBase> LimitBase::make(const Mesh& mesh, const SubdivideOptions& opti
     return base;
 }
 
-std::vector<std::uint8_t> LimitBase::first_halving() const {
-    std::vector<std::uint8_t> halved(domain_->roots.size());
-    for (std::size_t r = 0; r < halved.size(); ++r) {
-        const std::uint32_t f = domain_->roots[r].face;
-        halved[r] = !has_triangles() && mesh_->face_offsets[f + 1] - mesh_->face_offsets[f] != 4;
-    }
-    return halved;
+// Only a root that is not halved is.
+bool LimitBase::is_in_two_halves(std::uint32_t root,
+                                 const std::array<glm::dvec3, 3>& weights) const {
+    if (weights[0].x != 1 || weights[1].y != 1 || has_triangles()) return false;
+    const std::uint32_t f = domain_->roots[root].face;
+    return mesh_->face_offsets[f + 1] - mesh_->face_offsets[f] != 4;
 }
 
 LimitBase::Chart LimitBase::chart(std::uint32_t root, bool towards_a) const {
@@ -170,19 +169,40 @@ void LimitBase::frames(std::span<const RootPoint> at, std::span<BaseFrame> frame
 
 BaseDeviation LimitBase::deviation(std::uint32_t root, const std::array<glm::dvec3, 3>& weights,
                                    const std::array<BasePoint, 3>& corners) const {
-    const Chart chart = this->chart(root, weights);
-    LimitTriangle triangle;
-    triangle.root = chart.tree_root;
-    for (std::size_t k = 0; k < 3; ++k) {
-        triangle.parameters[k] = chart.at(weights[k]);
-        triangle.positions[k] = corners[k].position;
-        triangle.normals[k] = corners[k].direction;
-    }
-    return limit_deviation(*surface_, cones_.get(), triangle);
+    const auto part = [&](const std::array<glm::dvec3, 3>& w, const std::array<BasePoint, 3>& p) {
+        const Chart chart = this->chart(root, w);
+        LimitTriangle triangle;
+        triangle.root = chart.tree_root;
+        for (std::size_t k = 0; k < 3; ++k) {
+            triangle.parameters[k] = chart.at(w[k]);
+            triangle.positions[k] = p[k].position;
+            triangle.normals[k] = p[k].direction;
+        }
+        return limit_deviation(*surface_, cones_.get(), triangle);
+    };
+    if (!is_in_two_halves(root, weights)) return part(weights, corners);
+    const RootPoint at{root, 0.5 * (weights[0] + weights[1])};
+    BasePoint middle;
+    evaluate({&at, 1}, {&middle, 1});
+    const BaseDeviation one =
+        part({weights[2], weights[0], at.weights}, {corners[2], corners[0], middle});
+    const BaseDeviation other =
+        part({weights[1], weights[2], at.weights}, {corners[1], corners[2], middle});
+    const auto bent = [](const glm::dvec3& m, const glm::dvec3& a, const glm::dvec3& b) {
+        return glm::length(m - 0.5 * (a + b));
+    };
+    BaseDeviation most;
+    most.position = std::max(one.position, other.position) +
+                    bent(middle.position, corners[0].position, corners[1].position);
+    if (cones_)
+        most.direction = std::max(one.direction, other.direction) +
+                         bent(middle.direction, corners[0].direction, corners[1].direction);
+    return most;
 }
 
 std::optional<BaseDeviation> LimitBase::coarse_deviation(
     std::uint32_t root, const std::array<glm::dvec3, 3>& weights) const {
+    if (is_in_two_halves(root, weights)) return std::nullopt;
     const Chart chart = this->chart(root, weights);
     return cells_->deviation(chart.tree_root,
                              {chart.at(weights[0]), chart.at(weights[1]), chart.at(weights[2])});

@@ -3,8 +3,9 @@
 //
 // Parameters: a triangle of Loop's scheme is one (limit_pieces.h). Else a quad's fan is its unit
 // square cut by both diagonals. An n-gon's consists of n quads, each with a corner, the middles of
-// its edges and the centre: a root (a, b, centre) is half of a's quad and half of b's; so its
-// triangles are right once they are halved.
+// its edges and the centre: a root (a, b, centre) is half of a's quad and half of b's. Before
+// it is halved its deviation is the larger one of its halves', and how far the middle of ab is from
+// where it would be if all were linear.
 #pragma once
 
 #include <memory>
@@ -25,14 +26,8 @@ class LimitBase final : public BaseSurface {
                                   bool has_heights);
 
     const std::vector<std::uint8_t>& left_out() const { return left_out_; }  // per face
-    // Faces have one parameter triangle each.
-    bool has_triangles() const { return surface_->cage.corners_per_face == 3; }
-    // The domain, made with left_out() and whole triangles where it has_triangles(), must outlive
-    // the surface.
+    // The domain, made with left_out(), must outlive the surface.
     void set_domain(const Domain& domain) { domain_ = &domain; }
-    // Per root: those of n-gons, but for Loop's triangles.
-    std::vector<std::uint8_t> first_halving() const;
-
     void evaluate(std::span<const RootPoint> at, std::span<BasePoint> points) const override;
     void frames(std::span<const RootPoint> at, std::span<BaseFrame> frames) const override;
     BaseDeviation deviation(std::uint32_t root, const std::array<glm::dvec3, 3>& weights,
@@ -52,6 +47,9 @@ class LimitBase final : public BaseSurface {
         // Of the patch tree's root.
         glm::dvec2 parameters(const glm::dvec3& weights) const { return at(weights) / side; }
     };
+    // Faces have one parameter triangle each.
+    bool has_triangles() const { return surface_->cage.corners_per_face == 3; }
+    bool is_in_two_halves(std::uint32_t root, const std::array<glm::dvec3, 3>& weights) const;
     // `towards_a`: of an n-gon's two halves.
     Chart chart(std::uint32_t root, bool towards_a) const;
     Chart chart(std::uint32_t root, const std::array<glm::dvec3, 3>& weights) const;
