@@ -50,7 +50,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     options.tessellate = true;
     options.subdivide = in.below(2) == 1;
     options.subdivision.scheme = prep::SubdivisionScheme(in.below(3));
-    const bool triangles = options.subdivision.scheme == prep::SubdivisionScheme::loop;
+    const bool triangles =
+        options.subdivide && options.subdivision.scheme == prep::SubdivisionScheme::loop;
     options.tessellation.samples = 50;
     options.tessellation.triangle_limit = 5000;
     options.tessellation.max_triangles = 10 + in.below(250);

@@ -40,7 +40,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         vertices.push_back(
             {in.below(22), in.below(4) ? float(in.below(120)) / 10 : in.take<float>()});
     for (std::uint32_t k = 0; k < holes; ++k) faces.push_back(in.below(24));
-    prep::Mesh mesh = fuzz::hostile_mesh(in, options.scheme == prep::SubdivisionScheme::loop);
+    prep::Mesh mesh =
+        fuzz::hostile_mesh(in, options.scheme == prep::SubdivisionScheme::loop && in.below(8) != 0);
     mesh.subdivision.creases = std::move(edges);
     mesh.subdivision.corners = std::move(vertices);
     mesh.subdivision.holes = std::move(faces);

@@ -13,7 +13,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     options.triangle_limit = 20000;
     if (const std::uint32_t scheme = in.below(4); scheme < 3)
         options.scheme = prep::SubdivisionScheme(scheme);
-    const bool triangles = options.scheme == prep::SubdivisionScheme::loop;
+    const bool triangles = options.scheme == prep::SubdivisionScheme::loop && in.below(8) != 0;
+    if (in.below(4) == 0) options.subdivision.boundary = prep::BoundaryRule(in.below(3));
+    options.subdivision.creasing = prep::CreasingMethod(in.below(2));
     const auto length = [&] {
         return in.below(8) ? 0.01 * (1 + in.below(200)) : in.take<double>();
     };

@@ -60,7 +60,9 @@ inline prep::Mesh hostile_mesh(Bytes& in, bool triangles = false) {
     if (colors) mesh.colors.resize(1);
     if (marks) {
         mesh.hard_marks.emplace_back(in.below(vertices), in.below(vertices));
-        mesh.subdivision.creases.push_back({in.below(vertices), in.below(vertices), 10});
+        for (std::uint32_t k = 1 + in.below(3); k > 0; --k)
+            mesh.subdivision.creases.push_back(
+                {in.below(vertices), in.below(vertices), float(in.below(11))});
     }
     if (groups && in.below(2) == 1) mesh.smoothing_kind = prep::SmoothingKind::bit_mask;
     while (!in.empty() && mesh.face_count() < 64) {

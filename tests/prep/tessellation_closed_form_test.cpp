@@ -150,7 +150,7 @@ TEST(TessellationClosedForm, PositionsAndNormalsConvergeWithOrderTwo) {
         TessellateOptions options = with_waves();
         options.edge_length = 3.0 / rate;
         options.samples = 0;
-        const auto made = detail::tessellate(cage, domain, base, options, {}, {});
+        const auto made = detail::tessellate(cage, domain, base, options, {});
         ASSERT_TRUE(made) << to_string(made.error());
         const Errors errors = errors_of(made->mesh);
         EXPECT_LE(errors.position, made->certificate.proved + 1e-7);
@@ -174,7 +174,7 @@ TEST(TessellationClosedForm, NoPointIsFartherOffThanProved) {
     for (const double asked : {0.1, 0.01, 0.002}) {
         TessellateOptions options = with_waves();
         options.chord_error = asked;
-        const auto made = detail::tessellate(cage, domain, base, options, {}, {});
+        const auto made = detail::tessellate(cage, domain, base, options, {});
         ASSERT_TRUE(made) << to_string(made.error());
         EXPECT_LE(made->certificate.proved, asked);
         const Errors errors = errors_of(made->mesh);
@@ -191,7 +191,7 @@ TEST(TessellationClosedForm, NormalsAtVerticesAreThoseOfTheDisplacedSurface) {
     const ExactTorus base(domain, around, across);
     TessellateOptions options = with_waves();
     options.edge_length = 0.1;
-    const auto made = detail::tessellate(cage, domain, base, options, {}, {});
+    const auto made = detail::tessellate(cage, domain, base, options, {});
     ASSERT_TRUE(made);
     const Mesh& mesh = made->mesh;
     for (std::size_t c = 0; c < mesh.corner_count(); ++c) {
@@ -276,7 +276,7 @@ TEST(TessellationClosedForm, EveryPartOfTheBoundIsEnoughAlone) {
         }
         options.chord_error = 0.004;
         options.samples = 100000;
-        const auto made = detail::tessellate(quad, domain, base, options, {}, {});
+        const auto made = detail::tessellate(quad, domain, base, options, {});
         ASSERT_TRUE(made) << to_string(made.error());
         EXPECT_LE(made->certificate.proved, 0.004) << part;
         EXPECT_LE(made->certificate.measured, made->certificate.proved) << part;

@@ -168,13 +168,15 @@ TEST(TessellationLimit, BoundsHoldOverSampledTriangles) {
             scheme == SubdivisionScheme::loop ? "loop" : "catmark", median(looseness.position),
             median(looseness.direction), median(looseness.of_small), median(looseness.at_corners),
             looseness.coarse_bounds);
-        EXPECT_GE(looseness.coarse_bounds, scheme == SubdivisionScheme::loop ? 400 : 500);
-        EXPECT_LE(median(looseness.position), 4);
-        // Large triangles and all: 5.8. At extraordinary vertices second derivatives are not
-        // bounded, and the bound is of first order.
-        EXPECT_LE(median(looseness.direction), 7);
-        EXPECT_LE(median(looseness.of_small), 5);
-        EXPECT_LE(median(looseness.at_corners), 20);
+        // Half of the triangles end at a corner, where no cell has a bound, and some of the others
+        // lie in two cells or are large.
+        EXPECT_GE(looseness.coarse_bounds, 250);
+        EXPECT_LE(median(looseness.position), 1.5);
+        // Large triangles and all. At extraordinary vertices second derivatives are not bounded,
+        // and the bound is of first order.
+        EXPECT_LE(median(looseness.direction), 6);
+        EXPECT_LE(median(looseness.of_small), 4.5);
+        EXPECT_LE(median(looseness.at_corners), 13);
     }
 }
 
@@ -306,19 +308,28 @@ TEST(TessellationLimit, CellsBoundTheTrianglesInThem) {
                 if (!coarse) continue;
                 ++bounded;
                 std::array<detail::BasePoint, 3> corners;
-                glm::dvec3 sum(0.0), direction(0.0);
-                detail::RootPoint middle{root, glm::dvec3(0.0)};
                 for (std::size_t k = 0; k < 3; ++k) {
                     const detail::RootPoint at{root, weights[k]};
                     base->evaluate({&at, 1}, {&corners[k], 1});
-                    middle.weights += weights[k] / 3.0;
-                    sum += corners[k].position / 3.0;
-                    direction += corners[k].direction / 3.0;
                 }
-                detail::BasePoint point;
-                base->evaluate({&middle, 1}, {&point, 1});
-                EXPECT_LE(glm::length(point.position - sum), coarse->position + 1e-14);
-                EXPECT_LE(glm::length(point.direction - direction), coarse->direction + 1e-14);
+                for (const glm::dvec3 w : {glm::dvec3(1.0 / 3),
+                                           {0.5, 0.5, 0},
+                                           {0, 0.5, 0.5},
+                                           {0.5, 0, 0.5},
+                                           {0.6, 0.2, 0.2}}) {
+                    detail::RootPoint at{root, glm::dvec3(0.0)};
+                    glm::dvec3 p(0.0), d(0.0);
+                    for (std::size_t k = 0; k < 3; ++k) {
+                        const double share = w[glm::length_t(k)];
+                        at.weights += share * weights[k];
+                        p += share * corners[k].position;
+                        d += share * corners[k].direction;
+                    }
+                    detail::BasePoint point;
+                    base->evaluate({&at, 1}, {&point, 1});
+                    EXPECT_LE(glm::length(point.position - p), coarse->position + 1e-14);
+                    EXPECT_LE(glm::length(point.direction - d), coarse->direction + 1e-14);
+                }
             }
         EXPECT_GT(bounded, 5000);
     }
@@ -608,6 +619,77 @@ TEST(TessellationLimit, DisplacedErrorIsProvedAndMeasured) {
     }
 }
 
+Mesh bipyramid(std::uint32_t n, const glm::vec3& at) {
+    Mesh mesh;
+    mesh.positions = {{0, 0, 1}, {0, 0, -1}};
+    for (std::uint32_t k = 0; k < n; ++k) {
+        const double a = 2 * std::numbers::pi * k / n;
+        mesh.positions.emplace_back(std::cos(a), std::sin(a), 0);
+    }
+    for (glm::vec3& p : mesh.positions) p += at;
+    for (std::uint32_t k = 0; k < n; ++k) {
+        add_face(mesh, {0, 2 + k, 2 + (k + 1) % n});
+        add_face(mesh, {1, 2 + (k + 1) % n, 2 + k});
+    }
+    return mesh;
+}
+
+class Constant final : public HeightFunction {
+  public:
+    explicit Constant(double value) : value_(value) {}
+    Sample at(const glm::dvec2&) const override { return {value_, {}}; }
+    double deviation(const std::array<glm::dvec2, 3>&, const std::array<double, 3>&,
+                     double) const override {
+        return 0;
+    }
+
+  private:
+    double value_;
+};
+
+// Around a vertex of three triangles what there is shrinks to a quarter with each level, and is as
+// exact far from the mesh's origin.
+TEST(TessellationLimit, SmallErrorsAreReachedAroundEveryVertex) {
+    for (const std::uint32_t n : {3u, 4u, 5u, 8u})
+        for (const float far : {0.0F, 100.0F}) {
+            Cage cage{bipyramid(n, glm::vec3(far, -far, far)), SubdivisionScheme::loop};
+            cage.mesh.uvs.resize(1);
+            cage.mesh.uvs[0].values.emplace_back(0, 0);
+            cage.mesh.uvs[0].indices.resize(cage.mesh.corner_count());
+            TessellateOptions options;
+            options.scheme = cage.scheme;
+            options.chord_error = 0.0005;
+            options.triangle_limit = 300'000;
+            options.samples = 20000;
+            options.displacements = {{std::make_shared<Constant>(0.5), 0.2, 0, 0}};
+            const auto made = tessellate(cage.mesh, options);
+            ASSERT_TRUE(made) << n << ' ' << far << ": " << to_string(made.error());
+            EXPECT_EQ(made->certificate.unresolved, 0u);
+            EXPECT_LE(made->certificate.proved_refinable, *options.chord_error);
+            EXPECT_LE(made->certificate.measured, made->certificate.proved);
+            auto base = base_of(cage);
+            const detail::Domain domain = domain_of(cage, *base);
+            base->set_domain(domain);
+            double before = 2;
+            std::uint64_t path = 1;  // of the triangle at the tip
+            for (int depth = 1; depth <= 32; ++depth) {
+                const auto first = detail::path_weights(2 * path);
+                const bool has_tip = first[0].x == 1 || first[1].x == 1 || first[2].x == 1;
+                path = 2 * path + (has_tip ? 0 : 1);
+                if (depth < 8 || depth % 4 != 0) continue;  // each time a quarter of the side
+                const auto weights = detail::path_weights(path);
+                std::array<detail::BasePoint, 3> corners;
+                for (std::size_t k = 0; k < 3; ++k) {
+                    const detail::RootPoint at{0, weights[k]};
+                    base->evaluate({&at, 1}, {&corners[k], 1});
+                }
+                const double bound = base->deviation(0, weights, corners).direction;
+                EXPECT_LE(bound, std::max(0.6 * before, 1e-6)) << n << ' ' << far << ' ' << depth;
+                before = bound;
+            }
+        }
+}
+
 TEST(TessellationLimit, ClosedCagesStayClosed) {
     std::mt19937 random(12);
     std::vector<Mesh> closed = {cube(), torus(6, 5), creased_cube(10), creased_cube(2.5F)};
@@ -634,19 +716,6 @@ TEST(TessellationLimit, ClosedCagesStayClosed) {
         EXPECT_GT(closedness(torn->mesh).open_edges, 100u);
     }
 }
-
-class Constant final : public HeightFunction {
-  public:
-    explicit Constant(double value) : value_(value) {}
-    Sample at(const glm::dvec2&) const override { return {value_, {}}; }
-    double deviation(const std::array<glm::dvec2, 3>&, const std::array<double, 3>&,
-                     double) const override {
-        return 0;
-    }
-
-  private:
-    double value_;
-};
 
 TEST(TessellationLimit, ConstantOffsetKeepsTheLimitNormals) {
     std::mt19937 random(13);

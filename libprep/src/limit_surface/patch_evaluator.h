@@ -75,8 +75,8 @@ class PatchEvaluator {
               const GridOutput& out);
 
     // u, v in 0 … 1. Derivatives by the root's parameters. `second` may be null; at a ring's vertex
-    // they are none, and 0. Points that follow each other in one piece take much less time than
-    // others.
+    // they are none, and 0. Of quads, points that follow each other in one piece take much less
+    // time than others.
     PointTraits point(std::uint32_t root, double u, double v, double* value, double* du, double* dv,
                       const SecondDerivatives* second = nullptr);
 

@@ -12,10 +12,12 @@ struct ParameterBox {
     glm::dvec2 size() const { return high - low; }
 };
 
-// p[4 j + i]; covers `box` of its root's parameters.
+// p[4 j + i], less `origin`, so that what is small is as exact far from the mesh's own origin;
+// covers `box` of its root's parameters.
 struct BezierPatch {
     std::array<glm::dvec3, 16> p;
     ParameterBox box;
+    glm::dvec3 origin{0.0};
 };
 
 // Rows of weights of four control points in a row, of a uniform cubic B-spline over 0 … 1, for the

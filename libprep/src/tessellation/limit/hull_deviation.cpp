@@ -111,7 +111,8 @@ double largest_off(const BezierPatch& patch, const TrianglePart& part, const Lin
     for (std::size_t n = 0; n < point_count; ++n) {
         glm::dvec3 point(0.0);
         for (std::size_t k = 0; k < 16; ++k) point += part.weights[n][k] * patch.p[k];
-        const glm::dvec3 off = point - linear(patch.box.low + part.at[n] * patch.box.size());
+        const glm::dvec3 off =
+            point + (patch.origin - linear(patch.box.low + part.at[n] * patch.box.size()));
         most = std::max(most, glm::dot(off, off));
     }
     return std::sqrt(most);
@@ -122,7 +123,7 @@ double largest_off(const BezierPatch& patch, const LinearMap& linear) {
     for (std::size_t j = 0; j < 4; ++j)
         for (std::size_t i = 0; i < 4; ++i) {
             const glm::dvec2 at = patch.box.low + glm::dvec2(i, j) / 3.0 * patch.box.size();
-            const glm::dvec3 off = patch.p[4 * j + i] - linear(at);
+            const glm::dvec3 off = patch.p[4 * j + i] + (patch.origin - linear(at));
             most = std::max(most, glm::dot(off, off));
         }
     return std::sqrt(most);
@@ -210,7 +211,7 @@ double hull_deviation(const QuarticPatch& patch, const LimitTriangle& /*triangle
             const glm::dvec2 at = (double(6 - i - j) * patch.corners[0] +
                                    double(i) * patch.corners[1] + double(j) * patch.corners[2]) /
                                   6.0;
-            const glm::dvec3 off = raised[k] - linear(at);
+            const glm::dvec3 off = raised[k] + (patch.origin - linear(at));
             most = std::max(most, glm::dot(off, off));
         }
     return std::sqrt(most);

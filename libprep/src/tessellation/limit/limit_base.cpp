@@ -101,18 +101,14 @@ void LimitBase::evaluate(std::span<const RootPoint> at, std::span<BasePoint> poi
 
 glm::dvec3 LimitBase::turn_by_differences(PatchEvaluator& evaluator, std::uint32_t root,
                                           std::uint32_t tree_root, const glm::dvec2& uv,
-                                          const glm::dvec3& normal, glm::length_t axis) const {
+                                          glm::length_t axis) const {
     constexpr double step = 0x1p-10;
-    const double beyond = has_triangles() ? 1 - uv[1 - axis] : 1;  // where the root ends
-    const double inside = uv[axis] < 0.5 * beyond ? step : -step;
     const auto moved = [&](double by) {
         glm::dvec2 to = uv;
         to[axis] += by;
         return point(evaluator, root, tree_root, to).normal;
     };
-    if (uv[axis] >= step && uv[axis] <= beyond - step)
-        return (moved(step) - moved(-step)) / (2 * step);
-    return (4.0 * moved(inside) - 3.0 * normal - moved(2 * inside)) / (2 * inside);
+    return (moved(step) - moved(-step)) / (2 * step);
 }
 
 // Of directions nearly parallel, or one that is nearly none, the normal's derivative is noise.
@@ -154,9 +150,8 @@ void LimitBase::frames(std::span<const RootPoint> at, std::span<BaseFrame> frame
         for (glm::length_t axis = 0; axis < 2; ++axis) {
             const glm::dvec3& rise = rises[std::size_t(axis)];
             const glm::dvec3 turn =
-                by_differences
-                    ? turn_by_differences(evaluator, root, chart.tree_root, uv, p.normal, axis)
-                    : (rise - glm::dot(rise, p.normal) * p.normal) / length;
+                by_differences ? turn_by_differences(evaluator, root, chart.tree_root, uv, axis)
+                               : (rise - glm::dot(rise, p.normal) * p.normal) / length;
             turns[std::size_t(axis)] = turn - glm::dot(turn, frame.normal) * frame.normal;
         }
         for (std::size_t s = 0; s < 2; ++s) {

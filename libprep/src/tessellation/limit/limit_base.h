@@ -63,10 +63,11 @@ class LimitBase final : public BaseSurface {
     Point point(PatchEvaluator& evaluator, std::uint32_t root, std::uint32_t tree_root,
                 const glm::dvec2& uv, SecondSteps* second = nullptr) const;
     static bool tells_turn(const Point& p);
-    // The normal's derivative by u (axis 0) or v, by differences within the piece's square.
+    // The normal's derivative by u (axis 0) or v, by differences at a point that is farther than
+    // those from the piece's sides.
     glm::dvec3 turn_by_differences(PatchEvaluator& evaluator, std::uint32_t root,
                                    std::uint32_t tree_root, const glm::dvec2& uv,
-                                   const glm::dvec3& normal, glm::length_t axis) const;
+                                   glm::length_t axis) const;
 
     const Mesh* mesh_ = nullptr;
     const Domain* domain_ = nullptr;

@@ -27,7 +27,7 @@ glm::dvec2 unit_of(const QuarticPatch&) {
     return glm::dvec2(1.0);
 }
 
-// Suprema over all pieces that the triangle meets, by its root's parameters: ways from a point to
+// Suprema over all pieces that the triangle meets, by the same axes: ways from a point to
 // the corners lead through several, and the largest derivative by u may be in one, that by v in
 // another.
 class Curvature {
@@ -365,7 +365,8 @@ std::optional<BaseDeviation> CellBounds::deviation(std::uint32_t root,
             most = std::max(most, sum);
         }
         far_half = most > 1;
-        if (far_half && least < 1) return std::nullopt;
+        const bool is_outside = far_half && x + y >= last;
+        if (is_outside || (far_half && least < 1)) return std::nullopt;
     }
     constexpr std::size_t kept = 1024;
     thread_local std::vector<Cell> cache(kept);

@@ -1,7 +1,9 @@
 // How far a limit surface and its normal are from their linear interpolations over a triangle of a
 // root's parameters, out of its pieces (limit_pieces.h).
 //
-// Away from extraordinary vertices, with a × b the triangle's extent:
+// Away from extraordinary vertices, with a × b the triangle's extent by the parameters u and v, or
+// by any two axes of the parameters' plane (of Loop's triangles those of axes_of(), where a = b =
+// 1):
 //   |S − I S| ≤ (a² M₁ + 2ab M₂ + b² M₃)/8, M suprema of |S_uu|, |S_uv|, |S_vv| (Filip, Magedson
 //   and Markot 1986): by Taylor's formula at p it is at most ½ Σ λ |S'' d²| over the ways d from p
 //   to the corners, and as those have the mean 0 and a range of a by b, Σ λ d_u² ≤ a²/4
@@ -15,7 +17,8 @@
 // of α and β for steps of a by u and b by v, α ≤ A_u |d_u|/a + A_v |d_v|/b and likewise β; so
 // Σ λ β² ≤ (B_u + B_v)²/4 as above, Σ λ α² likewise, and with Cauchy and Schwarz once more
 //   ½ Σ λ β √(β² + 4α²) ≤ B √(B² + 4A²)/8,   A = A_u + A_v, B = B_u + B_v.
-// N is a polynomial of degree 5 × 5, whose own Bézier points are at hand: suprema are hulls of
+// N is a polynomial of degree 5 × 5, of Loop's patches of degree 6, whose own Bézier points are at
+// hand: suprema are hulls of
 // their differences, where those of a product of suprema, term by term, would be ten times as
 // large. With a unit vector e near n, θ between them: |P x| ≤ |x across e| + sin θ |x·e|, |n·x| ≤
 // |x·e| + sin θ |x across e|, |N| ≥ N·e: so a patch that is stretched without being bent has no
@@ -25,7 +28,7 @@
 // S alone are the bound; and of the normal, with e any unit vector, |n − e| is bounded by the
 // angles of N's Bézier points to e. What is left around the vertex lies in the hull of its rings;
 // normals there are bounded by all levels to come, as far as evaluation goes (after that a point is
-// the vertex: patch_evaluator.h).
+// the vertex: RingShape::deepest_level()).
 #pragma once
 
 #include <array>

@@ -28,8 +28,11 @@ class Collector {
         if (!overlap(place, box_)) return;
         const PatchNode node = surface_.tree.nodes[level][face];
         switch (node.kind) {
-            case PatchNode::regular:
-                return patch(gather(surface_.tree.regular_patches[node.index]), place);
+            case PatchNode::regular: {
+                const RegularPatch& regular = surface_.tree.regular_patches[node.index];
+                const glm::dvec3 origin = origin_of(regular);
+                return patch(gather(regular, origin), origin, place);
+            }
             case PatchNode::crease:
                 return crease(surface_.tree.crease_patches[node.index], place);
             case PatchNode::linear:
@@ -49,21 +52,25 @@ class Collector {
     }
 
   private:
-    // Control points over `place`, cut to the box.
-    void patch(const Points& controls, const ParameterBox& place) {
+    // Control points about the origin over `place`, cut to the box.
+    void patch(const Points& controls, const glm::dvec3& origin, const ParameterBox& place) {
         if (!overlap(place, box_)) return;
         const ParameterBox cut = common(place, box_);
         const glm::dvec2 low = (cut.low - place.low) / place.size();
         const glm::dvec2 high = (cut.high - place.low) / place.size();
         pieces_.patches.push_back(
             {transformed(controls, bezier_weights(low.x, high.x), bezier_weights(low.y, high.y)),
-             cut});
+             cut, origin});
     }
 
-    Points gather(const RegularPatch& regular) const {
+    glm::dvec3 origin_of(const RegularPatch& regular) const {
+        return vector_at(surface_.values.of(regular.controls[5]));  // never beyond a side
+    }
+    Points gather(const RegularPatch& regular, const glm::dvec3& origin) const {
         Points p;
         for (std::uint32_t k = 0; k < 16; ++k)
-            if (regular.is_set(k)) p[k] = vector_at(surface_.values.of(regular.controls[k]));
+            if (regular.is_set(k))
+                p[k] = vector_at(surface_.values.of(regular.controls[k])) - origin;
         const std::uint8_t sides = regular.sharp_sides;
         const auto reflect = [&](std::size_t to, std::size_t near, std::size_t far) {
             p[to] = 2.0 * p[near] - p[far];
@@ -77,7 +84,8 @@ class Collector {
 
     // Towards the crease halves are patches, until its sharpness is used up (bicubic.h).
     void crease(const CreasePatch& crease, const ParameterBox& place) {
-        const Points p = gather(crease.patch);
+        const glm::dvec3 origin = origin_of(crease.patch);
+        const Points p = gather(crease.patch, origin);
         const bool across_u = crease.side % 2 == 1;
         const bool far = crease.side == 1 || crease.side == 2;
         constexpr CubicWeights same{{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}}};
@@ -97,7 +105,8 @@ class Collector {
                 part.low[axis] = place.low[axis] + from * length;
                 part.high[axis] = place.low[axis] + to * length;
             }
-            patch(across_u ? transformed(p, weights, same) : transformed(p, same, weights), part);
+            patch(across_u ? transformed(p, weights, same) : transformed(p, same, weights), origin,
+                  part);
         };
         for (double left = double(surface_.tree.sharpnesses[crease.sharpness]); left > 0;
              left -= 1, end /= 2) {
@@ -151,7 +160,8 @@ class Collector {
             return ParameterBox{glm::min(p, q), glm::max(p, q)};
         };
         RingWalk walk(surface_, sector.ring);
-        int last = deepest_tip;
+        int last = ring.shape.deepest_level();
+        bool has_tip = false;
         for (int k = 0; k <= last; ++k) {
             const double tip = std::ldexp(1.0, -k);
             const ParameterBox rest = turned({glm::dvec2(0.0), glm::dvec2(tip)});
@@ -159,7 +169,8 @@ class Collector {
             const auto [rings, next] = walk.level(k);
             const bool has_all = rest.low.x >= box_.low.x && rest.low.y >= box_.low.y &&
                                  rest.high.x <= box_.high.x && rest.high.y <= box_.high.y;
-            if (has_all && last == deepest_tip) last = std::min(last, k + tip_levels);
+            if (has_all && !has_tip) last = std::min(last, k + tip_levels);
+            has_tip = has_tip || has_all;
             if (k == last) {
                 LimitTip left{sector.ring, sector.sector, k, common(rest, box_), {}};
                 for (std::uint32_t p = 0; p < ring.shape.point_count(); ++p)
@@ -180,10 +191,9 @@ class Collector {
                         // Of the face: first a along along_a, then turned.
                         const int i = r == 0 ? a : r == 1 ? 3 - b : r == 2 ? 3 - a : b;
                         const int j = r == 0 ? b : r == 1 ? a : r == 2 ? 3 - b : 3 - a;
-                        p[std::size_t(4 * j + i)] =
-                            centre + vector_at(numbers.data() + 3 * (4 * b + a));
+                        p[std::size_t(4 * j + i)] = vector_at(numbers.data() + 3 * (4 * b + a));
                     }
-                patch(p, part);
+                patch(p, centre, part);
             }
         }
     }
@@ -207,7 +217,8 @@ std::array<BezierPatch, 3> ring_level_patches(const RingShape& shape, const doub
         Points p;
         for (std::size_t c = 0; c < 16; ++c) p[c] = vector_at(numbers.data() + 3 * c);
         const glm::dvec2 low = half * glm::dvec2(qa, qb);
-        patches[std::size_t(q - 1)] = {transformed(p, whole, whole), {low, low + half}};
+        patches[std::size_t(q - 1)] = {
+            transformed(p, whole, whole), {low, low + half}, glm::dvec3(0.0)};
     }
     return patches;
 }

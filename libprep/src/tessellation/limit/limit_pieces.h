@@ -6,9 +6,9 @@
 // its centre and all that bisections make are multiples of powers of two.
 //
 // Around an extraordinary vertex there are three patches a level, for ever. A part that has the
-// vertex gets those of `tip_levels` levels, and what is left as a tip: the vertex' two rings at
-// the level after, in whose hull the surface lies (each level's points are convex combinations of
-// the last one's).
+// vertex gets those of `tip_levels` levels, as far as evaluation goes, and what is left as a tip:
+// the vertex' two rings at the level after, in whose hull the surface lies (each level's points are
+// convex combinations of the last one's).
 #pragma once
 
 #include <vector>
@@ -43,7 +43,6 @@ struct LimitPieces {
     }
 };
 inline constexpr int tip_levels = 8;
-inline constexpr int deepest_tip = 60;  // where no part ends, or it has but a part of the tip
 
 inline constexpr double triangle_root_side = 0.75;
 

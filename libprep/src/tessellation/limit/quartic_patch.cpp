@@ -27,13 +27,6 @@ struct AxisSteps {
     }
 };
 
-double size_of(const TriangleNet<4>& p) {
-    double size = 0;
-    for (const glm::dvec3& at : p)
-        size = std::max({size, std::abs(at.x), std::abs(at.y), std::abs(at.z)});
-    return size;
-}
-
 template <std::size_t count>
 double longest(const std::array<glm::dvec3, count>& vectors) {
     double most = 0;
@@ -52,6 +45,13 @@ void blossom(std::array<glm::dvec3, 15>& p, std::size_t degree, const glm::dvec3
 }
 
 }  // namespace
+
+double size_of(const TriangleNet<4>& p) {
+    double size = 0;
+    for (const glm::dvec3& at : p)
+        size = std::max({size, std::abs(at.x), std::abs(at.y), std::abs(at.z)});
+    return size;
+}
 
 ParameterAxes axes_of(const ParameterTriangle& t) {
     const glm::dvec2 along = t[1] - t[0], to_tip = t[2] - t[0];
@@ -93,8 +93,9 @@ std::array<double, 3> second_derivative_bounds(const QuarticPatch& patch) {
     const AxisSteps steps(patch);
     const TriangleNet<3> by_u = differences<4>(patch.p, steps.u);
     const TriangleNet<3> by_v = differences<4>(patch.p, steps.v);
-    // A second difference adds up points that carry errors of some roundings.
-    const double slack = 12 * steps.reach * steps.reach * size_of(patch.p) * 0x1p-49;
+    const double error =
+        patch.error + 8 * half_ulp * size_of(patch.p);  // of a difference, by reach
+    const double slack = 12 * steps.reach * steps.reach * error;
     return {12 * longest(differences<3>(by_u, steps.u)) + slack,
             12 * longest(differences<3>(by_u, steps.v)) + slack,
             12 * longest(differences<3>(by_v, steps.v)) + slack};
@@ -123,8 +124,9 @@ QuarticNormalNet normal_net(const QuarticPatch& patch) {
                     net.n[triangle_point(6, i + h, j + m)] += glm::cross(u, by_v[l]);
         }
     for (std::size_t k = 0; k < 28; ++k) net.n[k] /= of_six[k];
-    // Differences of points err by roundings of their size, products by some of theirs.
-    net.error = lengths * (net.reach * size_of(patch.p) * 0x1p-47 + lengths * 0x1p-48);
+    // Of a derivative, and of products of them.
+    const double error = 4 * net.reach * (patch.error + 4 * half_ulp * size_of(patch.p));
+    net.error = lengths * (error + lengths * 0x1p-48);
     return net;
 }
 

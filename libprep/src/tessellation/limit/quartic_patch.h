@@ -36,14 +36,16 @@ struct ParameterAxes {
     glm::dvec2 u{1, 0}, v{0, 1};
 };
 // Of a triangle (a, b, c): along ab, and across it as it is where the parameters' triangle is
-// equilateral; as long as the triangle is wide.
+// equilateral; as long as the triangle is wide, so that its extent by both is 1.
 ParameterAxes axes_of(const ParameterTriangle& triangle);
 
 struct QuarticPatch {
-    TriangleNet<4> p;
+    TriangleNet<4> p;  // less `origin`
     ParameterTriangle corners;
     ParameterBox box;  // around them
     ParameterAxes axes;
+    glm::dvec3 origin{0.0};
+    double error = 0;  // what roundings may have moved one of the points by, but for the origin
 };
 
 // Of the 12 control points (loop_patch.h), over the whole triangle.
@@ -53,6 +55,17 @@ TriangleNet<4> quartic_points(const std::array<glm::dvec3, 12>& controls);
 // polar form (Ramshaw 1989). It may reach beyond.
 TriangleNet<4> over_triangle(const TriangleNet<4>& points,
                              const std::array<glm::dvec3, 3>& weights);
+// QuarticPatch::error of both, of points no longer than `size`: sums of 12 terms, then of 3 four
+// times over, whose weights add up to `reach` at most in absolute value.
+constexpr double half_ulp = 0x1p-53;
+inline double quartic_points_error(double size) {
+    return 13 * half_ulp * size;
+}
+inline double over_triangle_error(double size, double reach) {
+    return 25 * half_ulp * size * (reach * reach) * (reach * reach);
+}
+// The largest coordinate.
+double size_of(const TriangleNet<4>& points);
 
 // As those of bicubic patches (bezier_patch.h), by the axes.
 std::array<double, 3> second_derivative_bounds(const QuarticPatch& patch);

@@ -65,8 +65,11 @@ class TriangleCollector {
     void node(std::uint32_t level, std::uint32_t face, const Frame& frame, double side) {
         if (is_apart(triangle_of(frame, side))) return;
         const PatchNode node = surface_.tree.nodes[level][face];
-        if (node.kind == PatchNode::regular)
-            return patch(gather(surface_.tree.triangle_patches[node.index]), frame, side);
+        if (node.kind == PatchNode::regular) {
+            const TrianglePatch& regular = surface_.tree.triangle_patches[node.index];
+            const glm::dvec3 origin = vector_of(surface_.values.of(regular.terms[0].vertex));
+            return patch(gather(regular, origin), origin, frame, side);
+        }
         if (node.kind == PatchNode::ring)
             return ring(surface_.tree.sectors[node.index], frame, side);
         if (node.kind != PatchNode::split) return;
@@ -80,33 +83,37 @@ class TriangleCollector {
         return is_beyond_an_edge(asked_, other) || is_beyond_an_edge(other, asked_);
     }
 
-    void points(const TriangleNet<4>& points, const Frame& frame, double side) {
+    // Of control points about the origin.
+    void patch(const LoopControls& controls, const glm::dvec3& origin, const Frame& frame,
+               double side) {
         const ParameterTriangle own = triangle_of(frame, side);
+        const TriangleNet<4> points = quartic_points(controls);
+        const double size = size_of(points);
         if (doubled_area(own) < area_) {
-            pieces_.triangles.push_back({points, own, box_of(own), axes_});
+            pieces_.triangles.push_back(
+                {points, own, box_of(own), axes_, origin, quartic_points_error(size)});
             return;
         }
         std::array<glm::dvec3, 3> weights;
+        double reach = 1;
         for (std::size_t k = 0; k < 3; ++k) {
             const glm::dvec2 at = asked_[k] - own[0];
             const double u = (frame.by * at.x - frame.bx * at.y) / side;
             const double v = (frame.ax * at.y - frame.ay * at.x) / side;
             weights[k] = {1 - u - v, u, v};
+            reach = std::max(reach, std::abs(1 - u - v) + std::abs(u) + std::abs(v));
         }
-        pieces_.triangles.push_back(
-            {over_triangle(points, weights), asked_, box_of(asked_), axes_});
+        pieces_.triangles.push_back({over_triangle(points, weights), asked_, box_of(asked_), axes_,
+                                     origin, over_triangle_error(size, reach)});
     }
 
-    void patch(const LoopControls& controls, const Frame& frame, double side) {
-        points(quartic_points(controls), frame, side);
-    }
-
-    LoopControls gather(const TrianglePatch& patch) const {
+    // A control's terms have weights that add up to 1.
+    LoopControls gather(const TrianglePatch& patch, const glm::dvec3& origin) const {
         LoopControls controls;
         controls.fill(glm::dvec3(0.0));
         for (const TrianglePatch::Term& term : patch.terms)
             controls[term.control] +=
-                double(term.weight) * vector_of(surface_.values.of(term.vertex));
+                double(term.weight) * (vector_of(surface_.values.of(term.vertex)) - origin);
         return controls;
     }
 
@@ -116,7 +123,8 @@ class TriangleCollector {
         const Frame frame = face.at_corner(sector.corner, side);
         const ParameterBox box = box_of(asked_);
         RingWalk walk(surface_, sector.ring);
-        int last = deepest_tip;
+        int last = ring.shape.deepest_level();
+        bool has_tip = false;
         for (int k = 0; k <= last; ++k, side /= 2) {
             const ParameterTriangle rest = triangle_of(frame, side);
             if (is_apart(rest)) return;
@@ -124,7 +132,8 @@ class TriangleCollector {
             const ParameterBox around = box_of(rest);
             const bool has_all = around.low.x >= box.low.x && around.low.y >= box.low.y &&
                                  around.high.x <= box.high.x && around.high.y <= box.high.y;
-            if (has_all && last == deepest_tip) last = std::min(last, k + tip_levels);
+            if (has_all && !has_tip) last = std::min(last, k + tip_levels);
+            has_tip = has_tip || has_all;
             if (k == last) {
                 LimitTip left{sector.ring, sector.sector, k, around, {}};
                 for (std::uint32_t p = 0; p < ring.shape.point_count(); ++p)
@@ -135,9 +144,8 @@ class TriangleCollector {
             for (int part = 1; part < 4; ++part) {
                 const Frame own = part_frame(frame, side / 2, part);
                 if (is_apart(triangle_of(own, side / 2))) continue;
-                LoopControls controls = controls_of(ring.shape, rings, next, sector.sector, part);
-                for (glm::dvec3& control : controls) control += centre;
-                patch(controls, own, side / 2);
+                patch(controls_of(ring.shape, rings, next, sector.sector, part), centre, own,
+                      side / 2);
             }
         }
     }
