@@ -690,6 +690,34 @@ TEST(TessellationLimit, SmallErrorsAreReachedAroundEveryVertex) {
         }
 }
 
+// At a vertex whose normal jumps no error is reached: what is halved towards it ends before
+// vertices fall on each other.
+TEST(TessellationLimit, JumpsAreHalvedToDifferentPoints) {
+    for (const SubdivisionScheme scheme : {SubdivisionScheme::catmark, SubdivisionScheme::loop}) {
+        Mesh cage = scheme == SubdivisionScheme::loop ? in_triangles(cube()) : cube();
+        // Two creases that meet at a vertex, sharp corners at others.
+        cage.subdivision.creases = {{0, 1, 10}, {1, 3, 10}, {3, 2, 10}, {2, 0, 10}, {4, 5, 10}};
+        cage.subdivision.corners = {{0, 10}, {6, 10}};
+        cage.uvs.resize(1);
+        cage.uvs[0].values.emplace_back(0, 0);
+        cage.uvs[0].indices.resize(cage.corner_count());
+        TessellateOptions options;
+        options.scheme = scheme;
+        options.chord_error = 0.001;
+        options.max_triangles = 40'000;
+        options.displacements = {{std::make_shared<Constant>(0.5), 0.5, 0, 0}};
+        const auto made = tessellate(cage, options);
+        ASSERT_TRUE(made) << to_string(made.error());
+        std::printf("%s: %llu triangles, %llu unresolved\n",
+                    scheme == SubdivisionScheme::loop ? "loop" : "catmark",
+                    (unsigned long long)made->certificate.triangles,
+                    (unsigned long long)made->certificate.unresolved);
+        const Closedness after = closedness(made->mesh);
+        EXPECT_EQ(after.open_edges, 0u);
+        EXPECT_EQ(after.zero_edges, 0u);
+    }
+}
+
 TEST(TessellationLimit, ClosedCagesStayClosed) {
     std::mt19937 random(12);
     std::vector<Mesh> closed = {cube(), torus(6, 5), creased_cube(10), creased_cube(2.5F)};

@@ -292,18 +292,28 @@ float Refinement::excess(std::uint32_t t) const {
     return float_not_below(most);  // what exceeds by an ulp has to be halved as well
 }
 
-// Not where the middle of its edge would fall on one of its ends; closed faces can always be
-// opened.
+// Not where the middle of its edge would fall on one of its ends, or all of it is in one place of
+// the surface, and apart by its displacement alone: as at a vertex where the direction jumps, whose
+// rings would fall on each other. Closed faces can always be opened.
 bool Refinement::can_be_halved(std::uint32_t t) const {
     const BisectedTriangle& triangle = mesh_.triangles()[t];
     if (triangle.is_closed()) return true;
     if (triangle.depth() >= deepest_bisection) return false;
-    const glm::dvec3 a(samples_[triangle.vertices[0]].position);
-    const glm::dvec3 b(samples_[triangle.vertices[1]].position);
-    const glm::dvec3 step = glm::abs(a - b), size = glm::max(glm::abs(a), glm::abs(b));
-    constexpr double few_steps = 0x1p-20;
-    return step.x > few_steps * size.x || step.y > few_steps * size.y ||
-           step.z > few_steps * size.z;
+    std::array<const VertexSample*, 3> v;
+    for (std::size_t k = 0; k < 3; ++k) v[k] = &samples_[triangle.vertices[k]];
+    const auto position = [&](std::size_t k) { return glm::dvec3(v[k]->position); };
+    const auto differ = [&](const glm::dvec3& step, std::size_t k, std::size_t l) {
+        constexpr double few_steps = 0x1p-20;
+        const glm::dvec3 least = few_steps * glm::max(glm::abs(position(k)), glm::abs(position(l)));
+        const glm::dvec3 size = glm::abs(step);
+        return size.x > least.x || size.y > least.y || size.z > least.z;
+    };
+    const auto differ_on_the_surface = [&](std::size_t k, std::size_t l) {
+        return differ(v[k]->point.position - v[l]->point.position, k, l);
+    };
+    return differ(position(0) - position(1), 0, 1) &&
+           (differ_on_the_surface(0, 1) || differ_on_the_surface(1, 2) ||
+            differ_on_the_surface(2, 0));
 }
 
 Result<void> Refinement::take_news() {
