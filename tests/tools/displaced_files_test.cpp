@@ -187,8 +187,8 @@ std::string random_creases(const Cage& cage, std::mt19937& random) {
 }
 
 // How many pixels have another number of hits of fronts than of backs, seen along a direction
-// chance gives, without perspective.
-std::size_t uneven_pixels(const prep::Mesh& mesh, std::mt19937& random) {
+// chance gives, without perspective; `hit` grows by those that have any.
+std::size_t uneven_pixels(const prep::Mesh& mesh, std::mt19937& random, std::size_t& hit) {
     constexpr std::uint32_t extent = 64;
     std::normal_distribution<double> number;
     const auto direction = [&] {
@@ -213,12 +213,11 @@ std::size_t uneven_pixels(const prep::Mesh& mesh, std::mt19937& random) {
         triangles.push_back({v[0], v[1], v[2]});
     }
     const hits::Hits counted = hits::count_hits(seen, triangles, extent, extent);
-    std::size_t uneven = 0, hit = 0;
+    std::size_t uneven = 0;
     for (std::size_t i = 0; i < counted.front.size(); ++i) {
         uneven += counted.front[i] != counted.back[i];
         hit += counted.front[i] > 0;
     }
-    EXPECT_GT(hit, 100U);
     return uneven;
 }
 
@@ -334,8 +333,10 @@ class DisplacedFiles : public testing::Test {
     void expect_even(const prep::Mesh& mesh, int seed) {
         std::mt19937 random{std::uint32_t(seed)};
         const int views = std::getenv("MESHPREP_LONG_TESTS") ? 20 : 4;
+        std::size_t hit = 0;
         for (int view = 0; view < views; ++view)
-            EXPECT_EQ(uneven_pixels(mesh, random), 0U) << seed << ", view " << view;
+            EXPECT_EQ(uneven_pixels(mesh, random, hit), 0U) << seed << ", view " << view;
+        EXPECT_GT(hit, 100U * std::size_t(views));  // long ones have fewer from their ends
     }
 
     void expect_closed(const prep::Mesh& mesh, std::int64_t euler, const std::string& what) {
@@ -376,7 +377,8 @@ TEST_F(DisplacedFiles, AreClosedInWhatOthersRead) {
     prep::Mesh open = read_by_assimp(name(0) + ".glb");
     std::mt19937 random(1);
     open.face_offsets.resize(open.face_count() * 7 / 8);
-    EXPECT_GT(uneven_pixels(open, random), 10U);
+    std::size_t hit = 0;
+    EXPECT_GT(uneven_pixels(open, random, hit), 10U);
     MESHPREP_REQUIRE_GLTF_TRANSFORM(modules);
     const auto decoded = test::decode_gltf(modules, files, dir_.path());
     ASSERT_TRUE(decoded);

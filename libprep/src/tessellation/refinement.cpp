@@ -292,28 +292,61 @@ float Refinement::excess(std::uint32_t t) const {
     return float_not_below(most);  // what exceeds by an ulp has to be halved as well
 }
 
-// Not where the middle of its edge would fall on one of its ends, or all of it is in one place of
-// the surface, and apart by its displacement alone: as at a vertex where the direction jumps, whose
-// rings would fall on each other. Closed faces can always be opened.
+// Where the vertex would be that halving makes.
+glm::dvec3 Refinement::middle_position(std::uint32_t t) const {
+    std::vector<RootPoint> at;
+    std::uint32_t h = 3 * t;
+    do {
+        const BisectedTriangle& triangle = mesh_.triangles()[h / 3];
+        glm::dvec3 weights(0.0);
+        const auto side = glm::length_t(h % 3);
+        weights[side] = weights[(side + 1) % 3] = 0.5;
+        at.push_back(surface_.points(triangle).at(weights));
+        h = triangle.next[h % 3];
+    } while (h != 3 * t && (mesh_.triangles()[t].on_border & 1) != 0);
+    std::vector<BasePoint> sides(at.size());
+    surface_.base().evaluate(at, sides);
+    VertexSamples made;
+    made.resize_to_fill(1);
+    surface_.make_vertex(at, sides, 0, made);
+    return glm::dvec3(made[0].position);
+}
+
+// Not where the middle of its edge would fall on one of its ends, nor where that holds for what is
+// halved first; closed faces can always be opened.
 bool Refinement::can_be_halved(std::uint32_t t) const {
     const BisectedTriangle& triangle = mesh_.triangles()[t];
     if (triangle.is_closed()) return true;
     if (triangle.depth() >= deepest_bisection) return false;
     std::array<const VertexSample*, 3> v;
     for (std::size_t k = 0; k < 3; ++k) v[k] = &samples_[triangle.vertices[k]];
-    const auto position = [&](std::size_t k) { return glm::dvec3(v[k]->position); };
-    const auto differ = [&](const glm::dvec3& step, std::size_t k, std::size_t l) {
+    const glm::dvec3 a(v[0]->position), b(v[1]->position);
+    const auto are_apart = [&](const glm::dvec3& p, const glm::dvec3& q) {
         constexpr double few_steps = 0x1p-20;
-        const glm::dvec3 least = few_steps * glm::max(glm::abs(position(k)), glm::abs(position(l)));
-        const glm::dvec3 size = glm::abs(step);
-        return size.x > least.x || size.y > least.y || size.z > least.z;
+        const glm::dvec3 step = glm::abs(p - q);
+        const glm::dvec3 least = few_steps * glm::max(glm::abs(a), glm::abs(b));
+        return step.x > least.x || step.y > least.y || step.z > least.z;
     };
-    const auto differ_on_the_surface = [&](std::size_t k, std::size_t l) {
-        return differ(v[k]->point.position - v[l]->point.position, k, l);
+    if (!are_apart(a, b)) return false;
+    // Apart by their displacement rather than on the surface: where a direction jumps at a vertex,
+    // the middle of an edge to it is where its other end is, level by level, and that of an edge
+    // around it where the level before has one.
+    double longest = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const glm::dvec3 side = v[k]->point.position - v[(k + 1) % 3]->point.position;
+        longest = std::max(longest, glm::dot(side, side));
+    }
+    constexpr double steep = 64;
+    if (!(glm::dot(a - b, a - b) > steep * steep * longest)) return true;
+    const glm::dvec3 middle = middle_position(t);
+    const auto falls_on = [&](const glm::dvec3& p) { return !are_apart(middle, p); };
+    const auto tip = [&](std::uint32_t of) {
+        return glm::dvec3(samples_[mesh_.triangles()[of].vertices[2]].position);
     };
-    return differ(position(0) - position(1), 0, 1) &&
-           (differ_on_the_surface(0, 1) || differ_on_the_surface(1, 2) ||
-            differ_on_the_surface(2, 0));
+    if (falls_on(a) || falls_on(b) || falls_on(tip(t))) return false;
+    for (std::uint32_t h = triangle.next[0]; h != 3 * t; h = mesh_.triangles()[h / 3].next[h % 3])
+        if (h % 3 != 0 ? !can_be_halved(h / 3) : falls_on(tip(h / 3))) return false;
+    return true;
 }
 
 Result<void> Refinement::take_news() {

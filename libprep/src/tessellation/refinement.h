@@ -56,6 +56,7 @@ class Refinement {
     Asked asked(const BisectedTriangle& triangle) const;
     std::array<glm::dvec3, 3> corners(const BisectedTriangle& triangle) const;
     bool can_be_halved(std::uint32_t t) const;
+    glm::dvec3 middle_position(std::uint32_t t) const;
     Result<void> take_news();
     Result<void> refine_to_error();
     Result<void> refine_to_budget();
