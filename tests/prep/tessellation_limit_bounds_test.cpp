@@ -41,34 +41,20 @@ TEST(TessellationLimit, BoundsHoldOverSampledTriangles) {
                 }
                 path = 2 * path + bit;
             }
-            const auto weights = detail::path_weights(path);
-            std::array<detail::BasePoint, 3> corners;
-            for (std::size_t k = 0; k < 3; ++k) {
-                const detail::RootPoint at{root, weights[k]};
-                base->evaluate({&at, 1}, {&corners[k], 1});
-            }
-            const detail::BaseDeviation bound = base->deviation(root, weights, corners);
+            const SampledTriangle triangle(*base, root, path);
+            const detail::BaseDeviation bound = triangle.bound();
             double position = 0, direction = 0;
             constexpr int n = 24;
             for (int j = 0; j <= n; ++j)
                 for (int i = 0; i + j <= n; ++i) {
-                    const glm::dvec3 w(double(n - i - j) / n, double(i) / n, double(j) / n);
-                    detail::RootPoint at{root, glm::dvec3(0.0)};
-                    glm::dvec3 p(0.0), d(0.0);
-                    for (std::size_t k = 0; k < 3; ++k) {
-                        const double share = w[glm::length_t(k)];
-                        at.weights += share * weights[k];
-                        p += share * corners[k].position;
-                        d += share * corners[k].direction;
-                    }
-                    detail::BasePoint point;
-                    base->evaluate({&at, 1}, {&point, 1});
-                    position = std::max(position, glm::length(point.position - p));
-                    direction = std::max(direction, glm::length(point.direction - d));
+                    const detail::BaseDeviation off = triangle.off(
+                        glm::dvec3(double(n - i - j) / n, double(i) / n, double(j) / n));
+                    position = std::max(position, off.position);
+                    direction = std::max(direction, off.direction);
                 }
             EXPECT_LE(position, bound.position + 1e-13) << trial;
             EXPECT_LE(direction, bound.direction + 1e-11) << trial;
-            if (const auto coarse = base->coarse_deviation(root, weights)) {
+            if (const auto coarse = base->coarse_deviation(root, triangle.weights)) {
                 ++looseness.coarse_bounds;
                 EXPECT_LE(position, coarse->position + 1e-13) << trial;
                 EXPECT_LE(direction, coarse->direction + 1e-11) << trial;
@@ -183,32 +169,18 @@ TEST(TessellationLimit, CellsBoundTheTrianglesInThem) {
         int bounded = 0;
         for (std::uint32_t root = 0; root < domain.roots.size(); ++root)
             for (std::uint64_t path = 4; path < 256; ++path) {
-                const auto weights = detail::path_weights(path);
-                const auto coarse = base->coarse_deviation(root, weights);
+                const auto coarse = base->coarse_deviation(root, detail::path_weights(path));
                 if (!coarse) continue;
                 ++bounded;
-                std::array<detail::BasePoint, 3> corners;
-                for (std::size_t k = 0; k < 3; ++k) {
-                    const detail::RootPoint at{root, weights[k]};
-                    base->evaluate({&at, 1}, {&corners[k], 1});
-                }
+                const SampledTriangle triangle(*base, root, path);
                 for (const glm::dvec3 w : {glm::dvec3(1.0 / 3),
                                            {0.5, 0.5, 0},
                                            {0, 0.5, 0.5},
                                            {0.5, 0, 0.5},
                                            {0.6, 0.2, 0.2}}) {
-                    detail::RootPoint at{root, glm::dvec3(0.0)};
-                    glm::dvec3 p(0.0), d(0.0);
-                    for (std::size_t k = 0; k < 3; ++k) {
-                        const double share = w[glm::length_t(k)];
-                        at.weights += share * weights[k];
-                        p += share * corners[k].position;
-                        d += share * corners[k].direction;
-                    }
-                    detail::BasePoint point;
-                    base->evaluate({&at, 1}, {&point, 1});
-                    EXPECT_LE(glm::length(point.position - p), coarse->position + 1e-14);
-                    EXPECT_LE(glm::length(point.direction - d), coarse->direction + 1e-14);
+                    const detail::BaseDeviation off = triangle.off(w);
+                    EXPECT_LE(off.position, coarse->position + 1e-14);
+                    EXPECT_LE(off.direction, coarse->direction + 1e-14);
                 }
             }
         EXPECT_GT(bounded, 5000);
@@ -349,7 +321,7 @@ TEST(TessellationLimit, WhatIsLeftAroundAVertexIsBounded) {
             double area = 0;
             for (const auto& patch : pieces.patches)
                 area += patch.box.size().x * patch.box.size().y;
-            for (const auto& patch : pieces.triangles)
+            for (const auto& patch : pieces.quartics)
                 area += std::abs(detail::cross_of(patch.corners[1] - patch.corners[0],
                                                   patch.corners[2] - patch.corners[0])) /
                         2;

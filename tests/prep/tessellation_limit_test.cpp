@@ -191,13 +191,7 @@ TEST(TessellationLimit, SmallErrorsAreReachedAroundEveryVertex) {
                 const bool has_tip = first[0].x == 1 || first[1].x == 1 || first[2].x == 1;
                 path = 2 * path + (has_tip ? 0 : 1);
                 if (depth < 8 || depth % 4 != 0) continue;  // each time a quarter of the side
-                const auto weights = detail::path_weights(path);
-                std::array<detail::BasePoint, 3> corners;
-                for (std::size_t k = 0; k < 3; ++k) {
-                    const detail::RootPoint at{0, weights[k]};
-                    base->evaluate({&at, 1}, {&corners[k], 1});
-                }
-                const double bound = base->deviation(0, weights, corners).direction;
+                const double bound = SampledTriangle(*base, 0, path).bound().direction;
                 EXPECT_LE(bound, std::max(0.6 * before, 1e-6)) << n << ' ' << far << ' ' << depth;
                 before = bound;
             }

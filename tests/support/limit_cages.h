@@ -72,6 +72,38 @@ inline prep::detail::Domain domain_of(const Cage& cage, const prep::detail::Limi
     return prep::detail::make_domain(cage.mesh, base.left_out(), false, 1);
 }
 
+// A triangle within a root, and the surface at its corners.
+struct SampledTriangle {
+    const prep::detail::BaseSurface& base;
+    std::uint32_t root;
+    std::array<glm::dvec3, 3> weights;
+    std::array<prep::detail::BasePoint, 3> corners;
+
+    SampledTriangle(const prep::detail::BaseSurface& surface, std::uint32_t of_root,
+                    std::uint64_t path)
+        : base(surface), root(of_root), weights(prep::detail::path_weights(path)) {
+        for (std::size_t k = 0; k < 3; ++k) {
+            const prep::detail::RootPoint at{root, weights[k]};
+            base.evaluate({&at, 1}, {&corners[k], 1});
+        }
+    }
+    prep::detail::BaseDeviation bound() const { return base.deviation(root, weights, corners); }
+    // How far the surface is from what is linear, at weights of the corners.
+    prep::detail::BaseDeviation off(const glm::dvec3& w) const {
+        prep::detail::RootPoint at{root, glm::dvec3(0.0)};
+        glm::dvec3 position(0.0), direction(0.0);
+        for (std::size_t k = 0; k < 3; ++k) {
+            const double share = w[glm::length_t(k)];
+            at.weights += share * weights[k];
+            position += share * corners[k].position;
+            direction += share * corners[k].direction;
+        }
+        prep::detail::BasePoint point;
+        base.evaluate({&at, 1}, {&point, 1});
+        return {glm::length(point.position - position), glm::length(point.direction - direction)};
+    }
+};
+
 inline std::vector<Cage> cages() {
     std::vector<Cage> all;
     for (const prep::Mesh& mesh : {cube(), torus(6, 5), prism(3), prism(5), prism(9), cone(3),

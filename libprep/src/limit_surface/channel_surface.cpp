@@ -25,7 +25,6 @@ PointNormal point_normal(const ChannelSurface& surface, PatchEvaluator& evaluato
                          const glm::dvec3& dv, std::span<const std::uint32_t> face_corners) {
     const glm::dvec3 none(0.0);
     const std::uint32_t width = surface.width();
-    const auto vector = [](const double* p) { return glm::dvec3(p[0], p[1], p[2]); };
     std::vector<double> numbers;
     double *value = nullptr, *a = nullptr, *b = nullptr;
     const auto point = [&](double x, double y) {
@@ -43,14 +42,13 @@ PointNormal point_normal(const ChannelSurface& surface, PatchEvaluator& evaluato
         }
     }
     if (const glm::dvec3 normal = normal_of(du, dv); normal != none) return {normal, false};
-    const bool triangle = surface.cage.corners_per_face == 3;
     for (const double step : {0x1p-10, 0x1p-6, 0x1p-3}) {
         glm::dvec3 sum(0.0);
         for (const int corner : {0, 1, 2, 3}) {
             const double x = std::clamp(u + (corner & 1 ? step : -step), 0x1p-12, 1 - 0x1p-12);
             const double y = std::clamp(v + (corner & 2 ? step : -step), 0x1p-12, 1 - 0x1p-12);
-            point(x, triangle ? std::min(y, std::max(0.0, 1 - x)) : y);
-            sum += normal_of(vector(a), vector(b));
+            point(x, surface.has_triangles() ? std::min(y, std::max(0.0, 1 - x)) : y);
+            sum += normal_of(vector_at(a), vector_at(b));
         }
         if (const glm::dvec3 normal = direction_of(sum, 1); normal != none) return {normal, true};
     }

@@ -23,6 +23,7 @@ struct ChannelSurface {
         return {&cage, &tree, {values.numbers.data(), values.width, nullptr}, &rings};
     }
     std::uint32_t width() const { return values.width; }
+    bool has_triangles() const { return cage.corners_per_face == 3; }
 };
 
 // The normal of a point that point() or grid() came to, and where it comes from when the

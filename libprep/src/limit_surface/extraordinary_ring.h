@@ -35,10 +35,9 @@ struct RingShape {
     bool is_sharp(std::uint32_t i) const {
         return closed ? sharp_edge && edge(i) == 0 : i == 0 || i == sectors;
     }
-    // Below this parameter, of a power of two, a point is taken for the vertex. Where three
-    // triangles meet, or one sector is all between a crease's two sides, rings shrink to a quarter
-    // with each level, along the crease or to both sides: what the normal comes from would be
-    // rounding errors before the others' is.
+    // A point nearer to the vertex than 2 to the minus this is taken for it. Where three triangles
+    // meet, or a crease has one sector on a side, what the normal comes from shrinks to a quarter
+    // with each level (in others to a half or so), and would be rounding errors at level 50.
     int deepest_level() const {
         const bool thin = !corner_rule && (closed ? triangles && sectors == 3 : sectors == 1);
         return thin ? 36 : 50;

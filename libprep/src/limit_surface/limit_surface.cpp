@@ -22,7 +22,7 @@ class LimitSurface::Implementation {
     SimdLevel simd = SimdLevel::automatic;
     std::unique_ptr<GridTables> tables;  // for the usual rates
 
-    bool triangles() const { return surface.cage.corners_per_face == 3; }
+    bool triangles() const { return surface.has_triangles(); }
     std::span<const std::uint32_t> corners(std::uint32_t face) const {
         return std::span(corner_vertices)
             .subspan(face_offsets[face], face_offsets[face + 1] - face_offsets[face]);

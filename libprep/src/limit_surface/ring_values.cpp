@@ -12,10 +12,6 @@ namespace {
 // Sines of angles below this are rounding: derivatives carry errors of some 1e-13.
 constexpr double parallel_below = 1e-11;
 
-glm::dvec3 vector_at(const double* numbers) {
-    return {numbers[0], numbers[1], numbers[2]};
-}
-
 // The largest distance of the first ring from the vertex.
 double ring_size(const RingShape& shape, std::uint32_t width, const double* numbers) {
     double size = 0;

@@ -23,6 +23,11 @@ struct ControlSource {
     }
 };
 
+// The first three of a row: a position, or a step.
+inline glm::dvec3 vector_at(const double* numbers) {
+    return {numbers[0], numbers[1], numbers[2]};
+}
+
 struct RingCentre {
     std::vector<double> numbers;  // value, t0, t1: width each
     bool has_tangents = false;

@@ -157,9 +157,10 @@ void PatchEvaluator::triangle_cell(const TriangleCell& cell, const GridOutput& o
         const std::uint32_t level = cell.level + 1;
         const std::uint32_t first = pieces_.cage->levels[cell.level].first_child[cell.face];
         const int half = n / 2;
-        const auto frames = child_frames(*pieces_.cage, level, first, cell.frame, half);
-        for (std::uint32_t c = 0; c < 4; ++c)
-            triangle_cell({level, first + c, frames[c], cell.n / 2, 2 * cell.scale}, out);
+        for (std::uint32_t c = 0; c < 4; ++c) {
+            const Frame<int> frame = child_frame(*pieces_.cage, level, first, c, cell.frame, half);
+            triangle_cell({level, first + c, frame, cell.n / 2, 2 * cell.scale}, out);
+        }
         return;
     }
     if (node.kind == PatchNode::ring && n > 1) return triangle_ring_grid(cell, out);
@@ -245,8 +246,8 @@ PointTraits PatchEvaluator::triangle_point(std::uint32_t level, std::uint32_t fa
         const std::uint32_t first = pieces_.cage->levels[level].first_child[face];
         const std::uint32_t c = u > 0.5 ? 1 : v > 0.5 ? 2 : u + v <= 0.5 ? 0 : 3;
         u *= 2, v *= 2, unit *= 2;
-        into(
-            child_frames(*pieces_.cage, level + 1, first, Frame<double>{0, 0, 1, 0, 0, 1}, 1.0)[c]);
+        const Frame<double> whole{0, 0, 1, 0, 0, 1};
+        into(child_frame(*pieces_.cage, level + 1, first, c, whole, 1.0));
         node = tree.nodes[++level][face = first + c];
     }
     PointTraits traits;

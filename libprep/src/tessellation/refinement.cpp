@@ -331,13 +331,11 @@ bool Refinement::can_be_halved(std::uint32_t t) const {
     // Apart by their displacement rather than on the surface: where a direction jumps at a vertex,
     // the middle of an edge to it is where its other end is, level by level, and that of an edge
     // around it where the level before has one.
-    double longest = 0;
+    constexpr double steep = 64;
     for (std::size_t k = 0; k < 3; ++k) {
         const glm::dvec3 side = v[k]->point.position - v[(k + 1) % 3]->point.position;
-        longest = std::max(longest, glm::dot(side, side));
+        if (!(glm::dot(a - b, a - b) > steep * steep * glm::dot(side, side))) return true;
     }
-    constexpr double steep = 64;
-    if (!(glm::dot(a - b, a - b) > steep * steep * longest)) return true;
     const glm::dvec3 middle = middle_position(t);
     const auto falls_on = [&](const glm::dvec3& p) { return !are_apart(middle, p); };
     const auto tip = [&](std::uint32_t of) {

@@ -10,6 +10,10 @@ namespace prep::detail {
 struct ParameterBox {
     glm::dvec2 low{0.0}, high{1.0};
     glm::dvec2 size() const { return high - low; }
+    bool has(const ParameterBox& other) const {
+        return other.low.x >= low.x && other.low.y >= low.y && other.high.x <= high.x &&
+               other.high.y <= high.y;
+    }
 };
 
 // p[4 j + i], less `origin`, so that what is small is as exact far from the mesh's own origin;

@@ -3,9 +3,9 @@
 //
 // Parameters: a triangle of Loop's scheme is one (limit_pieces.h). Else a quad's fan is its unit
 // square cut by both diagonals. An n-gon's consists of n quads, each with a corner, the middles of
-// its edges and the centre: a root (a, b, centre) is half of a's quad and half of b's. Before
-// it is halved its deviation is the larger one of its halves', and how far the middle of ab is from
-// where it would be if all were linear.
+// its edges and the centre: a root (a, b, centre) is half of a's quad and half of b's. Before it is
+// halved its deviation is the larger one of its halves', and how far the middle of ab is from where
+// it would be if all were linear.
 #pragma once
 
 #include <memory>
@@ -48,7 +48,7 @@ class LimitBase final : public BaseSurface {
         glm::dvec2 parameters(const glm::dvec3& weights) const { return at(weights) / side; }
     };
     // Faces have one parameter triangle each.
-    bool has_triangles() const { return surface_->cage.corners_per_face == 3; }
+    bool has_triangles() const { return surface_->has_triangles(); }
     bool is_in_two_halves(std::uint32_t root, const std::array<glm::dvec3, 3>& weights) const;
     // `towards_a`: of an n-gon's two halves.
     Chart chart(std::uint32_t root, bool towards_a) const;

@@ -87,12 +87,12 @@ NetDifferences differences_about(const NormalNet& net, const glm::dvec3& e) {
 
 NetDifferences differences_about(const QuarticNormalNet& net, const glm::dvec3& e) {
     NetDifferences d{{}, {}, {}, {}, {}, 6, 30, 30, std::max(1.0, net.reach * net.reach)};
-    const TriangleNet<5> u = differences<6>(net.n, net.by_u), v = differences<6>(net.n, net.by_v);
+    const TriangleNet<5> u = blossom<6>(net.n, net.by_u), v = blossom<6>(net.n, net.by_v);
     d.u.widen(u, e);
     d.v.widen(v, e);
-    d.uu.widen(differences<5>(u, net.by_u), e);
-    d.uv.widen(differences<5>(u, net.by_v), e);
-    d.vv.widen(differences<5>(v, net.by_v), e);
+    d.uu.widen(blossom<5>(u, net.by_u), e);
+    d.uv.widen(blossom<5>(u, net.by_v), e);
+    d.vv.widen(blossom<5>(v, net.by_v), e);
     return d;
 }
 
@@ -304,11 +304,12 @@ struct CellBounds::Cell {
     void make(const Key& wanted, const ChannelSurface& surface, bool with_normals) {
         key = {};
         thread_local LimitPieces pieces;
-        const double side = std::ldexp(root_side(surface), -wanted.level);
+        const bool triangles = surface.has_triangles();
+        const double side = std::ldexp(triangles ? triangle_root_side : 1, -wanted.level);
         const glm::dvec2 low = side * glm::dvec2(double(wanted.i), double(wanted.j));
         const ParameterAxes axes{{side, 0}, {0, side}};
         const glm::dvec2 right = low + axes.u, up = low + axes.v;
-        if (surface.cage.corners_per_face != 3)
+        if (!triangles)
             collect_pieces(surface, wanted.root, {low, low + side}, pieces);
         else if (wanted.far_half)
             collect_pieces(surface, wanted.root, {low + side, up, right}, axes, pieces);
@@ -325,9 +326,6 @@ struct CellBounds::Cell {
             });
         key = wanted;
     }
-    static double root_side(const ChannelSurface& surface) {
-        return surface.cage.corners_per_face == 3 ? triangle_root_side : 1;
-    }
 };
 
 CellBounds::CellBounds(const ChannelSurface& surface, bool with_normals)
@@ -338,26 +336,25 @@ CellBounds::CellBounds(const ChannelSurface& surface, bool with_normals)
 
 std::optional<BaseDeviation> CellBounds::deviation(std::uint32_t root,
                                                    const std::array<glm::dvec2, 3>& p) const {
-    const double root_side = Cell::root_side(surface_);
+    const bool triangles = surface_.has_triangles();
+    const double root_side = triangles ? triangle_root_side : 1;
     const auto [low, high] = box_of(p);
-    const glm::dvec2 extent = high - low;
+    glm::dvec2 extent = high - low;
     // A cell is four triangles wide: some dozens share it, and derivatives differ little in it.
     int exponent = 0;
     std::frexp(std::max(extent.x, extent.y), &exponent);
-    int level = -exponent - 1;
-    if (root_side < 1) --level;
-    level = std::max(0, level);
+    const int level = std::max(0, -exponent - (triangles ? 2 : 1));
     constexpr int deepest = 48;
     if (!(low.x >= 0 && low.y >= 0 && high.x <= root_side && high.y <= root_side) ||
         level > deepest)
         return std::nullopt;
-    const double cells = std::ldexp(1.0, level) / root_side;
-    const double last = std::ldexp(1.0, level) - 1;
-    const double x = std::min(std::floor(low.x * cells), last);
-    const double y = std::min(std::floor(low.y * cells), last);
+    const double count = std::ldexp(1.0, level), cells = triangles ? count / root_side : count;
+    const double x = std::min(std::floor(low.x * cells), count - 1);
+    const double y = std::min(std::floor(low.y * cells), count - 1);
     if (high.x * cells > x + 1 || high.y * cells > y + 1) return std::nullopt;
     bool far_half = false;
-    if (root_side < 1) {
+    if (triangles) {
+        extent *= cells;             // the axes are a cell's sides
         double least = 2, most = 0;  // of the sums of both parameters within the square
         for (const glm::dvec2& at : p) {
             const double sum = (at.x * cells - x) + (at.y * cells - y);
@@ -365,7 +362,7 @@ std::optional<BaseDeviation> CellBounds::deviation(std::uint32_t root,
             most = std::max(most, sum);
         }
         far_half = most > 1;
-        const bool is_outside = far_half && x + y >= last;
+        const bool is_outside = far_half && x + y >= count - 1;
         if (is_outside || (far_half && least < 1)) return std::nullopt;
     }
     constexpr std::size_t kept = 1024;
@@ -374,23 +371,23 @@ std::optional<BaseDeviation> CellBounds::deviation(std::uint32_t root,
     Cell& cell = cache[std::size_t(key.hash()) % kept];
     if (cell.key != key) cell.make(key, surface_, with_normals_);
     if (!cell.bounded) return std::nullopt;
-    const glm::dvec2 by =
-        root_side < 1 ? extent * cells : extent;  // of triangles: by a cell's side
-    return BaseDeviation{cell.curvature.deviation(by),
-                         with_normals_ ? cell.normal_curvature.deviation(by) : 0};
+    return BaseDeviation{cell.curvature.deviation(extent),
+                         with_normals_ ? cell.normal_curvature.deviation(extent) : 0};
 }
 
 BaseDeviation limit_deviation(const ChannelSurface& surface, const RingCones* cones,
                               const LimitTriangle& triangle) {
-    const ParameterBox box = box_of(triangle.parameters);
     thread_local LimitPieces pieces;
-    if (surface.cage.corners_per_face == 3)
-        collect_pieces(surface, triangle.root, triangle.parameters, axes_of(triangle.parameters),
-                       pieces);
-    else
+    glm::dvec2 extent(1.0);  // by the axes
+    if (surface.has_triangles()) {
+        const ParameterAxes axes = axes_of(triangle.parameters);
+        collect_pieces(surface, triangle.root, triangle.parameters, axes, pieces);
+    } else {
+        const ParameterBox box = box_of(triangle.parameters);
         collect_pieces(surface, triangle.root, box, pieces);
+        extent = box.size();
+    }
     if (!pieces.tips.empty()) return at_vertex(surface, cones, triangle, pieces);
-    const glm::dvec2 extent = surface.cage.corners_per_face == 3 ? glm::dvec2(1.0) : box.size();
     const LinearMap linear(triangle);
     Curvature curvature;
     NormalCurvature normal_curvature;

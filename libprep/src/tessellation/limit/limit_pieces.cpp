@@ -7,10 +7,6 @@ namespace {
 
 using Points = std::array<glm::dvec3, 16>;
 
-glm::dvec3 vector_at(const double* numbers) {
-    return {numbers[0], numbers[1], numbers[2]};
-}
-
 bool overlap(const ParameterBox& a, const ParameterBox& b) {
     return a.low.x < b.high.x && b.low.x < a.high.x && a.low.y < b.high.y && b.low.y < a.high.y;
 }
@@ -146,8 +142,6 @@ class Collector {
     }
 
     void ring(const RingSector& sector, const ParameterBox& place) {
-        const Ring& ring = surface_.tree.rings[sector.ring];
-        const glm::dvec3 centre = vector_at(surface_.rings.centre(sector.ring));
         // The vertex is at corner r of the face; (a, b) turn with it.
         const std::uint32_t r = sector.corner;
         const glm::dvec2 size = place.size();
@@ -159,23 +153,14 @@ class Collector {
             const glm::dvec2 q = corner + part.high.x * along_a + part.high.y * along_b;
             return ParameterBox{glm::min(p, q), glm::max(p, q)};
         };
-        RingWalk walk(surface_, sector.ring);
-        int last = ring.shape.deepest_level();
-        bool has_tip = false;
-        for (int k = 0; k <= last; ++k) {
+        RingWalk walk(surface_, sector);
+        for (int k = 0;; ++k) {
             const double tip = std::ldexp(1.0, -k);
             const ParameterBox rest = turned({glm::dvec2(0.0), glm::dvec2(tip)});
             if (!overlap(rest, box_)) return;
-            const auto [rings, next] = walk.level(k);
-            const bool has_all = rest.low.x >= box_.low.x && rest.low.y >= box_.low.y &&
-                                 rest.high.x <= box_.high.x && rest.high.y <= box_.high.y;
-            if (has_all && !has_tip) last = std::min(last, k + tip_levels);
-            has_tip = has_tip || has_all;
-            if (k == last) {
-                LimitTip left{sector.ring, sector.sector, k, common(rest, box_), {}};
-                for (std::uint32_t p = 0; p < ring.shape.point_count(); ++p)
-                    left.hull.push_back(centre + vector_at(rings + 3 * std::size_t(p)));
-                pieces_.tips.push_back(std::move(left));
+            const RingWalk::Level level = walk.level(k);
+            if (walk.is_last(k, box_.has(rest))) {
+                pieces_.tips.push_back(walk.tip(k, level, common(rest, box_)));
                 return;
             }
             for (int q = 1; q < 4; ++q) {
@@ -184,7 +169,8 @@ class Collector {
                 const ParameterBox part = turned({low, low + 0.5 * tip});
                 if (!overlap(part, box_)) continue;
                 std::array<double, 48> numbers;
-                ring_patch(ring.shape, 3, rings, next, sector.sector, qa, qb, numbers.data());
+                ring_patch(walk.ring().shape, 3, level.rings, level.next, sector.sector, qa, qb,
+                           numbers.data());
                 Points p;
                 for (int b = 0; b < 4; ++b)
                     for (int a = 0; a < 4; ++a) {
@@ -193,7 +179,7 @@ class Collector {
                         const int j = r == 0 ? b : r == 1 ? a : r == 2 ? 3 - b : 3 - a;
                         p[std::size_t(4 * j + i)] = vector_at(numbers.data() + 3 * (4 * b + a));
                     }
-                patch(p, centre, part);
+                patch(p, walk.centre(), part);
             }
         }
     }

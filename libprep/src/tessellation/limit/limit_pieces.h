@@ -25,25 +25,24 @@ struct LimitTip {
     ParameterBox box;  // of the root's parameters
     std::vector<glm::dvec3> hull;
 };
+inline constexpr int tip_levels = 8;
 
 struct LimitPieces {
     std::vector<BezierPatch> patches;
-    std::vector<QuarticPatch> triangles;  // in their place in Loop's scheme
+    std::vector<QuarticPatch> quartics;  // in their place in Loop's scheme
     std::vector<LimitTip> tips;
 
     void clear() {
         patches.clear();
-        triangles.clear();
+        quartics.clear();
         tips.clear();
     }
     template <class Body>
     void for_each_patch(const Body& body) const {
         for (const BezierPatch& patch : patches) body(patch);
-        for (const QuarticPatch& patch : triangles) body(patch);
+        for (const QuarticPatch& patch : quartics) body(patch);
     }
 };
-inline constexpr int tip_levels = 8;
-
 inline constexpr double triangle_root_side = 0.75;
 
 // Of tree root `root`. A box without area gets what is on one of its sides.
@@ -63,31 +62,47 @@ std::array<BezierPatch, 3> ring_level_patches(const RingShape& shape, const doub
 std::array<QuarticPatch, 3> ring_level_triangles(const RingShape& shape, const double* rings,
                                                  const double* next, std::uint32_t sector, int k);
 
-// Levels of a ring in turn: those that are stored, then refined ones.
+// Levels of a sector's ring in turn: those that are stored, then refined ones; as far as a part of
+// the sector needs them.
 class RingWalk {
   public:
-    RingWalk(const ChannelSurface& surface, std::uint32_t ring) : surface_(surface), ring_(ring) {}
+    RingWalk(const ChannelSurface& surface, const RingSector& sector)
+        : surface_(surface), sector_(sector), last_(ring().shape.deepest_level()) {}
+    const Ring& ring() const { return surface_.tree.rings[sector_.ring]; }
+    glm::dvec3 centre() const { return vector_at(surface_.rings.centre(sector_.ring)); }
+
     struct Level {
         const double *rings, *next;
     };
     Level level(int k) {
         const int stored = surface_.rings.stored_levels();
-        if (k < stored)
-            return {surface_.rings.level(surface_.tree, ring_, k),
-                    surface_.rings.level(surface_.tree, ring_, k + 1)};
-        if (!walks_)
-            walked_.start(surface_.tree.rings[ring_], 3,
-                          surface_.rings.level(surface_.tree, ring_, stored));
+        const auto at = [&](int l) { return surface_.rings.level(surface_.tree, sector_.ring, l); };
+        if (k < stored) return {at(k), at(k + 1)};
+        if (!walks_) walked_.start(ring(), 3, at(stored));
         walks_ = true;
         const double* const rings = walked_.level(k - stored);
         return {rings, walked_.after()};
     }
+    // Whether what is left at level k stays as a tip; `has_all`: the part has all of it. Asked of
+    // each level.
+    bool is_last(int k, bool has_all) {
+        if (has_all && !has_tip_) last_ = std::min(last_, k + tip_levels);
+        has_tip_ = has_tip_ || has_all;
+        return k == last_;
+    }
+    LimitTip tip(int k, const Level& level, const ParameterBox& box) const {
+        LimitTip left{sector_.ring, sector_.sector, k, box, {}};
+        for (std::size_t p = 0; p < ring().shape.point_count(); ++p)
+            left.hull.push_back(centre() + vector_at(level.rings + 3 * p));
+        return left;
+    }
 
   private:
     const ChannelSurface& surface_;
-    std::uint32_t ring_;
+    RingSector sector_;
+    int last_;
     RingLevels walked_;
-    bool walks_ = false;
+    bool walks_ = false, has_tip_ = false;
 };
 
 }  // namespace prep::detail

@@ -34,14 +34,30 @@ double longest(const std::array<glm::dvec3, count>& vectors) {
     return std::sqrt(most);
 }
 
-// In place, a degree less: what is left are the first rows.
-void blossom(std::array<glm::dvec3, 15>& p, std::size_t degree, const glm::dvec3& weights) {
-    std::size_t k = 0;
-    for (std::size_t j = 0; j < degree; ++j)
-        for (std::size_t i = 0; i + j < degree; ++i, ++k)
-            p[k] = weights.x * p[triangle_point(degree, i, j)] +
-                   (weights.y * p[triangle_point(degree, i + 1, j)] +
-                    weights.z * p[triangle_point(degree, i, j + 1)]);
+// With all arguments that are left at one corner.
+template <std::size_t degree>
+glm::dvec3 value_at(const TriangleNet<degree>& p, const glm::dvec3& weights) {
+    if constexpr (degree == 0)
+        return p[0];
+    else
+        return value_at<degree - 1>(blossom<degree>(p, weights), weights);
+}
+
+// Points (i …, j) of `out`: `p` is the polar form with i times the second and j times the third
+// corner.
+template <std::size_t degree>
+void fill_row(const TriangleNet<degree>& p, const std::array<glm::dvec3, 3>& weights, std::size_t i,
+              std::size_t j, TriangleNet<4>& out) {
+    out[triangle_point(4, i, j)] = value_at<degree>(p, weights[0]);
+    if constexpr (degree > 0)
+        fill_row<degree - 1>(blossom<degree>(p, weights[1]), weights, i + 1, j, out);
+}
+
+template <std::size_t degree>
+void fill_rows(const TriangleNet<degree>& p, const std::array<glm::dvec3, 3>& weights,
+               TriangleNet<4>& out) {
+    fill_row<degree>(p, weights, 0, 4 - degree, out);
+    if constexpr (degree > 0) fill_rows<degree - 1>(blossom<degree>(p, weights[2]), weights, out);
 }
 
 }  // namespace
@@ -74,31 +90,20 @@ TriangleNet<4> quartic_points(const std::array<glm::dvec3, 12>& controls) {
 TriangleNet<4> over_triangle(const TriangleNet<4>& points,
                              const std::array<glm::dvec3, 3>& weights) {
     TriangleNet<4> out;
-    TriangleNet<4> third = points;  // after j times the third argument
-    for (std::size_t j = 0; j <= 4; ++j) {
-        TriangleNet<4> second = third;
-        for (std::size_t i = 0; i + j <= 4; ++i) {
-            TriangleNet<4> first = second;
-            for (std::size_t degree = 4 - i - j; degree > 0; --degree)
-                blossom(first, degree, weights[0]);
-            out[triangle_point(4, i, j)] = first[0];
-            if (i + j < 4) blossom(second, 4 - i - j, weights[1]);
-        }
-        if (j < 4) blossom(third, 4 - j, weights[2]);
-    }
+    fill_rows<4>(points, weights, out);
     return out;
 }
 
 std::array<double, 3> second_derivative_bounds(const QuarticPatch& patch) {
     const AxisSteps steps(patch);
-    const TriangleNet<3> by_u = differences<4>(patch.p, steps.u);
-    const TriangleNet<3> by_v = differences<4>(patch.p, steps.v);
+    const TriangleNet<3> by_u = blossom<4>(patch.p, steps.u);
+    const TriangleNet<3> by_v = blossom<4>(patch.p, steps.v);
     const double error =
         patch.error + 8 * half_ulp * size_of(patch.p);  // of a difference, by reach
     const double slack = 12 * steps.reach * steps.reach * error;
-    return {12 * longest(differences<3>(by_u, steps.u)) + slack,
-            12 * longest(differences<3>(by_u, steps.v)) + slack,
-            12 * longest(differences<3>(by_v, steps.v)) + slack};
+    return {12 * longest(blossom<3>(by_u, steps.u)) + slack,
+            12 * longest(blossom<3>(by_u, steps.v)) + slack,
+            12 * longest(blossom<3>(by_v, steps.v)) + slack};
 }
 
 QuarticNormalNet normal_net(const QuarticPatch& patch) {
@@ -112,8 +117,8 @@ QuarticNormalNet normal_net(const QuarticPatch& patch) {
     net.by_v = steps.v;
     net.reach = steps.reach;
     net.n.fill(glm::dvec3(0.0));
-    const TriangleNet<3> by_u = differences<4>(patch.p, steps.u);
-    TriangleNet<3> by_v = differences<4>(patch.p, steps.v);
+    const TriangleNet<3> by_u = blossom<4>(patch.p, steps.u);
+    TriangleNet<3> by_v = blossom<4>(patch.p, steps.v);
     const double lengths = 4 * (longest(by_u) + longest(by_v));
     for (std::size_t k = 0; k < 10; ++k) by_v[k] *= of_three[k];
     for (std::size_t j = 0, k = 0; j <= 3; ++j)
@@ -133,8 +138,8 @@ QuarticNormalNet normal_net(const QuarticPatch& patch) {
 std::array<glm::dvec3, 2> middle_derivatives(const QuarticPatch& patch) {
     const AxisSteps steps(patch);
     std::array<glm::dvec3, 2> d{glm::dvec3(0.0), glm::dvec3(0.0)};
-    for (const glm::dvec3& p : differences<4>(patch.p, steps.u)) d[0] += p;
-    for (const glm::dvec3& p : differences<4>(patch.p, steps.v)) d[1] += p;
+    for (const glm::dvec3& p : blossom<4>(patch.p, steps.u)) d[0] += p;
+    for (const glm::dvec3& p : blossom<4>(patch.p, steps.v)) d[1] += p;
     return d;
 }
 

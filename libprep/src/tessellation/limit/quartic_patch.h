@@ -57,7 +57,7 @@ TriangleNet<4> over_triangle(const TriangleNet<4>& points,
                              const std::array<glm::dvec3, 3>& weights);
 // QuarticPatch::error of both, of points no longer than `size`: sums of 12 terms, then of 3 four
 // times over, whose weights add up to `reach` at most in absolute value.
-constexpr double half_ulp = 0x1p-53;
+inline constexpr double half_ulp = 0x1p-53;
 inline double quartic_points_error(double size) {
     return 13 * half_ulp * size;
 }
@@ -83,9 +83,10 @@ QuarticNormalNet normal_net(const QuarticPatch& patch);
 // First derivatives about the triangle's middle, by the axes.
 std::array<glm::dvec3, 2> middle_derivatives(const QuarticPatch& patch);
 
-// Σ by[c] · (the control point one further towards corner c): a derivative, over its degree.
+// One argument of the polar form: a point, with weights of the corners that add up to 1; or a step,
+// with changes of them that add up to 0, which gives a derivative over its degree.
 template <std::size_t degree>
-TriangleNet<degree - 1> differences(const TriangleNet<degree>& p, const glm::dvec3& by) {
+TriangleNet<degree - 1> blossom(const TriangleNet<degree>& p, const glm::dvec3& by) {
     TriangleNet<degree - 1> out;
     std::size_t k = 0;
     for (std::size_t j = 0; j < degree; ++j)

@@ -10,10 +10,6 @@ namespace {
 using LoopControls = std::array<glm::dvec3, 12>;
 using Frame = TriangleFrame<double>;
 
-glm::dvec3 vector_of(const double* numbers) {
-    return {numbers[0], numbers[1], numbers[2]};
-}
-
 double doubled_area(const ParameterTriangle& t) {
     return std::abs(cross_of(t[1] - t[0], t[2] - t[0]));
 }
@@ -42,7 +38,7 @@ LoopControls controls_of(const RingShape& shape, const double* rings, const doub
     std::array<double, 36> numbers;
     ring_patch(shape, 3, rings, next, sector, part & 1, part >> 1, numbers.data());
     LoopControls controls;
-    for (std::size_t c = 0; c < 12; ++c) controls[c] = vector_of(numbers.data() + 3 * c);
+    for (std::size_t c = 0; c < 12; ++c) controls[c] = vector_at(numbers.data() + 3 * c);
     return controls;
 }
 
@@ -67,15 +63,16 @@ class TriangleCollector {
         const PatchNode node = surface_.tree.nodes[level][face];
         if (node.kind == PatchNode::regular) {
             const TrianglePatch& regular = surface_.tree.triangle_patches[node.index];
-            const glm::dvec3 origin = vector_of(surface_.values.of(regular.terms[0].vertex));
+            const glm::dvec3 origin = vector_at(surface_.values.of(regular.terms[0].vertex));
             return patch(gather(regular, origin), origin, frame, side);
         }
         if (node.kind == PatchNode::ring)
             return ring(surface_.tree.sectors[node.index], frame, side);
         if (node.kind != PatchNode::split) return;
         const std::uint32_t first = surface_.cage.levels[level].first_child[face];
-        const auto frames = child_frames(surface_.cage, level + 1, first, frame, side / 2);
-        for (std::uint32_t c = 0; c < 4; ++c) this->node(level + 1, first + c, frames[c], side / 2);
+        for (std::uint32_t c = 0; c < 4; ++c)
+            this->node(level + 1, first + c,
+                       child_frame(surface_.cage, level + 1, first, c, frame, side / 2), side / 2);
     }
 
   private:
@@ -90,7 +87,7 @@ class TriangleCollector {
         const TriangleNet<4> points = quartic_points(controls);
         const double size = size_of(points);
         if (doubled_area(own) < area_) {
-            pieces_.triangles.push_back(
+            pieces_.quartics.push_back(
                 {points, own, box_of(own), axes_, origin, quartic_points_error(size)});
             return;
         }
@@ -103,8 +100,8 @@ class TriangleCollector {
             weights[k] = {1 - u - v, u, v};
             reach = std::max(reach, std::abs(1 - u - v) + std::abs(u) + std::abs(v));
         }
-        pieces_.triangles.push_back({over_triangle(points, weights), asked_, box_of(asked_), axes_,
-                                     origin, over_triangle_error(size, reach)});
+        pieces_.quartics.push_back({over_triangle(points, weights), asked_, box_of(asked_), axes_,
+                                    origin, over_triangle_error(size, reach)});
     }
 
     // A control's terms have weights that add up to 1.
@@ -113,39 +110,27 @@ class TriangleCollector {
         controls.fill(glm::dvec3(0.0));
         for (const TrianglePatch::Term& term : patch.terms)
             controls[term.control] +=
-                double(term.weight) * (vector_of(surface_.values.of(term.vertex)) - origin);
+                double(term.weight) * (vector_at(surface_.values.of(term.vertex)) - origin);
         return controls;
     }
 
     void ring(const RingSector& sector, const Frame& face, double side) {
-        const Ring& ring = surface_.tree.rings[sector.ring];
-        const glm::dvec3 centre = vector_of(surface_.rings.centre(sector.ring));
         const Frame frame = face.at_corner(sector.corner, side);
         const ParameterBox box = box_of(asked_);
-        RingWalk walk(surface_, sector.ring);
-        int last = ring.shape.deepest_level();
-        bool has_tip = false;
-        for (int k = 0; k <= last; ++k, side /= 2) {
+        RingWalk walk(surface_, sector);
+        for (int k = 0;; ++k, side /= 2) {
             const ParameterTriangle rest = triangle_of(frame, side);
             if (is_apart(rest)) return;
-            const auto [rings, next] = walk.level(k);
-            const ParameterBox around = box_of(rest);
-            const bool has_all = around.low.x >= box.low.x && around.low.y >= box.low.y &&
-                                 around.high.x <= box.high.x && around.high.y <= box.high.y;
-            if (has_all && !has_tip) last = std::min(last, k + tip_levels);
-            has_tip = has_tip || has_all;
-            if (k == last) {
-                LimitTip left{sector.ring, sector.sector, k, around, {}};
-                for (std::uint32_t p = 0; p < ring.shape.point_count(); ++p)
-                    left.hull.push_back(centre + vector_of(rings + 3 * std::size_t(p)));
-                pieces_.tips.push_back(std::move(left));
+            const RingWalk::Level level = walk.level(k);
+            if (walk.is_last(k, box.has(box_of(rest)))) {
+                pieces_.tips.push_back(walk.tip(k, level, box_of(rest)));
                 return;
             }
             for (int part = 1; part < 4; ++part) {
                 const Frame own = part_frame(frame, side / 2, part);
                 if (is_apart(triangle_of(own, side / 2))) continue;
-                patch(controls_of(ring.shape, rings, next, sector.sector, part), centre, own,
-                      side / 2);
+                patch(controls_of(walk.ring().shape, level.rings, level.next, sector.sector, part),
+                      walk.centre(), own, side / 2);
             }
         }
     }
