@@ -1,10 +1,8 @@
 #include <meshoptimizer.h>
 
 #include <algorithm>
-#include <array>
 #include <cstring>
 
-#include "base/scratch_buffer.h"
 #include "formats/gltf/document.h"
 
 namespace prep {
@@ -330,20 +328,10 @@ T value_at(const RawAccessor& raw, std::size_t i) {
     return value;
 }
 
-// Block by block: memory is written once, and the largest is known while a block is in the cache.
 template <class T>
-std::vector<std::uint32_t> indices_of(const RawAccessor& raw, std::uint32_t& largest) {
-    const std::size_t count = raw.bytes.size() / sizeof(T);
-    std::vector<std::uint32_t> out;
-    out.reserve(count);
-    advise_large_pages(out.data(), count * sizeof(std::uint32_t));
-    std::array<std::uint32_t, 2048> block;
-    for (std::size_t begin = 0; begin < count; begin += block.size()) {
-        const std::size_t size = std::min(block.size(), count - begin);
-        for (std::size_t i = 0; i < size; ++i) block[i] = value_at<T>(raw, begin + i);
-        for (std::size_t i = 0; i < size; ++i) largest = std::max(largest, block[i]);
-        out.insert(out.end(), block.begin(), block.begin() + std::ptrdiff_t(size));
-    }
+std::vector<std::uint32_t> indices_of(const RawAccessor& raw) {
+    std::vector<std::uint32_t> out(raw.bytes.size() / sizeof(T));
+    for (std::size_t i = 0; i < out.size(); ++i) out[i] = value_at<T>(raw, i);
     return out;
 }
 
@@ -438,17 +426,14 @@ bool same_indices(const RawAccessor& raw, std::span<const std::uint32_t> indices
     return std::equal(own.begin(), own.end(), indices.begin(), indices.end());
 }
 
-std::vector<std::uint32_t> to_indices(const RawAccessor& raw, std::uint32_t* largest) {
-    std::uint32_t unasked = 0;
-    std::uint32_t& most = largest ? *largest : unasked;
-    most = 0;
+std::vector<std::uint32_t> to_indices(const RawAccessor& raw) {
     switch (raw.component_type) {
         case 5121:
-            return indices_of<std::uint8_t>(raw, most);
+            return indices_of<std::uint8_t>(raw);
         case 5123:
-            return indices_of<std::uint16_t>(raw, most);
+            return indices_of<std::uint16_t>(raw);
         case 5125:
-            return indices_of<std::uint32_t>(raw, most);
+            return indices_of<std::uint32_t>(raw);
         default:
             return {};
     }

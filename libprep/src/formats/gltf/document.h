@@ -119,8 +119,7 @@ RawAccessor selected(const RawAccessor& raw, const std::vector<std::uint32_t>& e
 std::vector<float> to_floats(const RawAccessor& raw);
 // The same into elements of `width` floats; components that the accessor lacks stay as they are.
 void write_floats(const RawAccessor& raw, int width, float* out);
-// `largest` (may be null): of them, 0 of none.
-std::vector<std::uint32_t> to_indices(const RawAccessor& raw, std::uint32_t* largest = nullptr);
+std::vector<std::uint32_t> to_indices(const RawAccessor& raw);
 bool same_indices(const RawAccessor& raw, std::span<const std::uint32_t> indices);
 
 // The document that a scene came from, to be written back; null: it came from none.

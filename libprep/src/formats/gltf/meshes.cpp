@@ -10,6 +10,12 @@ namespace {
 
 using Index = std::uint32_t;
 
+Index largest_of(std::span<const Index> list) {  // several at once, which max_element() is not
+    Index largest = 0;
+    for (const Index i : list) largest = std::max(largest, i);
+    return largest;
+}
+
 class MeshReader {
   public:
     MeshReader(GltfDocument& document, Scene& scene, std::vector<std::vector<GltfJoints>>& joints,
@@ -104,7 +110,6 @@ class MeshReader {
         if (!material) return material.error();
 
         std::optional<std::vector<Index>> indices;
-        Index largest = 0;
         if (out.triangles && in.contains("extensions") && in["extensions"].is_object() &&
             in["extensions"].contains("KHR_draco_mesh_compression")) {
             auto decoded = decode_draco(d_, in, pointer, out.draco);
@@ -114,19 +119,18 @@ class MeshReader {
                 return named.error();
             out.draco_indices = *decoded;
             indices = *std::move(decoded);
-            for (const Index i : *indices) largest = std::max(largest, i);
             mode = 4;  // strips come out of the decoder as triangles
         }
         const auto count = vertex_count(attributes, out, pointer);
         if (!count) return count.error();
         if (auto done = check_targets(in, pointer, *count); !done) return done;
         if (!indices) {
-            auto read = read_indices(in, pointer, *count, largest);
+            auto read = read_indices(in, pointer, *count);
             if (!read) return std::move(read).error();
             indices = *std::move(read);
         }
         if (auto done = budget_.spend(indices->size() * 16, pointer); !done) return done;
-        const bool in_range = indices->empty() || largest < *count;
+        const bool in_range = indices->empty() || largest_of(*indices) < *count;
         for (std::size_t i = 0; !in_range; ++i)
             if ((*indices)[i] >= *count)
                 return d_.bad(pointer + "/indices", "index " + std::to_string((*indices)[i]) +
@@ -192,14 +196,13 @@ class MeshReader {
     }
 
     Result<std::vector<Index>> read_indices(const Json& in, const std::string& pointer,
-                                            std::uint64_t count, Index& largest) const {
+                                            std::uint64_t count) const {
         std::vector<Index> indices;
         if (!in.contains("indices")) {
             // A list of all vertices would cost a file of zeros nothing and us four bytes each.
             if (!in["attributes"].contains("POSITION")) return indices;
             indices.resize(count);
             for (std::size_t i = 0; i < count; ++i) indices[i] = Index(i);
-            largest = count == 0 ? 0 : Index(count - 1);
             return indices;
         }
         const auto accessor = index_member(d_, in, "indices", pointer, accessors_);
@@ -211,14 +214,15 @@ class MeshReader {
         if (raw->width != 1 || (type != 5121 && type != 5123 && type != 5125))
             return d_.bad(place, "indices must be unsigned whole scalars, accessor " +
                                      std::to_string(*accessor) + " is of another type");
-        indices = to_indices(*raw, &largest);
+        indices = to_indices(*raw);
         const Index restart = type == 5121 ? 0xff : type == 5123 ? 0xffff : 0xffffffff;
-        if (largest == restart) {
-            const auto found = std::find(indices.begin(), indices.end(), restart);
+        if (const auto found = largest_of(indices) < restart
+                                   ? indices.end()
+                                   : std::find(indices.begin(), indices.end(), restart);
+            found != indices.end())
             return d_.bad(place, "index number " + std::to_string(found - indices.begin()) +
                                      " is " + std::to_string(restart) +
                                      ", the largest of its type, which means primitive restart");
-        }
         return indices;
     }
 
