@@ -228,10 +228,7 @@ class Slope final : public SpaceFunction {
   public:
     static constexpr double k = 20;
     Sample at(const glm::dvec3& p) const override { return {k * p.x, {k, 0, 0}}; }
-    double deviation(const std::array<glm::dvec3, 3>&, const std::array<double, 3>&,
-                     double) const override {
-        return 0;
-    }
+    double deviation(const std::array<glm::dvec3, 3>&) const override { return 0; }
     double steepest() const override { return k; }
 };
 

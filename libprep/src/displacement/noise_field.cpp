@@ -19,6 +19,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -43,19 +44,20 @@ std::uint64_t mixed(std::uint64_t h) {
     return h ^ (h >> 31);
 }
 
-std::uint64_t hash(std::int64_t x, std::int64_t y, std::int64_t z, std::uint64_t seed) {
+// Of a lattice point, coordinate by coordinate: what points share is mixed once.
+std::uint64_t hash_along(std::uint64_t before, std::int64_t coordinate) {
     constexpr std::uint64_t golden = 0x9e3779b97f4a7c15u;
-    std::uint64_t h = mixed(seed + golden);
-    h = mixed(h + golden * std::uint64_t(x));
-    h = mixed(h + golden * std::uint64_t(y));
-    return mixed(h + golden * std::uint64_t(z));
+    return mixed(before + golden * std::uint64_t(coordinate));
+}
+std::uint64_t hash_of(std::uint64_t seed) {
+    return hash_along(seed, 1);
 }
 
-glm::dvec3 gradient_at(std::int64_t x, std::int64_t y, std::int64_t z, std::uint64_t seed) {
+glm::dvec3 gradient_of(std::uint64_t hash) {
     static constexpr std::int8_t edges[12][3] = {{1, 1, 0}, {-1, 1, 0}, {1, -1, 0}, {-1, -1, 0},
                                                  {1, 0, 1}, {-1, 0, 1}, {1, 0, -1}, {-1, 0, -1},
                                                  {0, 1, 1}, {0, -1, 1}, {0, 1, -1}, {0, -1, -1}};
-    const auto& e = edges[((hash(x, y, z, seed) >> 32) * 12) >> 32];
+    const auto& e = edges[((hash >> 32) * 12) >> 32];
     return {double(e[0]), double(e[1]), double(e[2])};
 }
 
@@ -67,10 +69,16 @@ NoiseSample perlin(const glm::dvec3& p, std::uint64_t seed) {
     const glm::dvec3 fade = f * f * f * (f * (f * 6.0 - 15.0) + 10.0);
     const glm::dvec3 slope = 30.0 * f * f * (f - 1.0) * (f - 1.0);
     const std::int64_t x = std::int64_t(cell.x), y = std::int64_t(cell.y), z = std::int64_t(cell.z);
+    const std::uint64_t start = hash_of(seed);
+    std::array<std::uint64_t, 4> columns;  // i + 2 j
+    for (int i = 0; i < 2; ++i) {
+        const std::uint64_t plane = hash_along(start, x + i);
+        for (int j = 0; j < 2; ++j) columns[std::size_t(i + 2 * j)] = hash_along(plane, y + j);
+    }
     NoiseSample sum;
     for (int corner = 0; corner < 8; ++corner) {
         const int i = corner & 1, j = corner >> 1 & 1, k = corner >> 2;
-        const glm::dvec3 g = gradient_at(x + i, y + j, z + k, seed);
+        const glm::dvec3 g = gradient_of(hash_along(columns[std::size_t(corner & 3)], z + k));
         const double dot = glm::dot(g, f - glm::dvec3(i, j, k));
         const glm::dvec3 w(i ? fade.x : 1 - fade.x, j ? fade.y : 1 - fade.y,
                            k ? fade.z : 1 - fade.z);
@@ -95,13 +103,15 @@ NoiseSample simplex(const glm::dvec3& p, std::uint64_t seed) {
     if (d0[order[0]] < d0[order[1]]) std::swap(order[0], order[1]);
     const std::int64_t x = std::int64_t(cell.x), y = std::int64_t(cell.y), z = std::int64_t(cell.z);
     glm::ivec3 steps(0);
+    const std::uint64_t start = hash_of(seed);
     NoiseSample sum;
     for (int corner = 0; corner < 4; ++corner) {
         if (corner > 0) steps[order[corner - 1]] = 1;
         const glm::dvec3 d = d0 - glm::dvec3(steps) + double(corner) / 6;
         const double t = 0.5 - glm::dot(d, d);
         if (t <= 0) continue;
-        const glm::dvec3 g = gradient_at(x + steps.x, y + steps.y, z + steps.z, seed);
+        const std::uint64_t column = hash_along(hash_along(start, x + steps.x), y + steps.y);
+        const glm::dvec3 g = gradient_of(hash_along(column, z + steps.z));
         const double dot = glm::dot(g, d), t3 = t * t * t;
         sum.value += simplex_factor * t * t3 * dot;
         sum.gradient += simplex_factor * t3 * (t * g - 8.0 * dot * d);
@@ -136,8 +146,8 @@ void over_octaves(const NoiseOptions& options, const Visit& visit) {
     }
 }
 
-// Of the smallest circle around a triangle, squared: nothing linear inside is further from what is
-// linear in its corners than half the second derivatives times this (Waldron 1998).
+// The squared radius of the smallest circle around a triangle: nothing inside is further from what
+// is linear between its corners than half the second derivatives times this (Waldron 1998).
 double circle_around(const std::array<glm::dvec3, 3>& p) {
     const auto squared = [](const glm::dvec3& v) { return glm::dot(v, v); };
     double a = squared(p[1] - p[2]), b = squared(p[2] - p[0]), c = squared(p[0] - p[1]);
@@ -146,16 +156,6 @@ double circle_around(const std::array<glm::dvec3, 3>& p) {
     if (a >= b + c) return 0.25 * a;
     const double area = squared(glm::cross(p[1] - p[0], p[2] - p[0]));
     return std::min(a / 3 * (1 + 0x1p-40), a * b * c / (4 * area));
-}
-
-struct TriangleNode {
-    double upper = 0;
-    std::array<glm::dvec3, 3> p;
-    std::array<double, 3> linear, off;  // off: the noise minus what is linear
-};
-
-bool smaller(const TriangleNode& a, const TriangleNode& b) {
-    return a.upper < b.upper;
 }
 
 }  // namespace
@@ -228,93 +228,27 @@ double NoiseField::curvature() const {
     return bounds_of(options_.kind).second * sum * (1 + 0x1p-48);
 }
 
-Deviation NoiseField::deviation(const std::array<glm::dvec3, 3>& p,
-                                const std::array<double, 3>& values, double enough,
-                                std::uint32_t effort) const {
+double NoiseField::deviation(const std::array<glm::dvec3, 3>& p) const {
     const KindBounds bounds = bounds_of(options_.kind);
-    const Interval all = range();
-    double farthest_out = 0, largest = std::max(std::abs(all.low), std::abs(all.high));
-    bool plain = true, near = true;
-    for (std::size_t k = 0; k < 3; ++k) {
-        plain &= std::isfinite(values[k]);
-        largest = std::max(largest, std::abs(values[k]));
+    const double half = 0.5 * circle_around(p);
+    double farthest_out = 0;
+    bool near = true;
+    for (std::size_t k = 0; k < 3; ++k)
         for (int axis = 0; axis < 3; ++axis) {
             near &= std::isfinite(p[k][axis]);
             farthest_out = std::max(farthest_out, std::abs(p[k][axis]));
         }
-    }
-    if (!plain) return {std::numeric_limits<double>::infinity(), 0};
-    double rounding = largest * 0x1p-44;
+    double sum = 0, anywhere = 0;
+    double rounding = std::abs(options_.midlevel * options_.scale) * 0x1p-44;
     over_octaves(options_, [&](std::uint64_t, double frequency, double amplitude) {
         near &= std::abs(frequency) * farthest_out < farthest_cell;
-        rounding += bounds.gradient * std::abs(amplitude * frequency) * farthest_out * 0x1p-48;
+        const double most = 2 * bounds.value * std::abs(amplitude);
+        sum += std::min(bounds.second * std::abs(amplitude) * frequency * frequency * half, most);
+        anywhere += most;
+        rounding += most * 0x1p-44 +
+                    bounds.gradient * std::abs(amplitude * frequency) * farthest_out * 0x1p-48;
     });
-
-    const auto [least, most] = std::minmax({values[0], values[1], values[2]});
-    const double anywhere = std::max(all.high - least, most - all.low);
-    if (!near) return {anywhere, 0};
-
-    // How far all octaves together may leave their own linear interpolants inside a triangle.
-    const auto inside = [&](const std::array<glm::dvec3, 3>& corners) {
-        const double half = 0.5 * circle_around(corners);
-        double sum = 0;
-        over_octaves(options_, [&](std::uint64_t, double frequency, double amplitude) {
-            sum += std::abs(amplitude) *
-                   std::min(bounds.second * frequency * frequency * half, 2 * bounds.value);
-        });
-        return sum;
-    };
-    double lower = 0, settled = 0;
-    std::uint32_t nodes = 0;
-    std::vector<TriangleNode> heap;
-    const auto threshold = [&] { return std::max(enough, 1.1 * lower); };
-    const auto add = [&](TriangleNode& node) {
-        ++nodes;
-        double corner = 0;
-        for (const double off : node.off) corner = std::max(corner, std::abs(off));
-        const auto [low, high] = std::minmax({node.linear[0], node.linear[1], node.linear[2]});
-        node.upper = std::min(corner + inside(node.p), std::max(all.high - low, high - all.low));
-        lower = std::max(lower, corner);
-        if (node.upper <= threshold()) {
-            settled = std::max(settled, node.upper);
-            return;
-        }
-        heap.push_back(node);
-        std::push_heap(heap.begin(), heap.end(), smaller);
-    };
-    TriangleNode root{0, p, values, {}};
-    for (std::size_t k = 0; k < 3; ++k) root.off[k] = value(p[k]) - values[k];
-    add(root);
-    while (!heap.empty() && heap.front().upper > threshold() && nodes < effort) {
-        std::pop_heap(heap.begin(), heap.end(), smaller);
-        const TriangleNode node = heap.back();
-        heap.pop_back();
-        // Across the longest side: triangles of any shape get rounder.
-        std::size_t side = 0;
-        double longest = -1;
-        for (std::size_t k = 0; k < 3; ++k) {
-            const glm::dvec3 along = node.p[(k + 1) % 3] - node.p[k];
-            const double length = glm::dot(along, along);
-            if (length > longest) {
-                longest = length;
-                side = k;
-            }
-        }
-        const std::size_t a = side, b = (side + 1) % 3;
-        const glm::dvec3 middle = 0.5 * (node.p[a] + node.p[b]);
-        const double linear = 0.5 * (node.linear[a] + node.linear[b]);
-        const double off = value(middle) - linear;
-        for (const std::size_t moved : {a, b}) {
-            TriangleNode half = node;
-            half.p[moved] = middle;
-            half.linear[moved] = linear;
-            half.off[moved] = off;
-            add(half);
-        }
-    }
-    const double found = heap.empty() ? 0.0 : heap.front().upper;
-    const double upper = std::max(found, settled) + rounding;
-    return {upper, std::min(lower, upper)};
+    return near ? sum + rounding : anywhere + rounding;
 }
 
 }  // namespace prep::detail

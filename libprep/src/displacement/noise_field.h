@@ -31,9 +31,9 @@ class NoiseField {
     double steepest() const;
     double curvature() const;
 
-    // Of value(Σ λ p) from Σ λ values, as HeightMap::deviation has it.
-    Deviation deviation(const std::array<glm::dvec3, 3>& p, const std::array<double, 3>& values,
-                        double enough, std::uint32_t effort = 1u << 16) const;
+    // No |value(Σ λ p) − Σ λ value(p)| over the triangle is larger. By its size alone: no value is
+    // computed.
+    double deviation(const std::array<glm::dvec3, 3>& p) const;
 
   private:
     explicit NoiseField(const NoiseOptions& options) : options_(options) {}

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "base/finite.h"
 #include "base/outward.h"
 #include "tessellation/polygon_surface.h"
 
@@ -17,6 +16,11 @@ constexpr double relative_slack = 0x1p-40, absolute_slack = 0x1p-46;
 
 // Of a bound that is to be as tight as may be, what the base's coarse share may be.
 constexpr double small_part = 0x1p-6;
+// A search by parts takes the time of dozens of bounds. Those of closed faces without noise are
+// searched where they are no more than so many times what is enough.
+constexpr double near_enough = 8;
+constexpr BaseDeviation unbounded{std::numeric_limits<double>::infinity(),
+                                  std::numeric_limits<double>::infinity()};
 
 template <class T>
 T middle_of_extremes(const T& least, const T& greatest) {
@@ -42,123 +46,15 @@ glm::dvec3 common_direction(std::vector<glm::dvec3>& sides) {
     return unit_or(sum, kept.back());
 }
 
-// Over the plane triangle of the points.
-double noise_deviation(const SpaceFunction& noise, const std::array<BasePoint, 3>& points,
-                       double enough) {
-    std::array<glm::dvec3, 3> p;
-    std::array<double, 3> values;
-    for (std::size_t k = 0; k < 3; ++k) {
-        p[k] = points[k].position;
-        values[k] = noise.at(p[k]).value;
-    }
-    return noise.deviation(p, values, enough);
+// What may be left beside a gap, and complies.
+Asked beside(double gap, Asked asked) {
+    constexpr double part = 1 - 0x1p-20;  // more than rounding bounds to floats takes
+    if (std::isfinite(asked.too_much))
+        asked.enough = std::max(asked.enough, part * (asked.too_much - gap));
+    return asked;
 }
 
 }  // namespace
-
-Result<RootHeights> RootHeights::make(const Mesh& mesh, const Domain& domain,
-                                      const BaseSurface& base, const TessellateOptions& options) {
-    RootHeights heights;
-    heights.domain_ = &domain;
-    if (options.displacements.empty()) return heights;
-    heights.displacements_ = options.displacements;
-    const std::string name = mesh.name.empty() ? "" : "mesh '" + mesh.name + "', ";
-    heights.which_.assign(domain.roots.size(), no_index);
-    heights.corners_.resize(domain.roots.size());
-    const auto choice = [&](std::uint32_t face) -> std::uint32_t {
-        const auto& table = options.material_displacements;
-        if (table.empty()) return 0;
-        const std::uint32_t m = mesh.face_materials.empty() ? no_index : mesh.face_materials[face];
-        return m < table.size() ? table[m] : no_index;
-    };
-    for (std::uint32_t fan = 0; fan < domain.fans(); ++fan) {
-        const std::uint32_t face = domain.roots[domain.fan_roots[fan]].face;
-        const std::uint32_t k = choice(face);
-        if (k == no_index) continue;
-        const Displacement& displacement = options.displacements[k];
-        const std::uint32_t first = domain.fan_roots[fan], last = domain.fan_roots[fan + 1];
-        if (displacement.height || displacement.noise || displacement.vector)
-            for (std::uint32_t r = first; r < last; ++r) heights.which_[r] = k;
-        if (!displacement.height && !displacement.vector) continue;
-        const std::size_t set = displacement.uv_set;
-        const auto place = [&] { return name + "face " + std::to_string(face); };
-        if (set >= mesh.uvs.size() || mesh.uvs[set].empty())
-            return Error{ErrorCode::invalid,
-                         "its displacement reads UV set " + std::to_string(set) +
-                             ", which the mesh does not have: unwrap it, or name another set",
-                         place()};
-        const CornerLayer<glm::vec2>& layer = mesh.uvs[set];
-        const auto at = [&](std::uint32_t c) { return glm::dvec2(layer.values[layer.indices[c]]); };
-        glm::dvec2 sum(0.0);
-        bool covered = true;
-        for_fan_corners(domain, fan, [&](std::uint32_t c) {
-            covered = covered && layer.indices[c] != no_index && is_finite(at(c));
-            if (covered) sum += at(c);
-        });
-        if (!covered)
-            return Error{ErrorCode::invalid,
-                         "a corner has no UV of set " + std::to_string(set) +
-                             " that is a number, but its displacement reads it",
-                         place()};
-        const glm::dvec2 centre = sum / double(last - first);
-        for (std::uint32_t r = first; r < last; ++r)
-            heights.corners_[r] = {at(domain.roots[r].corners[0]), at(domain.roots[r].corners[1]),
-                                   centre};
-        if (!displacement.vector || !displacement.tangent_space || heights.frames_.contains(set))
-            continue;
-        auto frames = TangentFrames::make(mesh, domain, base, set, options.threads);
-        if (!frames) return std::move(frames).error();
-        heights.frames_.emplace(set, *std::move(frames));
-    }
-    return heights;
-}
-
-glm::dvec2 RootHeights::uv(const RootPoint& at) const {
-    const std::array<glm::dvec2, 3>& c = corners_[at.root];
-    return at.weights.x * c[0] + at.weights.y * c[1] + at.weights.z * c[2];
-}
-
-std::array<glm::dvec2, 2> RootHeights::uv_steps(std::uint32_t root) const {
-    const std::array<glm::dvec2, 3>& c = corners_[root];
-    return {c[1] - c[0], c[2] - c[0]};
-}
-
-double RootHeights::raw(const RootPoint& at) const {
-    const Displacement* displacement = of(at.root);
-    return displacement && displacement->height ? displacement->height->value(uv(at)) : 0;
-}
-
-double RootHeights::height(const RootPoint& at, double raw, const glm::dvec3& position) const {
-    const Displacement* displacement = of(at.root);
-    if (!displacement) return 0;
-    const double of_map =
-        displacement->height ? displacement->scale * (raw - displacement->midlevel) : 0;
-    return displacement->noise ? of_map + displacement->noise->at(position).value : of_map;
-}
-
-glm::dvec3 RootHeights::map_vector(const RootPoint& at) const {
-    const Displacement* displacement = of(at.root);
-    return displacement && displacement->vector ? displacement->vector->at(uv(at)).value
-                                                : glm::dvec3(0.0);
-}
-
-glm::dvec3 RootHeights::vector(const RootPoint& at, const glm::dvec3& direction) const {
-    const TangentFrames* frames = this->frames(at.root);
-    const glm::dvec3 of_map = map_vector(at);
-    return frames ? frame(*frames, at, direction).axes * of_map : of_map;
-}
-
-glm::dvec3 RootHeights::vector_step(const BaseFrame& base, const RootPoint& at, std::size_t axis,
-                                    const VectorFunction::Sample& sample) const {
-    const glm::dvec2 by = uv_steps(at.root)[axis];
-    const glm::dvec3 of_map = by.x * sample.du + by.y * sample.dv;
-    const TangentFrames* frames = this->frames(at.root);
-    if (!frames) return of_map;
-    const TangentFrame here = frame(*frames, at, base.point.direction);
-    return here.axes * of_map +
-           frames->step(domain_->roots[at.root], here, axis, base.direction_steps[axis]) *
-               sample.value;
-}
 
 glm::dvec3 DisplacedSurface::truth(const RootPoint& at) const {
     glm::dvec3 truth;
@@ -231,6 +127,7 @@ void DisplacedSurface::make_vertex(std::span<const RootPoint> at, std::span<cons
         point = sides[0];
         samples[vertex].raw = heights_.raw(at[0]);
         height = heights_.height(at[0], samples[vertex].raw, point.position);
+        samples[vertex].height = height;
         vector = heights_.vector(at[0], point.direction);
     } else {
         std::vector<glm::dvec3> directions;
@@ -281,6 +178,14 @@ struct DisplacedSurface::Corners {
     }
 };
 
+struct DisplacedSurface::Whole {
+    const Corners* corners = nullptr;
+    std::array<glm::dvec3, 3> linear{};  // what V is compared with, at the corners
+    int depth = 0;
+    double bound = 0;  // of V from its own linear interpolation
+    BaseDeviation base = unbounded;
+};
+
 DisplacedSurface::Corners DisplacedSurface::corners(const BisectedTriangle& triangle,
                                                     const std::array<glm::dvec3, 3>& weights,
                                                     const VertexSamples& samples) const {
@@ -308,11 +213,12 @@ DisplacedSurface::Corners DisplacedSurface::corners(
         const RootPoint at{c.root, c.weights[k]};
         c.points[k] = sample.point;
         c.raw[k] = sample.raw;
+        c.heights[k] = sample.height;
         if (sample.shared) {
             base_.evaluate({&at, 1}, {&c.points[k], 1});
             c.raw[k] = heights_.raw(at);
+            c.heights[k] = heights_.height(at, c.raw[k], c.points[k].position);
         }
-        c.heights[k] = heights_.height(at, c.raw[k], c.points[k].position);
         c.vectors[k] = has_vectors ? heights_.map_vector(at) : glm::dvec3(0.0);
         glm::dvec3 moved = c.vectors[k];
         if (frames) {
@@ -372,7 +278,9 @@ double DisplacedSurface::beside_base(const Corners& c, const std::array<glm::dve
     if (displacement->height && scale > 0)
         sum += scale * displacement->height->deviation(uv, c.raw, left() / scale);
     if (displacement->vector) sum += displacement->vector->deviation(uv, c.vectors, left());
-    if (displacement->noise) sum += noise_deviation(*displacement->noise, c.points, left());
+    if (displacement->noise)
+        sum += displacement->noise->deviation(
+            {c.points[0].position, c.points[1].position, c.points[2].position});
     return sum;
 }
 
@@ -383,8 +291,8 @@ std::optional<TriangleBound> DisplacedSurface::quick_bound(const BisectedTriangl
                                                            const VertexSamples& samples,
                                                            const Asked& asked) const {
     const Displacement* const displacement = heights_.of(triangle.root);
-    if (displacement && (displacement->noise || displacement->vector)) return std::nullopt;
-    if (displacement && displacement->height) {
+    if (displacement && displacement->vector) return std::nullopt;
+    if (displacement && displacement->height && !displacement->noise) {
         const RootPoint middle{triangle.root, 0.5 * (weights[0] + weights[1])};
         const auto& v = triangle.vertices;
         const double off = heights_.raw(middle) - 0.5 * (samples[v[0]].raw + samples[v[1]].raw);
@@ -397,20 +305,33 @@ std::optional<TriangleBound> DisplacedSurface::quick_bound(const BisectedTriangl
     const double base = of_base(c, *coarse);
     if (!(base <= asked.enough)) return std::nullopt;
     const double rest = beside_base(c, base, asked.enough);
-    if (base + rest <= asked.enough || rest > asked.too_much) return c.bound(base + rest);
+    // Of noise only what complies: its bound is by the triangle's size alone.
+    const bool exceeds = rest > asked.too_much && !(displacement && displacement->noise);
+    if (base + rest <= asked.enough || exceeds) return c.bound(base + rest);
     return std::nullopt;
 }
 
-double DisplacedSurface::refinable(const Corners& c, const Asked& asked) const {
-    const auto tight = [&] { return of_base(c, base_.deviation(c.root, c.weights, c.points)); };
+double DisplacedSurface::refinable(const Corners& c, const Asked& asked,
+                                   BaseDeviation& known) const {
+    double base = of_base(c, known);
+    if (std::isfinite(base)) {
+        const double rest = beside_base(c, base, asked.enough);
+        if (base <= small_part * asked.enough || rest > asked.too_much) return base + rest;
+    }
+    const auto learn = [&](const BaseDeviation& found) {
+        known.position = std::min(known.position, found.position);
+        known.direction = std::min(known.direction, found.direction);
+        base = of_base(c, known);
+    };
+    const auto tight = [&] { return base_.deviation(c.root, c.weights, c.points); };
     const auto coarse = base_.coarse_deviation(c.root, c.weights);
-    double base = coarse ? of_base(c, *coarse) : tight();
+    learn(coarse ? *coarse : tight());
     // What a smaller allowance led to holds beside a smaller share of the base as well.
     const double rest = beside_base(c, base, asked.enough);
     if (coarse) {
         const bool decides = base + rest <= asked.enough || rest > asked.too_much;
         const bool is_small = asked.enough == 0 && base <= small_part * (base + rest);
-        if (!decides && !is_small) base = std::min(base, tight());
+        if (!decides && !is_small) learn(tight());
     }
     return base + rest;
 }
@@ -419,7 +340,102 @@ TriangleBound DisplacedSurface::bound(const BisectedTriangle& triangle,
                                       const VertexSamples& samples, const Asked& asked) const {
     if (triangle.is_closed()) return closed_bound(triangle, samples, asked);
     const Corners c = corners(triangle, path_weights(triangle.path), samples);
-    return c.bound(refinable(c, asked));
+    const Asked left = beside(c.gap, asked);
+    Whole whole{&c, c.moved, triangle.depth()};
+    whole.bound = refinable(c, left, whole.base);
+    double sum = whole.bound;
+    if (sum > left.enough && c.displacement && c.displacement->noise)
+        sum = std::min(sum, bound_by_parts({&whole, 1}, left));
+    return c.bound(sum);
+}
+
+double DisplacedSurface::bound_by_parts(std::span<const Whole> wholes, const Asked& asked) const {
+    const bool noise = wholes[0].corners->displacement && wholes[0].corners->displacement->noise;
+    // Where nothing is enough triangles are to be put in an order, no more.
+    const double close = asked.enough > 0 ? 1.0625 : 1.125;
+    // Noise is bounded by the parts' size alone; bounds of what else there is are mostly close.
+    const std::size_t most_parts = noise ? 256 : 32;
+    struct Node {
+        glm::dvec3 weights, linear;
+        VertexSample sample;
+        double off = 0;
+    };
+    struct Part {
+        std::uint32_t root = 0;
+        int depth = 0;
+        std::array<std::uint32_t, 3> nodes{};
+        double upper = 0;
+        BaseDeviation of_parts;  // what bounds the base over each part of it
+        bool operator<(const Part& other) const { return upper < other.upper; }
+    };
+    std::vector<Node> nodes;
+    std::vector<Part> parts;
+    nodes.reserve(3 * wholes.size() + most_parts);
+    parts.reserve(wholes.size() + most_parts);
+    double lower = 0;
+    const auto goal = [&] { return std::max(asked.enough, close * lower); };
+    // Whatever is this far at most from what is linear over a triangle is at most twice as far from
+    // what is linear over any part of it.
+    const auto doubled = [](const BaseDeviation& base) {
+        return BaseDeviation{2 * base.position, 2 * base.direction};
+    };
+    for (const Whole& whole : wholes) {
+        const Corners& c = *whole.corners;
+        Part part{c.root, whole.depth, {}, 0, doubled(whole.base)};
+        for (std::size_t k = 0; k < 3; ++k) {
+            part.nodes[k] = std::uint32_t(nodes.size());
+            nodes.push_back({c.weights[k],
+                             whole.linear[k],
+                             {c.points[k], c.raw[k], c.heights[k], glm::vec3(0.0F), false},
+                             glm::length(c.moved[k] - whole.linear[k])});
+            part.upper = std::max(part.upper, nodes.back().off);
+        }
+        lower = std::max(lower, part.upper);
+        part.upper += whole.bound;
+        parts.push_back(part);
+    }
+    std::make_heap(parts.begin(), parts.end());
+    const auto add = [&](const Part& of, const std::array<std::uint32_t, 3>& corner_nodes) {
+        Part part{of.root, of.depth + 1, corner_nodes, 0, of.of_parts};
+        std::array<glm::dvec3, 3> weights;
+        std::array<const VertexSample*, 3> samples;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const Node& node = nodes[part.nodes[k]];
+            weights[k] = node.weights;
+            samples[k] = &node.sample;
+            part.upper = std::max(part.upper, node.off);
+        }
+        const double left = std::max(0.0, goal() - part.upper);
+        BaseDeviation base = of.of_parts;
+        part.upper += refinable(corners(part.root, weights, samples, 0), {left, left}, base);
+        part.of_parts.position = std::min(part.of_parts.position, 2 * base.position);
+        part.of_parts.direction = std::min(part.of_parts.direction, 2 * base.direction);
+        parts.push_back(part);
+        std::push_heap(parts.begin(), parts.end());
+    };
+    const auto is_decided = [&] { return parts.front().upper <= goal() || lower > asked.too_much; };
+    while (!is_decided() && parts.size() < most_parts && parts.front().depth < deepest_bisection) {
+        std::pop_heap(parts.begin(), parts.end());
+        const Part worst = parts.back();
+        parts.pop_back();
+        const Node &a = nodes[worst.nodes[0]], &b = nodes[worst.nodes[1]];
+        Node node;
+        node.weights = 0.5 * (a.weights + b.weights);
+        node.linear = 0.5 * (a.linear + b.linear);
+        const RootPoint at{worst.root, node.weights};
+        BasePoint& point = node.sample.point;
+        base_.evaluate({&at, 1}, {&point, 1});
+        node.sample.raw = heights_.raw(at);
+        node.sample.height = heights_.height(at, node.sample.raw, point.position);
+        node.off = glm::length(point.position + node.sample.height * point.direction +
+                               heights_.vector(at, point.direction) - node.linear);
+        lower = std::max(lower, node.off);
+        const auto middle = std::uint32_t(nodes.size());
+        nodes.push_back(node);
+        add(worst, {worst.nodes[2], worst.nodes[0], middle});
+        add(worst, {worst.nodes[1], worst.nodes[2], middle});
+    }
+    return parts.front().upper;
 }
 
 double DisplacedSurface::bound_as_one(const BisectedTriangle& closed,
@@ -481,6 +497,7 @@ TriangleBound DisplacedSurface::closed_bound(const BisectedTriangle& closed,
     VertexSample centre;
     base_.evaluate({&at, 1}, {&centre.point, 1});
     centre.raw = heights_.raw(at);
+    centre.height = heights_.height(at, centre.raw, centre.point.position);
     std::array<Corners, 3> parts;
     const std::size_t count = closed.is_whole() ? 3 : 2;
     // A pair's vertices are (c, a, b), and its roots begin with a.
@@ -505,12 +522,21 @@ TriangleBound DisplacedSurface::closed_bound(const BisectedTriangle& closed,
     if (bend <= 0.25 * absolute_slack * size) bend = 0;
     double sum = bend;
     if (bend <= asked.too_much) {
-        const Asked of_parts{std::max(0.0, asked.enough - bend), asked.too_much - bend};
-        for (std::size_t k = 0; k < count; ++k)
-            sum = std::max(sum, bend + refinable(parts[k], of_parts));
-        if (sum > asked.enough)
-            sum = std::min(sum, std::max(bend, bound_as_one(closed, std::span(parts).first(count),
-                                                            asked.enough)));
+        const Asked left = beside(gap, asked);
+        const std::span<const Corners> roots = std::span(parts).first(count);
+        const Asked of_parts{std::max(0.0, left.enough - bend), left.too_much - bend};
+        std::array<Whole, 3> wholes;
+        for (std::size_t k = 0; k < count; ++k) {
+            const Corners& part = parts[k];
+            Whole& whole = wholes[k] = {&part, {part.moved[0], part.moved[1], flat}};
+            whole.bound = refinable(part, of_parts, whole.base);
+            sum = std::max(sum, bend + whole.bound);
+        }
+        if (sum > left.enough)
+            sum = std::min(sum, std::max(bend, bound_as_one(closed, roots, left.enough)));
+        const bool noise = parts[0].displacement && parts[0].displacement->noise;
+        if (sum > left.enough && (noise || sum <= near_enough * left.enough))
+            sum = std::min(sum, bound_by_parts(std::span(wholes).first(count), left));
     }
     parts[0].gap = gap;
     parts[0].size = size;

@@ -26,68 +26,19 @@
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <limits>
-#include <map>
 #include <optional>
 #include <span>
-#include <vector>
 
 #include "base/large_vector.h"
-#include "prep/displacement/tessellate.h"
-#include "prep/result.h"
-#include "tessellation/domain.h"
+#include "tessellation/root_heights.h"
 #include "tessellation/surface.h"
-#include "tessellation/tangent_frames.h"
 
 namespace prep::detail {
-
-// Which height each root has, and its UVs.
-class RootHeights {
-  public:
-    RootHeights() = default;
-    // Errors as tessellate's. The domain and `displacements` must outlive it.
-    static Result<RootHeights> make(const Mesh& mesh, const Domain& domain, const BaseSurface& base,
-                                    const TessellateOptions& options);
-
-    const Domain& domain() const { return *domain_; }
-    const Displacement* of(std::uint32_t root) const {
-        const std::uint32_t k = which_.empty() ? no_index : which_[root];
-        return k == no_index ? nullptr : &displacements_[k];
-    }
-    glm::dvec2 uv(const RootPoint& at) const;
-    std::array<glm::dvec2, 2> uv_steps(std::uint32_t root) const;
-    // What the height function has there; 0 without one.
-    double raw(const RootPoint& at) const;
-    // With the noise at `position`, the surface's.
-    double height(const RootPoint& at, double raw, const glm::dvec3& position) const;
-    // As the map has it, and as it moves the surface, whose direction is there `direction`.
-    glm::dvec3 map_vector(const RootPoint& at) const;
-    glm::dvec3 vector(const RootPoint& at, const glm::dvec3& direction) const;
-    // Those that the map of this root is in; null where its vectors are x, y, z.
-    const TangentFrames* frames(std::uint32_t root) const {
-        const Displacement* displacement = of(root);
-        if (!displacement || !displacement->vector || !displacement->tangent_space) return nullptr;
-        return &frames_.at(displacement->uv_set);
-    }
-    TangentFrame frame(const TangentFrames& frames, const RootPoint& at,
-                       const glm::dvec3& direction) const {
-        return frames.at(domain_->roots[at.root], at.weights, direction);
-    }
-    // The change of `vector` by a step of the weights (BaseFrame), `steps` of the map's vector.
-    glm::dvec3 vector_step(const BaseFrame& base, const RootPoint& at, std::size_t axis,
-                           const VectorFunction::Sample& sample) const;
-
-  private:
-    const Domain* domain_ = nullptr;
-    std::map<std::size_t, TangentFrames> frames_;  // by UV set
-    std::span<const Displacement> displacements_;
-    std::vector<std::uint32_t> which_;                // per root
-    std::vector<std::array<glm::dvec2, 3>> corners_;  // per root
-};
 
 // Vertices of the tessellation. Those on the edges of the cage are shared between roots.
 struct VertexSample {
     BasePoint point;
-    double raw = 0;  // not of shared ones
+    double raw = 0, height = 0;  // not of shared ones
     glm::vec3 position{0.0F};
     bool shared = false;
 };
@@ -155,7 +106,11 @@ class DisplacedSurface {
     double beside_base(const Corners& corners, double base, double enough) const;
     double beside_base(const Corners& corners, const std::array<glm::dvec2, 3>& uv, double base,
                        double enough) const;
-    double refinable(const Corners& corners, const Asked& asked) const;
+    // `known`: a bound of the base that holds, and becomes the least that is learnt on the way.
+    double refinable(const Corners& corners, const Asked& asked, BaseDeviation& known) const;
+    struct Whole;  // a triangle that is bounded by parts
+    // Of one triangle, or of a closed face's roots.
+    double bound_by_parts(std::span<const Whole> wholes, const Asked& asked) const;
     // `parts`: a closed face's roots. Infinite where UVs are not linear over them, or vectors turn.
     double bound_as_one(const BisectedTriangle& closed, std::span<const Corners> parts,
                         double enough) const;

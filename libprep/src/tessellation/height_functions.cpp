@@ -56,11 +56,9 @@ class NoiseHeights final : public SpaceFunction {
         const NoiseSample sample = field_.sample(p);
         return {sample.value, sample.gradient};
     }
-    double deviation(const std::array<glm::dvec3, 3>& p, const std::array<double, 3>& values,
-                     double enough) const override {
-        // Six bisections of a triangle make what is bounded by second derivatives 64 times smaller.
-        constexpr std::uint32_t few = 1u << 6;
-        return field_.deviation(p, values, enough, few).upper;
+    double value(const glm::dvec3& p) const override { return field_.value(p); }
+    double deviation(const std::array<glm::dvec3, 3>& p) const override {
+        return field_.deviation(p);
     }
     double steepest() const override { return field_.steepest(); }
 

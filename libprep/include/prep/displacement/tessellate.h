@@ -73,9 +73,12 @@ class SpaceFunction {
         glm::dvec3 gradient{0.0};
     };
     virtual Sample at(const glm::dvec3& p) const = 0;
-    // As of HeightFunction, over the plane triangle `p`.
-    virtual double deviation(const std::array<glm::dvec3, 3>& p,
-                             const std::array<double, 3>& values, double enough) const = 0;
+    // at(p).value, the same bits.
+    virtual double value(const glm::dvec3& p) const { return at(p).value; }
+    // An upper bound, over the plane triangle `p`, of |height − the linear function that has its
+    // values at the corners|, which gets small with the square of the triangle's size: triangles are
+    // halved where it is too large.
+    virtual double deviation(const std::array<glm::dvec3, 3>& p) const = 0;
     virtual double steepest() const = 0;  // no gradient is longer
 };
 
