@@ -285,5 +285,40 @@ TEST(TessellationClosedForm, EveryPartOfTheBoundIsEnoughAlone) {
     }
 }
 
+// Noise has a bound by the size of triangles alone; halving them in the proof, not in the mesh,
+// makes it the true error's, beside a base that bends, turns or both.
+TEST(TessellationClosedForm, NoiseIsProvedByPartsOfTriangles) {
+    const Mesh quad = unit_quad();
+    const detail::Domain domain = detail::make_domain(quad, {}, false, 1);
+    std::vector<double> ratios;
+    for (const glm::dvec3 bend : {glm::dvec3(0), {0, 0, 0.3}, {0, 0.2, -0.1}})
+        for (const glm::dvec3 turn : {glm::dvec3(0), {1.5, 0, 0}})
+            for (const int octaves : {1, 4})
+                for (const double asked : {0.05, 0.02, 0.004}) {
+                    Quadratic base(domain);
+                    base.bend = bend;
+                    base.turn = turn;
+                    NoiseOptions noise{.frequency = 3, .octaves = octaves, .seed = 5};
+                    noise.scale = 0.1;
+                    const auto function = noise_function(noise);
+                    ASSERT_TRUE(function);
+                    TessellateOptions options;
+                    options.displacements = {{.height = nullptr, .noise = *function}};
+                    options.chord_error = asked;
+                    options.samples = 200000;
+                    const auto made = detail::tessellate(quad, domain, base, options, {});
+                    ASSERT_TRUE(made) << to_string(made.error());
+                    const auto& c = made->certificate;
+                    EXPECT_LE(c.proved, asked);
+                    EXPECT_LE(c.measured, c.proved) << octaves << ' ' << asked;
+                    ratios.push_back(c.proved_refinable / c.measured);
+                    EXPECT_LE(ratios.back(), 1.5) << octaves << ' ' << asked;
+                }
+    std::sort(ratios.begin(), ratios.end());
+    std::printf("proved over measured: median %.3f, largest %.3f\n", ratios[ratios.size() / 2],
+                ratios.back());
+    EXPECT_LE(ratios[ratios.size() / 2], 1.1);
+}
+
 }  // namespace
 }  // namespace prep

@@ -18,7 +18,7 @@ constexpr double relative_slack = 0x1p-40, absolute_slack = 0x1p-46;
 constexpr double small_part = 0x1p-6;
 // A search by parts takes the time of dozens of bounds. Those of closed faces without noise are
 // searched where they are no more than so many times what is enough.
-constexpr double near_enough = 8;
+constexpr double near_enough = 2;
 constexpr BaseDeviation unbounded{std::numeric_limits<double>::infinity(),
                                   std::numeric_limits<double>::infinity()};
 
@@ -520,8 +520,15 @@ TriangleBound DisplacedSurface::closed_bound(const BisectedTriangle& closed,
     double bend = glm::length(parts[0].moved[2] - flat);
     // Roundings of points, which every bound has room for.
     if (bend <= 0.25 * absolute_slack * size) bend = 0;
+    // No bound is below the error of a point: these may show that the face has to be opened.
     double sum = bend;
-    if (bend <= asked.too_much) {
+    for (std::size_t k = 0; k < count && sum <= asked.too_much; ++k)
+        if (std::isfinite(asked.too_much)) {
+            const glm::dvec3 middle = truth({parts[k].root, {0.5, 0.5, 0}});
+            const double off = glm::length(middle - 0.5 * (parts[k].moved[0] + parts[k].moved[1]));
+            if (off > asked.too_much) sum = off;
+        }
+    if (sum <= asked.too_much) {
         const Asked left = beside(gap, asked);
         const std::span<const Corners> roots = std::span(parts).first(count);
         const Asked of_parts{std::max(0.0, left.enough - bend), left.too_much - bend};

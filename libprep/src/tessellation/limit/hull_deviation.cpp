@@ -189,22 +189,24 @@ bool is_apart(const ParameterBox& box, const LimitTriangle& t) {
 }
 
 double hull_deviation(const BezierPatch& patch, const LimitTriangle& triangle,
-                      const LinearMap& linear) {
+                      const LinearMap& linear, double least) {
     static const TriangleParts parts;
-    if (is_apart(patch.box, triangle)) return 0;
+    if (is_apart(patch.box, triangle)) return least;
+    // A part's points are means of the whole's: it is not farther off.
+    const double whole = largest_off(patch, linear);
+    if (whole <= least) return least;
     const auto [covered, k] = cover_of(patch.box, triangle);
-    if (covered == Cover::half) return largest_off(patch, parts.half[k], linear);
-    if (covered == Cover::tent) return largest_off(patch, parts.tent[k], linear);
+    if (covered == Cover::half) return std::max(least, largest_off(patch, parts.half[k], linear));
+    if (covered == Cover::tent) return std::max(least, largest_off(patch, parts.tent[k], linear));
     const glm::dvec2 size = patch.box.size();
-    if (covered == Cover::all || size.x == size.y) return largest_off(patch, linear);
+    if (covered == Cover::all || size.x == size.y) return whole;
     const auto [first, second] = halves_of(patch);
-    return std::max(hull_deviation(first, triangle, linear),
-                    hull_deviation(second, triangle, linear));
+    return hull_deviation(second, triangle, linear, hull_deviation(first, triangle, linear, least));
 }
 
 double hull_deviation(const QuarticPatch& patch, const LimitTriangle& /*triangle*/,
-                      const LinearMap& linear) {
-    double most = 0;
+                      const LinearMap& linear, double least) {
+    double most = least * least;
     const auto raised = raised_once<5>(raised_once<4>(patch.p));
     for (std::size_t j = 0, k = 0; j <= 6; ++j)
         for (std::size_t i = 0; i + j <= 6; ++i, ++k) {
@@ -214,7 +216,7 @@ double hull_deviation(const QuarticPatch& patch, const LimitTriangle& /*triangle
             const glm::dvec3 off = raised[k] + (patch.origin - linear(at));
             most = std::max(most, glm::dot(off, off));
         }
-    return std::sqrt(most);
+    return std::max(least, std::sqrt(most));
 }
 
 }  // namespace prep::detail

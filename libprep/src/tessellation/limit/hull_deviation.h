@@ -40,11 +40,11 @@ struct LinearMap {
 // Whether box and triangle have no area in common.
 bool is_apart(const ParameterBox& box, const LimitTriangle& triangle);
 
-// 0 where they are apart.
+// No less than `least`, which is it where they are apart, and where no more matters.
 double hull_deviation(const BezierPatch& patch, const LimitTriangle& triangle,
-                      const LinearMap& linear);
+                      const LinearMap& linear, double least);
 // Over all of the patch's triangle.
 double hull_deviation(const QuarticPatch& patch, const LimitTriangle& triangle,
-                      const LinearMap& linear);
+                      const LinearMap& linear, double least);
 
 }  // namespace prep::detail

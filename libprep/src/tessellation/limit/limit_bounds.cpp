@@ -204,7 +204,7 @@ BaseDeviation at_vertex(const ChannelSurface& surface, const RingCones* cones,
     const LinearMap linear(triangle);
     pieces.for_each_patch([&](const auto& patch) {
         if (is_apart(patch.box, triangle)) return;
-        most.position = std::max(most.position, hull_deviation(patch, triangle, linear));
+        most.position = hull_deviation(patch, triangle, linear, most.position);
         if (cones)
             most.direction =
                 std::max(most.direction, cone_deviation(patch, triangle, most.direction));
@@ -395,7 +395,7 @@ BaseDeviation limit_deviation(const ChannelSurface& surface, const RingCones* co
     pieces.for_each_patch([&](const auto& patch) {
         if (is_apart(patch.box, triangle)) return;
         curvature.widen(patch);
-        by_hulls = std::max(by_hulls, hull_deviation(patch, triangle, linear));
+        by_hulls = hull_deviation(patch, triangle, linear, by_hulls);
         if (cones) normal_curvature.widen(patch, axis_of(patch, triangle.normals[0]));
     });
     BaseDeviation most;
