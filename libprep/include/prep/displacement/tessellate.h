@@ -76,8 +76,8 @@ class SpaceFunction {
     // at(p).value, the same bits.
     virtual double value(const glm::dvec3& p) const { return at(p).value; }
     // An upper bound, over the plane triangle `p`, of |height − the linear function that has its
-    // values at the corners|, which gets small with the square of the triangle's size: triangles are
-    // halved where it is too large.
+    // values at the corners|, which gets small with the square of the triangle's size: triangles
+    // are halved where it is too large.
     virtual double deviation(const std::array<glm::dvec3, 3>& p) const = 0;
     virtual double steepest() const = 0;  // no gradient is longer
 };
