@@ -21,8 +21,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
-#include <vector>
 
 namespace prep::detail {
 namespace {
@@ -238,17 +236,18 @@ double NoiseField::deviation(const std::array<glm::dvec3, 3>& p) const {
             near &= std::isfinite(p[k][axis]);
             farthest_out = std::max(farthest_out, std::abs(p[k][axis]));
         }
-    double sum = 0, anywhere = 0;
+    double sum = 0, anywhere = 0, places = 0;  // places: by what points are rounded
     double rounding = std::abs(options_.midlevel * options_.scale) * 0x1p-44;
     over_octaves(options_, [&](std::uint64_t, double frequency, double amplitude) {
         near &= std::abs(frequency) * farthest_out < farthest_cell;
         const double most = 2 * bounds.value * std::abs(amplitude);
-        sum += std::min(bounds.second * std::abs(amplitude) * frequency * frequency * half, most);
+        // In this order a product that is no number is not the less.
+        sum += std::min(most, bounds.second * std::abs(amplitude) * frequency * frequency * half);
         anywhere += most;
-        rounding += most * 0x1p-44 +
-                    bounds.gradient * std::abs(amplitude * frequency) * farthest_out * 0x1p-48;
+        rounding += most * 0x1p-44;
+        places += bounds.gradient * std::abs(amplitude * frequency) * farthest_out * 0x1p-48;
     });
-    return near ? sum + rounding : anywhere + rounding;
+    return near ? sum + rounding + places : anywhere + rounding;
 }
 
 }  // namespace prep::detail

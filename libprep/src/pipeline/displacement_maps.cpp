@@ -41,7 +41,6 @@ class NoiseAbout final : public SpaceFunction {
         : noise_(std::move(noise)), origin_(origin) {}
     Sample at(const glm::dvec3& p) const override { return noise_->at(origin_ + p); }
     double steepest() const override { return noise_->steepest(); }
-    double value(const glm::dvec3& p) const override { return noise_->value(origin_ + p); }
     double deviation(const std::array<glm::dvec3, 3>& p) const override {
         const std::array<glm::dvec3, 3> at{origin_ + p[0], origin_ + p[1], origin_ + p[2]};
         // What the sums lose, here and in at().

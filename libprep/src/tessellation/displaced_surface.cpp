@@ -46,6 +46,11 @@ glm::dvec3 common_direction(std::vector<glm::dvec3>& sides) {
     return unit_or(sum, kept.back());
 }
 
+// What is no number is no bound.
+double bound_of(double x) {
+    return x == x ? x : std::numeric_limits<double>::infinity();
+}
+
 // What may be left beside a gap, and complies.
 Asked beside(double gap, Asked asked) {
     constexpr double part = 1 - 0x1p-20;  // more than rounding bounds to floats takes
@@ -313,10 +318,13 @@ std::optional<TriangleBound> DisplacedSurface::quick_bound(const BisectedTriangl
 
 double DisplacedSurface::refinable(const Corners& c, const Asked& asked,
                                    BaseDeviation& known) const {
+    // What a smaller allowance led to holds beside a smaller share of the base as well.
     double base = of_base(c, known);
+    std::optional<double> rest;
     if (std::isfinite(base)) {
-        const double rest = beside_base(c, base, asked.enough);
-        if (base <= small_part * asked.enough || rest > asked.too_much) return base + rest;
+        rest = beside_base(c, base, asked.enough);
+        if (base <= small_part * asked.enough || *rest > asked.too_much)
+            return bound_of(base + *rest);
     }
     const auto learn = [&](const BaseDeviation& found) {
         known.position = std::min(known.position, found.position);
@@ -326,14 +334,13 @@ double DisplacedSurface::refinable(const Corners& c, const Asked& asked,
     const auto tight = [&] { return base_.deviation(c.root, c.weights, c.points); };
     const auto coarse = base_.coarse_deviation(c.root, c.weights);
     learn(coarse ? *coarse : tight());
-    // What a smaller allowance led to holds beside a smaller share of the base as well.
-    const double rest = beside_base(c, base, asked.enough);
+    if (!rest) rest = beside_base(c, base, asked.enough);
     if (coarse) {
-        const bool decides = base + rest <= asked.enough || rest > asked.too_much;
-        const bool is_small = asked.enough == 0 && base <= small_part * (base + rest);
+        const bool decides = base + *rest <= asked.enough || *rest > asked.too_much;
+        const bool is_small = asked.enough == 0 && base <= small_part * (base + *rest);
         if (!decides && !is_small) learn(tight());
     }
-    return base + rest;
+    return bound_of(base + *rest);
 }
 
 TriangleBound DisplacedSurface::bound(const BisectedTriangle& triangle,
@@ -368,12 +375,17 @@ double DisplacedSurface::bound_by_parts(std::span<const Whole> wholes, const Ask
         BaseDeviation of_parts;  // what bounds the base over each part of it
         bool operator<(const Part& other) const { return upper < other.upper; }
     };
-    std::vector<Node> nodes;
-    std::vector<Part> parts;
+    thread_local std::vector<Node> nodes;
+    thread_local std::vector<Part> parts;
+    nodes.clear();
+    parts.clear();
     nodes.reserve(3 * wholes.size() + most_parts);
     parts.reserve(wholes.size() + most_parts);
-    double lower = 0;
-    const auto goal = [&] { return std::max(asked.enough, close * lower); };
+    double lower = 0, size = 0;
+    const auto goal = [&] {
+        // No less than what every bound has for roundings.
+        return std::max({asked.enough, close * lower, 16 * absolute_slack * size});
+    };
     // Whatever is this far at most from what is linear over a triangle is at most twice as far from
     // what is linear over any part of it.
     const auto doubled = [](const BaseDeviation& base) {
@@ -387,10 +399,11 @@ double DisplacedSurface::bound_by_parts(std::span<const Whole> wholes, const Ask
             nodes.push_back({c.weights[k],
                              whole.linear[k],
                              {c.points[k], c.raw[k], c.heights[k], glm::vec3(0.0F), false},
-                             glm::length(c.moved[k] - whole.linear[k])});
+                             bound_of(glm::length(c.moved[k] - whole.linear[k]))});
             part.upper = std::max(part.upper, nodes.back().off);
         }
         lower = std::max(lower, part.upper);
+        size = std::max(size, c.size);
         part.upper += whole.bound;
         parts.push_back(part);
     }
@@ -427,8 +440,8 @@ double DisplacedSurface::bound_by_parts(std::span<const Whole> wholes, const Ask
         base_.evaluate({&at, 1}, {&point, 1});
         node.sample.raw = heights_.raw(at);
         node.sample.height = heights_.height(at, node.sample.raw, point.position);
-        node.off = glm::length(point.position + node.sample.height * point.direction +
-                               heights_.vector(at, point.direction) - node.linear);
+        node.off = bound_of(glm::length(point.position + node.sample.height * point.direction +
+                                        heights_.vector(at, point.direction) - node.linear));
         lower = std::max(lower, node.off);
         const auto middle = std::uint32_t(nodes.size());
         nodes.push_back(node);
@@ -517,34 +530,36 @@ TriangleBound DisplacedSurface::closed_bound(const BisectedTriangle& closed,
         flat = (parts[0].moved[0] + parts[1].moved[0] + parts[2].moved[0]) / 3.0;
     else
         flat = 0.5 * (parts[0].moved[0] + parts[1].moved[1]);
-    double bend = glm::length(parts[0].moved[2] - flat);
+    double bend = bound_of(glm::length(parts[0].moved[2] - flat));
     // Roundings of points, which every bound has room for.
     if (bend <= 0.25 * absolute_slack * size) bend = 0;
-    // No bound is below the error of a point: these may show that the face has to be opened.
-    double sum = bend;
-    for (std::size_t k = 0; k < count && sum <= asked.too_much; ++k)
-        if (std::isfinite(asked.too_much)) {
+    // Single points, the centre and the edges' middles, may show that the face has to be opened.
+    double farthest = bend;
+    for (std::size_t k = 0; k < count && farthest <= asked.hopeless; ++k)
+        if (std::isfinite(asked.hopeless)) {
             const glm::dvec3 middle = truth({parts[k].root, {0.5, 0.5, 0}});
-            const double off = glm::length(middle - 0.5 * (parts[k].moved[0] + parts[k].moved[1]));
-            if (off > asked.too_much) sum = off;
+            const glm::dvec3 linear = 0.5 * (parts[k].moved[0] + parts[k].moved[1]);
+            farthest = std::max(farthest, glm::length(middle - linear));
         }
-    if (sum <= asked.too_much) {
-        const Asked left = beside(gap, asked);
-        const std::span<const Corners> roots = std::span(parts).first(count);
-        const Asked of_parts{std::max(0.0, left.enough - bend), left.too_much - bend};
-        std::array<Whole, 3> wholes;
-        for (std::size_t k = 0; k < count; ++k) {
-            const Corners& part = parts[k];
-            Whole& whole = wholes[k] = {&part, {part.moved[0], part.moved[1], flat}};
-            whole.bound = refinable(part, of_parts, whole.base);
-            sum = std::max(sum, bend + whole.bound);
-        }
-        if (sum > left.enough)
-            sum = std::min(sum, std::max(bend, bound_as_one(closed, roots, left.enough)));
-        const bool noise = parts[0].displacement && parts[0].displacement->noise;
-        if (sum > left.enough && (noise || sum <= near_enough * left.enough))
-            sum = std::min(sum, bound_by_parts(std::span(wholes).first(count), left));
+    if (farthest * (1 - relative_slack) > asked.hopeless)
+        return TriangleBound{std::numeric_limits<float>::infinity(), 0};
+
+    const Asked left = beside(gap, asked);
+    const Asked of_roots{std::max(0.0, left.enough - bend), left.too_much - bend};
+    const std::span<const Corners> roots = std::span(parts).first(count);
+    std::array<Whole, 3> wholes;
+    double sum = bend;
+    for (std::size_t k = 0; k < count; ++k) {
+        const Corners& part = parts[k];
+        Whole& whole = wholes[k] = {&part, {part.moved[0], part.moved[1], flat}};
+        whole.bound = refinable(part, of_roots, whole.base);
+        sum = std::max(sum, bend + whole.bound);
     }
+    if (sum > left.enough)
+        sum = std::min(sum, std::max(bend, bound_as_one(closed, roots, left.enough)));
+    const bool noise = parts[0].displacement && parts[0].displacement->noise;
+    if (sum > left.enough && (noise || sum <= near_enough * left.enough))
+        sum = std::min(sum, bound_by_parts(std::span(wholes).first(count), left));
     parts[0].gap = gap;
     parts[0].size = size;
     return parts[0].bound(sum);

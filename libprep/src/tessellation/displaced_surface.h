@@ -20,6 +20,11 @@
 // nothing at the corners, and at the centre m by P(m) less the mean of a pair's P(a) and P(c), or a
 // triangle's three corners; which adds its length. Where UVs are linear over the closed face, the
 // bound may also be that of a triangle, with only S − I S and n − I n from the roots in this way.
+//
+// By parts: over a part of a triangle I V is linear, too, so with J for linear interpolation
+// between the part's corners, |V' − I V| ≤ |V' − J V'| + max over these corners of |V' − I V|, V'
+// being the displaced surface. Parts are halved worst first. Of the base, |S − J S| ≤ 2 sup |S − I
+// S|, as J S − I S = J (S − I S): most parts take that over.
 #pragma once
 
 #include <array>
@@ -88,7 +93,7 @@ class DisplacedSurface {
     TriangleBound bound(const BisectedTriangle& triangle, const VertexSamples& samples,
                         const Asked& asked) const;
     // The same where little time decides what is asked, else nothing: without the base's tight
-    // bound, noise and vectors. Infinite where a height alone is hopeless. Of triangles without
+    // bound, parts and vectors. Infinite where a height alone is hopeless. Of triangles without
     // shared vertices; `weights`: path_weights().
     std::optional<TriangleBound> quick_bound(const BisectedTriangle& triangle,
                                              const std::array<glm::dvec3, 3>& weights,

@@ -56,7 +56,6 @@ class NoiseHeights final : public SpaceFunction {
         const NoiseSample sample = field_.sample(p);
         return {sample.value, sample.gradient};
     }
-    double value(const glm::dvec3& p) const override { return field_.value(p); }
     double deviation(const std::array<glm::dvec3, 3>& p) const override {
         return field_.deviation(p);
     }

@@ -135,6 +135,15 @@ Asked Refinement::asked(const BisectedTriangle& triangle) const {
     return {std::max(0.5 * most, left), most, chord};
 }
 
+// Triangles within the goal have no order among each other.
+Asked Refinement::worth_proving(std::uint32_t t) const {
+    Asked result;
+    if (!options_.chord_error && !options_.pixel_error) return result;
+    const double enough = asked(mesh_.triangles()[t]).enough;
+    if (std::isfinite(enough)) result.enough = enough;
+    return result;
+}
+
 // Of a triangle's edges, each as long as the triangle's own side has it where that is less: what
 // sides that share a corner disagree by stays, however fine the triangles are.
 double Refinement::longest_edge(std::uint32_t t) const {
@@ -256,7 +265,7 @@ void Refinement::measure(std::span<const Touched> fresh, Effort effort) {
         for (std::size_t k = begin; k < end; ++k) {
             const std::uint32_t t = fresh[k].triangle;
             const bool is_there = mesh_.is_there(fresh[k]);
-            if (is_there && effort == Effort::proving) prove(t, {});
+            if (is_there && effort == Effort::proving) prove(t, worth_proving(t));
             to_halve_[k] = is_there && excess_[t] > 1 && can_be_halved(t);
         }
     });

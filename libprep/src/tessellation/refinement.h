@@ -38,8 +38,8 @@ class Refinement {
     void make_first_vertices();
     void make_new_vertices();
     // Looking: bounds are left out where something cheaper decides, or nothing depends on them, and
-    // are no tighter than a decision takes. Proving: as tight as may be, for comparisons with each
-    // other and for what is reported.
+    // are no tighter than a decision takes. Proving: as tight as may be where what is asked for is
+    // exceeded, for comparisons with each other and for what is reported.
     enum class Effort : std::uint8_t { looking, proving };
     void measure(std::span<const Touched> fresh, Effort effort);
     void fetch_ahead(std::span<const Touched> fresh, std::size_t k) const;
@@ -54,6 +54,7 @@ class Refinement {
     bool is_shared(const BisectedTriangle& triangle) const;
     float excess(std::uint32_t t) const;
     Asked asked(const BisectedTriangle& triangle) const;
+    Asked worth_proving(std::uint32_t t) const;
     std::array<glm::dvec3, 3> corners(const BisectedTriangle& triangle) const;
     bool can_be_halved(std::uint32_t t) const;
     glm::dvec3 middle_position(std::uint32_t t) const;

@@ -81,7 +81,7 @@ double RootHeights::height(const RootPoint& at, double raw, const glm::dvec3& po
     if (!displacement) return 0;
     const double of_map =
         displacement->height ? displacement->scale * (raw - displacement->midlevel) : 0;
-    return displacement->noise ? of_map + displacement->noise->value(position) : of_map;
+    return displacement->noise ? of_map + displacement->noise->at(position).value : of_map;
 }
 
 glm::dvec3 RootHeights::map_vector(const RootPoint& at) const {

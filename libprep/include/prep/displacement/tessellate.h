@@ -73,9 +73,7 @@ class SpaceFunction {
         glm::dvec3 gradient{0.0};
     };
     virtual Sample at(const glm::dvec3& p) const = 0;
-    // at(p).value, the same bits.
-    virtual double value(const glm::dvec3& p) const { return at(p).value; }
-    // An upper bound, over the plane triangle `p`, of |height − the linear function that has its
+    // An upper bound, over the plane triangle `p`, of |height − the linear function that has the
     // values at the corners|, which gets small with the square of the triangle's size: triangles
     // are halved where it is too large.
     virtual double deviation(const std::array<glm::dvec3, 3>& p) const = 0;

@@ -40,7 +40,7 @@ struct LinearMap {
 // Whether box and triangle have no area in common.
 bool is_apart(const ParameterBox& box, const LimitTriangle& triangle);
 
-// No less than `least`, which is it where they are apart, and where no more matters.
+// The larger of `least` and the patch's own, 0 where they are apart.
 double hull_deviation(const BezierPatch& patch, const LimitTriangle& triangle,
                       const LinearMap& linear, double least);
 // Over all of the patch's triangle.
