@@ -201,5 +201,26 @@ TEST(TessellationTriangleBounds, HoldForAChordErrorInABudget) {
     check_goal(Goal::chord_in_budget, 2.5);
 }
 
+// A budget that is larger than what an error takes changes next to nothing.
+TEST(TessellationTriangleBounds, AGoalTakesNoMoreTrianglesForABudget) {
+    NoiseOptions noise{.frequency = 2, .octaves = 3, .seed = 4};
+    noise.scale = 0.2;
+    const auto function = noise_function(noise);
+    ASSERT_TRUE(function);
+    TessellateOptions options;
+    options.scheme = SubdivisionScheme::catmark;
+    options.displacements = {{.height = nullptr, .noise = *function}};
+    options.chord_error = 0.02;
+    const auto alone = tessellate(cube(), options);
+    ASSERT_TRUE(alone) << to_string(alone.error());
+    options.max_triangles = 4 * alone->certificate.triangles;
+    const auto within = tessellate(cube(), options);
+    ASSERT_TRUE(within) << to_string(within.error());
+    std::printf("%zu triangles, %zu with a budget\n", std::size_t(alone->certificate.triangles),
+                std::size_t(within->certificate.triangles));
+    EXPECT_LE(double(within->certificate.triangles), 1.03 * double(alone->certificate.triangles));
+    EXPECT_LE(within->certificate.proved, 0.02);
+}
+
 }  // namespace
 }  // namespace prep
