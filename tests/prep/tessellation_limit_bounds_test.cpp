@@ -252,7 +252,8 @@ TEST(TessellationLimit, CellsCostNoTriangles) {
     expect_cells_to_cost_no_triangles({in_triangles(uneven_torus()), SubdivisionScheme::loop});
 }
 
-// A vector that is 0: quick bounds are for heights and noise, and a look is taken at every triangle.
+// A vector that is 0: quick bounds are for heights and noise, and a look is taken at every
+// triangle.
 class NoVector final : public VectorFunction {
   public:
     Sample at(const glm::dvec2&) const override { return {}; }
