@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <limits>
 #include <random>
 
 #include "height_maps.h"
@@ -143,9 +144,11 @@ Displacement random_displacement(int round, std::mt19937& random) {
     return by;
 }
 
-enum class Goal : std::uint8_t { budget, chord, pixels, chord_and_pixels, chord_in_budget };
+enum class Goal : std::uint8_t { budget, chord, pixels, chord_and_pixels, chord_in_budget, edge };
 
-// `most_median`: of bounds over the largest sampled error, where bounds are to be close.
+// `most_median`: of bounds over the largest sampled error. Those of what no picture shows, and of
+// what is nearer than an error that is there, are as loose as they are.
+constexpr double any = std::numeric_limits<double>::infinity();
 void check_goal(Goal goal, double most_median) {
     constexpr int rounds = 12;
     std::mt19937 random(11 + unsigned(goal));
@@ -166,7 +169,9 @@ void check_goal(Goal goal, double most_median) {
             const bool has_pixels = goal == Goal::pixels || goal == Goal::chord_and_pixels;
             if (goal == Goal::budget || goal == Goal::chord_in_budget)
                 options.max_triangles = 1 + random() % 600;
-            if (goal != Goal::budget && goal != Goal::pixels)
+            if (goal == Goal::edge)
+                options.edge_length = std::exp2(2 - 3 * part(random));
+            else if (goal != Goal::budget && goal != Goal::pixels)
                 options.chord_error = std::exp2((has_pixels ? 1 : -1) - 4 * part(random));
             if (has_pixels) {
                 // Most of the cage is before or behind; another view sees what one does not.
@@ -192,13 +197,33 @@ TEST(TessellationTriangleBounds, HoldForAChordError) {
 }
 // Of triangles that no picture shows as well.
 TEST(TessellationTriangleBounds, HoldForPixels) {
-    check_goal(Goal::pixels, 1e9);
+    check_goal(Goal::pixels, any);
 }
 TEST(TessellationTriangleBounds, HoldForAChordErrorAndPixels) {
-    check_goal(Goal::chord_and_pixels, 1e9);
+    check_goal(Goal::chord_and_pixels, any);
 }
 TEST(TessellationTriangleBounds, HoldForAChordErrorInABudget) {
     check_goal(Goal::chord_in_budget, 2.5);
+}
+TEST(TessellationTriangleBounds, HoldForAnEdgeLength) {
+    check_goal(Goal::edge, any);
+}
+
+// No triangle's bound is looser than the largest error makes it.
+TEST(TessellationTriangleBounds, OfAnEdgeLengthTheLargestIsClose) {
+    NoiseOptions noise{.frequency = 4, .octaves = 4, .seed = 4};
+    noise.scale = 0.1;
+    const auto function = noise_function(noise);
+    ASSERT_TRUE(function);
+    TessellateOptions options;
+    options.displacements = {{.height = nullptr, .noise = *function}};
+    options.edge_length = 0.1;
+    const auto made = tessellate(cube(), options);
+    ASSERT_TRUE(made) << to_string(made.error());
+    std::printf("proved %.4g, measured %.4g\n", made->certificate.proved,
+                made->certificate.measured);
+    EXPECT_GE(made->certificate.proved, made->certificate.measured);
+    EXPECT_LE(made->certificate.proved, 1.5 * made->certificate.measured);
 }
 
 // A budget that is larger than what an error takes changes next to nothing.

@@ -451,11 +451,12 @@ double DisplacedSurface::bound_by_parts(std::span<const Whole> wholes, const Ask
     return parts.front().upper;
 }
 
-double DisplacedSurface::bound_as_one(const BisectedTriangle& closed,
-                                      std::span<const Corners> parts, double enough) const {
+double DisplacedSurface::bound_as_one(const BisectedTriangle& closed, std::span<const Whole> roots,
+                                      double enough) const {
     constexpr double none = std::numeric_limits<double>::infinity();
     const bool whole = closed.is_whole();
-    Corners all = parts[0];
+    const Corners &first = *roots[0].corners, &second = *roots[1].corners;
+    Corners all = first;
     if (!all.displacement || heights_.frames(all.root)) return none;
     // Corners of the closed face: a whole triangle's roots each begin with one.
     const auto copy = [&](std::size_t to, const Corners& from, std::size_t k) {
@@ -464,15 +465,15 @@ double DisplacedSurface::bound_as_one(const BisectedTriangle& closed,
         all.heights[to] = from.heights[k];
         all.vectors[to] = from.vectors[k];
     };
-    copy(2, parts[1], 1);  // a and b are those of the first
-    const BasePoint& centre = parts[0].points[2];
+    copy(2, second, 1);  // a and b are those of the first
+    const BasePoint& centre = first.points[2];
     std::array<glm::dvec2, 3> uv;
-    uv[0] = heights_.uv({parts[0].root, {1, 0, 0}});
-    uv[1] = heights_.uv({parts[0].root, {0, 1, 0}});
-    uv[2] = heights_.uv({parts[1].root, {0, 1, 0}});
+    uv[0] = heights_.uv({first.root, {1, 0, 0}});
+    uv[1] = heights_.uv({first.root, {0, 1, 0}});
+    uv[2] = heights_.uv({second.root, {0, 1, 0}});
     if (!whole) {
         const glm::dvec2 off =
-            glm::abs(heights_.uv({parts[0].root, {0, 0, 1}}) - 0.5 * (uv[0] + uv[2]));
+            glm::abs(heights_.uv({first.root, {0, 0, 1}}) - 0.5 * (uv[0] + uv[2]));
         const glm::dvec2 size = glm::max(glm::abs(uv[0]), glm::abs(uv[2]));
         constexpr double roundings = 0x1p-50;
         if (off.x > roundings * size.x || off.y > roundings * size.y) return none;
@@ -490,10 +491,9 @@ double DisplacedSurface::bound_as_one(const BisectedTriangle& closed,
         return glm::length(at - (whole ? (a + b + c) / 3.0 : 0.5 * (a + c)));
     };
     BaseDeviation base;
-    for (const Corners& part : parts) {
-        const BaseDeviation of = base_.deviation(part.root, part.weights, part.points);
-        base.position = std::max(base.position, of.position);
-        base.direction = std::max(base.direction, of.direction);
+    for (const Whole& root : roots) {
+        base.position = std::max(base.position, root.base.position);
+        base.direction = std::max(base.direction, root.base.direction);
     }
     const auto& p = all.points;
     base.position += bent(centre.position, p[0].position, p[1].position, p[2].position);
@@ -535,18 +535,16 @@ TriangleBound DisplacedSurface::closed_bound(const BisectedTriangle& closed,
     if (bend <= 0.25 * absolute_slack * size) bend = 0;
     // Single points, the centre and the edges' middles, may show that the face has to be opened.
     double farthest = bend;
-    for (std::size_t k = 0; k < count && farthest <= asked.hopeless; ++k)
-        if (std::isfinite(asked.hopeless)) {
-            const glm::dvec3 middle = truth({parts[k].root, {0.5, 0.5, 0}});
-            const glm::dvec3 linear = 0.5 * (parts[k].moved[0] + parts[k].moved[1]);
-            farthest = std::max(farthest, glm::length(middle - linear));
-        }
+    for (std::size_t k = 0; k < count && std::isfinite(asked.hopeless); ++k) {
+        const glm::dvec3 middle = truth({parts[k].root, {0.5, 0.5, 0}});
+        const glm::dvec3 linear = 0.5 * (parts[k].moved[0] + parts[k].moved[1]);
+        farthest = std::max(farthest, glm::length(middle - linear));
+    }
     if (farthest * (1 - relative_slack) > asked.hopeless)
         return TriangleBound{std::numeric_limits<float>::infinity(), 0};
 
     const Asked left = beside(gap, asked);
     const Asked of_roots{std::max(0.0, left.enough - bend), left.too_much - bend};
-    const std::span<const Corners> roots = std::span(parts).first(count);
     std::array<Whole, 3> wholes;
     double sum = bend;
     for (std::size_t k = 0; k < count; ++k) {
@@ -555,11 +553,12 @@ TriangleBound DisplacedSurface::closed_bound(const BisectedTriangle& closed,
         whole.bound = refinable(part, of_roots, whole.base);
         sum = std::max(sum, bend + whole.bound);
     }
+    const std::span<const Whole> roots = std::span(wholes).first(count);
     if (sum > left.enough)
         sum = std::min(sum, std::max(bend, bound_as_one(closed, roots, left.enough)));
     const bool noise = parts[0].displacement && parts[0].displacement->noise;
     if (sum > left.enough && (noise || sum <= near_enough * left.enough))
-        sum = std::min(sum, bound_by_parts(std::span(wholes).first(count), left));
+        sum = std::min(sum, bound_by_parts(roots, left));
     parts[0].gap = gap;
     parts[0].size = size;
     return parts[0].bound(sum);

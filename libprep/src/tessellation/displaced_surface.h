@@ -116,8 +116,8 @@ class DisplacedSurface {
     struct Whole;  // a triangle that is bounded by parts
     // Of one triangle, or of a closed face's roots.
     double bound_by_parts(std::span<const Whole> wholes, const Asked& asked) const;
-    // `parts`: a closed face's roots. Infinite where UVs are not linear over them, or vectors turn.
-    double bound_as_one(const BisectedTriangle& closed, std::span<const Corners> parts,
+    // `roots`: a closed face's. Infinite where UVs are not linear over them, or vectors turn.
+    double bound_as_one(const BisectedTriangle& closed, std::span<const Whole> roots,
                         double enough) const;
     TriangleBound closed_bound(const BisectedTriangle& closed, const VertexSamples& samples,
                                const Asked& asked) const;

@@ -131,17 +131,45 @@ Asked Refinement::asked(const BisectedTriangle& triangle) const {
         for (const ScreenBound& screen : screens_.around(corners, 0))
             most = std::min(most, screen.length_of(corners, *options_.pixel_error));
     }
-    const double left = is_shared(triangle) ? 0 : most - rounding_gap(corners(triangle));
-    return {std::max(0.5 * most, left), most, chord};
+    return {enough(triangle, most), most, chord};
 }
 
-// Triangles within the goal have no order among each other.
+double Refinement::enough(const BisectedTriangle& triangle, double most) const {
+    const double left = is_shared(triangle) ? 0 : most - rounding_gap(corners(triangle));
+    return std::max(0.5 * most, left);
+}
+
+// Triangles within the goal have no order among each other; nor have those whose bounds are no
+// more than an error that is there.
 Asked Refinement::worth_proving(std::uint32_t t) const {
     Asked result;
-    if (!options_.chord_error && !options_.pixel_error) return result;
-    const double enough = asked(mesh_.triangles()[t]).enough;
-    if (std::isfinite(enough)) result.enough = enough;
+    const BisectedTriangle& triangle = mesh_.triangles()[t];
+    if (!options_.chord_error && !options_.pixel_error)
+        result.enough = enough(triangle, largest_seen_);
+    else if (const double enough = asked(triangle).enough; std::isfinite(enough))
+        result.enough = enough;
     return result;
+}
+
+// In the middles of the edges that would be halved.
+double Refinement::largest_point_error() const {
+    const std::size_t count = mesh_.triangles().size();
+    std::vector<double> of_blocks((count + block - 1) / block, 0.0);
+    parallel_blocks(count, block, options_.threads, [&](std::size_t begin, std::size_t end) {
+        std::vector<RootPoint> middles;
+        for (std::size_t t = begin; t < end; ++t)
+            middles.push_back(surface_.points(mesh_.triangles()[t]).at({0.5, 0.5, 0}));
+        std::vector<glm::dvec3> truths(middles.size());
+        surface_.truths(middles, truths);
+        double& most = of_blocks[begin / block];
+        for (std::size_t t = begin; t < end; ++t) {
+            const auto corners = this->corners(mesh_.triangles()[t]);
+            most = std::max(most, glm::length(truths[t - begin] - 0.5 * (corners[0] + corners[1])));
+        }
+    });
+    double most = 0;
+    for (const double of_block : of_blocks) most = std::max(most, of_block);
+    return most;
 }
 
 // Of a triangle's edges, each as long as the triangle's own side has it where that is less: what
@@ -396,6 +424,7 @@ Result<void> Refinement::refine_to_error() {
         measure(fresh_, Effort::looking);
     }
     // What a look decided, what nothing depended on, and what cannot be halved.
+    if (!options_.chord_error && !options_.pixel_error) largest_seen_ = largest_point_error();
     fresh_.clear();
     for (std::uint32_t t = 0; t < bounds_.size(); ++t)
         if (bounds_[t].refinable == unknown || excess_[t] > 1) fresh_.push_back(mesh_.as_it_is(t));

@@ -54,7 +54,10 @@ class Refinement {
     bool is_shared(const BisectedTriangle& triangle) const;
     float excess(std::uint32_t t) const;
     Asked asked(const BisectedTriangle& triangle) const;
+    // Of a bound that is to be no more than `most`.
+    double enough(const BisectedTriangle& triangle, double most) const;
     Asked worth_proving(std::uint32_t t) const;
+    double largest_point_error() const;
     std::array<glm::dvec3, 3> corners(const BisectedTriangle& triangle) const;
     bool can_be_halved(std::uint32_t t) const;
     glm::dvec3 middle_position(std::uint32_t t) const;
@@ -81,6 +84,7 @@ class Refinement {
     LargeVector<Touched> fresh_;          // what the last halvings touched
     LargeVector<std::uint8_t> to_halve_;  // those of them that exceed what was asked
     double largest_coordinate_ = 0;
+    double largest_seen_ = 0;  // error of a point, where no error is asked for
     std::uint64_t unresolved_ = 0, over_budget_ = 0;
 };
 
