@@ -243,7 +243,9 @@ TEST(TessellationEconomy, RealCasesBesideTheBestUniformLevel) {
             int level = 0;
             double error = 0;
             while (of->uniform_triangles(level) < 8 * made.triangles) {
-                error = of->uniform_error(level, 4, made.error);
+                // As densely as the adaptive one's worst triangles.
+                const int each = Economy::points_of(of->uniform_triangles(level));
+                error = of->uniform_error(level, std::max(4, 4 * each), made.error);
                 if (error <= made.error) break;
                 ++level;
             }

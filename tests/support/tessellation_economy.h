@@ -88,6 +88,10 @@ class Economy {
         double error = 0, proved = 0;
         bool within_limit = true;
     };
+    // Points along a triangle's side where triangles are few: 100,000 in all.
+    static int points_of(std::uint64_t triangles) {
+        return int(std::min(64.0, std::sqrt(2 * 100'000 / double(triangles))));
+    }
     // `each`: points along a triangle's side, more where triangles are few; the 2 % of triangles
     // that are worst there, and never fewer than 200, are looked at with four times as many.
     Made adaptive(double asked, int each, std::uint64_t limit) {
@@ -110,8 +114,7 @@ class Economy {
             }
         };
         for (std::uint32_t t = 0; t < errors.size(); ++t) errors[t].second = t;
-        const double many = std::sqrt(2 * 100'000 / double(places.size()));
-        const int points = std::max(each, int(std::min(64.0, many)));
+        const int points = std::max(each, points_of(places.size()));
         parallel_blocks(errors.size(), 64, 0,
                         [&](std::size_t b, std::size_t e) { look(b, e, points); });
         std::sort(errors.begin(), errors.end(), std::greater<>());
