@@ -1,6 +1,6 @@
-// Where tessellation starts: a triangle as one, a quad as two along the diagonal that its shape
-// asks for, whatever the order of corners, faces and vertices; as closed as the cage; with bounds
-// that hold.
+// Where tessellation starts: a triangle as one, a quad as two along the diagonal that the
+// surface and its shape ask for, whatever the order of corners, faces and vertices; as closed as
+// the cage; with bounds that hold.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -83,6 +83,30 @@ TEST(TessellationClosedFaces, QuadsAreCutAlongTheirShorterDiagonal) {
         const std::multiset<Triangle> halves = triangles_of(coarsest(square, scheme).mesh);
         EXPECT_EQ(halves.count({{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}}}), 1U);
         EXPECT_EQ(halves.count({{{0, 0, 0}, {0, 1, 0}, {1, 1, 0}}}), 1U);
+    }
+}
+
+// Two corners up, two down, the centre between them: which diagonal is nearer to the surface is for
+// the height to say.
+TEST(TessellationClosedFaces, QuadsAreCutAlongTheDiagonalNearerToTheSurface) {
+    Mesh saddle;
+    saddle.positions = {{0, 0, 1}, {1, 0, 0}, {1, 1, 1}, {0, 1, 0}};
+    add_face(saddle, {0, 1, 2, 3});
+    saddle.uvs.assign(1, {});
+    saddle.uvs[0].values = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+    saddle.uvs[0].indices = {0, 1, 2, 3};
+    const auto bump = std::make_shared<Spike>(31, 15, 15, 0.25);  // 0 but about the centre
+    for (const double scale : {1.0, -1.0}) {
+        TessellateOptions options;
+        options.max_triangles = 2;
+        options.displacements = {{.height = bump, .scale = scale}};
+        const auto made = tessellate(saddle, options);
+        ASSERT_TRUE(made) << to_string(made.error());
+        const std::multiset<Triangle> cut = triangles_of(made->mesh);
+        EXPECT_EQ(cut.size(), 2U);
+        // The last corner of one, the first of the other.
+        EXPECT_EQ(cut.count({{{0, 0, 1}, {0, 1, 0}, {1, 1, 1}}}), scale > 0 ? 1U : 0U) << scale;
+        EXPECT_EQ(cut.count({{{0, 0, 1}, {0, 1, 0}, {1, 0, 0}}}), scale < 0 ? 1U : 0U) << scale;
     }
 }
 

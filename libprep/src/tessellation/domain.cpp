@@ -32,12 +32,12 @@ constexpr Index whole = no_index - 1;  // a fan that starts as one triangle
 
 // The corner (0 or 1) of a quad from which it is halved along a diagonal; no_index where it starts
 // as a fan.
-Index diagonal_start(const Mesh& mesh, std::span<const Index> corners) {
-    if (corners.size() != 4) return no_index;
+Index diagonal_start(const Mesh& mesh, std::span<const DomainRoot> roots, Nearer nearer) {
+    if (roots.size() != 4) return no_index;
     std::array<Index, 4> v{};
     std::array<glm::dvec3, 4> p;
     for (std::size_t k = 0; k < 4; ++k) {
-        v[k] = mesh.corner_vertices[corners[k]];
+        v[k] = mesh.corner_vertices[roots[k].corners[0]];
         p[k] = glm::dvec3(mesh.positions[v[k]]);
         for (std::size_t l = 0; l < k; ++l)
             if (v[l] == v[k]) return no_index;
@@ -49,6 +49,7 @@ Index diagonal_start(const Mesh& mesh, std::span<const Index> corners) {
     };
     const std::array<bool, 2> folds{runs_back(1) || runs_back(3), runs_back(0) || runs_back(2)};
     if (folds[0] != folds[1]) return folds[0] ? 1 : 0;
+    if (nearer != Nearer::neither) return nearer == Nearer::first ? 0 : 1;
     const auto squared = [](const glm::dvec3& d) { return glm::dot(d, d); };
     const double first = squared(p[2] - p[0]), second = squared(p[3] - p[1]);
     if (first != second) return first < second ? 0 : 1;
@@ -84,11 +85,17 @@ void sort_edges(std::vector<Edge>& edges) {
 
 class FirstTriangles {
   public:
-    // `starts`: diagonal_start() per fan, or `whole`.
-    FirstTriangles(Domain& domain, const Mesh& mesh, std::vector<Index> starts)
-        : domain_(domain), mesh_(mesh), starts_(std::move(starts)) {}
+    FirstTriangles(const Domain& domain, const Mesh& mesh, std::span<const Nearer> nearer)
+        : domain_(domain), mesh_(mesh), starts_(domain.fans()) {
+        const std::span<const DomainRoot> roots(domain.roots);
+        for (Index fan = 0; fan < domain.fans(); ++fan) {
+            const Index first = domain.fan_roots[fan], count = domain.fan_roots[fan + 1] - first;
+            starts_[fan] =
+                count == 3 ? whole : diagonal_start(mesh, roots.subspan(first, count), nearer[fan]);
+        }
+    }
 
-    void make() {
+    DomainStart make() {
         for (Index r = 0; r < domain_.roots.size(); ++r) {
             const Index a = vertex(r, 0), b = vertex(r, 1);
             if (a != b) edges_.push_back(edge_of(a, b, r));
@@ -103,6 +110,7 @@ class FirstTriangles {
                 link(half_edges_[edges_[k].owner],
                      half_edges_[edges_[k + 1 == end ? begin : k + 1].owner]);
         }
+        return std::move(start_);
     }
 
   private:
@@ -110,7 +118,7 @@ class FirstTriangles {
         return mesh_.corner_vertices[domain_.roots[root].corners[k]];
     }
     void link(Index half_edge, Index next) {
-        domain_.triangles[half_edge / 3].next[half_edge % 3] = next;
+        start_.triangles[half_edge / 3].next[half_edge % 3] = next;
     }
 
     void open_where_diagonals_meet() {
@@ -135,25 +143,25 @@ class FirstTriangles {
     void add(Index fan) {
         if (starts_[fan] == no_index) return add_open(fan);
         if (starts_[fan] != whole) return add_pairs(fan);
-        const Index t = Index(domain_.triangles.size()), r = domain_.fan_roots[fan];
-        domain_.triangles.push_back({{vertex(r, 0), vertex(r + 1, 0), vertex(r + 2, 0)},
-                                     {3 * t, 3 * t + 1, 3 * t + 2},
-                                     r,
-                                     r + 1,
-                                     true});
+        const Index t = Index(start_.triangles.size()), r = domain_.fan_roots[fan];
+        start_.triangles.push_back({{vertex(r, 0), vertex(r + 1, 0), vertex(r + 2, 0)},
+                                    {3 * t, 3 * t + 1, 3 * t + 2},
+                                    r,
+                                    r + 1,
+                                    true});
         for (Index k = 0; k < 3; ++k) half_edges_[r + k] = 3 * t + k;
     }
 
     void add_open(Index fan) {
-        const Index centre = domain_.first_vertices();
-        domain_.centres.push_back(fan);
+        const Index centre = domain_.cage_vertices + Index(start_.centres.size());
+        start_.centres.push_back(fan);
         const Index first = domain_.fan_roots[fan], last = domain_.fan_roots[fan + 1];
-        const auto shift = Index(domain_.triangles.size()) - first;
+        const auto shift = Index(start_.triangles.size()) - first;
         for (Index r = first; r < last; ++r) {
             const Index before = r == first ? last - 1 : r - 1;
             // b – centre is the next root's centre – a.
             const Index t = r + shift;
-            domain_.triangles.push_back(
+            start_.triangles.push_back(
                 {{vertex(r, 0), vertex(r, 1), centre},
                  {3 * t, 3 * (domain_.next_root(r) + shift) + 2, 3 * (before + shift) + 1},
                  r,
@@ -163,23 +171,24 @@ class FirstTriangles {
     }
 
     void add_pairs(Index fan) {
-        const auto t = Index(domain_.triangles.size());
+        const auto t = Index(start_.triangles.size());
         Index root = domain_.fan_roots[fan] + starts_[fan];
         for (const Index half : {t, t + 1}) {
             const Index next = domain_.next_root(root);
-            domain_.triangles.push_back({{vertex(next, 1), vertex(root, 0), vertex(root, 1)},
-                                         {3 * (half == t ? t + 1 : t), 3 * half + 1, 3 * half + 2},
-                                         root,
-                                         next});
+            start_.triangles.push_back({{vertex(next, 1), vertex(root, 0), vertex(root, 1)},
+                                        {3 * (half == t ? t + 1 : t), 3 * half + 1, 3 * half + 2},
+                                        root,
+                                        next});
             half_edges_[root] = 3 * half + 1;
             half_edges_[next] = 3 * half + 2;
             root = domain_.next_root(next);
         }
     }
 
-    Domain& domain_;
+    const Domain& domain_;
     const Mesh& mesh_;
-    std::vector<Index> starts_;
+    DomainStart start_;
+    std::vector<Index> starts_;      // diagonal_start() per fan, or `whole`
     std::vector<Edge> edges_;        // of the cage
     std::vector<Index> half_edges_;  // per root: where its ab is
 };
@@ -190,7 +199,6 @@ Domain make_domain(const Mesh& mesh, const std::vector<std::uint8_t>& left_out, 
                    int threads) {
     Domain domain;
     domain.cage_vertices = Index(mesh.vertex_count());
-    std::vector<Index> starts;
     std::optional<Triangulation> cut;
     Index triangle = 0;
     std::vector<Index> corners;
@@ -203,17 +211,18 @@ Domain make_domain(const Mesh& mesh, const std::vector<std::uint8_t>& left_out, 
             for (; triangle < cut->triangle_faces.size() && cut->triangle_faces[triangle] == f;
                  ++triangle) {
                 add_fan(domain, f, std::span(cut->corners).subspan(3 * triangle, 3));
-                starts.push_back(whole);
             }
             continue;
         }
         corners.clear();
         for (Index c = first; c < last; ++c) corners.push_back(c);
         add_fan(domain, f, corners);
-        starts.push_back(corners.size() == 3 ? whole : diagonal_start(mesh, corners));
     }
-    FirstTriangles(domain, mesh, std::move(starts)).make();
     return domain;
+}
+
+DomainStart make_start(const Domain& domain, const Mesh& mesh, std::span<const Nearer> nearer) {
+    return FirstTriangles(domain, mesh, nearer).make();
 }
 
 }  // namespace prep::detail

@@ -6,17 +6,18 @@
 //
 // Tessellation starts with faces closed, as far as may be. A triangle is one. A
 // quad is two pairs of its roots: the triangles on both sides of a diagonal, whose middle stands
-// for the centre. Of the diagonals along which the two run the same way it is the shorter one
-// between the cage's vertices, of equal ones that of the corner whose position is the least by x,
-// then y, then z, of equal ones that of the vertex of the lowest number: which corner comes first
-// does not matter. A quad that has a vertex twice, or whose diagonal is an edge of a face or
-// another quad's diagonal as well (the two would be one edge of four triangles), starts as its fan,
-// as other faces do.
+// for the centre. Of the diagonals along which the two run the same way it is the one that is
+// nearer to the surface's centre; of those that are as near the shorter one between the cage's
+// vertices, of equal ones that of the corner whose position is the least by x, then y, then z, of
+// equal ones that of the vertex of the lowest number: which corner comes first does not matter. A
+// quad that has a vertex twice, or whose diagonal is an edge of a face or another quad's diagonal
+// as well (the two would be one edge of four triangles), starts as its fan, as other faces do.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <span>
 #include <vector>
 
 #include "prep/mesh.h"
@@ -33,13 +34,9 @@ struct DomainRoot {
 struct Domain {
     std::vector<DomainRoot> roots;
     std::vector<std::uint32_t> fan_roots{0};  // per fan (+ 1): its first root
-    // Vertices are the cage's, then the centres of those fans that are open.
-    std::vector<FirstTriangle> triangles;
-    std::vector<std::uint32_t> centres;  // fans
     std::uint32_t cage_vertices = 0;
 
     std::uint32_t fans() const { return std::uint32_t(fan_roots.size() - 1); }
-    std::uint32_t first_vertices() const { return cage_vertices + std::uint32_t(centres.size()); }
     // The root (b, c, centre) of (a, b, centre).
     std::uint32_t next_root(std::uint32_t root) const {
         const std::uint32_t fan = roots[root].fan;
@@ -49,9 +46,23 @@ struct Domain {
 
 // One fan a face, in order; faces whose `left_out` is set (empty: none) have no roots. With
 // `straight`, a polygon that is not star-shaped about the mean of its corners is cut into triangles
-// first, a fan each. Half-edges of equal vertices at an edge of no length are not linked.
+// first, a fan each.
 Domain make_domain(const Mesh& mesh, const std::vector<std::uint8_t>& left_out, bool straight,
                    int threads);
+
+// Where tessellation starts. Vertices are the cage's, then the centres of those fans that are open.
+struct DomainStart {
+    std::vector<FirstTriangle> triangles;
+    std::vector<std::uint32_t> centres;  // fans
+};
+
+// Which of a quad's diagonals, that of the first corner or of the second, is nearer to the
+// surface's centre.
+enum class Nearer : std::uint8_t { neither, first, second };
+
+// `nearer`: per fan; read of quads alone. Half-edges of equal vertices at an edge of no length are
+// not linked.
+DomainStart make_start(const Domain& domain, const Mesh& mesh, std::span<const Nearer> nearer);
 
 // Points of a triangle of the tessellation, by weights of its corners: in the root that it is a
 // part of, or in one of a closed face's.

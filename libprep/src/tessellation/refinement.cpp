@@ -52,13 +52,13 @@ Refinement::Refinement(const Mesh& cage, const Domain& domain, const DisplacedSu
       surface_(surface),
       options_(options),
       screens_(options.pixel_error ? options.screens : std::vector<ScreenMetric>{}),
-      mesh_(domain.first_vertices(), domain.triangles) {}
+      mesh_(0, {}) {}
 
-void Refinement::make_first_vertices() {
-    const std::uint32_t cage = domain_.cage_vertices, count = mesh_.vertex_count();
+void Refinement::make_cage_vertices() {
+    const std::uint32_t count = domain_.cage_vertices;
     samples_.resize(count);
     // Points by cage vertex: each fan's corner, once.
-    std::vector<std::uint32_t> offsets(std::size_t(cage) + 1, 0);
+    std::vector<std::uint32_t> offsets(std::size_t(count) + 1, 0);
     const auto vertex = [&](std::uint32_t r) {
         return cage_.corner_vertices[domain_.roots[r].corners[0]];
     };
@@ -70,18 +70,62 @@ void Refinement::make_first_vertices() {
         points[next[vertex(r)]++] = {r, {1, 0, 0}};
     parallel_blocks(count, block, options_.threads, [&](std::size_t begin, std::size_t end) {
         for (auto v = std::uint32_t(begin); v < end; ++v) {
-            RootPoint centre;
-            std::span<const RootPoint> at{&centre, 1};
-            if (v >= cage)
-                centre = {domain_.fan_roots[domain_.centres[v - cage]], {0, 0, 1}};
-            else
-                at = std::span(points).subspan(offsets[v], offsets[v + 1] - offsets[v]);
+            const auto at = std::span(points).subspan(offsets[v], offsets[v + 1] - offsets[v]);
             if (at.empty()) continue;
             std::vector<BasePoint> sides(at.size());
             surface_.base().evaluate(at, sides);
             surface_.make_vertex(at, sides, v, samples_);
         }
     });
+}
+
+std::vector<Nearer> Refinement::nearer_diagonals() const {
+    std::vector<Nearer> nearer(domain_.fans(), Nearer::neither);
+    parallel_blocks(
+        nearer.size(), block, options_.threads, [&](std::size_t begin, std::size_t end) {
+            std::vector<std::uint32_t> quads;
+            std::vector<RootPoint> centres;
+            for (auto fan = std::uint32_t(begin); fan < end; ++fan)
+                if (domain_.fan_roots[fan + 1] - domain_.fan_roots[fan] == 4) {
+                    quads.push_back(fan);
+                    centres.push_back({domain_.fan_roots[fan], {0, 0, 1}});
+                }
+            std::vector<glm::dvec3> truths(centres.size());
+            surface_.truths(centres, truths);
+            for (std::size_t q = 0; q < quads.size(); ++q) {
+                std::array<glm::dvec3, 4> p;
+                for (std::uint32_t k = 0; k < 4; ++k) {
+                    const DomainRoot& root = domain_.roots[domain_.fan_roots[quads[q]] + k];
+                    p[k] = glm::dvec3(samples_[cage_.corner_vertices[root.corners[0]]].position);
+                }
+                const double first = glm::length(truths[q] - 0.5 * (p[0] + p[2]));
+                const double second = glm::length(truths[q] - 0.5 * (p[1] + p[3]));
+                // Of a plane's both are roundings, of polygons both are the same.
+                constexpr double clearly = 0.9375;
+                const double gap =
+                    std::max(rounding_gap({p[0], p[1], p[2]}), rounding_gap({p[3], p[3], p[3]}));
+                if (first < clearly * second - gap) nearer[quads[q]] = Nearer::first;
+                if (second < clearly * first - gap) nearer[quads[q]] = Nearer::second;
+            }
+        });
+    return nearer;
+}
+
+void Refinement::start() {
+    make_cage_vertices();
+    const DomainStart start = make_start(domain_, cage_, nearer_diagonals());
+    const std::uint32_t cage = domain_.cage_vertices;
+    mesh_ = BisectionMesh(cage + std::uint32_t(start.centres.size()), start.triangles);
+    samples_.resize(mesh_.vertex_count());
+    parallel_blocks(
+        start.centres.size(), block, options_.threads, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t k = begin; k < end; ++k) {
+                const RootPoint at{domain_.fan_roots[start.centres[k]], {0, 0, 1}};
+                BasePoint point;
+                surface_.base().evaluate({&at, 1}, {&point, 1});
+                surface_.make_vertex({&at, 1}, {&point, 1}, cage + std::uint32_t(k), samples_);
+            }
+        });
     for (const VertexSample& v : samples_)
         for (int k = 0; k < 3; ++k)
             if (std::isfinite(v.position[k]))
@@ -523,7 +567,7 @@ Result<void> Refinement::check_pixels() const {
 }
 
 Result<void> Refinement::run() {
-    make_first_vertices();
+    start();
     constexpr double float_steps = 0x1p-22;  // twice what rounding a position moves it by, and more
     if (options_.chord_error && *options_.chord_error < float_steps * largest_coordinate_)
         return Error{ErrorCode::limit,

@@ -35,7 +35,9 @@ class Refinement {
 
   private:
     using Touched = BisectionMesh::Touched;
-    void make_first_vertices();
+    void make_cage_vertices();
+    std::vector<Nearer> nearer_diagonals() const;
+    void start();
     void make_new_vertices();
     // Looking: bounds are left out where something cheaper decides, or nothing depends on them, and
     // are no tighter than a decision takes. Proving: as tight as may be where what is asked for is
