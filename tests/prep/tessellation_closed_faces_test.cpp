@@ -86,6 +86,29 @@ TEST(TessellationClosedFaces, QuadsAreCutAlongTheirShorterDiagonal) {
     }
 }
 
+// Of parallelograms in a plane both diagonals are on the surface, but for roundings.
+TEST(TessellationClosedFaces, RoundingsDoNotChooseDiagonals) {
+    const glm::vec3 along(0.7F, 0.1F, 0.3F), up(0.2F, 0.9F, 0.1F);
+    constexpr std::uint32_t n = 12;
+    for (const auto scheme :
+         {std::optional<SubdivisionScheme>(), std::optional(SubdivisionScheme::bilinear)}) {
+        const TessellatedMesh made = coarsest(sheared_grid(n, along, up), scheme);
+        ASSERT_EQ(made.mesh.face_count(), std::size_t(2 * n * n));
+        const float shorter = glm::length(up - along);
+        ASSERT_LT(1.2F * shorter, glm::length(up + along));
+        for (std::size_t f = 0; f < made.mesh.face_count(); ++f) {
+            float longest = 0;
+            for (std::size_t k = 0; k < 3; ++k) {
+                const auto at = [&](std::size_t c) {
+                    return made.mesh.positions[made.mesh.corner_vertices[3 * f + c % 3]];
+                };
+                longest = std::max(longest, glm::length(at(k + 1) - at(k)));
+            }
+            EXPECT_NEAR(longest, shorter, 1e-4F) << f;
+        }
+    }
+}
+
 // Two corners up, two down, the centre between them: which diagonal is nearer to the surface is for
 // the height to say.
 TEST(TessellationClosedFaces, QuadsAreCutAlongTheDiagonalNearerToTheSurface) {

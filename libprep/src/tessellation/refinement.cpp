@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::size_t block = 256;
 // More than rounding to floats moves corners by.
-double rounding_gap(const std::array<glm::dvec3, 3>& corners) {
+double rounding_gap(std::span<const glm::dvec3> corners) {
     double largest = 0;
     for (const glm::dvec3& p : corners)
         for (glm::length_t k = 0; k < 3; ++k) largest = std::max(largest, std::abs(p[k]));
@@ -102,8 +102,7 @@ std::vector<Nearer> Refinement::nearer_diagonals() const {
                 const double second = glm::length(truths[q] - 0.5 * (p[1] + p[3]));
                 // Of a plane's both are roundings, of polygons both are the same.
                 constexpr double clearly = 0.9375;
-                const double gap =
-                    std::max(rounding_gap({p[0], p[1], p[2]}), rounding_gap({p[3], p[3], p[3]}));
+                const double gap = rounding_gap(p);
                 if (first < clearly * second - gap) nearer[quads[q]] = Nearer::first;
                 if (second < clearly * first - gap) nearer[quads[q]] = Nearer::second;
             }
