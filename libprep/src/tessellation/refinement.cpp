@@ -23,6 +23,12 @@ double rounding_gap(std::span<const glm::dvec3> corners) {
     return 0x1p-22 * largest;
 }
 
+double farthest_apart(const std::array<glm::dvec3, 3>& p, const std::array<glm::dvec3, 3>& q) {
+    double apart = 0;
+    for (std::size_t k = 0; k < 3; ++k) apart = std::max(apart, glm::length(p[k] - q[k]));
+    return apart;
+}
+
 std::array<double, 3> edge_lengths(const std::array<glm::dvec3, 3>& corners) {
     return {glm::length(corners[1] - corners[0]), glm::length(corners[2] - corners[1]),
             glm::length(corners[0] - corners[2])};
@@ -174,23 +180,24 @@ Asked Refinement::asked(const BisectedTriangle& triangle) const {
         for (const ScreenBound& screen : screens_.around(corners, 0))
             most = std::min(most, screen.length_of(corners, *options_.pixel_error));
     }
-    return {enough(triangle, most), most, chord};
-}
-
-double Refinement::enough(const BisectedTriangle& triangle, double most) const {
     const double left = is_shared(triangle) ? 0 : most - rounding_gap(corners(triangle));
-    return std::max(0.5 * most, left);
+    return {std::max(0.5 * most, left), most, chord};
 }
 
 // Triangles within the goal have no order among each other; nor have those whose bounds are no
-// more than an error that is there.
+// more than an error that is there. What shared corners are off by comes on top.
 Asked Refinement::worth_proving(std::uint32_t t) const {
     Asked result;
     const BisectedTriangle& triangle = mesh_.triangles()[t];
-    if (!options_.chord_error && !options_.pixel_error)
-        result.enough = enough(triangle, largest_seen_);
-    else if (const double enough = asked(triangle).enough; std::isfinite(enough))
-        result.enough = enough;
+    if (!options_.chord_error && !options_.pixel_error) {
+        const auto seen = corners(triangle);
+        const double gap =
+            is_shared(triangle) ? farthest_apart(surface_.own_corners(triangle), seen) : 0;
+        result.enough = std::max(0.0, largest_seen_ - gap - rounding_gap(seen));
+        return result;
+    }
+    const double enough = asked(triangle).enough;
+    if (std::isfinite(enough)) result.enough = enough;
     return result;
 }
 
@@ -224,9 +231,7 @@ double Refinement::longest_edge(std::uint32_t t) const {
     const double longest = longest_of(lengths);
     if (!(longest > *options_.edge_length) || !is_shared(triangle)) return longest;
     const auto own = surface_.own_corners(triangle);
-    double apart = 0;
-    for (std::size_t k = 0; k < 3; ++k) apart = std::max(apart, glm::length(own[k] - seen[k]));
-    if (apart <= rounding_gap(seen)) return longest;
+    if (farthest_apart(own, seen) <= rounding_gap(seen)) return longest;
     const auto own_lengths = edge_lengths(own);
     std::array<double, 3> less;
     for (std::size_t k = 0; k < 3; ++k) less[k] = std::min(lengths[k], own_lengths[k]);

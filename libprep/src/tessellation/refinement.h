@@ -40,8 +40,8 @@ class Refinement {
     void start();
     void make_new_vertices();
     // Looking: bounds are left out where something cheaper decides, or nothing depends on them, and
-    // are no tighter than a decision takes. Proving: as tight as may be where what is asked for is
-    // exceeded, for comparisons with each other and for what is reported.
+    // are no tighter than a decision takes. Proving: as tight as may be where what is asked for, or
+    // without an error the largest that is there, is exceeded.
     enum class Effort : std::uint8_t { looking, proving };
     void measure(std::span<const Touched> fresh, Effort effort);
     void fetch_ahead(std::span<const Touched> fresh, std::size_t k) const;
@@ -56,8 +56,6 @@ class Refinement {
     bool is_shared(const BisectedTriangle& triangle) const;
     float excess(std::uint32_t t) const;
     Asked asked(const BisectedTriangle& triangle) const;
-    // Of a bound that is to be no more than `most`.
-    double enough(const BisectedTriangle& triangle, double most) const;
     Asked worth_proving(std::uint32_t t) const;
     double largest_point_error() const;
     std::array<glm::dvec3, 3> corners(const BisectedTriangle& triangle) const;
@@ -86,7 +84,7 @@ class Refinement {
     LargeVector<Touched> fresh_;          // what the last halvings touched
     LargeVector<std::uint8_t> to_halve_;  // those of them that exceed what was asked
     double largest_coordinate_ = 0;
-    double largest_seen_ = 0;  // error of a point, where no error is asked for
+    double largest_seen_ = 0;  // error of a point, where edges alone are asked for; else 0
     std::uint64_t unresolved_ = 0, over_budget_ = 0;
 };
 

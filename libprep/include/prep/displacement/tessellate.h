@@ -13,8 +13,8 @@
 // tangent and the bitangent of the UVs there, made perpendicular to n and unit
 // (docs/displacement.md, vector maps).
 //
-// A plain triangle starts as one and a quad as two, along the shorter diagonal, which stand for the
-// fan as long as that is near enough. Triangles are halved at their newest vertex
+// A plain triangle starts as one and a quad as two, along the diagonal nearer to the surface, which
+// stand for the fan as long as that is near enough. Triangles are halved at their newest vertex
 // (libprep/src/tessellation/bisection.h): both sides of
 // an edge share its middle, so that the result is as closed as the cage. Where several faces meet,
 // there is one position: the mean of the least and the greatest of their heights, along the
