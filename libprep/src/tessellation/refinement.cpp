@@ -201,10 +201,9 @@ Asked Refinement::worth_proving(std::uint32_t t) const {
     return result;
 }
 
-// In the middles of the edges that would be halved.
 double Refinement::largest_point_error() const {
     const std::size_t count = mesh_.triangles().size();
-    std::vector<double> of_blocks((count + block - 1) / block, 0.0);
+    std::vector<double> of_blocks(count / block + 1, 0.0);
     parallel_blocks(count, block, options_.threads, [&](std::size_t begin, std::size_t end) {
         std::vector<RootPoint> middles;
         for (std::size_t t = begin; t < end; ++t)
@@ -213,13 +212,11 @@ double Refinement::largest_point_error() const {
         surface_.truths(middles, truths);
         double& most = of_blocks[begin / block];
         for (std::size_t t = begin; t < end; ++t) {
-            const auto corners = this->corners(mesh_.triangles()[t]);
-            most = std::max(most, glm::length(truths[t - begin] - 0.5 * (corners[0] + corners[1])));
+            const auto p = corners(mesh_.triangles()[t]);
+            most = std::max(most, glm::length(truths[t - begin] - 0.5 * (p[0] + p[1])));
         }
     });
-    double most = 0;
-    for (const double of_block : of_blocks) most = std::max(most, of_block);
-    return most;
+    return *std::max_element(of_blocks.begin(), of_blocks.end());
 }
 
 // Of a triangle's edges, each as long as the triangle's own side has it where that is less: what

@@ -57,7 +57,7 @@ class Refinement {
     float excess(std::uint32_t t) const;
     Asked asked(const BisectedTriangle& triangle) const;
     Asked worth_proving(std::uint32_t t) const;
-    double largest_point_error() const;
+    double largest_point_error() const;  // in the middles of edges that would be halved
     std::array<glm::dvec3, 3> corners(const BisectedTriangle& triangle) const;
     bool can_be_halved(std::uint32_t t) const;
     glm::dvec3 middle_position(std::uint32_t t) const;
