@@ -24,13 +24,20 @@ list(TRANSFORM sanitized_tests APPEND _test)
 # Builds them.
 add_custom_target(sanitizer_tests)
 
-# Sets `label` in the caller: what ctest -L chooses `name` by.
-function(meshprep_test_label name folder)
-  if(name IN_LIST sanitized_tests)
-    add_dependencies(sanitizer_tests ${name})
+# Sets `label` in the caller: what ctest -L chooses a program of these files by.
+function(meshprep_test_label program folder stems)
+  set(names ${stems})
+  list(TRANSFORM names PREPEND ${folder}_)
+  list(TRANSFORM names APPEND _test)
+  set(others ${names})
+  list(REMOVE_ITEM others ${sanitized_tests})
+  if(NOT others)
+    add_dependencies(sanitizer_tests ${program})
     set(label ${folder}-sanitized PARENT_SCOPE)
-  else()
+  elseif(others STREQUAL names)
     set(label ${folder} PARENT_SCOPE)
+  else()
+    message(FATAL_ERROR "tests/together.cmake has a line that is under sanitizers, but for: ${others}")
   endif()
 endfunction()
 

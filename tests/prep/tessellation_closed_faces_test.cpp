@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <random>
 #include <set>
 
@@ -152,6 +153,32 @@ TEST(TessellationClosedFaces, QuadsThatAreNotConvexAreCutWithin) {
     }
 }
 
+// The same quads with other numbers of corners, faces and vertices.
+struct Renumbered {
+    Mesh mesh;
+    std::vector<std::uint32_t> number;  // by vertex of the original
+};
+Renumbered renumbered(const Mesh& cage, std::mt19937& random) {
+    std::vector<std::uint32_t> faces(cage.face_count());
+    std::iota(faces.begin(), faces.end(), 0U);
+    std::shuffle(faces.begin(), faces.end(), random);
+    Renumbered other;
+    other.number.resize(cage.vertex_count());
+    std::iota(other.number.begin(), other.number.end(), 0U);
+    std::shuffle(other.number.begin(), other.number.end(), random);
+    other.mesh.positions.resize(cage.positions.size());
+    for (std::uint32_t v = 0; v < cage.vertex_count(); ++v)
+        other.mesh.positions[other.number[v]] = cage.positions[v];
+    for (const std::uint32_t f : faces) {
+        const std::uint32_t turn = std::uint32_t(random() % 4);
+        std::vector<std::uint32_t> face;
+        for (std::uint32_t k = 0; k < 4; ++k)
+            face.push_back(other.number[cage.corner_vertices[4 * f + (k + turn) % 4]]);
+        add_face(other.mesh, face);
+    }
+    return other;
+}
+
 TEST(TessellationClosedFaces, NumbersOfCornersFacesAndVerticesDoNotMatter) {
     std::mt19937 random(31);
     std::uniform_int_distribution<int> step(-3, 3);  // many diagonals of equal length
@@ -160,22 +187,7 @@ TEST(TessellationClosedFaces, NumbersOfCornersFacesAndVerticesDoNotMatter) {
         Mesh cage = torus(5, 4);
         for (glm::vec3& p : cage.positions)
             p = glm::round(4.0F * p) + glm::vec3(step(random), step(random), step(random)) / 3.0F;
-        std::vector<std::uint32_t> faces(cage.face_count()), number(cage.vertex_count());
-        for (std::uint32_t f = 0; f < faces.size(); ++f) faces[f] = f;
-        for (std::uint32_t v = 0; v < number.size(); ++v) number[v] = v;
-        std::shuffle(faces.begin(), faces.end(), random);
-        std::shuffle(number.begin(), number.end(), random);
-        Mesh other;
-        other.positions.resize(cage.positions.size());
-        for (std::uint32_t v = 0; v < number.size(); ++v)
-            other.positions[number[v]] = cage.positions[v];
-        for (const std::uint32_t f : faces) {
-            const std::uint32_t turn = std::uint32_t(random() % 4);
-            std::vector<std::uint32_t> face;
-            for (std::uint32_t k = 0; k < 4; ++k)
-                face.push_back(number[cage.corner_vertices[4 * f + (k + turn) % 4]]);
-            add_face(other, face);
-        }
+        const Mesh other = renumbered(cage, random).mesh;
         const std::multiset<Triangle> one = triangles_of(coarsest(cage).mesh);
         EXPECT_EQ(one.size(), 2 * cage.face_count());
         EXPECT_EQ(one, triangles_of(coarsest(other).mesh)) << round;
@@ -193,6 +205,50 @@ TEST(TessellationClosedFaces, NumbersOfCornersFacesAndVerticesDoNotMatter) {
         differ += one != as_numbered;
     }
     EXPECT_EQ(differ, 40);
+}
+
+// Nor where the surface chooses the diagonals.
+TEST(TessellationClosedFaces, NumbersDoNotMatterToDiagonalsNearerToTheSurface) {
+    using Edge = std::pair<std::uint32_t, std::uint32_t>;
+    const auto edges = [](const TessellatedMesh& made, const std::vector<std::uint32_t>& number) {
+        std::vector<std::uint32_t> original(number.size());
+        for (std::uint32_t v = 0; v < number.size(); ++v) original[number[v]] = v;
+        std::set<Edge> result;
+        for (std::size_t c = 0; c < made.mesh.corner_count(); ++c) {
+            const std::size_t next = c % 3 == 2 ? c - 2 : c + 1;
+            const auto at = [&](std::size_t k) {
+                return original.at(made.cage_vertices[made.mesh.corner_vertices[k]]);
+            };
+            result.insert(std::minmax(at(c), at(next)));
+        }
+        return result;
+    };
+    std::mt19937 random(32);
+    std::uniform_real_distribution<float> step(-0.3F, 0.3F);
+    NoiseOptions noise{.frequency = 2, .octaves = 2, .seed = 5};
+    noise.scale = 0.3;
+    const auto function = noise_function(noise);
+    ASSERT_TRUE(function);
+    std::size_t by_surface = 0;
+    for (int round = 0; round < 40; ++round) {
+        Mesh cage = torus(5, 4);
+        for (glm::vec3& p : cage.positions)
+            p += glm::vec3(step(random), step(random), step(random));
+        const Renumbered other = renumbered(cage, random);
+        std::vector<std::uint32_t> same(cage.vertex_count());
+        std::iota(same.begin(), same.end(), 0U);
+        TessellateOptions options;
+        options.max_triangles = 2 * cage.face_count();
+        const auto flat = tessellate(cage, options);
+        if (round % 2 == 0) options.scheme = SubdivisionScheme::catmark;
+        options.displacements = {{.height = nullptr, .noise = *function}};
+        const auto one = tessellate(cage, options), two = tessellate(other.mesh, options);
+        ASSERT_TRUE(flat && one && two);
+        ASSERT_EQ(one->mesh.face_count(), 2 * cage.face_count());
+        EXPECT_EQ(edges(*one, same), edges(*two, other.number)) << round;
+        by_surface += edges(*one, same) != edges(*flat, same);
+    }
+    EXPECT_GT(by_surface, 30U);
 }
 
 std::size_t most_at_an_edge(const Mesh& mesh) {

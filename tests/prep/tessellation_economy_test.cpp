@@ -86,14 +86,13 @@ TEST(TessellationEconomy, TrianglesAtEqualTrueError) {
         for (int level = 1; level <= (c.cage.face_count() < few ? 4 : 3); ++level) {
             const std::uint64_t even = of.uniform_triangles(level);
             const double error = of.uniform_error(level, dense >> level);
-            // The fewest triangles found that are no farther off than that.
+            // The coarsest of some that is no farther off than that.
             Economy::Made best;
-            for (const double more : {1.0, 1.2, 1.5, 2.0, 2.7, 4.0}) {
-                const Economy::Made tried = of.adaptive(more * error, 8, 1 << 20);
-                EXPECT_LE(tried.error, tried.proved);
-                EXPECT_LE(tried.proved, more * error);
-                if (more == 1 || (tried.error <= error && tried.triangles < best.triangles))
-                    best = tried;
+            for (const double more : {4.0, 2.7, 2.0, 1.5, 1.2, 1.0}) {
+                best = of.adaptive(more * error, 8, 1 << 20);
+                EXPECT_LE(best.error, best.proved);
+                EXPECT_LE(best.proved, more * error);
+                if (best.error <= error) break;
             }
             EXPECT_LE(best.error, error);
             const double ratio = double(best.triangles) / double(even);
@@ -223,6 +222,9 @@ TEST(TessellationEconomy, RealCasesBesideTheBestUniformLevel) {
     MESHPREP_REQUIRE_SHARED(shared);
     const bool all = std::getenv("MESHPREP_LONG_TESTS") != nullptr;
     const std::uint64_t limit = all ? 1'000'000 : 30'000;
+    // No level is looked at that has so many times as many triangles: it counts as one that is no
+    // farther off.
+    const std::uint64_t beyond = all ? 8 : 2;
     std::vector<double> ratios, bounds;
     for (const RealCase& c : real_cases) {
         double diagonal = 1;
@@ -237,14 +239,12 @@ TEST(TessellationEconomy, RealCasesBesideTheBestUniformLevel) {
             }
             EXPECT_LE(made.error, made.proved) << c.name << ' ' << part;
             EXPECT_LE(made.proved, asked) << c.name << ' ' << part;
-            // The coarsest level that is no farther off; none is looked for beyond eight times as
-            // many triangles.
+            // The coarsest level that is no farther off.
             int level = 0;
-            double error = 0;
-            while (of->uniform_triangles(level) < 8 * made.triangles) {
+            while (of->uniform_triangles(level) < beyond * made.triangles) {
                 // As densely as the adaptive one's worst triangles.
                 const int each = Economy::points_of(of->uniform_triangles(level));
-                error = of->uniform_error(level, std::max(4, 4 * each), made.error);
+                const double error = of->uniform_error(level, std::max(4, 4 * each), made.error);
                 if (error <= made.error) break;
                 ++level;
             }

@@ -226,6 +226,36 @@ TEST(TessellationTriangleBounds, OfAnEdgeLengthTheLargestIsClose) {
     EXPECT_LE(made->certificate.proved, 1.5 * made->certificate.measured);
 }
 
+// Sides that disagree leave a gap in the largest triangle's bound: the share that may be loose is
+// what is left beside it. A budget that is not reached takes each bound as tight as may be.
+TEST(TessellationTriangleBounds, OfAnEdgeLengthGapsLoosenNothing) {
+    Mesh cage = cube();
+    TessellateOptions options;
+    for (std::uint32_t f = 0; f < cage.face_count(); ++f) {
+        NoiseOptions noise{.frequency = 4, .octaves = 4, .seed = 4};
+        noise.scale = 0.1;
+        noise.midlevel = f;  // of its own height
+        const auto function = noise_function(noise);
+        ASSERT_TRUE(function);
+        options.displacements.push_back({.height = nullptr, .noise = *function});
+        options.material_displacements.push_back(f);
+        cage.face_materials.push_back(f);
+    }
+    options.edge_length = 0.1;
+    const auto alone = tessellate(cage, options);
+    ASSERT_TRUE(alone) << to_string(alone.error());
+    options.max_triangles = 10 * alone->certificate.triangles;
+    const auto within = tessellate(cage, options);
+    ASSERT_TRUE(within) << to_string(within.error());
+    std::printf("proved %.4g, with a budget %.4g, measured %.4g, gap %.4g\n",
+                alone->certificate.proved, within->certificate.proved, alone->certificate.measured,
+                alone->certificate.largest_shared_gap);
+    EXPECT_EQ(alone->certificate.triangles, within->certificate.triangles);
+    EXPECT_GT(alone->certificate.largest_shared_gap, 0.1);
+    EXPECT_GE(alone->certificate.proved, alone->certificate.measured);
+    EXPECT_LE(alone->certificate.proved, 1.01 * within->certificate.proved);
+}
+
 // A budget that is larger than what an error takes changes next to nothing.
 TEST(TessellationTriangleBounds, AGoalTakesNoMoreTrianglesForABudget) {
     NoiseOptions noise{.frequency = 2, .octaves = 3, .seed = 4};

@@ -7,6 +7,7 @@
 #include <functional>
 #include <string>
 
+#include "shared_data.h"
 #include "skip_stage.h"
 
 namespace {
@@ -326,7 +327,7 @@ TEST(Effects, LightAtVerticesIsWhatTheTableSays) {
 
 // The page has these rows and says of them what is tested here.
 TEST(Effects, AreTheRowsOfTheTable) {
-    std::ifstream page(MESHPREP_SOURCE_DIR "/docs/rasterizer.md");
+    std::ifstream page(test::source_dir() / "docs/rasterizer.md");
     std::string line, rows;
     while (std::getline(page, line))
         if (line.starts_with("| ")) rows += line + "\n";

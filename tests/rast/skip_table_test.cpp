@@ -10,13 +10,14 @@
 #include <string>
 #include <vector>
 
+#include "shared_data.h"
 #include "skip_stage.h"
 
 namespace {
 
 // The rows of the page's table whose head begins so; the head first, without the line below it.
 std::vector<std::string> table_of(const std::string& head) {
-    std::ifstream page(MESHPREP_SOURCE_DIR "/docs/architecture.md");
+    std::ifstream page(test::source_dir() / "docs/architecture.md");
     std::vector<std::string> rows;
     for (std::string line; std::getline(page, line);) {
         if (rows.empty() && !line.starts_with(head)) continue;

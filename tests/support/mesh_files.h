@@ -1,34 +1,14 @@
-// For tests of readers and writers: a folder that goes away again, files as strings, scenes written
-// as they are, and meshes compared by bits.
+// For tests of readers and writers: scenes written as they are, and meshes compared by bits.
 #pragma once
 
 #include <cstddef>
-#include <filesystem>
 #include <span>
 #include <string>
-#include <string_view>
-#include <vector>
 
 #include "prep/prepare.h"
+#include "temporary_files.h"
 
 namespace test {
-
-class TempDir {
-  public:
-    TempDir();
-    ~TempDir();
-    TempDir(const TempDir&) = delete;
-    TempDir& operator=(const TempDir&) = delete;
-    std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
-    const std::filesystem::path& path() const { return path_; }
-    std::vector<std::string> names() const;  // what is in it, sorted
-
-  private:
-    std::filesystem::path path_;
-};
-
-std::string file_text(const std::filesystem::path& path);
-void write_text(const std::filesystem::path& path, std::string_view text);
 
 // A reader's result for a file of this text; fails the test where the scene breaks a promise of
 // prep/mesh.h.

@@ -14,9 +14,9 @@ namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
-using test::read_text;
+using test::file_text;
 using test::run_here;
-using test::TemporaryDirectory;
+using test::TempDir;
 using test::write_text;
 
 std::vector<json> lines_of(const std::string& text) {
@@ -40,7 +40,7 @@ json without_times(json value) {
 
 // Of outputs that are there from an earlier run it is asked whether an input is read from them.
 TEST(Batch, WhatIsReadFromAnOutputTakesNoLookAtAllOtherInputs) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     std::vector<meshprep::Job> jobs;
     for (int n = 0; n < 2000; ++n)
         jobs.push_back(
@@ -73,7 +73,7 @@ TEST(Batch, WhatIsReadFromAnOutputTakesNoLookAtAllOtherInputs) {
 }
 
 TEST(Batch, AMissingInputIsItsOwnErrorAndTheOthersAreDone) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     write_text(dir / "a.obj", test::cube_obj());
     write_text(dir / "c.obj", test::sphere_obj(8, 4));
     fs::create_directory(dir / "empty");
@@ -99,7 +99,7 @@ TEST(Batch, AMissingInputIsItsOwnErrorAndTheOthersAreDone) {
 }
 
 TEST(Batch, ANameClashIsTheLaterInputsError) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     fs::create_directory(dir / "sub");
     write_text(dir / "a.obj", test::cube_obj());
     write_text(dir / "sub/a.obj", test::sphere_obj(8, 4));
@@ -120,17 +120,17 @@ TEST(Batch, ANameClashIsTheLaterInputsError) {
 }
 
 TEST(Batch, AnOutputThatIsAnInputStopsNoOther) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     write_text(dir / "a.obj", test::cube_obj());
     ASSERT_EQ(
         run_here({"prepare", (dir / "a.obj").string(), "-o", (dir / "b.glb").string()}).exit_code,
         0);
-    const std::string before = read_text(dir / "b.glb");
+    const std::string before = file_text(dir / "b.glb");
     const test::Ran ran = run_here(
         {"prepare", (dir / "a.obj").string(), (dir / "b.glb").string(), "-o", dir.path().string()});
     EXPECT_EQ(ran.exit_code, 1);
     EXPECT_NE(ran.err.find("the output is also an input"), std::string::npos) << ran.err;
-    EXPECT_EQ(read_text(dir / "b.glb"), before);
+    EXPECT_EQ(file_text(dir / "b.glb"), before);
     EXPECT_TRUE(fs::exists(dir / "a.glb"));
 }
 
@@ -140,7 +140,7 @@ TEST(Batch, FilesBesideAnOutputSpareWhatOtherInputsAreReadFrom) {
     for (const bool late : {false, true})
         for (const char* const jobs : {"1", "2"}) {
             SCOPED_TRACE(std::string(late ? "after" : "before") + ", jobs " + jobs);
-            const TemporaryDirectory dir;
+            const TempDir dir;
             fs::create_directory(dir / "in");
             // a.obj would be written with a.mtl, which b.obj is read from.
             const std::string library = "newmtl red\nKd 1 0 0\n";
@@ -157,7 +157,7 @@ TEST(Batch, FilesBesideAnOutputSpareWhatOtherInputsAreReadFrom) {
             arguments.push_back(dir.path().string() + "/");
             const test::Ran ran = run_here(arguments);
             EXPECT_EQ(ran.exit_code, 1);
-            EXPECT_EQ(read_text(dir / "a.mtl"), library);
+            EXPECT_EQ(file_text(dir / "a.mtl"), library);
             const json files = ran.json()["files"];
             const json& refused = files[late ? 1 : 0];
             EXPECT_EQ(refused["status"], "failed");
@@ -174,7 +174,7 @@ TEST(Batch, FilesBesideAnOutputSpareWhatOtherInputsAreReadFrom) {
 
 // A picture that a glTF output copies beside itself, over one that another input names.
 TEST(Batch, PicturesBesideAnOutputSpareThoseOfOtherInputs) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     fs::create_directories(dir / "in");
     fs::create_directories(dir / "out");
     const std::string picture = "not a picture, and nobody has to read it";
@@ -187,14 +187,14 @@ TEST(Batch, PicturesBesideAnOutputSpareThoseOfOtherInputs) {
         run_here({"prepare", (dir / "in/a.obj").string(), (dir / "in/b.obj").string(), "--format",
                   "gltf", "-o", (dir / "out").string() + "/", "--json"});
     EXPECT_EQ(ran.exit_code, 1);
-    EXPECT_EQ(read_text(dir / "out/a.bin"), picture);
+    EXPECT_EQ(file_text(dir / "out/a.bin"), picture);
     EXPECT_EQ(ran.json()["files"][0]["status"], "failed");
     EXPECT_EQ(ran.json()["files"][1]["status"], "ok");
 }
 
 // Outputs of an earlier run are nobody's source.
 TEST(Batch, ASecondRunReplacesWhatTheFirstHasWritten) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     for (const char* const name : {"a", "b"}) {
         write_text(
             dir / (std::string(name) + ".obj"),
@@ -210,7 +210,7 @@ TEST(Batch, ASecondRunReplacesWhatTheFirstHasWritten) {
 }
 
 TEST(Batch, OutputDirectoriesAreMadeOnlyWhereSomethingIsWritten) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     write_text(dir / "cube.obj", test::cube_obj());
     write_text(dir / "bad.obj", "v 0 0 0\nf 1 2 9\n");
     const std::string cube = (dir / "cube.obj").string(), bad = (dir / "bad.obj").string();
@@ -265,10 +265,10 @@ class Several : public ::testing::Test {
     std::string outputs() {
         std::string all;
         for (int n = 0; n < 12; ++n)
-            all += read_text(dir_ / ("out/m" + std::to_string(n) + ".glb")) + "|";
+            all += file_text(dir_ / ("out/m" + std::to_string(n) + ".glb")) + "|";
         return all;
     }
-    TemporaryDirectory dir_;
+    TempDir dir_;
     std::vector<std::string> inputs_;
 };
 
@@ -353,14 +353,14 @@ class ManifestTest : public ::testing::Test {
         return states;
     }
     fs::path manifest() const { return dir_ / "out/made.json"; }
-    TemporaryDirectory dir_;
+    TempDir dir_;
 };
 
 TEST_F(ManifestTest, SkipsWhatIsUnchangedAndDoesTheRest) {
     EXPECT_EQ(run(), "ok ok ");
-    const std::string first = read_text(manifest());
+    const std::string first = file_text(manifest());
     EXPECT_EQ(run(), "skipped skipped ");
-    EXPECT_EQ(read_text(manifest()), first);
+    EXPECT_EQ(file_text(manifest()), first);
     EXPECT_EQ(run({"--jobs", "2"}), "skipped skipped ");
 
     write_text(dir_ / "b.obj", test::sphere_obj(9, 4));
@@ -370,17 +370,17 @@ TEST_F(ManifestTest, SkipsWhatIsUnchangedAndDoesTheRest) {
     write_text(dir_ / "a.mtl", "newmtl m\nKd 0 1 0\n");
     EXPECT_EQ(run(), "ok skipped ");
     // A damaged output is no finished one: cut short, changed by a byte, gone.
-    const std::string whole = read_text(dir_ / "out/a.glb");
+    const std::string whole = file_text(dir_ / "out/a.glb");
     write_text(dir_ / "out/a.glb", whole.substr(0, whole.size() - 1));
     EXPECT_EQ(run(), "ok skipped ");
-    EXPECT_EQ(read_text(dir_ / "out/a.glb"), whole);
+    EXPECT_EQ(file_text(dir_ / "out/a.glb"), whole);
     std::string changed = whole;
     changed[changed.size() / 2] ^= 1;
     write_text(dir_ / "out/a.glb", changed);
     EXPECT_EQ(run(), "ok skipped ");
     fs::remove(dir_ / "out/a.glb");
     EXPECT_EQ(run(), "ok skipped ");
-    EXPECT_EQ(read_text(dir_ / "out/a.glb"), whole);
+    EXPECT_EQ(file_text(dir_ / "out/a.glb"), whole);
     // Other settings make other files; those that decide nothing do not count.
     EXPECT_EQ(run({"--threads", "1", "--explain"}), "skipped skipped ");
     EXPECT_EQ(run({"--hard-angle", "30"}), "ok ok ");
@@ -389,14 +389,14 @@ TEST_F(ManifestTest, SkipsWhatIsUnchangedAndDoesTheRest) {
 
 TEST_F(ManifestTest, HoldsHashesSettingsAndFindings) {
     EXPECT_EQ(run({"--weight", "area"}), "ok ok ");
-    const json document = json::parse(read_text(manifest()), nullptr, false);
+    const json document = json::parse(file_text(manifest()), nullptr, false);
     EXPECT_EQ(document["settings"], (json{{"--weight", {"area"}}}));
     const json& file = document["files"][0];
     EXPECT_EQ(file["input"], (dir_ / "a.obj").string());
     EXPECT_EQ(file["status"], "ok");
     ASSERT_EQ(file["sources"].size(), 2u);
     EXPECT_EQ(file["sources"][1]["path"], (dir_ / "a.mtl").string());
-    const std::string bytes = read_text(dir_ / "out/a.glb");
+    const std::string bytes = file_text(dir_ / "out/a.glb");
     EXPECT_EQ(file["outputs"][0]["sha256"],
               meshprep::sha256(std::as_bytes(std::span<const char>(bytes))));
     EXPECT_TRUE(file["said"].contains("findings"));
@@ -416,10 +416,10 @@ TEST_F(ManifestTest, WhatFailedOrMissedSomethingIsDoneAgain) {
 
 TEST_F(ManifestTest, ADamagedManifestIsAnErrorAndAnotherVersionsIsNoHelp) {
     EXPECT_EQ(run(), "ok ok ");
-    const std::string good = read_text(manifest());
+    const std::string good = file_text(manifest());
     write_text(manifest(), good.substr(0, good.size() / 2));
     EXPECT_EQ(run({}, 1), "");
-    EXPECT_EQ(read_text(manifest()), good.substr(0, good.size() / 2));
+    EXPECT_EQ(file_text(manifest()), good.substr(0, good.size() / 2));
     json other = json::parse(good);
     other["version"] = "0.0.1";
     write_text(manifest(), other.dump());
@@ -427,15 +427,15 @@ TEST_F(ManifestTest, ADamagedManifestIsAnErrorAndAnotherVersionsIsNoHelp) {
 }
 
 TEST(Prepare, ObjInPlaceLeavesItsLibraryAlone) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     const std::string mtl = "newmtl red\nKd 1 0 0\nillum 7\nPr 0.3\nunknown_word 5\n";
     write_text(dir / "shared.mtl", mtl);
     write_text(dir / "cube.obj", "mtllib shared.mtl\nusemtl red\n" + test::cube_obj());
     const test::Ran ran = run_here({"prepare", (dir / "cube.obj").string(), "--in-place"});
     EXPECT_EQ(ran.exit_code, 0) << ran.err;
-    EXPECT_EQ(read_text(dir / "shared.mtl"), mtl);
+    EXPECT_EQ(file_text(dir / "shared.mtl"), mtl);
     EXPECT_EQ(dir.names(), (std::vector<std::string>{"cube.obj", "shared.mtl"}));
-    const std::string obj = read_text(dir / "cube.obj");
+    const std::string obj = file_text(dir / "cube.obj");
     EXPECT_NE(obj.find("\nmtllib shared.mtl\n"), std::string::npos) << obj;
     EXPECT_NE(obj.find("\nusemtl red\n"), std::string::npos) << obj;
     EXPECT_NE(obj.find("\nvn "), std::string::npos) << obj;

@@ -22,7 +22,7 @@ using meshprep::PilotTimes;
 using meshprep::SamplingCost;
 using meshprep::SamplingRung;
 using test::run_here;
-using test::TemporaryDirectory;
+using test::TempDir;
 using test::write_text;
 
 // A variable of the environment for as long as this lives.
@@ -288,7 +288,7 @@ class BudgetCache : public ::testing::Test {
         ASSERT_TRUE(meshprep::keep_costs(file(), meshprep::sampling_key(threads),
                                          meshprep::to_json(costs)));
     }
-    TemporaryDirectory dir_;
+    TempDir dir_;
     Variable cache_{"XDG_CACHE_HOME", (dir_ / "cache").string()};
 };
 
@@ -308,14 +308,14 @@ TEST_F(BudgetCache, CostsAreMeasuredOnceAndKept) {
     EXPECT_EQ(b["chosen"]["setting"], words_of({1, 8}));
     EXPECT_TRUE(b["next"].is_null());
     EXPECT_EQ(b["tried"].size(), 10u);
-    EXPECT_EQ(Json::parse(test::read_text(file()))["entries"].size(), 1u);
-    const std::string kept = test::read_text(file());
+    EXPECT_EQ(Json::parse(test::file_text(file()))["entries"].size(), 1u);
+    const std::string kept = test::file_text(file());
     EXPECT_EQ(draw({"--budget-ms", "1e9"}).json()["budget"]["costs"], "cached");
-    EXPECT_EQ(test::read_text(file()), kept);
+    EXPECT_EQ(test::file_text(file()), kept);
     // Another number of threads is measured for itself, beside.
     EXPECT_EQ(draw({"--budget-ms", "1e9"}, "o.png", "2").json()["budget"]["costs"], "measured");
     seed(1, 2);
-    EXPECT_EQ(Json::parse(test::read_text(file()))["entries"].size(), 2u);
+    EXPECT_EQ(Json::parse(test::file_text(file()))["entries"].size(), 2u);
     EXPECT_EQ(draw({"--budget-ms", "1e9"}).json()["budget"]["costs"], "cached");
 }
 
@@ -357,13 +357,13 @@ TEST_F(BudgetCache, TheCommandThatIsPrintedDrawsTheSameBytes) {
         seed(1);
         const test::Ran ran = draw({"--budget-ms", ms, "--shading", "flat"});
         ASSERT_EQ(ran.exit_code, ms[0] == '0' ? 1 : 0) << ran.err;
-        const std::string picture = test::read_text(dir_ / "o.png");
+        const std::string picture = test::file_text(dir_ / "o.png");
         std::string again = ran.json()["budget"]["command"];
         EXPECT_EQ(again.find("budget"), std::string::npos) << again;
         EXPECT_EQ(again.find("cache"), std::string::npos) << again;
         again = "'" + test::command_path().string() + "'" + again.substr(8);
         ASSERT_EQ(test::run_program("/bin/sh", {"-c", again}).exit_code, 0) << again;
-        EXPECT_EQ(test::read_text(dir_ / "o.png"), picture) << again;
+        EXPECT_EQ(test::file_text(dir_ / "o.png"), picture) << again;
     }
 }
 
@@ -438,7 +438,7 @@ TEST_F(BudgetCache, NamesThatAreNoUtf8AreKept) {
 
 TEST_F(BudgetCache, WhatIsDamagedIsMeasuredAnew) {
     seed(1);
-    const Json good = Json::parse(test::read_text(file()));
+    const Json good = Json::parse(test::file_text(file()));
     const std::string too_large = good.dump() + std::string(2 << 20, ' ');
     const std::string deep = std::string(200'000, '[') + std::string(200'000, ']');
     std::vector<std::string> damaged = {"",

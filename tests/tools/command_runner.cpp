@@ -11,7 +11,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <fstream>
 #include <numbers>
 #include <sstream>
 
@@ -88,7 +87,7 @@ std::vector<char*> pointers_to(std::vector<std::string>& texts) {
 }  // namespace
 
 Ran run_command(const std::vector<std::string>& arguments, const Circumstances& circumstances) {
-    const TemporaryDirectory directory;
+    const TempDir directory;
     const bool elsewhere = circumstances.out && !circumstances.out->empty();
     const std::string out = elsewhere ? circumstances.out->string() : (directory / "out").string();
     const std::string err = (directory / "err").string();
@@ -114,13 +113,13 @@ Ran run_command(const std::vector<std::string>& arguments, const Circumstances& 
     if (pid > 0 && ::waitpid(pid, &status, 0) == pid)
         ran.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
     ::close(program);
-    if (!elsewhere) ran.out = read_text(out);
-    ran.err = read_text(err);
+    if (!elsewhere) ran.out = file_text(out);
+    ran.err = file_text(err);
     return ran;
 }
 
 Ran run_program(const std::filesystem::path& program, const std::vector<std::string>& arguments) {
-    const TemporaryDirectory directory;
+    const TempDir directory;
     const std::string out = (directory / "out").string(), err = (directory / "err").string();
     std::vector<char*> argv;
     std::string binary = program.string();
@@ -141,38 +140,9 @@ Ran run_program(const std::filesystem::path& program, const std::vector<std::str
         ran.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
     }
     posix_spawn_file_actions_destroy(&actions);
-    ran.out = read_text(out);
-    ran.err = read_text(err);
+    ran.out = file_text(out);
+    ran.err = file_text(err);
     return ran;
-}
-
-TemporaryDirectory::TemporaryDirectory() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "meshprep-XXXXXX").string();
-    if (mkdtemp(pattern.data())) path_ = pattern;
-}
-
-TemporaryDirectory::~TemporaryDirectory() {
-    std::error_code ec;
-    if (!path_.empty()) std::filesystem::remove_all(path_, ec);
-}
-
-std::vector<std::string> TemporaryDirectory::names() const {
-    std::vector<std::string> names;
-    for (const auto& entry : std::filesystem::directory_iterator(path_))
-        names.push_back(entry.path().filename().string());
-    std::sort(names.begin(), names.end());
-    return names;
-}
-
-void write_text(const std::filesystem::path& path, const std::string& text) {
-    std::ofstream(path, std::ios::binary) << text;
-}
-
-std::string read_text(const std::filesystem::path& path) {
-    std::ifstream in(path, std::ios::binary);
-    std::ostringstream text;
-    text << in.rdbuf();
-    return text.str();
 }
 
 std::string base64_of(const std::string& bytes) {

@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "temporary_files.h"
+
 namespace test {
 
 struct Ran {
@@ -39,24 +41,6 @@ Ran run_command(const std::vector<std::string>& arguments, const Circumstances& 
 
 // Whoever runs the tests, and an ordinary user where that is the superuser, who may do anything.
 std::vector<std::optional<unsigned>> users();
-
-// A new empty directory, removed with all it holds at the end.
-class TemporaryDirectory {
-  public:
-    TemporaryDirectory();
-    ~TemporaryDirectory();
-    TemporaryDirectory(const TemporaryDirectory&) = delete;
-    TemporaryDirectory& operator=(const TemporaryDirectory&) = delete;
-    std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
-    const std::filesystem::path& path() const { return path_; }
-    std::vector<std::string> names() const;  // what lies in it, sorted
-
-  private:
-    std::filesystem::path path_;
-};
-
-void write_text(const std::filesystem::path& path, const std::string& text);
-std::string read_text(const std::filesystem::path& path);
 
 // A glTF file as text, its numbers in it: one mesh after the other, each of one primitive, under a
 // node of its own. Written anew from the specification, so that it depends on no writer.

@@ -9,9 +9,9 @@
 
 namespace {
 
-using test::read_text;
+using test::file_text;
 using test::run_command;
-using test::TemporaryDirectory;
+using test::TempDir;
 using test::write_text;
 
 TEST(Command, HelpAndVersionGoToStandardOutput) {
@@ -35,7 +35,7 @@ TEST(Command, HelpAndVersionGoToStandardOutput) {
 }
 
 TEST(Command, UsageErrorsExitTwo) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     write_text(dir / "cube.obj", test::cube_obj());
     const std::string cube = (dir / "cube.obj").string();
     const std::vector<std::vector<std::string>> wrong = {
@@ -105,10 +105,10 @@ TEST(Command, AnUnknownSubcommandIsNamedWithThoseThatAre) {
 
 // Half an update leaves a command with another build's library for pictures.
 TEST(Command, TakesThePictureLibraryOfItsOwnBuildAlone) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     const std::filesystem::path program = dir / "meshprep", library = dir / "libprep_images.so";
     std::filesystem::copy_file(test::command_path(), program);
-    std::string bytes = read_text(test::command_path().parent_path() / "libprep_images.so");
+    std::string bytes = file_text(test::command_path().parent_path() / "libprep_images.so");
     ASSERT_FALSE(bytes.empty());
     write_text(library, bytes);
     write_text(dir / "cube.obj", test::cube_obj());
@@ -134,7 +134,7 @@ TEST(Command, TakesThePictureLibraryOfItsOwnBuildAlone) {
 }
 
 TEST(Prepare, APrimitiveWithoutAFiniteTriangleStopsNoBatch) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     write_text(dir / "nan.gltf", gltf_with_positions(nan_base64, R"({"mesh":0})"));
     write_text(dir / "z.obj", test::cube_obj());
     const test::Ran ran = run_command({"prepare", (dir / "nan.gltf").string(),
@@ -156,7 +156,7 @@ TEST(Prepare, APrimitiveWithoutAFiniteTriangleStopsNoBatch) {
 }
 
 TEST(Prepare, MirroredNodesKeepTheirFrontInEveryFormat) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     write_text(dir / "in.gltf",
                gltf_with_positions(triangle_base64, R"({"mesh":0,"scale":[-1,1,1]})"));
     for (const char* name : {"o.obj", "o.ply", "o.off", "o.stl"}) {
@@ -171,7 +171,7 @@ TEST(Prepare, MirroredNodesKeepTheirFrontInEveryFormat) {
 }
 
 TEST(Prepare, GltfNamesAreEncodedAndReadBackFromTheirOwnDirectory) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     write_text(dir / "cube.obj", test::cube_obj());
     const std::string out = (dir / "50%20 off#1.gltf").string();
     ASSERT_EQ(run_command({"prepare", (dir / "cube.obj").string(), "-o", out}).exit_code, 0);
@@ -184,33 +184,33 @@ TEST(Prepare, GltfNamesAreEncodedAndReadBackFromTheirOwnDirectory) {
 }
 
 TEST(Prepare, FilesBesideTheOutputAreGuardedToo) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     write_text(dir / "cube.obj", test::cube_obj());
     write_text(dir / "c.bin", "precious");
     const std::string cube = (dir / "cube.obj").string();
     EXPECT_EQ(
         run_command({"prepare", cube, "-o", (dir / "c.gltf").string(), "--no-overwrite"}).exit_code,
         1);
-    EXPECT_EQ(read_text(dir / "c.bin"), "precious");
+    EXPECT_EQ(file_text(dir / "c.bin"), "precious");
     EXPECT_FALSE(std::filesystem::exists(dir / "c.gltf"));
 
     write_text(dir / "lib.mtl", "newmtl red\nKd 1 0 0\n");
     write_text(dir / "a.obj", "mtllib lib.mtl\nusemtl red\n" + test::cube_obj());
-    const std::string mtl = read_text(dir / "lib.mtl");
+    const std::string mtl = file_text(dir / "lib.mtl");
     EXPECT_EQ(run_command({"prepare", (dir / "a.obj").string(), "-o", (dir / "lib.obj").string()})
                   .exit_code,
               1);
-    EXPECT_EQ(read_text(dir / "lib.mtl"), mtl);
+    EXPECT_EQ(file_text(dir / "lib.mtl"), mtl);
 }
 
 TEST(Prepare, LinksAreFollowed) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     write_text(dir / "real.obj", test::cube_obj());
     std::filesystem::create_symlink("real.obj", dir / "link.obj");
     const std::string link = (dir / "link.obj").string();
     ASSERT_EQ(run_command({"prepare", link, "--in-place"}).exit_code, 0);
     EXPECT_TRUE(std::filesystem::is_symlink(dir / "link.obj"));
-    EXPECT_NE(read_text(dir / "real.obj"), test::cube_obj());
+    EXPECT_NE(file_text(dir / "real.obj"), test::cube_obj());
     // Also where it leads to nothing yet, by way of another.
     std::filesystem::create_directory(dir / "sub");
     std::filesystem::create_symlink("sub/next.ply", dir / "first.ply");
@@ -225,7 +225,7 @@ TEST(Prepare, LinksAreFollowed) {
 }
 
 TEST(Command, MissingInputsExitOneAndSaySo) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     const std::string none = (dir / "none.obj").string();
     for (const std::vector<std::string>& arguments :
          std::vector<std::vector<std::string>>{{"prepare", none, "-o", (dir / "x.glb").string()},
@@ -242,7 +242,7 @@ TEST(Command, MissingInputsExitOneAndSaySo) {
 }
 
 TEST(Prepare, SeveralInputsDoNotMakeADirectoryOutOfAMeshsName) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     write_text(dir / "a.obj", test::cube_obj());
     write_text(dir / "b.obj", test::cube_obj());
     const std::vector<std::string> inputs{"prepare", (dir / "a.obj").string(),
@@ -263,7 +263,7 @@ TEST(Prepare, SeveralInputsDoNotMakeADirectoryOutOfAMeshsName) {
 }
 
 TEST(Prepare, CountsBeforeAndAfterAreThoseOfTheFiles) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     write_text(dir / "cube.obj", test::cube_obj());
     const test::Ran ran = run_command(
         {"prepare", (dir / "cube.obj").string(), "-o", (dir / "cube.glb").string(), "--json"});
@@ -289,7 +289,7 @@ TEST(Prepare, CountsBeforeAndAfterAreThoseOfTheFiles) {
 }
 
 TEST(Prepare, TellsTheBytesReadAndWritten) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     write_text(dir / "cube.obj", "mtllib cube.mtl\n" + test::cube_obj());
     write_text(dir / "cube.mtl", "newmtl a\nKd 1 0 0\n");
     std::vector<std::string> line = {"prepare", (dir / "cube.obj").string(), "-o",
@@ -306,7 +306,7 @@ TEST(Prepare, TellsTheBytesReadAndWritten) {
 }
 
 TEST(Prepare, OptionsReachTheStages) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     write_text(dir / "cube.obj", test::cube_obj());
     const auto vertices = [&](const std::vector<std::string>& extra) {
         std::vector<std::string> arguments = {"prepare", (dir / "cube.obj").string(), "-o",
@@ -321,7 +321,7 @@ TEST(Prepare, OptionsReachTheStages) {
 }
 
 TEST(Prepare, ExplainTellsEveryStageWithItsReason) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     write_text(dir / "cube.obj", test::cube_obj());
     const test::Ran ran = run_command(
         {"prepare", (dir / "cube.obj").string(), "-o", (dir / "cube.ply").string(), "--explain"});
@@ -333,7 +333,7 @@ TEST(Prepare, ExplainTellsEveryStageWithItsReason) {
 }
 
 TEST(Prepare, OneBadFileStopsNoOther) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     write_text(dir / "a.obj", test::cube_obj());
     write_text(dir / "b.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n");
     write_text(dir / "c.obj", test::sphere_obj(8, 4));
@@ -349,7 +349,7 @@ TEST(Prepare, OneBadFileStopsNoOther) {
 }
 
 TEST(Prepare, DirectoriesKeepTheirTreeWithRecursive) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     std::filesystem::create_directories(dir / "in/sub/deep");
     write_text(dir / "in/a.obj", test::cube_obj());
     write_text(dir / "in/sub/a.obj", test::cube_obj());
@@ -370,7 +370,7 @@ TEST(Prepare, DirectoriesKeepTheirTreeWithRecursive) {
 
 // An avatar is a GLB of another ending: what is read by name is found in a directory, too.
 TEST(Prepare, DirectoriesAreReadForEveryEndingOfAFormat) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     std::filesystem::create_directories(dir / "in");
     write_text(dir / "cube.obj", test::cube_obj());
     ASSERT_EQ(run_command({"prepare", (dir / "cube.obj").string(), "-o", (dir / "c.glb").string()})
@@ -386,40 +386,40 @@ TEST(Prepare, DirectoriesAreReadForEveryEndingOfAFormat) {
 }
 
 TEST(Prepare, AFailedRunLeavesTheOldFileAsItWas) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     write_text(dir / "bad.obj", "v 0 0 0\nf 1 2 3\n");
     write_text(dir / "old.glb", "the old file");
     const test::Ran ran =
         run_command({"prepare", (dir / "bad.obj").string(), "-o", (dir / "old.glb").string()});
     EXPECT_EQ(ran.exit_code, 1);
-    EXPECT_EQ(read_text(dir / "old.glb"), "the old file");
+    EXPECT_EQ(file_text(dir / "old.glb"), "the old file");
     EXPECT_EQ(dir.names(), (std::vector<std::string>{"bad.obj", "old.glb"}));
 }
 
 TEST(Prepare, WritesOverItsInputOnlyInPlace) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     write_text(dir / "cube.obj", test::cube_obj());
     const std::string path = (dir / "cube.obj").string();
     EXPECT_EQ(
         run_command({"prepare", path, "-o", dir.path().string(), "--format", "obj"}).exit_code, 2);
-    EXPECT_EQ(read_text(dir / "cube.obj"), test::cube_obj());
+    EXPECT_EQ(file_text(dir / "cube.obj"), test::cube_obj());
     EXPECT_EQ(run_command({"prepare", path, "--in-place"}).exit_code, 0);
-    EXPECT_NE(read_text(dir / "cube.obj").find("vn "), std::string::npos);
+    EXPECT_NE(file_text(dir / "cube.obj").find("vn "), std::string::npos);
 }
 
 TEST(Prepare, KeepsExistingOutputWithNoOverwrite) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     write_text(dir / "cube.obj", test::cube_obj());
     write_text(dir / "cube.glb", "the old file");
     EXPECT_EQ(run_command({"prepare", (dir / "cube.obj").string(), "-o",
                            (dir / "cube.glb").string(), "--no-overwrite"})
                   .exit_code,
               1);
-    EXPECT_EQ(read_text(dir / "cube.glb"), "the old file");
+    EXPECT_EQ(file_text(dir / "cube.glb"), "the old file");
 }
 
 TEST(Prepare, QuietSaysNothingButErrors) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     write_text(dir / "cube.obj", test::cube_obj());
     const test::Ran good = run_command(
         {"prepare", (dir / "cube.obj").string(), "-o", (dir / "cube.glb").string(), "--quiet"});
@@ -433,7 +433,7 @@ TEST(Prepare, QuietSaysNothingButErrors) {
 }
 
 TEST(Prepare, WritesTheSameBytesForAnyThreadCount) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     write_text(dir / "ball.obj", test::sphere_obj(48, 24));
     std::string first;
     for (const char* threads : {"1", "2", "3", "8"}) {
@@ -442,7 +442,7 @@ TEST(Prepare, WritesTheSameBytesForAnyThreadCount) {
                          "--tangents", "mikktspace", "--threads", threads})
                 .exit_code,
             0);
-        const std::string bytes = read_text(dir / "ball.glb");
+        const std::string bytes = file_text(dir / "ball.glb");
         ASSERT_FALSE(bytes.empty());
         if (first.empty()) first = bytes;
         EXPECT_EQ(bytes, first) << threads;
@@ -450,7 +450,7 @@ TEST(Prepare, WritesTheSameBytesForAnyThreadCount) {
 }
 
 TEST(Inspect, TellsContentAndFindings) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     write_text(dir / "cube.obj", test::cube_obj());
     const test::Ran ran = run_command({"inspect", (dir / "cube.obj").string(), "--json"});
     ASSERT_EQ(ran.exit_code, 0) << ran.err;
@@ -463,7 +463,7 @@ TEST(Inspect, TellsContentAndFindings) {
 }
 
 TEST(Inspect, StrictFailsOnWarnings) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     // Three faces on one edge.
     write_text(dir / "fan.obj",
                "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 -1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\nf 1 2 5\n");
@@ -477,7 +477,7 @@ TEST(Inspect, StrictFailsOnWarnings) {
 }
 
 TEST(Json, IsValidOnSuccessAndOnFailure) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     write_text(dir / "cube.obj", test::cube_obj());
     write_text(dir / "bad\xff.obj", "v 0 0 0\nf 1 2 3\n");
     const std::string cube = (dir / "cube.obj").string(), bad = (dir / "bad\xff.obj").string();

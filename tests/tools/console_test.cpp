@@ -11,7 +11,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using test::run_command;
-using test::TemporaryDirectory;
+using test::TempDir;
 using test::write_text;
 
 TEST(Console, CommasPartThousands) {
@@ -76,7 +76,7 @@ TEST(Console, AMessageIsOneLine) {
 }
 
 TEST(FileList, DirectoriesGiveTheirMeshesInOrderAndNoScenes) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     fs::create_directory(dir / "in");
     const std::vector<std::string> names{"c.obj", "a.obj", "e.obj", "b.obj", "d.obj"};
     for (const std::string& name : names) write_text(dir / "in" / name, test::cube_obj());
@@ -99,7 +99,7 @@ TEST(FileList, DirectoriesGiveTheirMeshesInOrderAndNoScenes) {
 }
 
 TEST(FileList, OneFileByTwoNamesIsNoTwoOutputs) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     for (const char* name : {"a.obj", "b.obj"}) write_text(dir / name, test::cube_obj());
     fs::create_directory(dir / "out");
     write_text(dir / "out/a.glb", "old");
@@ -111,7 +111,7 @@ TEST(FileList, OneFileByTwoNamesIsNoTwoOutputs) {
               std::string::npos)
         << ran.err;
     // The first one's.
-    EXPECT_EQ(test::read_text(dir / "out/a.glb").substr(0, 4), "glTF");
+    EXPECT_EQ(test::file_text(dir / "out/a.glb").substr(0, 4), "glTF");
     EXPECT_TRUE(fs::is_symlink(dir / "out/b.glb"));
 }
 

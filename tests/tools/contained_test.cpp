@@ -22,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using test::run_command;
-using test::TemporaryDirectory;
+using test::TempDir;
 using test::write_text;
 
 constexpr const char* crashed_by_signal =
@@ -31,7 +31,7 @@ constexpr const char* crashed_by_signal =
 // Files that end Assimp, each by itself. `always`: whatever lies in memory beside what is read.
 void expect_contained(const fs::path& shared, const std::string& name, bool always = true) {
     const fs::path file = shared / "real_files" / name;
-    const TemporaryDirectory dir;
+    const TempDir dir;
     const std::string out = (dir / "out.glb").string();
     for (const std::vector<std::string>& arguments :
          {std::vector<std::string>{"prepare", file.string(), "-o", out, "--json"},
@@ -91,7 +91,7 @@ TEST(RealFiles, ABatchWithThoseThatCrashWritesEveryOtherOutput) {
             inputs.push_back(path.string());
         }
     ASSERT_GT(inputs.size(), 60u);
-    const TemporaryDirectory dir;
+    const TempDir dir;
     std::vector<std::string> arguments{"prepare"};
     arguments.insert(arguments.end(), inputs.begin(), inputs.end());
     for (const char* word : {"-o", "--json"}) {
@@ -108,7 +108,7 @@ TEST(RealFiles, ABatchWithThoseThatCrashWritesEveryOtherOutput) {
         const fs::path output = file["output"].get<std::string>();
         if (file["status"] == "ok") {
             ++written;
-            EXPECT_EQ(test::read_text(output).substr(0, 4), "glTF") << output;
+            EXPECT_EQ(test::file_text(output).substr(0, 4), "glTF") << output;
         } else {
             ++failed;
             EXPECT_FALSE(fs::exists(output)) << output;
@@ -125,7 +125,7 @@ TEST(RealFiles, ABatchWithThoseThatCrashWritesEveryOtherOutput) {
     // Those that fail beside them fail by themselves.
     for (const nlohmann::json& file : json["files"])
         if (file["status"] != "ok") {
-            const TemporaryDirectory alone;
+            const TempDir alone;
             const test::Ran one = run_command(
                 {"prepare", file["input"].get<std::string>(), "-o", (alone / "x.glb").string()});
             EXPECT_EQ(one.exit_code, 1) << file["input"];
@@ -140,7 +140,7 @@ TEST(RealFiles, ABatchWithThoseThatCrashWritesEveryOtherOutput) {
 std::vector<pid_t> children_of(pid_t parent) {
     std::vector<pid_t> list;
     for (const auto& process : fs::directory_iterator("/proc")) {
-        const std::string stat = test::read_text(process.path() / "stat");
+        const std::string stat = test::file_text(process.path() / "stat");
         const std::size_t name = stat.rfind(')');
         int of = 0;
         if (name != std::string::npos && std::sscanf(stat.c_str() + name, ") %*c %d", &of) == 1 &&
@@ -151,7 +151,7 @@ std::vector<pid_t> children_of(pid_t parent) {
 }
 
 bool runs(pid_t process) {
-    const std::string stat = test::read_text("/proc/" + std::to_string(process) + "/stat");
+    const std::string stat = test::file_text("/proc/" + std::to_string(process) + "/stat");
     const std::size_t name = stat.rfind(')');
     return name != std::string::npos && stat.substr(name, 3) != ") Z";
 }
@@ -190,7 +190,7 @@ class BusyCommand {
         EXPECT_TRUE(comes_true([&] { return !children_of(process).empty(); }));
         readers = children_of(process);
     }
-    TemporaryDirectory dir;
+    TempDir dir;
     pid_t process = 0;
     std::vector<pid_t> readers;
 };
@@ -209,7 +209,7 @@ TEST(ReaderProcess, EndsWithTheCommandHoweverThatEnds) {
 }
 
 TEST(ReaderProcess, FilesOfOurOwnFormatsStartNone) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     write_text(dir / "cube.obj", test::cube_obj());
     test::Circumstances circumstances;
     circumstances.environment = {{"MESHPREP_READER", "/nowhere/meshprep-reader"}};
@@ -225,7 +225,7 @@ TEST(ReaderProcess, FilesOfOurOwnFormatsStartNone) {
 // A triangle with a material's ambient colour and a file's author, for neither of which there is a
 // place.
 TEST(ContainedCommand, WhatAssimpFilesLoseIsInJsonAndWords) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     const std::string file = (dir / "a.dae").string();
     write_text(file, R"(<?xml version="1.0"?>
 <COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
@@ -263,7 +263,7 @@ TEST(ContainedCommand, WhatAssimpFilesLoseIsInJsonAndWords) {
 
 // The stand-in for a reader crashes on pictures of this name.
 TEST(ContainedCommand, APictureThatEndsItsDecoderEndsNoBatch) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     for (const char* const name : {"a", "b"}) {
         const std::string picture = name == std::string("a") ? "segv.ico" : "good.ico";
         write_text(dir / picture, "x");
@@ -298,7 +298,7 @@ TEST(ContainedCommand, APictureThatEndsItsDecoderEndsNoBatch) {
 }
 
 TEST(ReaderProcess, LimitsAreOptions) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     write_text(dir / "hangs.fbx", "x");
     const std::string file = (dir / "hangs.fbx").string();
     test::Circumstances circumstances;
@@ -314,7 +314,7 @@ TEST(ReaderProcess, LimitsAreOptions) {
 }
 
 TEST(ReaderProcess, WhatAReaderPrintsIsANoteThatIsAskedFor) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     test::Circumstances circumstances;
     circumstances.environment = {{"MESHPREP_READER", MESHPREP_BAD_READER}};
     write_text(dir / "prints.fbx", "x");

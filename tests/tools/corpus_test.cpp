@@ -43,8 +43,7 @@ std::vector<fs::path> mesh_files(const fs::path& corpus) {
 }
 
 // `list`: {"name", "input", "output", "before"} of each file, as validate_gltf.mjs reads it.
-void judge(const fs::path& validator, const test::TemporaryDirectory& dir,
-           const nlohmann::json& list) {
+void judge(const fs::path& validator, const test::TempDir& dir, const nlohmann::json& list) {
     EXPECT_TRUE(test::validates(validator, list, dir / "list.json"))
         << "the judge's complaints stand above";
 }
@@ -52,7 +51,7 @@ void judge(const fs::path& validator, const test::TemporaryDirectory& dir,
 TEST(Corpus, EveryMeshBecomesValidGltfAndNothingIsLost) {
     MESHPREP_REQUIRE_SHARED(shared);
     MESHPREP_REQUIRE_NPM(validator, "gltf-validator");
-    const test::TemporaryDirectory dir;
+    const test::TempDir dir;
     const fs::path corpus = shared / "corpus";
     nlohmann::json list = nlohmann::json::array();
     for (const fs::path& file : mesh_files(corpus)) {
@@ -87,7 +86,7 @@ TEST(Corpus, EveryMeshBecomesValidGltfAndNothingIsLost) {
 TEST(Corpus, TheValidatorsFilesAreRefusedWithTheirPlaceOrConverted) {
     MESHPREP_REQUIRE_SHARED(shared);
     MESHPREP_REQUIRE_NPM(validator, "gltf-validator");
-    const test::TemporaryDirectory dir;
+    const test::TempDir dir;
     const fs::path root = shared / "corpus" / "gltf-validator";
     std::vector<fs::path> files;
     for (const auto& entry : fs::recursive_directory_iterator(root))
@@ -104,7 +103,7 @@ TEST(Corpus, TheValidatorsFilesAreRefusedWithTheirPlaceOrConverted) {
         const test::Ran ran =
             test::run_command({"prepare", file.string(), "-o", (dir / flat).string()});
         const auto report =
-            nlohmann::json::parse(test::read_text(file.string() + ".report.json"), nullptr, false);
+            nlohmann::json::parse(test::file_text(file.string() + ".report.json"), nullptr, false);
         ASSERT_TRUE(report.is_object());
         const bool valid = report.at("issues").at("numErrors") == 0;
         if (ran.exit_code == 1) {
@@ -211,7 +210,7 @@ ReadBack read_back(const test::GltfFile& plain, const test::GltfFile& rounded) {
 TEST(Corpus, QuantizedFilesAreValidWithMorphsAndSkinsAndTheErrorsTold) {
     MESHPREP_REQUIRE_SHARED(shared);
     MESHPREP_REQUIRE_NPM(validator, "gltf-validator");
-    const test::TemporaryDirectory dir;
+    const test::TempDir dir;
     nlohmann::json list = nlohmann::json::array();
     std::size_t targets = 0, skinned = 0, rows = 0;
     for (const char* const name : {"CesiumMan.glb", "MorphStressTest.gltf", "morph-stress-test.glb",

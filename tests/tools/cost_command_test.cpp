@@ -9,9 +9,9 @@
 namespace {
 
 using nlohmann::json;
-using test::read_text;
+using test::file_text;
 using test::run_here;
-using test::TemporaryDirectory;
+using test::TempDir;
 using test::write_text;
 
 std::vector<std::string> quick(std::vector<std::string> more) {
@@ -20,7 +20,7 @@ std::vector<std::string> quick(std::vector<std::string> more) {
 }
 
 TEST(Cost, SaysTheSameInEveryForm) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     const std::string page = (dir / "out/page.html").string(), csv = (dir / "t.csv").string(),
                       svg = (dir / "plots").string();
     const test::Ran ran = run_here(quick({"--ladder", "normal-weight,hard-angle", "--json", "-o",
@@ -42,11 +42,11 @@ TEST(Cost, SaysTheSameInEveryForm) {
                                       "--csv", csv2, "--svg", svg2, "--png", svg2, "--json"});
     ASSERT_EQ(again.exit_code, 0) << again.err;
     EXPECT_EQ(again.out, ran.out);
-    EXPECT_EQ(read_text(page2), read_text(page));
-    EXPECT_EQ(read_text(csv2), read_text(csv));
+    EXPECT_EQ(file_text(page2), file_text(page));
+    EXPECT_EQ(file_text(csv2), file_text(csv));
     for (const char* name :
          {"normal-weight.svg", "hard-angle.svg", "normal-weight.png", "hard-angle.png"})
-        EXPECT_EQ(read_text(dir / "plots2" / name), read_text(dir / "plots" / name)) << name;
+        EXPECT_EQ(file_text(dir / "plots2" / name), file_text(dir / "plots" / name)) << name;
     // In words: a table for each ladder.
     const test::Ran words = run_here({"cost", "--from", (dir / "times.json").string()});
     EXPECT_NE(words.out.find("Weights of normals: a jittered torus"), std::string::npos);
@@ -55,7 +55,7 @@ TEST(Cost, SaysTheSameInEveryForm) {
 }
 
 TEST(Cost, TriesWhatItCanOnMeshesThatAreGiven) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     write_text(dir / "ball.obj", test::sphere_obj(24, 12));
     write_text(dir / "cube.obj", test::cube_obj());
     const test::Ran ran =
@@ -74,7 +74,7 @@ TEST(Cost, TriesWhatItCanOnMeshesThatAreGiven) {
 // Errors are the stages' own: the same bytes on any threads.
 // A scene is drawn as `render` draws it: its errors, from the files that render writes.
 TEST(Cost, ScenesAreThoseThatRenderDraws) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     write_text(dir / "ball.obj", test::sphere_obj(24, 12));
     write_text(dir / "scene.json",
                R"({"meshprep": 1,
@@ -149,7 +149,7 @@ TEST(Cost, ListsItsLadders) {
 
 // A grid runs as ladders do, and says both settings.
 TEST(Cost, GridsRunLikeLadders) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     const test::Ran ran = run_here(quick({"--ladder", "weight-by-precision", "--json", "--csv",
                                           (dir / "g.csv").string(), "--svg", dir.path().string()}));
     ASSERT_EQ(ran.exit_code, 0) << ran.err;
@@ -161,14 +161,14 @@ TEST(Cost, GridsRunLikeLadders) {
     EXPECT_NE(ladder["rungs"][4]["command"].get<std::string>().find(
                   "--weight uniform --hard-angle off --precision accurate"),
               std::string::npos);
-    EXPECT_NE(read_text(dir / "weight-by-precision.svg").find("class=\"series\""),
+    EXPECT_NE(file_text(dir / "weight-by-precision.svg").find("class=\"series\""),
               std::string::npos);
-    EXPECT_NE(read_text(dir / "g.csv").find(",weight,uniform,precision,accurate\r\n"),
+    EXPECT_NE(file_text(dir / "g.csv").find(",weight,uniform,precision,accurate\r\n"),
               std::string::npos);
 }
 
 TEST(Cost, RefusesWhatMakesNoSense) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     const test::Ran unknown = run_here({"cost", "--ladder", "normal-wieght"});
     EXPECT_EQ(unknown.exit_code, 2);
     EXPECT_NE(unknown.err.find("did you mean 'normal-weight'?"), std::string::npos) << unknown.err;
@@ -191,7 +191,7 @@ TEST(Cost, RefusesWhatMakesNoSense) {
 // Outputs that are inputs, two outputs in one file, standard output: said before anything is read
 // or measured, and nothing is written.
 TEST(Cost, KeepsFilesApart) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     const std::string mesh = (dir / "scan.obj").string(), times = (dir / "t.json").string();
     write_text(mesh, test::cube_obj());
     const test::Ran ran = run_here(quick({"--ladder", "normal-weight", "--json"}));
@@ -216,8 +216,8 @@ TEST(Cost, KeepsFilesApart) {
         EXPECT_EQ(one.exit_code, 1) << words.back();
         EXPECT_NE(one.err.find(text), std::string::npos) << one.err;
     }
-    EXPECT_EQ(read_text(mesh), test::cube_obj());
-    EXPECT_EQ(read_text(times), ran.out);
+    EXPECT_EQ(file_text(mesh), test::cube_obj());
+    EXPECT_EQ(file_text(times), ran.out);
     EXPECT_FALSE(std::filesystem::exists(page));
     EXPECT_FALSE(std::filesystem::exists(dir / "p"));
     EXPECT_FALSE(std::filesystem::exists("-"));
@@ -225,7 +225,7 @@ TEST(Cost, KeepsFilesApart) {
 
 // A mesh of one face without area has no normal to judge; what else there is stays.
 TEST(Cost, OneLadderThatFailsLeavesTheOthers) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     write_text(dir / "flat.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n");
     const std::string csv = (dir / "t.csv").string();
     const test::Ran ran =
@@ -239,11 +239,11 @@ TEST(Cost, OneLadderThatFailsLeavesTheOthers) {
     ASSERT_EQ(document["failed"].size(), 1u);
     EXPECT_EQ(document["failed"][0]["ladder"], "normal-precision");
     EXPECT_EQ(document["failed"][0]["subject"], "flat.obj");
-    EXPECT_NE(read_text(csv).find("normal-weight"), std::string::npos);
+    EXPECT_NE(file_text(csv).find("normal-weight"), std::string::npos);
 }
 
 TEST(Cost, NeedsNoTemporaryDirectory) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     const test::Circumstances nowhere{.environment = {{"TMPDIR", (dir / "none").string()}}};
     const test::Ran ran = test::run_command(
         {"cost", "--threads", "1", "--rounds", "1", "--ladder", "quantized-uvs", "--json"},
@@ -254,7 +254,7 @@ TEST(Cost, NeedsNoTemporaryDirectory) {
 
 // Minutes of measuring are not lost to a file that cannot be written.
 TEST(Cost, WhatCannotBeWrittenIsStillShown) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     std::filesystem::create_directories(dir / "plots/normal-weight.svg");
     const test::Ran ran =
         run_here(quick({"--ladder", "normal-weight", "--json", "--svg", (dir / "plots").string()}));
@@ -268,7 +268,7 @@ TEST(Cost, WhatCannotBeWrittenIsStillShown) {
 }
 
 TEST(Cost, FailsWithoutATrace) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     write_text(dir / "bad.obj", "v 0 0 0\nf 1 2 9\n");
     write_text(dir / "points.obj", "v 0 0 0\nv 1 0 0\np 1 2\n");
     write_text(dir / "times.json", "{\"command\":\"cost\"}");
@@ -297,7 +297,7 @@ TEST(Cost, FailsWithoutATrace) {
         EXPECT_EQ(blocked.exit_code, 1) << place;
         EXPECT_NE(blocked.err.find("in the way"), std::string::npos) << blocked.err;
     }
-    EXPECT_EQ(read_text(dir / "file"), "x");
+    EXPECT_EQ(file_text(dir / "file"), "x");
 }
 
 }  // namespace

@@ -36,7 +36,7 @@ double number_of(const std::string& text) {
 // | ladder | rung | number | `name`: what it does | before | with it |
 std::vector<Row> rows() {
     std::vector<Row> found;
-    std::istringstream page(test::read_text(test::source_dir() / "docs/accuracy.md"));
+    std::istringstream page(test::file_text(test::source_dir() / "docs/accuracy.md"));
     for (std::string line; std::getline(page, line);) {
         std::vector<std::string> cells;
         std::istringstream cut(line);
@@ -114,7 +114,7 @@ TEST(CostFaults, TwoOfEachLadderRaiseItsErrorFivefold) {
     std::string lists;
     for (const auto& entry :
          std::filesystem::directory_iterator(test::source_dir() / "tests/mutants"))
-        lists += "\n" + test::read_text(entry.path());
+        lists += "\n" + test::file_text(entry.path());
     std::map<std::string, std::set<std::string>> seen;
     for (const Row& row : rows()) {
         EXPECT_NE(lists.find("\n" + row.fault + "\n"), std::string::npos) << row.line;

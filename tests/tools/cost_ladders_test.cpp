@@ -74,7 +74,7 @@ TEST(CostLadders, LooksAreAPartOfThePictureAndItsError) {
 
 // Each command of a rung, with a mesh and an output added, is one that runs.
 TEST(CostLadders, CommandsOfRungsRun) {
-    const test::TemporaryDirectory dir;
+    const test::TempDir dir;
     test::write_text(dir / "ball.obj", test::sphere_obj(8, 5));
     std::set<std::string> commands;
     for (const cost::LadderRow& row : cost::ladder_rows())

@@ -11,19 +11,18 @@ namespace {
 
 using nlohmann::json;
 using test::run_here;
-using test::TemporaryDirectory;
+using test::TempDir;
 
 constexpr float infinity = std::numeric_limits<float>::infinity();
 constexpr float nan = std::numeric_limits<float>::quiet_NaN();
 
-std::string save_floats(const TemporaryDirectory& dir, const std::string& name,
-                        std::vector<float> values) {
+std::string save_floats(const TempDir& dir, const std::string& name, std::vector<float> values) {
     const prep::Image image{std::uint32_t(values.size()), 1, 1, std::move(values), false};
     EXPECT_TRUE(prep::save_image(dir / name, image, prep::PixelType::f32));
     return (dir / name).string();
 }
 
-std::string save_integers(const TemporaryDirectory& dir, const std::string& name,
+std::string save_integers(const TempDir& dir, const std::string& name,
                           const std::vector<std::uint32_t>& values) {
     prep::ImageFiles files;
     prep::ImageLayout layout{std::uint32_t(values.size()), 1,      {"id"},
@@ -39,7 +38,7 @@ json part(const test::Ran& ran) {
 }
 
 TEST(DiffPictures, AValueThatIsInfiniteInOneAloneIsInfinitelyFar) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     const std::string a = save_floats(dir, "a.exr", {1, infinity, 2, nan, -infinity, 4, nan});
     const std::string b = save_floats(dir, "b.exr", {1, 3, infinity, 5, infinity, 3.5, infinity});
     const test::Ran words = run_here({"diff", a, b});
@@ -59,7 +58,7 @@ TEST(DiffPictures, AValueThatIsInfiniteInOneAloneIsInfinitelyFar) {
 }
 
 TEST(DiffPictures, EqualInfinitiesAndNaNAreEqual) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     const std::string a = save_floats(dir, "a.exr", {infinity, -infinity, nan, 1});
     const std::string b = save_floats(dir, "b.exr", {infinity, -infinity, nan, 1});
     const test::Ran ran = run_here({"diff", a, b, "--tolerance", "0", "--json"});
@@ -70,7 +69,7 @@ TEST(DiffPictures, EqualInfinitiesAndNaNAreEqual) {
 }
 
 TEST(DiffPictures, IntegersAreTheSameOrNot) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     // Neighbours that are one number in float, and at either end of 32 bits.
     const std::string a = save_integers(dir, "a.exr", {0, 7, 16777216, 4294967295u, 2147483648u});
     const std::string b = save_integers(dir, "b.exr", {1, 7, 16777217, 4294967294u, 2147483648u});
@@ -92,7 +91,7 @@ TEST(DiffPictures, IntegersAreTheSameOrNot) {
 }
 
 TEST(DiffPictures, ChannelsOfManyAreComparedByTheirNames) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     const auto save = [&](const std::string& name, const std::vector<std::string>& channels,
                           const std::vector<float>& values) {
         prep::ImageFiles files;
@@ -119,7 +118,7 @@ TEST(DiffPictures, ChannelsOfManyAreComparedByTheirNames) {
 }
 
 TEST(DiffPictures, AlphaThatOneLacksCountsAsOne) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     const auto save = [&](const std::string& name, std::uint32_t channels,
                           std::vector<float> values) {
         EXPECT_TRUE(prep::save_image(dir / name, {1, 1, channels, std::move(values), true}));
@@ -154,7 +153,7 @@ std::string leaning(const std::vector<double>& degrees) {
 }
 
 TEST(DiffMeshes, MedianAndPercentileOfFewCorners) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     test::write_text(dir / "a.obj", leaning({0, 0, 0, 0, 0, 0}));
     test::write_text(dir / "b.obj", leaning({0, 30, 10, 180, 0, 30}));
     const std::string a = (dir / "a.obj").string(), b = (dir / "b.obj").string();

@@ -13,7 +13,7 @@ namespace {
 
 using nlohmann::json;
 using test::run_here;
-using test::TemporaryDirectory;
+using test::TempDir;
 using test::write_text;
 
 constexpr double pi = std::numbers::pi;
@@ -25,7 +25,7 @@ json part(const test::Ran& ran, std::size_t which = 0) {
 }
 
 // A picture of 8 bits and three channels, a row, from its levels.
-std::string save_levels(const TemporaryDirectory& dir, const std::string& name, std::uint32_t width,
+std::string save_levels(const TempDir& dir, const std::string& name, std::uint32_t width,
                         const std::vector<int>& levels) {
     prep::Image image{width, std::uint32_t(levels.size() / 3 / width), 3, {}, true};
     for (const int level : levels) image.pixels.push_back(float(level) / 255.0f);
@@ -33,15 +33,14 @@ std::string save_levels(const TemporaryDirectory& dir, const std::string& name, 
     return (dir / name).string();
 }
 
-std::string save_floats(const TemporaryDirectory& dir, const std::string& name,
-                        std::vector<float> values) {
+std::string save_floats(const TempDir& dir, const std::string& name, std::vector<float> values) {
     const prep::Image image{std::uint32_t(values.size()), 1, 1, std::move(values), false};
     EXPECT_TRUE(prep::save_image(dir / name, image, prep::PixelType::f32));
     return (dir / name).string();
 }
 
 TEST(DiffPictures, FiguresAreThoseOfAllChannelsOfAllPixels) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     const std::vector<int> a = {0, 10, 200, 255, 255, 255, 7, 7, 7, 90, 80, 70};
     const std::vector<int> b = {3, 10, 190, 255, 255, 255, 7, 7, 8, 90, 130, 72};
     const std::string in_a = save_levels(dir, "a.png", 2, a),
@@ -76,14 +75,14 @@ TEST(DiffPictures, FiguresAreThoseOfAllChannelsOfAllPixels) {
 
 // A difference of one 8-bit level is 1/255: −20 log₁₀(1/255) = 48.13 dB.
 TEST(DiffPictures, OneLevelEverywhereIs48Decibels) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     const std::string a = save_levels(dir, "a.png", 1, {10, 20, 30});
     const std::string b = save_levels(dir, "b.png", 1, {11, 19, 31});
     EXPECT_NEAR(part(run_here({"diff", a, b, "--json"}))["psnr"].get<double>(), 48.1308, 1e-3);
 }
 
 TEST(DiffPictures, TheFirstOfEqualLargestDifferencesIsNamed) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     const std::string a = save_floats(dir, "a.exr", {0, 0, 0, 0, 0});
     const std::string b = save_floats(dir, "b.exr", {0.25f, 0, 0.5f, 0.5f, 0.25f});
     EXPECT_EQ(part(run_here({"diff", a, b, "--json"}))["worst"], json::array({2, 0}));
@@ -92,7 +91,7 @@ TEST(DiffPictures, TheFirstOfEqualLargestDifferencesIsNamed) {
 // From equal to one level, 3, 15, 63 and 255: log₂(1 + level) is 0, 1, 2, 4, 6 and 8 eighths of the
 // way from black over blue, red and yellow to white.
 TEST(DiffPictures, HeatIsTheLogarithmOfTheLargestChannel) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     const int levels[] = {0, 1, 3, 15, 63, 255};
     std::vector<int> a, b;
     for (const int level : levels) {
@@ -120,7 +119,7 @@ TEST(DiffPictures, HeatIsTheLogarithmOfTheLargestChannel) {
 }
 
 TEST(DiffPictures, HeatIsWhiteWhereAnIntegerDiffersOrOneIsInfinite) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     const auto save = [&](const std::string& name, const std::vector<std::uint32_t>& words) {
         prep::ImageFiles files;
         const prep::ImageLayout layout{2, 1, {"id"}, prep::PixelType::f32, {true}, false};
@@ -141,7 +140,7 @@ TEST(DiffPictures, HeatIsWhiteWhereAnIntegerDiffersOrOneIsInfinite) {
 
 // One of four values differs by 1: mean 1/4, RMSE 1/2, largest 1.
 TEST(DiffPictures, ToleranceIsForTheRmseAndHoldsAtEquality) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     const std::string a = save_floats(dir, "a.exr", {0, 0, 0, 0});
     const std::string b = save_floats(dir, "b.exr", {0, 0, 1, 0});
     const auto run = [&](const char* tolerance) {
@@ -160,7 +159,7 @@ TEST(DiffPictures, ToleranceIsForTheRmseAndHoldsAtEquality) {
 }
 
 TEST(DiffUsage, WhatCannotBeComparedExitsOneAndSaysWhy) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     const std::string a = save_levels(dir, "a.png", 1, {1, 2, 3});
     const std::string wide = save_levels(dir, "wide.png", 2, {1, 2, 3, 4, 5, 6});
     const std::string tall = save_levels(dir, "tall.png", 1, {1, 2, 3, 4, 5, 6});
@@ -218,14 +217,14 @@ std::string obj_of(const std::vector<Leaning>& triangles) {
     return text;
 }
 
-std::string save_leaning(const TemporaryDirectory& dir, const std::string& name,
+std::string save_leaning(const TempDir& dir, const std::string& name,
                          const std::vector<Leaning>& triangles) {
     write_text(dir / name, obj_of(triangles));
     return (dir / name).string();
 }
 
 TEST(DiffMeshes, TrianglesOfEitherFileWithoutAPartnerAreCounted) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     const std::string a = save_leaning(dir, "a.obj", {{1, {}}, {2, {}}, {3, {}}});
     const std::string b = save_leaning(dir, "b.obj", {{4, {}}, {2, {}}, {5, {}}, {6, {}}});
     const std::string few = save_leaning(dir, "few.obj", {{2, {}}});
@@ -251,7 +250,7 @@ TEST(DiffMeshes, TrianglesOfEitherFileWithoutAPartnerAreCounted) {
 }
 
 TEST(DiffMeshes, TrianglesMeetWhateverTheirOrderAndFirstCorner) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     const std::string a =
         save_leaning(dir, "a.obj", {{1, {1, 2, 3}, 0}, {2, {4, 5, 6}, 0}, {3, {7, 8, 9}, 0}});
     const std::string b =
@@ -266,7 +265,7 @@ TEST(DiffMeshes, TrianglesMeetWhateverTheirOrderAndFirstCorner) {
 
 // Two triangles at one place: the one with the nearer UVs is the partner.
 TEST(DiffMeshes, OfTrianglesAtOnePlaceTheUvsDecide) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     const auto save = [&](const std::string& name, bool turned) {
         const char* left = "f 1/1/1 2/2/1 3/3/1\n";   // upright, UVs at 0
         const char* right = "f 1/4/2 2/5/2 3/6/2\n";  // leaning, UVs at 5
@@ -287,7 +286,7 @@ TEST(DiffMeshes, OfTrianglesAtOnePlaceTheUvsDecide) {
 
 // 35 triangles, corner i leans by i degrees: 105 angles, 0° to 104°.
 TEST(DiffMeshes, FiguresAreThoseOfTheSortedAngles) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     std::vector<Leaning> straight, leaning;
     for (int t = 0; t < 35; ++t) {
         straight.push_back({t, {}});
@@ -323,7 +322,7 @@ TEST(DiffMeshes, FiguresAreThoseOfTheSortedAngles) {
 }
 
 TEST(DiffMeshes, ToleranceIsForTheLargestAngleAndHoldsAtEquality) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     // Five upright corners and one at a right angle, exactly: mean 15, RMS 37, largest 90.
     write_text(dir / "a.obj",
                "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nvn 0 0 1\nvn 1 0 0\n"
@@ -344,7 +343,7 @@ TEST(DiffMeshes, ToleranceIsForTheLargestAngleAndHoldsAtEquality) {
 }
 
 TEST(DiffMeshes, DirectionsThatAreNoneAreCountedAndHoldNoTolerance) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     const char* vertices = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nvn 0 0 0\nvn nan 0 1\nvn 0 0 7\n";
     const auto save = [&](const std::string& name, const std::string& face) {
         write_text(dir / name, vertices + face);
@@ -383,7 +382,7 @@ TEST(DiffMeshes, DirectionsThatAreNoneAreCountedAndHoldNoTolerance) {
 }
 
 TEST(DiffMeshes, CornersOfPolygonsAreNamedAsInTheFile) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     const char* text =
         "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 5 0 0\nv 6 0 0\nv 6 1 0\nv 5 1 0\nvn 0 0 1\n"
         "vn 0.6 0 0.8\nf 1//1 2//1 3//1 4//1\n";
@@ -398,7 +397,7 @@ TEST(DiffMeshes, CornersOfPolygonsAreNamedAsInTheFile) {
 }
 
 TEST(DiffMeshes, BothAttributesAreComparedWhereBothFilesHaveThem) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     // Signs: of w alone, counted by corner, whatever the angles.
     const auto save = [&](const std::string& name, const std::vector<float>& tangents) {
         test::GltfText gltf;
@@ -434,7 +433,7 @@ TEST(DiffMeshes, BothAttributesAreComparedWhereBothFilesHaveThem) {
     EXPECT_EQ(run_here({"diff", a, c, "--tolerance", "89"}).exit_code, 1);
     EXPECT_EQ(run_here({"diff", a, c, "--tolerance", "89", "--normals"}).exit_code, 0);
     // And the other way round: it takes both.
-    std::string leaning = test::read_text(a);
+    std::string leaning = test::file_text(a);
     const std::vector<float> upright = {0, 0, 1, 0, 0, 1, 0, 0, 1},
                              tilted = {0, 0.6f, 0.8f, 0, 0, 1, 0, 0, 1};
     const auto coded = [](const std::vector<float>& values) {

@@ -18,7 +18,7 @@ namespace {
 
 using nlohmann::json;
 using test::run_here;
-using test::TemporaryDirectory;
+using test::TempDir;
 using test::write_text;
 
 // The square (0, 0) … (2, 2) at z = 0 with UVs 0 … 1, facing up.
@@ -64,7 +64,7 @@ class Displace : public testing::Test {
         out.ran = run_here(options);
         if (out.ran.exit_code != 0) return out;
         out.file = out.ran.json()["files"][0];
-        std::istringstream in(test::read_text(dir_ / "out.obj"));
+        std::istringstream in(test::file_text(dir_ / "out.obj"));
         for (std::string line; std::getline(in, line);) {
             std::istringstream words(line);
             std::string head;
@@ -86,7 +86,7 @@ class Displace : public testing::Test {
         return out;
     }
 
-    TemporaryDirectory dir_;
+    TempDir dir_;
 };
 
 // White above, black below its middle, by exactly half the scale.

@@ -347,7 +347,7 @@ class DisplacedFiles : public testing::Test {
         triangles_ += mesh.face_count();
     }
 
-    test::TemporaryDirectory dir_;
+    test::TempDir dir_;
     std::array<std::size_t, 2> corners_{99, 0};
     std::size_t highest_valence_ = 0;
     std::uint64_t triangles_ = 0;

@@ -52,7 +52,7 @@ std::string prose(const std::string& page) {
 TEST(Documentation, LinksLeadToFiles) {
     std::size_t links = 0;
     for (const fs::path& page : pages())
-        for (const std::string& target : between(prose(test::read_text(page)), "](", ")# \n")) {
+        for (const std::string& target : between(prose(test::file_text(page)), "](", ")# \n")) {
             if (target.empty() || target.find("://") != std::string::npos) continue;
             ++links;
             EXPECT_TRUE(fs::exists(page.parent_path() / target)) << page << " → " << target;
@@ -68,7 +68,7 @@ TEST(Documentation, PagesThatTheCodeNamesAreThere) {
              fs::recursive_directory_iterator(test::source_dir() / folder)) {
             const std::string ending = entry.path().extension().string();
             if (ending != ".h" && ending != ".cpp") continue;
-            for (const std::string& page : between(test::read_text(entry.path()), "docs/", ".")) {
+            for (const std::string& page : between(test::file_text(entry.path()), "docs/", ".")) {
                 if (page.empty() ||
                     page.find_first_not_of("abcdefghijklmnopqrstuvwxyz-") != std::string::npos)
                     continue;
@@ -82,7 +82,7 @@ TEST(Documentation, PagesThatTheCodeNamesAreThere) {
 }
 
 TEST(Documentation, TheIndexListsEveryPage) {
-    const std::string index = test::read_text(test::source_dir() / "docs/README.md");
+    const std::string index = test::file_text(test::source_dir() / "docs/README.md");
     for (const fs::directory_entry& entry : fs::directory_iterator(test::source_dir() / "docs")) {
         const std::string name = entry.path().filename();
         if (entry.path().extension() == ".md" && name != "README.md") {
@@ -110,7 +110,7 @@ TEST(Documentation, OptionsOfThePagesAreThoseOfTheCommand) {
     std::size_t lines = 0, options = 0;
     for (const fs::path& page : pages()) {
         if (page.filename() == "CHANGELOG.md" || page.filename() == "mutants.md") continue;
-        std::istringstream text(test::read_text(page));
+        std::istringstream text(test::file_text(page));
         bool fenced = false;
         for (std::string line; std::getline(text, line);) {
             const std::size_t start = line.find_first_not_of(" ");
@@ -142,9 +142,9 @@ TEST(Documentation, OptionsOfThePagesAreThoseOfTheCommand) {
 
 // The README's table: what is written is written and read back, what is only read is refused.
 TEST(Documentation, FormatsOfTheReadmeAreReadAndWritten) {
-    const test::TemporaryDirectory dir;
+    const test::TempDir dir;
     test::write_text(dir / "cube.obj", test::cube_obj());
-    std::istringstream text(test::read_text(test::source_dir() / "README.md"));
+    std::istringstream text(test::file_text(test::source_dir() / "README.md"));
     const std::regex row(R"(\| ([^|]+) \| yes \| (yes|–) \|.*)");
     std::size_t written = 0, refused = 0;
     for (std::string line; std::getline(text, line);) {
@@ -175,7 +175,7 @@ TEST(Documentation, FormatsOfTheReadmeAreReadAndWritten) {
 }
 
 TEST(Documentation, ReadmeListsTheSubcommandsInTheirOrder) {
-    const std::string readme = test::read_text(test::source_dir() / "README.md");
+    const std::string readme = test::file_text(test::source_dir() / "README.md");
     const std::size_t begin = readme.find("| subcommand |");
     ASSERT_NE(begin, std::string::npos);
     const std::string table = readme.substr(begin, readme.find("\n\n", begin) - begin);
@@ -186,7 +186,7 @@ TEST(Documentation, ReadmeListsTheSubcommandsInTheirOrder) {
 }
 
 TEST(Documentation, SceneFormatNamesEveryChoiceOfAPicture) {
-    const std::string page = test::read_text(test::source_dir() / "docs/scene-format.md");
+    const std::string page = test::file_text(test::source_dir() / "docs/scene-format.md");
     const std::string table = page.substr(page.find("## Picture"));
     prep::for_each_render_choice([&](std::string_view key, auto, const auto&, const char*) {
         EXPECT_NE(table.find("| `" + std::string(key) + "` |"), std::string::npos) << key;

@@ -9,7 +9,7 @@ namespace {
 
 using nlohmann::json;
 using test::run_here;
-using test::TemporaryDirectory;
+using test::TempDir;
 using test::write_text;
 
 struct Stage {
@@ -56,7 +56,7 @@ class Explain : public ::testing::Test {
     }
     static constexpr const char* geometry[] = {"topology", "face normals", "hard edges", "normals"};
 
-    TemporaryDirectory dir_;
+    TempDir dir_;
     test::Ran ran_;
 };
 

@@ -10,7 +10,7 @@ namespace {
 
 using nlohmann::json;
 using test::run_here;
-using test::TemporaryDirectory;
+using test::TempDir;
 using test::write_text;
 
 class GateCommand : public ::testing::Test {
@@ -33,7 +33,7 @@ class GateCommand : public ::testing::Test {
         write_text(dir_ / "g.json", text);
         return run_here({"diff", at("a.ply"), at("a.ply"), "--gate", at("g.json"), "--json"});
     }
-    TemporaryDirectory dir_;
+    TempDir dir_;
 };
 
 TEST_F(GateCommand, ExitCodesAreThoseOfDiff) {
@@ -187,8 +187,8 @@ TEST_F(GateCommand, ThePageNeedsNothingElseAndIsTheSameAgain) {
                       at(std::string("page") + threads + ".html"), "--threads", threads, "--quiet"})
                 .exit_code,
             1);
-    const std::string page = test::read_text(dir_ / "page1.html");
-    EXPECT_EQ(page, test::read_text(dir_ / "page2.html"));
+    const std::string page = test::file_text(dir_ / "page1.html");
+    EXPECT_EQ(page, test::file_text(dir_ / "page2.html"));
     EXPECT_EQ(page.find("<script"), std::string::npos);
     EXPECT_EQ(page.find("src=\"http"), std::string::npos);
     EXPECT_NE(page.find("Beyond its limit: normals"), std::string::npos);
@@ -211,7 +211,7 @@ TEST_F(GateCommand, APageDoesNotReplaceALibrary) {
         run_here({"diff", at("m.obj"), at("m.obj"), "--report", at("m.mtl"), "--json"});
     EXPECT_EQ(over.exit_code, 1);
     EXPECT_EQ(over.json()["error"]["text"], "is an input as well; give the page another name");
-    EXPECT_EQ(test::read_text(dir_ / "m.mtl"), "newmtl red\nKd 1 0 0\n");
+    EXPECT_EQ(test::file_text(dir_ / "m.mtl"), "newmtl red\nKd 1 0 0\n");
 }
 
 TEST_F(GateCommand, PicturesHaveFlip) {
@@ -250,7 +250,7 @@ TEST_F(GateCommand, PicturesHaveFlip) {
         run_here({"diff", a, b, "--gate", at("strict.json"), "--report", at("p.html")});
     EXPECT_EQ(strict.exit_code, 1);
     EXPECT_NE(strict.err.find("the gate is not passed: flip"), std::string::npos) << strict.err;
-    EXPECT_NE(test::read_text(dir_ / "p.html").find("FLIP mean"), std::string::npos);
+    EXPECT_NE(test::file_text(dir_ / "p.html").find("FLIP mean"), std::string::npos);
     EXPECT_EQ(run_here({"diff", a, b, "--views", "3"}).exit_code, 1);
     const test::Ran meshes = run_here({"diff", at("a.ply"), at("a.ply"), "--flip", "--json"});
     EXPECT_EQ(meshes.exit_code, 1);

@@ -20,7 +20,7 @@ std::string complaint_of(const std::string& text) {
 
 TEST(GateJson, TheSchemaRefusesWhatTheReaderDoes) {
     const json schema =
-        json::parse(test::read_text(test::source_dir() / "docs/schema/gate.json"), nullptr, false);
+        json::parse(test::file_text(test::source_dir() / "docs/schema/gate.json"), nullptr, false);
     const std::pair<const char*, bool> gates[] = {
         {R"({"gate":1})", true},
         {R"({"gate":1,"views":0,"size":16})", true},

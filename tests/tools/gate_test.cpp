@@ -340,7 +340,7 @@ TEST(Gate, TransformsThatAreInTheVerticesInsteadRaiseNoAlarm) {
 // did.
 TEST(Gate, FilesThatGltfTransformWritesAgainRaiseNoAlarm) {
     MESHPREP_REQUIRE_GLTF_TRANSFORM(modules);
-    const test::TemporaryDirectory dir;
+    const test::TempDir dir;
     Random random(77);
     std::string list = "[";
     for (int k = 0; k < 12; ++k) {

@@ -12,7 +12,7 @@ namespace {
 
 using nlohmann::json;
 using test::run_here;
-using test::TemporaryDirectory;
+using test::TempDir;
 
 constexpr std::uint32_t size = 256;
 constexpr double two_pi = 2 * std::numbers::pi;
@@ -68,7 +68,7 @@ class HeightToNormal : public testing::Test {
         return most;
     }
     Waves waves_;
-    TemporaryDirectory dir_;
+    TempDir dir_;
 };
 
 TEST_F(HeightToNormal, SlopesAreThoseOfTheClosedForm) {

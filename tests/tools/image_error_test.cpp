@@ -14,7 +14,7 @@ namespace {
 using nlohmann::json;
 using test::run_command;
 using test::run_here;
-using test::TemporaryDirectory;
+using test::TempDir;
 using test::write_text;
 
 class ImageError : public ::testing::Test {
@@ -65,14 +65,14 @@ class ImageError : public ::testing::Test {
         std::string again = c["command"].get<std::string>();
         ASSERT_EQ(again.rfind("meshprep render ", 0), 0u) << again;
         ASSERT_EQ(again.find("image-error"), std::string::npos) << again;
-        const std::string drawn = test::read_text(dir_ / (number + ".png"));
+        const std::string drawn = test::file_text(dir_ / (number + ".png"));
         std::filesystem::rename(dir_ / (number + ".png"), dir_ / (number + "-first.png"));
         // On the other number of threads.
         std::vector<std::string> parts = words_of(again.substr(again.find(' ') + 1));
         parts.insert(parts.end(), {"--threads", requests_ % 2 == 0 ? "1" : "2"});
         const test::Ran repeated = run_here(parts);
         ASSERT_EQ(repeated.exit_code, 0) << again << repeated.err;
-        EXPECT_EQ(test::read_text(dir_ / (number + ".png")), drawn) << again;
+        EXPECT_EQ(test::file_text(dir_ / (number + ".png")), drawn) << again;
         // The truth and the difference, by others: equal but for the rounding of a square root.
         const json apart =
             run_command({"diff", at(number + ".png"), truth_of(mesh, more), "--json"})
@@ -106,7 +106,7 @@ class ImageError : public ::testing::Test {
         return known->second;
     }
 
-    TemporaryDirectory dir_;
+    TempDir dir_;
     std::map<std::vector<std::string>, std::string> truths_;
     int requests_ = 0;
 };

@@ -23,9 +23,9 @@ extern char** environ;
 namespace {
 
 namespace fs = std::filesystem;
-using test::read_text;
+using test::file_text;
 using test::run_command;
-using test::TemporaryDirectory;
+using test::TempDir;
 using test::write_text;
 
 // gzip (bits 16 + 15) or bare deflate (−15) of a text, by zlib's own packer.
@@ -110,27 +110,27 @@ class Input : public ::testing::Test {
     // What preparing the same file unpacked writes.
     std::string plain(const std::string& name, const std::string& format = "glb") {
         EXPECT_EQ(run({"prepare", at(name), "-o", at("plain." + format)}).exit_code, 0);
-        return read_text(dir_ / ("plain." + format));
+        return file_text(dir_ / ("plain." + format));
     }
-    TemporaryDirectory dir_;
+    TempDir dir_;
 };
 
 TEST_F(Input, GzipIsReadAsTheFileInIt) {
     write_text(dir_ / "wood.mtl", "newmtl w\nKd 1 0.5 0\n");
     write_text(dir_ / "cube.obj", "mtllib wood.mtl\nusemtl w\n" + test::cube_obj());
-    write_text(dir_ / "cube.obj.gz", gzip(read_text(dir_ / "cube.obj")));
+    write_text(dir_ / "cube.obj.gz", gzip(file_text(dir_ / "cube.obj")));
     const std::string glb = plain("cube.obj");
     // With what lies beside it.
     const test::Ran ran = run({"prepare", at("cube.obj.gz"), "-o", at("g.glb")});
     EXPECT_EQ(ran.exit_code, 0) << ran.err;
     EXPECT_EQ(ran.err, "");
-    EXPECT_EQ(read_text(dir_ / "g.glb"), glb);
+    EXPECT_EQ(file_text(dir_ / "g.glb"), glb);
     // Members in a row are one file; an ending inside is not needed where the bytes tell.
-    const std::string text = read_text(dir_ / "cube.obj");
+    const std::string text = file_text(dir_ / "cube.obj");
     write_text(dir_ / "two.gz", gzip(text.substr(0, 50)) + gzip(text.substr(50)));
     EXPECT_EQ(run({"prepare", at("two.gz"), "-o", at("t.glb")}).exit_code, 0);
     fs::copy(dir_ / "cube.obj", dir_ / "two.obj");  // meshes are named by their files
-    EXPECT_EQ(read_text(dir_ / "t.glb"), plain("two.obj"));
+    EXPECT_EQ(file_text(dir_ / "t.glb"), plain("two.obj"));
     // A directory is read for them, and their outputs are named by the mesh.
     fs::create_directory(dir_ / "in");
     fs::copy(dir_ / "cube.obj.gz", dir_ / "in/cube.obj.gz");
@@ -169,7 +169,7 @@ std::string textured_zip(const fs::path& png) {
     zip.add({"chair/", "", false});
     zip.add({"chair/chair.obj", "mtllib lib/chair.mtl\nusemtl m\n" + test::textured_cube_obj()});
     zip.add({"chair/lib/chair.mtl", "newmtl m\nKd 1 1 1\nmap_Kd ../tex/t.png\n", false});
-    zip.add({"chair/tex/t.png", read_text(png), false});
+    zip.add({"chair/tex/t.png", file_text(png), false});
     zip.add({"__MACOSX/chair/._chair.obj", "no mesh"});
     zip.add({"chair/._chair.obj", "no mesh"});
     zip.add({"readme.txt", "hello"});
@@ -193,11 +193,11 @@ TEST_F(Input, ZipWithOneMeshIsReadWithWhatLiesBesideIt) {
     const test::Ran ran = run({"prepare", at("chair.zip"), "-o", at("z.glb")});
     EXPECT_EQ(ran.exit_code, 0) << ran.err;
     EXPECT_EQ(ran.err, "");
-    EXPECT_EQ(read_text(dir_ / "z.glb"), glb);
+    EXPECT_EQ(file_text(dir_ / "z.glb"), glb);
     // A format that refers to pictures gets its own copy: the unpacked one is gone.
     EXPECT_EQ(run({"prepare", at("chair.zip"), "-o", at("o/z.obj")}).exit_code, 0);
-    EXPECT_EQ(read_text(dir_ / "o/z_image0.png"), read_text(dir_ / "t.png"));
-    EXPECT_NE(read_text(dir_ / "o/z.mtl").find("map_Kd z_image0.png"), std::string::npos);
+    EXPECT_EQ(file_text(dir_ / "o/z_image0.png"), file_text(dir_ / "t.png"));
+    EXPECT_NE(file_text(dir_ / "o/z.mtl").find("map_Kd z_image0.png"), std::string::npos);
     EXPECT_EQ(run({"render", at("chair.zip"), "-o", at("x.png"), "--size", "16x16"}).exit_code, 0);
     EXPECT_EQ(run({"inspect", at("chair.zip")}).exit_code, 0);
     EXPECT_EQ(run({"prepare", at("chair.zip"), "--in-place"}).exit_code, 2);
@@ -229,14 +229,14 @@ TEST_F(Input, PackedFilesFindPicturesWhereTheUnpackedOnesDo) {
     const test::Ran ran =
         run_command({"prepare", at("assets/models/a.obj.gz"), "-o", at("p.glb")}, elsewhere);
     EXPECT_EQ(ran.exit_code, 0) << ran.err;
-    EXPECT_EQ(read_text(dir_ / "p.glb"), read_text(dir_ / "u.glb"));
+    EXPECT_EQ(file_text(dir_ / "p.glb"), file_text(dir_ / "u.glb"));
     EXPECT_NE(ran.err.find("strange.png"), std::string::npos) << ran.err;
     EXPECT_EQ(ran.err.find("tmp/run"), std::string::npos) << ran.err;
 }
 
 // One directory of links for all packed files of a folder, not one each.
 TEST_F(Input, PackedFilesOfAFolderShareTheLinksToTheirSiblings) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     const auto obj = [](const char* mtl) {
         return "mtllib " + std::string(mtl) +
                ".mtl\nusemtl m\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
@@ -271,7 +271,7 @@ TEST_F(Input, PackedFilesOfAFolderShareTheLinksToTheirSiblings) {
         EXPECT_EQ(scene->libraries.size(), 1u);
         EXPECT_EQ(scene->libraries[0].filename(), (*input)->path().stem().string() + ".mtl");
     }
-    EXPECT_EQ(read_text(dir / "c.obj"), obj("b"));
+    EXPECT_EQ(file_text(dir / "c.obj"), obj("b"));
 }
 
 TEST_F(Input, ZipsThatCannotBeReadSaySoAndWhatToDo) {
@@ -315,7 +315,7 @@ TEST_F(Input, ZipsThatCannotBeReadSaySoAndWhatToDo) {
     for (std::size_t k = 0; k < good.size(); ++k) {
         std::string bad = good;
         bad[k] = static_cast<char>(bad[k] ^ 0xff);
-        const TemporaryDirectory out;
+        const TempDir out;
         write_text(out / "z.zip", bad);
         (void)meshprep::unpack_zip(out / "z.zip", out / "u");
         write_text(out / "z.zip", good.substr(0, k));
@@ -357,14 +357,14 @@ TEST_F(Input, StandardInputIsReadByItsFirstBytes) {
               std::string::npos)
         << unknown.err;
     EXPECT_EQ(run({"inspect", "-", "--input-format", "stl"}, dir_ / "plain.stl").exit_code, 0);
-    write_text(dir_ / "cube.obj.gz", gzip(read_text(dir_ / "cube.obj")));
+    write_text(dir_ / "cube.obj.gz", gzip(file_text(dir_ / "cube.obj")));
     EXPECT_EQ(run({"inspect", "-"}, dir_ / "cube.obj.gz").exit_code, 0);
     ZipText zip;
     zip.add("a.obj", test::cube_obj());
     write_text(dir_ / "a.zip", zip.text());
     EXPECT_EQ(run({"inspect", "-"}, dir_ / "a.zip").exit_code, 0);
     EXPECT_EQ(run({"prepare", "-", "-o", at("s.glb")}, dir_ / "cube.obj").exit_code, 0);
-    EXPECT_EQ(read_text(dir_ / "s.glb"), glb);
+    EXPECT_EQ(file_text(dir_ / "s.glb"), glb);
     EXPECT_EQ(run({"prepare", "-", "-o", at("made/")}, dir_ / "cube.obj").exit_code, 0);
     EXPECT_TRUE(fs::exists(dir_ / "made/stdin.glb"));
     EXPECT_EQ(
@@ -410,7 +410,7 @@ TEST_F(Input, PicturesGoToStandardOutputToo) {
     const test::Ran ran =
         run({"render", at("cube.obj"), "-o", "-", "--format", "png", "--size", "16x16"});
     EXPECT_EQ(ran.exit_code, 0) << ran.err;
-    EXPECT_EQ(ran.out, read_text(dir_ / "x.png"));
+    EXPECT_EQ(ran.out, file_text(dir_ / "x.png"));
     EXPECT_NE(ran.err.find(at("cube.obj") + " → -  16×16"), std::string::npos) << ran.err;
     for (const std::vector<std::string>& more :
          std::vector<std::vector<std::string>>{{},

@@ -14,7 +14,7 @@ namespace {
 
 using nlohmann::json;
 using test::run_here;
-using test::TemporaryDirectory;
+using test::TempDir;
 using test::write_text;
 
 using Face = std::vector<std::size_t>;
@@ -138,7 +138,7 @@ const std::string tagged =
     "t crease 2/1/0 0 1 3.0\nt corner 1/1/0 3 4.0\nt hole 1/0/0 4\n";
 
 TEST(InspectCage, TagsAndExtraordinaryVertices) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     write_text(dir / "cage.obj", tagged);
     const json told = told_of(dir / "cage.obj");
     expect_counts(told, parsed(tagged));
@@ -156,7 +156,7 @@ TEST(InspectCage, TagsAndExtraordinaryVertices) {
 // Three pages of two quads at a spine; two pyramids that touch at their tips; a face turned over in
 // a strip of three.
 TEST(InspectCage, WhatIsNotManifold) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     const std::string book =
         "v 0 0 0\nv 0 0 1\nv 0 0 2\nv 1 0 0\nv 1 0 1\nv 1 0 2\n"
         "v 0 1 0\nv 0 1 1\nv 0 1 2\nv -1 0 0\nv -1 0 1\nv -1 0 2\n"
@@ -200,7 +200,7 @@ TEST(InspectCage, CountsOfTheCorpus) {
         SCOPED_TRACE(entry.path().stem().string());
         ++files;
         const json told = told_of(entry.path());
-        expect_counts(told, parsed(test::read_text(entry.path())));
+        expect_counts(told, parsed(test::file_text(entry.path())));
         if (told.is_object()) non_manifold += told["non_manifold_vertices"] > 0;
     }
     EXPECT_EQ(files, 20U);

@@ -14,7 +14,7 @@ namespace {
 
 using nlohmann::json;
 using test::run_here;
-using test::TemporaryDirectory;
+using test::TempDir;
 using test::write_text;
 
 struct Shape {
@@ -145,7 +145,7 @@ void expect_counts(const json& mesh, const Count& c, std::size_t vertices) {
 }
 
 TEST(InspectFigures, AreThoseOfAClosedSurface) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     const Shape shape = torus(10, 7);
     write_text(dir / "ring.obj", shape.obj());
     const json file = inspected(dir / "ring.obj");
@@ -179,7 +179,7 @@ TEST(InspectFigures, AreThoseOfAClosedSurface) {
 }
 
 TEST(InspectFigures, AreThoseOfAnOpenSurfaceWithLooseParts) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     // A box without lid, a pentagon, two triangles that share an edge, and a vertex for nothing.
     Shape shape;
     for (int i = 0; i < 8; ++i)
@@ -242,7 +242,7 @@ TEST(InspectFigures, AreThoseOfAnOpenSurfaceWithLooseParts) {
 }
 
 TEST(InspectFigures, BadEdgesAndMixedOrientationAreTold) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     Shape fan{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}},
               {{0, 1, 2}, {1, 0, 3}, {0, 1, 4}}};
     write_text(dir / "fan.obj", fan.obj());
@@ -264,7 +264,7 @@ TEST(InspectFigures, BadEdgesAndMixedOrientationAreTold) {
 }
 
 TEST(InspectFigures, AttributesAndMaterialsAreThoseOfTheFile) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     write_text(dir / "m.mtl",
                "newmtl a\nmap_Kd c.png\nmap_Ks s.png\nnorm n.png\nmap_Ke e.png\nmap_bump b.png\n"
                "disp d.png\nnewmtl plain\n");
@@ -299,7 +299,7 @@ TEST(InspectFigures, AttributesAndMaterialsAreThoseOfTheFile) {
 
 // A document's own counts, read from its JSON: as text and as GLB.
 TEST(InspectFigures, AreThoseOfTheDocument) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     test::GltfText gltf;
     const std::vector<float> positions = {0, 0, 0, 1, 0, 0, 0, 1, 0};
     gltf.add({"a",
@@ -370,7 +370,7 @@ TEST(InspectFigures, AreThoseOfTheDocument) {
 }
 
 TEST(Inspect, EachFileHasItsOwnVerdictAndOneFailureIsTheExitCode) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     write_text(dir / "good.obj", test::cube_obj());
     write_text(dir / "bad.obj", "v 0 0 0\nf 1 2 3\n");
     const std::string good = (dir / "good.obj").string(), bad = (dir / "bad.obj").string();

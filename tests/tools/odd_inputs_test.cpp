@@ -17,10 +17,10 @@
 namespace {
 
 namespace fs = std::filesystem;
-using test::read_text;
+using test::file_text;
 using test::run_command;
 using test::run_here;
-using test::TemporaryDirectory;
+using test::TempDir;
 using test::write_text;
 
 std::string gzip(const std::string& text) {
@@ -51,7 +51,7 @@ class OddInputs : public ::testing::Test {
         if (begin == std::string::npos) return ran.err;
         return ran.err.substr(begin + head.size(), ran.err.size() - begin - head.size() - 1);
     }
-    TemporaryDirectory dir_;
+    TempDir dir_;
 };
 
 // A named pipe, and somebody who writes `text` to it once.
@@ -80,9 +80,9 @@ TEST_F(OddInputs, NamedPipesAreReadOnce) {
     const std::string obj = "mtllib m.mtl\nusemtl red\n" + triangle;
     fs::create_directory(dir_ / "plain");
     write_text(dir_ / "plain/p.obj", obj);
-    write_text(dir_ / "plain/m.mtl", read_text(dir_ / "m.mtl"));
+    write_text(dir_ / "plain/m.mtl", file_text(dir_ / "m.mtl"));
     ASSERT_EQ(run_here({"prepare", at("plain/p.obj"), "-o", at("plain/p.glb")}).exit_code, 0);
-    const std::string glb = read_text(dir_ / "plain/p.glb");
+    const std::string glb = file_text(dir_ / "plain/p.glb");
     const std::pair<const char*, std::string> pipes[] = {
         {"p.obj", obj}, {"p", obj}, {"p.obj.gz", gzip(obj)}};
     for (const auto& [name, text] : pipes) {
@@ -92,7 +92,7 @@ TEST_F(OddInputs, NamedPipesAreReadOnce) {
                 {"prepare", at(name), "-o", at("out.glb"), "--manifest", at("made.json")});
             EXPECT_EQ(ran.exit_code, 0) << ran.err;
             EXPECT_EQ(ran.err, "") << name;
-            EXPECT_EQ(read_text(dir_ / "out.glb"), glb) << name;
+            EXPECT_EQ(file_text(dir_ / "out.glb"), glb) << name;
         }
         fs::remove(dir_ / name);
     }
@@ -127,8 +127,8 @@ TEST_F(OddInputs, AChangedPipeIsNotSkipped) {
                          "--skip-unchanged", "--json"});
         EXPECT_EQ(ran.exit_code, 0) << ran.err;
         EXPECT_EQ(ran.json()["files"][0]["status"], "ok");
-        EXPECT_NE(read_text(dir_ / "out.glb"), before);
-        before = read_text(dir_ / "out.glb");
+        EXPECT_NE(file_text(dir_ / "out.glb"), before);
+        before = file_text(dir_ / "out.glb");
     }
 }
 
@@ -136,7 +136,7 @@ TEST_F(OddInputs, WhatAPipedModelIsReadFromStays) {
     write_text(dir_ / "m.mtl", "newmtl m\nmap_Kd spot.png\n");
     const prep::Image image{2, 2, 3, std::vector<float>(12, 0.5f)};
     ASSERT_TRUE(prep::save_image(dir_ / "spot.png", image).has_value());
-    const std::string picture = read_text(dir_ / "spot.png");
+    const std::string picture = file_text(dir_ / "spot.png");
     const Pipe pipe(dir_ / "spot.obj",
                     "mtllib m.mtl\nusemtl m\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\n"
                     "f 1/1 2/2 3/3\n");
@@ -145,7 +145,7 @@ TEST_F(OddInputs, WhatAPipedModelIsReadFromStays) {
     EXPECT_EQ(ran.exit_code, 1);
     EXPECT_NE(ran.err.find(at("spot.png") + ": a model is read from this file"), std::string::npos)
         << ran.err;
-    EXPECT_EQ(read_text(dir_ / "spot.png"), picture);
+    EXPECT_EQ(file_text(dir_ / "spot.png"), picture);
 }
 
 TEST_F(OddInputs, WhatAPackedModelIsReadFromStays) {
@@ -157,7 +157,7 @@ TEST_F(OddInputs, WhatAPackedModelIsReadFromStays) {
     EXPECT_EQ(ran.exit_code, 1);
     EXPECT_NE(ran.err.find(at("a.mtl") + ": the output is also an input"), std::string::npos)
         << ran.err;
-    EXPECT_EQ(read_text(dir_ / "a.mtl"), library);
+    EXPECT_EQ(file_text(dir_ / "a.mtl"), library);
 }
 
 TEST_F(OddInputs, PipesAreNotWrittenInPlaceNorReadTwice) {
@@ -323,7 +323,7 @@ TEST_F(OddInputs, WhatFollowsAFileIsTold) {
     EXPECT_EQ(told.json()["files"][0]["warnings"],
               nlohmann::json{"behind the packed file are 7 bytes of something else: left out"});
     EXPECT_EQ(run_here({"prepare", at("b.obj.gz"), "-o", out}).err, "");
-    write_text(dir_ / "c.glb", read_text(out) + "rubbish");
+    write_text(dir_ / "c.glb", file_text(out) + "rubbish");
     EXPECT_EQ(
         run_here({"prepare", at("c.glb"), "-o", at("d.glb"), "--json"})
             .json()["files"][0]["warnings"],
@@ -419,7 +419,7 @@ TEST_F(OddInputs, PackedFilesAreSkippedWhereNothingChanged) {
             .get<std::string>();
     };
     EXPECT_EQ(run(), "ok");
-    const nlohmann::json made = nlohmann::json::parse(read_text(dir_ / "made.json"));
+    const nlohmann::json made = nlohmann::json::parse(file_text(dir_ / "made.json"));
     EXPECT_EQ(made["files"][0]["sources"][1]["path"], at("a.mtl"));
     EXPECT_EQ(run(), "skipped");
     write_text(dir_ / "a.mtl", "newmtl m\nKd 0 1 0\n");

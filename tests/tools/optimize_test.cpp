@@ -12,7 +12,7 @@ using nlohmann::json;
 using test::run_here;
 
 TEST(Optimize, TheReportTellsWhatMovedAndWhatItIsWorth) {
-    const test::TemporaryDirectory dir;
+    const test::TempDir dir;
     test::write_text(dir / "ball.obj", test::sphere_obj(60, 40));
     const std::string in = (dir / "ball.obj").string(), out = (dir / "ball.glb").string();
     const test::Ran plain = run_here({"prepare", in, "-o", out, "--json"});
@@ -43,7 +43,7 @@ TEST(Optimize, TheReportTellsWhatMovedAndWhatItIsWorth) {
 }
 
 TEST(Optimize, SaysWhatBlends) {
-    const test::TemporaryDirectory dir;
+    const test::TempDir dir;
     test::GltfText gltf;
     gltf.add({"glass", {0, 0, 0, 1, 0, 0, 0, 1, 0}, {}, {}, {}, {0, 1, 2}, R"("material":0)", ""});
     test::write_text(dir / "glass.gltf", gltf.text(R"("materials":[{"alphaMode":"BLEND"}])"));
@@ -54,7 +54,7 @@ TEST(Optimize, SaysWhatBlends) {
 }
 
 TEST(Optimize, IsForGltfFiles) {
-    const test::TemporaryDirectory dir;
+    const test::TempDir dir;
     test::write_text(dir / "cube.obj", test::cube_obj());
     const test::Ran ran = run_here(
         {"prepare", (dir / "cube.obj").string(), "-o", (dir / "x.ply").string(), "--optimize"});
@@ -65,7 +65,7 @@ TEST(Optimize, IsForGltfFiles) {
 
 TEST(Optimize, TheValidatorFindsNoErrors) {
     MESHPREP_REQUIRE_NPM(validator, "gltf-validator");
-    const test::TemporaryDirectory dir;
+    const test::TempDir dir;
     test::write_text(dir / "ball.obj", test::sphere_obj(60, 40));
     json list = json::array();
     for (const char* compression : {"none", "meshopt", "draco"})

@@ -126,7 +126,7 @@ class PixelError : public testing::Test {
     }
     double proved() const { return certificate_["proved_pixels"].get<double>(); }
 
-    test::TemporaryDirectory dir_;
+    test::TempDir dir_;
     json certificate_;
     prep::Mesh mesh_;
 };

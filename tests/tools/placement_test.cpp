@@ -12,7 +12,7 @@
 namespace {
 
 using test::run_here;
-using test::TemporaryDirectory;
+using test::TempDir;
 
 const char* const triangle = "v 1 2 3\nv 2 2 3\nv 1 4 3\nf 1 2 3\n";
 
@@ -22,7 +22,7 @@ glm::dvec3 first_vertex(const std::filesystem::path& glb) {
 }
 
 TEST(Placement, ScaleAndUpReachTheFileAndTheReport) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     test::write_text(dir / "a.obj", triangle);
     const auto ran = run_here({"prepare", (dir / "a.obj").string(), "-o", (dir / "a.glb").string(),
                                "--scale", "0.5", "--up", "z", "--json"});
@@ -42,18 +42,18 @@ TEST(Placement, ScaleAndUpReachTheFileAndTheReport) {
 }
 
 TEST(Placement, FormatsWithoutNodesHaveItInTheirVertices) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     test::write_text(dir / "a.obj", triangle);
     ASSERT_EQ(run_here({"prepare", (dir / "a.obj").string(), "-o", (dir / "b.obj").string(),
                         "--scale", "2", "--up", "x"})
                   .exit_code,
               0);
-    EXPECT_NE(test::read_text(dir / "b.obj").find("v -4 2 6"), std::string::npos)
-        << test::read_text(dir / "b.obj");
+    EXPECT_NE(test::file_text(dir / "b.obj").find("v -4 2 6"), std::string::npos)
+        << test::file_text(dir / "b.obj");
 }
 
 TEST(Placement, WhatFbxStatesIsToldByPrepareAndInspect) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     test::write_text(dir / "rig.fbx", test::fbx_rig({}));
     const std::string line = "lengths × 0.0254: FBX UnitScaleFactor 2.54 (0.0254 m to a unit)";
     const auto inspected = run_here({"inspect", (dir / "rig.fbx").string()});
@@ -72,7 +72,7 @@ TEST(Placement, WhatFbxStatesIsToldByPrepareAndInspect) {
 }
 
 TEST(Placement, NothingIsSaidWhereNothingIsScaledOrTurned) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     test::write_text(dir / "a.obj", triangle);
     const auto ran =
         run_here({"prepare", (dir / "a.obj").string(), "-o", (dir / "a.glb").string()});

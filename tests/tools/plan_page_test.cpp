@@ -23,7 +23,7 @@ struct Page {
     std::string scene;
 };
 Page read_page() {
-    std::istringstream text(test::read_text(test::source_dir() / "docs/plan.md"));
+    std::istringstream text(test::file_text(test::source_dir() / "docs/plan.md"));
     Page page;
     std::string kind;
     for (std::string line; std::getline(text, line);) {
@@ -64,7 +64,7 @@ std::vector<Row> rows_of(const Json& plan) {
 TEST(PlanPage, ShowsThePlansOfFiveScenesAsTheyAre) {
     const Page page = read_page();
     ASSERT_EQ(page.plans.size(), 5u);
-    const test::TemporaryDirectory dir;
+    const test::TempDir dir;
     test::write_text(dir / "yard.json", page.scene);
     int number = 0;
     for (const Shown& shown : page.plans) {

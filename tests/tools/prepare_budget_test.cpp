@@ -13,7 +13,7 @@ namespace {
 
 using meshprep::Json;
 using test::run_here;
-using test::TemporaryDirectory;
+using test::TempDir;
 using test::write_text;
 
 TEST(PrepareBudget, TheLastThatFitsIsChosenAndTheNextOneTold) {
@@ -150,14 +150,14 @@ class PrepareInTime : public ::testing::Test {
     // What the printed command writes, run by a shell.
     void repeats(std::string again) {
         EXPECT_EQ(again.find("budget"), std::string::npos) << again;
-        const std::string written = test::read_text(dir_ / "o.glb");
+        const std::string written = test::file_text(dir_ / "o.glb");
         std::filesystem::remove(dir_ / "o.glb");
         again = "'" + test::command_path().string() + "'" + again.substr(8);
         const test::Ran ran = test::run_program("/bin/sh", {"-c", again});
         ASSERT_EQ(ran.exit_code, 0) << again << ran.err;
-        EXPECT_EQ(test::read_text(dir_ / "o.glb"), written) << again;
+        EXPECT_EQ(test::file_text(dir_ / "o.glb"), written) << again;
     }
-    TemporaryDirectory dir_;
+    TempDir dir_;
 };
 
 TEST_F(PrepareInTime, TheMostAccurateThatFitsIsWritten) {
@@ -251,7 +251,7 @@ TEST_F(PrepareInTime, ALevelThatWasTriedAndDoesNotFitIsNotWritten) {
 }
 
 TEST(PrepareBudget, RefusesWhatMakesNoSense) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     const std::vector<std::vector<std::string>> refused = {
         {"--budget-ms", "-1"},
         {"--budget-ms", "soon"},

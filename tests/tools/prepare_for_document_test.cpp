@@ -117,7 +117,7 @@ void write_loose(const std::filesystem::path& file) {
 }
 
 json first_primitive(const std::filesystem::path& file) {
-    return json::parse(test::read_text(file), nullptr, false)["meshes"][0]["primitives"][0];
+    return json::parse(test::file_text(file), nullptr, false)["meshes"][0]["primitives"][0];
 }
 std::string keys_of(const json& object) {
     std::string text;
@@ -136,7 +136,7 @@ class PrepareForDocument : public ::testing::Test {
     }
     std::string attributes() { return keys_of(first_primitive(dir_ / "out.gltf")["attributes"]); }
     std::string target() { return keys_of(first_primitive(dir_ / "out.gltf")["targets"][0]); }
-    test::TemporaryDirectory dir_;
+    test::TempDir dir_;
 };
 
 // The specification: all that a target has, its primitive has too.
@@ -215,7 +215,7 @@ TEST_F(PrepareForDocument, PicturesAreThoseOfTheInput) {
             run_here({"render", (dir_ / file).string(), "-o", (dir_ / "x.png").string(), "--size",
                       "40x30", "--shading", shading});
         EXPECT_EQ(ran.exit_code, 0) << ran.err;
-        return test::read_text(dir_ / "x.png");
+        return test::file_text(dir_ / "x.png");
     };
     for (const char* input : {"m.gltf", "t.gltf", "l.gltf"})
         for (const char* shading : {"flat", "gouraud", "phong", "normal-mapped"})

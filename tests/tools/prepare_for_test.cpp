@@ -48,7 +48,7 @@ class PrepareFor : public ::testing::Test {
                             stage["reason"].get<std::string>() + "; ";
         return text;
     }
-    test::TemporaryDirectory dir_;
+    test::TempDir dir_;
 };
 
 TEST_F(PrepareFor, ComputesWhatOnePictureReads) {
@@ -205,7 +205,7 @@ TEST_F(PrepareFor, MapsOfMaterialsThatAreDrawnAsOthersAreNotWritten) {
                                         "--for", (dir_ / "s.json").string()});
         EXPECT_EQ(ran.exit_code, 0) << ran.err;
         std::string text;
-        const json document = json::parse(test::read_text(out), nullptr, false);
+        const json document = json::parse(test::file_text(out), nullptr, false);
         for (const json& material : document["materials"])
             text += material.dump().find("baseColorTexture") == std::string::npos ? "- " : "map ";
         return text;
@@ -284,7 +284,7 @@ TEST_F(PrepareFor, DocumentsOfAnotherFormatLeaveUnreadUvsAndMapsOut) {
                                           (dir_ / "out.obj").string()};
         words.insert(words.end(), options.begin(), options.end());
         EXPECT_EQ(run_here(words).exit_code, 0);
-        return test::read_text(dir_ / "out.obj") + test::read_text(dir_ / "out.mtl");
+        return test::file_text(dir_ / "out.obj") + test::file_text(dir_ / "out.mtl");
     };
     const auto has = [](const std::string& text, const char* word) {
         return text.find(word) != std::string::npos;

@@ -7,7 +7,7 @@ namespace {
 
 using nlohmann::json;
 using test::run_here;
-using test::TemporaryDirectory;
+using test::TempDir;
 using test::write_text;
 
 // A square of two triangles with a UV seam on the diagonal, a line of two segments and two points.
@@ -24,7 +24,7 @@ std::string single_spaced(const std::string& text) {
 }
 
 TEST(PrepareReport, CountsAreThoseBeforeAndAfter) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     write_text(dir / "m.obj", mixed);
     const std::string in = (dir / "m.obj").string(), out = (dir / "m.gltf").string();
     const test::Ran ran = run_here({"prepare", in, "-o", out, "--json"});
@@ -78,7 +78,7 @@ TEST(PrepareReport, CountsAreThoseBeforeAndAfter) {
 }
 
 TEST(PrepareReport, RepairsAreToldStepByStep) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     // The same triangle twice, and a vertex that nothing uses.
     write_text(dir / "m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 9 9 9\nf 1 2 3\nf 1 2 3\n");
     const std::string in = (dir / "m.obj").string(), out = (dir / "m.ply").string();
@@ -107,7 +107,7 @@ TEST(PrepareReport, RepairsAreToldStepByStep) {
 }
 
 TEST(PrepareReport, FilesThatFailAndFilesWithWarningsAreCountedApart) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     write_text(dir / "good.obj", test::cube_obj());
     write_text(dir / "bad.obj", "v 0 0 0\nf 1 2 3\n");
     // A normal of no length is replaced, which is a warning.
@@ -156,7 +156,7 @@ TEST(PrepareReport, FilesThatFailAndFilesWithWarningsAreCountedApart) {
 
 // The words of --repair, --hard-angle and --hard-borders, each by what only it does.
 TEST(PrepareOptions, WordsDoWhatTheySay) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     const auto run = [&](const std::string& text, std::vector<std::string> options) {
         write_text(dir / "in.obj", text);
         std::vector<std::string> words = {"prepare", (dir / "in.obj").string(), "-o",
@@ -229,7 +229,7 @@ TEST(PrepareOptions, WordsDoWhatTheySay) {
 }
 
 TEST(PrepareOptions, NumbersAreReadToTheirEndOrRefused) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     write_text(dir / "c.obj", test::cube_obj());
     for (const std::vector<std::string>& more :
          std::vector<std::vector<std::string>>{{"--hard-angle", "30x"},

@@ -17,7 +17,7 @@ namespace {
 using prep::Authored;
 using prep::PrepareOptions;
 using test::run_here;
-using test::TemporaryDirectory;
+using test::TempDir;
 using Level = prep::Request::Level;
 
 // A rough surface of 6 × 6 squares of unequal sizes, as triangles with vertices of their own along
@@ -71,7 +71,7 @@ class PrepareWords : public testing::Test {
         words.insert(words.end(), options.begin(), options.end());
         const test::Ran ran = run_here(words);
         EXPECT_EQ(ran.exit_code, 0) << ran.err;
-        return test::read_text(dir_ / "words.glb");
+        return test::file_text(dir_ / "words.glb");
     }
     std::string by_values(const PrepareOptions& options) const {
         auto scene = prep::load_scene(dir_ / "rough.gltf");
@@ -79,10 +79,10 @@ class PrepareWords : public testing::Test {
         const auto prepared = prep::prepare(std::move(*scene), options);
         EXPECT_TRUE(prepared) << to_string(prepared.error());
         EXPECT_TRUE(prep::save_scene(*prepared, dir_ / "values.glb"));
-        return test::read_text(dir_ / "values.glb");
+        return test::file_text(dir_ / "values.glb");
     }
 
-    TemporaryDirectory dir_;
+    TempDir dir_;
 };
 
 TEST_F(PrepareWords, NameThePreparationsChoices) {

@@ -21,7 +21,7 @@ using nlohmann::json;
 using test::GltfFile;
 using test::run_command;
 using test::run_here;
-using test::TemporaryDirectory;
+using test::TempDir;
 using test::write_text;
 
 double degrees_apart(const std::vector<double>& a, const std::vector<double>& b) {
@@ -131,16 +131,16 @@ class QuantizeBudget : public ::testing::Test {
         ASSERT_EQ(again.rfind("meshprep prepare ", 0), 0u) << again;
         ASSERT_EQ(again.find("-error"), std::string::npos) << again;
         ASSERT_EQ(again.find("auto"), std::string::npos) << again;
-        const std::string written = test::read_text(dir_ / out);
+        const std::string written = test::file_text(dir_ / out);
         std::filesystem::rename(dir_ / out, dir_ / ("first-" + out));
         again = "'" + test::command_path().string() + "'" + again.substr(8);
         const test::Ran shell =
             test::run_program("/bin/sh", {"-c", again + " --threads " + (odd ? "1" : "2")});
         ASSERT_EQ(shell.exit_code, 0) << again << shell.err;
-        EXPECT_EQ(test::read_text(dir_ / out), written) << again;
+        EXPECT_EQ(test::file_text(dir_ / out), written) << again;
     }
 
-    TemporaryDirectory dir_;
+    TempDir dir_;
     int requests_ = 0;
 };
 
@@ -352,7 +352,7 @@ TEST_F(QuantizeBudget, TheOutputIsReplacedOnce) {
     prep::SaveOptions save;
     save.quantization = meshprep::usual_quantization();
     save.spared = [&](const std::filesystem::path& file) {
-        replaced.push_back(test::read_text(file));
+        replaced.push_back(test::file_text(file));
         return false;
     };
     const auto done = meshprep::save_within(*prepared, path, save, {0.05, {}}, 1);
@@ -363,7 +363,7 @@ TEST_F(QuantizeBudget, TheOutputIsReplacedOnce) {
     write_text(path, "old");
     save.spared = [](const std::filesystem::path&) { return true; };
     EXPECT_FALSE(meshprep::save_within(*prepared, path, save, {0.05, {}}, 1));
-    EXPECT_EQ(test::read_text(path), "old");
+    EXPECT_EQ(test::file_text(path), "old");
 }
 
 // What came as whole numbers stays so where nothing is rounded: the last rung takes what the file
@@ -378,7 +378,7 @@ TEST_F(QuantizeBudget, BytesAreThoseOfTheFile) {
                                         "--quantize", "auto", "--normal-error", "1e-9"});
         EXPECT_EQ(ran.exit_code, 1);
         const json tried = ran.json()["files"][0]["certificate"]["directions"][0]["tried"];
-        const std::string file = test::read_text(dir_ / "came.glb");
+        const std::string file = test::file_text(dir_ / "came.glb");
         std::uint32_t length = 0;
         std::memcpy(&length, file.data() + 12, 4);
         const json document = json::parse(file.substr(20, length));

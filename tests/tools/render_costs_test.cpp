@@ -52,7 +52,7 @@ class RenderCosts : public ::testing::Test {
         options.insert(options.end(), {"--explain", "--json"});
         return render(material, options).json();
     }
-    test::TemporaryDirectory dir_;
+    test::TempDir dir_;
 };
 
 TEST_F(RenderCosts, AreThePointsThatThereAre) {

@@ -11,9 +11,9 @@
 
 namespace {
 
-using test::read_text;
+using test::file_text;
 using test::run_here;
-using test::TemporaryDirectory;
+using test::TempDir;
 
 // A slanted, textured floor and a ball that is lit from a side; a sheet seen from behind.
 const char* const scene = R"({"meshprep": 1,
@@ -25,7 +25,7 @@ const char* const scene = R"({"meshprep": 1,
     {"mesh": "floor", "translate": [0, 2, -1], "rotate": [-90, 0, 0], "scale": 0.1}]})";
 
 TEST(RenderDefaults, AreThoseOfThePages) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     const std::filesystem::path room = test::source_dir() / "samples/room";
     std::filesystem::copy_file(room / "brick_color.png", dir / "brick.png");
     std::filesystem::copy_file(room / "brick_normal.png", dir / "n.png");
@@ -38,7 +38,7 @@ TEST(RenderDefaults, AreThoseOfThePages) {
         words.insert(words.end(), options.begin(), options.end());
         const test::Ran ran = run_here(words);
         EXPECT_EQ(ran.exit_code, 0) << ran.err;
-        return read_text(dir / "a.png") + read_text(dir / "a.depth.exr");
+        return file_text(dir / "a.png") + file_text(dir / "a.depth.exr");
     };
     const std::string nothing = draw({});
     for (const auto& [option, value, another] :

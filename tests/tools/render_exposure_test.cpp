@@ -8,9 +8,9 @@
 
 namespace {
 
-using test::read_text;
+using test::file_text;
 using test::run_here;
-using test::TemporaryDirectory;
+using test::TempDir;
 using test::write_text;
 
 // A square that faces +z, of albedo 0.5 or black, under a light of so many lux from in front.
@@ -52,7 +52,7 @@ Picture draw(const std::filesystem::path& input, const std::filesystem::path& ou
     Picture picture;
     picture.ran = run_here(arguments);
     EXPECT_EQ(picture.ran.exit_code, 0) << picture.ran.err;
-    picture.bytes = read_text(output);
+    picture.bytes = file_text(output);
     picture.image = prep::load_image(output).value();
     return picture;
 }
@@ -62,7 +62,7 @@ std::size_t where(const std::string& text, const std::string& part) {
 }
 
 TEST(RenderExposure, IsFoundForFilesThatBringLightsAndIsTold) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     write_text(dir / "lamp.gltf", lit_square(40000));
     const Picture found = draw(dir / "lamp.gltf", dir / "a.png");
     EXPECT_NE(where(found.ran.out, "exposure "), std::string::npos) << found.ran.out;
@@ -84,7 +84,7 @@ TEST(RenderExposure, IsFoundForFilesThatBringLightsAndIsTold) {
 }
 
 TEST(RenderExposure, CropsShareIt) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     write_text(dir / "lamp.gltf", lit_square(300));
     const Picture whole = draw(dir / "lamp.gltf", dir / "whole.png");
     const Picture part = draw(dir / "lamp.gltf", dir / "part.png", {"--crop", "0,0,20x96"});
@@ -95,7 +95,7 @@ TEST(RenderExposure, CropsShareIt) {
 }
 
 TEST(RenderExposure, OfSceneFilesIsOneUnlessTheyAskForIt) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     const auto scene = [](const std::string& picture) {
         return R"({"meshprep": 1, "materials": {"m": {"diffuse": [0.5, 0.5, 0.5], "specular": [0, 0, 0]}},
   "meshes": {"floor": {"shape": {"kind": "sphere"}, "material": "m"}},
@@ -114,11 +114,11 @@ TEST(RenderExposure, OfSceneFilesIsOneUnlessTheyAskForIt) {
     };
     EXPECT_FALSE(drawn("plain").contains("exposure"));
     EXPECT_LT(drawn("asks")["exposure"]["value"], 0.1);
-    EXPECT_NE(read_text(dir / "plain.png"), read_text(dir / "asks.png"));
+    EXPECT_NE(file_text(dir / "plain.png"), file_text(dir / "asks.png"));
 }
 
 TEST(RenderExposure, BlackPicturesSayWhy) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     write_text(dir / "dim.gltf", lit_square(1e-4));
     const Picture dim = draw(dir / "dim.gltf", dir / "a.png", {"--exposure", "1"});
     EXPECT_NE(where(dim.ran.err, "100 % of the pixels that show a surface are black: the lights"),
@@ -133,7 +133,7 @@ TEST(RenderExposure, BlackPicturesSayWhy) {
 }
 
 TEST(RenderExposure, ASlateLiesBehindFilesAndBlackBehindScenes) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     for (const double lux : {1.0, 40000.0}) {
         write_text(dir / "lamp.gltf", lit_square(lux));
         const Picture file = draw(dir / "lamp.gltf", dir / "a.png");

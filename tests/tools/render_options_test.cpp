@@ -16,7 +16,7 @@
 namespace {
 
 using test::run_here;
-using test::TemporaryDirectory;
+using test::TempDir;
 using test::write_text;
 
 prep::Image load(const std::filesystem::path& path) {
@@ -25,7 +25,7 @@ prep::Image load(const std::filesystem::path& path) {
     return image ? *std::move(image) : prep::Image{};
 }
 
-prep::Image drawn(const TemporaryDirectory& dir, const std::string& scene,
+prep::Image drawn(const TempDir& dir, const std::string& scene,
                   const std::vector<std::string>& options, const std::string& ending = "exr") {
     write_text(dir / "scene.json", scene);
     std::vector<std::string> words{"render", (dir / "scene.json").string(), "-o",
@@ -49,7 +49,7 @@ std::string plane(const std::string& rotate, const std::string& more = "") {
 
 // Lambert's cosine, without 1/π as in MTL files; lights are seen from the camera.
 TEST(RenderLights, ComeFromWhereTheirAnglesSay) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     const double pi = std::numbers::pi;
     const std::string right = "[0, 0, -30]", up = "[-30, 0, 0]";  // where the plane leans to
     const struct {
@@ -73,7 +73,7 @@ TEST(RenderLights, ComeFromWhereTheirAnglesSay) {
 }
 
 TEST(RenderLights, AddUpAndTakeThePlaceOfTheFiles) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     const std::string own = plane("[0, 0, 0]", R"(, "lights": [
         {"kind": "ambient", "intensity": 0.25},
         {"kind": "directional", "direction": [0, -1, 0], "intensity": 0.5}])");
@@ -94,7 +94,7 @@ double srgb(double linear) {
 }
 
 TEST(RenderTone, ExposureToneCurveAndBackgroundAreTheirFormulas) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     const std::string scene = plane("[0, 0, 0]");
     const std::vector<std::string> lit = {"--light", "0,0,1", "--ambient", "0"};
     const auto level = [&](std::vector<std::string> options) {
@@ -139,7 +139,7 @@ int covered(const prep::Image& picture) {
 }
 
 TEST(RenderCameras, AnglesHeightsAndDistancesAreInUnits) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     // A square of two units, from a distance of 5: what part of 40 x 40 pixels it fills.
     write_text(dir / "square.obj", "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nf 1 2 3 4\n");
     const auto fills = [&](std::vector<std::string> options) {
@@ -174,7 +174,7 @@ TEST(RenderCameras, AnglesHeightsAndDistancesAreInUnits) {
 
 // Camera nodes by their names, their cameras' names, and their numbers among the cameras.
 TEST(RenderCameras, AreFoundByNameAndNumber) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     test::GltfText gltf;
     gltf.add({"m",
               {-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0},
@@ -235,7 +235,7 @@ std::string everything(const std::string& picture) {
 
 // The words of the command line and of scene files, each against the value it names.
 TEST(RenderWords, NameTheRenderersChoices) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     const std::filesystem::path room = test::source_dir() / "samples/room";
     std::filesystem::copy_file(room / "brick_color.png", dir / "brick.png");
     std::filesystem::copy_file(room / "brick_normal.png", dir / "n.png");
@@ -338,7 +338,7 @@ TEST(RenderWords, NameTheRenderersChoices) {
 }
 
 TEST(RenderReport, SaysWhatWasDrawnAndWhatWasNot) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     test::GltfText gltf;
     const std::vector<float> positions = {0, 0, 0, 1, 0, 0, 0, 1, 0};
     gltf.add({"m",
@@ -385,7 +385,7 @@ TEST(RenderReport, SaysWhatWasDrawnAndWhatWasNot) {
 }
 
 TEST(RenderUsage, WrongNumbersAreUsageErrors) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     write_text(dir / "c.obj", test::cube_obj());
     for (const std::vector<std::string>& more : std::vector<std::vector<std::string>>{
              {"--size", "10.5x10"},   {"--size", "32769x10"},  {"--size", "10x10x10"},

@@ -11,9 +11,9 @@
 
 namespace {
 
-using test::read_text;
+using test::file_text;
 using test::run_here;
-using test::TemporaryDirectory;
+using test::TempDir;
 using test::write_text;
 
 prep::Image load(const std::filesystem::path& path,
@@ -39,7 +39,7 @@ constexpr const char* square =
     "f 1/1 2/2 3/3 4/4\n";
 
 TEST(RenderBuffers, HoldWhatIsAtEachPixel) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     write_text(dir / "square.obj", square);
     // Half the picture's height is 2 units: the square fills the middle 16 x 16 of 32 x 32 pixels,
     // seen from a distance of 5.
@@ -114,7 +114,7 @@ TEST(RenderBuffers, HoldWhatIsAtEachPixel) {
 }
 
 TEST(RenderBuffers, PerspectiveDistanceIsAlongTheView) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     write_text(dir / "square.obj", square);
     render(dir / "square.obj", dir / "a.png",
            {"--size", "33x33", "--look-from", "0,0,3", "--look-at", "0,0,0", "--fov", "30",
@@ -130,7 +130,7 @@ TEST(RenderBuffers, PerspectiveDistanceIsAlongTheView) {
 }
 
 TEST(RenderBuffers, UnknownOnesAreUsageErrors) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     write_text(dir / "square.obj", square);
     const std::string in = (dir / "square.obj").string(), out = (dir / "a.png").string();
     for (const std::vector<std::string>& more : std::vector<std::vector<std::string>>{
@@ -161,7 +161,7 @@ TEST(RenderBuffers, UnknownOnesAreUsageErrors) {
 }
 
 TEST(RenderCommand, ChoicesThatWouldChangeNothingAreErrors) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     const std::string in = (dir / "scene.json").string();
     write_text(dir / "scene.json",
                R"({"meshprep": 1, "meshes": {"ball": {"shape": {"kind": "sphere"}}},
@@ -186,7 +186,7 @@ TEST(RenderCommand, ChoicesThatWouldChangeNothingAreErrors) {
 }
 
 TEST(RenderCrop, IsThePartOfTheWholePicture) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     write_text(dir / "sphere.obj", test::sphere_obj(24, 16));
     render(dir / "sphere.obj", dir / "whole.png", {"--size", "120x90"});
     render(dir / "sphere.obj", dir / "part.png", {"--size", "120x90", "--crop", "37,21,50x41"});
@@ -205,7 +205,7 @@ TEST(RenderCrop, IsThePartOfTheWholePicture) {
 }
 
 TEST(RenderCamera, PlacesAndOrbitsAgree) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     write_text(dir / "sphere.obj", test::sphere_obj(24, 16));
     const std::vector<std::string> size = {"--size", "64x64", "--ortho", "3"};
     const auto with = [&](std::vector<std::string> more) {
@@ -214,9 +214,9 @@ TEST(RenderCamera, PlacesAndOrbitsAgree) {
     };
     render(dir / "sphere.obj", dir / "orbit.png", with({"--camera", "90,0"}));
     render(dir / "sphere.obj", dir / "place.png", with({"--look-from", "8,0,0"}));
-    EXPECT_TRUE(read_text(dir / "orbit.png") == read_text(dir / "place.png"));
+    EXPECT_TRUE(file_text(dir / "orbit.png") == file_text(dir / "place.png"));
     render(dir / "sphere.obj", dir / "other.png", with({"--look-from", "2,8,0"}));
-    EXPECT_TRUE(read_text(dir / "orbit.png") != read_text(dir / "other.png"));
+    EXPECT_TRUE(file_text(dir / "orbit.png") != file_text(dir / "other.png"));
     // Turned about the axis of view by half a turn: upside down.
     render(dir / "sphere.obj", dir / "over.exr", with({"--look-from", "0,3,8", "--no-textures"}));
     render(dir / "sphere.obj", dir / "under.exr",
@@ -228,7 +228,7 @@ TEST(RenderCamera, PlacesAndOrbitsAgree) {
 }
 
 TEST(RenderTurntable, WritesASequenceAroundTheScene) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     write_text(dir / "cube.obj", test::cube_obj());
     const auto ran = render(dir / "cube.obj", dir / "t.exr",
                             {"--turntable", "8", "--size", "64x48", "--camera", "10,20"});
@@ -252,7 +252,7 @@ TEST(RenderTurntable, WritesASequenceAroundTheScene) {
 }
 
 TEST(RenderTurntable, AllPicturesOrNone) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     write_text(dir / "cube.obj", test::cube_obj());
     write_text(dir / "t_002.png", "mine");
     const std::string in = (dir / "cube.obj").string();
@@ -261,7 +261,7 @@ TEST(RenderTurntable, AllPicturesOrNone) {
     EXPECT_EQ(ran.exit_code, 1);
     EXPECT_NE(ran.err.find("t_002.png"), std::string::npos) << ran.err;
     EXPECT_EQ(dir.names(), (std::vector<std::string>{"cube.obj", "t_002.png"}));
-    EXPECT_EQ(read_text(dir / "t_002.png"), "mine");
+    EXPECT_EQ(file_text(dir / "t_002.png"), "mine");
     render(dir / "cube.obj", dir / "u-%d.png", {"--turntable", "2", "--size", "16x16"});
     EXPECT_EQ(dir.names(),
               (std::vector<std::string>{"cube.obj", "t_002.png", "u-0.png", "u-1.png"}));
@@ -279,7 +279,7 @@ TEST(RenderTurntable, NamesFollowThePattern) {
 }
 
 TEST(RenderBands, GiveTheSameBytes) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     write_text(dir / "sphere.obj", test::sphere_obj(48, 32));
     for (const std::string ending : {"png", "exr"}) {
         const std::vector<std::string> common = {"--size", "1100x700", "--buffers", "depth,id"};
@@ -291,13 +291,13 @@ TEST(RenderBands, GiveTheSameBytes) {
         EXPECT_LT(bands.json()["plan"]["band_rows"], 40);
         for (const std::string& name :
              std::vector<std::string>{"." + ending, ".depth.exr", ".id.exr"})
-            EXPECT_TRUE(read_text(dir / ("whole" + name)) == read_text(dir / ("bands" + name)))
+            EXPECT_TRUE(file_text(dir / ("whole" + name)) == file_text(dir / ("bands" + name)))
                 << name;
     }
 }
 
 TEST(RenderOutputs, TwoOutputsOfOneNameAreRefused) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     write_text(dir / "cube.obj", test::textured_cube_obj());
     const test::Ran ran =
         run_here({"render", (dir / "cube.obj").string(), "-o", (dir / "a.exr").string(), "--size",
@@ -308,16 +308,16 @@ TEST(RenderOutputs, TwoOutputsOfOneNameAreRefused) {
 }
 
 TEST(RenderOutputs, RadianceFilesHoldThreeChannels) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     write_text(dir / "cube.obj", test::cube_obj());
     const test::Ran ran = run_here(
         {"render", (dir / "cube.obj").string(), "-o", (dir / "a.hdr").string(), "--size", "16x16"});
     EXPECT_EQ(ran.exit_code, 0) << ran.err;
-    EXPECT_EQ(read_text(dir / "a.hdr").substr(0, 2), "#?");
+    EXPECT_EQ(file_text(dir / "a.hdr").substr(0, 2), "#?");
 }
 
 TEST(RenderOutputs, TurntablesTurnAlsoSeenFromAbove) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     write_text(dir / "flag.obj", "v 0 0 0\nv 3 0 0\nv 0 0 -1\nf 1 2 3\n");
     const test::Ran ran =
         run_here({"render", (dir / "flag.obj").string(), "-o", (dir / "t.png").string(), "--size",
@@ -325,7 +325,7 @@ TEST(RenderOutputs, TurntablesTurnAlsoSeenFromAbove) {
     ASSERT_EQ(ran.exit_code, 0) << ran.err;
     std::set<std::string> pictures;
     for (const char* name : {"t_000.png", "t_001.png", "t_002.png", "t_003.png"})
-        pictures.insert(read_text(dir / name));
+        pictures.insert(file_text(dir / name));
     EXPECT_EQ(pictures.size(), 4u);
 }
 

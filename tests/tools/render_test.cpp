@@ -9,9 +9,9 @@
 
 namespace {
 
-using test::read_text;
+using test::file_text;
 using test::run_here;
-using test::TemporaryDirectory;
+using test::TempDir;
 using test::write_text;
 
 // A textured plane seen at a slant, so that filters differ.
@@ -26,7 +26,7 @@ std::string slanted_floor(const std::string& picture) {
 }
 
 TEST(Render, SceneFilesTakeEveryFilterWordOfTheCommandLine) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     std::filesystem::copy_file(test::source_dir() / "samples/room/brick_color.png",
                                dir / "brick.png");
     write_text(dir / "plain.json", slanted_floor(R"({"size": [96, 64]})"));
@@ -43,15 +43,15 @@ TEST(Render, SceneFilesTakeEveryFilterWordOfTheCommandLine) {
             run_here({"render", (dir / "plain.json").string(), "-o",
                       (dir / "by_option.png").string(), "--filter", word, "--quiet"});
         ASSERT_EQ(by_option.exit_code, 0) << by_option.err;
-        const std::string bytes = read_text(dir / "by_file.png");
-        EXPECT_EQ(bytes, read_text(dir / "by_option.png"));
+        const std::string bytes = file_text(dir / "by_file.png");
+        EXPECT_EQ(bytes, file_text(dir / "by_option.png"));
         pictures.insert(bytes);
     }
     EXPECT_EQ(pictures.size(), 8u);
 }
 
 TEST(Render, TexturesAreReadAsTheirSamplersAskUnlessAFilterIsAskedFor) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     std::filesystem::copy_file(test::source_dir() / "samples/room/brick_color.png",
                                dir / "brick.png");
     const auto draw = [&](const std::string& sampler, const std::vector<std::string>& options) {
@@ -63,7 +63,7 @@ TEST(Render, TexturesAreReadAsTheirSamplersAskUnlessAFilterIsAskedFor) {
         words.insert(words.end(), options.begin(), options.end());
         const test::Ran ran = run_here(words);
         EXPECT_EQ(ran.exit_code, 0) << ran.err;
-        return read_text(dir / "out.png");
+        return file_text(dir / "out.png");
     };
     const std::string nearest = R"(, "mag": "nearest", "min": "nearest", "mip": "none")";
     EXPECT_EQ(draw(nearest, {}), draw("", {"--filter", "nearest"}));
@@ -74,7 +74,7 @@ TEST(Render, TexturesAreReadAsTheirSamplersAskUnlessAFilterIsAskedFor) {
 }
 
 TEST(Render, SceneFilesAskForTheSameAsOptionsAndTheOptionsWin) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     std::filesystem::copy_file(test::source_dir() / "samples/room/brick_color.png",
                                dir / "brick.png");
     write_text(dir / "plain.json", slanted_floor(R"({"size": [96, 64]})"));
@@ -84,7 +84,7 @@ TEST(Render, SceneFilesAskForTheSameAsOptionsAndTheOptionsWin) {
         words.insert(words.end(), options.begin(), options.end());
         const test::Ran ran = run_here(words);
         EXPECT_EQ(ran.exit_code, 0) << ran.err;
-        return read_text(dir / "out.png");
+        return file_text(dir / "out.png");
     };
     struct Case {
         std::string keys;
@@ -116,7 +116,7 @@ TEST(Render, SceneFilesAskForTheSameAsOptionsAndTheOptionsWin) {
 
 // A picture of linear light, drawn as a texture, gives the same light again.
 TEST(Render, FloatTexturesAreLinearLight) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     const std::string tail = R"("meshes": {"p": {"shape": {"kind": "plane"}, "material": "m"}},
   "camera": {"position": [0, 2, 0], "target": [0, 0, 0], "up": [0, 0, -1], "height": 0.5},
   "picture": {"size": [16, 16]}})";
@@ -145,7 +145,7 @@ TEST(Render, FloatTexturesAreLinearLight) {
 }
 
 TEST(Render, WhatIsNotDrawnIsTold) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     std::filesystem::copy_file(test::source_dir() / "samples/room/brick_color.png",
                                dir / "brick.png");
     write_text(dir / "scene.json", R"({"meshprep": 1,
@@ -172,9 +172,9 @@ TEST(Render, WhatIsNotDrawnIsTold) {
 
 // The page's examples are scenes as they stand.
 TEST(Render, DrawsTheExamplesOfTheSceneFormatPage) {
-    const std::string page = read_text(test::source_dir() / "docs/scene-format.md");
+    const std::string page = file_text(test::source_dir() / "docs/scene-format.md");
     const std::string open = "```json\n";
-    const TemporaryDirectory dir;
+    const TempDir dir;
     std::size_t examples = 0;
     for (std::size_t at = page.find(open); at != std::string::npos; at = page.find(open, at)) {
         at += open.size();

@@ -6,10 +6,10 @@
 namespace {
 
 using test::run_here;
-using test::TemporaryDirectory;
+using test::TempDir;
 
 TEST(RenderUsage, RefusesWaysUpThatAreNone) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     test::write_text(dir / "cube.obj", test::cube_obj());
     const auto run = [&](std::vector<std::string> more) {
         std::vector<std::string> all = {
@@ -37,7 +37,7 @@ TEST(RenderUsage, RefusesWaysUpThatAreNone) {
 }
 
 TEST(SceneNumbers, SayThatTheyAreTooLargeAndTheLimit) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     for (const std::string number : {"1e39", "-1e39"}) {
         test::write_text(dir / "s.json",
                          R"({"meshprep": 1, "meshes": {"m": {"shape": {"kind": "sphere"}}},

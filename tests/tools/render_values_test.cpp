@@ -14,7 +14,7 @@
 namespace {
 
 using test::run_here;
-using test::TemporaryDirectory;
+using test::TempDir;
 using test::write_text;
 
 constexpr std::uint32_t none = 0xffffffffu;
@@ -62,7 +62,7 @@ glm::dvec3 barycentrics(const glm::dvec2& p, const glm::dvec2& a, const glm::dve
 
 // Seven triangles in three meshes, flat, beside each other: every pixel knows its own.
 TEST(RenderBuffers, IdsAreTheTriangleInItsMeshAndTheNode) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     struct Placed {
         std::uint32_t node, triangle;
         glm::dvec2 corners[3];
@@ -192,7 +192,7 @@ Hit trace(const glm::dvec3& from, const glm::dvec3& ray) {
 }
 
 TEST(RenderBuffers, PerspectiveValuesAreThoseOfTheRays) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     write_text(dir / "a.obj", slanted());
     const std::uint32_t width = 48, height = 36;
     const std::vector<std::string> view = {"--size",    "48x36",         "--look-from", "1,2,3.5",
@@ -275,7 +275,7 @@ TEST(RenderBuffers, PerspectiveValuesAreThoseOfTheRays) {
 }
 
 TEST(RenderBuffers, WithoutPerspectiveDepthFallsEvenly) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     write_text(dir / "a.obj", slanted());
     // From behind: the normals that are lit point to the eye.
     render(dir / "a.obj", dir / "a.png",
@@ -298,7 +298,7 @@ TEST(RenderBuffers, WithoutPerspectiveDepthFallsEvenly) {
 
 // k / 2^16 is what sixteen bits hold.
 TEST(RenderBuffers, DepthOfSixteenBitsHasTheirSteps) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     write_text(dir / "a.obj", slanted());
     for (const auto& [word, bits] : {std::pair{"fixed16", 16}, {"fixed24", 24}, {"float", 0}}) {
         render(dir / "a.obj", dir / "a.png",
@@ -325,7 +325,7 @@ struct Seen {
     double column = 0, distance = 0;
     int pixels = 0;
 };
-Seen marker(const TemporaryDirectory& dir, const std::string& stem) {
+Seen marker(const TempDir& dir, const std::string& stem) {
     const Picture picture = load(dir / (stem + ".exr"));
     Seen out;
     out.distance = 1e9;
@@ -345,7 +345,7 @@ Seen marker(const TemporaryDirectory& dir, const std::string& stem) {
 // Something at +x above, something at −x below. From +z the marker is on the right; a camera that
 // goes eastwards comes to +x, where the marker is near, then to −z, where it is on the left.
 TEST(RenderTurntable, GoesEastwardsWhateverTheCamera) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     test::GltfText gltf;
     std::vector<float> positions;
     std::vector<std::uint32_t> indices;

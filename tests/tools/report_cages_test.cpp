@@ -193,7 +193,7 @@ TEST(CagePanels, ShowCageLimitAndCurvatureOfSubdividedMeshesAlone) {
 
 // The whole cage is in the picture: its corners are the farthest there is.
 TEST(CagePanels, ValidateWritesThem) {
-    const test::TemporaryDirectory dir;
+    const test::TempDir dir;
     test::write_text(dir / "cube.obj", test::cube_obj());
     const test::Ran ran =
         test::run_here({"validate", (dir / "cube.obj").string(), "-o", dir.path().string(),
@@ -205,7 +205,7 @@ TEST(CagePanels, ValidateWritesThem) {
         if (p["drawn"]) ids.push_back(p["id"]);
     for (const char* id : {"cage", "limit-wireframe", "curvature"})
         EXPECT_NE(std::find(ids.begin(), ids.end(), id), ids.end()) << id;
-    EXPECT_NE(test::read_text(dir / "cube.html").find("Limit wireframe"), std::string::npos);
+    EXPECT_NE(test::file_text(dir / "cube.html").find("Limit wireframe"), std::string::npos);
 }
 
 }  // namespace

@@ -8,7 +8,7 @@
 
 namespace {
 
-using test::TemporaryDirectory;
+using test::TempDir;
 
 // What a reader of the page sees between the tags, and the tags themselves. Fails on what HTML does
 // not allow there: a `<` that starts no tag of ours, a `&` that starts no entity.
@@ -178,7 +178,7 @@ TEST(HtmlPage, PutsEverythingWhereItBelongs) {
 
 // Names of files, meshes and materials come from whoever made the file.
 TEST(Validate, NamesOfTheFileAreTextOnThePage) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     const std::string file = "a&b <i>\"q\"", mesh = "<script>\"m\"&", material = "\"><b>&amp;";
     test::GltfText gltf;
     // NaN is nothing that JSON knows; a vertex that nothing uses is worth a finding.
@@ -198,7 +198,7 @@ TEST(Validate, NamesOfTheFileAreTextOnThePage) {
     const test::Ran ran = test::run_here({"validate", (dir / (file + ".gltf")).string(), "-o",
                                           (dir / "out").string(), "--panel", "64", "--json"});
     ASSERT_EQ(ran.exit_code, 0) << ran.err;
-    const std::string page = test::read_text(dir / "out" / (file + ".html"));
+    const std::string page = test::file_text(dir / "out" / (file + ".html"));
     const Reading reading = read(page);
     EXPECT_EQ(reading.errors, std::vector<std::string>{});
     for (const std::string& tag : reading.tags) {

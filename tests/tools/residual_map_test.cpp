@@ -17,7 +17,7 @@ namespace {
 
 using nlohmann::json;
 using test::run_here;
-using test::TemporaryDirectory;
+using test::TempDir;
 using test::write_text;
 
 constexpr double two_pi = 2 * std::numbers::pi;
@@ -181,7 +181,7 @@ class ResidualMap : public testing::Test {
         return false;
     }
     Waves waves_;
-    TemporaryDirectory dir_;
+    TempDir dir_;
 };
 
 // Too few triangles for the waves: the map says what they do not, in each file's own tangents.
@@ -319,7 +319,7 @@ TEST_F(ResidualMap, DocumentsThatAreWrittenBackReadAsWell) {
     write_text(dir_ / "red.mtl", "newmtl red\nmap_Kd red.png\n");
     ASSERT_EQ(
         prepared("mtllib red.mtl\nusemtl red\n" + obj_of(squares), "first.gltf", {}).exit_code, 0);
-    json document = json::parse(test::read_text(dir_ / "first.gltf"));
+    json document = json::parse(test::file_text(dir_ / "first.gltf"));
     document["images"].push_back({{"uri", "heights.png"}});
     document["textures"].push_back({{"source", document["images"].size() - 1}});
     document["materials"][0]["extras"]["displacement"] = {
@@ -395,11 +395,11 @@ TEST_F(ResidualMap, HeightsAreNotWrittenOver) {
     ASSERT_FALSE(written.empty());
     const auto image = prep::load_image(map);
     ASSERT_TRUE(image && prep::save_image(written, *image, prep::PixelType::u16));
-    const std::string before = test::read_text(written);
+    const std::string before = test::file_text(written);
     const test::Ran over = run(written.string());
     EXPECT_EQ(over.exit_code, 1);
     EXPECT_NE(over.err.find(written.filename().string()), std::string::npos) << over.err;
-    EXPECT_TRUE(test::read_text(written) == before);
+    EXPECT_TRUE(test::file_text(written) == before);
 }
 
 TEST_F(ResidualMap, EachDisplacedMaterialHasItsOwn) {
@@ -491,7 +491,7 @@ TEST_F(ResidualMap, SameBytesWithAnyNumberOfThreads) {
                             "--residual-normal-map", "200", "--threads", threads})
                       .exit_code,
                   0);
-        const std::string bytes = test::read_text(dir_ / "t.glb");
+        const std::string bytes = test::file_text(dir_ / "t.glb");
         if (first.empty()) first = bytes;
         EXPECT_TRUE(bytes == first) << threads;
     }

@@ -16,7 +16,7 @@
 namespace {
 
 using test::run_here;
-using test::TemporaryDirectory;
+using test::TempDir;
 using test::write_text;
 
 constexpr int side = 4;  // samples along a texel's sides
@@ -206,7 +206,7 @@ class ResidualSurface : public testing::Test {
         EXPECT_TRUE(prep::save_image(dir_ / name, image, prep::PixelType::f32));
         return (dir_ / name).string();
     }
-    TemporaryDirectory dir_;
+    TempDir dir_;
 };
 
 prep::Mesh cube() {

@@ -21,7 +21,7 @@ struct Part {
     std::vector<glm::dvec3> normals;  // by face, Newell's
     Part() {
         std::istringstream text(
-            test::read_text(test::source_dir() / "samples/machine_part/machine_part.obj"));
+            test::file_text(test::source_dir() / "samples/machine_part/machine_part.obj"));
         std::string line, word;
         while (std::getline(text, line)) {
             std::istringstream words(line);
@@ -92,7 +92,7 @@ TEST(Samples, TheMachinePartIsWhatItsFileSays) {
 
 TEST(Samples, TheMachinePartIsDrawnWhereRaysMeetIt) {
     const Part part;
-    const test::TemporaryDirectory dir;
+    const test::TempDir dir;
     const std::uint32_t width = 44, height = 33;
     const test::Ran ran = test::run_here(
         {"render", (test::source_dir() / "samples/machine_part/machine_part.obj").string(), "-o",

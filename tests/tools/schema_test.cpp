@@ -14,11 +14,11 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 using test::run_here;
-using test::TemporaryDirectory;
+using test::TempDir;
 using test::write_text;
 
 json schema(const std::string& name) {
-    return json::parse(test::read_text(test::source_dir() / "docs/schema" / (name + ".json")),
+    return json::parse(test::file_text(test::source_dir() / "docs/schema" / (name + ".json")),
                        nullptr, false);
 }
 
@@ -65,7 +65,7 @@ class Schema : public ::testing::Test {
             expect_valid(json::parse(line, nullptr, false), name);
         EXPECT_GT(count, 0u);
     }
-    TemporaryDirectory dir_;
+    TempDir dir_;
 };
 
 TEST_F(Schema, HoldsForPrepare) {
@@ -78,7 +78,7 @@ TEST_F(Schema, HoldsForPrepare) {
                                    at("out/made.json"), "--skip-unchanged"});
         check(words, 1, lines);
         check(words, 1, lines);  // now with files that are skipped
-        expect_valid(json::parse(test::read_text(dir_ / "out/made.json"), nullptr, false),
+        expect_valid(json::parse(test::file_text(dir_ / "out/made.json"), nullptr, false),
                      "manifest");
         check({"prepare", at("cube.obj"), "-o", at("x.fbx")}, 2, lines);
         check({"prepare", at("cube.obj"), "-o", at("x.glb"), "--weight", "heavy"}, 2, lines);
@@ -91,13 +91,13 @@ TEST_F(Schema, HoldsForPrepare) {
                    "--normal-error", degrees, "--tangent-error", degrees, "--manifest",
                    at("few.json")},
                   degrees == std::string("0") ? 1 : 0, lines);
-    expect_valid(json::parse(test::read_text(dir_ / "few.json"), nullptr, false), "manifest");
+    expect_valid(json::parse(test::file_text(dir_ / "few.json"), nullptr, false), "manifest");
     for (const bool lines : {false, true})
         for (const bool fits : {false, true})
             check({"prepare", at("cube.obj"), "-o", at("timed.glb"), "--budget-ms",
                    fits ? "10" : "0", "--subdivide", "catmark", "--manifest", at("timed.json")},
                   fits ? 0 : 1, lines);
-    expect_valid(json::parse(test::read_text(dir_ / "timed.json"), nullptr, false), "manifest");
+    expect_valid(json::parse(test::file_text(dir_ / "timed.json"), nullptr, false), "manifest");
 }
 
 // Where reasons are told, each code that there is, and no other.

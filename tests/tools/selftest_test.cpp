@@ -79,7 +79,7 @@ TEST(Selftest, StandsInPlaceOfFiles) {
 }
 
 TEST(ExactDecisions, AreCountedByStage) {
-    const test::TemporaryDirectory dir;
+    const test::TempDir dir;
     test::write_text(dir / "cube.obj", test::cube_obj());
     const auto decided = [&](const char* angle) {
         const auto json =

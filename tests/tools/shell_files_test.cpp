@@ -12,10 +12,10 @@
 namespace {
 
 namespace fs = std::filesystem;
-using test::read_text;
+using test::file_text;
 using test::run_here;
 using test::run_program;
-using test::TemporaryDirectory;
+using test::TempDir;
 
 std::optional<fs::path> program(const std::string& name) {
     const char* const path = std::getenv("PATH");
@@ -41,7 +41,7 @@ class ShellFiles : public ::testing::Test {
         EXPECT_EQ(ran.exit_code, 0) << ran.err;
         return folder;
     }
-    TemporaryDirectory dir_;
+    TempDir dir_;
 };
 
 // "-o" and "--output" of a subcommand's help, which CLI11 writes from the same definitions.
@@ -170,8 +170,8 @@ TEST_F(ShellFiles, FishReadsItsCompletion) {
 
 // Without those shells, too: each option once for each subcommand, quotes in pairs.
 TEST_F(ShellFiles, ZshAndFishHaveEveryOption) {
-    const std::string zsh = read_text(made("zsh") / "_meshprep");
-    const std::string fish = read_text(made("fish") / "meshprep.fish");
+    const std::string zsh = file_text(made("zsh") / "_meshprep");
+    const std::string fish = file_text(made("fish") / "meshprep.fish");
     std::istringstream lines(zsh);
     for (std::string line; std::getline(lines, line);) {
         const std::string apostrophe = "'\\''";
@@ -204,8 +204,8 @@ TEST_F(ShellFiles, TheBuildMakesThemAndAWrongKindIsAnError) {
         const fs::path built = test::command_path().parent_path() / "tools/shell" / name;
         const fs::path here =
             made(fs::path(name).parent_path().string()) / fs::path(name).filename();
-        EXPECT_EQ(read_text(built), read_text(here)) << name;
-        EXPECT_FALSE(read_text(here).empty()) << name;
+        EXPECT_EQ(file_text(built), file_text(here)) << name;
+        EXPECT_FALSE(file_text(here).empty()) << name;
     }
     EXPECT_EQ(run_here({"--generate", "tcsh", dir_.path().string()}).exit_code, 2);
     EXPECT_EQ(run_here({"--generate"}).exit_code, 2);

@@ -54,7 +54,7 @@ TEST(SourceRules, LibrariesNeitherPrintNorExit) {
     for (const fs::path& path : sources) {
         // The one way out: the value of an error was asked for, which is the caller's bug.
         if (path.filename() == "result.cpp") continue;
-        const std::string text = bare(test::read_text(path));
+        const std::string text = bare(test::file_text(path));
         std::smatch found;
         EXPECT_FALSE(std::regex_search(text, found, printing)) << path << ": " << found.str();
         EXPECT_FALSE(std::regex_search(text, found, leaving)) << path << ": " << found.str();
@@ -66,7 +66,7 @@ TEST(SourceRules, PublicHeadersIncludeGlmAlone) {
     const auto headers = files_below({"libprep/include", "librast/include"}, {".h"});
     EXPECT_GT(headers.size(), 20u);
     for (const fs::path& path : headers) {
-        const std::string text = test::read_text(path);
+        const std::string text = test::file_text(path);
         for (std::sregex_iterator i(text.begin(), text.end(), include), end; i != end; ++i) {
             const std::string name = (*i)[1];
             const std::size_t slash = name.find('/');
@@ -81,7 +81,7 @@ TEST(SourceRules, PublicHeadersIncludeGlmAlone) {
 TEST(SourceRules, LibprepKnowsNothingOfLibrastNorLibrastOfTheTools) {
     const std::regex include(R"(#include\s*[<"]([^/">]+)/)");
     const auto includes = [&](const fs::path& path, const std::string& folder) {
-        const std::string text = test::read_text(path);
+        const std::string text = test::file_text(path);
         for (std::sregex_iterator i(text.begin(), text.end(), include), end; i != end; ++i)
             if ((*i)[1] == folder) return true;
         return false;
@@ -98,7 +98,7 @@ TEST(SourceRules, NoFileAsksForFastMath) {
     files.push_back(test::source_dir() / "CMakeLists.txt");
     files.push_back(test::source_dir() / "CMakePresets.json");
     for (const fs::path& path : files) {
-        const std::string text = test::read_text(path);
+        const std::string text = test::file_text(path);
         for (const char* word : {"-ffast-math", "-Ofast", "-funsafe-math", "-fassociative-math",
                                  "-ffinite-math-only", "\"fast-math\"", "-fno-signed-zeros"})
             EXPECT_EQ(text.find(word), std::string::npos) << path << ": " << word;
@@ -106,7 +106,7 @@ TEST(SourceRules, NoFileAsksForFastMath) {
     // A product and a sum in one rounding are other bits than in two.
     bool contraction = false;
     for (const fs::path& path : files)
-        contraction |= test::read_text(path).find("-ffp-contract=off") != std::string::npos;
+        contraction |= test::file_text(path).find("-ffp-contract=off") != std::string::npos;
     EXPECT_TRUE(contraction);
 }
 

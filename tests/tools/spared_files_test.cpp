@@ -10,9 +10,9 @@
 namespace {
 
 namespace fs = std::filesystem;
-using test::read_text;
+using test::file_text;
 using test::run_here;
-using test::TemporaryDirectory;
+using test::TempDir;
 using test::write_text;
 
 const char* const triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\n";
@@ -27,18 +27,18 @@ void write_model(const fs::path& folder, const std::string& name, const std::str
 std::string write_picture(const fs::path& path, float value = 0.5f) {
     const prep::Image image{2, 2, 3, std::vector<float>(12, value)};
     EXPECT_TRUE(prep::save_image(path, image).has_value());
-    return read_text(path);
+    return file_text(path);
 }
 
 TEST(SparedFiles, SheetsAreNotDrawnOverAModelsOwnPicture) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     write_model(dir.path(), "spot", "spot.png");
     const std::string picture = write_picture(dir / "spot.png");
     const std::string spot = (dir / "spot.obj").string();
     const test::Ran ran =
         run_here({"validate", spot, "-o", dir.path().string(), "--panel", "64", "--json"});
     EXPECT_EQ(ran.exit_code, 1);
-    EXPECT_EQ(read_text(dir / "spot.png"), picture);
+    EXPECT_EQ(file_text(dir / "spot.png"), picture);
     EXPECT_EQ(dir.names(), (std::vector<std::string>{"spot.mtl", "spot.obj", "spot.png"}));
     const nlohmann::json error = ran.json()["files"][0]["error"];
     EXPECT_EQ(error["place"], (dir / "spot.png").string());
@@ -53,7 +53,7 @@ TEST(SparedFiles, SheetsAreNotDrawnOverAModelsOwnPicture) {
 // Whichever comes first: the picture of an input that has not been read yet is spared as well.
 TEST(SparedFiles, SheetsAreNotDrawnOverPicturesOfOtherInputs) {
     for (const bool first : {false, true}) {
-        const TemporaryDirectory dir;
+        const TempDir dir;
         write_model(dir.path(), "a", "b.png");
         write_text(dir / "b.obj", std::string(triangle) + "f 1 2 3\n");
         const std::string picture = write_picture(dir / "b.png");
@@ -68,7 +68,7 @@ TEST(SparedFiles, SheetsAreNotDrawnOverPicturesOfOtherInputs) {
         EXPECT_NE(ran.err.find((dir / "b.png").string() + ": a model is read from this file"),
                   std::string::npos)
             << ran.err;
-        EXPECT_EQ(read_text(dir / "b.png"), picture);
+        EXPECT_EQ(file_text(dir / "b.png"), picture);
         EXPECT_TRUE(fs::exists(dir / "a.html"));
         EXPECT_FALSE(fs::exists(dir / "b.html"));
     }
@@ -79,7 +79,7 @@ std::string two_meshes() {
 }
 
 TEST(SparedFiles, SheetsOfOneNameAreTheLaterInputsError) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     write_text(dir / "a.json", two_meshes());
     write_text(dir / "a-0-x.obj", test::cube_obj());
     const test::Ran ran =
@@ -94,7 +94,7 @@ TEST(SparedFiles, SheetsOfOneNameAreTheLaterInputsError) {
 }
 
 TEST(SparedFiles, MeshesOfALongNameHaveASheetEach) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     const std::string stem(70, 'n');
     write_text(dir / (stem + ".json"), two_meshes());
     const test::Ran ran = run_here({"validate", (dir / (stem + ".json")).string(), "-o",
@@ -106,7 +106,7 @@ TEST(SparedFiles, MeshesOfALongNameHaveASheetEach) {
 
 // Whatever letters the inputs' names have.
 TEST(SparedFiles, InputsOfDifferentNamesHaveDifferentSheets) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     std::vector<std::string> words{"validate"};
     const std::string longest(250, 'n');  // with .json the most that a file system takes
     for (const std::string& stem : {std::string("模型"), std::string("角色"), std::string("a b"),
@@ -133,7 +133,7 @@ TEST(SparedFiles, InputsOfDifferentNamesHaveDifferentSheets) {
 }
 
 TEST(SparedFiles, AMeshThatIsNamedTwiceHasOneSheet) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     write_text(dir / "a.json", two_meshes());
     const test::Ran ran =
         run_here({"validate", (dir / "a.json").string(), "-o", (dir / "out").string(), "--panel",
@@ -145,7 +145,7 @@ TEST(SparedFiles, AMeshThatIsNamedTwiceHasOneSheet) {
 
 // That of an earlier run has the name of a buffer now.
 TEST(SparedFiles, AManifestIsNotReplacedByAnOutput) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     write_text(dir / "a.obj", test::cube_obj());
     const std::string manifest = (dir / "out/a.bin").string();
     const auto run = [&](const char* format) {
@@ -158,15 +158,15 @@ TEST(SparedFiles, AManifestIsNotReplacedByAnOutput) {
     EXPECT_NE(ran.err.find(manifest + ": this file is read for another result"), std::string::npos)
         << ran.err;
     EXPECT_FALSE(fs::exists(dir / "out/a.gltf"));
-    EXPECT_NE(read_text(manifest).find("\"manifest\": 1"), std::string::npos);
+    EXPECT_NE(file_text(manifest).find("\"manifest\": 1"), std::string::npos);
 }
 
 TEST(SparedFiles, AManifestIsNotWrittenOverWhatInputsAreReadFrom) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     write_model(dir.path(), "a", "a.png");
     const std::string picture = write_picture(dir / "a.png");
     fs::create_symlink(dir / "a.obj", dir / "link");
-    const std::string obj = read_text(dir / "a.obj"), mtl = read_text(dir / "a.mtl");
+    const std::string obj = file_text(dir / "a.obj"), mtl = file_text(dir / "a.mtl");
     const std::string input = (dir / "a.obj").string(), out = (dir / "out").string() + "/";
     for (const char* const name : {"a.obj", "link", "a.mtl", "a.png"}) {
         const test::Ran ran =
@@ -175,9 +175,9 @@ TEST(SparedFiles, AManifestIsNotWrittenOverWhatInputsAreReadFrom) {
         EXPECT_NE(ran.err.find("the manifest would be written over this file"), std::string::npos)
             << ran.err;
     }
-    EXPECT_EQ(read_text(dir / "a.obj"), obj);
-    EXPECT_EQ(read_text(dir / "a.mtl"), mtl);
-    EXPECT_EQ(read_text(dir / "a.png"), picture);
+    EXPECT_EQ(file_text(dir / "a.obj"), obj);
+    EXPECT_EQ(file_text(dir / "a.mtl"), mtl);
+    EXPECT_EQ(file_text(dir / "a.png"), picture);
     EXPECT_FALSE(fs::exists(dir / "out"));
     // Other files are the user's to give away, and an earlier manifest is replaced.
     write_text(dir / "made.json", "notes");
@@ -186,11 +186,11 @@ TEST(SparedFiles, AManifestIsNotWrittenOverWhatInputsAreReadFrom) {
             run_here({"prepare", input, "-o", out, "--manifest", (dir / "made.json").string()})
                 .exit_code,
             0);
-    EXPECT_NE(read_text(dir / "made.json").find("\"manifest\": 1"), std::string::npos);
+    EXPECT_NE(file_text(dir / "made.json").find("\"manifest\": 1"), std::string::npos);
 }
 
 TEST(SparedFiles, AManifestIsNotWrittenOverAFileBesideAnOutput) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     write_text(dir / "a.obj", test::cube_obj());
     const fs::path buffer = dir / "out/a.bin";
     const test::Ran ran =
@@ -203,7 +203,7 @@ TEST(SparedFiles, AManifestIsNotWrittenOverAFileBesideAnOutput) {
 }
 
 TEST(SparedFiles, HeightsOfTheCommandLineStay) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     write_text(dir / "a.obj", std::string(triangle) + "f 1/1 2/2 3/3\n");
     const std::string input = (dir / "a.obj").string(), heights = (dir / "a.png").string();
     const std::string bytes = write_picture(heights);
@@ -217,12 +217,12 @@ TEST(SparedFiles, HeightsOfTheCommandLineStay) {
         const test::Ran ran = run_here(words);
         EXPECT_NE(ran.exit_code, 0) << words[0];
         EXPECT_NE(ran.err.find(heights + ": "), std::string::npos) << ran.err;
-        EXPECT_EQ(read_text(heights), bytes) << words[0];
+        EXPECT_EQ(file_text(heights), bytes) << words[0];
     }
 }
 
 TEST(SparedFiles, AHeatMapIsNoneOfThePictures) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     const std::string a = (dir / "a.png").string(), b = (dir / "b.png").string();
     const std::string first = write_picture(a, 0.25f), second = write_picture(b, 0.75f);
     for (const std::string& map : {a, b}) {
@@ -232,37 +232,37 @@ TEST(SparedFiles, AHeatMapIsNoneOfThePictures) {
                   std::string::npos)
             << ran.err;
     }
-    EXPECT_EQ(read_text(a), first);
-    EXPECT_EQ(read_text(b), second);
+    EXPECT_EQ(file_text(a), first);
+    EXPECT_EQ(file_text(b), second);
 }
 
 TEST(SparedFiles, PagesOfCostAreNoLibraryOfAnInput) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     write_model(dir.path(), "a", "a.png");
-    const std::string library = read_text(dir / "a.mtl");
+    const std::string library = file_text(dir / "a.mtl");
     const test::Ran ran =
         run_here({"cost", (dir / "a.obj").string(), "--ladder", "normal-precision", "--rounds", "1",
                   "--csv", (dir / "a.mtl").string()});
     EXPECT_EQ(ran.exit_code, 1);
     EXPECT_NE(ran.err.find("the output is also an input"), std::string::npos) << ran.err;
-    EXPECT_EQ(read_text(dir / "a.mtl"), library);
+    EXPECT_EQ(file_text(dir / "a.mtl"), library);
 }
 
 // An input may have any name; here that of the library beside the output.
 TEST(SparedFiles, TheInputIsNoFileBesideItsOutput) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     const std::string text = std::string(triangle) + "usemtl red\nf 1 2 3\n";
     write_text(dir / "a.mtl", text);
     const test::Ran ran = run_here({"prepare", (dir / "a.mtl").string(), "--input-format", "obj",
                                     "-o", (dir / "a.obj").string()});
     EXPECT_EQ(ran.exit_code, 1);
     EXPECT_NE(ran.err.find((dir / "a.mtl").string() + ": this file"), std::string::npos) << ran.err;
-    EXPECT_EQ(read_text(dir / "a.mtl"), text);
+    EXPECT_EQ(file_text(dir / "a.mtl"), text);
     EXPECT_EQ(dir.names(), std::vector<std::string>{"a.mtl"});
 }
 
 TEST(SparedFiles, TheMeshesOfASceneAreNoOutputOfIt) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     write_text(dir / "part.obj", test::cube_obj());
     write_text(dir / "scene.json", R"({"meshprep":1,"meshes":{"p":{"file":"part.obj"}}})");
     const std::string scene = (dir / "scene.json").string();
@@ -271,12 +271,12 @@ TEST(SparedFiles, TheMeshesOfASceneAreNoOutputOfIt) {
     EXPECT_NE(ran.err.find((dir / "part.obj").string() + ": this file was read for the result"),
               std::string::npos)
         << ran.err;
-    EXPECT_EQ(read_text(dir / "part.obj"), test::cube_obj());
+    EXPECT_EQ(file_text(dir / "part.obj"), test::cube_obj());
     EXPECT_EQ(dir.names(), (std::vector<std::string>{"part.obj", "scene.json"}));
 }
 
 TEST(SparedFiles, AChangedMeshOfASceneIsAChange) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     write_model(dir.path(), "part", "part.png");
     write_picture(dir / "part.png");
     write_text(dir / "scene.json",
@@ -290,7 +290,7 @@ TEST(SparedFiles, AChangedMeshOfASceneIsAChange) {
         return ran.json()["files"][0]["status"].get<std::string>();
     };
     EXPECT_EQ(run(), "ok");
-    nlohmann::json made = nlohmann::json::parse(read_text(manifest));
+    nlohmann::json made = nlohmann::json::parse(file_text(manifest));
     std::vector<std::string> sources;
     for (nlohmann::json& source : made["files"][0]["sources"])
         sources.push_back(fs::path(source["path"].get<std::string>()).filename().string());
@@ -298,7 +298,7 @@ TEST(SparedFiles, AChangedMeshOfASceneIsAChange) {
                                                  "part.png"}));
     EXPECT_EQ(run(), "skipped");
     for (const char* const name : {"part.obj", "part.mtl"}) {
-        write_text(dir / name, read_text(dir / name) + "# changed\n");
+        write_text(dir / name, file_text(dir / name) + "# changed\n");
         EXPECT_EQ(run(), "ok") << name;
         EXPECT_EQ(run(), "skipped") << name;
     }

@@ -14,9 +14,9 @@
 namespace {
 
 namespace fs = std::filesystem;
-using test::read_text;
+using test::file_text;
 using test::run_command;
-using test::TemporaryDirectory;
+using test::TempDir;
 using test::write_text;
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
@@ -32,7 +32,7 @@ constexpr bool sanitized = false;
 #endif
 
 TEST(Streams, StandardOutputThatCannotBeWrittenIsAFailure) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     write_text(dir / "cube.obj", test::cube_obj());
     const std::string cube = (dir / "cube.obj").string(), ply = (dir / "cube.ply").string();
     const std::vector<std::vector<std::string>> all{{"--help"},
@@ -55,14 +55,14 @@ TEST(Streams, StandardOutputThatCannotBeWrittenIsAFailure) {
                 << ran.err;
             // The mesh is no less complete for it.
             if (arguments[0] == "prepare") {
-                EXPECT_EQ(read_text(ply).rfind("ply\n", 0), 0u);
+                EXPECT_EQ(file_text(ply).rfind("ply\n", 0), 0u);
             }
         }
 }
 
 // `meshprep … | head -1`: the end of the pipe that is read is closed already.
 TEST(Streams, AReaderThatHasGoneIsAFailure) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     write_text(dir / "cube.obj", test::cube_obj());
     std::string command = test::command_path().string(), verb = "inspect";
     std::string cube = (dir / "cube.obj").string();
@@ -83,12 +83,12 @@ TEST(Streams, AReaderThatHasGoneIsAFailure) {
     ASSERT_EQ(::waitpid(process, &status, 0), process);
     ASSERT_TRUE(WIFEXITED(status)) << WTERMSIG(status);
     EXPECT_EQ(WEXITSTATUS(status), 1);
-    EXPECT_NE(read_text(said).find("standard output cannot be written"), std::string::npos);
+    EXPECT_NE(file_text(said).find("standard output cannot be written"), std::string::npos);
 }
 
 // What says nothing on standard output does not miss it.
 TEST(Streams, QuietRunsNeedNoStandardOutput) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     write_text(dir / "cube.obj", test::cube_obj());
     for (const char* out : {"/dev/full", ""}) {
         test::Circumstances circumstances;
@@ -101,7 +101,7 @@ TEST(Streams, QuietRunsNeedNoStandardOutput) {
 }
 
 TEST(Rights, AnUnwritableDirectoryIsAnErrorAndLeavesNothing) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     write_text(dir / "cube.obj", test::cube_obj());
     fs::create_directory(dir / "locked");
     for (const auto& user : test::users()) {
@@ -122,7 +122,7 @@ TEST(Rights, AnUnwritableDirectoryIsAnErrorAndLeavesNothing) {
 }
 
 TEST(Rights, AnUnreadableInputIsAnErrorThatNamesIt) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     write_text(dir / "cube.obj", test::cube_obj());
     for (const auto& user : test::users()) {
         if (!user && ::geteuid() == 0) continue;  // the superuser may read anything
@@ -146,7 +146,7 @@ TEST(Rights, AnUnreadableInputIsAnErrorThatNamesIt) {
 
 TEST(Limits, AFileOverTheUsersLimitIsAnErrorAndLeavesTheOldOne) {
     for (const auto& user : test::users()) {
-        const TemporaryDirectory dir;
+        const TempDir dir;
         ::chmod(dir.path().c_str(), 0777);
         write_text(dir / "ball.obj", test::sphere_obj(32, 16));
         write_text(dir / "old.glb", "the old file");
@@ -159,7 +159,7 @@ TEST(Limits, AFileOverTheUsersLimitIsAnErrorAndLeavesTheOldOne) {
         EXPECT_EQ(ran.exit_code, 1);
         EXPECT_NE(ran.err.find("cannot write the file: File too large"), std::string::npos)
             << ran.err;
-        EXPECT_EQ(read_text(dir / "old.glb"), "the old file");
+        EXPECT_EQ(file_text(dir / "old.glb"), "the old file");
         EXPECT_EQ(dir.names(), (std::vector<std::string>{"ball.obj", "old.glb"}));
     }
 }
@@ -167,7 +167,7 @@ TEST(Limits, AFileOverTheUsersLimitIsAnErrorAndLeavesTheOldOne) {
 // A sparse file larger than the memory that the process may have.
 TEST(Limits, OutOfMemoryIsToldAndLeavesTheOldFile) {
     if (sanitized) GTEST_SKIP() << "a sanitizer needs all the addresses there are";
-    const TemporaryDirectory dir;
+    const TempDir dir;
     write_text(dir / "large.ply", "ply\n");
     fs::resize_file(dir / "large.ply", std::uintmax_t(1) << 33);
     write_text(dir / "old.glb", "the old file");
@@ -177,7 +177,7 @@ TEST(Limits, OutOfMemoryIsToldAndLeavesTheOldFile) {
         {"prepare", (dir / "large.ply").string(), "-o", (dir / "old.glb").string()}, circumstances);
     EXPECT_EQ(ran.exit_code, 1);
     EXPECT_NE(ran.err.find("out of memory"), std::string::npos) << ran.err;
-    EXPECT_EQ(read_text(dir / "old.glb"), "the old file");
+    EXPECT_EQ(file_text(dir / "old.glb"), "the old file");
     EXPECT_EQ(dir.names(), (std::vector<std::string>{"large.ply", "old.glb"}));
 }
 

@@ -16,7 +16,7 @@ namespace {
 using nlohmann::json;
 using test::run_here;
 using test::SubdivisionRules;
-using test::TemporaryDirectory;
+using test::TempDir;
 using test::write_text;
 using Points = std::vector<glm::dvec3>;
 
@@ -65,7 +65,7 @@ struct Prepared {
     }
 };
 Prepared prepared(const std::string& obj, std::vector<std::string> options) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     write_text(dir / "cage.obj", obj);
     options.insert(options.begin(), {"prepare", (dir / "cage.obj").string(), "-o",
                                      (dir / "out.obj").string(), "--json"});
@@ -74,7 +74,7 @@ Prepared prepared(const std::string& obj, std::vector<std::string> options) {
     Prepared out;
     if (ran.exit_code != 0) return out;
     out.file = ran.json()["files"][0];
-    out.obj = test::read_text(dir / "out.obj");
+    out.obj = test::file_text(dir / "out.obj");
     for (const auto& v : lines(out.obj, "v")) out.points.emplace_back(v[0], v[1], v[2]);
     return out;
 }
@@ -82,7 +82,7 @@ Prepared prepared(const std::string& obj, std::vector<std::string> options) {
 // By the rules, in long double.
 Points truth(const std::string& obj, const SubdivisionRules& rules, int level,
              bool control_points = false) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     write_text(dir / "cage.obj", obj);
     const auto scene = prep::load_scene(dir / "cage.obj");
     if (!scene) {
@@ -295,7 +295,7 @@ TEST(SubdivideOptions, FaceVaryingRules) {
 }
 
 TEST(SubdivideOptions, AreUsageErrorsWithoutSubdivision) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     write_text(dir / "cage.obj", cube + quads);
     for (const std::vector<std::string>& words :
          std::vector<std::vector<std::string>>{{"--control-points"},
@@ -323,7 +323,7 @@ TEST(SubdivideOptions, AreToldInTheReport) {
         prepared(cube + quads + "t hole 1/0/0 3\n", {"--subdivide", "catmark:3", "--explain"});
     EXPECT_EQ(found.count("hole"), 1U);
     EXPECT_EQ(found.file["after"]["triangles"], 5 * 64 * 2);
-    const TemporaryDirectory dir;
+    const TempDir dir;
     write_text(dir / "cage.obj", cube + quads);
     const auto words = [&](std::vector<std::string> more) {
         more.insert(more.begin(), {"prepare", (dir / "cage.obj").string(), "-o",

@@ -16,7 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 using test::run_here;
-using test::TemporaryDirectory;
+using test::TempDir;
 
 json subdivided(const fs::path& in, const fs::path& out, std::vector<std::string> options) {
     options.insert(options.begin(), {"prepare", in.string(), "-o", out.string(), "--json"});
@@ -50,7 +50,7 @@ const std::vector<Sample> samples{
 TEST(SubdividedFiles, TheFormatsValidatorFindsNoError) {
     MESHPREP_REQUIRE_SHARED(shared);
     MESHPREP_REQUIRE_NPM(validator, "gltf-validator");
-    const TemporaryDirectory dir;
+    const TempDir dir;
     json list = json::array();
     const auto add = [&](const fs::path& in, const std::vector<std::string>& options) {
         const std::string number = std::to_string(list.size());
@@ -71,7 +71,7 @@ TEST(SubdividedFiles, TheFormatsValidatorFindsNoError) {
 // Triangles of a mesh of the input become 3 · 2 each at level 1 of catmark, 4 of loop.
 TEST(SubdividedFiles, SkinWeightsSumToOneAndJointsAreTheSkins) {
     MESHPREP_REQUIRE_SHARED(shared);
-    const TemporaryDirectory dir;
+    const TempDir dir;
     const test::GltfFile before(shared / "corpus/CesiumMan.glb");
     const std::size_t joints = before.json["skins"][0]["joints"].size();
     const std::size_t triangles = before.triangles(0, 0).size() / 3;
@@ -119,7 +119,7 @@ TEST(SubdividedFiles, SkinWeightsSumToOneAndJointsAreTheSkins) {
 
 TEST(SubdividedFiles, WrittenNormalsAreUnit) {
     MESHPREP_REQUIRE_SHARED(shared);
-    const TemporaryDirectory dir;
+    const TempDir dir;
     for (const Sample& sample : samples) {
         if (sample.options.back() == "draco" || sample.options.back() == "meshopt") continue;
         SCOPED_TRACE(sample.file);

@@ -13,10 +13,10 @@ namespace {
 
 using nlohmann::json;
 using test::run_here;
-using test::TemporaryDirectory;
+using test::TempDir;
 
 // A sphere of triangles with MikkTSpace's tangents, as GLB.
-prep::Scene make_sphere(const TemporaryDirectory& dir) {
+prep::Scene make_sphere(const TempDir& dir) {
     test::write_text(dir / "sphere.obj", test::sphere_obj(32, 16));
     const std::string bare = (dir / "bare.glb").string(), made = (dir / "made.glb").string();
     EXPECT_EQ(run_here({"prepare", (dir / "sphere.obj").string(), "-o", bare}).exit_code, 0);
@@ -40,7 +40,7 @@ json inspected(const std::filesystem::path& path) {
 }
 
 TEST(DiffTangents, FindsNothingBetweenAFileAndItself) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     make_sphere(dir);
     const std::string made = (dir / "made.glb").string();
     const test::Ran ran =
@@ -50,7 +50,7 @@ TEST(DiffTangents, FindsNothingBetweenAFileAndItself) {
 }
 
 TEST(DiffTangents, MeasuresAnglesAndSigns) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     prep::Scene scene = make_sphere(dir);
     prep::Mesh& mesh = scene.meshes[0];
     constexpr double angle = 10 * 3.14159265358979 / 180;
@@ -82,7 +82,7 @@ TEST(DiffTangents, MeasuresAnglesAndSigns) {
 }
 
 TEST(TangentAngle, KeepsGradientsApart) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     make_sphere(dir);
     const std::string bare = (dir / "bare.glb").string(), apart = (dir / "apart.glb").string();
     const auto prepare = [&](const char* degrees) {
@@ -105,7 +105,7 @@ TEST(TangentAngle, KeepsGradientsApart) {
 }
 
 TEST(InspectTangents, TellsMikktspaceByItsBits) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     make_sphere(dir);
     const json told = inspected(dir / "made.glb").at("tangents").at(0);
     EXPECT_EQ(told.at("method"), "mikktspace");
@@ -140,7 +140,7 @@ std::string flat_gltf(const std::vector<double>& degrees, const std::vector<int>
 }
 
 TEST(InspectTangents, FiguresAreThoseOfThePlanesOwnDirections) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     std::vector<double> degrees(60, 0.0);
     std::vector<int> signs(60, 1);
     test::write_text(dir / "flat.gltf", flat_gltf(degrees, signs));
@@ -183,7 +183,7 @@ TEST(InspectTangents, FiguresAreThoseOfThePlanesOwnDirections) {
 }
 
 TEST(InspectTangents, TellsInvertedSigns) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     prep::Scene scene = make_sphere(dir);
     for (glm::vec4& t : scene.meshes[0].tangents.values) t.w = -t.w;
     save(scene, dir / "inverted.glb");
@@ -194,7 +194,7 @@ TEST(InspectTangents, TellsInvertedSigns) {
 
 // One bump as a normal map: green up, then down.
 TEST(InspectTangents, TellsFlippedGreen) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     for (const double green : {1.0, -1.0}) {
         prep::Image map{96, 96, 3, {}, false};
         for (int y = 0; y < 96; ++y) {

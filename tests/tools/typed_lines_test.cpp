@@ -243,7 +243,7 @@ class TypedLines : public ::testing::Test {
         const gzFile packed = gzopen("whole.gz", "wb9");
         gzputs(packed, test::cube_obj().c_str());
         gzclose(packed);
-        write_text("short.obj.gz", test::read_text("whole.gz").substr(0, 60));
+        write_text("short.obj.gz", test::file_text("whole.gz").substr(0, 60));
         fs::remove("whole.gz");
         write_text("two.zip", two_meshes());
     }
@@ -269,7 +269,7 @@ class TypedLines : public ::testing::Test {
                byte(list.size()) + std::string(3, '\0') + byte(files.size()) + std::string(5, '\0');
     }
 
-    test::TemporaryDirectory dir_;
+    test::TempDir dir_;
     fs::path before_;
 };
 

@@ -18,7 +18,7 @@ namespace {
 
 using nlohmann::json;
 using test::run_here;
-using test::TemporaryDirectory;
+using test::TempDir;
 using test::write_text;
 
 using Point = std::array<int, 3>;
@@ -242,7 +242,7 @@ void expect_agreement(const Sheet& said, const std::string& what) {
 }
 
 TEST(ValidateCounts, AreThoseOfThePlainestCount) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     write_text(dir / "m.mtl", "newmtl m0\nnewmtl m1\nnewmtl m2\n");
     std::size_t holes = 0, bad = 0, mixed = 0;
     for (unsigned seed = 1; seed <= 6; ++seed) {
@@ -280,7 +280,7 @@ TEST(ValidateCounts, AreThoseOfThePlainestCount) {
 // Faces that share vertices are neighbours before those that share places alone, so that a plain
 // count by places is not what a fin between patches has.
 TEST(ValidateCounts, OfFinsBetweenPatchesAreThoseOfInspect) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     write_text(dir / "m.mtl", "newmtl m0\nnewmtl m1\nnewmtl m2\n");
     for (unsigned seed = 1; seed <= 4; ++seed) {
         write_text(dir / "s.obj", obj_of(patches_of(odd_shape(seed))));
@@ -290,7 +290,7 @@ TEST(ValidateCounts, OfFinsBetweenPatchesAreThoseOfInspect) {
 
 // A file whose sides have vertices of their own is closed, and its edges say why shading breaks.
 TEST(ValidateCounts, SidesWithVerticesOfTheirOwnAreNotOpen) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     Shape roof;  // two slopes over a ridge; each side has its own four vertices
     for (const int side : {-1, 1})
         for (const int y : {0, 10}) {
@@ -309,7 +309,7 @@ TEST(ValidateCounts, SidesWithVerticesOfTheirOwnAreNotOpen) {
 
 TEST(ValidateCounts, AgreeWithInspectOnTheCorpus) {
     MESHPREP_REQUIRE_SHARED(shared);
-    const TemporaryDirectory dir;
+    const TempDir dir;
     for (const char* name :
          {"cycloidal.ply", "featuretype.STL", "non_manifold_face_graph.off", "degtri_sliding.off",
           "openscad-nonmanifold-crash.obj", "many_small_holes.ply", "teapot.obj",

@@ -14,7 +14,7 @@ namespace {
 
 using nlohmann::json;
 using test::run_here;
-using test::TemporaryDirectory;
+using test::TempDir;
 using test::write_text;
 
 // A cube without its last side, a UV square on each of its faces.
@@ -48,7 +48,7 @@ std::string as_text(const json& value) {
 }
 
 TEST(Validate, TheFiguresOfThePageAreThoseOfTheMesh) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     write_text(dir / "open.obj", open_cube());
     const test::Ran ran =
         run_here({"validate", (dir / "open.obj").string(), "-o", (dir / "out").string(), "--panel",
@@ -87,7 +87,7 @@ TEST(Validate, TheFiguresOfThePageAreThoseOfTheMesh) {
         {"open border", "4"},
         {"open-edge", "4"},
         {"hole", "1"}};
-    const std::string page = test::read_text(dir / "out/open.html");
+    const std::string page = test::file_text(dir / "out/open.html");
     std::map<std::string, std::string> found = figures_of(page);
     for (const char* name : {"flat – Gouraud", "Gouraud – Phong", "Phong – normal-mapped"})
         EXPECT_EQ(found.erase(name), 1u) << name;  // Panels.* measures them
@@ -137,7 +137,7 @@ std::string three() {
 }
 
 TEST(Validate, SheetsAreOfTheSceneAndOfEachMesh) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     write_text(dir / "a.gltf", three());
     const auto run = [&](std::vector<std::string> more) {
         std::vector<std::string> words = {
@@ -189,7 +189,7 @@ TEST(Validate, SheetsAreOfTheSceneAndOfEachMesh) {
 // What tangents the options ask for is prepared; by default the sheet shows them where there can
 // be some.
 TEST(Validate, OptionsOfPreparationReachTheSheet) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     write_text(dir / "open.obj", open_cube());
     const auto run = [&](const std::vector<std::string>& more) {
         std::vector<std::string> words = {
@@ -207,12 +207,12 @@ TEST(Validate, OptionsOfPreparationReachTheSheet) {
     for (const json& panel : off["panels"])
         EXPECT_EQ(panel["drawn"], panel["id"] != "tangents" && panel["id"] != "normal-mapped")
             << panel;
-    EXPECT_NE(test::read_text(dir / "out/open.html").find(" · hard angle off · weight area<"),
+    EXPECT_NE(test::file_text(dir / "out/open.html").find(" · hard angle off · weight area<"),
               std::string::npos);
 }
 
 TEST(Validate, EndsAsItsInputsDo) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     // Points alone are drawn at once: no faces to be shaded.
     const std::string points = "v 0 0 0\nv 1 0 0\np 1 2\n";
     std::filesystem::create_directory(dir / "sub");

@@ -8,7 +8,7 @@
 namespace {
 
 using test::run_here;
-using test::TemporaryDirectory;
+using test::TempDir;
 
 // In the bytes of pictures anything may stand.
 std::string without_pictures(std::string page) {
@@ -19,7 +19,7 @@ std::string without_pictures(std::string page) {
 }
 
 TEST(Validate, ThePageHoldsNoTimes) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     test::write_text(dir / "cube.obj", test::textured_cube_obj());
     std::string pages[2];
     for (std::string& page : pages) {
@@ -27,7 +27,7 @@ TEST(Validate, ThePageHoldsNoTimes) {
         const test::Ran ran = run_here({"validate", (dir / "cube.obj").string(), "-o", out,
                                         "--panel", "64", "--threads", &page == pages ? "1" : "2"});
         ASSERT_EQ(ran.exit_code, 0) << ran.err;
-        page = test::read_text(std::filesystem::path(out) / "cube.html");
+        page = test::file_text(std::filesystem::path(out) / "cube.html");
     }
     ASSERT_FALSE(pages[0].empty());
     EXPECT_TRUE(pages[0] == pages[1]);
@@ -45,7 +45,7 @@ TEST(Validate, ThePageHoldsNoTimes) {
 }
 
 TEST(Validate, CountsTheMaterialsOfTheMesh) {
-    const TemporaryDirectory dir;
+    const TempDir dir;
     test::write_text(dir / "m.mtl", "newmtl a\nKd 1 0 0\nnewmtl b\nKd 0 1 0\nnewmtl c\nKd 0 0 1\n");
     const auto materials = [&](const std::string& faces) -> std::string {
         test::write_text(dir / "m.obj",
@@ -53,7 +53,7 @@ TEST(Validate, CountsTheMaterialsOfTheMesh) {
         const test::Ran ran = run_here(
             {"validate", (dir / "m.obj").string(), "-o", (dir / "out").string(), "--panel", "64"});
         EXPECT_EQ(ran.exit_code, 0) << ran.err;
-        const std::string page = test::read_text(dir / "out/m.html");
+        const std::string page = test::file_text(dir / "out/m.html");
         const std::string text = without_pictures(page), label = "<dt>materials</dt>";
         const std::size_t begin = text.find(label);
         if (begin == std::string::npos) return "none";

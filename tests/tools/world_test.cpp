@@ -13,8 +13,8 @@
 namespace {
 
 namespace fs = std::filesystem;
-using test::read_text;
-using test::TemporaryDirectory;
+using test::file_text;
+using test::TempDir;
 using test::write_text;
 using Variables = std::vector<std::pair<std::string, std::string>>;
 using Files = std::map<std::string, std::string>;  // names and what they hold
@@ -22,7 +22,7 @@ using Files = std::map<std::string, std::string>;  // names and what they hold
 Files files_in(const fs::path& directory) {
     Files files;
     for (const auto& entry : fs::directory_iterator(directory))
-        files[entry.path().filename().string()] = read_text(entry.path());
+        files[entry.path().filename().string()] = file_text(entry.path());
     return files;
 }
 
@@ -72,7 +72,7 @@ class World {
     }
 
   private:
-    TemporaryDirectory in_, out_;
+    TempDir in_, out_;
 };
 
 std::string as(const std::optional<unsigned>& user) {
@@ -258,7 +258,7 @@ const char* const textured = R"({"asset": {"version": "2.0"}, "scenes": [{"nodes
 // Old files of all outputs, of none, and of one alone; with hard links and without.
 TEST(World, AFailedRenameUndoesTheEarlierOnes) {
     const World world;
-    const TemporaryDirectory in;
+    const TempDir in;
     write_text(in / "t.gltf", textured);
     ::chmod(in.path().c_str(), 0755);
     const std::string obj = (world.out() / "a.obj").string();

@@ -10,7 +10,7 @@ namespace test {
 
 // The attributes of the first primitive that was written, and the textures of the materials.
 inline std::string written(const std::filesystem::path& file) {
-    const nlohmann::json document = nlohmann::json::parse(test::read_text(file), nullptr, false);
+    const nlohmann::json document = nlohmann::json::parse(test::file_text(file), nullptr, false);
     std::string text;
     for (const auto& item : document["meshes"][0]["primitives"][0]["attributes"].items())
         text += item.key() + " ";
