@@ -10,9 +10,8 @@ set(sanitized_tests
     prep_stl
     # meshes
     prep_crease_fans prep_height_map prep_limit_surface prep_map_charts prep_prepare prep_prepare_subdivide
-    prep_recover_quads prep_repair prep_repair_holes prep_source_corners prep_split prep_subdivide prep_subdivide_attributes prep_tangents_cases
-    prep_tessellation_hard_cases
-    prep_tangents_identity prep_topology prep_triangulate prep_weld
+    prep_recover_quads prep_repair prep_repair_holes prep_source_corners prep_split prep_subdivide
+    prep_subdivide_attributes prep_tangents_cases prep_tessellation_hard_cases prep_tangents_identity prep_topology prep_triangulate prep_weld
     # drawing
     rast_bands rast_coverage rast_hard_cases rast_hazards rast_partial_pixels rast_texture
     rast_texture_instructions rast_triangulation
@@ -37,7 +36,8 @@ function(meshprep_test_label program folder stems)
   elseif(others STREQUAL names)
     set(label ${folder} PARENT_SCOPE)
   else()
-    message(FATAL_ERROR "tests/together.cmake has a line that is under sanitizers, but for: ${others}")
+    message(FATAL_ERROR "tests/together.cmake: ${program} has tests under sanitizers and others: "
+                        "${others}")
   endif()
 endfunction()
 

@@ -1,9 +1,10 @@
 # Tests that are compiled together, a program a line, where MESHPREP_UNITY is on (CMakeLists.txt): in
-# less than half the time, as headers and the templates that each file makes anew take most of it. What
-# such files define at namespace scope must have different names. Those of a line are all under
-# sanitizers (sanitized.cmake) or none is, and so with tests about threads, so that neither builds what
-# it does not run. About 120 kB of sources a line keep a compiler within a gigabyte. A test that is in
-# no line is a program of its own, as all are without MESHPREP_UNITY.
+# less than half the time, as headers, and the templates that each file makes anew, take most of it.
+# A test that is in no line is a program of its own, as all are without MESHPREP_UNITY.
+#
+# In a line names at namespace scope must differ. Either all tests of a line run under sanitizers
+# (sanitized.cmake) or none does, and the same for tests about threads: otherwise CI builds tests that
+# it does not run. About 120 kB of sources a line keep a compiler within a gigabyte.
 set(tests_together
     "prep arithmetic check corner_normals file_bytes gltf_large"
     "prep face_normals hard_edges"
@@ -12,7 +13,7 @@ set(tests_together
     "prep gltf_corpus image_values invariance ply_records render_choices requirements result samples
      simd stability tangent_conventions tangents_fallback"
     "prep gltf_lost prepare_reports repair_page repair_values save subdivision_oracle tangents_golden
-     tangents_memory tangents_options tangents_reference written_values"
+     tangents_options tangents_reference written_values"
     "prep ordered_files scene scene_json_defaults scene_shapes tangents_npm"
     "prep bilinear_deviation chart_filter large_vector tessellation_campaign tessellation_closed_faces
      tessellation_closed_form tessellation_economy tessellation_limit_bounds"
@@ -40,7 +41,7 @@ set(tests_together
     "rast materials part_times plan_reads shading skips tangent_lighting texel_facts texels"
     "rast plan_reasons texture_placement view"
     "rast anti_aliasing rendering"
-    "rast bands coverage hard_cases hazards partial_pixels texture texture_instructions"
+    "rast bands hard_cases hazards partial_pixels texture texture_instructions"
     "tools batch command cost_command cost_measure residual_map"
     "tools budget_ms console corpus cost_fitted_normals cost_flip cost_grids cost_ladders diff
      displacement_views docs optimize silhouettes"
@@ -55,3 +56,8 @@ set(tests_together
      validate_counts"
     "tools tessellation_errors validate_report"
     "tools cost_pages gate_json")
+
+# In no line, besides those whose libraries and definitions are their own: what replaces a function of
+# the whole program (operator new, time), and what scripts and pages run by its name.
+set(tests_alone prep_image prep_tangents_memory rast_coverage rast_random_scenes tools_cost_faults
+    tools_large_blocks)

@@ -10,13 +10,13 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <span>
-#include <sstream>
 #include <string_view>
 
 #include "formats/gltf/gltf.h"
 #include "prep/prepare.h"
 #include "prep/save.h"
 #include "shared_data.h"
+#include "temporary_files.h"
 
 namespace {
 
@@ -110,13 +110,6 @@ constexpr std::string_view without_data[] = {
     "mesh/accessor_without_bytestride.gltf",
 };
 
-std::string read_text(const fs::path& path) {
-    std::ifstream in(path, std::ios::binary);
-    std::ostringstream text;
-    text << in.rdbuf();
-    return text.str();
-}
-
 const Leniency* find_rule(std::span<const Leniency> rules, const std::string& code,
                           const std::string& pointer) {
     for (const Leniency& rule : rules) {
@@ -153,7 +146,7 @@ std::vector<Case> cases(const fs::path& folder) {
         Case c;
         const fs::path file = path.substr(0, path.size() - ending.size());
         c.file = fs::relative(file, folder).generic_string();
-        const auto report = nlohmann::json::parse(read_text(entry.path()));
+        const auto report = nlohmann::json::parse(test::file_text(entry.path()));
         int severity = 9;
         for (const auto& message : report["issues"]["messages"]) {
             Message m{message["code"], message.value("pointer", std::string())};
@@ -291,7 +284,7 @@ TEST(GltfConformance, RefusesWhatMattersAtItsPlaceAndLoadsTheRest) {
     if (std::getenv("MESHPREP_UPDATE_DOCS")) {
         std::ofstream(doc, std::ios::binary) << expected;
     } else {
-        EXPECT_EQ(read_text(doc), expected) << "set MESHPREP_UPDATE_DOCS to rewrite the page";
+        EXPECT_EQ(test::file_text(doc), expected) << "set MESHPREP_UPDATE_DOCS to rewrite the page";
     }
 }
 
