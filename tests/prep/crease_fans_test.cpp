@@ -14,6 +14,7 @@
 #include "normals/gathered_terms.h"
 #include "prep/corner_normals.h"
 #include "prep/topology.h"
+#include "sanitized.h"
 #include "shapes.h"
 #include "steps.h"
 #include "surface/vertex_corners.h"
@@ -350,9 +351,10 @@ TEST(CreaseFans, MatchAllPointsBeforeExactSums) {
 
 // Where it comes to an end, whatever the mesh.
 TEST(CreaseFans, AgreeOnHardAndOddCases) {
-    std::size_t walked = 0;
+    std::size_t walked = 0, number = 0;
     for (const auto& cases : {hard_cases::measured(), hard_cases::odd()})
         for (const hard_cases::Case& one : cases) {
+            if (test::sanitized && number++ % 4 != 0) continue;
             SCOPED_TRACE(one.axis + " " + std::to_string(one.value));
             const Mesh mesh = shapes::fan_triangulated(one.mesh);
             for (const bool weld : {false, true})

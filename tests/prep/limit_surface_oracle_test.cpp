@@ -6,6 +6,7 @@
 
 #include "opensubdiv_peer.h"
 #include "prep/subdivide.h"
+#include "sanitized.h"
 #include "shared_data.h"
 #include "subdivision_cages.h"
 
@@ -98,17 +99,8 @@ std::string text_of(const std::optional<test::PeerErrors>& errors) {
     return text;
 }
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr std::size_t corpus_points = 500;  // the long doubles take most of the time
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-constexpr std::size_t corpus_points = 500;
-#else
-constexpr std::size_t corpus_points = 5000;
-#endif
-#else
-constexpr std::size_t corpus_points = 5000;
-#endif
+// The long doubles take most of the time.
+constexpr std::size_t corpus_points = test::sanitized ? 500 : 5000;
 
 // Prints a row per shape: our largest errors, and Bfr's at four levels of approximation.
 TEST(LimitSurfaceOracle, FollowsThePublishedRulesOnEveryShapeOfTheCorpus) {

@@ -12,6 +12,7 @@
 
 #include "mesh_files.h"
 #include "prep/check.h"
+#include "sanitized.h"
 #include "shapes.h"
 #include "shared_data.h"
 #include "subdivision_cages.h"
@@ -125,17 +126,8 @@ void expect_sound(const prep::SubdividedMesh& refined) {
     }
 }
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr std::size_t most_faces = 300000;  // every level of the smaller cages
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-constexpr std::size_t most_faces = 300000;
-#else
-constexpr std::size_t most_faces = 10000000;
-#endif
-#else
-constexpr std::size_t most_faces = 10000000;
-#endif
+// Under sanitizers every level of the smaller cages.
+constexpr std::size_t most_faces = test::sanitized ? 300000 : 10000000;
 
 TEST(Subdivide, NormalsAreFiniteAndUnitOnOwnCagesAtLevelsOneToSix) {
     for (const Cage& cage : test::own_cages())
@@ -207,11 +199,7 @@ TEST(Subdivide, NormalsAreTheLimitsOwn) {
 }
 
 TEST(Subdivide, RandomCagesWithCreasesGiveSoundMeshes) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-    constexpr int cages = 200;
-#else
-    constexpr int cages = 1000;
-#endif
+    constexpr int cages = test::sanitized ? 200 : 1000;
     std::size_t refused = 0;
     for (int seed = 0; seed < cages; ++seed) {
         std::mt19937_64 random(static_cast<std::uint64_t>(seed));

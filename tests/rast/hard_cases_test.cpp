@@ -12,6 +12,7 @@
 #include "prep/prepare.h"
 #include "prep/tangents.h"
 #include "rast/render.h"
+#include "sanitized.h"
 #include "split_oracle.h"
 
 namespace {
@@ -23,11 +24,8 @@ using prep::no_index;
 
 // Rationals are slow, in the library's decisions too, and fifty times slower where every allocation
 // is watched.
-#if defined(__SANITIZE_ADDRESS__)
-constexpr std::size_t edges_looked_at = 10, most_corners_decided = 2000;
-#else
-constexpr std::size_t edges_looked_at = 150, most_corners_decided = std::size_t(-1);
-#endif
+constexpr std::size_t edges_looked_at = test::sanitized ? 10 : 150;
+constexpr std::size_t most_corners_decided = test::sanitized ? 2000 : std::size_t(-1);
 
 std::vector<Case> all_cases() {
     std::vector<Case> cases = hard_cases::measured();

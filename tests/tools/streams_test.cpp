@@ -10,26 +10,16 @@
 #include <fstream>
 
 #include "command_runner.h"
+#include "sanitized.h"
 
 namespace {
 
 namespace fs = std::filesystem;
 using test::file_text;
 using test::run_command;
+using test::sanitized;
 using test::TempDir;
 using test::write_text;
-
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool sanitized = true;
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-constexpr bool sanitized = true;
-#else
-constexpr bool sanitized = false;
-#endif
-#else
-constexpr bool sanitized = false;
-#endif
 
 TEST(Streams, StandardOutputThatCannotBeWrittenIsAFailure) {
     const TempDir dir;
