@@ -56,8 +56,9 @@ endfunction()
 # the same settings; a source compiles in two thirds of the time. Sources include what they use all
 # the same: with MESHPREP_PRECOMPILE=OFF, as in the preset coverage, they stand alone.
 #
-# Not where sources of a library are compiled together (call it after meshprep_unity): what it saves
-# there is less than what making it takes, and g++ compiles with the optimisation that the header had, whatever a source asks for.
+# Not where sources of a library are compiled together, after meshprep_unity(): what it saves there is
+# less than what making it takes. g++ compiles with the optimisation that the header had, whatever a
+# source asks for.
 function(meshprep_precompile target header)
   if(NOT MESHPREP_PRECOMPILE)
     return()

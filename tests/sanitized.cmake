@@ -11,7 +11,8 @@ set(sanitized_tests
     # meshes
     prep_crease_fans prep_height_map prep_limit_surface prep_map_charts prep_prepare prep_prepare_subdivide
     prep_recover_quads prep_repair prep_repair_holes prep_source_corners prep_split prep_subdivide
-    prep_subdivide_attributes prep_tangents_cases prep_tessellation_hard_cases prep_tangents_identity prep_topology prep_triangulate prep_weld
+    prep_subdivide_attributes prep_tangents_cases prep_tangents_identity prep_tessellation_hard_cases
+    prep_topology prep_triangulate prep_weld
     # drawing
     rast_bands rast_coverage rast_hard_cases rast_hazards rast_partial_pixels rast_texture
     rast_texture_instructions rast_triangulation

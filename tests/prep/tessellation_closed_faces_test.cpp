@@ -230,7 +230,7 @@ TEST(TessellationClosedFaces, NumbersDoNotMatterToDiagonalsNearerToTheSurface) {
     const auto function = noise_function(noise);
     ASSERT_TRUE(function);
     std::size_t by_surface = 0;
-    for (int round = 0; round < 40; ++round) {
+    for (int round = 0; round < 20; ++round) {
         Mesh cage = torus(5, 4);
         for (glm::vec3& p : cage.positions)
             p += glm::vec3(step(random), step(random), step(random));
@@ -249,7 +249,7 @@ TEST(TessellationClosedFaces, NumbersDoNotMatterToDiagonalsNearerToTheSurface) {
         EXPECT_EQ(edges(*one, same), edges(*two, other.number)) << round;
         by_surface += edges(*one, same) != edges(*flat, same);
     }
-    EXPECT_GT(by_surface, 30U);
+    EXPECT_GT(by_surface, 15U);
 }
 
 std::size_t most_at_an_edge(const Mesh& mesh) {

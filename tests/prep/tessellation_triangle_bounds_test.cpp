@@ -241,7 +241,7 @@ TEST(TessellationTriangleBounds, OfAnEdgeLengthGapsLoosenNothing) {
         options.material_displacements.push_back(f);
         cage.face_materials.push_back(f);
     }
-    options.edge_length = 0.1;
+    options.edge_length = 0.2;
     const auto alone = tessellate(cage, options);
     ASSERT_TRUE(alone) << to_string(alone.error());
     options.max_triangles = 10 * alone->certificate.triangles;

@@ -22,7 +22,7 @@ class TempDir {
     std::filesystem::path path_;
 };
 
-std::string file_text(const std::filesystem::path& path);
+std::string file_text(const std::filesystem::path& path);  // empty where it cannot be read
 void write_text(const std::filesystem::path& path, std::string_view text);
 
 }  // namespace test

@@ -19,7 +19,7 @@
 
 namespace tessellation_checks {
 
-// What docs/displacement.md has is looked at more closely: MESHPREP_TABLES.
+// With MESHPREP_TABLES in the environment more is looked at: the tables of docs/displacement.md.
 inline bool for_tables() {
     return std::getenv("MESHPREP_TABLES") != nullptr;
 }
@@ -94,7 +94,8 @@ class Economy {
         double error = 0, proved = 0;
         bool within_limit = true;
     };
-    // Points along a triangle's side where triangles are few: so many in all.
+    // Points along a triangle's side where triangles are few, so that all have 25,000 points, or
+    // 100,000, together.
     static int points_of(std::uint64_t triangles) {
         const double all = for_tables() ? 100'000 : 25'000;
         return int(std::min(64.0, std::sqrt(2 * all / double(triangles))));
