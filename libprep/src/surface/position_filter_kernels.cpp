@@ -62,14 +62,14 @@ std::size_t find(const glm::vec3* positions, std::size_t count, Index last_word,
     const Indices d;
     const hn::RebindToSigned<Indices> di;
     static_assert(hn::MaxLanes(d) <= most_filter_lanes);
-    const I last = hn::Set(d, last_word);
+    const I last = hn::Set(d, last_word), lane = hn::Iota(d, 0);
     std::size_t i = 0, n = 0;
     for (; i + hn::Lanes(d) <= count; i += hn::Lanes(d)) {
         const Bits at = bits_of(&positions[i].x, last);
         const I word = hn::GatherIndex(d, filter, hn::BitCast(di, at.word));
         const auto set = hn::Eq(hn::And(word, at.bits), at.bits);
         if (HWY_LIKELY(hn::AllFalse(d, set))) continue;
-        n += compress_store(d, hn::Iota(d, first + Index(i)), set, found + n);
+        n += compress_store(d, hn::Add(hn::Set(d, first + Index(i)), lane), set, found + n);
     }
     for (; i < count; ++i) {
         const FilterBits at = filter_bits(positions[i], last_word);

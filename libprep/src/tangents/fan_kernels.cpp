@@ -150,6 +150,7 @@ HWY_INLINE void tell_fans(const VertexRing* rings, const Index* slots, Index* li
 HWY_INLINE void sort_candidates(const RingBatch& batch, Index (*lists)[ring_batch + 64],
                                 std::size_t* sizes, Index* fans) {
     const Indices d;
+    const auto lane = hn::Iota(d, 0);
     for (std::size_t i = 0; i < batch.count; i += hn::Lanes(d)) {
         const auto code = hn::Load(d, batch.codes + i);
         const auto members = hn::Load(d, batch.members + i);
@@ -162,7 +163,7 @@ HWY_INLINE void sort_candidates(const RingBatch& batch, Index (*lists)[ring_batc
                     hn::And(hn::Or(single, hn::And(has(s_directions), has(t_directions))),
                             hn::FirstN(d, batch.count - i)));
         hn::Store(hn::VecFromMask(d, hn::And(candidate, single)), d, fans + i);
-        const auto which = hn::Iota(d, Index(i));
+        const auto which = hn::Add(hn::Set(d, Index(i)), lane);
         for (std::size_t count = 2; count <= most_ring_members; ++count) {
             const auto these = hn::And(candidate, hn::Eq(members, hn::Set(d, Index(count))));
             if (hn::AllFalse(d, these)) continue;
