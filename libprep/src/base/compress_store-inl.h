@@ -12,6 +12,7 @@ struct ChosenLanes {
                 if (mask >> lane & 1u) of[mask] |= lane << 4 * found++;
     }
 };
+inline constexpr ChosenLanes chosen_lanes;
 #endif
 
 // Stores the lanes of a mask, of 32 bits each, to `to` and returns how many they are. All lanes of
@@ -23,13 +24,12 @@ HWY_INLINE std::size_t compress_store(Tag d, hn::Vec<Tag> values, hn::Mask<Tag> 
     static_assert(sizeof(hn::TFromD<Tag>) == 4);
 #if HWY_TARGET == HWY_AVX2
     // hn::Compress has its table in the function, and GCC copies all 1,024 bytes at each call.
-    static constexpr ChosenLanes chosen;
     const hn::Repartition<std::uint32_t, Tag> words;
     const hn::Repartition<float, Tag> floats;
     const auto bits =
         std::uint32_t(_mm256_movemask_ps(hn::BitCast(floats, hn::VecFromMask(d, mask)).raw));
     const auto order =
-        hn::Shr(hn::Set(words, chosen.of[bits]), hn::ShiftLeft<2>(hn::Iota(words, 0)));
+        hn::Shr(hn::Set(words, chosen_lanes.of[bits]), hn::ShiftLeft<2>(hn::Iota(words, 0)));
     const hn::Vec<decltype(words)> first{
         _mm256_permutevar8x32_epi32(hn::BitCast(words, values).raw, order.raw)};
     hn::StoreU(hn::BitCast(d, first), d, to);

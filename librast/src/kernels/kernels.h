@@ -207,7 +207,8 @@ struct Kernels {
     // written, they have come.
     std::size_t (*collect)(const std::uint32_t* numbers, const TilePlace& place,
                            std::uint32_t* counts, PixelRun* runs, const PictureRows& picture);
-    // The runs' pixels, each number's from counts[number] on, which is moved past them.
+    // The runs' pixels, each number's from counts[number] on, which is moved past them. Readable
+    // and writable up to tile_padding past the last one; what is beside a run stays.
     void (*expand)(const PixelRun* runs, std::size_t count, std::uint32_t* counts,
                    std::uint16_t* pixels);
     void (*shade)(const ShadeDraw& draw, const ShadeFrame& frame, const ShadeTask& task);

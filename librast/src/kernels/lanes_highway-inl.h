@@ -277,9 +277,10 @@ HWY_INLINE I gather(const std::int32_t* p, I index) {
 HWY_INLINE I gather(const std::uint32_t* p, I index) {
     return {hn::BitCast(Ints(), hn::GatherIndex(Unsigned(), p, index.v))};
 }
-// Lanes outside the mask keep what they were. Below AVX-512 they are written as well: AMD's Zen to
-// Zen 3 take twelve cycles and more to store by a mask (vpmaskmovd), and 16 bits have no such
-// instruction.
+// Lanes outside the mask keep what they were. Below AVX-512 they are written as well, which
+// hn::BlendedStore avoids, as they may not be the caller's: AMD's Zen to Zen 3 take twelve cycles
+// and more to store by a mask (vpmaskmovd), and where there is no such instruction, for 16 bits and
+// with SSE4, it stores lane by lane.
 template <class Tag>
 HWY_INLINE void store_lanes(Tag d, hn::Vec<Tag> v, hn::Mask<Tag> m, hn::TFromD<Tag>* p) {
 #if HWY_TARGET <= HWY_AVX3
@@ -499,6 +500,7 @@ HWY_INLINE void store_sequence(std::uint16_t first, std::size_t count, std::uint
     const hn::ScalableTag<std::uint16_t> d;
     const auto from_first = hn::Iota(d, 0);
     const std::size_t step = hn::Lanes(d);
+    static_assert(HWY_TARGET <= HWY_AVX3 || hn::MaxLanes(d) <= tile_padding);
     for (std::size_t k = 0; k < count; k += step)
         store_lanes(d, hn::Add(hn::Set(d, std::uint16_t(first + k)), from_first),
                     hn::FirstN(d, count - k), p + k);

@@ -263,7 +263,7 @@ inline void load3(const float* p, F& x, F& y, F& z) {
     z.v = p[2];
 }
 
-// The lanes of the mask, the others stay.
+// The lanes of the mask, the others stay; all are readable and writable, and nobody else's.
 inline void store_where(M m, F a, float* p) {
     if (m.v) *p = a.v;
 }
@@ -391,7 +391,8 @@ inline void stream(I v, std::uint32_t* p) {
 }
 inline void stream_end() {}
 
-// first, first + 1, …
+// first, first + 1, … What is behind them stays; it is readable and writable, and nobody else's, up
+// to a vector of 16-bit numbers.
 inline void store_sequence(std::uint16_t first, std::size_t count, std::uint16_t* p) {
     for (std::size_t k = 0; k < count; ++k) p[k] = std::uint16_t(first + k);
 }
