@@ -18,12 +18,17 @@ namespace {
 
 using Index = std::uint32_t;
 constexpr std::size_t position_grain = 32768;
-// Positions per part: its table (twice as many entries of 8 bytes) stays in the first-level cache.
+// Positions per part: with its table (twice as many slots) it is 32 kB, which nearer caches keep.
 constexpr std::size_t part_size = 1024;
 constexpr std::size_t most_parts = 2048;
 
+// A position that is compared, with its number: parts then read nothing but themselves.
 struct Entry {
-    Index hash, position;
+    glm::vec3 at;
+    Index number;
+};
+struct Slot {
+    Index hash, entry;
 };
 
 // Adding 0 turns −0 into 0 and changes nothing else.
@@ -98,6 +103,7 @@ class Suspects {
         Index *const taken = half.taken.data(), *const shared = half.shared.data();
         Index words[patience], bits[patience];
         std::size_t later = 0;
+        const std::size_t least = (end - begin) / 16;  // seams may all lie at the beginning
         for (std::size_t i = begin; i < end && !half.many; i += patience) {
             const std::size_t count = std::min(patience, end - i);
             kernels_.bits(&positions_[i], count, Index(words_ - 1), words, bits);
@@ -109,7 +115,7 @@ class Suspects {
                 }
                 taken[words[k]] = word | bits[k];
             }
-            half.many = later > (i + count - begin) / 4;
+            half.many = later > std::max(i + count - begin, least) / 4;
         }
     }
 
@@ -150,29 +156,30 @@ void equal_pairs(std::span<const glm::vec3> positions, std::size_t n, const Numb
         std::vector<Index> cursors(parts);
         for (std::size_t p = 0; p < parts; ++p) cursors[p] = starts[p * blocks + block];
         for (std::size_t i = begin; i < end; ++i)
-            entries[cursors[part_of(hashes[i])]++] = {hashes[i], number(i)};
+            entries[cursors[part_of(hashes[i])]++] = {positions[number(i)], Index(number(i))};
     });
 
     hashes = {};
     parallel_blocks(parts, 16, threads, [&](std::size_t first, std::size_t last) {
-        std::vector<Entry> table;
+        std::vector<Slot> table;
         std::size_t steps = 0;
         for (std::size_t p = first; p < last; ++p) {
             const Index begin = starts[p * blocks], end = starts[(p + 1) * blocks];
             const std::size_t capacity = std::bit_ceil(std::size_t(end - begin) * 2 + 1);
             table.assign(capacity, {0, no_index});
             for (Index e = begin; e < end; ++e) {
-                const Entry entry = entries[e];
-                std::size_t slot = entry.hash & (capacity - 1);
+                const Entry& entry = entries[e];
+                const auto hash = Index(hash_of(entry.at) >> 32);
+                std::size_t slot = hash & (capacity - 1);
                 for (;; slot = (slot + 1) & (capacity - 1)) {
                     ++steps;
-                    if (table[slot].position == no_index) {
-                        if (is_number(positions[entry.position])) table[slot] = entry;
+                    if (table[slot].entry == no_index) {
+                        if (is_number(entry.at)) table[slot] = {hash, e};
                         break;
                     }
-                    if (table[slot].hash == entry.hash &&
-                        positions[table[slot].position] == positions[entry.position]) {
-                        found(p, table[slot].position, entry.position);
+                    const Entry& other = entries[table[slot].entry];
+                    if (table[slot].hash == hash && other.at == entry.at) {
+                        found(p, other.number, entry.number);
                         break;
                     }
                 }
