@@ -134,17 +134,15 @@ void equal_pairs(std::span<const glm::vec3> positions, std::size_t n, const Numb
         std::countr_zero(std::min(most_parts, std::bit_ceil((n + part_size - 1) / part_size)));
     const std::size_t parts = std::size_t(1) << part_bits;
     const std::size_t blocks = (n + position_grain - 1) / position_grain;
-    const auto part_of = [&](Index hash) { return part_bits == 0 ? 0 : hash >> (32 - part_bits); };
+    const auto part_of = [&](const glm::vec3& p) {
+        return part_bits == 0 ? 0 : hash_of(p) >> (64 - part_bits);
+    };
 
     // A stable sort by part: blocks in order within a part.
-    ScratchBuffer<Index> hashes(n);
     std::vector<Index> starts(parts * blocks + 1, 0);
     parallel_blocks(n, position_grain, threads, [&](std::size_t begin, std::size_t end) {
         std::vector<Index> counts(parts, 0);
-        for (std::size_t i = begin; i < end; ++i) {
-            hashes[i] = Index(hash_of(positions[number(i)]) >> 32);
-            ++counts[part_of(hashes[i])];
-        }
+        for (std::size_t i = begin; i < end; ++i) ++counts[part_of(positions[number(i)])];
         const std::size_t block = begin / position_grain;
         for (std::size_t p = 0; p < parts; ++p) starts[p * blocks + block] = counts[p];
     });
@@ -155,11 +153,12 @@ void equal_pairs(std::span<const glm::vec3> positions, std::size_t n, const Numb
         const std::size_t block = begin / position_grain;
         std::vector<Index> cursors(parts);
         for (std::size_t p = 0; p < parts; ++p) cursors[p] = starts[p * blocks + block];
-        for (std::size_t i = begin; i < end; ++i)
-            entries[cursors[part_of(hashes[i])]++] = {positions[number(i)], Index(number(i))};
+        for (std::size_t i = begin; i < end; ++i) {
+            const Entry entry{positions[number(i)], Index(number(i))};
+            entries[cursors[part_of(entry.at)]++] = entry;
+        }
     });
 
-    hashes = {};
     parallel_blocks(parts, 16, threads, [&](std::size_t first, std::size_t last) {
         std::vector<Slot> table;
         std::size_t steps = 0;

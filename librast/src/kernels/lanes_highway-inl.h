@@ -278,9 +278,9 @@ HWY_INLINE I gather(const std::uint32_t* p, I index) {
     return {hn::BitCast(Ints(), hn::GatherIndex(Unsigned(), p, index.v))};
 }
 // Lanes outside the mask keep what they were. Below AVX-512 they are written as well, which
-// hn::BlendedStore avoids, as they may not be the caller's: AMD's Zen to Zen 3 take twelve cycles
-// and more to store by a mask (vpmaskmovd), and where there is no such instruction, for 16 bits and
-// with SSE4, it stores lane by lane.
+// hn::BlendedStore avoids, as they may not be the caller's: AMD's Zen 3 takes seven cycles to store
+// by a mask (vpmaskmovd), two to load, blend and store; and where there is no such instruction, for
+// 16 bits and with SSE4, it stores lane by lane.
 template <class Tag>
 HWY_INLINE void store_lanes(Tag d, hn::Vec<Tag> v, hn::Mask<Tag> m, hn::TFromD<Tag>* p) {
 #if HWY_TARGET <= HWY_AVX3
