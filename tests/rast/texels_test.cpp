@@ -177,6 +177,22 @@ TEST(Srgb, PicturesAreEncodedAndToneMappedOnlyWhenAsked) {
                 1e-6);
 }
 
+// Neighbours that are alike, that differ in one channel, and that are no numbers.
+TEST(Srgb, EachPixelIsEncodedForItself) {
+    rast::Frame frame;
+    const glm::vec4 color(0.2f, 0.4f, 0.6f, 1.0f);
+    frame.color.assign(8, color);
+    for (glm::length_t k = 0; k < 3; ++k) frame.color[2 * std::size_t(k) + 1][k] = 0.1f;
+    frame.color.insert(frame.color.end(), 2, glm::vec4(NAN));
+    frame.width = std::uint32_t(frame.color.size());
+    frame.height = 1;
+    const prep::Image image = rast::to_srgb(frame);
+    for (std::size_t i = 0; i < frame.color.size(); ++i)
+        for (glm::length_t k = 0; k < 3; ++k)
+            EXPECT_EQ(image.pixels[3 * i + std::size_t(k)], rast::linear_to_srgb(frame.color[i][k]))
+                << i << " " << k;
+}
+
 TEST(Elementary, LogAndExpKeepThirteenDigits) {
     std::mt19937_64 random(8);
     std::uniform_real_distribution<double> exponent(-300, 300), argument(-700, 700);

@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <set>
+#include <sstream>
 
 #include "command_runner.h"
 #include "prep/load.h"
@@ -131,6 +133,41 @@ TEST(Command, TakesThePictureLibraryOfItsOwnBuildAlone) {
     EXPECT_TRUE(other.err.find("libprep_images.so is of another build") != std::string::npos ||
                 other.err.find("undefined symbol: M" + name.substr(1)) != std::string::npos)
         << other.err;
+}
+
+// Opened with OpenImageIO alone, each of its libraries looks for symbols in all of them.
+TEST(Command, OpensWhatOpenImageIONeedsBeforeIt) {
+    const TempDir dir;
+    write_text(dir / "cube.obj", test::cube_obj());
+    test::Circumstances loader;
+    loader.environment = {{"LD_DEBUG", "scopes"}, {"LD_DEBUG_OUTPUT", (dir / "scopes").string()}};
+    const test::Ran ran = run_command({"render", (dir / "cube.obj").string(), "-o",
+                                       (dir / "cube.png").string(), "--size", "16x16"},
+                                      loader);
+    ASSERT_EQ(ran.exit_code, 0) << ran.err;
+    std::string text;
+    for (const std::string& name : dir.names())
+        if (name.starts_with("scopes")) text += file_text(dir / name);
+    if (text.find(" scope 1: ") == std::string::npos)
+        GTEST_SKIP() << "the loader of this system does not tell its scopes (LD_DEBUG)";
+    // The scope that a library came with stands under its first mention.
+    std::istringstream lines(text);
+    std::set<std::string> known;
+    std::string line, object;
+    std::size_t all = 0, with_the_rest = 0;
+    while (std::getline(lines, line)) {
+        if (const auto at = line.find("object="); at != std::string::npos) {
+            object = line.substr(at + 7, line.find(' ', at) - at - 7);
+            if (!known.insert(object).second) object.clear();
+        } else if (const auto first = line.find(" scope 1: ");
+                   first != std::string::npos && !object.empty()) {
+            ++all;
+            with_the_rest += line.find("libprep_images.so", first) != std::string::npos;
+        }
+    }
+    EXPECT_GT(all, 50U);
+    // The library of our own, OpenImageIO, and what cannot be opened by itself.
+    EXPECT_LT(with_the_rest, all / 10);
 }
 
 TEST(Prepare, APrimitiveWithoutAFiniteTriangleStopsNoBatch) {

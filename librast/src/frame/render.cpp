@@ -78,15 +78,24 @@ prep::Image to_srgb(const Frame& frame, const prep::RenderChoices& choices, int 
     image.srgb = true;
     image.pixels.resize(frame.color.size() * 3);
     constexpr std::size_t grain = 16384;
-    prep::detail::parallel_blocks(
-        frame.color.size(), grain, threads, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t i = begin; i < end; ++i)
-                for (int k = 0; k < 3; ++k) {
-                    float x = frame.color[i][k] * choices.exposure;
-                    if (choices.tone_map == ToneMap::reinhard && x > 0) x = x / (1 + x);
-                    image.pixels[3 * i + std::size_t(k)] = linear_to_srgb(x);
-                }
-        });
+    prep::detail::parallel_blocks(frame.color.size(), grain, threads,
+                                  [&](std::size_t begin, std::size_t end) {
+                                      for (std::size_t i = begin; i < end; ++i) {
+                                          float* const out = image.pixels.data() + 3 * i;
+                                          const glm::vec3 color(frame.color[i]);
+                                          // What is behind the scene is one color in most pictures.
+                                          if (i > begin && color == glm::vec3(frame.color[i - 1])) {
+                                              std::copy_n(out - 3, 3, out);
+                                              continue;
+                                          }
+                                          for (int k = 0; k < 3; ++k) {
+                                              float x = color[k] * choices.exposure;
+                                              if (choices.tone_map == ToneMap::reinhard && x > 0)
+                                                  x = x / (1 + x);
+                                              out[k] = linear_to_srgb(x);
+                                          }
+                                      }
+                                  });
     return image;
 }
 

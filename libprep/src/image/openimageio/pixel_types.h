@@ -3,7 +3,6 @@
 
 #include <OpenImageIO/typedesc.h>
 
-#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <span>
@@ -22,7 +21,8 @@ std::vector<T> quantise(std::span<const float> pixels) {
     for (std::size_t i = 0; i < pixels.size(); ++i) {
         // Written so that NaN becomes 0.
         const float v = pixels[i] > 0.0f ? (pixels[i] < 1.0f ? pixels[i] : 1.0f) : 0.0f;
-        out[i] = T(std::lround(v * top));
+        // Half upwards, exactly: a double holds what a float and a half make.
+        out[i] = T(int(double(v * top) + 0.5));
     }
     return out;
 }
