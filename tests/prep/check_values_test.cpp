@@ -228,7 +228,7 @@ TEST(CheckValues, VolumesFarFromZeroAreThoseNear) {
 
 TEST(CheckValues, NormalsAreHeldAgainstTheirFaces) {
     Mesh mesh = shapes::grid(1, 1);  // faces +z
-    const float step = 4e-4f, far = 6e-4f;
+    const float step = 0.0066f, far = 0.0069f;  // on both sides of 0.00674
     mesh.normals.values = {{1, 0, 0}, {0.8f, 0, -0.6f}, {0, 0, -3}, {0, 0, 1 - step}};
     mesh.normals.indices = {0, 1, 2, 3};
     // At a right angle is not against the face; what is too long may be against it as well.

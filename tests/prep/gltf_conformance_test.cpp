@@ -200,7 +200,12 @@ std::string page(const std::vector<std::string>& rows, std::size_t loaded, std::
            ". Refused: " + std::to_string(refused) + ". Crashed or hung: 0.\n\n";
     out +=
         "## Where we are more lenient\n\n"
-        "An error of the validator refuses the file unless it stands here.\n\n"
+        "An error of the validator in one of these files refuses it unless it stands here. What "
+        "none "
+        "of\n"
+        "them has wrong, as rotations that are not unit or factors out of range, may be carried as "
+        "it "
+        "is.\n\n"
         "| validator's code | where | why the file still loads |\n|---|---|---|\n";
     for (const Leniency& rule : leniencies) {
         std::string where(rule.pointer);
@@ -238,7 +243,19 @@ std::string page(const std::vector<std::string>& rows, std::size_t loaded, std::
         "- Normals that are not finite become (0, 0, 1), such tangents any in the surface, where "
         "nothing asked\n"
         "  for computed ones.\n"
-        "- Triangles with a position that is not finite are left out.\n";
+        "- Triangles with a position that is not finite are left out.\n\n"
+        "Of what is carried over, whatever else stays:\n\n"
+        "- Bounds of accessors that say other than the values, or that positions and times of "
+        "animations lack,\n"
+        "  are computed (not those of what Draco holds).\n"
+        "- Vertex data at addresses or strides that are no multiples of 4, and several of it in "
+        "one "
+        "view without\n"
+        "  a stride, gets views of its own.\n"
+        "- Extensions that are used are declared; `KHR_mesh_quantization`, where vertex data has "
+        "its "
+        "types, as\n"
+        "  required.\n";
     out += "\n## File by file\n\n| file | validator | meshprep |\n|---|---|---|\n";
     for (const std::string& r : rows) out += r + "\n";
     return out;

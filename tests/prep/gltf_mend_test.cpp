@@ -6,9 +6,11 @@
 #include <random>
 
 #include "formats/gltf/values/value_repair.h"
+#include "gltf_maker.h"
 #include "mesh_files.h"
 #include "prep/load.h"
 #include "prep/save.h"
+#include "written_gltf.h"
 
 namespace {
 
@@ -258,8 +260,9 @@ TEST(GltfMend, OddValuesThatAreCarriedOverAreTold) {
     const test::TempDir dir;
     const auto notes = file.save(dir);
     ASSERT_TRUE(notes.has_value()) << prep::to_string(notes.error());
-    ASSERT_EQ(notes->size(), 1u);
+    ASSERT_EQ(notes->size(), 2u);
     EXPECT_NE((*notes)[0].find("(accessors of the source: 3)"), std::string::npos) << (*notes)[0];
+    EXPECT_NE((*notes)[1].find("bounds"), std::string::npos) << (*notes)[1];
 }
 
 TEST(GltfMend, NormalsOfPointsThatOtherFormatsDoNotKeepAreTold) {
@@ -288,6 +291,195 @@ TEST(GltfMend, GoodValuesKeepTheirBytesWithoutANote) {
     ASSERT_TRUE(notes.has_value()) << prep::to_string(notes.error());
     EXPECT_EQ(*notes, std::vector<std::string>{});
     EXPECT_EQ(test::file_text(dir / "out.bin"), file.bytes);
+}
+
+// A triangle with normals, so that nothing of it is written anew, and an animation. Views of vertex
+// data are without strides; `positions` has a view of its own.
+struct CarriedFile : test::GltfMaker {
+    std::size_t positions = accessor(Floats{0, 0, 0, 4, 0, 0, 0, 2, 0}, "VEC3");
+    Json attributes{{"POSITION", positions},
+                    {"NORMAL", accessor(Floats{0, 0, 1, 0, 0, 1, 0, 0, 1}, "VEC3")}};
+    std::size_t times = accessor(Floats{0, 1, 2.5f}, "SCALAR");
+
+    CarriedFile() {
+        set_bounds({0, 0, 0}, {4, 2, 0});
+        json["accessors"][times]["min"] = {0};
+        json["accessors"][times]["max"] = {2.5};
+    }
+    void set_bounds(const Json& low, const Json& high) {
+        json["accessors"][positions]["min"] = low;
+        json["accessors"][positions]["max"] = high;
+    }
+    void finish() {
+        mesh(Json::array({{{"attributes", attributes}}}));
+        const std::size_t moves = accessor(Floats{0, 0, 0, 1, 0, 0, 2, 0, 0}, "VEC3");
+        push("animations",
+             {{"samplers", Json::array({{{"input", times}, {"output", moves}}})},
+              {"channels", Json::array({{{"sampler", 0},
+                                         {"target", {{"node", 0}, {"path", "translation"}}}}})}});
+    }
+};
+
+// `judged`: by rules of the format that are written without a look at the code.
+std::vector<std::string> carry(const CarriedFile& made, const test::TempDir& dir,
+                               bool judged = true) {
+    test::write_text(dir / "in.glb", made.glb());
+    auto scene = prep::load_scene(dir / "in.glb");
+    if (!scene) return {"not read: " + prep::to_string(scene.error())};
+    const auto notes = prep::save_scene(test::untouched(*std::move(scene)), dir / "out.glb");
+    EXPECT_EQ(notes && judged ? test::GltfFile(dir / "out.glb").fault() : "", "");
+    return notes ? *notes : std::vector<std::string>{"not saved: " + to_string(notes.error())};
+}
+
+const std::vector<std::string> bounds_note{
+    "bounds of accessors that were missing or wrong were computed"};
+const std::vector<std::string> views_note{
+    "vertex data that was not aligned, or shared a view without a stride, got views of its own"};
+const std::vector<std::string> extensions_note{
+    "extensions that are used and were not declared are declared"};
+
+TEST(GltfMend, BoundsOfWhatIsCarriedOverAreThoseOfItsValues) {
+    const test::TempDir dir;
+    using Json = test::GltfFile::Json;
+    const auto bounds = [&](const char* key) {
+        const test::GltfFile out(dir / "out.glb");
+        return out
+            .json["accessors"][out.primitive(0, 0)["attributes"]["POSITION"].get<std::size_t>()]
+            .value(key, Json());
+    };
+    CarriedFile good;
+    good.finish();
+    EXPECT_EQ(carry(good, dir), std::vector<std::string>{});
+    CarriedFile wrong;
+    wrong.set_bounds({0, 0, 0}, {4, 1.5, 0});
+    wrong.finish();
+    EXPECT_EQ(carry(wrong, dir), bounds_note);
+    EXPECT_EQ(bounds("min"), Json({0, 0, 0}));
+    EXPECT_EQ(bounds("max"), Json({4, 2, 0}));
+    CarriedFile missing;
+    missing.json["accessors"][missing.positions].erase("min");
+    missing.finish();
+    EXPECT_EQ(carry(missing, dir), bounds_note);
+    EXPECT_EQ(bounds("min"), Json({0, 0, 0}));
+    CarriedFile timeless;
+    timeless.json["accessors"][timeless.times].erase("max");
+    timeless.finish();
+    EXPECT_EQ(carry(timeless, dir), bounds_note);
+    const test::GltfFile out(dir / "out.glb");
+    const auto input = out.json["animations"][0]["samplers"][0]["input"].get<std::size_t>();
+    EXPECT_EQ(out.json["accessors"][input]["max"], Json({2.5}));
+    // Of others bounds are only put right where there are any; large indices are no floats.
+    CarriedFile others;
+    const std::size_t normals = others.attributes["NORMAL"].get<std::size_t>();
+    others.json["accessors"][normals]["min"] = {0, 0, -1};
+    const std::size_t ids = others.accessor(std::vector<std::uint32_t>{16777217, 1, 2}, "SCALAR");
+    others.json["accessors"][ids]["max"] = {16777217};
+    others.attributes["_ID"] = ids;
+    others.finish();
+    EXPECT_EQ(carry(others, dir, false), bounds_note);  // the judge takes all for floats
+    const test::GltfFile mended(dir / "out.glb");
+    const Json& of = mended.primitive(0, 0)["attributes"];
+    const Json& said = mended.json["accessors"][of["NORMAL"].get<std::size_t>()];
+    EXPECT_EQ(said["min"], Json({0, 0, 1}));
+    EXPECT_FALSE(said.contains("max"));
+    EXPECT_EQ(mended.json["accessors"][of["_ID"].get<std::size_t>()]["max"], Json({16777217}));
+}
+
+TEST(GltfMend, CarriedVertexDataIsAlignedAndSharesNoViewWithoutAStride) {
+    const test::TempDir dir;
+    const auto uv = [&] {
+        const test::GltfFile out(dir / "out.glb");
+        return out.attribute(0, 0, "TEXCOORD_0").values;
+    };
+    const auto view = [&](const char* name) {
+        const test::GltfFile out(dir / "out.glb");
+        const auto a = out.primitive(0, 0)["attributes"][name].get<std::size_t>();
+        EXPECT_EQ(out.json["accessors"][a].value("byteOffset", 0) % 4, 0);
+        return out.json["accessors"][a]["bufferView"].get<std::size_t>();
+    };
+    // Three bytes each, one behind the other.
+    CarriedFile tight;
+    const Bytes colors{255, 0, 0, 0, 255, 0, 0, 0, 255};
+    tight.attributes["COLOR_0"] = tight.accessor({{"bufferView", tight.view(colors)},
+                                                  {"componentType", 5121},
+                                                  {"normalized", true},
+                                                  {"count", 3},
+                                                  {"type", "VEC3"}});
+    tight.finish();
+    EXPECT_EQ(carry(tight, dir), views_note);
+    const test::GltfFile out(dir / "out.glb");
+    EXPECT_EQ(out.attribute(0, 0, "COLOR_0").values,
+              (std::vector<double>{1, 0, 0, 0, 1, 0, 0, 0, 1}));
+    EXPECT_EQ(out.json["bufferViews"][view("COLOR_0")]["byteStride"], 4);
+    // At a multiple of two bytes.
+    CarriedFile shifted;
+    const Shorts shorts{7, 0, 0, 65535, 0, 0, 65535, 7};
+    shifted.attributes["TEXCOORD_0"] = shifted.accessor({{"bufferView", shifted.view(shorts)},
+                                                         {"byteOffset", 2},
+                                                         {"componentType", 5123},
+                                                         {"normalized", true},
+                                                         {"count", 3},
+                                                         {"type", "VEC2"}});
+    shifted.finish();
+    EXPECT_EQ(carry(shifted, dir), views_note);
+    EXPECT_EQ(uv(), (std::vector<double>{0, 0, 1, 0, 0, 1}));
+    EXPECT_EQ(view("TEXCOORD_0") != view("NORMAL"), true);
+    // Two of them in a view that says no stride; with one, they stay.
+    for (const std::size_t stride : {0, 8}) {
+        CarriedFile shared;
+        const std::size_t both =
+            shared.view(Floats{0, 0, 1, 0, 0, 1, 0.5f, 0, 0, 0.5f, 0.5f, 0.5f}, stride);
+        for (std::size_t k = 0; k < 2; ++k)
+            shared.attributes["TEXCOORD_" + std::to_string(k)] =
+                shared.accessor({{"bufferView", both},
+                                 {"byteOffset", 24 * k},
+                                 {"componentType", 5126},
+                                 {"count", 3},
+                                 {"type", "VEC2"}});
+        shared.finish();
+        EXPECT_EQ(carry(shared, dir), stride ? std::vector<std::string>{} : views_note);
+        EXPECT_EQ(uv(), (std::vector<double>{0, 0, 1, 0, 0, 1}));
+        EXPECT_EQ(view("TEXCOORD_0") == view("TEXCOORD_1"), stride != 0);
+    }
+}
+
+TEST(GltfMend, ExtensionsThatAreUsedAreDeclared) {
+    const test::TempDir dir;
+    using Json = test::GltfFile::Json;
+    const auto list = [&](const char* key) {
+        return test::GltfFile(dir / "out.glb").json.value(key, Json());
+    };
+    CarriedFile lit;
+    lit.finish();
+    lit.json["materials"] = {{{"name", "m"},
+                              {"extras", {{"extensions", {{"NOT_ONE", 1}}}}},
+                              {"extensions", {{"KHR_materials_unlit", Json::object()}}}}};
+    lit.json["extensionsUsed"] = {"KHR_texture_transform"};
+    EXPECT_EQ(carry(lit, dir), extensions_note);
+    EXPECT_EQ(list("extensionsUsed"), Json({"KHR_texture_transform", "KHR_materials_unlit"}));
+    EXPECT_EQ(list("extensionsRequired"), Json());
+    // What an extension that nobody knows refers to is kept, declared or not.
+    CarriedFile unknown;
+    unknown.finish();
+    const std::size_t data = unknown.accessor(Floats{7, 8, 9}, "SCALAR");
+    unknown.json["scenes"][0]["extensions"] = {{"ACME_data", {{"accessor", data}}}};
+    carry(unknown, dir);
+    EXPECT_EQ(list("extensionsUsed"), Json({"ACME_data"}));
+    EXPECT_EQ(test::GltfFile(dir / "out.glb").accessor(data).values,
+              (std::vector<double>{7, 8, 9}));
+    // Positions of 16 bits are what KHR_mesh_quantization allows.
+    CarriedFile whole;
+    whole.attributes["POSITION"] =
+        whole.accessor({{"bufferView", whole.view(Shorts{0, 0, 0, 0, 4, 0, 0, 0, 0, 2, 0, 0}, 8)},
+                        {"componentType", 5123},
+                        {"count", 3},
+                        {"type", "VEC3"},
+                        {"min", {0, 0, 0}},
+                        {"max", {4, 2, 0}}});
+    whole.finish();
+    EXPECT_EQ(carry(whole, dir), extensions_note);
+    EXPECT_EQ(list("extensionsUsed"), Json({"KHR_mesh_quantization"}));
+    EXPECT_EQ(list("extensionsRequired"), Json({"KHR_mesh_quantization"}));
 }
 
 }  // namespace

@@ -1,10 +1,15 @@
 // `prepare --optimize`: what the command says of it, and the validator of the files.
 #include <gtest/gtest.h>
 
+#include <glm/glm.hpp>
+#include <set>
+
 #include "command_runner.h"
+#include "gltf_maker.h"
 #include "gltf_oracle.h"
 #include "npm_tools.h"
 #include "shared_data.h"
+#include "written_gltf.h"
 
 namespace {
 
@@ -61,6 +66,70 @@ TEST(Optimize, IsForGltfFiles) {
     EXPECT_EQ(ran.exit_code, 1);
     EXPECT_NE(ran.err.find("--optimize is for glTF"), std::string::npos) << ran.err;
     EXPECT_FALSE(std::filesystem::exists(dir / "x.ply"));
+}
+
+// What each corner of each triangle has, whatever their order.
+std::multiset<std::vector<double>> corners_of(const std::filesystem::path& path) {
+    const test::GltfFile file(path);
+    std::multiset<std::vector<double>> corners;
+    std::vector<test::GltfValues> values;
+    for (const char* name : {"POSITION", "NORMAL", "TANGENT", "TEXCOORD_0"})
+        values.push_back(file.attribute(0, 0, name));
+    for (const std::size_t v : file.triangles(0, 0)) {
+        std::vector<double> corner;
+        for (const test::GltfValues& of : values)
+            for (const double x : of.at(v)) corner.push_back(x);
+        corners.insert(std::move(corner));
+    }
+    return corners;
+}
+
+// Directions that were rounded to 8 bits or by Draco are not rounded again, nor made floats; their
+// lengths are what such rounding leaves, which is no fault.
+TEST(Optimize, DirectionsThatWereRoundedStayAsTheyAre) {
+    const test::TempDir dir;
+    test::write_text(dir / "ball.obj", test::sphere_obj(60, 40));
+    const auto prepare = [&](const char* from, const char* to, std::vector<std::string> more) {
+        more.insert(more.begin(),
+                    {"prepare", (dir / from).string(), "-o", (dir / to).string(), "--quiet"});
+        const test::Ran ran = run_here(more);
+        EXPECT_EQ(ran.exit_code, 0) << to << ran.err;
+    };
+    prepare("ball.obj", "bytes.glb",
+            {"--tangents", "mikktspace", "--quantize", "normals=8,tangents=8"});
+    prepare("bytes.glb", "bytes2.glb", {"--optimize", "--strict"});
+    EXPECT_EQ(corners_of(dir / "bytes.glb"), corners_of(dir / "bytes2.glb"));
+    EXPECT_EQ(std::filesystem::file_size(dir / "bytes.glb"),
+              std::filesystem::file_size(dir / "bytes2.glb"));
+    // A sheet whose directions Draco has in steps of a 63rd.
+    test::GltfMaker maker;
+    std::vector<double> positions, normals, tangents, uvs;
+    const auto rounded = [](glm::dvec3 v) { return glm::round(63.0 * glm::normalize(v)) / 63.0; };
+    const auto put = [](std::vector<double>& to, const glm::dvec3& v, int count) {
+        for (int k = 0; k < count; ++k) to.push_back(v[k]);
+    };
+    constexpr int side = 8;
+    for (int j = 0; j < side; ++j)
+        for (int i = 0; i < side; ++i)
+            for (const glm::ivec2 at : {glm::ivec2(0, 0), glm::ivec2(1, 0), glm::ivec2(1, 1),
+                                        glm::ivec2(0, 0), glm::ivec2(1, 1), glm::ivec2(0, 1)}) {
+                const double x = i + at.x, y = j + at.y, slope = 0.1 * x;
+                put(positions, {x, y, 0.5 * slope * x}, 3);
+                put(normals, rounded({-slope, 0, 1}), 3);
+                put(tangents, rounded({1, 0, slope}), 3);
+                tangents.push_back(1);
+                put(uvs, {x / side, 1 - y / side, 0}, 2);
+            }
+    maker.mesh({maker.draco_primitive({{"POSITION", 5126, 3, false, positions},
+                                       {"NORMAL", 5126, 3, false, normals},
+                                       {"TANGENT", 5126, 4, false, tangents},
+                                       {"TEXCOORD_0", 5126, 2, false, uvs}})});
+    test::write_text(dir / "draco.glb", maker.glb());
+    prepare("draco.glb", "draco2.glb", {"--optimize"});
+    prepare("draco2.glb", "plain2.glb", {"--compress", "none"});
+    prepare("draco.glb", "plain.glb", {"--compress", "none"});
+    EXPECT_EQ(corners_of(dir / "plain.glb"), corners_of(dir / "plain2.glb"));
+    EXPECT_EQ(corners_of(dir / "plain.glb").size(), 6U * side * side);
 }
 
 TEST(Optimize, TheValidatorFindsNoErrors) {

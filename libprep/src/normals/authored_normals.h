@@ -13,12 +13,13 @@ enum NormalFault : std::uint8_t {  // bits
     normal_missing = 1,
     normal_non_finite = 2,
     normal_zero = 4,
-    normal_non_unit = 8,  // length off by more than unit_tolerance
+    normal_non_unit = 8,  // length off by more than normal_length_tolerance
     normal_flipped = 16,  // against its face and against the computed normal
 };
 
-// glTF's validator accepts a length within 0.0005 of 1; the same here.
-inline constexpr double unit_tolerance = 5e-4;
+// As glTF's validator has it (2.0.0-dev.3.10): more than signed bytes round a unit vector by.
+inline constexpr double normal_length_tolerance = 0.00674;
+inline constexpr double tangent_length_tolerance = 0.00769;
 
 struct NormalReview {
     std::vector<std::uint8_t> faults;  // per corner: bits of NormalFault

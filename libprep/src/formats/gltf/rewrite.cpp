@@ -13,6 +13,7 @@
 #include "formats/gltf/nodes/refined_primitive.h"
 #include "formats/gltf/references.h"
 #include "formats/gltf/values/bounds.h"
+#include "formats/gltf/values/mended_document.h"
 #include "formats/gltf/values/pictures.h"
 #include "formats/gltf/values/primitive_vertices.h"
 #include "formats/gltf/values/value_repair.h"
@@ -55,6 +56,7 @@ class Rewriter {
         if (auto done = place_document(prepared_.scene, document_, json_); !done)
             return std::move(done).error();
         note_non_finite_data(document_, json_, notes_);
+        mend_document(document_, json_, appended_, notes_);
         auto packed = pack_buffer(document_, json_, appended_, notes_);
         if (!packed) return std::move(packed).error();
         remove_empty_lists(json_);
@@ -179,7 +181,7 @@ class Rewriter {
                 attributes[item.key()] =
                     emit_reshaped(item.key(), std::move(it->second), elements, m, used.list);
         const auto frame = [&](const char* semantic, const auto& values) -> Result<void> {
-            if (by_meshopt && out["attributes"].contains(semantic)) {
+            if (out["attributes"].contains(semantic)) {
                 auto kept = kept_directions(source, out["attributes"], semantic, elements, values);
                 if (!kept) return std::move(kept).error();
                 if (*kept) {
@@ -482,14 +484,16 @@ class Rewriter {
         return same(before.data());
     }
 
-    // The file's own normals or tangents, where they are whole numbers whose directions were kept.
+    // The file's own normals or tangents, where they are rounded to whole numbers, in the file
+    // or by Draco, and their directions were kept.
     template <class T>
     Result<std::optional<Gathered>> kept_directions(const GltfPrimitive& source,
                                                     const Json& attributes, const char* semantic,
                                                     const Elements& elements,
                                                     const VertexVectors<T>& values) const {
         const auto accessor = attributes[semantic].get<std::size_t>();
-        if (document_.json["accessors"][accessor]["componentType"] == 5126)
+        if (!(keeps_draco_ && source.draco.contains(semantic)) &&
+            document_.json["accessors"][accessor]["componentType"] == 5126)
             return std::optional<Gathered>();
         auto gathered = gather(source, semantic, accessor, elements.of(semantic));
         if (!gathered) return std::move(gathered).error();
@@ -563,9 +567,7 @@ class Rewriter {
     }
 
     void remove_meshopt() {
-        if (json_.contains("bufferViews"))
-            for (Json& view : json_["bufferViews"])
-                remove_extension(view, "EXT_meshopt_compression");
+        for (Json& view : json_["bufferViews"]) remove_extension(view, "EXT_meshopt_compression");
     }
 
     const PreparedScene& prepared_;

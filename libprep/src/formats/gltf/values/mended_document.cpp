@@ -1,0 +1,248 @@
+#include "formats/gltf/values/mended_document.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <map>
+#include <set>
+
+#include "formats/gltf/values/bounds.h"
+
+namespace prep::detail {
+namespace {
+
+constexpr const char* quantization = "KHR_mesh_quantization";
+constexpr std::size_t alignment = 4;  // of vertex data
+
+const Json* member(const Json& object, const char* key) {
+    if (!object.is_object()) return nullptr;
+    const auto it = object.find(key);
+    return it == object.end() ? nullptr : &*it;
+}
+
+template <class Each>
+void each(const Json& object, const char* key, const Each& body) {
+    if (const Json* list = member(object, key); list && list->is_array())
+        for (const Json& item : *list) body(item);
+}
+
+std::uint64_t number_of(const Json& object, const char* key, std::uint64_t otherwise) {
+    const Json* value = member(object, key);
+    return value && value->is_number_unsigned() ? value->get<std::uint64_t>() : otherwise;
+}
+
+// What the format has without KHR_mesh_quantization.
+bool is_plain_type(const std::string& semantic, const Json& accessor, bool of_target) {
+    const std::uint64_t type = number_of(accessor, "componentType", 5126);
+    if (semantic == "POSITION" || semantic == "NORMAL" || semantic == "TANGENT")
+        return type == 5126;
+    if (!semantic.starts_with("TEXCOORD_")) return true;
+    const Json* normalized = member(accessor, "normalized");
+    const bool whole = normalized && normalized->is_boolean() && normalized->get<bool>();
+    return type == 5126 || of_target || (whole && (type == 5121 || type == 5123));
+}
+
+class Mender {
+  public:
+    Mender(const GltfDocument& document, Json& json, AppendedData& appended,
+           std::vector<std::string>& notes)
+        : document_(document), json_(json), appended_(appended), notes_(notes) {
+        if (const Json* accessors = member(document.json, "accessors"))
+            own_accessors_ = accessors->size();
+    }
+
+    void run() {
+        find_uses();
+        std::map<std::uint64_t, unsigned> shared;  // views without a stride, by vertex accessors
+        for (const auto& [index, use] : uses_)
+            if (const Json& accessor = json_["accessors"][index];
+                use.is_vertex_data && has_plain_view(accessor) &&
+                !view_of(accessor).contains("byteStride"))
+                ++shared[accessor["bufferView"].get<std::uint64_t>()];
+        for (const auto& [index, use] : uses_) {
+            if (use.in_draco) continue;
+            Json& accessor = json_["accessors"][index];
+            const bool is_shared = use.is_vertex_data && has_plain_view(accessor) &&
+                                   !view_of(accessor).contains("byteStride") &&
+                                   shared[accessor["bufferView"].get<std::uint64_t>()] > 1;
+            if (is_shared || (use.is_vertex_data && !is_aligned(accessor))) lay_apart(index);
+            mend_bounds(index, use);
+        }
+        if (bounds_mended_)
+            notes_.push_back("bounds of accessors that were missing or wrong were computed");
+        if (laid_apart_)
+            notes_.push_back(
+                "vertex data that was not aligned, or shared a view without a stride, got views of "
+                "its own");
+        declare();
+    }
+
+  private:
+    struct Use {
+        bool is_vertex_data = false, has_bounds = false, in_draco = false;
+    };
+
+    void find_uses() {
+        each(json_, "meshes", [&](const Json& mesh) {
+            each(mesh, "primitives", [&](const Json& primitive) {
+                const Json* draco = extension_of(primitive, "KHR_draco_mesh_compression");
+                const Json* packed = draco ? member(*draco, "attributes") : nullptr;
+                if (const Json* attributes = member(primitive, "attributes"))
+                    vertex_data(*attributes, packed, false);
+                if (const Json* indices = member(primitive, "indices"))
+                    use(*indices, {false, false, draco != nullptr});
+                each(primitive, "targets",
+                     [&](const Json& target) { vertex_data(target, nullptr, true); });
+            });
+        });
+        each(json_, "animations", [&](const Json& animation) {
+            each(animation, "samplers", [&](const Json& sampler) {
+                if (const Json* input = member(sampler, "input")) use(*input, {false, true, false});
+                if (const Json* output = member(sampler, "output")) use(*output, {});
+            });
+        });
+        each(json_, "skins", [&](const Json& skin) {
+            if (const Json* matrices = member(skin, "inverseBindMatrices")) use(*matrices, {});
+        });
+    }
+
+    void vertex_data(const Json& attributes, const Json* packed, bool of_target) {
+        if (!attributes.is_object()) return;
+        for (const auto& item : attributes.items()) {
+            const std::string& semantic = item.key();
+            use(item.value(), {true, semantic == "POSITION", packed && packed->contains(semantic)});
+            const Json* accessors = member(json_, "accessors");
+            const std::uint64_t index = item.value().is_number_unsigned()
+                                            ? item.value().get<std::uint64_t>()
+                                            : accessors->size();
+            if (index < accessors->size())
+                quantized_ |= !is_plain_type(semantic, (*accessors)[index], of_target);
+        }
+    }
+
+    void use(const Json& index, const Use& as) {
+        if (!index.is_number_unsigned() || index.get<std::uint64_t>() >= own_accessors_) return;
+        Use& all = uses_[index.get<std::size_t>()];
+        all.is_vertex_data |= as.is_vertex_data;
+        all.has_bounds |= as.has_bounds;
+        all.in_draco |= as.in_draco;
+    }
+
+    const Json& view_of(const Json& accessor) const {
+        return json_["bufferViews"][accessor["bufferView"].get<std::size_t>()];
+    }
+    bool has_plain_view(const Json& accessor) const {
+        return accessor.contains("bufferView") &&
+               !extension_of(view_of(accessor), "EXT_meshopt_compression");
+    }
+
+    // Views begin at multiples of 4 where they are written.
+    bool is_aligned(const Json& accessor) const {
+        if (!has_plain_view(accessor)) return true;
+        const std::size_t tight =
+            stored_size(accessor["type"].get<std::string>(), accessor["componentType"].get<int>());
+        return number_of(accessor, "byteOffset", 0) % alignment == 0 &&
+               number_of(view_of(accessor), "byteStride", tight) % alignment == 0;
+    }
+
+    void lay_apart(std::size_t index) {
+        const Result<RawAccessor> raw = document_.raw_accessor(index);
+        if (!raw) return;
+        const std::size_t size = raw->element_size();
+        const std::size_t stride = (size + alignment - 1) / alignment * alignment;
+        std::vector<std::byte> bytes(raw->count * stride);
+        for (std::size_t i = 0; i < raw->count; ++i)
+            std::memcpy(bytes.data() + i * stride, raw->bytes.data() + i * size, size);
+        const std::size_t view = appended_.add_view(SharedBytes::of(std::move(bytes)), 34962,
+                                                    stride == size ? 0 : stride);
+        Json& accessor = json_["accessors"][index];
+        accessor["bufferView"] = view;
+        accessor.erase("byteOffset");
+        accessor.erase("sparse");
+        laid_apart_ = true;
+    }
+
+    void mend_bounds(std::size_t index, const Use& use) {
+        Json& accessor = json_["accessors"][index];
+        const bool said = accessor.contains("min") || accessor.contains("max");
+        if (!said && !use.has_bounds) return;
+        if (!accessor.contains("bufferView") && !accessor.contains("sparse")) return;
+        // 32-bit integers do not go through floats, which set_bounds() takes.
+        if (accessor["componentType"] == 5125) return;
+        const Result<RawAccessor> raw = document_.raw_accessor(index);
+        if (!raw) return;
+        Json computed = Json::object();
+        set_bounds(*raw, computed);
+        for (const char* key : {"min", "max"}) {
+            if (!computed.contains(key)) return;
+            for (const Json& value : computed[key])
+                if (!std::isfinite(value.get<double>())) return;  // noted elsewhere
+        }
+        for (const char* key : {"min", "max"}) {
+            if (!use.has_bounds && !accessor.contains(key)) continue;
+            if (is_same(accessor, computed, key)) continue;
+            accessor[key] = computed[key];
+            bounds_mended_ = true;
+        }
+    }
+
+    static bool is_same(const Json& accessor, const Json& computed, const char* key) {
+        const Json* said = member(accessor, key);
+        const Json& values = computed[key];
+        if (!said || !said->is_array() || said->size() != values.size()) return false;
+        for (std::size_t k = 0; k < values.size(); ++k)
+            if (!(*said)[k].is_number() ||
+                float((*said)[k].get<double>()) != float(values[k].get<double>()))
+                return false;
+        return true;
+    }
+
+    static void find_extensions(const Json& value, std::set<std::string>& names) {
+        if (value.is_array())
+            for (const Json& item : value) find_extensions(item, names);
+        if (!value.is_object()) return;
+        for (const auto& item : value.items()) {
+            if (item.key() == "extras") continue;
+            find_extensions(item.value(), names);
+            if (item.key() == "extensions" && item.value().is_object())
+                for (const auto& extension : item.value().items()) names.insert(extension.key());
+        }
+    }
+
+    void declare() {
+        std::set<std::string> names;
+        find_extensions(json_, names);
+        if (quantized_) names.insert(quantization);
+        bool any = false;
+        for (const std::string& name : names) {
+            any |= add(name, "extensionsUsed");
+            if (name == quantization) any |= add(name, "extensionsRequired");
+        }
+        if (any) notes_.push_back("extensions that are used and were not declared are declared");
+    }
+
+    bool add(const std::string& name, const char* key) {
+        Json& list = json_[key];
+        if (!list.is_array()) list = Json::array();
+        if (std::find(list.begin(), list.end(), Json(name)) != list.end()) return false;
+        list.push_back(name);
+        return true;
+    }
+
+    const GltfDocument& document_;
+    Json& json_;
+    AppendedData& appended_;
+    std::vector<std::string>& notes_;
+    std::size_t own_accessors_ = 0;
+    std::map<std::size_t, Use> uses_;
+    bool bounds_mended_ = false, laid_apart_ = false, quantized_ = false;
+};
+
+}  // namespace
+
+void mend_document(const GltfDocument& document, Json& json, AppendedData& appended,
+                   std::vector<std::string>& notes) {
+    Mender(document, json, appended, notes).run();
+}
+
+}  // namespace prep::detail
