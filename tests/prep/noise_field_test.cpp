@@ -105,6 +105,31 @@ TEST(NoiseField, StaysWithinItsBoundsAndUsesThem) {
     }
 }
 
+// By the slope near a point, by what values span far from it.
+TEST(NoiseField, ChangesNoMoreThanItSays) {
+    std::mt19937 random(5);
+    std::uniform_real_distribution<double> exponent(-4, 3);
+    for (const NoiseKind kind : kinds)
+        for (const int octaves : {1, 5}) {
+            const NoiseField noise = field(kind, octaves, 3, 0.7, 2.5);
+            double used = 0;
+            for (int k = 0; k < 100000; ++k) {
+                const double far = std::pow(10, exponent(random));
+                const glm::dvec3 p = point(random, 20);
+                const glm::dvec3 q = p + far * glm::normalize(point(random, 1));
+                const double most = noise.change(glm::length(q - p));
+                const double change = std::abs(noise.value(q) - noise.value(p));
+                EXPECT_LE(change, most);
+                EXPECT_LE(most, noise.steepest() * glm::length(q - p) * (1 + 1e-12));
+                used = std::max(used, change / most);
+            }
+            const prep::detail::Interval range = noise.range();
+            EXPECT_NEAR(noise.change(1e9), range.high - range.low, 1e-9);
+            EXPECT_EQ(noise.change(std::numeric_limits<double>::infinity()), noise.change(1e9));
+            EXPECT_GE(used, octaves == 1 ? 0.5 : 0.2);
+        }
+}
+
 // Recorded: pictures and meshes made with a seed stay what they are, on any machine.
 TEST(NoiseField, IsTheSameEverywhere) {
     const glm::dvec3 p(0.375, -1.625, 2.75);

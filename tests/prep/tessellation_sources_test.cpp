@@ -253,6 +253,35 @@ TEST(TessellationSources, HeightsInSpaceFollowTheSurfaceThroughItsParameters) {
     }
 }
 
+// However steep noise is, it adds no more to an error than its values span: 2.2 times its scale.
+TEST(TessellationSources, SteepNoiseCostsWhatItsValuesSpan) {
+    const auto made_of = [](double frequency, double scale, double asked) {
+        NoiseOptions noise;
+        noise.frequency = frequency;
+        noise.scale = scale;
+        noise.octaves = 1;
+        TessellateOptions how;
+        how.scheme = SubdivisionScheme::catmark;
+        how.chord_error = asked;
+        how.samples = 10'000;
+        if (scale > 0) how.displacements = {{.height = nullptr, .noise = *noise_function(noise)}};
+        return tessellate(cube(), how);
+    };
+    constexpr double scale = 0.001, span = 2.2 * scale;
+    for (const double asked : {0.005, 0.02}) {
+        const auto smooth = made_of(1, 0, asked - 1.01 * span);
+        ASSERT_TRUE(smooth) << to_string(smooth.error());
+        for (const double frequency : {1e3, 1e6}) {
+            const auto steep = made_of(frequency, scale, asked);
+            ASSERT_TRUE(steep) << to_string(steep.error());
+            const TessellationCertificate& c = steep->certificate;
+            EXPECT_LE(c.proved, asked);
+            EXPECT_LE(c.measured, c.proved);
+            EXPECT_LE(c.triangles, smooth->certificate.triangles) << frequency << " " << asked;
+        }
+    }
+}
+
 // Where charts hold different vectors a shared point has the middle of them, whatever the order of
 // faces.
 TEST(TessellationSources, SeamsHaveTheMiddleOfTheirSidesVectors) {

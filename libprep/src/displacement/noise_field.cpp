@@ -226,6 +226,17 @@ double NoiseField::curvature() const {
     return bounds_of(options_.kind).second * sum * (1 + 0x1p-48);
 }
 
+double NoiseField::change(double distance) const {
+    const KindBounds bounds = bounds_of(options_.kind);
+    double sum = 0;
+    over_octaves(options_, [&](std::uint64_t, double frequency, double amplitude) {
+        // In this order a product that is no number is not the less.
+        sum += std::min(2 * bounds.value * std::abs(amplitude),
+                        bounds.gradient * std::abs(amplitude * frequency) * distance);
+    });
+    return sum * (1 + 0x1p-46);
+}
+
 double NoiseField::deviation(const std::array<glm::dvec3, 3>& p) const {
     const KindBounds bounds = bounds_of(options_.kind);
     const double half = 0.5 * circle_around(p);

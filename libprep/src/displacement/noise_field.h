@@ -30,6 +30,9 @@ class NoiseField {
     Interval range() const;
     double steepest() const;
     double curvature() const;
+    // No two values of points so far apart differ by more: each octave's by no more than twice its
+    // largest, however steep it is.
+    double change(double distance) const;
 
     // No |value(Σ λ p) − Σ λ value(p)| over the triangle is larger. By its size alone: no value is
     // computed.

@@ -41,12 +41,13 @@ class NoiseAbout final : public SpaceFunction {
         : noise_(std::move(noise)), origin_(origin) {}
     Sample at(const glm::dvec3& p) const override { return noise_->at(origin_ + p); }
     double steepest() const override { return noise_->steepest(); }
+    double change(double distance) const override { return noise_->change(distance); }
     double deviation(const std::array<glm::dvec3, 3>& p) const override {
         const std::array<glm::dvec3, 3> at{origin_ + p[0], origin_ + p[1], origin_ + p[2]};
         // What the sums lose, here and in at().
         double farthest = 0;
         for (const glm::dvec3& q : at) farthest = std::max(farthest, glm::length(q));
-        const double lost = steepest() * farthest * 0x1p-51;
+        const double lost = change(farthest * 0x1p-51);
         return lost + noise_->deviation(at);
     }
 

@@ -256,37 +256,45 @@ DisplacedSurface::Corners DisplacedSurface::corners(
     return c;
 }
 
-double DisplacedSurface::of_base(const Corners& c, const BaseDeviation& base) {
-    double sum = base.position;
+double DisplacedSurface::in_all(const Corners& c, const BaseDeviation& base,
+                                const BesideBase& rest) {
+    double sum = base.position + rest.sum;
     if (c.highest > 0) sum += c.highest * base.direction;
     if (c.longest > 0) sum += c.longest * frame_deviation(c.frames, base.direction);
-    if (c.displacement && c.displacement->noise && base.position > 0)
-        sum += c.displacement->noise->steepest() * base.position;
+    if (c.displacement && c.displacement->noise) {
+        const SpaceFunction& noise = *c.displacement->noise;
+        double off = rest.noise;
+        if (base.position > 0) off += noise.change(base.position);
+        // In this order a span that is no number is not the less.
+        sum += std::min(off, noise.change(std::numeric_limits<double>::infinity()));
+    }
     return sum;
 }
 
-double DisplacedSurface::beside_base(const Corners& c, double base, double enough) const {
-    if (!c.displacement) return 0;
+DisplacedSurface::BesideBase DisplacedSurface::beside_base(const Corners& c, double base,
+                                                           double enough) const {
+    if (!c.displacement) return {};
     std::array<glm::dvec2, 3> uv;
     for (std::size_t k = 0; k < 3; ++k) uv[k] = heights_.uv({c.root, c.weights[k]});
     return beside_base(c, uv, base, enough);
 }
 
-double DisplacedSurface::beside_base(const Corners& c, const std::array<glm::dvec2, 3>& uv,
-                                     double base, double enough) const {
+DisplacedSurface::BesideBase DisplacedSurface::beside_base(const Corners& c,
+                                                           const std::array<glm::dvec2, 3>& uv,
+                                                           double base, double enough) const {
     const Displacement* const displacement = c.displacement;
-    double sum = 0;
-    if (!displacement) return sum;
-    const auto left = [&] { return std::max(0.0, enough - base - sum); };
-    sum += c.cross / 3;
+    BesideBase rest;
+    if (!displacement) return rest;
+    const auto left = [&] { return std::max(0.0, enough - base - rest.sum); };
+    rest.sum += c.cross / 3;
     const double scale = std::abs(displacement->scale);
     if (displacement->height && scale > 0)
-        sum += scale * displacement->height->deviation(uv, c.raw, left() / scale);
-    if (displacement->vector) sum += displacement->vector->deviation(uv, c.vectors, left());
+        rest.sum += scale * displacement->height->deviation(uv, c.raw, left() / scale);
+    if (displacement->vector) rest.sum += displacement->vector->deviation(uv, c.vectors, left());
     if (displacement->noise)
-        sum += displacement->noise->deviation(
+        rest.noise = displacement->noise->deviation(
             {c.points[0].position, c.points[1].position, c.points[2].position});
-    return sum;
+    return rest;
 }
 
 // What the height has in the middle of the edge that would be halved is no more than the bound has
@@ -307,40 +315,43 @@ std::optional<TriangleBound> DisplacedSurface::quick_bound(const BisectedTriangl
     const auto coarse = base_.coarse_deviation(triangle.root, weights);
     if (!coarse) return std::nullopt;
     const Corners c = corners(triangle, weights, samples);
-    const double base = of_base(c, *coarse);
+    const double base = in_all(c, *coarse, {});
     if (!(base <= asked.enough)) return std::nullopt;
-    const double rest = beside_base(c, base, asked.enough);
+    const BesideBase rest = beside_base(c, base, asked.enough);
+    const double sum = in_all(c, *coarse, rest);
     // Of noise only what complies: its bound is by the triangle's size alone.
-    const bool exceeds = rest > asked.too_much && !(displacement && displacement->noise);
-    if (base + rest <= asked.enough || exceeds) return c.bound(base + rest);
+    const bool exceeds = rest.sum > asked.too_much && !(displacement && displacement->noise);
+    if (sum <= asked.enough || exceeds) return c.bound(sum);
     return std::nullopt;
 }
 
 double DisplacedSurface::refinable(const Corners& c, const Asked& asked,
                                    BaseDeviation& known) const {
     // What a smaller allowance led to holds beside a smaller share of the base as well.
-    double base = of_base(c, known);
-    std::optional<double> rest;
+    double base = in_all(c, known, {});
+    std::optional<BesideBase> rest;
+    const auto is_hopeless = [&] { return rest->sum + rest->noise > asked.too_much; };
     if (std::isfinite(base)) {
         rest = beside_base(c, base, asked.enough);
-        if (base <= small_part * asked.enough || *rest > asked.too_much)
-            return bound_of(base + *rest);
+        if (base <= small_part * asked.enough || is_hopeless())
+            return bound_of(in_all(c, known, *rest));
     }
     const auto learn = [&](const BaseDeviation& found) {
         known.position = std::min(known.position, found.position);
         known.direction = std::min(known.direction, found.direction);
-        base = of_base(c, known);
+        base = in_all(c, known, {});
     };
     const auto tight = [&] { return base_.deviation(c.root, c.weights, c.points); };
     const auto coarse = base_.coarse_deviation(c.root, c.weights);
     learn(coarse ? *coarse : tight());
     if (!rest) rest = beside_base(c, base, asked.enough);
     if (coarse) {
-        const bool decides = base + *rest <= asked.enough || *rest > asked.too_much;
-        const bool is_small = asked.enough == 0 && base <= small_part * (base + *rest);
+        const double sum = in_all(c, known, *rest);
+        const bool decides = sum <= asked.enough || is_hopeless();
+        const bool is_small = asked.enough == 0 && base <= small_part * sum;
         if (!decides && !is_small) learn(tight());
     }
-    return bound_of(base + *rest);
+    return bound_of(in_all(c, known, *rest));
 }
 
 TriangleBound DisplacedSurface::bound(const BisectedTriangle& triangle,
@@ -498,8 +509,7 @@ double DisplacedSurface::bound_as_one(const BisectedTriangle& closed, std::span<
     const auto& p = all.points;
     base.position += bent(centre.position, p[0].position, p[1].position, p[2].position);
     base.direction += bent(centre.direction, p[0].direction, p[1].direction, p[2].direction);
-    const double sum = of_base(all, base);
-    return sum + beside_base(all, uv, sum, enough);
+    return in_all(all, base, beside_base(all, uv, in_all(all, base, {}), enough));
 }
 
 TriangleBound DisplacedSurface::closed_bound(const BisectedTriangle& closed,

@@ -10,10 +10,11 @@
 // further off than
 //   |S − I S| + |h − I h| + max |h| · |n − I n| + ⅓ max |h − h'||n − n'| + max |e|,
 // where S, n and h bring their own suprema. A vector d adds |d − I d|. Noise f at S adds, with its
-// values at the corners f(S(v)), |f(S) − f(I S)| + |f(I S) − I f|: its steepest slope times |S − I
-// S|, and its deviation over the plane triangle I S. A vector in the surface's own frame adds what
-// tangent_frames.h says. e has two causes: rounding to floats, and positions that several faces
-// share though their heights or directions differ.
+// values at the corners f(S(v)), |f(S) − f(I S)| + |f(I S) − I f|: its change over |S − I S|
+// (by its steepest slope) and its deviation over the plane triangle I S; in all no more than its
+// values span. A vector in the surface's own frame adds what tangent_frames.h says. e has two
+// causes: rounding to floats, and positions that several faces share though their heights or
+// directions differ.
 //
 // A closed face (bisection.h) is bounded by its roots, as if these had the true point P(m) for
 // their third corner: what is linear over each of them differs from what is linear over all by
@@ -107,10 +108,15 @@ class DisplacedSurface {
                     const std::array<const VertexSample*, 3>& samples, std::size_t count = 3) const;
     Corners corners(const BisectedTriangle& triangle, const std::array<glm::dvec3, 3>& weights,
                     const VertexSamples& samples) const;
-    static double of_base(const Corners& corners, const BaseDeviation& base);
-    double beside_base(const Corners& corners, double base, double enough) const;
-    double beside_base(const Corners& corners, const std::array<glm::dvec2, 3>& uv, double base,
-                       double enough) const;
+    // What there is beside the base: noise over the plane triangle apart, as its values span no
+    // more than so much, wherever they are taken.
+    struct BesideBase {
+        double sum = 0, noise = 0;
+    };
+    static double in_all(const Corners& corners, const BaseDeviation& base, const BesideBase& rest);
+    BesideBase beside_base(const Corners& corners, double base, double enough) const;
+    BesideBase beside_base(const Corners& corners, const std::array<glm::dvec2, 3>& uv, double base,
+                           double enough) const;
     // `known`: a bound of the base that holds, and becomes the least that is learnt on the way.
     double refinable(const Corners& corners, const Asked& asked, BaseDeviation& known) const;
     struct Whole;  // a triangle that is bounded by parts

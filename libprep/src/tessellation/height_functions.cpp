@@ -60,6 +60,7 @@ class NoiseHeights final : public SpaceFunction {
         return field_.deviation(p);
     }
     double steepest() const override { return field_.steepest(); }
+    double change(double distance) const override { return field_.change(distance); }
 
   private:
     NoiseField field_;
