@@ -489,7 +489,9 @@ TEST_F(Displace, MistakesAreUsageErrors) {
     };
     for (const Row& row :
          {Row{{"--displace", "missing.png"}, "missing.png"},
-          Row{{"--height-scale", "1"}, "--displace"},
+          Row{{"--height-scale", "1"}, "takes effect with --displace alone"},
+          Row{{"--height-channel", "1"}, "takes effect with --displace alone"},
+          Row{{"--displace-kind", "vector-object"}, "takes effect with --displace alone"},
           Row{{"--displace", some, "--height-scale", "much"}, "much"},
           Row{{"--displace", some, "--height-filter", "cubic"}, "bicubic"},
           Row{{"--displace", some, "--displace-kind", "vector"}, "vector-object"},
@@ -510,7 +512,16 @@ TEST_F(Displace, MistakesAreUsageErrors) {
           Row{{"--displace", "noise", "--noise-seed", "-1"}, "--noise-seed"},
           Row{{"--displace", "noise", "--height-scale", "2"}, "--height-scale"},
           Row{{"--height-midlevel", "0", "--displace", "noise"}, "--height-midlevel"},
-          Row{{"--displace", "noise", "--height-filter", "bicubic"}, "--height-filter"},
+          Row{{"--displace", "noise", "--height-filter", "bicubic"},
+              "error: --height-filter: says how a map is read"},
+          Row{{"--subdivide", "catmark:3", "--chord-error", "0.1"}, "a level of --subdivide"},
+          Row{{"--subdivide", "catmark", "--control-points", "--displace", some},
+              "--displace: cannot stand beside --control-points"},
+          Row{{"--subdivide", "catmark", "--face-varying", "all", "--edge-length", "1"},
+              "--edge-length: cannot stand beside --face-varying"},
+          Row{{"--subdivide", "catmark", "--max-influences", "2", "--max-triangles", "9"},
+              "--max-triangles: cannot stand beside --max-influences"},
+          Row{{"--subdivide", "loop:1", "--residual-normal-map", "8"}, "a level of --subdivide"},
           Row{{"--displace", "noise", "--height-channel", "1"}, "--height-channel"},
           Row{{"--displace", "noise", "--displace-kind", "vector-object"}, "--displace-kind"},
           Row{{"--displace", "materials", "--displace-kind", "vector-object"}, "--displace-kind"},
@@ -525,8 +536,68 @@ TEST_F(Displace, MistakesAreUsageErrors) {
     }
 }
 
+// Material libraries stay as they are there: they would ask for the displacement once more, and
+// hold no residual map.
+TEST_F(Displace, InPlaceObjIsNotMovedByWhatAsksForItAgain) {
+    map("up.exr", 4, prep::PixelType::f32, [](auto, auto) { return 1; });
+    write_text(dir_ / "a.mtl", "newmtl raised\ndisp up.exr\n");
+    const std::string text = "mtllib a.mtl\nusemtl raised\n" + square;
+    const std::string file = (dir_ / "a.obj").string();
+    write_text(file, text);
+    for (const std::vector<std::string>& options :
+         {std::vector<std::string>{"--displace", "materials"},
+          std::vector<std::string>{"--displace", "noise", "--residual-normal-map", "8"}}) {
+        std::vector<std::string> words{"prepare", file, "--in-place"};
+        words.insert(words.end(), options.begin(), options.end());
+        const test::Ran ran = run_here(words);
+        EXPECT_EQ(ran.exit_code, 1);
+        EXPECT_NE(ran.err.find("in place OBJ keeps its material libraries"), std::string::npos)
+            << ran.err;
+        EXPECT_EQ(test::file_text(file), text);
+    }
+    // What no library says is done, and what has none to do.
+    EXPECT_EQ(run_here({"prepare", file, "--in-place", "--displace", "noise"}).exit_code, 0);
+    write_text(dir_ / "a.mtl", "newmtl raised\n");
+    write_text(file, text);
+    EXPECT_EQ(run_here({"prepare", file, "--in-place", "--displace", "materials"}).exit_code, 0);
+}
+
+// The code of 8 bits nearest to a mid-level of 0.5 is far from it.
+TEST_F(Displace, FloatHeightsOfMaterialsKeepTheirMidlevelInGltf) {
+    map("h.exr", 2, prep::PixelType::f32, [](std::uint32_t x, auto) { return x; });
+    write_text(dir_ / "s.obj", square);
+    write_text(dir_ / "s.json",
+               R"({"meshprep":1,"textures":{"h":{"file":"h.exr"}},"materials":{"a":{)"
+               R"("displacement_map":"h","displacement_scale":100,"displacement_midlevel":0.5}},)"
+               R"("meshes":{"pl":{"file":"s.obj","material":"a"}}})");
+    const std::string glb = (dir_ / "s.glb").string();
+    const test::Ran ran = run_here({"prepare", (dir_ / "s.json").string(), "-o", glb});
+    ASSERT_EQ(ran.exit_code, 0) << ran.err;
+    EXPECT_NE(ran.err.find("heights were rounded to 16 bits"), std::string::npos) << ran.err;
+    const test::Ran moved = run_here({"prepare", glb, "-o", (dir_ / "s2.obj").string(),
+                                      "--displace", "materials", "--edge-length", "0.5"});
+    ASSERT_EQ(moved.exit_code, 0) << moved.err;
+    const auto scene = prep::load_scene(dir_ / "s2.obj");
+    ASSERT_TRUE(scene) << to_string(scene.error());
+    float low = 0, high = 0;
+    for (const glm::vec3& p : scene->meshes[0].positions) {
+        low = std::min(low, p.z);
+        high = std::max(high, p.z);
+    }
+    EXPECT_NEAR(low, -50, 0.001);
+    EXPECT_NEAR(high, 50, 0.001);
+}
+
 TEST_F(Displace, WhatCannotBeDoneIsTheFilesError) {
     const std::string some = map("some.exr", 2, prep::PixelType::f32, [](auto, auto) { return 1; });
+    test::GltfText nameless;
+    nameless.add({"", {0, 0, 0, 1, 0, 0, 0, 1, 0}, {}, {}, {}, {0, 1, 2}, "", ""});
+    write_text(dir_ / "bare.gltf", nameless.text());
+    const std::string bare = (dir_ / "bare.gltf").string();
+    const test::Ran unnamed = run_here(
+        {"prepare", bare, "-o", (dir_ / "bare.glb").string(), "--displace", some, "--quiet"});
+    EXPECT_EQ(unnamed.exit_code, 1);
+    EXPECT_NE(unnamed.err.find("error: " + bare + ": mesh '"), std::string::npos) << unnamed.err;
     const Written no_uvs = prepared("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", {"--displace", some});
     EXPECT_EQ(no_uvs.ran.exit_code, 1);
     EXPECT_NE(no_uvs.ran.err.find("UV"), std::string::npos) << no_uvs.ran.err;

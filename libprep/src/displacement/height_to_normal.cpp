@@ -34,8 +34,11 @@ Result<Image> height_to_normal(const Image& heights, const HeightToNormalOptions
                 for (std::size_t x = 0; x < out.width; ++x) {
                     const glm::dvec2 uv((double(x) + 0.5) / out.width,
                                         (double(y) + 0.5) / out.height);
+                    // Steeper than any float's quotient, and squares are finite.
+                    constexpr double steepest = 1e100;
                     const glm::dvec2 slope =
-                        map->at(uv).gradient / options.uv_size * options.strength;
+                        glm::clamp(map->at(uv).gradient / options.uv_size * options.strength,
+                                   -steepest, steepest);
                     const double green = options.flip_green ? -slope.y : slope.y;
                     const double length = std::sqrt(slope.x * slope.x + slope.y * slope.y + 1);
                     float* const texel = &out.pixels[(y * out.width + x) * 3];

@@ -18,6 +18,12 @@
 namespace meshprep {
 namespace {
 
+std::size_t count_displacement_maps(const prep::Scene& scene) {
+    return std::size_t(
+        std::count_if(scene.materials.begin(), scene.materials.end(),
+                      [](const prep::Material& m) { return bool(m.displacement_map); }));
+}
+
 // Files that were read for the scene, with their hashes; one that was named and not found makes the
 // result one that may change, and so does a pipe, which nobody can look at again.
 void note_sources(const InputFile& input, const prep::Scene& scene,
@@ -240,6 +246,7 @@ Outcome prepare_file(const Job& job, const PrepareCommand& command, int threads,
         }
         options.tessellation.screens = screen_metrics(*views, width, height);
     }
+    const std::size_t displacement_maps = count_displacement_maps(*scene);
     std::vector<std::vector<prep::Call>> calls;
     if (command.explain) calls = prep::calls_for(*scene, options.request.consumer);
     prep::Result<prep::PreparedScene> prepared =
@@ -262,6 +269,20 @@ Outcome prepare_file(const Job& job, const PrepareCommand& command, int threads,
         out.residual_names.push_back(prepared->scene.materials[map.material].name);
     for (const prep::Mesh& mesh : prepared->scene.meshes) out.mesh_names.push_back(mesh.name);
     if (command.explain) out.requirements = requirements_json(*prepared, calls);
+    if (command.files.in_place && format == "obj") {
+        const char* const lost = !prepared->residual_maps.empty()
+                                     ? "would not hold the residual normal map"
+                                 : count_displacement_maps(prepared->scene) < displacement_maps
+                                     ? "would go on asking for the displacement that was made"
+                                     : nullptr;
+        if (lost) {
+            out.error = prep::Error{prep::ErrorCode::unsupported,
+                                    std::string("in place OBJ keeps its material libraries, which ") +
+                                        lost + ": write it to another file, with -o",
+                                    job.input.string()};
+            return out;
+        }
+    }
     if (command.strict && out.warning_count() > 0) {
         out.error = prep::Error{prep::ErrorCode::invalid,
                                 count_of(out.warning_count(), "warning") +

@@ -403,6 +403,8 @@ Error InputFile::relabelled(Error error) const {
         (place.size() == name.size() ||
          std::string_view(":#,").find(place[name.size()]) != std::string_view::npos))
         place.replace(0, name.size(), named_.string());
+    // What is about a mesh of a file, where there may be others with one of that name.
+    if (place.starts_with("mesh '")) place = named_.string() + ": " + place;
     return {error.code, relabelled(std::move(error.text)), std::move(place)};
 }
 

@@ -92,6 +92,22 @@ void add_subdivision_options(OptionSet& options, prep::PrepareOptions& p) {
         .needs(subdivide);
 }
 
+// For each option that asks for triangles of a kind: those of a refinement level by level ask for
+// others. (They are read before.)
+void take_tessellation(const std::string& option, prep::PrepareOptions& p) {
+    const prep::SubdivideOptions plain, &s = p.subdivision;
+    const char* const other = s.level != plain.level                     ? "a level of --subdivide"
+                              : s.control_points                         ? "--control-points"
+                              : s.face_varying.has_value()               ? "--face-varying"
+                              : s.max_influences != plain.max_influences ? "--max-influences"
+                                                                         : nullptr;
+    if (other)
+        usage_error(option, std::string("cannot stand beside ") + other +
+                                ", which is for cages that are refined level by level; its "
+                                "triangles are cut from the limit surface, as fine as is asked");
+    p.tessellate = true;
+}
+
 // "200000", "200k", "1.5M".
 std::uint64_t parse_count(const std::string& option, const std::string& text) {
     std::string digits = text;
@@ -110,7 +126,7 @@ std::uint64_t parse_count(const std::string& option, const std::string& text) {
 
 // Options are read in the order in which they are added: what --displace says is known here.
 void require_map(const std::string& option, const prep::DisplaceOptions& d) {
-    if (!d.map && !d.from_materials)
+    if (d.noise && !d.map && !d.from_materials)
         usage_error(option, "says how a map is read, and --displace noise reads none");
 }
 
@@ -193,7 +209,7 @@ void add_residual_options(OptionSet& options, prep::PrepareOptions& p) {
                 usage_error("--residual-normal-map",
                             fmt::format("'{}' is not a number of texels from 1 to {}", text,
                                         prep::max_residual_size));
-            p.tessellate = true;
+            take_tessellation("--residual-normal-map", p);
             if (!d.residual) d.residual.emplace();
             d.residual->size = std::uint32_t(n[0]);
         },
@@ -216,7 +232,7 @@ void add_displacement_options(OptionSet& options, prep::PrepareOptions& p) {
     const Option displace = options.value(
         "--displace", "FILE|materials|noise",
         [&p, &d](const std::string& text) {
-            p.tessellate = true;
+            take_tessellation("--displace", p);
             if (text == "materials") {
                 d.from_materials = true;
                 return;
@@ -276,7 +292,7 @@ void add_displacement_options(OptionSet& options, prep::PrepareOptions& p) {
         .word(
             "--displace-kind", words_of<prep::DisplacementKind>(),
             [&d](const std::string& word) {
-                if (!d.map)
+                if (!d.map && (d.noise || d.from_materials))
                     usage_error("--displace-kind",
                                 "says what the map of --displace FILE holds; materials say it of "
                                 "their own maps, noise has none");
@@ -322,7 +338,7 @@ void add_displacement_options(OptionSet& options, prep::PrepareOptions& p) {
         options.value(
             name, "LENGTH",
             [&p, &to, name](const std::string& text) {
-                p.tessellate = true;
+                take_tessellation(name, p);
                 to = parse_number(name, text, true);
             },
             help);
@@ -335,7 +351,7 @@ void add_displacement_options(OptionSet& options, prep::PrepareOptions& p) {
     options.value(
         "--max-triangles", "N",
         [&p, &t](const std::string& text) {
-            p.tessellate = true;
+            take_tessellation("--max-triangles", p);
             t.max_triangles = parse_count("--max-triangles", text);
         },
         "At most so many in a mesh, spent where the error is largest (20000, 200k, 1.5M); one a "
@@ -355,7 +371,7 @@ Option add_pixel_error_option(OptionSet& options, prep::PrepareOptions& p) {
     return options.value(
         "--pixel-error", "PIXELS",
         [&p](const std::string& text) {
-            p.tessellate = true;
+            take_tessellation("--pixel-error", p);
             p.tessellation.pixel_error = parse_number("--pixel-error", text, true);
         },
         "In the picture that the camera takes, triangles nowhere further than this from the "

@@ -175,8 +175,12 @@ UsageError explain(const CLI::ParseError& error, const CommandTables& tables,
         return {"", "'" + extra + "' is more than " + table->name + " takes, which is" + usage,
                 advice_for(table->name)};
     }
-    if (row && text.starts_with(head + ": "))
-        return {row->longest_name(), text.substr(head.size() + 2), advice_for(table->name)};
+    if (row && text.starts_with(head + ": ")) {
+        // What acts on an option that was read already names it as well.
+        std::string said = text.substr(head.size() + 2);
+        if (said.starts_with(head + ": ")) said.erase(0, head.size() + 2);
+        return {row->longest_name(), std::move(said), advice_for(table->name)};
+    }
     return {"", text, advice_for(table->name)};
 }
 

@@ -253,7 +253,8 @@ class OffParser {
 }  // namespace
 
 Result<Scene> parse_off(std::span<const std::byte> bytes, const std::string& name) {
-    const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    const std::string_view text = detail::without_byte_order_mark(
+        {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
     if (detail::ends_lines_with_cr(text))
         return OffParser(detail::with_line_feeds(text), name).run();
     return OffParser(text, name).run();

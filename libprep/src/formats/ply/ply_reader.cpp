@@ -110,6 +110,8 @@ class PlyParser {
 
     Result<void> faces(const PlyElement& element, Mesh& mesh) {
         std::vector<double> texcoords;
+        if (std::count_if(element.properties.begin(), element.properties.end(), lists_corners) > 1)
+            return fail("faces with two lists of corners, vertex_index and vertex_indices");
         for (const PlyProperty& p : element.properties)
             if (!lists_corners(p) && !lists_uvs(p) && !names_texture(p)) leave(element, p);
         // Strips before them have the first picture.
@@ -444,7 +446,9 @@ Result<Scene> parse_ply(std::span<const std::byte> bytes, const std::string& nam
 Result<Scene> parse_ply(std::span<const std::byte> bytes, const std::string& name,
                         detail::PictureSearch* pictures, int threads) {
     // The header alone decides; what is binary behind it keeps its bytes.
-    const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    const std::string_view text = without_byte_order_mark(
+        {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+    bytes = std::as_bytes(std::span(text));
     const std::string_view last = "\rend_header\r";
     if (const std::size_t end = text.find(last);
         end != std::string_view::npos &&

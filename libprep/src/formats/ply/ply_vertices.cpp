@@ -74,6 +74,8 @@ std::optional<PlyVertices::Slot> PlyVertices::slot_of(const std::string& name) {
 bool PlyVertices::choose(const PlyElement& element) {
     for (const PlyProperty& p : element.properties) {
         slots_.push_back(p.list ? std::nullopt : slot_of(p.name));
+        // Of several that mean the same the first counts.
+        if (slots_.back() && has_[*slots_.back()]) slots_.back().reset();
         if (!slots_.back()) continue;
         has_[*slots_.back()] = true;
         types_[*slots_.back()] = p.type;

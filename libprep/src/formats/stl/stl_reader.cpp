@@ -308,7 +308,8 @@ Result<Scene> parse_stl(std::span<const std::byte> bytes, const std::string& nam
 }
 
 Result<Scene> parse_stl(std::span<const std::byte> bytes, const std::string& name, int threads) {
-    const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    const std::string_view text = detail::without_byte_order_mark(
+        {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
     const std::size_t begin = text.find_first_not_of(" \t\r\n");
     const bool says_solid = begin != std::string_view::npos &&
                             (text.substr(begin, 5) == "solid" || text.substr(begin, 5) == "SOLID");
