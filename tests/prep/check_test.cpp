@@ -2,9 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <random>
 
 #include "shapes.h"
 
@@ -88,6 +90,42 @@ TEST(Check, OneTriangleIsOneHole) {
     EXPECT_EQ(result.summary.euler, 1);
     EXPECT_EQ(result.summary.genus, -1);
     EXPECT_EQ(result.summary.area, 0.5);
+}
+
+// Turning faces makes no loop and ends none.
+TEST(Check, HolesAreCountedByLoopHoweverFacesAreTurned) {
+    std::mt19937 random(3);
+    const auto turned = [&](Mesh mesh) {
+        for (std::uint32_t f = 0; f < mesh.face_count(); ++f)
+            if (random() % 3 == 0)
+                std::reverse(mesh.corner_vertices.begin() + mesh.face_offsets[f],
+                             mesh.corner_vertices.begin() + mesh.face_offsets[f + 1]);
+        return mesh;
+    };
+    // A band of quads whose ends meet, straight or after half a turn.
+    const auto band = [](bool moebius) {
+        constexpr std::uint32_t count = 12;
+        std::vector<glm::vec3> positions;
+        std::vector<std::vector<std::uint32_t>> faces;
+        for (std::uint32_t i = 0; i < count; ++i)
+            for (std::uint32_t k = 0; k < 2; ++k)
+                positions.emplace_back(float(i % 5), float(i), float(k));
+        for (std::uint32_t i = 0; i < count; ++i) {
+            const bool last = i + 1 == count;
+            const std::uint32_t to = last ? 0 : 2 * i + 2, swap = last && moebius ? 1 : 0;
+            faces.push_back({2 * i, to + swap, to + 1 - swap, 2 * i + 1});
+        }
+        return shapes::mesh_of(positions, faces);
+    };
+    std::vector<std::uint32_t> kept;
+    for (std::uint32_t f = 0; f < 25; ++f)
+        if (f != 6 && f != 18) kept.push_back(f);
+    const Mesh sheet = shapes::with_face_order(shapes::grid(5, 5), kept);
+    for (int k = 0; k < 50; ++k) {
+        EXPECT_EQ(prep::check(turned(sheet)).summary.holes, 3U);
+        EXPECT_EQ(prep::check(turned(band(false))).summary.holes, 2U);
+        EXPECT_EQ(prep::check(turned(band(true))).summary.holes, 1U);
+    }
 }
 
 TEST(Check, HolesAreCountedByLoop) {

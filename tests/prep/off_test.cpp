@@ -31,7 +31,10 @@ TEST(Off, ReadsPolygonsCommentsAndCarriageReturns) {
 }
 
 TEST(Off, CountsMayStandInTheFirstLineAndTheWordMayBeMissing) {
-    for (const char* begin : {"OFF 3 1 0\n", "3 1 0\n", "3 1\n", "OFF\n3 1\n"}) {
+    for (const char* begin :
+         {"OFF 3 1 0\n", "3 1 0\n", "3 1\n", "OFF\n3 1\n", "\xef\xbb\xbfOFF\n3 1 0\n",
+          "\xef\xbb\xbf"
+          "3 1 0\n"}) {
         const auto scene = parse(std::string(begin) + "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
         ASSERT_TRUE(scene.has_value()) << begin << prep::to_string(scene.error());
         EXPECT_EQ(scene->meshes[0].face_count(), 1u);

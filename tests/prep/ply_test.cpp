@@ -280,6 +280,36 @@ TEST(Ply, WhatIsNotTakenIsNamedOnce) {
                   "test.ply: normals of points were not taken: only faces have them here"});
 }
 
+TEST(Ply, OfPropertiesThatMeanTheSameTheFirstCounts) {
+    const auto twice = parse(header("ascii",
+                                    "element vertex 1\nproperty float x\nproperty float y\n"
+                                    "property float z\nproperty float x\n") +
+                             "1 2 3 4\n");
+    ASSERT_TRUE(twice.has_value()) << prep::to_string(twice.error());
+    EXPECT_EQ(twice->meshes[0].positions[0], glm::vec3(1, 2, 3));
+    EXPECT_EQ(twice->warnings,
+              std::vector<std::string>{"test.ply: properties that were not taken: vertex x"});
+    // Faces that have corners twice may be either.
+    EXPECT_NE(error_of(header("ascii", "element vertex 3\n" + xyz + "element face 1\n" + indices +
+                                           "property list uchar int vertex_index\n") +
+                       "0 0 0\n1 0 0\n0 1 0\n3 0 1 2 3 0 2 1\n")
+                  .find("two lists of corners"),
+              std::string::npos);
+}
+
+TEST(Ply, MayBeginWithAByteOrderMark) {
+    for (const char* format : {"ascii", "binary_little_endian"}) {
+        std::string text = "\xef\xbb\xbf" + header(format, "element vertex 1\n" + xyz);
+        if (format[0] == 'a')
+            text += "1 2 3\n";
+        else
+            for (const float v : {1.0f, 2.0f, 3.0f}) put(text, v, false);
+        const auto scene = parse(text);
+        ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
+        EXPECT_EQ(scene->meshes[0].positions[0], glm::vec3(1, 2, 3));
+    }
+}
+
 TEST(Ply, NanAndInfinityAreKept) {
     const auto scene = parse(header("ascii", "element vertex 1\n" + xyz) + "nan inf -inf\n");
     ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());

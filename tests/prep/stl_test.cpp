@@ -133,6 +133,17 @@ TEST(Stl, WhatIsDroppedTakesNoCornerOfOthersAlong) {
         std::vector<std::string>{"test.stl: 2 facets without exactly three corners were dropped"});
 }
 
+TEST(Stl, TextMayBeginWithAByteOrderMark) {
+    const std::string text = "solid a\n" + facet + "endsolid a\n";
+    const auto marked = parse("\xef\xbb\xbf" + text), plain = parse(text);
+    ASSERT_TRUE(marked.has_value() && plain.has_value()) << prep::to_string(marked.error());
+    EXPECT_EQ(marked->meshes[0].positions, plain->meshes[0].positions);
+    // The same three bytes may be the first of a binary file's header.
+    const auto bytes = parse(binary(2, 2, "\xef\xbb\xbfsolid"));
+    ASSERT_TRUE(bytes.has_value()) << prep::to_string(bytes.error());
+    EXPECT_EQ(bytes->meshes[0].face_count(), 2U);
+}
+
 TEST(Stl, CapitalsAreTheSameWords) {
     std::string text = "solid a\n" + facet + "endsolid a\n";
     for (char& c : text) c = char(c >= 'a' && c <= 'z' ? c - 32 : c);

@@ -38,6 +38,10 @@ class AdjacencyCheck {
 
   private:
     Index next(Index c) const { return next_corner(offsets_, topology_.corner_faces[c], c); }
+    Index previous(Index c) const {
+        const Index face = topology_.corner_faces[c];
+        return c == offsets_[face] ? offsets_[face + 1] - 1 : c - 1;
+    }
 
     template <class Body>
     void for_crowded_edges(const Body& body) const {
@@ -159,28 +163,52 @@ class AdjacencyCheck {
         return std::size_t(std::unique(values.begin(), values.end()) - values.begin());
     }
 
-    // From an open edge, around its end point to the next edge without an opposite.
+    // Loops of open edges: each is joined to the one at its end, and at its beginning where faces
+    // are turned against each other, as then two may begin at one point.
     void find_holes() {
-        const Mesh& mesh = context_.mesh;
-        DisjointSets loops(mesh.corner_count());
+        DisjointSets loops(context_.mesh.corner_count());
         std::vector<Index> open;
-        for (Index c = 0; c < mesh.corner_count(); ++c) {
+        for (Index c = 0; c < context_.mesh.corner_count(); ++c) {
             if (topology_.kinds[c] != EdgeKind::border) continue;
             open.push_back(c);
-            Index k = next(c);
-            while (k != c) {
-                if (topology_.kinds[k] == EdgeKind::degenerate)
-                    k = next(k);
-                else if (topology_.opposite[k] != no_index)
-                    k = next(topology_.opposite[k]);
-                else
-                    break;
-            }
-            if (topology_.kinds[k] == EdgeKind::border) loops.unite(c, k);
+            if (const Index k = around(c, next(c), true); k != no_index) loops.unite(c, k);
+            if (mixed_.count == 0) continue;
+            if (const Index k = around(c, previous(c), false); k != no_index) loops.unite(c, k);
         }
         for (const Index c : open)
             if (loops.find(c) == c) holes_.add(c);
         context_.summary.holes = holes_.count;
+    }
+
+    // The open edge that ends the walk around a point of the open edge `from`, from face to face;
+    // `k`: the next edge there, which begins at the point (`leaves` it) or ends at it. None where
+    // many faces share an edge.
+    Index around(Index from, Index k, bool leaves) const {
+        while (k != from) {
+            if (topology_.kinds[k] == EdgeKind::degenerate) {
+                k = leaves ? next(k) : previous(k);
+            } else if (const Index o = topology_.opposite[k]; o != no_index) {
+                k = leaves ? next(o) : previous(o);
+            } else if (const Index m = turned_neighbor(k); m != no_index) {
+                // It has the edge the same way: the one beside it, the other way.
+                k = leaves ? previous(m) : next(m);
+                leaves = !leaves;
+            } else {
+                break;
+            }
+        }
+        return topology_.kinds[k] == EdgeKind::border ? k : no_index;
+    }
+
+    // The half-edge that a face turned against this one's has of the same edge.
+    Index turned_neighbor(Index c) const {
+        if (topology_.kinds[c] != EdgeKind::inconsistent) return no_index;
+        const Index a = context_.point_of(c), b = context_.point_of(next(c));
+        const CrowdedEdge first{std::uint64_t(std::min(a, b)) << 32 | std::max(a, b), 0};
+        for (auto at = std::lower_bound(crowded_.begin(), crowded_.end(), first);
+             at != crowded_.end() && at->edge == first.edge; ++at)
+            if (at->corner != c) return at->corner;
+        return no_index;
     }
 
     void measure_components() {
