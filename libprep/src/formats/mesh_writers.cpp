@@ -368,6 +368,7 @@ WriteResult write_stl(const PreparedScene& prepared, const std::filesystem::path
     if (flat.moved()) note_once(notes, "STL holds floats: coordinates were rounded to them");
     if (!flat.normals.empty())
         note_once(notes, "STL holds facet normals only: vertex normals left out");
+    if (!flat.tangents.empty()) note_once(notes, "STL holds no tangents: left out");
     if (!flat.lines.empty()) note_once(notes, "STL holds no lines: left out");
     if (flat.points > 0)
         note_once(notes, fmt::format("STL holds no points: {} left out", flat.points));

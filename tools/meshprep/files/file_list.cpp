@@ -289,6 +289,8 @@ Result<void> require_file(const fs::path& path) {
                              ? "this is a link that leads back to itself"
                              : "this is a link to '" + to.string() + "', which is not there",
                          path.string()};
+        if (path.empty())
+            return Error{ErrorCode::io, "the name of a file is empty; give the file's name", "''"};
         return Error{ErrorCode::io, "there is no such file; " + meant(path), path.string()};
     }
     if (fs::is_directory(status))
