@@ -227,7 +227,7 @@ TEST(CheckValues, VolumesFarFromZeroAreThoseNear) {
 }
 
 TEST(CheckValues, NormalsAreHeldAgainstTheirFaces) {
-    Mesh mesh = shapes::grid(1, 1);  // faces +z
+    Mesh mesh = shapes::grid(1, 1);             // faces +z
     const float step = 0.0066f, far = 0.0069f;  // on both sides of 0.00674
     mesh.normals.values = {{1, 0, 0}, {0.8f, 0, -0.6f}, {0, 0, -3}, {0, 0, 1 - step}};
     mesh.normals.indices = {0, 1, 2, 3};

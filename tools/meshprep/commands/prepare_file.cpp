@@ -276,10 +276,11 @@ Outcome prepare_file(const Job& job, const PrepareCommand& command, int threads,
                                      ? "would go on asking for the displacement that was made"
                                      : nullptr;
         if (lost) {
-            out.error = prep::Error{prep::ErrorCode::unsupported,
-                                    std::string("in place OBJ keeps its material libraries, which ") +
-                                        lost + ": write it to another file, with -o",
-                                    job.input.string()};
+            out.error =
+                prep::Error{prep::ErrorCode::unsupported,
+                            std::string("in place OBJ keeps its material libraries, which ") +
+                                lost + ": write it to another file, with -o",
+                            job.input.string()};
             return out;
         }
     }

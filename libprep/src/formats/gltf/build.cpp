@@ -326,7 +326,8 @@ class Builder {
                     if (decoded->floating)
                         note_once("texture '" + ref.name + "': heights were rounded to 16 bits");
                 }
-                // Floats get 16 bits whatever they are: the nearest code of 8 to a mid-level is far.
+                // Floats get 16 bits whatever they are: the nearest code of 8 to a mid-level is
+                // far.
                 const bool wide = exact && (decoded->floating || !is_eight_bit(*decoded));
                 auto png = encode_png(*decoded, wide ? PixelType::u16 : PixelType::u8);
                 if (png) {

@@ -446,8 +446,8 @@ Result<Scene> parse_ply(std::span<const std::byte> bytes, const std::string& nam
 Result<Scene> parse_ply(std::span<const std::byte> bytes, const std::string& name,
                         detail::PictureSearch* pictures, int threads) {
     // The header alone decides; what is binary behind it keeps its bytes.
-    const std::string_view text = without_byte_order_mark(
-        {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+    const std::string_view text =
+        without_byte_order_mark({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
     bytes = std::as_bytes(std::span(text));
     const std::string_view last = "\rend_header\r";
     if (const std::size_t end = text.find(last);
