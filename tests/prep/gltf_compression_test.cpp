@@ -186,7 +186,10 @@ void compressed_files_stay_small(bool tangents) {
         const Compared told = compare(before, after, false);
         SCOPED_TRACE(list[i / 2].dump());
         EXPECT_EQ(told.difference, "");
-        EXPECT_EQ(before.json["extensionsRequired"], after.json["extensionsRequired"]);
+        // Filters make whole numbers of directions, which the other program does not declare.
+        Json required = before.json["extensionsRequired"];
+        if (list[i / 2]["method"] == "filter") required.push_back("KHR_mesh_quantization");
+        EXPECT_EQ(required, after.json["extensionsRequired"]);
         const std::uint64_t was = bytes_without_pictures(files[i]),
                             is = bytes_without_pictures(files[i + 1]);
         EXPECT_LE(is, was * 11 / 10 + told.added_bytes) << was;
