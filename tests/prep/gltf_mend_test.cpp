@@ -9,6 +9,7 @@
 #include "gltf_maker.h"
 #include "mesh_files.h"
 #include "prep/load.h"
+#include "prep/prepare.h"
 #include "prep/save.h"
 #include "written_gltf.h"
 
@@ -334,7 +335,8 @@ std::vector<std::string> carry(const CarriedFile& made, const test::TempDir& dir
 const std::vector<std::string> bounds_note{
     "bounds of accessors that were missing or wrong were computed"};
 const std::vector<std::string> views_note{
-    "vertex data that was not aligned, or shared a view without a stride, got views of its own"};
+    "vertex data that was not aligned, or shared a view without a stride, got a stride or views of "
+    "its own"};
 const std::vector<std::string> extensions_note{
     "extensions that are used and were not declared are declared"};
 
@@ -424,7 +426,7 @@ TEST(GltfMend, CarriedVertexDataIsAlignedAndSharesNoViewWithoutAStride) {
     EXPECT_EQ(carry(shifted, dir), views_note);
     EXPECT_EQ(uv(), (std::vector<double>{0, 0, 1, 0, 0, 1}));
     EXPECT_EQ(view("TEXCOORD_0") != view("NORMAL"), true);
-    // Two of them in a view that says no stride; with one, they stay.
+    // Two of one size in a view that says no stride get it; with one, they stay as they are.
     for (const std::size_t stride : {0, 8}) {
         CarriedFile shared;
         const std::size_t both =
@@ -439,8 +441,38 @@ TEST(GltfMend, CarriedVertexDataIsAlignedAndSharesNoViewWithoutAStride) {
         shared.finish();
         EXPECT_EQ(carry(shared, dir), stride ? std::vector<std::string>{} : views_note);
         EXPECT_EQ(uv(), (std::vector<double>{0, 0, 1, 0, 0, 1}));
-        EXPECT_EQ(view("TEXCOORD_0") == view("TEXCOORD_1"), stride != 0);
+        EXPECT_EQ(view("TEXCOORD_0"), view("TEXCOORD_1"));
+        EXPECT_EQ(
+            test::GltfFile(dir / "out.glb").json["bufferViews"][view("TEXCOORD_0")]["byteStride"],
+            8);
     }
+    // Of two sizes: a view each.
+    CarriedFile mixed;
+    const std::size_t both = mixed.view(Floats{0, 0, 1, 0, 0, 1, 1, 0, 0, 0, 1, 0, 0, 0, 1});
+    mixed.attributes["TEXCOORD_0"] = mixed.accessor(
+        {{"bufferView", both}, {"componentType", 5126}, {"count", 3}, {"type", "VEC2"}});
+    mixed.attributes["COLOR_0"] = mixed.accessor({{"bufferView", both},
+                                                  {"byteOffset", 24},
+                                                  {"componentType", 5126},
+                                                  {"count", 3},
+                                                  {"type", "VEC3"}});
+    mixed.finish();
+    EXPECT_EQ(carry(mixed, dir), views_note);
+    EXPECT_EQ(uv(), (std::vector<double>{0, 0, 1, 0, 0, 1}));
+    EXPECT_NE(view("TEXCOORD_0"), view("COLOR_0"));
+    // Thousands that name the same bytes are not copied for each.
+    CarriedFile many;
+    const std::size_t same = many.view(Floats(3000, 0.5f));
+    for (std::size_t k = 0; k < 1000; ++k)
+        many.attributes["_A" + std::to_string(k)] =
+            many.accessor({{"bufferView", same},
+                           {"componentType", 5126},
+                           {"count", 3},
+                           {"type", k % 2 ? "VEC2" : "VEC3"}});
+    many.finish();
+    carry(many, dir, false);
+    EXPECT_LT(std::filesystem::file_size(dir / "out.glb"),
+              8 * std::filesystem::file_size(dir / "in.glb"));
 }
 
 TEST(GltfMend, ExtensionsThatAreUsedAreDeclared) {
@@ -480,6 +512,41 @@ TEST(GltfMend, ExtensionsThatAreUsedAreDeclared) {
     EXPECT_EQ(carry(whole, dir), extensions_note);
     EXPECT_EQ(list("extensionsUsed"), Json({"KHR_mesh_quantization"}));
     EXPECT_EQ(list("extensionsRequired"), Json({"KHR_mesh_quantization"}));
+}
+
+// Where a primitive is written anew (a vertex is not used), normals of bytes stay if they are as
+// the format asks, and are made floats if not.
+TEST(GltfMend, NormalsOfBytesStayWhereTheyAreUnit) {
+    const test::TempDir dir;
+    for (const int z : {127, 126, 64, 0}) {
+        for (const bool normalized : {true, false}) {
+            CarriedFile file;
+            const auto step = std::int8_t(z);
+            const std::vector<std::int8_t> bytes{0, 0, step, 0, 0, 0, step, 0,
+                                                 0, 0, step, 0, 0, 0, step, 0};
+            file.attributes["POSITION"] =
+                file.accessor(Floats{0, 0, 0, 4, 0, 0, 0, 2, 0, 9, 9, 9}, "VEC3");
+            file.attributes["NORMAL"] = file.accessor({{"bufferView", file.view(bytes, 4)},
+                                                       {"componentType", 5120},
+                                                       {"normalized", normalized},
+                                                       {"count", 4},
+                                                       {"type", "VEC3"}});
+            file.json["extensionsUsed"] = {"KHR_mesh_quantization"};
+            file.json["extensionsRequired"] = {"KHR_mesh_quantization"};
+            file.mesh(test::GltfMaker::Json::array(
+                {{{"attributes", file.attributes},
+                  {"indices", file.accessor(Shorts{0, 1, 2}, "SCALAR")}}}));
+            auto read = file.read();
+            ASSERT_TRUE(read) << to_string(read.error());
+            const auto prepared = prep::prepare(*std::move(read));
+            ASSERT_TRUE(prepared) << to_string(prepared.error());
+            ASSERT_TRUE(prep::save_scene(*prepared, dir / "out.glb"));
+            const test::GltfValues out = test::GltfFile(dir / "out.glb").attribute(0, 0, "NORMAL");
+            ASSERT_EQ(out.count(), 3U);
+            EXPECT_EQ(out.component_type, normalized && z == 127 ? 5120 : 5126) << z;
+            EXPECT_EQ(out.at(0), (std::vector<double>{0, 0, 1})) << z;
+        }
+    }
 }
 
 }  // namespace

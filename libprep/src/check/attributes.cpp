@@ -58,7 +58,7 @@ void check_tangents(CheckContext& context) {
             zero.add(c);
             continue;
         }
-        if (std::abs(length - 1) > tangent_length_tolerance) length_off.add(c);
+        if (std::abs(length - 1) > unit_tolerance) length_off.add(c);
         if (normals.empty() || normals.indices[c] == no_index) continue;
         const glm::dvec3 n(normals.values[normals.indices[c]]);
         const double along = glm::dot(n, glm::dvec3(t));
@@ -71,7 +71,7 @@ void check_tangents(CheckContext& context) {
     context.add("non-finite-tangent", Severity::warning, PlaceKind::corner, std::move(bad),
                 "the authored tangent is NaN or infinite");
     context.add("non-unit-tangent", Severity::warning, PlaceKind::corner, std::move(length_off),
-                "the authored tangent's length is off by more than 0.00769");
+                "the authored tangent's length is off by more than 0.00674");
     context.add("non-orthogonal-tangent", Severity::warning, PlaceKind::corner, std::move(leaning),
                 "the authored tangent is not orthogonal to its normal");
     context.add("tangent-sign", Severity::warning, PlaceKind::corner, std::move(sign),

@@ -13,6 +13,7 @@
 #include "formats/stl/stl.h"
 #include "prep/files.h"
 #include "prep/scene_json.h"
+#include "text/line_ends.h"
 
 namespace prep {
 namespace detail {
@@ -67,10 +68,10 @@ bool is_obj(std::string_view head) {
     return head.starts_with("v ") || head.find("\nv ") != std::string_view::npos;
 }
 bool is_ply(std::string_view head) {
-    return head.starts_with("ply");
+    return without_byte_order_mark(head).starts_with("ply");
 }
 bool is_stl(std::string_view head) {
-    return head.starts_with("solid");
+    return without_byte_order_mark(head).starts_with("solid");
 }
 bool is_off(std::string_view head) {
     const std::string_view first = head.substr(0, head.find_first_of(" \r\n"));

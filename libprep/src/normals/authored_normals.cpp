@@ -12,7 +12,7 @@ std::uint8_t fault_of(const glm::vec3& n) {
     if (!is_finite(n)) return normal_non_finite;
     const double length = glm::length(glm::dvec3(n));
     if (length == 0) return normal_zero;
-    return std::abs(length - 1.0) > normal_length_tolerance ? normal_non_unit : 0;
+    return std::abs(length - 1.0) > unit_tolerance ? normal_non_unit : 0;
 }
 
 }  // namespace

@@ -13,13 +13,13 @@ enum NormalFault : std::uint8_t {  // bits
     normal_missing = 1,
     normal_non_finite = 2,
     normal_zero = 4,
-    normal_non_unit = 8,  // length off by more than normal_length_tolerance
+    normal_non_unit = 8,  // length off by more than unit_tolerance
     normal_flipped = 16,  // against its face and against the computed normal
 };
 
-// As glTF's validator has it (2.0.0-dev.3.10): more than signed bytes round a unit vector by.
-inline constexpr double normal_length_tolerance = 0.00674;
-inline constexpr double tangent_length_tolerance = 0.00769;
+// As glTF's validator has it for both (2.0.0-dev.3.10): about what signed bytes round a unit vector
+// by at most.
+inline constexpr double unit_tolerance = 0.00674;
 
 struct NormalReview {
     std::vector<std::uint8_t> faults;  // per corner: bits of NormalFault

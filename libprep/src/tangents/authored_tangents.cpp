@@ -17,7 +17,7 @@ std::uint8_t value_fault(const glm::vec4& t) {
     const double length = glm::length(glm::dvec3(t));
     if (length == 0) return tangent_zero;
     if (std::abs(t.w) < 0.5f) return tangent_no_sign;
-    const bool unit = std::abs(length - 1.0) <= tangent_length_tolerance && std::abs(t.w) == 1.0f;
+    const bool unit = std::abs(length - 1.0) <= unit_tolerance && std::abs(t.w) == 1.0f;
     return unit ? 0 : tangent_non_unit;
 }
 

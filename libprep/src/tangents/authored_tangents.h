@@ -14,8 +14,8 @@ enum TangentReviewFault : std::uint8_t {  // bits
     tangent_missing = 1,
     tangent_non_finite = 2,
     tangent_zero = 4,
-    tangent_no_sign = 8,    // w is nearer to 0 than to ±1
-    tangent_non_unit = 16,  // length off by more than tangent_length_tolerance, or w clear, not ±1
+    tangent_no_sign = 8,       // w is nearer to 0 than to ±1
+    tangent_non_unit = 16,     // length off by more than unit_tolerance, or w clear, not ±1
     tangent_off_plane = 32,    // its sine out of the normal's plane is more than plane_tolerance
     tangent_against_uvs = 64,  // more than 60° from the UVs' direction, or of the other sign
     tangent_stale = 128,       // its normal was replaced

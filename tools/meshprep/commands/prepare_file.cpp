@@ -269,7 +269,7 @@ Outcome prepare_file(const Job& job, const PrepareCommand& command, int threads,
         out.residual_names.push_back(prepared->scene.materials[map.material].name);
     for (const prep::Mesh& mesh : prepared->scene.meshes) out.mesh_names.push_back(mesh.name);
     if (command.explain) out.requirements = requirements_json(*prepared, calls);
-    if (command.files.in_place && format == "obj") {
+    if (command.files.in_place && format == "obj" && !prepared->scene.libraries.empty()) {
         const char* const lost = !prepared->residual_maps.empty()
                                      ? "would not hold the residual normal map"
                                  : count_displacement_maps(prepared->scene) < displacement_maps

@@ -78,7 +78,8 @@ class SpaceFunction {
     // are halved where it is too large.
     virtual double deviation(const std::array<glm::dvec3, 3>& p) const = 0;
     virtual double steepest() const = 0;  // no gradient is longer
-    // Heights of points so far apart differ by no more.
+    // Heights of points so far apart differ by no more; not less for more distance. Of infinity:
+    // what all heights span. Bounds are made of it.
     virtual double change(double distance) const { return steepest() * distance; }
 };
 

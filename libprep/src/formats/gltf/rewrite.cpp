@@ -13,7 +13,7 @@
 #include "formats/gltf/nodes/refined_primitive.h"
 #include "formats/gltf/references.h"
 #include "formats/gltf/values/bounds.h"
-#include "formats/gltf/values/mended_document.h"
+#include "formats/gltf/values/document_repair.h"
 #include "formats/gltf/values/pictures.h"
 #include "formats/gltf/values/primitive_vertices.h"
 #include "formats/gltf/values/value_repair.h"
@@ -56,7 +56,7 @@ class Rewriter {
         if (auto done = place_document(prepared_.scene, document_, json_); !done)
             return std::move(done).error();
         note_non_finite_data(document_, json_, notes_);
-        mend_document(document_, json_, appended_, notes_);
+        repair_document(document_, json_, appended_, notes_);
         auto packed = pack_buffer(document_, json_, appended_, notes_);
         if (!packed) return std::move(packed).error();
         remove_empty_lists(json_);
@@ -497,7 +497,8 @@ class Rewriter {
             return std::optional<Gathered>();
         auto gathered = gather(source, semantic, accessor, elements.of(semantic));
         if (!gathered) return std::move(gathered).error();
-        if (!same_directions(gathered->values, values, true)) return std::optional<Gathered>();
+        if (!are_unit(gathered->values) || !same_directions(gathered->values, values, true))
+            return std::optional<Gathered>();
         return std::optional<Gathered>(*std::move(gathered));
     }
 

@@ -21,7 +21,7 @@ std::vector<T> quantise(std::span<const float> pixels) {
     for (std::size_t i = 0; i < pixels.size(); ++i) {
         // Written so that NaN becomes 0.
         const float v = pixels[i] > 0.0f ? (pixels[i] < 1.0f ? pixels[i] : 1.0f) : 0.0f;
-        // Half upwards, exactly: a double holds what a float and a half make.
+        // Half upwards: in doubles, where no sum is rounded up to the next whole number.
         out[i] = T(int(double(v * top) + 0.5));
     }
     return out;

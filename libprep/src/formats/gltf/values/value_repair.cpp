@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/finite.h"
+#include "normals/authored_normals.h"
 
 namespace prep::detail {
 namespace {
@@ -169,6 +170,16 @@ unsigned repair_values(const std::string& semantic, RepairOf of, RawAccessor& va
            : color                           ? repaired_color
            : weight                          ? repaired_weight
                                              : repaired_other;
+}
+
+bool are_unit(const RawAccessor& vectors) {
+    if (vectors.component_type != 5126 && !vectors.normalized) return false;
+    const std::vector<float> values = to_floats(vectors);
+    for (std::size_t i = 0; i + 2 < values.size(); i += std::size_t(vectors.width)) {
+        const glm::dvec3 v(values[i], values[i + 1], values[i + 2]);
+        if (!(std::abs(glm::length(v) - 1) <= unit_tolerance)) return false;
+    }
+    return true;
 }
 
 std::uint64_t drop_non_finite(std::span<const glm::vec3> positions,

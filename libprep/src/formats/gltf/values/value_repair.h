@@ -28,6 +28,10 @@ extern const char* const repair_notes[repair_kinds];  // by bit
 enum class RepairOf { attribute, morph_target };
 unsigned repair_values(const std::string& semantic, RepairOf of, RawAccessor& values);
 
+// Whether normals or tangents are as the format asks: whole numbers normalised, lengths off by no
+// more than rounding to bytes leaves.
+bool are_unit(const RawAccessor& vectors);
+
 // Drops triangles with positions that are not finite; how many. Where all are such, all go and the
 // primitive with them, which is told elsewhere: 0.
 std::uint64_t drop_non_finite(std::span<const glm::vec3> positions,

@@ -1,4 +1,4 @@
-#include "formats/gltf/values/mended_document.h"
+#include "formats/gltf/values/document_repair.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +12,8 @@ namespace prep::detail {
 namespace {
 
 constexpr const char* quantization = "KHR_mesh_quantization";
-constexpr std::size_t alignment = 4;  // of vertex data
+constexpr std::size_t alignment = 4;    // of vertex data
+constexpr std::size_t most_copies = 4;  // of the input, in views of their own
 
 const Json* member(const Json& object, const char* key) {
     if (!object.is_object()) return nullptr;
@@ -42,10 +43,10 @@ bool is_plain_type(const std::string& semantic, const Json& accessor, bool of_ta
     return type == 5126 || of_target || (whole && (type == 5121 || type == 5123));
 }
 
-class Mender {
+class DocumentRepair {
   public:
-    Mender(const GltfDocument& document, Json& json, AppendedData& appended,
-           std::vector<std::string>& notes)
+    DocumentRepair(const GltfDocument& document, Json& json, AppendedData& appended,
+                   std::vector<std::string>& notes)
         : document_(document), json_(json), appended_(appended), notes_(notes) {
         if (const Json* accessors = member(document.json, "accessors"))
             own_accessors_ = accessors->size();
@@ -53,27 +54,21 @@ class Mender {
 
     void run() {
         find_uses();
-        std::map<std::uint64_t, unsigned> shared;  // views without a stride, by vertex accessors
-        for (const auto& [index, use] : uses_)
-            if (const Json& accessor = json_["accessors"][index];
-                use.is_vertex_data && has_plain_view(accessor) &&
-                !view_of(accessor).contains("byteStride"))
-                ++shared[accessor["bufferView"].get<std::uint64_t>()];
+        give_strides();
         for (const auto& [index, use] : uses_) {
             if (use.in_draco) continue;
-            Json& accessor = json_["accessors"][index];
-            const bool is_shared = use.is_vertex_data && has_plain_view(accessor) &&
-                                   !view_of(accessor).contains("byteStride") &&
-                                   shared[accessor["bufferView"].get<std::uint64_t>()] > 1;
-            if (is_shared || (use.is_vertex_data && !is_aligned(accessor))) lay_apart(index);
-            mend_bounds(index, use);
+            const Json& accessor = json_["accessors"][index];
+            if (use.is_vertex_data && (!is_aligned(accessor) || shares_unsaid_stride(accessor)))
+                lay_apart(index);
+            repair_bounds(index, use);
         }
-        if (bounds_mended_)
+        if (bounds_repaired_)
             notes_.push_back("bounds of accessors that were missing or wrong were computed");
         if (laid_apart_)
             notes_.push_back(
-                "vertex data that was not aligned, or shared a view without a stride, got views of "
-                "its own");
+                "vertex data that was not aligned, or shared a view without a stride, got a stride "
+                "or "
+                "views of its own");
         declare();
     }
 
@@ -139,17 +134,62 @@ class Mender {
     // Views begin at multiples of 4 where they are written.
     bool is_aligned(const Json& accessor) const {
         if (!has_plain_view(accessor)) return true;
-        const std::size_t tight =
-            stored_size(accessor["type"].get<std::string>(), accessor["componentType"].get<int>());
         return number_of(accessor, "byteOffset", 0) % alignment == 0 &&
-               number_of(view_of(accessor), "byteStride", tight) % alignment == 0;
+               number_of(view_of(accessor), "byteStride", tight_size(accessor)) % alignment == 0;
     }
 
+    // Views without a stride that several vertex accessors share: where all have elements of one
+    // size, that is their stride.
+    void give_strides() {
+        struct View {
+            unsigned accessors = 0;
+            std::size_t size = 0;
+            bool alike = true;
+        };
+        std::map<std::size_t, View> views;
+        for (const auto& [index, use] : uses_) {
+            const Json& accessor = json_["accessors"][index];
+            if (!use.is_vertex_data || !has_plain_view(accessor) ||
+                view_of(accessor).contains("byteStride"))
+                continue;
+            View& view = views[accessor["bufferView"].get<std::size_t>()];
+            const std::size_t size = tight_size(accessor);
+            view.alike &= ++view.accessors == 1 || view.size == size;
+            view.size = size;
+        }
+        constexpr std::size_t largest_stride = 252;
+        for (const auto& [index, view] : views) {
+            if (view.accessors < 2) continue;
+            if (view.alike && view.size % alignment == 0 && view.size <= largest_stride) {
+                json_["bufferViews"][index]["byteStride"] = view.size;
+                laid_apart_ = true;
+            } else {
+                unsaid_.insert(index);
+            }
+        }
+    }
+    bool shares_unsaid_stride(const Json& accessor) const {
+        return has_plain_view(accessor) &&
+               unsaid_.contains(accessor["bufferView"].get<std::size_t>());
+    }
+
+    static std::size_t tight_size(const Json& accessor) {
+        return stored_size(accessor["type"].get<std::string>(),
+                           accessor["componentType"].get<int>());
+    }
+
+    // Not matrices, whose columns have room between them; nor more than a few times the input, as
+    // accessors may name the same bytes again and again.
     void lay_apart(std::size_t index) {
+        const Json& source = json_["accessors"][index];
+        const std::size_t size = tight_size(source);
+        const std::size_t stride = (size + alignment - 1) / alignment * alignment;
+        copied_ += source["count"].get<std::uint64_t>() * stride;
+        if (source["type"].get<std::string>().starts_with("MAT") ||
+            copied_ > most_copies * document_.input_bytes)
+            return;
         const Result<RawAccessor> raw = document_.raw_accessor(index);
         if (!raw) return;
-        const std::size_t size = raw->element_size();
-        const std::size_t stride = (size + alignment - 1) / alignment * alignment;
         std::vector<std::byte> bytes(raw->count * stride);
         for (std::size_t i = 0; i < raw->count; ++i)
             std::memcpy(bytes.data() + i * stride, raw->bytes.data() + i * size, size);
@@ -162,7 +202,7 @@ class Mender {
         laid_apart_ = true;
     }
 
-    void mend_bounds(std::size_t index, const Use& use) {
+    void repair_bounds(std::size_t index, const Use& use) {
         Json& accessor = json_["accessors"][index];
         const bool said = accessor.contains("min") || accessor.contains("max");
         if (!said && !use.has_bounds) return;
@@ -182,7 +222,7 @@ class Mender {
             if (!use.has_bounds && !accessor.contains(key)) continue;
             if (is_same(accessor, computed, key)) continue;
             accessor[key] = computed[key];
-            bounds_mended_ = true;
+            bounds_repaired_ = true;
         }
     }
 
@@ -218,9 +258,8 @@ class Mender {
         if (quantized_) names.insert(quantization);
         bool any = false;
         for (const std::string& name : names) {
-            if (!add(name, "extensionsUsed")) continue;
-            any = true;
-            if (name == quantization) add(name, "extensionsRequired");
+            any |= add(name, "extensionsUsed");
+            if (name == quantization && quantized_) any |= add(name, "extensionsRequired");
         }
         if (any) notes_.push_back("extensions that are used and were not declared are declared");
     }
@@ -239,14 +278,16 @@ class Mender {
     std::vector<std::string>& notes_;
     std::size_t own_accessors_ = 0;
     std::map<std::size_t, Use> uses_;
-    bool bounds_mended_ = false, laid_apart_ = false, quantized_ = false;
+    std::set<std::size_t> unsaid_;  // shared views that no stride fits
+    std::uint64_t copied_ = 0;      // bytes
+    bool bounds_repaired_ = false, laid_apart_ = false, quantized_ = false;
 };
 
 }  // namespace
 
-void mend_document(const GltfDocument& document, Json& json, AppendedData& appended,
-                   std::vector<std::string>& notes) {
-    Mender(document, json, appended, notes).run();
+void repair_document(const GltfDocument& document, Json& json, AppendedData& appended,
+                     std::vector<std::string>& notes) {
+    DocumentRepair(document, json, appended, notes).run();
 }
 
 }  // namespace prep::detail
