@@ -555,6 +555,13 @@ TEST_F(Displace, InPlaceObjIsNotMovedByWhatAsksForItAgain) {
             << ran.err;
         EXPECT_EQ(test::file_text(file), text);
     }
+    // Without a library it gets one of its own.
+    const std::string alone = (dir_ / "alone.obj").string();
+    write_text(alone, square);
+    const test::Ran own = run_here(
+        {"prepare", alone, "--in-place", "--displace", "noise", "--residual-normal-map", "8"});
+    EXPECT_EQ(own.exit_code, 0) << own.err;
+    EXPECT_NE(test::file_text(alone).find("mtllib"), std::string::npos);
     // What no library says is done, and what has none to do.
     EXPECT_EQ(run_here({"prepare", file, "--in-place", "--displace", "noise"}).exit_code, 0);
     write_text(dir_ / "a.mtl", "newmtl raised\n");

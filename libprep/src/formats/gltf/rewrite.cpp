@@ -94,8 +94,6 @@ class Rewriter {
         if (std::find(notes_.begin(), notes_.end(), text) == notes_.end()) notes_.push_back(text);
     }
 
-    // --- primitives ----------------------------------------------------------------------
-
     Result<void> mesh(Index m) {
         const std::vector<GltfPrimitive>& primitives = document_.primitives[m];
         const VertexMesh& mesh = prepared_.meshes[m];
