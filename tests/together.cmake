@@ -45,7 +45,8 @@ set(tests_together
     "tools batch command cost_command cost_measure residual_map"
     "tools budget_ms console corpus cost_fitted_normals cost_flip cost_grids cost_ladders diff
      displacement_views docs optimize silhouettes"
-    "tools diff_values displace_options explain gate_cases gate_command height_to_normal image_error"
+    "tools diff_values displace_options displace_refusals explain gate_cases gate_command
+     height_to_normal image_error"
     "tools gate inspect_cage pixel_error plan_page quantize_budget render render_costs
      render_defaults render_exposure render_usage samples"
     "tools inspect prepare_budget prepare_for prepare_for_document prepare_report prepare_words

@@ -311,6 +311,16 @@ struct CarriedFile : test::GltfMaker {
         json["accessors"][positions]["min"] = low;
         json["accessors"][positions]["max"] = high;
     }
+    // An accessor of three elements in a view that is there.
+    std::size_t part(std::size_t view, std::size_t offset, const char* type, int component = 5126,
+                     std::size_t count = 3) {
+        return accessor({{"bufferView", view},
+                         {"byteOffset", offset},
+                         {"componentType", component},
+                         {"normalized", component != 5126},
+                         {"count", count},
+                         {"type", type}});
+    }
     void finish() {
         mesh(Json::array({{{"attributes", attributes}}}));
         const std::size_t moves = accessor(Floats{0, 0, 0, 1, 0, 0, 2, 0, 0}, "VEC3");
@@ -402,11 +412,7 @@ TEST(GltfMend, CarriedVertexDataIsAlignedAndSharesNoViewWithoutAStride) {
     // Three bytes each, one behind the other.
     CarriedFile tight;
     const Bytes colors{255, 0, 0, 0, 255, 0, 0, 0, 255};
-    tight.attributes["COLOR_0"] = tight.accessor({{"bufferView", tight.view(colors)},
-                                                  {"componentType", 5121},
-                                                  {"normalized", true},
-                                                  {"count", 3},
-                                                  {"type", "VEC3"}});
+    tight.attributes["COLOR_0"] = tight.part(tight.view(colors), 0, "VEC3", 5121);
     tight.finish();
     EXPECT_EQ(carry(tight, dir), views_note);
     const test::GltfFile out(dir / "out.glb");
@@ -416,12 +422,7 @@ TEST(GltfMend, CarriedVertexDataIsAlignedAndSharesNoViewWithoutAStride) {
     // At a multiple of two bytes.
     CarriedFile shifted;
     const Shorts shorts{7, 0, 0, 65535, 0, 0, 65535, 7};
-    shifted.attributes["TEXCOORD_0"] = shifted.accessor({{"bufferView", shifted.view(shorts)},
-                                                         {"byteOffset", 2},
-                                                         {"componentType", 5123},
-                                                         {"normalized", true},
-                                                         {"count", 3},
-                                                         {"type", "VEC2"}});
+    shifted.attributes["TEXCOORD_0"] = shifted.part(shifted.view(shorts), 2, "VEC2", 5123);
     shifted.finish();
     EXPECT_EQ(carry(shifted, dir), views_note);
     EXPECT_EQ(uv(), (std::vector<double>{0, 0, 1, 0, 0, 1}));
@@ -432,12 +433,7 @@ TEST(GltfMend, CarriedVertexDataIsAlignedAndSharesNoViewWithoutAStride) {
         const std::size_t both =
             shared.view(Floats{0, 0, 1, 0, 0, 1, 0.5f, 0, 0, 0.5f, 0.5f, 0.5f}, stride);
         for (std::size_t k = 0; k < 2; ++k)
-            shared.attributes["TEXCOORD_" + std::to_string(k)] =
-                shared.accessor({{"bufferView", both},
-                                 {"byteOffset", 24 * k},
-                                 {"componentType", 5126},
-                                 {"count", 3},
-                                 {"type", "VEC2"}});
+            shared.attributes["TEXCOORD_" + std::to_string(k)] = shared.part(both, 24 * k, "VEC2");
         shared.finish();
         EXPECT_EQ(carry(shared, dir), stride ? std::vector<std::string>{} : views_note);
         EXPECT_EQ(uv(), (std::vector<double>{0, 0, 1, 0, 0, 1}));
@@ -449,18 +445,39 @@ TEST(GltfMend, CarriedVertexDataIsAlignedAndSharesNoViewWithoutAStride) {
     // Of two sizes: a view each.
     CarriedFile mixed;
     const std::size_t both = mixed.view(Floats{0, 0, 1, 0, 0, 1, 1, 0, 0, 0, 1, 0, 0, 0, 1});
-    mixed.attributes["TEXCOORD_0"] = mixed.accessor(
-        {{"bufferView", both}, {"componentType", 5126}, {"count", 3}, {"type", "VEC2"}});
-    mixed.attributes["COLOR_0"] = mixed.accessor({{"bufferView", both},
-                                                  {"byteOffset", 24},
-                                                  {"componentType", 5126},
-                                                  {"count", 3},
-                                                  {"type", "VEC3"}});
+    mixed.attributes["TEXCOORD_0"] = mixed.part(both, 0, "VEC2");
+    mixed.attributes["COLOR_0"] = mixed.part(both, 24, "VEC3");
     mixed.finish();
     EXPECT_EQ(carry(mixed, dir), views_note);
     EXPECT_EQ(uv(), (std::vector<double>{0, 0, 1, 0, 0, 1}));
     EXPECT_NE(view("TEXCOORD_0"), view("COLOR_0"));
-    // Thousands that name the same bytes are not copied for each.
+    // A view that others read as well, times of an animation here, gets no stride.
+    CarriedFile others;
+    const std::size_t all = others.view(Floats{0, 0, 1, 0, 0, 1, 0.5f, 0, 0, 0.5f, 1, 1, 0, 1, 2});
+    others.attributes["TEXCOORD_0"] = others.part(all, 0, "VEC2");
+    others.attributes["TEXCOORD_1"] = others.part(all, 24, "VEC2");
+    others.times = others.part(all, 48, "SCALAR");
+    others.json["accessors"][others.times]["min"] = {0};
+    others.json["accessors"][others.times]["max"] = {2};
+    others.finish();
+    EXPECT_EQ(carry(others, dir), views_note);
+    EXPECT_EQ(uv(), (std::vector<double>{0, 0, 1, 0, 0, 1}));
+    EXPECT_NE(view("TEXCOORD_0"), view("TEXCOORD_1"));
+    const test::GltfFile moved(dir / "out.glb");
+    const auto input = moved.json["animations"][0]["samplers"][0]["input"].get<std::size_t>();
+    EXPECT_EQ(moved.accessor(input).values, (std::vector<double>{0, 1, 2}));
+    // Columns of byte matrices keep their room; that their view says no stride is told.
+    CarriedFile matrices;
+    const std::size_t view_of_both = matrices.view(Bytes(72, 7));
+    matrices.attributes["_A"] = matrices.part(view_of_both, 0, "MAT3", 5121);
+    matrices.attributes["_B"] = matrices.part(view_of_both, 36, "VEC4", 5121);
+    matrices.finish();
+    const auto told = carry(matrices, dir, false);
+    ASSERT_EQ(told.size(), 2U);
+    EXPECT_NE(told[1].find("was kept so: matrices"), std::string::npos) << told[1];
+    EXPECT_EQ(test::GltfFile(dir / "out.glb").attribute(0, 0, "_A").values,
+              std::vector<double>(27, 7.0 / 255));
+    // Those that name the same bytes again and again are not copied for each.
     CarriedFile many;
     constexpr std::size_t vertices = 3000;
     const std::size_t same = many.view(Floats(3 * vertices, 0.5f));
@@ -468,12 +485,10 @@ TEST(GltfMend, CarriedVertexDataIsAlignedAndSharesNoViewWithoutAStride) {
     many.attributes["NORMAL"] = many.accessor(Floats(3 * vertices, 0.57735f), "VEC3");
     for (std::size_t k = 0; k < 200; ++k)
         many.attributes["_A" + std::to_string(k)] =
-            many.accessor({{"bufferView", same},
-                           {"componentType", 5126},
-                           {"count", vertices},
-                           {"type", k % 2 ? "VEC2" : "VEC3"}});
+            many.part(same, 0, k % 2 ? "VEC2" : "VEC3", 5126, vertices);
     many.finish();
-    carry(many, dir, false);
+    const auto kept = carry(many, dir, false);
+    EXPECT_NE(kept.back().find("four times the file's bytes"), std::string::npos) << kept.back();
     EXPECT_LT(std::filesystem::file_size(dir / "out.glb"),
               16 * std::filesystem::file_size(dir / "in.glb"));  // 50 times without a limit
 }

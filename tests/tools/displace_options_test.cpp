@@ -481,94 +481,6 @@ TEST_F(Displace, BandLimitsLeaveOutWhatSamplesCannotCarry) {
     for (const Vertex& v : noise.points) EXPECT_NEAR(v.z, (*field)->at({v.x, v.y, 0}).value, 1e-6);
 }
 
-TEST_F(Displace, MistakesAreUsageErrors) {
-    const std::string some = map("some.exr", 2, prep::PixelType::f32, [](auto, auto) { return 1; });
-    struct Row {
-        std::vector<std::string> options;
-        const char* says;
-    };
-    for (const Row& row :
-         {Row{{"--displace", "missing.png"}, "missing.png"},
-          Row{{"--height-scale", "1"}, "takes effect with --displace alone"},
-          Row{{"--height-channel", "1"}, "takes effect with --displace alone"},
-          Row{{"--displace-kind", "vector-object"}, "takes effect with --displace alone"},
-          Row{{"--displace", some, "--height-scale", "much"}, "much"},
-          Row{{"--displace", some, "--height-filter", "cubic"}, "bicubic"},
-          Row{{"--displace", some, "--displace-kind", "vector"}, "vector-object"},
-          Row{{"--displace", some, "--displace-axes", "tangent-normal-bitangent"},
-              "vector-tangent"},
-          Row{{"--displace", "noise", "--displace-axes", "tangent-normal-bitangent"},
-              "--displace-axes"},
-          Row{{"--displace", some, "--displace-kind", "vector-tangent", "--displace-axes",
-               "object"},
-              "tangent-bitangent-normal"},
-          Row{{"--band-limit", "0.1", "--chord-error", "1"}, "--displace"},
-          Row{{"--displace", some, "--band-limit", "0"}, "--band-limit"},
-          Row{{"--displace", some, "--band-limit", "fine"}, "fine"},
-          Row{{"--noise", "simplex"}, "--displace"},
-          Row{{"--displace", "noise", "--noise", "worley"}, "simplex"},
-          Row{{"--displace", "noise", "--noise-octaves", "0"}, "--noise-octaves"},
-          Row{{"--displace", "noise", "--noise-octaves", "2,2,2,2"}, "--noise-octaves"},
-          Row{{"--displace", "noise", "--noise-seed", "-1"}, "--noise-seed"},
-          Row{{"--displace", "noise", "--height-scale", "2"}, "--height-scale"},
-          Row{{"--height-midlevel", "0", "--displace", "noise"}, "--height-midlevel"},
-          Row{{"--displace", "noise", "--height-filter", "bicubic"},
-              "error: --height-filter: says how a map is read"},
-          Row{{"--subdivide", "catmark:3", "--chord-error", "0.1"}, "a level of --subdivide"},
-          Row{{"--subdivide", "catmark", "--control-points", "--displace", some},
-              "--displace: cannot stand beside --control-points"},
-          Row{{"--subdivide", "catmark", "--face-varying", "all", "--edge-length", "1"},
-              "--edge-length: cannot stand beside --face-varying"},
-          Row{{"--subdivide", "catmark", "--max-influences", "2", "--max-triangles", "9"},
-              "--max-triangles: cannot stand beside --max-influences"},
-          Row{{"--subdivide", "loop:1", "--residual-normal-map", "8"}, "a level of --subdivide"},
-          Row{{"--displace", "noise", "--height-channel", "1"}, "--height-channel"},
-          Row{{"--displace", "noise", "--displace-kind", "vector-object"}, "--displace-kind"},
-          Row{{"--displace", "materials", "--displace-kind", "vector-object"}, "--displace-kind"},
-          Row{{"--noise-scale", "2", "--displace", "materials"}, "materials"},
-          Row{{"--chord-error", "0"}, "--chord-error"},
-          Row{{"--edge-length", "-1"}, "--edge-length"},
-          Row{{"--max-triangles", "12q"}, "12q"},
-          Row{{"--max-triangles", "0"}, "--max-triangles"}}) {
-        const Written out = prepared(square, row.options);
-        EXPECT_EQ(out.ran.exit_code, 2) << row.options[0];
-        EXPECT_NE(out.ran.err.find(row.says), std::string::npos) << out.ran.err;
-    }
-}
-
-// Material libraries stay as they are there: they would ask for the displacement once more, and
-// hold no residual map.
-TEST_F(Displace, InPlaceObjIsNotMovedByWhatAsksForItAgain) {
-    map("up.exr", 4, prep::PixelType::f32, [](auto, auto) { return 1; });
-    write_text(dir_ / "a.mtl", "newmtl raised\ndisp up.exr\n");
-    const std::string text = "mtllib a.mtl\nusemtl raised\n" + square;
-    const std::string file = (dir_ / "a.obj").string();
-    write_text(file, text);
-    for (const std::vector<std::string>& options :
-         {std::vector<std::string>{"--displace", "materials"},
-          std::vector<std::string>{"--displace", "noise", "--residual-normal-map", "8"}}) {
-        std::vector<std::string> words{"prepare", file, "--in-place"};
-        words.insert(words.end(), options.begin(), options.end());
-        const test::Ran ran = run_here(words);
-        EXPECT_EQ(ran.exit_code, 1);
-        EXPECT_NE(ran.err.find("in place OBJ keeps its material libraries"), std::string::npos)
-            << ran.err;
-        EXPECT_EQ(test::file_text(file), text);
-    }
-    // Without a library it gets one of its own.
-    const std::string alone = (dir_ / "alone.obj").string();
-    write_text(alone, square);
-    const test::Ran own = run_here(
-        {"prepare", alone, "--in-place", "--displace", "noise", "--residual-normal-map", "8"});
-    EXPECT_EQ(own.exit_code, 0) << own.err;
-    EXPECT_NE(test::file_text(alone).find("mtllib"), std::string::npos);
-    // What no library says is done, and what has none to do.
-    EXPECT_EQ(run_here({"prepare", file, "--in-place", "--displace", "noise"}).exit_code, 0);
-    write_text(dir_ / "a.mtl", "newmtl raised\n");
-    write_text(file, text);
-    EXPECT_EQ(run_here({"prepare", file, "--in-place", "--displace", "materials"}).exit_code, 0);
-}
-
 // The code of 8 bits nearest to a mid-level of 0.5 is far from it.
 TEST_F(Displace, FloatHeightsOfMaterialsKeepTheirMidlevelInGltf) {
     map("h.exr", 2, prep::PixelType::f32, [](std::uint32_t x, auto) { return x; });
@@ -593,31 +505,6 @@ TEST_F(Displace, FloatHeightsOfMaterialsKeepTheirMidlevelInGltf) {
     }
     EXPECT_NEAR(low, -50, 0.001);
     EXPECT_NEAR(high, 50, 0.001);
-}
-
-TEST_F(Displace, WhatCannotBeDoneIsTheFilesError) {
-    const std::string some = map("some.exr", 2, prep::PixelType::f32, [](auto, auto) { return 1; });
-    test::GltfText nameless;
-    nameless.add({"", {0, 0, 0, 1, 0, 0, 0, 1, 0}, {}, {}, {}, {0, 1, 2}, "", ""});
-    write_text(dir_ / "bare.gltf", nameless.text());
-    const std::string bare = (dir_ / "bare.gltf").string();
-    const test::Ran unnamed = run_here(
-        {"prepare", bare, "-o", (dir_ / "bare.glb").string(), "--displace", some, "--quiet"});
-    EXPECT_EQ(unnamed.exit_code, 1);
-    EXPECT_NE(unnamed.err.find("error: " + bare + ": mesh '"), std::string::npos) << unnamed.err;
-    const Written no_uvs = prepared("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", {"--displace", some});
-    EXPECT_EQ(no_uvs.ran.exit_code, 1);
-    EXPECT_NE(no_uvs.ran.err.find("UV"), std::string::npos) << no_uvs.ran.err;
-    write_text(dir_ / "text.png", "this is no picture");
-    const Written no_picture = prepared(square, {"--displace", (dir_ / "text.png").string()});
-    EXPECT_EQ(no_picture.ran.exit_code, 1);
-    EXPECT_NE(no_picture.ran.err.find("text.png"), std::string::npos) << no_picture.ran.err;
-    const Written too_fine = prepared(square, {"--displace", some, "--chord-error", "1e-12"});
-    EXPECT_EQ(too_fine.ran.exit_code, 1);
-    const Written channel = prepared(square, {"--displace", some, "--height-channel", "3"});
-    EXPECT_EQ(channel.ran.exit_code, 1);
-    EXPECT_NE(channel.ran.err.find("channel"), std::string::npos) << channel.ran.err;
-    EXPECT_FALSE(std::filesystem::exists(dir_ / "out.obj"));
 }
 
 }  // namespace

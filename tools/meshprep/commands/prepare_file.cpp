@@ -24,6 +24,27 @@ std::size_t count_displacement_maps(const prep::Scene& scene) {
                       [](const prep::Material& m) { return bool(m.displacement_map); }));
 }
 
+// OBJ that is written in place goes on using the libraries that it was read with; `before`:
+// displacement maps that its materials had.
+std::optional<prep::Error> at_odds_with_libraries(const prep::PreparedScene& prepared,
+                                                  std::size_t before,
+                                                  const std::filesystem::path& file) {
+    if (prepared.scene.libraries.empty()) return std::nullopt;
+    const bool displaced =
+        count_displacement_maps(prepared.scene) < before ||
+        std::any_of(prepared.findings.begin(), prepared.findings.end(),
+                    [](const prep::Finding& f) { return f.kind == "displacement-map-kept"; });
+    const char* const odd = !prepared.residual_maps.empty()
+                                ? "would not hold the residual normal map"
+                            : displaced ? "would go on asking for the displacement that was made"
+                                        : nullptr;
+    if (!odd) return std::nullopt;
+    return prep::Error{prep::ErrorCode::unsupported,
+                       std::string("in place OBJ keeps its material libraries, which ") + odd +
+                           ": write it to another file, with -o",
+                       file.string()};
+}
+
 // Files that were read for the scene, with their hashes; one that was named and not found makes the
 // result one that may change, and so does a pipe, which nobody can look at again.
 void note_sources(const InputFile& input, const prep::Scene& scene,
@@ -269,20 +290,9 @@ Outcome prepare_file(const Job& job, const PrepareCommand& command, int threads,
         out.residual_names.push_back(prepared->scene.materials[map.material].name);
     for (const prep::Mesh& mesh : prepared->scene.meshes) out.mesh_names.push_back(mesh.name);
     if (command.explain) out.requirements = requirements_json(*prepared, calls);
-    if (command.files.in_place && format == "obj" && !prepared->scene.libraries.empty()) {
-        const char* const lost = !prepared->residual_maps.empty()
-                                     ? "would not hold the residual normal map"
-                                 : count_displacement_maps(prepared->scene) < displacement_maps
-                                     ? "would go on asking for the displacement that was made"
-                                     : nullptr;
-        if (lost) {
-            out.error =
-                prep::Error{prep::ErrorCode::unsupported,
-                            std::string("in place OBJ keeps its material libraries, which ") +
-                                lost + ": write it to another file, with -o",
-                            job.input.string()};
-            return out;
-        }
+    if (command.files.in_place && format == "obj") {
+        out.error = at_odds_with_libraries(*prepared, displacement_maps, job.input);
+        if (out.error) return out;
     }
     if (command.strict && out.warning_count() > 0) {
         out.error = prep::Error{prep::ErrorCode::invalid,

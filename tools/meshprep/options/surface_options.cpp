@@ -92,8 +92,9 @@ void add_subdivision_options(OptionSet& options, prep::PrepareOptions& p) {
         .needs(subdivide);
 }
 
-// For each option that asks for triangles of a kind: those of a refinement level by level ask for
-// others. (They are read before.)
+// What every option that asks for a tessellation begins with. Options of a refinement level by
+// level, which are read before these, would do nothing beside it. (A level of 2 cannot be told from
+// none.)
 void take_tessellation(const std::string& option, prep::PrepareOptions& p) {
     const prep::SubdivideOptions plain, &s = p.subdivision;
     const char* const other = s.level != plain.level                     ? "a level of --subdivide"

@@ -4,6 +4,7 @@
 
 #include "formats/gltf/document.h"
 #include "prep/files.h"
+#include "text/line_ends.h"
 #include "text/percent_encoding.h"
 
 namespace prep::detail {
@@ -304,8 +305,8 @@ Result<GltfDocument> open_gltf(const SharedBytes& bytes, const GltfOptions& opti
                 options.name + ": " + std::to_string(bytes.size() - length) +
                 " bytes stand behind the end that the header announces: left out");
     } else {
-        container.json = {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-        if (container.json.starts_with("\xef\xbb\xbf")) container.json.remove_prefix(3);
+        container.json =
+            without_byte_order_mark({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
     }
     if (auto done = check_json_size(container.json, options.name); !done)
         return std::move(done).error();

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <set>
 
 #include "text/name_list.h"
@@ -23,30 +22,20 @@ bool references_known(const std::string& name) {
     return names.contains(name) || name.starts_with("KHR_materials_");
 }
 
-using Visit = std::function<void(Json& index)>;
-
-void visit_member(Json& object, const char* key, const Visit& visit) {
+void visit_member(Json& object, const char* key, const ReferenceVisit& visit) {
     if (!object.is_object()) return;
     const auto it = object.find(key);
     if (it != object.end() && it->is_number_integer()) visit(*it);
 }
-void visit_members(Json& object, const Visit& visit) {
+void visit_members(Json& object, const ReferenceVisit& visit) {
     if (!object.is_object()) return;
     for (auto& item : object.items())
         if (item.value().is_number_integer()) visit(item.value());
 }
-Json* member(Json& object, const char* key) {
-    if (!object.is_object()) return nullptr;
-    const auto it = object.find(key);
-    return it == object.end() ? nullptr : &*it;
-}
-template <class Each>
-void each(Json& object, const char* key, const Each& body) {
-    if (Json* list = member(object, key); list && list->is_array())
-        for (Json& item : *list) body(item);
-}
 
-void visit_accessors(Json& json, const Visit& visit) {
+}  // namespace
+
+void visit_accessors(Json& json, const ReferenceVisit& visit) {
     each(json, "meshes", [&](Json& mesh) {
         each(mesh, "primitives", [&](Json& primitive) {
             if (Json* attributes = member(primitive, "attributes"))
@@ -70,7 +59,7 @@ void visit_accessors(Json& json, const Visit& visit) {
     });
 }
 
-void visit_views(Json& json, const Visit& visit) {
+void visit_views(Json& json, const ReferenceVisit& visit) {
     each(json, "accessors", [&](Json& accessor) {
         visit_member(accessor, "bufferView", visit);
         if (Json* sparse = member(accessor, "sparse")) {
@@ -90,6 +79,8 @@ void visit_views(Json& json, const Visit& visit) {
         });
     });
 }
+
+namespace {
 
 // Keeps the entries of a list that `visit_all` reaches and renumbers the references.
 template <class VisitAll>
@@ -173,7 +164,7 @@ void note_non_finite_data(const GltfDocument& document, Json& json,
     // Those that were left as they are have a note of their own.
     each(json, "meshes", [&](Json& mesh) {
         each(mesh, "primitives", [&](Json& primitive) {
-            const Visit leave = [&](Json& index) { kept.erase(index.get<std::size_t>()); };
+            const ReferenceVisit leave = [&](Json& index) { kept.erase(index.get<std::size_t>()); };
             if (primitive.value("mode", 4) < 4) return;
             visit_members(primitive["attributes"], leave);
             each(primitive, "targets", [&](Json& target) { visit_members(target, leave); });
@@ -206,9 +197,10 @@ Result<PackedBuffer> pack_buffer(const GltfDocument& document, Json& json,
     const std::string note = "an extension is in use that may refer to any data: none was dropped";
     if (keep_all && std::find(notes.begin(), notes.end(), note) == notes.end())
         notes.push_back(note);
-    compact(json, "accessors", keep_all, [&](const Visit& v) { visit_accessors(json, v); });
-    const std::vector<std::size_t> views =
-        compact(json, "bufferViews", keep_all, [&](const Visit& v) { visit_views(json, v); });
+    compact(json, "accessors", keep_all,
+            [&](const ReferenceVisit& v) { visit_accessors(json, v); });
+    const std::vector<std::size_t> views = compact(
+        json, "bufferViews", keep_all, [&](const ReferenceVisit& v) { visit_views(json, v); });
     for (std::size_t v = 0; v < views.size(); ++v) {
         Json& view = json["bufferViews"][v];
         const bool compressed = extension_of(view, "EXT_meshopt_compression") != nullptr;

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -13,6 +14,26 @@
 #include "formats/gltf/document.h"
 
 namespace prep::detail {
+
+// A member of what may be anything; null where it is not there.
+template <class AnyJson>
+AnyJson* member(AnyJson& object, const char* key) {
+    if (!object.is_object()) return nullptr;
+    const auto it = object.find(key);
+    return it == object.end() ? nullptr : &*it;
+}
+// body(item) for those of a list, where there is one.
+template <class AnyJson, class Each>
+void each(AnyJson& object, const char* key, const Each& body) {
+    if (AnyJson* list = member(object, key); list && list->is_array())
+        for (AnyJson& item : *list) body(item);
+}
+
+// Every index of an accessor, by primitives, animations, skins and instances; of a bufferView, by
+// accessors and their sparse parts, pictures and Draco data. What is no whole number is left out.
+using ReferenceVisit = std::function<void(Json& index)>;
+void visit_accessors(Json& json, const ReferenceVisit& visit);
+void visit_views(Json& json, const ReferenceVisit& visit);
 
 // The bytes of all bufferViews, the only buffer that has any. Views by EXT_meshopt_compression lie
 // in it as they are compressed, and stand for parts of a second buffer, of which there is only its

@@ -43,7 +43,7 @@ class MtlParser {
         : name_(name), pictures_(pictures), out_(out) {}
 
     void run(std::string_view text) {
-        if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
+        text = detail::without_byte_order_mark(text);
         while (!text.empty()) {
             const std::size_t end = std::min(text.find('\n'), text.size());
             ++line_;

@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 
+#include "formats/gltf/references.h"
 #include "formats/gltf/values/bounds.h"
 
 namespace prep::detail {
@@ -14,18 +15,6 @@ namespace {
 constexpr const char* quantization = "KHR_mesh_quantization";
 constexpr std::size_t alignment = 4;    // of vertex data
 constexpr std::size_t most_copies = 4;  // of the input, in views of their own
-
-const Json* member(const Json& object, const char* key) {
-    if (!object.is_object()) return nullptr;
-    const auto it = object.find(key);
-    return it == object.end() ? nullptr : &*it;
-}
-
-template <class Each>
-void each(const Json& object, const char* key, const Each& body) {
-    if (const Json* list = member(object, key); list && list->is_array())
-        for (const Json& item : *list) body(item);
-}
 
 std::uint64_t number_of(const Json& object, const char* key, std::uint64_t otherwise) {
     const Json* value = member(object, key);
@@ -58,46 +47,51 @@ class DocumentRepair {
         for (const auto& [index, use] : uses_) {
             if (use.in_draco) continue;
             const Json& accessor = json_["accessors"][index];
-            if (use.is_vertex_data && (!is_aligned(accessor) || shares_unsaid_stride(accessor)))
+            if (use.is_vertex_data() && (!is_aligned(accessor) || shares_unsaid_stride(accessor)))
                 lay_apart(index);
             repair_bounds(index, use);
         }
         if (bounds_repaired_)
             notes_.push_back("bounds of accessors that were missing or wrong were computed");
-        if (laid_apart_)
+        if (laid_out_)
             notes_.push_back(
                 "vertex data that was not aligned, or shared a view without a stride, got a stride "
-                "or "
-                "views of its own");
+                "or views of its own");
+        if (left_)
+            notes_.push_back(
+                "vertex data that is not aligned, or shares a view without a stride, was kept so: "
+                "matrices, or more than four times the file's bytes");
         declare();
     }
 
   private:
     struct Use {
-        bool is_vertex_data = false, has_bounds = false, in_draco = false;
+        unsigned all = 0, as_vertex_data = 0;
+        bool needs_bounds = false, in_draco = false;
+        bool is_vertex_data() const { return as_vertex_data > 0 && as_vertex_data == all; }
     };
 
     void find_uses() {
+        visit_accessors(json_, [&](Json& index) {
+            if (Use* use = use_of(index)) ++use->all;
+        });
         each(json_, "meshes", [&](const Json& mesh) {
             each(mesh, "primitives", [&](const Json& primitive) {
                 const Json* draco = extension_of(primitive, "KHR_draco_mesh_compression");
                 const Json* packed = draco ? member(*draco, "attributes") : nullptr;
                 if (const Json* attributes = member(primitive, "attributes"))
                     vertex_data(*attributes, packed, false);
-                if (const Json* indices = member(primitive, "indices"))
-                    use(*indices, {false, false, draco != nullptr});
+                if (const Json* indices = member(primitive, "indices"); indices && draco)
+                    if (Use* use = use_of(*indices)) use->in_draco = true;
                 each(primitive, "targets",
                      [&](const Json& target) { vertex_data(target, nullptr, true); });
             });
         });
         each(json_, "animations", [&](const Json& animation) {
             each(animation, "samplers", [&](const Json& sampler) {
-                if (const Json* input = member(sampler, "input")) use(*input, {false, true, false});
-                if (const Json* output = member(sampler, "output")) use(*output, {});
+                if (const Json* input = member(sampler, "input"))
+                    if (Use* use = use_of(*input)) use->needs_bounds = true;
             });
-        });
-        each(json_, "skins", [&](const Json& skin) {
-            if (const Json* matrices = member(skin, "inverseBindMatrices")) use(*matrices, {});
         });
     }
 
@@ -105,22 +99,26 @@ class DocumentRepair {
         if (!attributes.is_object()) return;
         for (const auto& item : attributes.items()) {
             const std::string& semantic = item.key();
-            use(item.value(), {true, semantic == "POSITION", packed && packed->contains(semantic)});
-            const Json* accessors = member(json_, "accessors");
-            const std::uint64_t index = item.value().is_number_unsigned()
-                                            ? item.value().get<std::uint64_t>()
-                                            : accessors->size();
-            if (index < accessors->size())
-                quantized_ |= !is_plain_type(semantic, (*accessors)[index], of_target);
+            if (Use* use = use_of(item.value())) {
+                ++use->as_vertex_data;
+                use->needs_bounds |= semantic == "POSITION";
+                use->in_draco |= packed && packed->contains(semantic);
+            }
+            if (const Json* accessor = accessor_at(item.value()))
+                quantized_ |= !is_plain_type(semantic, *accessor, of_target);
         }
     }
 
-    void use(const Json& index, const Use& as) {
-        if (!index.is_number_unsigned() || index.get<std::uint64_t>() >= own_accessors_) return;
-        Use& all = uses_[index.get<std::size_t>()];
-        all.is_vertex_data |= as.is_vertex_data;
-        all.has_bounds |= as.has_bounds;
-        all.in_draco |= as.in_draco;
+    const Json* accessor_at(const Json& index) const {
+        const Json& list = json_["accessors"];
+        return index.is_number_unsigned() && index.get<std::uint64_t>() < list.size()
+                   ? &list[index.get<std::size_t>()]
+                   : nullptr;
+    }
+    // Null for those that were made while writing, which are valid.
+    Use* use_of(const Json& index) {
+        const bool own = index.is_number_unsigned() && index.get<std::uint64_t>() < own_accessors_;
+        return own ? &uses_[index.get<std::size_t>()] : nullptr;
     }
 
     const Json& view_of(const Json& accessor) const {
@@ -138,21 +136,23 @@ class DocumentRepair {
                number_of(view_of(accessor), "byteStride", tight_size(accessor)) % alignment == 0;
     }
 
-    // Views without a stride that several vertex accessors share: where all have elements of one
-    // size, that is their stride.
+    // Views without a stride that several vertex accessors share: where nothing else refers to
+    // them, and all have elements of one size, that is their stride.
     void give_strides() {
+        std::map<std::uint64_t, unsigned> references;
+        visit_views(json_, [&](Json& view) { ++references[view.get<std::uint64_t>()]; });
         struct View {
             unsigned accessors = 0;
             std::size_t size = 0;
             bool alike = true;
         };
-        std::map<std::size_t, View> views;
+        std::map<std::uint64_t, View> views;
         for (const auto& [index, use] : uses_) {
             const Json& accessor = json_["accessors"][index];
-            if (!use.is_vertex_data || !has_plain_view(accessor) ||
+            if (!use.is_vertex_data() || !has_plain_view(accessor) ||
                 view_of(accessor).contains("byteStride"))
                 continue;
-            View& view = views[accessor["bufferView"].get<std::size_t>()];
+            View& view = views[accessor["bufferView"].get<std::uint64_t>()];
             const std::size_t size = tight_size(accessor);
             view.alike &= ++view.accessors == 1 || view.size == size;
             view.size = size;
@@ -160,9 +160,10 @@ class DocumentRepair {
         constexpr std::size_t largest_stride = 252;
         for (const auto& [index, view] : views) {
             if (view.accessors < 2) continue;
-            if (view.alike && view.size % alignment == 0 && view.size <= largest_stride) {
+            if (view.alike && view.accessors == references[index] && view.size % alignment == 0 &&
+                view.size <= largest_stride) {
                 json_["bufferViews"][index]["byteStride"] = view.size;
-                laid_apart_ = true;
+                laid_out_ = true;
             } else {
                 unsaid_.insert(index);
             }
@@ -170,7 +171,7 @@ class DocumentRepair {
     }
     bool shares_unsaid_stride(const Json& accessor) const {
         return has_plain_view(accessor) &&
-               unsaid_.contains(accessor["bufferView"].get<std::size_t>());
+               unsaid_.contains(accessor["bufferView"].get<std::uint64_t>());
     }
 
     static std::size_t tight_size(const Json& accessor) {
@@ -186,8 +187,10 @@ class DocumentRepair {
         const std::size_t stride = (size + alignment - 1) / alignment * alignment;
         copied_ += source["count"].get<std::uint64_t>() * stride;
         if (source["type"].get<std::string>().starts_with("MAT") ||
-            copied_ > most_copies * document_.input_bytes)
+            copied_ > most_copies * document_.input_bytes) {
+            left_ = true;
             return;
+        }
         const Result<RawAccessor> raw = document_.raw_accessor(index);
         if (!raw) return;
         std::vector<std::byte> bytes(raw->count * stride);
@@ -199,13 +202,13 @@ class DocumentRepair {
         accessor["bufferView"] = view;
         accessor.erase("byteOffset");
         accessor.erase("sparse");
-        laid_apart_ = true;
+        laid_out_ = true;
     }
 
     void repair_bounds(std::size_t index, const Use& use) {
         Json& accessor = json_["accessors"][index];
         const bool said = accessor.contains("min") || accessor.contains("max");
-        if (!said && !use.has_bounds) return;
+        if (!said && !use.needs_bounds) return;
         if (!accessor.contains("bufferView") && !accessor.contains("sparse")) return;
         // 32-bit integers do not go through floats, which set_bounds() takes.
         if (accessor["componentType"] == 5125) return;
@@ -219,7 +222,7 @@ class DocumentRepair {
                 if (!std::isfinite(value.get<double>())) return;  // noted elsewhere
         }
         for (const char* key : {"min", "max"}) {
-            if (!use.has_bounds && !accessor.contains(key)) continue;
+            if (!use.needs_bounds && !accessor.contains(key)) continue;
             if (is_same(accessor, computed, key)) continue;
             accessor[key] = computed[key];
             bounds_repaired_ = true;
@@ -278,9 +281,9 @@ class DocumentRepair {
     std::vector<std::string>& notes_;
     std::size_t own_accessors_ = 0;
     std::map<std::size_t, Use> uses_;
-    std::set<std::size_t> unsaid_;  // shared views that no stride fits
-    std::uint64_t copied_ = 0;      // bytes
-    bool bounds_repaired_ = false, laid_apart_ = false, quantized_ = false;
+    std::set<std::uint64_t> unsaid_;  // shared views that no stride fits
+    std::uint64_t copied_ = 0;        // bytes
+    bool bounds_repaired_ = false, laid_out_ = false, left_ = false, quantized_ = false;
 };
 
 }  // namespace
