@@ -410,29 +410,28 @@ TEST(ContainedPictures, TriedFormatsStartNoProcess) {
 // A real decoder in the real process: the bits that it has here.
 TEST(ContainedPictures, TexelsAreThoseOfTheDecoderInThisProcess) {
     const test::TempDir dir;
-    prep::Image image;
-    image.width = 5;
-    image.height = 3;
-    image.channels = 3;
-    for (int k = 0; k < 45; ++k) image.pixels.push_back(float(k) / 44);
+    // SGI, plain: 512 bytes of head, then the planes from the bottom row up, a byte a texel.
+    std::string sgi{1, char(0xda), 0, 1, 0, 3, 0, 5, 0, 3, 0, 3};
+    sgi.resize(512);
+    for (int k = 0; k < 45; ++k) sgi += char(5 * k);
+    const fs::path file = dir / "a.sgi";
+    test::write_text(file, sgi);
     prep::ImageOptions options;
     options.reader_process = std::make_shared<prep::ReaderProcess>();
-    std::size_t tried = 0;
-    for (const char* const ending : {"ico", "sgi", "dpx", "fits", "jp2", "rla"}) {
-        SCOPED_TRACE(ending);
-        const fs::path file = dir / ("a." + std::string(ending));
-        if (!prep::check_writable_image(file) || !prep::save_image(file, image)) continue;
-        const auto here = prep::load_image(file);
-        if (!here) continue;
-        const auto there = prep::load_image(file, options);
-        ASSERT_TRUE(there.has_value()) << prep::to_string(there.error());
-        EXPECT_EQ(here->pixels, there->pixels);
-        EXPECT_EQ(here->channels, there->channels);
-        EXPECT_EQ(here->srgb, there->srgb);
-        EXPECT_EQ(here->floating, there->floating);
-        ++tried;
-    }
-    EXPECT_GT(tried, 0u);
+    const auto here = prep::load_image(file);
+    ASSERT_TRUE(here.has_value()) << prep::to_string(here.error());
+    const auto there = prep::load_image(file, options);
+    ASSERT_TRUE(there.has_value()) << prep::to_string(there.error());
+    EXPECT_EQ(here->pixels, there->pixels);
+    EXPECT_EQ(here->channels, there->channels);
+    EXPECT_EQ(here->srgb, there->srgb);
+    EXPECT_EQ(here->floating, there->floating);
+    ASSERT_EQ(there->pixels.size(), 45u);
+    for (int y = 0; y < 3; ++y)
+        for (int x = 0; x < 5; ++x)
+            for (int c = 0; c < 3; ++c)
+                EXPECT_EQ(there->pixels[std::size_t((y * 5 + x) * 3 + c)],
+                          float(5 * (c * 15 + (2 - y) * 5 + x)) / 255);
     EXPECT_EQ(options.reader_process->started(), 1u);
 }
 

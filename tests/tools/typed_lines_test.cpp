@@ -175,8 +175,8 @@ const TypedLine typed_lines[] = {
      "others, or - for standard output)\n"
      "'meshprep help render' lists its options.\n"},
     {"render cube.obj -o x.zzz", 2,
-     "meshprep: error: x.zzz: no image format is known for the ending '.zzz'; use .png, .jpg or "
-     ".exr\n"},
+     "meshprep: error: x.zzz: images are not written as '.zzz'; use .png, .jpg, .exr, .tif, .hdr, "
+     ".webp, .tga, .bmp or .ppm\n"},
     {"render cube.obj -o x.png --size 1280", 2,
      "meshprep: error: --size: '1280' is not a size such as 1280x720, up to 32768x32768\n"
      "'meshprep help render' lists its options.\n"},

@@ -69,10 +69,19 @@ Result<Image> load_image(const ImageRef& ref);
 
 enum class PixelType : std::uint8_t { u8, u16, f16, f32 };
 
+// Whether files of this name's ending are pictures. What is in a file, its bytes say.
+bool is_image_name(const std::filesystem::path& path);
 // Whether pictures of this name's ending are written. Errors: unsupported (it says what is).
 Result<void> check_writable_image(const std::filesystem::path& path);
+// Whether they may have channels of this very type. JPEG and WebP lose something of their 8 bits;
+// HDR's f32 is RGBE, whose channels share an exponent and have 8 bits each.
+bool image_holds(const std::filesystem::path& path, PixelType type);
+// The narrowest type that they have and that loses nothing of `type`. Errors: unsupported (none,
+// or an ending that is not written).
+Result<PixelType> stored_type(const std::filesystem::path& path, PixelType type);
 
 // Writes `pixels` as they are (encode sRGB before). The format follows the ending: png, jpg, exr, …
+// Channels are of stored_type(). Errors: unsupported, invalid (an empty picture), limit, io.
 // The file appears complete or not at all (temporary name, then rename).
 Result<void> save_image(const std::filesystem::path& path, const Image& image,
                         PixelType type = PixelType::u8);

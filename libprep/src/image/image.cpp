@@ -94,16 +94,13 @@ Result<Image> detail::decode_picture(std::span<const std::byte> bytes, const std
 }
 
 Result<void> save_image(const std::filesystem::path& path, const Image& image, PixelType type) {
+    const auto stored = stored_type(path, type);
+    if (!stored) return stored.error();
     const auto& images = detail::image_backend();
     if (!images) return images.error();
-    const auto bytes = (*images)->encode(path, image, type);
+    const auto bytes = (*images)->encode(path, image, *stored);
     if (!bytes) return bytes.error();
     return write_file(path, *bytes);
-}
-
-Result<void> check_writable_image(const std::filesystem::path& path) {
-    const auto& images = detail::image_backend();
-    return images ? (*images)->check_writable(path) : Result<void>(images.error());
 }
 
 Result<std::vector<std::byte>> encode_png(const Image& image, PixelType type) {

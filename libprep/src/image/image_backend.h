@@ -26,7 +26,6 @@ struct ImageBackend {
                             std::string_view format);
     Result<std::vector<std::byte>> (*encode)(const std::filesystem::path&, const Image&, PixelType);
     Result<std::vector<std::byte>> (*encode_png)(const Image&, PixelType);
-    Result<void> (*check_writable)(const std::filesystem::path&);
     // `path` names the format and stands in messages; `file` is written.
     Result<std::unique_ptr<RowWriter>> (*open_rows)(const std::filesystem::path& path,
                                                     const std::filesystem::path& file,

@@ -45,16 +45,20 @@ ImageFiles::ImageFiles(Rules rules) : state_(std::make_unique<State>(std::move(r
 ImageFiles::~ImageFiles() = default;
 
 Result<std::size_t> ImageFiles::open(const std::filesystem::path& path, const ImageLayout& layout) {
+    const auto stored = stored_type(path, layout.type);
+    if (!stored) return stored.error();
     const auto& images = detail::image_backend();
     if (!images) return images.error();
     const auto staged = state_->files.stage(path);
     if (!staged) return staged.error();
-    auto writer = (*images)->open_rows(path, *staged, layout);
+    ImageLayout typed = layout;
+    typed.type = *stored;
+    auto writer = (*images)->open_rows(path, *staged, typed);
     if (!writer) {
         state_->files.drop_last();
         return writer.error();
     }
-    state_->open.push_back({path.string(), layout, 0, *std::move(writer)});
+    state_->open.push_back({path.string(), std::move(typed), 0, *std::move(writer)});
     return state_->open.size() - 1;
 }
 

@@ -38,14 +38,6 @@ using prep::Error;
 using prep::ErrorCode;
 using prep::Result;
 
-bool is_picture(const std::filesystem::path& path) {
-    static const char* const endings[] = {"png", "jpg", "jpeg", "exr", "tif", "tiff", "tga",
-                                          "bmp", "hdr", "webp", "gif", "pfm", "ppm"};
-    const std::string ending = lower_ending(path);
-    return std::any_of(std::begin(endings), std::end(endings),
-                       [&](const char* e) { return ending == e; });
-}
-
 // Whether the tolerance or the gate holds, and what was found.
 struct Verdict {
     bool within = true;
@@ -395,7 +387,7 @@ int run(const DiffCommand& command, Console& console) {
                          "-"};
         if (const Result<void> fresh = require_unread({command.a, command.b}, 1); !fresh)
             return fresh.error();
-        if (is_picture(command.a) != is_picture(command.b))
+        if (prep::is_image_name(command.a) != prep::is_image_name(command.b))
             return Error{ErrorCode::invalid,
                          "one is a picture, the other a mesh; give two of a kind",
                          command.b.string()};
@@ -403,8 +395,8 @@ int run(const DiffCommand& command, Console& console) {
             if (!command.page.empty() && !path.empty() && identity(path) == identity(command.page))
                 return Error{ErrorCode::invalid, "is an input as well; give the page another name",
                              command.page.string()};
-        return is_picture(command.a) ? diff_pictures(command, console)
-                                     : diff_meshes(command, console);
+        return prep::is_image_name(command.a) ? diff_pictures(command, console)
+                                              : diff_meshes(command, console);
     };
     const Result<Verdict> verdict = compare();
     if (!verdict) {

@@ -31,30 +31,30 @@ using prep::Result;
 
 constexpr double degrees = 180 / std::numbers::pi;
 
-// By the ending and what was asked for.
+// By the ending and what was asked for. If nothing was, 16 bits, which hold more than the heights
+// of most maps do; if the format has none, floats, then 8.
 Result<prep::PixelType> pixel_type(const HeightToNormalCommand& command) {
+    using prep::PixelType;
+    if (auto writable = prep::check_writable_image(command.output); !writable)
+        return writable.error();
     const std::string ending = lower_ending(command.output);
-    const auto is = [&](std::initializer_list<const char*> endings) {
-        return std::any_of(endings.begin(), endings.end(),
-                           [&](const char* e) { return ending == e; });
-    };
-    const bool floats = is({"exr", "hdr", "pfm"});
-    const bool words = is({"png", "tif", "tiff", "ppm"});
-    const int most = floats ? 32 : words ? 16 : 8;
-    const int bits = command.bits == 0 ? most : command.bits;
-    if ((floats && bits != 32) || bits > most)
+    if (ending == "hdr")
         return Error{ErrorCode::unsupported,
-                     fmt::format("{} pictures have {} bits a channel here, not {}: leave --bits "
-                                 "out, or write another format",
-                                 ending,
-                                 floats  ? "32"
-                                 : words ? "8 or 16"
-                                         : "8",
-                                 bits),
+                     "the channels of .hdr pictures share an exponent, and have fewer than 8 bits "
+                     "of a normal; use .png or .exr",
                      command.output.string()};
-    return bits == 8    ? prep::PixelType::u8
-           : bits == 16 ? prep::PixelType::u16
-                        : prep::PixelType::f32;
+    std::string held;
+    for (const auto& [bits, type] :
+         {std::pair{16, PixelType::u16}, {32, PixelType::f32}, {8, PixelType::u8}}) {
+        if (!prep::image_holds(command.output, type)) continue;
+        if (command.bits == 0 || command.bits == bits) return type;
+        held += (held.empty() ? "" : " or ") + std::to_string(bits);
+    }
+    return Error{ErrorCode::unsupported,
+                 fmt::format("{} pictures have {} bits a channel here, not {}: leave --bits out, "
+                             "or write another format",
+                             ending, held, command.bits),
+                 command.output.string()};
 }
 
 struct Slopes {
@@ -86,8 +86,6 @@ Result<Json> convert(const HeightToNormalCommand& command, Console& console) {
     const Result<prep::PixelType> type = pixel_type(command);
     if (!type) return type.error();
     if (const Result<void> there = require_file(command.input); !there) return there.error();
-    if (const Result<void> writable = prep::check_writable_image(command.output); !writable)
-        return writable.error();
     std::error_code ec;
     if (std::filesystem::equivalent(command.input, command.output, ec))
         return Error{ErrorCode::invalid, "the normal map would be written over the heights",
@@ -188,8 +186,7 @@ void define(OptionSet& options, HeightToNormalCommand& c) {
         "What lies beyond the picture's border: the other side (default), itself turned over, or "
         "its last texels");
     options.one_of("--bits", c.bits, {8, 16, 32}, "N",
-                   "Of each channel (default: the most of the format: 16 for PNG and TIFF, 32 for "
-                   "EXR, 8 for others)");
+                   "Of each channel (default: 16 for PNG and TIFF, 32 for EXR, 8 for others)");
     options.flag("--no-overwrite", c.replace,
                  "An output file that exists is an error instead of being replaced", false);
     add_common_options(options, c.common);

@@ -7,15 +7,13 @@
 extern "C" __attribute__((visibility("default"))) const prep::detail::ImageBackend*
 MESHPREP_IMAGE_BACKEND() {
     static const prep::detail::ImageBackend backend{
-        prep::detail::read_picture_file,
-        prep::detail::read_picture_bytes,
+        prep::detail::read_picture_file, prep::detail::read_picture_bytes,
         [](const std::filesystem::path& path, const prep::Image& image, prep::PixelType type) {
             return prep::detail::encode_image(path, image, type);
         },
         [](const prep::Image& image, prep::PixelType type) {
             return prep::encode_png(image, type);
         },
-        [](const std::filesystem::path& path) { return prep::check_writable_image(path); },
         [](const std::filesystem::path& path, const std::filesystem::path& file,
            const prep::ImageLayout& layout) {
             return prep::detail::open_rows(path, file, layout);

@@ -11,8 +11,8 @@
 
 namespace prep::detail {
 
-// By the ending of `path`, which is given back in lower case. Errors: unsupported (no ending,
-// one that no writer knows, or one whose writer does not notice that its bytes do not arrive).
+// By the ending of `path`, one that check_writable_image() has let pass; it is given back in lower
+// case. Errors: unsupported (an OpenImageIO without that writer).
 Result<std::unique_ptr<OIIO::ImageOutput>> output_for(const std::filesystem::path& path,
                                                       std::string& ending);
 

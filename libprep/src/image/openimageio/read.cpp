@@ -47,28 +47,41 @@ constexpr std::string_view known_formats[] = {
 
 constexpr int most_channels = 32;  // as Image::integer_channels has bits
 
-Result<void> check_spec(const oiio::ImageSpec& spec, std::uint64_t count, std::uint64_t file_bytes,
-                        const std::string& place) {
+// The size of the picture: that of EXR's display window, of which a file may hold a part. What
+// other formats say of places on a page is not about the picture.
+struct Extent {
+    std::int64_t x = 0, y = 0, width = 0, height = 0;
+};
+Extent extent_of(const oiio::ImageInput& input, const oiio::ImageSpec& spec) {
+    if (std::string_view(input.format_name()) == "openexr")
+        return {spec.full_x, spec.full_y, spec.full_width, spec.full_height};
+    return {spec.x, spec.y, spec.width, spec.height};
+}
+
+Result<void> check_spec(const oiio::ImageSpec& spec, const Extent& full, std::uint64_t count,
+                        std::uint64_t file_bytes, const std::string& place) {
     if (spec.deep)
         return Error{ErrorCode::unsupported,
                      "this is a deep image; flatten it before using it as a texture", place};
-    if (spec.width <= 0 || spec.height <= 0 || spec.nchannels <= 0)
+    if (spec.width <= 0 || spec.height <= 0 || full.width <= 0 || full.height <= 0 ||
+        spec.nchannels <= 0)
         return Error{ErrorCode::invalid, "the image is empty", place};
     if (spec.depth > 1)
         return Error{ErrorCode::unsupported, "this is a volume image; a flat one is needed", place};
-    if (std::uint32_t(spec.width) > max_image_extent ||
-        std::uint32_t(spec.height) > max_image_extent)
+    const auto width = std::uint64_t(std::max(std::int64_t(spec.width), full.width));
+    const auto height = std::uint64_t(std::max(std::int64_t(spec.height), full.height));
+    if (width > max_image_extent || height > max_image_extent)
         return Error{ErrorCode::limit,
-                     "the image is " + std::to_string(spec.width) + " x " +
-                         std::to_string(spec.height) + " pixels, at most " +
-                         std::to_string(max_image_extent) + " each way are read; scale it down",
+                     "the image is " + std::to_string(width) + " x " + std::to_string(height) +
+                         " pixels, at most " + std::to_string(max_image_extent) +
+                         " each way are read; scale it down",
                      place};
-    const std::uint64_t pixels = std::uint64_t(spec.width) * std::uint64_t(spec.height);
+    const std::uint64_t pixels = width * height;
     const std::uint64_t need = pixels * count * sizeof(float);
     if (need > always_allowed_bytes && need / largest_compression > file_bytes)
         return Error{ErrorCode::invalid,
-                     "the header promises " + std::to_string(spec.width) + " x " +
-                         std::to_string(spec.height) + " pixels, but the file has only " +
+                     "the header promises " + std::to_string(width) + " x " +
+                         std::to_string(height) + " pixels, but the file has only " +
                          std::to_string(file_bytes) + " bytes; it is truncated or damaged",
                      place};
     return {};
@@ -112,6 +125,32 @@ void straighten(const oiio::ImageInput& input, Image& image) {
     }
 }
 
+// OpenImageIO multiplies by 1/255 or 1/65535 in floats: the last bit of a third of the values is
+// not that of the quotient, and a level of 8 bits is not that of the same value in 16.
+void make_exact(Image& image) {
+    if (image.integer_bits == 0) return;
+    const float top = image.integer_bits == 8 ? 255.0f : 65535.0f;
+    for (float& v : image.pixels) v = std::nearbyint(v * top) / top;
+}
+
+// What the file does not hold of its picture is 0; what it holds beyond it is left out.
+template <class T>
+void fit_to_picture(const oiio::ImageSpec& spec, const Extent& full, std::size_t channels,
+                    std::vector<T>& values) {
+    if (values.empty()) return;
+    std::vector<T> placed(std::size_t(full.width * full.height) * channels);
+    const std::int64_t x = std::int64_t(spec.x) - full.x, y = std::int64_t(spec.y) - full.y;
+    const std::int64_t left = std::max(x, std::int64_t(0));
+    const std::int64_t right = std::min(x + spec.width, full.width);
+    const std::int64_t bottom = std::min(y + spec.height, full.height);
+    for (std::int64_t row = std::max(y, std::int64_t(0)); left < right && row < bottom; ++row) {
+        const auto from = std::size_t((row - y) * spec.width + (left - x)) * channels;
+        std::copy_n(&values[from], std::size_t(right - left) * channels,
+                    &placed[std::size_t(row * full.width + left) * channels]);
+    }
+    values = std::move(placed);
+}
+
 Result<void> check_complete(const detail::ByteSource& file, const std::string& place) {
     const std::string missing = detail::missing_part(file);
     if (missing.empty()) return {};
@@ -152,7 +191,8 @@ Result<Image> read(oiio::ImageInput& input, ImageChannels channels, std::uint64_
                          std::to_string(most_channels) + " are read",
                      place};
     const int count = all ? spec.nchannels : std::min(spec.nchannels, 4);
-    if (auto checked = check_spec(spec, std::uint64_t(std::max(count, 0)), file_bytes, place);
+    const Extent full = extent_of(input, spec);
+    if (auto checked = check_spec(spec, full, std::uint64_t(std::max(count, 0)), file_bytes, place);
         !checked)
         return checked.error();
     Image image;
@@ -170,10 +210,18 @@ Result<Image> read(oiio::ImageInput& input, ImageChannels channels, std::uint64_
         return Error{ErrorCode::syntax,
                      "the image cannot be decoded: " + reason_of(input.geterror()), place};
     }
+    make_exact(image);
     straighten(input, image);
     if (!read_integers(input, image))
         return Error{ErrorCode::syntax,
                      "the image cannot be decoded: " + reason_of(input.geterror()), place};
+    if (full.x != spec.x || full.y != spec.y || full.width != spec.width ||
+        full.height != spec.height) {
+        fit_to_picture(spec, full, image.channels, image.pixels);
+        fit_to_picture(spec, full, image.channels, image.integers);
+        image.width = std::uint32_t(full.width);
+        image.height = std::uint32_t(full.height);
+    }
     input.close();
     return image;
 }

@@ -130,14 +130,6 @@ Result<std::vector<std::byte>> encode_image(const std::filesystem::path& path, c
 
 }  // namespace detail
 
-Result<void> check_writable_image(const std::filesystem::path& path) {
-    return detail::guarded(ErrorCode::io, path.string(), [&]() -> Result<void> {
-        std::string ending;
-        if (auto made = detail::output_for(path, ending); !made) return made.error();
-        return {};
-    });
-}
-
 Result<std::vector<std::byte>> encode_png(const Image& image, PixelType type) {
     const std::string place = "memory.png";
     if (auto checked = check(image, place); !checked) return checked.error();
