@@ -148,22 +148,28 @@ TEST(GltfMaterials, EmissiveStrengthMultipliesAndUnlitIsTold) {
     EXPECT_TRUE(m.unlit);
 }
 
+// The extension's README: F0 is the specular colour, what scatters is diffuse · (1 − max(F0)), and
+// α = (1 − glossiness)²: a metallic-roughness material of no metal.
 TEST(GltfMaterials, SpecularGlossinessTakesThePlaceOfMetallicRoughness) {
     const prep::Material m = material(Json::parse(R"({
         "pbrMetallicRoughness": {"baseColorFactor": [0, 0, 0, 0],
-                                 "baseColorTexture": {"index": 4}},
-        "extensions": {"KHR_materials_pbrSpecularGlossiness": {
+                                 "baseColorTexture": {"index": 4},
+                                 "metallicRoughnessTexture": {"index": 2}},
+        "extensions": {"KHR_materials_ior": {"ior": 2},
+                       "KHR_materials_pbrSpecularGlossiness": {
             "diffuseFactor": [0.1, 0.2, 0.3, 0.4], "specularFactor": [0.5, 0.6, 0.7],
             "glossinessFactor": 0.75,
             "diffuseTexture": {"index": 1, "texCoord": 2},
             "specularGlossinessTexture": {"index": 3, "texCoord": 1}}}})"));
-    EXPECT_FALSE(m.metallic_roughness);
-    EXPECT_EQ(m.diffuse, glm::vec4(0.1f, 0.2f, 0.3f, 0.4f));
-    EXPECT_EQ(m.specular, glm::vec3(0.5f, 0.6f, 0.7f));
+    EXPECT_TRUE(m.metallic_roughness);
+    EXPECT_EQ(m.metallic, 0);
+    EXPECT_FALSE(m.metallic_roughness_map);
+    const glm::vec4 scattered(0.03f, 0.06f, 0.09f, 0.4f);
+    for (int k = 0; k < 4; ++k) EXPECT_NEAR(m.diffuse[k], scattered[k], 1e-7) << k;
+    EXPECT_EQ(m.reflectance, glm::vec3(0.5f, 0.6f, 0.7f));
     expect_map(m.diffuse_map, 1, 2, 1, "diffuse");
     expect_map(m.specular_map, 3, 1, 1, "specular");
-    // The exponent of the lobe as wide as a microfacet distribution: 2/α² − 2, α = (1 − g)².
-    EXPECT_NEAR(double(m.shininess), 2 / std::pow(0.25, 4) - 2, 1e-3);
+    EXPECT_EQ(m.roughness, 0.25f);
 }
 
 TEST(GltfMaterials, SpecularGlossinessWithoutItsMembersIsWhiteSmoothAndWithoutMaps) {
@@ -171,16 +177,15 @@ TEST(GltfMaterials, SpecularGlossinessWithoutItsMembersIsWhiteSmoothAndWithoutMa
         "pbrMetallicRoughness": {"baseColorFactor": [0, 0, 0, 0],
                                  "baseColorTexture": {"index": 4}},
         "extensions": {"KHR_materials_pbrSpecularGlossiness": {}}})"));
-    EXPECT_EQ(m.diffuse, glm::vec4(1));
-    EXPECT_EQ(m.specular, glm::vec3(1));
+    EXPECT_EQ(m.diffuse, glm::vec4(0, 0, 0, 1)) << "a mirror scatters nothing";
+    EXPECT_EQ(m.reflectance, glm::vec3(1));
     EXPECT_FALSE(m.diffuse_map);
     EXPECT_FALSE(m.specular_map);
-    EXPECT_NEAR(double(m.shininess), 2 / (0.02 * 0.02) - 2, 0.01) << "α is at least 0.02";
-    EXPECT_NEAR(double(material(Json::parse(
-                                    R"({"extensions": {"KHR_materials_pbrSpecularGlossiness":
+    EXPECT_EQ(m.roughness, 0);
+    EXPECT_EQ(material(Json::parse(R"({"extensions": {"KHR_materials_pbrSpecularGlossiness":
                                        {"glossinessFactor": 0}}})"))
-                           .shininess),
-                0, 1e-6);
+                  .roughness,
+              1);
 }
 
 TEST(GltfMaterials, OurOwnFilesSayTheBlinnPhongMaterialExactly) {

@@ -143,7 +143,7 @@ TEST(GltfPrimitives, CornersHaveTheAttributesOfTheirOwnPrimitiveOnly) {
     const std::size_t uvs = maker.accessor(Floats{1, 2, 3, 4, 5, 6}, "VEC2");
     const std::size_t rgba =
         maker.accessor<std::uint8_t>({255, 0, 0, 51, 0, 255, 0, 102, 0, 0, 255, 0}, "VEC4", true);
-    const std::size_t rgb = maker.accessor(Floats{1, 0.5f, 0, 0, 0.5f, 1, 0, 0, 0}, "VEC3");
+    const std::size_t rgb = maker.accessor(Floats{1.5f, 0.5f, 0, 0, 0.5f, 1, 0, -0.25f, 0}, "VEC3");
     const std::size_t a = add_positions(maker, 3), b = add_positions(maker, 3, 3),
                       c = add_positions(maker, 3, 6);
     maker.mesh({{{"attributes", {{"POSITION", a}, {"COLOR_0", rgba}}}},
@@ -174,6 +174,7 @@ TEST(GltfPrimitives, CornersHaveTheAttributesOfTheirOwnPrimitiveOnly) {
     EXPECT_EQ(at(mesh.colors[0], 2), glm::vec4(0, 0, 1, 0));
     EXPECT_EQ(at(mesh.colors[0], 3), glm::vec4(1, 0.5f, 0, 1)) << "RGB is opaque";
     EXPECT_EQ(at(mesh.colors[0], 4), glm::vec4(0, 0.5f, 1, 1));
+    EXPECT_EQ(at(mesh.colors[0], 5), glm::vec4(0, 0, 0, 1)) << "within 0 and 1";
 }
 
 TEST(GltfPrimitives, PointCloudsHaveTheirColoursByVertexWhiteWhereThereAreNone) {

@@ -80,6 +80,17 @@ TEST(HardEdges, CylinderIsHardAroundItsCaps) {
     }
 }
 
+// Each of a cap's edges is decided exactly, and the cap's own normal, a sum of as many products, is
+// made once: 20,000 times it would take minutes.
+TEST(HardEdges, CapsOfManyCornersAreDecidedExactly) {
+    const std::uint32_t segments = 20000;
+    Mesh mesh = shapes::cylinder(segments);
+    const auto square = hard_of(mesh, at_angle(90));
+    EXPECT_EQ(square.hard_count, 0u);
+    EXPECT_EQ(square.exact_decisions, 2 * segments);
+    EXPECT_EQ(hard_of(mesh, at_angle(89.999)).hard_count, 2 * segments);
+}
+
 TEST(HardEdges, BowTieHasTheEdgesOfTwoTetrahedra) {
     EXPECT_EQ(hard_of(shapes::bow_tie()).hard_count, 12u);
     EXPECT_EQ(hard_of(shapes::bow_tie(), at_angle(180)).hard_count, 0u);

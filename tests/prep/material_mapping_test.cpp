@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/ply/ply.h"
+#include "gltf_source.h"
 #include "mesh_files.h"
 #include "prep/image.h"
 #include "prep/load.h"
@@ -226,7 +227,22 @@ TEST(Transparency, AFileOfWhichNothingWouldBeSeenIsMadeOpaque) {
         EXPECT_EQ(kept.materials[0].alpha_mode, prep::AlphaMode::blend);
         EXPECT_EQ(kept.warnings,
                   Words{"all 2 materials are wholly transparent (opacity 0): nothing "
-                        "of the model will be seen"});
+                        "of the model is seen where that is obeyed"});
+    }
+}
+
+// A mask that cuts nothing hides nothing.
+TEST(Transparency, OfMasksTheCutoffDecides) {
+    for (const double cutoff : {0.0, 0.5}) {
+        test::GltfSource gltf;
+        gltf.json["materials"] = {{{"alphaMode", "MASK"},
+                                   {"alphaCutoff", cutoff},
+                                   {"pbrMetallicRoughness", {{"baseColorFactor", {1, 1, 1, 0}}}}}};
+        const std::size_t positions = gltf.add_positions({0, 0, 0, 1, 0, 0, 0, 1, 0});
+        gltf.mesh({{{"attributes", {{"POSITION", positions}}}, {"material", 0}}});
+        const test::TempDir dir;
+        gltf.write(dir / "a.gltf");
+        EXPECT_EQ(prep::load_scene(dir / "a.gltf").value().warnings.size(), cutoff > 0 ? 1u : 0u);
     }
 }
 

@@ -238,6 +238,18 @@ TEST(SceneJson, PicturesAskForWhatTheCommandOffers) {
     refuse(R"({"exposure": 0})", "#/picture/exposure", "1e-06");
 }
 
+TEST(SceneJson, ShapesHaveTheFewestPartsThatMakeThem) {
+    const auto refuse = [](const std::string& shape, const char* place, const char* says) {
+        const std::string text = R"({"meshprep": 1, "meshes": {"a": {"shape": )" + shape + "}}}";
+        expect({text.c_str(), ErrorCode::invalid, place, says});
+    };
+    refuse(R"({"kind": "sphere", "segments": 2})", "#/meshes/a/shape/segments", "3 that make");
+    refuse(R"({"kind": "cylinder", "segments": 1})", "#/meshes/a/shape/segments", "3 that make");
+    refuse(R"({"kind": "sphere", "rings": 1})", "#/meshes/a/shape/rings", "2 that make");
+    refuse(R"({"kind": "torus", "rings": 2})", "#/meshes/a/shape/rings", "3 that make");
+    refuse(R"({"kind": "torus", "segments": 2})", "#/meshes/a/shape/segments", "3 that make");
+}
+
 TEST(SceneJson, GeneratedShapesAreLimitedTogether) {
     expect({R"({"meshprep": 1, "meshes": {"a": {"shape":
                {"kind": "sphere", "segments": 16777216, "rings": 2}}}})",

@@ -279,7 +279,7 @@ TEST(ShadeStages, WhatNobodyReadsIsNotThere) {
     EXPECT_EQ(stages_for(request, {}).map_count, 1u);
     // Several on the same texels, the middle one for nothing.
     StageRequest three;
-    three.unlit = true;
+    three.highlights = false;
     three.maps[0] = {MapKind::diffuse, 0, false};
     three.maps[1] = {MapKind::specular, 0, true};
     three.maps[2] = {MapKind::emissive, 0, true};

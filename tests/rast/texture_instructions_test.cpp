@@ -167,6 +167,9 @@ TEST_P(TextureInstructions, ReadTwoMapsAsEachAlone) {
             sampler.image = 1;
             scene.scene.images.push_back(images[1]);
             scene.scene.textures.push_back(sampler);
+            // Lit by nothing but ambient light of 1: a sum of both texels.
+            scene.scene.materials[0].unlit = false;
+            scene.scene.materials[0].ambient = glm::vec3(1);
             material = scene.scene.materials[0];
             material.diffuse_map.texture = diffuse;
             material.emissive_map.texture = emissive;
@@ -182,6 +185,10 @@ TEST_P(TextureInstructions, ReadTwoMapsAsEachAlone) {
                 request.filter = filter;
                 request.keep_uvs = request.keep_ids = true;
                 request.view = test::look_at({-0.4, 0.3, 1.2}, {0.6, 0, -1.5});
+                rast::LightInstance everywhere;
+                everywhere.kind = prep::LightKind::ambient;
+                everywhere.color = glm::vec3(1);
+                request.lights = {everywhere};
                 SCOPED_TRACE("wrap " + std::to_string(wrap));
                 const rast::Frame frame = draw_on_all(scene, request);
                 if (filter >= rast::TextureFilter::trilinear) continue;  // footprints are not kept

@@ -97,6 +97,44 @@ std::string gltf_with_positions(const std::string& base64, const std::string& no
 const std::string triangle_base64 = "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA";
 const std::string nan_base64 = "AADAfwAAwH8AAMB/AADAfwAAwH8AAMB/AADAfwAAwH8AAMB/";
 
+// "--gate $GATE" of a variable that is not set must not pass everything.
+TEST(Command, AnEmptyValueIsNoneAtAll) {
+    const TempDir dir;
+    write_text(dir / "a.obj", test::cube_obj());
+    const std::string a = (dir / "a.obj").string(), out = (dir / "a.glb").string();
+    for (const std::vector<std::string>& words :
+         std::vector<std::vector<std::string>>{{"diff", a, a, "--gate", ""},
+                                               {"diff", a, a, "--report", ""},
+                                               {"prepare", a, "-o", out, "--manifest", ""},
+                                               {"prepare", a, "-o", out, "--for", ""},
+                                               {"prepare", a, "-o", out, "--hard-borders", ""},
+                                               {"prepare", a, "-o", out, "--allow-extension", ""},
+                                               {"prepare", a, "-o", ""},
+                                               {"prepare", "", "-o", out},
+                                               {"inspect", ""}}) {
+        const test::Ran ran = test::run_here(words);
+        EXPECT_EQ(ran.exit_code, 2) << words[0] << ' ' << words[words.size() - 2];
+        EXPECT_NE(ran.err.find("is empty"), std::string::npos) << ran.err;
+    }
+    EXPECT_FALSE(std::filesystem::exists(out));
+}
+
+TEST(Command, WhatFollowsTwoDashesIsAFile) {
+    const TempDir dir;
+    std::filesystem::create_directory(dir / "out");
+    const std::filesystem::path before = std::filesystem::current_path();
+    std::filesystem::current_path(dir.path());
+    write_text("-d.obj", test::cube_obj());
+    write_text("a.obj", test::cube_obj());
+    const test::Ran two = test::run_here({"prepare", "-o", "out/", "a.obj", "--", "-d.obj"});
+    const test::Ran one = test::run_here({"inspect", "--json", "--", "-d.obj"});
+    std::filesystem::current_path(before);
+    EXPECT_EQ(two.exit_code, 0) << two.err;
+    EXPECT_TRUE(std::filesystem::exists(dir / "out/-d.glb"));
+    EXPECT_TRUE(std::filesystem::exists(dir / "out/a.glb"));
+    EXPECT_EQ(one.exit_code, 0) << one.err;
+}
+
 TEST(Command, AnUnknownSubcommandIsNamedWithThoseThatAre) {
     const test::Ran ran = run_command({"bake"});
     EXPECT_EQ(ran.exit_code, 2);

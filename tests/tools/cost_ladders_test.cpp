@@ -292,6 +292,18 @@ TEST(CostLadders, AntiAliasingOfAMeshThatIsGiven) {
     EXPECT_GT(n["1 sample"][0], 0.02);
     prep::Mesh none;
     EXPECT_FALSE(cost::anti_aliasing_ladder({"none", &none, 1}));
+    // Too small for floats, which drew nothing.
+    prep::Mesh small = shapes::icosphere(1);
+    for (glm::vec3& p : small.positions) p *= 1e-36f;
+    EXPECT_FALSE(cost::anti_aliasing_ladder({"small", &small, 1}));
+    // A corner that is nowhere takes its triangles along, and no more; and front and back of a
+    // ball cover a pixel once.
+    prep::Mesh ball = shapes::icosphere(2);
+    ball.positions[7].y = NAN;
+    auto nowhere = climbed(ladder_named("anti-aliasing", &ball));
+    EXPECT_LT(nowhere["exact areas"][0], 0.001);
+    EXPECT_LT(nowhere["exact areas"][3], 0.001);
+    EXPECT_GT(nowhere["1 sample"][0], 0.01);
 }
 
 // Highlights too are between pixels: supersampling sees them, samples of one shading do not.

@@ -198,6 +198,22 @@ TEST(GateCases, LastBitsAreThoseOfThePlace) {
     EXPECT_NEAR(moved, 0.01 * std::sqrt(3.0), 1e-5);
 }
 
+// Where a last bit is a part of the mesh that a limit would hold, it is no excuse.
+TEST(GateCases, WhatMovesFarFromTheOriginIsSeen) {
+    Mesh mesh = shapes::icosphere(1);
+    for (glm::vec3& p : mesh.positions) p = p * 20.0f + glm::vec3(5e5f, 0, 4.6e6f);
+    const Scene a = scene_of(mesh);
+    for (const float step : {0.5f, 1.0f}) {  // one last bit and two
+        Scene b = a;
+        b.meshes[0].positions[3].z += step;
+        const judge::Judgement found = judged(a, b);
+        EXPECT_FALSE(found.within());
+        EXPECT_NEAR(row(found, "positions").value * found.diagonal, step, 1e-9);
+        EXPECT_GT(row(found, "distance").value, 0);
+    }
+    EXPECT_TRUE(judged(a, a).within());
+}
+
 TEST(GateCases, FacesAboutOneMiddleFindTheirPartners) {
     // 12,000 needles through one point, and 12,000 triangles in one place.
     std::vector<glm::vec3> points = {{0, 0, 1}, {1, 0, 1}, {0, 1, 1}};

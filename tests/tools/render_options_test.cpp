@@ -384,6 +384,32 @@ TEST(RenderReport, SaysWhatWasDrawnAndWhatWasNot) {
     EXPECT_NE(out.find(", 2 triangles; read "), std::string::npos) << out;
 }
 
+// What reading had to say is in the document as well; and a blank picture has its reason.
+TEST(RenderReport, HasTheWarningsOfReading) {
+    const TempDir dir;
+    write_text(dir / "a.obj", "mtllib none.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    test::GltfText nowhere;
+    nowhere.add({"m", {0, 0, 0, 1, 0, 0, 0, 1, 0}, {}, {}, {}, {0, 1, 2}, R"("material":0)", ""});
+    nlohmann::json gltf = nlohmann::json::parse(nowhere.text(R"("materials":[{"extensions":)"
+                                                             R"({"KHR_materials_unlit":{}}}])"));
+    write_text(dir / "unlit.gltf", gltf.dump());
+    gltf["nodes"][0].erase("mesh");
+    write_text(dir / "b.gltf", gltf.dump());
+    const auto warnings = [&](const std::string& name) {
+        const test::Ran ran = run_here({"render", (dir / name).string(), "-o",
+                                        (dir / "a.png").string(), "--size", "8x8", "--json"});
+        EXPECT_EQ(ran.exit_code, 0) << ran.err;
+        return ran.json()["warnings"].get<std::vector<std::string>>();
+    };
+    const std::vector<std::string> read = warnings("a.obj");
+    ASSERT_EQ(read.size(), 1u);
+    EXPECT_NE(read[0].find("none.mtl"), std::string::npos) << read[0];
+    EXPECT_EQ(warnings("b.gltf"),
+              std::vector<std::string>{"nothing is drawn: no node places a mesh"});
+    // Without light no normals are missed.
+    EXPECT_EQ(warnings("unlit.gltf"), std::vector<std::string>{});
+}
+
 TEST(RenderUsage, WrongNumbersAreUsageErrors) {
     const TempDir dir;
     write_text(dir / "c.obj", test::cube_obj());

@@ -84,7 +84,10 @@ TEST_F(Schema, HoldsForPrepare) {
         check({"prepare", at("cube.obj"), "-o", at("x.glb"), "--weight", "heavy"}, 2, lines);
         check({"prepare", "-o", at("x.glb")}, 2, lines);
     }
-    check({"prepare", at("map.gltf"), "-o", at("one.glb"), "--explain"}, 0);
+    for (const bool lines : {false, true})
+        check({"prepare", at("map.gltf"), "-o", at("one.glb"), "--explain", "--optimize",
+               "--quantize", "auto"},
+              0, lines);
     for (const bool lines : {false, true})
         for (const char* const degrees : {"0.1", "0"})
             check({"prepare", at("cube.obj"), "-o", at("few.glb"), "--quantize", "auto",

@@ -64,4 +64,29 @@ TEST(Validate, CountsTheMaterialsOfTheMesh) {
     EXPECT_EQ(materials("usemtl a\nf 1 2 3\nusemtl c\nf 1 3 4\n"), "2");
 }
 
+// The second mesh has a face twice, the first has no UVs, and neither has a map.
+TEST(Validate, TellsWhatIsOfTheMeshesShownAndOfTheFile) {
+    const TempDir dir;
+    test::GltfText gltf;
+    const std::vector<float> p = {0, 0, 0, 1, 0, 0, 0, 1, 0}, n = {0, 0, 1, 0, 0, 1, 0, 0, 1};
+    gltf.add({"plain", p, n, {}, {}, {0, 1, 2}, "", ""});
+    gltf.add({"twice", p, n, {0, 0, 1, 0, 0, 1}, {}, {0, 1, 2, 0, 1, 2}, "", ""});
+    test::write_text(dir / "m.gltf", gltf.text());
+    const auto file = [&](const std::vector<std::string>& more) {
+        std::vector<std::string> words{
+            "validate", (dir / "m.gltf").string(), "-o", (dir / "out").string(), "--panel", "64",
+            "--json"};
+        words.insert(words.end(), more.begin(), more.end());
+        const test::Ran ran = run_here(words);
+        EXPECT_EQ(ran.exit_code, 0) << ran.err;
+        return ran.json()["files"][0];
+    };
+    const auto all = file({}), first = file({"--mesh", "0"}), second = file({"--mesh", "1"});
+    EXPECT_EQ(all["warnings"], nlohmann::json::array());
+    EXPECT_FALSE(second["findings"].empty());
+    for (const auto& finding : first["findings"]) EXPECT_EQ(finding["mesh"], 0) << finding.dump();
+    for (const auto& finding : second["findings"]) EXPECT_EQ(finding["mesh"], 1) << finding.dump();
+    EXPECT_EQ(all["findings"].size(), first["findings"].size() + second["findings"].size());
+}
+
 }  // namespace

@@ -61,6 +61,9 @@ class Judge {
         }
         out_.diagonal = a_.diagonal();
         scale_ = out_.diagonal > 0 ? out_.diagonal : 1;
+        // Far from the origin last bits are large, and what moved by them is seen.
+        a_.limit_rounding(std::ldexp(scale_, -20));
+        b_.limit_rounding(std::ldexp(scale_, -20));
     }
 
     prep::Result<Judgement> run() {

@@ -66,8 +66,10 @@ WorldFaces::WorldFaces(const prep::Scene& of, Pieces pieces, const std::vector<s
         const glm::dmat4& world = instances[i].world;
         double terms = 0;  // the largest sum of what a coordinate is added up from
         for (std::uint32_t k = 0; k < count; ++k) {
+            // As they are seen: a mirrored face runs the other way round.
+            const std::uint32_t corner = list[instances[i].mirrored ? count - 1 - k : k];
             const glm::dvec3 local =
-                glm::dvec3(mesh.positions[mesh.corner_vertices[list[k]]]) + mesh.origin;
+                glm::dvec3(mesh.positions[mesh.corner_vertices[corner]]) + mesh.origin;
             const glm::dvec3 p(world * glm::dvec4(local, 1));
             for (int r = 0; r < 3; ++r)
                 terms = std::max(terms,
@@ -75,7 +77,7 @@ WorldFaces::WorldFaces(const prep::Scene& of, Pieces pieces, const std::vector<s
                                      std::abs(world[2][r] * local.z) + std::abs(world[3][r]));
             placed = placed && finite(p);
             points.push_back(p);
-            corners.push_back(list[k]);
+            corners.push_back(corner);
             least = glm::min(least, p);
             most = glm::max(most, p);
         }
@@ -111,6 +113,11 @@ WorldFaces::WorldFaces(const prep::Scene& of, Pieces pieces, const std::vector<s
             add(i, f, list.data(), std::uint32_t(list.size()));
         }
     }
+}
+
+void WorldFaces::limit_rounding(double most) {
+    for (WorldFace& f : faces) f.rounding = std::min(f.rounding, most);
+    rounding = std::min(rounding, most);
 }
 
 std::uint32_t WorldFaces::corner_in_face(const WorldFace& face, std::uint32_t corner) const {

@@ -46,6 +46,9 @@ class WorldFaces {
     // The largest of the faces' roundings.
     double rounding = 0;
 
+    // No rounding is larger than this.
+    void limit_rounding(double most);
+
     double diagonal() const { return glm::length(high - low); }
     const prep::Mesh& mesh_of(const WorldFace& face) const {
         return scene->meshes[instances[face.instance].mesh];

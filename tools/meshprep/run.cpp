@@ -56,6 +56,17 @@ Words without_help_word(Words words) {
     return {words[1], "--help"};
 }
 
+// What follows "--" are files, whatever they begin with. CLI11 2.1 takes them where no file stands
+// before alone.
+Words with_files_after_dashes(Words words) {
+    const auto dashes = std::find(words.begin(), words.end(), "--");
+    if (dashes == words.end()) return words;
+    for (auto word = dashes + 1; word != words.end(); ++word)
+        if (word->size() > 1 && word->starts_with('-')) *word = "./" + *word;
+    words.erase(dashes);
+    return words;
+}
+
 // The subcommand that was parsed; null where all was said in parsing: help, the version, a usage
 // error.
 const Subcommand* parse(Words words, const std::vector<Subcommand>& known, std::ostream& out,
@@ -70,7 +81,7 @@ const Subcommand* parse(Words words, const std::vector<Subcommand>& known, std::
         err << app.help();
         return nullptr;
     }
-    words = without_help_word(std::move(words));
+    words = with_files_after_dashes(without_help_word(std::move(words)));
     const CommandTables tables = tables_of(app);
     if (words[0] == "--generate") {
         exit_code = generate(Words(words.begin() + 1, words.end()), tables, err);

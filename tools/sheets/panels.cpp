@@ -66,8 +66,7 @@ class PanelDrawing {
             with_uvs_ |= !mesh.uvs.empty();
             for (const prep::VertexMesh::Range& range : mesh.ranges)
                 normal_mapped_ |= bool(materials_[range.material].normal_map);
-            colors_.push_back(std::move(mesh.colors));
-            mesh.colors.clear();
+            colors_.push_back(std::exchange(mesh.colors, {}));
         }
         // Open and one-sided surfaces are drawn from both sides: nothing is to be missing.
         view_ = fitted_view(subdivided() ? with_cages(scene_) : scene_, options.azimuth,
@@ -219,8 +218,10 @@ class PanelDrawing {
                                : "No UVs: a normal map has nothing to lie on.");
             return {};
         }
+        const std::vector<std::string> told = out_.warnings;
         Result<Shot> shot = shoot(rast::Shading::normal_mapped);
         if (!shot) return shot.error();
+        if (!normal_mapped_) out_.warnings = told;  // the file need not hold a pattern of ours
         // The plan has the last word: if it shaded without maps, the picture says why.
         for (const rast::PlanStep& step : shot->plan.steps)
             if (step.kind == rast::PlanStepKind::normal_maps && !step.run) caption = step.reason;
@@ -373,8 +374,10 @@ class PanelDrawing {
         Material material = neutral(1.0f, 0.06f);
         material.diffuse_map.texture = add_texture(*std::move(checker));
         dress(material, false);
+        const std::vector<std::string> told = out_.warnings;
         Result<Shot> shot = shoot(rast::Shading::phong);
         if (!shot) return shot.error();
+        out_.warnings = told;
         add("uv", "UV checker", "Set 0: letters must not be mirrored, squares not be stretched",
             "a checker with letters laid over it by its UVs")
             .picture = shot->image;

@@ -1,6 +1,7 @@
 #include "exact/exact_corner_sums.h"
 
 #include <boost/multiprecision/cpp_bin_float.hpp>
+#include <unordered_map>
 #include <vector>
 
 #include "exact/exact_normals.h"
@@ -35,11 +36,14 @@ void add(Vector& to, const Vector& v) {
     to.z += v.z;
 }
 
-class CornerSum {
-  public:
-    CornerSum(const MeshView& mesh, NormalWeight weight) : mesh_(mesh), weight_(weight) {}
+}  // namespace
 
-    glm::dvec3 sum(std::span<const Index> corners, std::span<const Index> faces) const {
+class ExactCornerSums::Sums {
+  public:
+    Sums(const MeshView& mesh, NormalWeight weight) : mesh_(mesh), weight_(weight), exact_(mesh) {}
+
+    glm::dvec3 sum(std::span<const Index> corners, std::span<const Index> faces) {
+        if (weight_ == NormalWeight::area) return exact_.area_sum(faces);
         Vector total{0, 0, 0};
         Real size = 0;
         for (std::size_t i = 0; i < corners.size(); ++i) {
@@ -73,9 +77,17 @@ class CornerSum {
         return total;
     }
 
-    Vector term(Index corner, Index face) const {
+    Vector area_of(Index face) {
         const Index begin = mesh_.face_offsets[face], end = mesh_.face_offsets[face + 1];
-        const Vector area = area_vector(begin, end);
+        if (end - begin < many_corners) return area_vector(begin, end);
+        const auto [at, fresh] = large_.try_emplace(face);
+        if (fresh) at->second = area_vector(begin, end);
+        return at->second;
+    }
+
+    Vector term(Index corner, Index face) {
+        const Index begin = mesh_.face_offsets[face], end = mesh_.face_offsets[face + 1];
+        const Vector area = area_of(face);
         const Real length = sqrt(dot(area, area));
         if (length == 0) return {0, 0, 0};
         const Vector normal = area * (1 / length);
@@ -97,14 +109,17 @@ class CornerSum {
 
     const MeshView& mesh_;
     NormalWeight weight_;
+    ExactFaces exact_;
+    std::unordered_map<Index, Vector> large_;
 };
 
-}  // namespace
+ExactCornerSums::ExactCornerSums(const MeshView& mesh, NormalWeight weight)
+    : sums_(std::make_unique<Sums>(mesh, weight)) {}
+ExactCornerSums::~ExactCornerSums() = default;
 
-glm::dvec3 exact_corner_sum(const MeshView& mesh, std::span<const Index> corners,
-                            std::span<const Index> faces, NormalWeight weight) {
-    if (weight == NormalWeight::area) return exact_area_sum(mesh, faces);
-    return CornerSum(mesh, weight).sum(corners, faces);
+glm::dvec3 ExactCornerSums::operator()(std::span<const Index> corners,
+                                       std::span<const Index> faces) {
+    return sums_->sum(corners, faces);
 }
 
 }  // namespace prep::detail

@@ -3,9 +3,13 @@
 #include <CGAL/Exact_rational.h>
 #include <CGAL/number_utils.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <mutex>
 #include <numbers>
+#include <unordered_map>
+#include <vector>
 
 namespace prep::detail {
 namespace {
@@ -39,28 +43,68 @@ Rational dot(const RationalVector& a, const RationalVector& b) {
 
 }  // namespace
 
+class ExactFaces::Kept {
+  public:
+    explicit Kept(const MeshView& mesh) : mesh_(mesh) {}
+
+    // What `use` makes of the faces' area vectors. Numbers that threads share are looked at by one
+    // at a time: copies of them count their owners.
+    template <class Use>
+    auto of(std::span<const std::uint32_t> faces, const Use& use) {
+        const bool any_large = std::any_of(faces.begin(), faces.end(),
+                                           [&](std::uint32_t face) { return is_large(face); });
+        const std::unique_lock<std::mutex> lock =
+            any_large ? std::unique_lock(mutex_) : std::unique_lock<std::mutex>();
+        std::vector<RationalVector> small;
+        small.reserve(faces.size());
+        std::vector<const RationalVector*> all;
+        for (const std::uint32_t face : faces) {
+            if (!is_large(face)) {
+                all.push_back(&small.emplace_back(area_vector(mesh_, face)));
+                continue;
+            }
+            const auto [at, fresh] = large_.try_emplace(face);
+            if (fresh) at->second = area_vector(mesh_, face);
+            all.push_back(&at->second);
+        }
+        return use(all);
+    }
+
+  private:
+    bool is_large(std::uint32_t face) const {
+        return mesh_.face_offsets[face + 1] - mesh_.face_offsets[face] >= many_corners;
+    }
+
+    const MeshView& mesh_;
+    std::mutex mutex_;
+    std::unordered_map<std::uint32_t, RationalVector> large_;
+};
+
+ExactFaces::ExactFaces(const MeshView& mesh) : kept_(std::make_unique<Kept>(mesh)) {}
+ExactFaces::~ExactFaces() = default;
+
 glm::dvec3 exact_area_vector(const MeshView& mesh, std::uint32_t face) {
     const RationalVector v = area_vector(mesh, face);
     return {CGAL::to_double(v[0]), CGAL::to_double(v[1]), CGAL::to_double(v[2])};
 }
 
-glm::dvec3 exact_area_sum(const MeshView& mesh, std::span<const std::uint32_t> faces) {
-    RationalVector sum{0, 0, 0};
-    for (const std::uint32_t f : faces) {
-        const RationalVector v = area_vector(mesh, f);
-        for (int k = 0; k < 3; ++k) sum[k] += v[k];
-    }
-    Rational largest = 0;
-    for (const Rational& x : sum) {
-        const Rational magnitude = CGAL::abs(x);
-        if (magnitude > largest) largest = magnitude;
-    }
-    if (largest == 0) return glm::dvec3(0.0);
-    // The smallest sum of products of float differences is 2^-298: inside double's range.
-    const int exponent = std::ilogb(CGAL::to_double(largest)) + 1;
-    glm::dvec3 result;
-    for (int k = 0; k < 3; ++k) result[k] = std::ldexp(CGAL::to_double(sum[k]), -exponent);
-    return result;
+glm::dvec3 ExactFaces::area_sum(std::span<const std::uint32_t> faces) const {
+    return kept_->of(faces, [](const std::vector<const RationalVector*>& vectors) {
+        RationalVector sum{0, 0, 0};
+        for (const RationalVector* const v : vectors)
+            for (int k = 0; k < 3; ++k) sum[k] += (*v)[k];
+        Rational largest = 0;
+        for (const Rational& x : sum) {
+            const Rational magnitude = CGAL::abs(x);
+            if (magnitude > largest) largest = magnitude;
+        }
+        if (largest == 0) return glm::dvec3(0.0);
+        // The smallest sum of products of float differences is 2^-298: inside double's range.
+        const int exponent = std::ilogb(CGAL::to_double(largest)) + 1;
+        glm::dvec3 result;
+        for (int k = 0; k < 3; ++k) result[k] = std::ldexp(CGAL::to_double(sum[k]), -exponent);
+        return result;
+    });
 }
 
 Threshold threshold_of(double degrees) {
@@ -95,24 +139,27 @@ Threshold threshold_of(double degrees) {
     return t;
 }
 
-bool exact_turn_exceeds(const MeshView& mesh, std::uint32_t face0, std::uint32_t face1,
-                        const Threshold& threshold) {
-    const RationalVector n0 = area_vector(mesh, face0), n1 = area_vector(mesh, face1);
-    const Rational l0 = dot(n0, n0), l1 = dot(n1, n1);
-    if (l0 == 0 || l1 == 0) return false;
-    const Rational s = dot(n0, n1);
-    Rational squared;
-    if (threshold.exact_square) {
-        squared = Rational(threshold.cosine.squared_numerator) /
-                  Rational(threshold.cosine.squared_denominator);
-    } else {
-        squared = Rational(threshold.cosine.cosine);
-        squared *= squared;
-    }
-    // turn > θ  ⇔  s < cos θ · |n0||n1|, compared by signs and squares.
-    const Rational right = squared * l0 * l1, left = s * s;
-    if (threshold.cosine.sign >= 0) return s < 0 || left < right;
-    return s < 0 && left > right;
+bool ExactFaces::turn_exceeds(std::uint32_t face0, std::uint32_t face1,
+                              const Threshold& threshold) const {
+    const std::uint32_t faces[] = {face0, face1};
+    return kept_->of(faces, [&](const std::vector<const RationalVector*>& normals) {
+        const RationalVector &n0 = *normals[0], &n1 = *normals[1];
+        const Rational l0 = dot(n0, n0), l1 = dot(n1, n1);
+        if (l0 == 0 || l1 == 0) return false;
+        const Rational s = dot(n0, n1);
+        Rational squared;
+        if (threshold.exact_square) {
+            squared = Rational(threshold.cosine.squared_numerator) /
+                      Rational(threshold.cosine.squared_denominator);
+        } else {
+            squared = Rational(threshold.cosine.cosine);
+            squared *= squared;
+        }
+        // turn > θ  ⇔  s < cos θ · |n0||n1|, compared by signs and squares.
+        const Rational right = squared * l0 * l1, left = s * s;
+        if (threshold.cosine.sign >= 0) return s < 0 || left < right;
+        return s < 0 && left > right;
+    });
 }
 
 }  // namespace prep::detail

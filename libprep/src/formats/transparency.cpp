@@ -17,14 +17,19 @@ void settle_transparency(Scene& scene, Transparency choice) {
         }
     }
     if (used.empty()) return;
-    for (const std::uint32_t m : used)
-        if (scene.materials[m].alpha_mode == AlphaMode::opaque || scene.materials[m].diffuse.a > 0)
+    for (const std::uint32_t m : used) {
+        const Material& material = scene.materials[m];
+        if (material.alpha_mode == AlphaMode::opaque || material.diffuse.a > 0 ||
+            (material.alpha_mode == AlphaMode::mask && material.alpha_cutoff <= 0))
             return;
+    }
     const std::string what = used.size() == 1 ? "the only material is wholly transparent"
                                               : "all " + std::to_string(used.size()) +
                                                     " materials are wholly transparent";
     if (choice == Transparency::file || scene.retained_file) {
-        scene.warnings.push_back(what + " (opacity 0): nothing of the model will be seen");
+        scene.warnings.push_back(what +
+                                 " (opacity 0): nothing of the model is seen where that is "
+                                 "obeyed");
         return;
     }
     for (const std::uint32_t m : used) {

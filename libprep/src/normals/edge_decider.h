@@ -27,7 +27,8 @@ class EdgeDecider {
           welded_(welded),
           faces_(faces),
           options_(options),
-          stand_ins_(std::move(stand_ins)) {
+          stand_ins_(std::move(stand_ins)),
+          exact_(mesh) {
         if (options.angle_degrees) threshold_ = threshold_of(*options.angle_degrees);
         if (options.marks) mark_edges();
         grouped_ = options.smoothing_groups && !mesh.face_smoothing.empty();
@@ -90,7 +91,7 @@ class EdgeDecider {
             if (closer != Verdict::open) return closer == Verdict::exceeds;
         }
         ++exact;
-        return exact_turn_exceeds(mesh_, f, g, threshold_);
+        return exact_.turn_exceeds(f, g, threshold_);
     }
 
     enum class Verdict { exceeds, stays, open };
@@ -140,6 +141,7 @@ class EdgeDecider {
     const FaceNormals& faces_;
     const HardEdgeOptions& options_;
     std::vector<Index> stand_ins_;
+    ExactFaces exact_;
     Threshold threshold_;
     std::vector<std::uint64_t> marks_;  // pairs of points, packed, ascending
     bool grouped_ = false;

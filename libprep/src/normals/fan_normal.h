@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -68,8 +69,8 @@ class FanNormal {
         }
         if (!finite_.empty()) {
             ++report.exact_sums;
-            const glm::dvec3 exact =
-                exact_corner_sum(mesh_, finite_, finite_faces_, options_.weight);
+            if (!exact_sums_) exact_sums_.emplace(mesh_, options_.weight);
+            const glm::dvec3 exact = (*exact_sums_)(finite_, finite_faces_);
             if (exact != glm::dvec3(0.0)) return unit_of(exact);
         }
         return fallback(corners, report);
@@ -169,6 +170,7 @@ class FanNormal {
     std::span<const Index> stand_ins_;
     std::vector<glm::dvec4> terms_;
     std::vector<Index> finite_, finite_faces_;
+    std::optional<ExactCornerSums> exact_sums_;  // where the first fan asked for them
 };
 
 }  // namespace prep::detail

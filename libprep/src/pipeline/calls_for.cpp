@@ -215,6 +215,7 @@ bool map_is_read(const Material& m, const MaterialMap& map, const Consumer& c) {
     if (!c.textures) return false;
     switch (map.use) {
         case MapUse::always:
+            if (map.kind == MapKind::emissive && m.unlit) return false;
             // Without colours, what is cut out still counts.
             return c.colors || (map.kind == MapKind::diffuse && m.alpha_mode == AlphaMode::mask);
         case MapUse::lit:

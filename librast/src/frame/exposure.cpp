@@ -50,4 +50,9 @@ prep::Result<FoundExposure> find_exposure(SceneRenderer& renderer, const prep::P
     return found;
 }
 
+void expose(prep::RenderChoices& choices, float exposure) {
+    choices.exposure = exposure;
+    choices.background /= exposure;
+}
+
 }  // namespace rast

@@ -79,15 +79,7 @@ RAST_INLINE Reflection reflection_at(const ShadeDraw& draw, const ShadeFrame& fr
     if (planes.color != nullptr) albedo = albedo * get3(planes.color, n);
     if (planes.diffuse != nullptr) albedo = albedo * get3(planes.diffuse, n);
     Reflection r{albedo, {albedo, set3(draw.specular), set(draw.shininess)}};
-    const auto glow = [&] {
-        V3 emissive = set3(draw.emissive);
-        if (planes.emissive != nullptr) emissive = emissive * get3(planes.emissive, n);
-        r.base = r.base + emissive;
-    };
-    if (draw.unlit) {
-        if (draw.glows) glow();
-        return r;
-    }
+    if (draw.unlit) return r;
     if (draw.metallic_roughness) {
         F metallic, roughness;
         roughness_at(draw, planes.metallic_roughness, n, metallic, roughness);
@@ -103,6 +95,10 @@ RAST_INLINE Reflection reflection_at(const ShadeDraw& draw, const ShadeFrame& fr
         ambient = ambient * (one + set(draw.maps[MapKind::occlusion].strength) * (open - one));
     }
     r.base = albedo * ambient;
-    if (draw.glows) glow();
+    if (draw.glows) {
+        V3 emissive = set3(draw.emissive);
+        if (planes.emissive != nullptr) emissive = emissive * get3(planes.emissive, n);
+        r.base = r.base + emissive;
+    }
     return r;
 }

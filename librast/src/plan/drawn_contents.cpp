@@ -13,11 +13,12 @@ DrawnContents drawn_contents(const prep::PreparedScene& prepared) {
         out.triangles += mesh.triangle_count();
         out.vertices += mesh.vertex_count();
         if (!meshes.insert(node.mesh).second) continue;
-        out.normals_missing |= mesh.triangle_count() > 0 && mesh.normals.empty();
         for (const prep::VertexMesh::Range& range : mesh.ranges) {
             const bool own = range.material < prepared.scene.materials.size();
-            out.lit |= range.triangle_count > 0 &&
-                       !(own && prepared.scene.materials[range.material].unlit);
+            const bool lit = range.triangle_count > 0 &&
+                             !(own && prepared.scene.materials[range.material].unlit);
+            out.lit |= lit;
+            out.normals_missing |= lit && mesh.normals.empty();
             if (own)
                 out.materials.insert(range.material);
             else

@@ -70,8 +70,8 @@ class Compiler {
         const bool reflects = lit_ || r_.vertex_light, highlights = glossy_ || r_.vertex_light;
         if (r_.vertex_colors) read(s, PointValue::color);
         read_map(s, MapKind::diffuse);
-        if (r_.glows || r_.in_full) read_map(s, MapKind::emissive);
         if (!r_.unlit) {
+            if (r_.glows || r_.in_full) read_map(s, MapKind::emissive);
             read_map(s, MapKind::occlusion);
             if (highlights || r_.in_full) read_map(s, MapKind::specular);
             if (r_.metallic_roughness && (reflects || r_.in_full))

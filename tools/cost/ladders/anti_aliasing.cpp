@@ -1,5 +1,6 @@
 // Samples, supersampling and exact areas, and samples by supersampling: how much of each pixel is
 // covered.
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <optional>
@@ -27,14 +28,23 @@ prep::VertexMesh star() {
     return mesh;
 }
 
-// The user's mesh as a white shape.
+bool is_finite(const glm::vec3& p) {
+    return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
+}
+
+// The user's mesh as a white shape, without triangles that are nowhere.
 prep::VertexMesh shape_of(const prep::Mesh& mesh) {
     prep::VertexMesh out;
     out.positions = mesh.positions;
     for (std::size_t f = 0; f < mesh.face_count(); ++f)
-        for (std::uint32_t c = mesh.face_offsets[f] + 1; c + 1 < mesh.face_offsets[f + 1]; ++c)
-            for (const std::uint32_t k : {mesh.face_offsets[f], c, c + 1})
-                out.indices.push_back(mesh.corner_vertices[k]);
+        for (std::uint32_t c = mesh.face_offsets[f] + 1; c + 1 < mesh.face_offsets[f + 1]; ++c) {
+            const std::uint32_t corners[] = {mesh.face_offsets[f], c, c + 1};
+            if (std::all_of(std::begin(corners), std::end(corners), [&](std::uint32_t k) {
+                    return is_finite(mesh.positions[mesh.corner_vertices[k]]);
+                }))
+                for (const std::uint32_t k : corners)
+                    out.indices.push_back(mesh.corner_vertices[k]);
+        }
     return out;
 }
 
@@ -62,13 +72,16 @@ struct Setting {
 };
 
 // What the setting says that a pixel has, corners on the grid of 1/256 pixel as the renderer has
-// them.
-Pixels defined_coverage(const std::vector<Triangle2>& triangles, const Setting& setting) {
+// them. Areas of triangles that may overlap are sampled.
+Pixels defined_coverage(const std::vector<Triangle2>& triangles, bool disjoint,
+                        const Setting& setting) {
     std::vector<Triangle2> snapped = triangles;
     const Real grid = Real(256) * setting.supersample;
     for (Triangle2& t : snapped)
         for (Point2& p : t) p = glm::round(p * grid) / grid;
-    if (setting.area) return exact_coverage(snapped, width, height);
+    if (setting.area)
+        return disjoint ? exact_coverage(snapped, width, height)
+                        : sampled_coverage(snapped, width, height);
     // A finer picture has the samples in each of its own pixels.
     const int side = setting.supersample;
     std::vector<Point2> places;
@@ -84,6 +97,7 @@ struct Silhouette {
     std::shared_ptr<const prep::PreparedScene> scene;
     std::shared_ptr<const Pixels> truth;
     std::shared_ptr<const std::vector<Triangle2>> triangles;
+    bool disjoint = false;  // the triangles
     rast::View view;
     int threads = 0;
 };
@@ -106,10 +120,11 @@ Rung rung_of(const Silhouette& shape, const Setting& setting) {
     rung.run = [drawing] { return drawing->draw(); };
     // Made with the first judgement: rungs that are not asked for need none.
     const auto own = std::make_shared<std::optional<Pixels>>();
-    rung.judge = [drawing, own, setting, truth = shape.truth, plain = shape.triangles] {
+    rung.judge = [drawing, own, setting, truth = shape.truth, plain = shape.triangles,
+                  disjoint = shape.disjoint] {
         const Pixels picture = first_channel(drawing->frame());
         const PictureError e = picture_error(picture, *truth);
-        if (!*own) *own = defined_coverage(*plain, setting);
+        if (!*own) *own = defined_coverage(*plain, disjoint, setting);
         return std::vector<double>{e.rmse, e.largest, e.psnr, picture_error(picture, **own).rmse};
     };
     rung.look = [drawing, truth = shape.truth] {
@@ -130,11 +145,14 @@ prep::Result<Silhouette> silhouette(const Subject& subject, Ladder& ladder) {
     const glm::dvec3 centre = (glm::dvec3(low) + glm::dvec3(high)) * 0.5;
     const glm::dvec3 size = glm::dvec3(high) - glm::dvec3(low);
     const double half = subject.mesh ? std::max(size.y, size.x * height / width) * 0.55 : 1.0;
-    if (!(half > 0) || !std::isfinite(half) || !std::isfinite(size.z))
-        return prep::Error{prep::ErrorCode::invalid, "the mesh has no extent to be drawn",
+    // Beyond these, what the renderer computes in floats ends.
+    if (!(half > 1e-30) || !(half < 1e30) || !(size.z < 1e30))
+        return prep::Error{prep::ErrorCode::invalid,
+                           "the mesh has no extent that can be drawn: 1e-30 to 1e30 units",
                            subject.name};
     Silhouette shape;
     shape.threads = subject.threads;
+    shape.disjoint = subject.mesh == nullptr;
     shape.view = flat_view(half);
     if (subject.mesh) {
         shape.view.world_to_view[3] =

@@ -33,11 +33,14 @@ prep::Result<cost::ScenePicture> scene_picture(prep::JsonScene loaded, bool scen
     choices.height = cost::scene_height;
     out.request.view = views->front();
     out.request.threads = threads;
-    if (!own_lights && choices.exposure != prep::automatic_exposure) return out;
+    if (!own_lights && choices.exposure != prep::automatic_exposure) {
+        rast::expose(choices, choices.exposure);
+        return out;
+    }
     rast::SceneRenderer renderer(*out.scene);
     const auto found = rast::find_exposure(renderer, *out.scene, out.request);
     if (!found) return found.error();
-    out.request.exposure = found->exposure;
+    rast::expose(choices, found->exposure);
     return out;
 }
 

@@ -178,7 +178,8 @@ Result<Json> render_file(const RenderCommand& command, Console& console) {
             return input->relabelled(some.error());
     input->settle(loaded->scene);
     const double read_ms = milliseconds_since(start);
-    for (const std::string& text : loaded->scene.warnings)
+    const std::vector<std::string> read_warnings = loaded->scene.warnings;
+    for (const std::string& text : read_warnings)
         console.warning(common, said_of(command.input, text));
 
     rast::RenderRequest request = request_of(command, loaded->picture);
@@ -212,15 +213,17 @@ Result<Json> render_file(const RenderCommand& command, Console& console) {
                       (own_lights && !command.wishes.has("exposure"));
     std::optional<rast::FoundExposure> found;
     const auto find_exposure = [&]() -> Result<void> {
-        if (!find) return {};
+        if (!find) {
+            rast::expose(request, request.exposure);
+            return {};
+        }
         const Result<rast::RenderPlan> plan = plan_of(command, *prepared, request, views->front());
         if (!plan) return plan.error();
         const Result<rast::FoundExposure> exposure =
             rast::find_exposure(renderer, *prepared, plan->request);
         if (!exposure) return exposure.error();
         found = *exposure;
-        request.exposure = found->exposure;
-        request.background /= found->exposure;  // what is behind the scene is not lit by it
+        rast::expose(request, found->exposure);
         return {};
     };
     // Exposure and sampling are found with all lights: what may be left out is told apart from
@@ -274,7 +277,7 @@ Result<Json> render_file(const RenderCommand& command, Console& console) {
     json["input"] = command.input.string();
     json["output"] = command.output.string();
     json["outputs"] = Json::array();
-    json["warnings"] = Json::array();
+    json["warnings"] = read_warnings;
     double render_ms = 0, write_ms = 0;
     const auto count = std::uint32_t(views->size());
     for (std::uint32_t n = 0; n < count; ++n) {

@@ -212,6 +212,12 @@ class Validator {
             if (!known) out_.findings.push_back(f);
         }
 
+        // Of what is shown.
+        std::erase_if(out_.findings, [&](const prep::Finding& f) {
+            return !choice->whole && f.mesh != prep::no_index &&
+                   std::find(choice->meshes.begin(), choice->meshes.end(), f.mesh) ==
+                       choice->meshes.end();
+        });
         const std::vector<std::string> stems = sheet_stems(*choice, prepared->scene, stem);
         if (std::optional<Error> refused = claim(stems)) return refused;
         if (const Result<void> made = shared_.directories.make(command_.output); !made)

@@ -40,6 +40,13 @@ CLI::Validator whole_number_from_to(int least, int most) {
         "");
 }
 
+// What a shell makes of a variable that is not set: no file, no name and no list.
+CLI::Validator not_empty() {
+    return CLI::Validator(
+        [](std::string& text) -> std::string { return text.empty() ? "the value is empty" : ""; },
+        "");
+}
+
 CLI::Validator not_negative_number() {
     return CLI::Validator(
         [](std::string& text) -> std::string {
@@ -118,18 +125,21 @@ Option OptionSet::flag(const std::string& name, bool& to, const std::string& hel
 
 Option OptionSet::path(const std::string& name, std::filesystem::path& to, const std::string& type,
                        const std::string& help) {
-    return Option(grouped(app_.add_option(name, to, help)->type_name(type)));
+    return Option(grouped(app_.add_option(name, to, help)->type_name(type)->check(not_empty())));
 }
 
 Option OptionSet::paths(const std::string& name, std::vector<std::filesystem::path>& to,
                         const std::string& type, const std::string& help) {
-    return Option(grouped(app_.add_option(name, to, help)->type_name(type)));
+    return Option(grouped(app_.add_option(name, to, help)->type_name(type)->check(not_empty())));
 }
 
 Option OptionSet::texts(const std::string& name, std::vector<std::string>& to,
                         const std::string& type, const std::string& help) {
-    return Option(
-        grouped(app_.add_option(name, to, help)->type_name(type)->expected(1)->take_all()));
+    return Option(grouped(app_.add_option(name, to, help)
+                              ->type_name(type)
+                              ->expected(1)
+                              ->take_all()
+                              ->check(not_empty())));
 }
 
 template <class Number>
@@ -170,8 +180,9 @@ Option OptionSet::one_of(const std::string& name, int& to, const std::vector<int
 
 Option OptionSet::value(const std::string& name, const std::string& type,
                         std::function<void(const std::string&)> parse, const std::string& help) {
-    return Option(grouped(
-        app_.add_option_function<std::string>(name, std::move(parse), help)->type_name(type)));
+    return Option(grouped(app_.add_option_function<std::string>(name, std::move(parse), help)
+                              ->type_name(type)
+                              ->check(not_empty())));
 }
 
 Option OptionSet::values(const std::string& name, const std::string& type,
@@ -182,7 +193,8 @@ Option OptionSet::values(const std::string& name, const std::string& type,
     return Option(grouped(app_.add_option_function<std::vector<std::string>>(name, each, help)
                               ->type_name(type)
                               ->expected(1)
-                              ->take_all()));
+                              ->take_all()
+                              ->check(not_empty())));
 }
 
 Option OptionSet::word(const std::string& name, const std::vector<std::string>& words,

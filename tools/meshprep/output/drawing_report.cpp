@@ -171,6 +171,9 @@ std::vector<std::string> not_drawn(const prep::PreparedScene& prepared) {
     for (const prep::Node& node : prepared.scene.nodes)
         skinned += node.mesh != prep::no_index && node.skin != prep::no_index;
     std::vector<std::string> out;
+    if (std::none_of(prepared.scene.nodes.begin(), prepared.scene.nodes.end(),
+                     [](const prep::Node& node) { return node.mesh != prep::no_index; }))
+        out.push_back("nothing is drawn: no node places a mesh");
     for (const std::uint32_t m : materials) {
         const prep::Material& material = prepared.scene.materials[m];
         const std::string name =

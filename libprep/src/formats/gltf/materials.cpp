@@ -233,18 +233,27 @@ class MaterialReader {
         if (const Json* e = extension_of(in, "KHR_materials_pbrSpecularGlossiness")) {
             const std::string at = base + "KHR_materials_pbrSpecularGlossiness";
             float glossiness = 1;
-            out.metallic_roughness = false;
-            out.specular = glm::vec3(1.0f);
+            glm::vec3 specular(1.0f);  // F0
+            out.metallic_roughness = true;
+            out.metallic = 0;
+            out.metallic_roughness_map = {};
             out.diffuse = glm::vec4(1.0f);
             out.diffuse_map = {};
             if (auto r = numbers(*e, "diffuseFactor", at, 4, &out.diffuse.x); !r) return r;
-            if (auto r = numbers(*e, "specularFactor", at, 3, &out.specular.x); !r) return r;
+            if (auto r = numbers(*e, "specularFactor", at, 3, &specular.x); !r) return r;
             if (auto r = numbers(*e, "glossinessFactor", at, 1, &glossiness); !r) return r;
             if (auto r = texture(*e, "diffuseTexture", at, out.diffuse_map); !r) return r;
             if (auto r = texture(*e, "specularGlossinessTexture", at, out.specular_map); !r)
                 return r;
-            const float roughness = 1 - glossiness, alpha = std::max(roughness * roughness, 0.02f);
-            out.shininess = 2 / (alpha * alpha) - 2;
+            // What is not reflected is scattered; the map of F0 lets more of it through than this.
+            out.roughness = 1 - glossiness;
+            out.reflectance = glm::clamp(specular, 0.0f, 1.0f);
+            const float most = std::max({out.reflectance.r, out.reflectance.g, out.reflectance.b});
+            for (int k = 0; k < 3; ++k) out.diffuse[k] *= 1 - most;
+            if (out.specular_map)
+                scene_.warnings.push_back(pointer +
+                                          ": the glossiness of specularGlossinessTexture (its "
+                                          "alpha) is not drawn, glossinessFactor alone is");
         }
         if (auto done = tangent_extensions(in, pointer, out); !done) return done;
         if (auto done = reflectance(in, pointer, out); !done) return done;
@@ -305,6 +314,7 @@ class MaterialReader {
 
     // What a dielectric reflects: KHR_materials_ior and KHR_materials_specular.
     Result<void> reflectance(const Json& in, const std::string& pointer, Material& out) {
+        if (extension_of(in, "KHR_materials_pbrSpecularGlossiness")) return {};  // has its own
         const std::string base = pointer + "/extensions/";
         if (const Json* e = extension_of(in, "KHR_materials_ior")) {
             float index = 1.5f;
@@ -322,7 +332,6 @@ class MaterialReader {
         if (auto r = numbers(*e, "specularColorFactor", at, 3, &color.x); !r) return r;
         if (strength != 1 || color != glm::vec3(1.0f))
             out.reflectance = glm::clamp(out.reflectance * color, 0.0f, 1.0f) * strength;
-        if (extension_of(in, "KHR_materials_pbrSpecularGlossiness")) return {};
         return texture(*e, "specularColorTexture", at, out.specular_map);
     }
 

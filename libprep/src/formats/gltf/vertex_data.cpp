@@ -59,9 +59,12 @@ Result<void> VertexData::append(const std::string& semantic, const RawAccessor& 
         if (auto done = wants(3, 4); !done) return done;
         if (colors_.size() <= *color) colors_.resize(*color + 1);
         colors_[*color].append(first, raw);
-        if (raw.width == 3)
-            for (std::size_t i = first; i < colors_[*color].values.size(); ++i)
-                colors_[*color].values[i].a = 1;
+        for (std::size_t i = first; i < colors_[*color].values.size(); ++i) {
+            glm::vec4& c = colors_[*color].values[i];
+            if (raw.width == 3) c.a = 1;
+            // glTF 2.0, 3.7.2.1; what is no number stays, to be told.
+            for (int k = 0; k < 4; ++k) c[k] = c[k] < 0 ? 0 : c[k] > 1 ? 1 : c[k];
+        }
     } else if (set_number(semantic, "JOINTS_") || set_number(semantic, "WEIGHTS_")) {
         if (auto done = wants(4, 4); !done) return done;
         if (semantic[0] == 'J' && raw.component_type != 5121 && raw.component_type != 5123)

@@ -172,10 +172,8 @@ class Builder {
 
     static ShapeSpec with_defaults(ShapeSpec s) {
         const bool plane = s.kind == ShapeKind::plane;
-        const std::uint32_t fewest_segments = plane ? 1 : 3;
-        const std::uint32_t fewest_rings = plane ? 1 : s.kind == ShapeKind::torus ? 3 : 2;
-        s.segments = std::max(s.segments == 0 ? (plane ? 1 : 64) : s.segments, fewest_segments);
-        s.rings = std::max(s.rings == 0 ? (plane ? 1 : 32) : s.rings, fewest_rings);
+        if (s.segments == 0) s.segments = plane ? 1 : 64;
+        if (s.rings == 0) s.rings = plane ? 1 : 32;
         return s;
     }
 
@@ -359,6 +357,8 @@ class Builder {
             if (placed != l.position.has_value())
                 return error(pointer, placed ? "a point or spot light needs a 'position'"
                                              : "an ambient or directional light has no 'position'");
+            if (!placed && l.range != 0)
+                return error(pointer, "an ambient or directional light has no 'range'");
             if (l.kind != LightKind::spot && (l.inner_cone || l.outer_cone))
                 return error(pointer, "only spot lights have cones");
             Light light;

@@ -186,6 +186,18 @@ bool has_key(ShapeKind kind, const std::string& key) {
     return true;
 }
 
+// What encloses nothing is no shape; 0 stands for what is not said.
+Outcome check_parts(const ShapeSpec& shape, const std::string& pointer) {
+    if (shape.kind == ShapeKind::plane) return {};
+    const auto fewer = [&](std::uint32_t parts, std::uint32_t fewest, const char* key) -> Outcome {
+        if (parts == 0 || parts >= fewest) return {};
+        return Problem{pointer + "/" + key, "is " + std::to_string(parts) + ", fewer than the " +
+                                                std::to_string(fewest) + " that make such a shape"};
+    };
+    if (Outcome problem = fewer(shape.segments, 3, "segments")) return problem;
+    return fewer(shape.rings, shape.kind == ShapeKind::torus ? 3 : 2, "rings");
+}
+
 Table<MeshSpec> mesh_table() {
     using T = MeshSpec;
     return {
@@ -200,6 +212,7 @@ Table<MeshSpec> mesh_table() {
                          if (!has_key(shape.kind, key))
                              return Problem{pointer + "/" + pointer_key(key),
                                             "a shape of this kind has no '" + key + "'"};
+                     if (Outcome problem = check_parts(shape, pointer)) return problem;
                      out.shape = shape;
                      return {};
                  }},
