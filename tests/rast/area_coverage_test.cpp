@@ -146,6 +146,12 @@ TEST(AreaCoverage, TheFarPlaneCuts) {
     pixel.clear();
     pixel.add({{-1, -1}, {2, -1}, {2, 2}, {-1, 2}}, {-0.1, 0, 0}, 1);
     EXPECT_EQ(pixel.empty_area(), 1);
+    EXPECT_TRUE(pixel.add_to_union({{-1, -1}, {2, -1}, {2, 2}, {-1, 2}}, {-0.1, 0, 0}));
+    EXPECT_EQ(pixel.empty_area(), 1);
+    EXPECT_TRUE(pixel.add_to_union({{-1, -1}, {2, -1}, {2, 2}, {-1, 2}}, {0.25, -1, 0}));
+    EXPECT_NEAR(pixel.empty_area(), 0.75, 1e-7);
+    EXPECT_FALSE(pixel.add_to_union({{-1, -1}, {2, -1}, {2, 2}, {-1, 2}}, {0.5, 0, 0}));
+    EXPECT_EQ(pixel.empty_area(), 0);
 }
 
 TEST(AreaCoverage, BeyondTheFarPlaneWhatIsBehindIsSeen) {
@@ -210,6 +216,13 @@ TEST(AreaCoverage, RandomScenesAgreeWithCounting) {
         for (std::size_t k = 0; k < surfaces.size(); ++k)
             pixel.add(surfaces[k].polygon, surfaces[k].depth, std::uint32_t(k));
         EXPECT_NEAR(total(pixel), 1, 1e-12);
+        PixelCoverage united;
+        united.clear();
+        bool any_left = true;
+        for (const Surface& s : surfaces) any_left = united.add_to_union(s.polygon, s.depth);
+        EXPECT_NEAR(united.empty_area(), pixel.empty_area(), 1e-12);
+        EXPECT_EQ(any_left, united.piece_count() > 0);
+        EXPECT_LE(united.piece_count(), pixel.piece_count());
         constexpr int side = 128;
         std::vector<int> hits(surfaces.size(), 0);
         for (int j = 0; j < side; ++j)

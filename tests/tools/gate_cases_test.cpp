@@ -421,6 +421,19 @@ TEST(GateCases, SkinsAreWeightsJointsAndPoses) {
     EXPECT_NEAR(row(judged(big, moved), "skins").value, 0.25 * 2 / 5, 1e-6);
 }
 
+TEST(GateCases, MorphTargetsHaveWeightsAtRest) {
+    Scene a = scene_of(shapes::icosphere(1));
+    prep::MorphTarget target;
+    target.positions = {
+        {0, std::make_shared<const std::vector<glm::vec3>>(2, glm::vec3(0, 0.1f, 0))}};
+    a.meshes[0].morph_targets = {target};
+    Scene b = a;
+    EXPECT_EQ(beyond(judged(a, b)), "");
+    b.meshes[0].morph_targets[0].weight = 0.5f;
+    EXPECT_EQ(beyond(judged(a, b)), "morphs ");
+    EXPECT_EQ(row(judged(a, b), "morphs").value, 0.5);
+}
+
 TEST(GateCases, WhatTheSecondFileAloneHasIsCounted) {
     const Scene rich = skinned();
     Scene bare = rich;

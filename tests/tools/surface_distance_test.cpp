@@ -129,4 +129,28 @@ TEST(SurfaceDistance, InsidesCountWhereVerticesAreNear) {
     EXPECT_NEAR(d.at.x, 0, 1e-2);
 }
 
+// Large triangles in one place: each point is held against nearly all of them.
+TEST(SurfaceDistance, EndsAtItsLooksWithBoundsThatHold) {
+    std::mt19937_64 random(4);
+    const auto place = [&] { return double(random() % 1024) / 1024; };
+    std::vector<Triangle> from(150), to(150);
+    for (std::vector<Triangle>* soup : {&from, &to})
+        for (Triangle& t : *soup)
+            for (glm::dvec3& p : t) p = {place(), place(), place()};
+    cost::DistanceOptions options;
+    options.tolerance = 1e-3;
+    const cost::SurfaceDistance whole = cost::one_sided_distance(from, to, options);
+    ASSERT_TRUE(whole.complete);
+    std::size_t pieces = whole.pieces;
+    for (const std::uint64_t looks : {100'000, 10'000, 0}) {
+        options.most_looks = looks;
+        const cost::SurfaceDistance some = cost::one_sided_distance(from, to, options);
+        EXPECT_FALSE(some.complete) << looks;
+        EXPECT_LE(some.low, whole.high) << looks;
+        EXPECT_GE(some.high, whole.low) << looks;
+        EXPECT_LE(some.pieces, pieces) << looks;
+        pieces = some.pieces;
+    }
+}
+
 }  // namespace

@@ -249,8 +249,11 @@ class CornerMeasures {
             }
             const glm::dvec3 da = la * delta_at(ma.morph_targets[t], va),
                              db = lb * delta_at(mb.morph_targets[t], vb);
-            const double d = largest_difference(da, db);
-            beyond(&Limits::morphs, fa, i, d / scale_,
+            // And by the weight at rest, as skins' weights are.
+            const double weight =
+                std::abs(double(ma.morph_targets[t].weight) - double(mb.morph_targets[t].weight));
+            const double d = std::max(largest_difference(da, db) / scale_, weight);
+            beyond(&Limits::morphs, fa, i, d,
                    d > 0 ? "morph target " + std::to_string(t) : std::string());
         }
     }

@@ -54,6 +54,7 @@ class Drawn {
     prep::Result<CoverageMap> outline(const rast::View& view, const JudgeOptions& options) {
         rast::RenderRequest request = request_of(view, options);
         request.coverage = rast::Coverage::area;
+        request.alpha_alone = true;
         request.shading = rast::Shading::flat;
         request.cull = rast::Cull::none;
         request.textures = false;

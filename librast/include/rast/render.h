@@ -73,6 +73,9 @@ struct RenderRequest : prep::RenderChoices {
     std::optional<std::vector<LightInstance>> lights;  // unset: the scene's, else three lights
     bool textures = true;                              // false: material colours only
     bool keep_color = true;   // false: nothing is shaded, for those who want other buffers alone
+    // With coverage `area`: of colours alpha alone, how much of each pixel is covered; nothing is
+    // shaded, nor found what is in front.
+    bool alpha_alone = false;
     bool keep_depth = false;  // Frame::depth
     bool keep_ids = false;    // Frame::triangle and Frame::instance
     bool keep_normals = false, keep_uvs = false, keep_barycentrics = false, keep_positions = false;

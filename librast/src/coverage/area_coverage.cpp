@@ -56,10 +56,20 @@ void split(const Polygon& p, const Value& value, double tolerance, Polygon& posi
     if (!below) negative.clear();
 }
 
-// Distance from the line a → b, positive on the inner side of a polygon of positive area.
-auto distance_from(const glm::dvec2& a, const glm::dvec2& b) {
-    const glm::dvec2 along = (b - a) / std::hypot(b.x - a.x, b.y - a.y);
-    return [a, along](const glm::dvec2& p) { return cross(along, p - a); };
+// The lines along a polygon's edges: distances from them, positive on its inner side where its area
+// is positive.
+struct Line {
+    glm::dvec2 a, along;
+    double operator()(const glm::dvec2& p) const { return cross(along, p - a); }
+};
+std::vector<Line> edges_of(const Polygon& p) {
+    std::vector<Line> lines;
+    lines.reserve(p.size());
+    for (std::size_t k = 0; k < p.size(); ++k) {
+        const glm::dvec2 &a = p[k], &b = p[k + 1 == p.size() ? 0 : k + 1];
+        lines.push_back({a, (b - a) / std::hypot(b.x - a.x, b.y - a.y)});
+    }
+    return lines;
 }
 
 // Positive area, no corner twice; empty where there is no area.
@@ -82,17 +92,26 @@ const Polygon& pixel_square() {
     return square;
 }
 
-// What of `p` lies inside a polygon of positive area; the rest, in convex parts, is given to
-// outside(part).
+// What of `p` lies inside a polygon of positive area, of which these are the edges; the rest, in
+// convex parts, is given to outside(part).
 template <class Outside>
-Polygon intersect(Polygon p, const Polygon& by, const Outside& outside) {
+Polygon intersect(Polygon p, const std::vector<Line>& by, const Outside& outside) {
     Polygon in, out;
     for (std::size_t k = 0; k < by.size() && !p.empty(); ++k) {
-        split(p, distance_from(by[k], by[k + 1 == by.size() ? 0 : k + 1]), on_line, in, out);
+        split(p, by[k], on_line, in, out);
         if (!out.empty() && !in.empty()) outside(out);
         p.swap(in);
     }
     return p;
+}
+
+// Leaves of `common` what lies before the far plane, `far` is the rest. Exactly on it all over:
+// before it.
+void keep_before_far_plane(Polygon& common, const DepthPlane& depth, Polygon& near, Polygon& far) {
+    double most = 0;
+    for (const glm::dvec2& p : common) most = std::max(most, std::abs(depth(p)));
+    split(common, depth, most * same_depth, near, far);
+    if (!near.empty() || !far.empty()) common = near;
 }
 
 void add_moments(const Polygon& p, double& area, glm::dvec2& first) {
@@ -113,7 +132,7 @@ void PixelCoverage::clear() {
 bool PixelCoverage::clip_to_pixel(const Polygon& polygon, Polygon& inside, glm::dvec2& centroid) {
     const Polygon p = tidy(polygon);
     if (p.empty()) return false;
-    inside = intersect(pixel_square(), p, [](const Polygon&) {});
+    inside = intersect(pixel_square(), edges_of(p), [](const Polygon&) {});
     double area = 0;
     glm::dvec2 first(0);
     add_moments(inside, area, first);
@@ -123,28 +142,51 @@ bool PixelCoverage::clip_to_pixel(const Polygon& polygon, Polygon& inside, glm::
 }
 
 void PixelCoverage::add(const Polygon& polygon, const DepthPlane& depth, std::uint32_t owner) {
-    Polygon by = tidy(polygon);
+    const Polygon by = tidy(polygon);
     if (by.empty()) return;
     const auto surface = std::uint32_t(surfaces_.size());
     surfaces_.push_back({depth, owner});
     next_.clear();
-    for (const Piece& piece : pieces_) cover(piece, by, surface);
+    const std::vector<Line> edges = edges_of(by);
+    for (const Piece& piece : pieces_) {
+        std::vector<Polygon> rest;
+        Polygon common =
+            intersect(piece.polygon, edges, [&rest](const Polygon& part) { rest.push_back(part); });
+        cover(piece, std::move(common), std::move(rest), surface);
+    }
     pieces_.swap(next_);
 }
 
-void PixelCoverage::cover(const Piece& piece, const Polygon& by, std::uint32_t surface) {
-    std::vector<Polygon> rest;
-    Polygon common =
-        intersect(piece.polygon, by, [&rest](const Polygon& part) { rest.push_back(part); });
+bool PixelCoverage::add_to_union(const Polygon& polygon, const DepthPlane& depth) {
+    const Polygon by = tidy(polygon);
+    if (by.empty()) return !pieces_.empty();
+    next_.clear();
+    const std::vector<Line> edges = edges_of(by);
+    Polygon near, far;
+    for (Piece& piece : pieces_) {
+        const std::size_t before = next_.size();
+        Polygon common = intersect(piece.polygon, edges, [this](const Polygon& part) {
+            next_.push_back({part, none});
+        });
+        if (!common.empty()) {
+            keep_before_far_plane(common, depth, near, far);
+            if (!far.empty()) next_.push_back({far, none});
+        }
+        if (!common.empty()) continue;
+        next_.resize(before);  // none of it is covered: not cut
+        next_.push_back(std::move(piece));
+    }
+    pieces_.swap(next_);
+    return !pieces_.empty();
+}
+
+void PixelCoverage::cover(const Piece& piece, Polygon common, std::vector<Polygon> rest,
+                          std::uint32_t surface) {
     const DepthPlane& depth = surfaces_[surface].depth;
     Polygon near, far;
     if (!common.empty()) {
-        double most = 0;
-        for (const glm::dvec2& p : common) most = std::max(most, std::abs(depth(p)));
-        split(common, depth, most * same_depth, near, far);  // behind the far plane
+        keep_before_far_plane(common, depth, near, far);
         if (!far.empty()) rest.push_back(far);
-        // Exactly on the far plane all over: drawn.
-        if (!near.empty() || !far.empty()) common = near;
     }
     if (common.empty()) {
         next_.push_back(piece);

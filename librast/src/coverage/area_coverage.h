@@ -37,6 +37,9 @@ class PixelCoverage {
     void clear();
     // Corners in pixels from the pixel's top left corner. Polygons without area add nothing.
     void add(const Polygon& polygon, const DepthPlane& depth, std::uint32_t owner);
+    // The same where only empty_area() is asked for, and nothing was added by add(): what is
+    // covered is forgotten, and so cut no more. False: nothing is left to be covered.
+    bool add_to_union(const Polygon& polygon, const DepthPlane& depth);
 
     struct Share {
         std::uint32_t owner = 0;
@@ -61,7 +64,9 @@ class PixelCoverage {
         Polygon polygon;
         std::uint32_t surface = none;
     };
-    void cover(const Piece& piece, const Polygon& by, std::uint32_t surface);
+    // `common`: what of the piece the surface's polygon covers; `rest`: the other parts of it.
+    void cover(const Piece& piece, Polygon common, std::vector<Polygon> rest,
+               std::uint32_t surface);
 
     std::vector<Surface> surfaces_;
     std::vector<Piece> pieces_, next_;

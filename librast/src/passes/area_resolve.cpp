@@ -183,28 +183,36 @@ class Resolver {
             return local;
         };
         const auto grid = [](double v) { return std::int32_t(std::floor(v * subpixels + 0.5)); };
-        // From front to back, which makes the fewest pieces.
-        std::vector<std::pair<double, std::uint32_t>> order;
-        for (const std::uint32_t n : list) order.emplace_back(-plane(polygons_[n])({0.5, 0.5}), n);
-        std::sort(order.begin(), order.end());
         coverage.clear();
         PixelCoverage::Polygon local, inside;
-        for (const auto& [depth, n] : order) {
-            const ScreenPolygon& p = polygons_[n];
+        // Whether a polygon counts; `local` is its corners then.
+        const auto covers = [&](const ScreenPolygon& p) {
             local.clear();
             for (std::uint32_t k = 0; k < p.count; ++k) local.push_back(p.corner[k] - corner);
             const ShadeDraw& draw = (*scene_.shade_draws)[p.draw];
             // A mask that is left out takes the same way: slivers are dropped by the same rounding.
             const std::uint32_t material = (*scene_.draws)[p.draw].material;
-            if (draw.masked || scene_.plan->skips.of(material).mask) {
-                glm::dvec2 at;
-                if (!PixelCoverage::clip_to_pixel(local, inside, at)) continue;
-                if (draw.masked && !scene_.kernels->covers(draw, corner_x + grid(at.x),
-                                                           corner_y + grid(at.y), p.id))
-                    continue;
-            }
-            coverage.add(local, plane(p), n);  // numbered in the order of drawing
+            if (!draw.masked && !scene_.plan->skips.of(material).mask) return true;
+            glm::dvec2 at;
+            return PixelCoverage::clip_to_pixel(local, inside, at) &&
+                   (!draw.masked || scene_.kernels->covers(draw, corner_x + grid(at.x),
+                                                           corner_y + grid(at.y), p.id));
+        };
+        glm::vec4& pixel = frame_.color[std::size_t(y) * frame_.width + std::size_t(x)];
+        if (scene_.plan->request.alpha_alone) {
+            for (const std::uint32_t n : list)
+                if (covers(polygons_[n]) && !coverage.add_to_union(local, plane(polygons_[n])))
+                    break;
+            pixel = glm::vec4(0, 0, 0, float(1 - coverage.empty_area()));
+            return {};
         }
+        // From front to back, which makes the fewest pieces.
+        std::vector<std::pair<double, std::uint32_t>> order;
+        for (const std::uint32_t n : list) order.emplace_back(-plane(polygons_[n])({0.5, 0.5}), n);
+        std::sort(order.begin(), order.end());
+        for (const auto& [depth, n] : order)
+            if (covers(polygons_[n]))
+                coverage.add(local, plane(polygons_[n]), n);  // numbered in the order of drawing
         glm::dvec4 sum(glm::dvec3(scene_.plan->request.background), 0.0);
         const glm::dvec4 empty = sum;
         TileCounts counts;
@@ -215,7 +223,7 @@ class Resolver {
             sum += (glm::dvec4(glm::dvec3(color), 1.0) - empty) * share.area;
             counts.add_points(*(*scene_.shade_draws)[p.draw].color_stages, 1);
         }
-        frame_.color[std::size_t(y) * frame_.width + std::size_t(x)] = glm::vec4(sum);
+        pixel = glm::vec4(sum);
         return counts;
     }
 

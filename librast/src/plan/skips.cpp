@@ -205,11 +205,16 @@ class Prover {
     }
 
     // Finite, none of them taking light away: what they add up to is never −0.
-    bool are_ordinary_lights() const {
-        for (const LightInstance& light : plan_.lights)
-            for (int k = 0; k < 3; ++k)
-                if (!is_ordinary(light.color[k]) || std::signbit(light.color[k])) return false;
-        return true;
+    bool are_ordinary_lights() {
+        if (!ordinary_lights_)
+            ordinary_lights_ = std::all_of(
+                plan_.lights.begin(), plan_.lights.end(), [](const LightInstance& light) {
+                    for (int k = 0; k < 3; ++k)
+                        if (!is_ordinary(light.color[k]) || std::signbit(light.color[k]))
+                            return false;
+                    return true;
+                });
+        return *ordinary_lights_;
     }
 
     const std::optional<Bounds>& bounds() {
@@ -504,6 +509,7 @@ class Prover {
     std::optional<Bounds> bounds_;
     bool bounds_known_ = false;
     std::optional<double> size_;
+    std::optional<bool> ordinary_lights_;  // of all; asked for by each
     std::optional<glm::dvec3> colors_;
     std::vector<glm::dmat4> worlds_;
 };

@@ -44,12 +44,14 @@ class TriangleTree {
     struct Nearest {
         double distance = far_away;
         std::uint32_t triangle = 0;
+        std::uint64_t looks = 0;
     };
     Nearest nearest(const glm::dvec3& p, std::uint32_t guess) const {
         Nearest best;
         if (nodes_.empty()) return best;
         double squared = far_away;
         const auto look = [&](std::uint32_t t) {
+            ++best.looks;
             const glm::dvec3 d = nearest_point(triangles_[t], p) - p;
             const double s = glm::dot(d, d);
             if (s < squared || (s == squared && t < best.triangle)) {
@@ -143,14 +145,22 @@ class Search {
     Search(std::span<const Triangle> to, const DistanceOptions& options)
         : to_(to), tree_(to), options_(options) {}
 
-    void add(const Triangle& corners, std::uint32_t triangle, std::uint32_t guess, double parent) {
+    // The triangle that is nearest to a corner, near which the next piece may lie.
+    std::uint32_t add(const Triangle& corners, std::uint32_t triangle, std::uint32_t guess,
+                      double parent) {
         ++found_.pieces;
         Piece piece{far_away, corners, triangle, guess};
+        if (looks_ >= options_.most_looks) {  // no nearest one is sought any more
+            piece.bound = std::min(bound_by(corners, to_[guess]), parent);
+            if (piece.bound > found_.low) open_.push(piece);
+            return guess;
+        }
         const glm::dvec3 middle = (corners[0] + corners[1] + corners[2]) / 3.0;
         double reach = 0;
         for (const glm::dvec3& p : corners) reach = std::max(reach, glm::distance(p, middle));
         const auto ask = [&](const glm::dvec3& p) {
             const TriangleTree::Nearest nearest = tree_.nearest(p, piece.nearest);
+            looks_ += nearest.looks;
             piece.nearest = nearest.triangle;
             piece.bound = std::min(piece.bound, bound_by(corners, to_[nearest.triangle]));
             if (nearest.distance > found_.low) {
@@ -165,6 +175,7 @@ class Search {
         for (const glm::dvec3& p : corners) ask(p);
         piece.bound = std::min({piece.bound, of_middle + reach, parent});
         if (piece.bound > found_.low) open_.push(piece);
+        return piece.nearest;
     }
 
     SurfaceDistance finish() {
@@ -175,7 +186,7 @@ class Search {
             if (found_.high <= options_.enough ||
                 (near && (found_.low > options_.enough || options_.enough <= 0)))
                 return found_;
-            if (found_.pieces >= options_.most_pieces) {
+            if (found_.pieces >= options_.most_pieces || looks_ >= options_.most_looks) {
                 found_.complete = false;
                 return found_;
             }
@@ -213,6 +224,7 @@ class Search {
     DistanceOptions options_;
     SurfaceDistance found_;
     double stuck_ = 0;
+    std::uint64_t looks_ = 0;
     std::priority_queue<Piece> open_;
 };
 
@@ -253,7 +265,8 @@ SurfaceDistance one_sided_distance(std::span<const Triangle> from, std::span<con
         return none;
     }
     Search search(to, options);
-    for (std::uint32_t t = 0; t < from.size(); ++t) search.add(from[t], t, 0, far_away);
+    std::uint32_t guess = 0;
+    for (std::uint32_t t = 0; t < from.size(); ++t) guess = search.add(from[t], t, guess, far_away);
     return search.finish();
 }
 

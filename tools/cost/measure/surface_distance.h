@@ -19,8 +19,10 @@ struct DistanceOptions {
     // It ends when the upper bound is no larger than `enough`, or when the bounds are as near to
     // each other as `tolerance` and the lower one is larger than `enough`, where that is over 0.
     double tolerance = 0, enough = 0;
-    // At most so many triangles are looked at, pieces of triangles included.
+    // At most so many triangles are looked at, pieces of triangles included; and at most so many
+    // times one is held against a point, which large triangles in one place take most of.
     std::size_t most_pieces = 2'000'000;
+    std::uint64_t most_looks = 150'000'000;
 };
 
 // The distance is at least `low`, which is that of `at` (on triangle `triangle` of `from`), and at
@@ -30,7 +32,7 @@ struct SurfaceDistance {
     glm::dvec3 at{0.0};
     std::uint32_t triangle = 0;
     std::size_t pieces = 0;  // looked at
-    bool complete = true;    // false: it ended at `most_pieces`, its bounds apart
+    bool complete = true;    // false: it ended at one of the limits, its bounds apart
 };
 
 // From every point of `from` to the nearest one of `to`, both finite; triangles without area count
