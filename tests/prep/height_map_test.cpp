@@ -190,6 +190,7 @@ TEST(HeightMap, QuantumIsHalfAStepOfWhatTheValuesUse) {
     EXPECT_EQ(quantisation(floats).bits, 0);
     EXPECT_EQ(quantisation(floats).half_step, 0);
     EXPECT_EQ(quantisation(picture(2, 2, [](auto x, auto) { return double(x); })).bits, 0);
+    EXPECT_EQ(quantisation(picture(4, 4, [](auto x, auto) { return 1e-30 * (x + 1); })).bits, 0);
 }
 
 TEST(HeightMap, WhatIsNoHeightIsAnErrorThatNamesIt) {

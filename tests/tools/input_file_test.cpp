@@ -285,6 +285,8 @@ TEST_F(Input, ZipsThatCannotBeReadSaySoAndWhatToDo) {
     expect_error("two.zip", "holds 2 mesh files (a.obj, sub/b.stl), and one is read");
     write("none.zip", {{"a.txt", cube}});
     expect_error("none.zip", "the archive holds no mesh file among its 1 file");
+    write("scene.zip", {{"s.json", "{}"}, {"a.txt", cube}});
+    expect_error("scene.zip", "among its 2 files; a scene file is read where it is unpacked");
     write("up.zip", {{"../../evil.obj", cube}});
     expect_error("up.zip", "leads out of the archive with '..'; do not trust");
     write("up2.zip", {{"a\\..\\..\\evil.obj", cube}});

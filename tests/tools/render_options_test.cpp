@@ -395,9 +395,10 @@ TEST(RenderReport, HasTheWarningsOfReading) {
     write_text(dir / "unlit.gltf", gltf.dump());
     gltf["nodes"][0].erase("mesh");
     write_text(dir / "b.gltf", gltf.dump());
-    const auto warnings = [&](const std::string& name) {
-        const test::Ran ran = run_here({"render", (dir / name).string(), "-o",
-                                        (dir / "a.png").string(), "--size", "8x8", "--json"});
+    const auto warnings = [&](const std::string& name, const std::string& filter = "ewa") {
+        const test::Ran ran =
+            run_here({"render", (dir / name).string(), "-o", (dir / "a.png").string(), "--size",
+                      "8x8", "--json", "--filter", filter, "--max-anisotropy", "4"});
         EXPECT_EQ(ran.exit_code, 0) << ran.err;
         return ran.json()["warnings"].get<std::vector<std::string>>();
     };
@@ -408,6 +409,9 @@ TEST(RenderReport, HasTheWarningsOfReading) {
               std::vector<std::string>{"nothing is drawn: no node places a mesh"});
     // Without light no normals are missed.
     EXPECT_EQ(warnings("unlit.gltf"), std::vector<std::string>{});
+    EXPECT_EQ(
+        warnings("unlit.gltf", "trilinear"),
+        std::vector<std::string>{"--max-anisotropy is of --filter anisotropic and ewa alone"});
 }
 
 TEST(RenderUsage, WrongNumbersAreUsageErrors) {

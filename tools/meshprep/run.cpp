@@ -57,10 +57,13 @@ Words without_help_word(Words words) {
 }
 
 // What follows "--" are files, whatever they begin with. CLI11 2.1 takes them where no file stands
-// before alone.
-Words with_files_after_dashes(Words words) {
+// before alone. Where an option waits for its value it is left to say so.
+Words with_files_after_dashes(Words words, const CommandTables& tables) {
     const auto dashes = std::find(words.begin(), words.end(), "--");
-    if (dashes == words.end()) return words;
+    const CommandTable* const table = tables.find(words[0]);
+    if (dashes == words.end() || table == nullptr) return words;
+    const OptionRow* const before = table->find(*(dashes - 1));
+    if (before != nullptr && !before->type.empty()) return words;
     for (auto word = dashes + 1; word != words.end(); ++word)
         if (word->size() > 1 && word->starts_with('-')) *word = "./" + *word;
     words.erase(dashes);
@@ -81,8 +84,9 @@ const Subcommand* parse(Words words, const std::vector<Subcommand>& known, std::
         err << app.help();
         return nullptr;
     }
-    words = with_files_after_dashes(without_help_word(std::move(words)));
+    words = without_help_word(std::move(words));
     const CommandTables tables = tables_of(app);
+    words = with_files_after_dashes(std::move(words), tables);
     if (words[0] == "--generate") {
         exit_code = generate(Words(words.begin() + 1, words.end()), tables, err);
         return nullptr;

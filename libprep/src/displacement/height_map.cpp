@@ -83,8 +83,11 @@ void set_units(const Image& image, HeightMapData& map) {
             map.bits = 8;
         return;
     }
-    // A mask of zeros and ones is no staircase.
-    const auto between = [](float value) { return value > 0 && value < 1; };
+    // A mask of zeros and ones is no staircase, nor is what is far below the first step.
+    const auto between = [](float value) {
+        const double code = std::round(double(value) * byte_steps);
+        return code > 0 && code < byte_steps;
+    };
     if (std::any_of(map.raw.begin(), map.raw.end(), between) && are_codes(map.raw, byte_steps))
         map.bits = 8;
 }

@@ -306,6 +306,10 @@ Result<Json> render_file(const RenderCommand& command, Console& console) {
         if (const std::uint64_t broken = drawn->frame.counters.non_finite; broken > 0)
             warnings.push_back(count_of(broken, "triangle") +
                                " with positions that are not finite or beyond all range left out");
+        if (command.wishes.has("max_anisotropy") &&
+            request.filter != prep::TextureFilter::anisotropic &&
+            request.filter != prep::TextureFilter::ewa)
+            warnings.push_back("--max-anisotropy is of --filter anisotropic and ewa alone");
         if (request.tone_map == prep::ToneMap::reinhard && keeps_float(outputs.picture))
             warnings.push_back(
                 "the scene's tone_map is for pictures of 8 bits: linear light is "

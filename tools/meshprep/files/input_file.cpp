@@ -338,12 +338,17 @@ Result<void> InputFile::choose_mesh(const std::vector<std::string>& names) {
     std::vector<std::string> meshes;
     for (const std::string& name : names)
         if (holds_mesh(name) && !is_packed(name)) meshes.push_back(name);
-    if (meshes.empty())
+    if (meshes.empty()) {
+        const bool scene = std::any_of(names.begin(), names.end(), [](const std::string& name) {
+            return lower_ending(name) == "json";
+        });
         return Error{ErrorCode::invalid,
                      "the archive holds no mesh file among its " + std::to_string(names.size()) +
-                         (names.size() == 1 ? " file" : " files") + "; read are " +
-                         input_endings_text(),
+                         (names.size() == 1 ? " file" : " files") +
+                         (scene ? "; a scene file is read where it is unpacked"
+                                : "; read are " + input_endings_text()),
                      place()};
+    }
     if (meshes.size() > 1) {
         std::string list;
         constexpr std::size_t most = 8;
