@@ -164,12 +164,20 @@ TEST(GltfMaterials, SpecularGlossinessTakesThePlaceOfMetallicRoughness) {
     EXPECT_TRUE(m.metallic_roughness);
     EXPECT_EQ(m.metallic, 0);
     EXPECT_FALSE(m.metallic_roughness_map);
-    const glm::vec4 scattered(0.03f, 0.06f, 0.09f, 0.4f);
-    for (int k = 0; k < 4; ++k) EXPECT_NEAR(m.diffuse[k], scattered[k], 1e-7) << k;
+    EXPECT_EQ(m.diffuse, glm::vec4(0.1f, 0.2f, 0.3f, 0.4f)) << "a map says what is left";
     EXPECT_EQ(m.reflectance, glm::vec3(0.5f, 0.6f, 0.7f));
     expect_map(m.diffuse_map, 1, 2, 1, "diffuse");
     expect_map(m.specular_map, 3, 1, 1, "specular");
     EXPECT_EQ(m.roughness, 0.25f);
+}
+
+TEST(GltfMaterials, OfSpecularGlossinessWhatIsReflectedIsNotScattered) {
+    Json json = Json::parse(R"({"extensions": {"KHR_materials_pbrSpecularGlossiness": {
+        "diffuseFactor": [0.1, 0.2, 0.3, 0.4], "specularFactor": [0.5, 0.6, 0.7]}}})");
+    const glm::vec4 scattered(0.03f, 0.06f, 0.09f, 0.4f);
+    for (int k = 0; k < 4; ++k) EXPECT_NEAR(material(json).diffuse[k], scattered[k], 1e-7) << k;
+    json["extensions"]["KHR_materials_unlit"] = Json::object();
+    EXPECT_EQ(material(json).diffuse, glm::vec4(0.1f, 0.2f, 0.3f, 0.4f));
 }
 
 TEST(GltfMaterials, SpecularGlossinessWithoutItsMembersIsWhiteSmoothAndWithoutMaps) {

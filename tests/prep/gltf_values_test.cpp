@@ -192,7 +192,7 @@ class Comparison {
                const std::string& at) {
         const bool there = attributes.contains(semantic);
         Numbers list = there ? theirs_.numbers(attributes.at(semantic)) : Numbers();
-        if (semantic.starts_with("COLOR_"))  // drawn, they are within this (glTF 2.0, 3.7.2.1)
+        if (semantic == "COLOR_0")  // drawn, they are within this (glTF 2.0, 3.7.2.1)
             for (double& value : list) value = std::clamp(value, 0.0, 1.0);
         const double tolerance = there ? step(attributes.at(semantic)) : 0;
         const std::size_t width =
@@ -437,10 +437,12 @@ class Comparison {
             if (other != extensions.end()) {
                 vector(found.reflectance, other->at("specularFactor"), at + ", specular");
                 const auto f0 = other->at("specularFactor").get<std::vector<double>>();
+                const double left = found.specular_map || found.unlit
+                                        ? 1
+                                        : 1 - *std::max_element(f0.begin(), f0.end());
                 auto scattered = other->at("diffuseFactor");
                 for (std::size_t k = 0; k < 3; ++k)
-                    scattered[k] =
-                        scattered[k].get<double>() * (1 - *std::max_element(f0.begin(), f0.end()));
+                    scattered[k] = scattered[k].get<double>() * left;
                 vector(found.diffuse, scattered, at + ", diffuse");
                 map(found.diffuse_map, other->at("diffuseTexture"), at + ", diffuse");
                 map(found.specular_map, other->at("specularGlossinessTexture"), at + ", specular");

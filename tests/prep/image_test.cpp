@@ -340,10 +340,15 @@ TEST_F(SaveImage, APartOfAnExrStandsWhereItsWindowSays) {
                         << x << ' ' << y;
                 }
     }
-    const Window absurd{0, 0, 2147483646, 2147483646};
-    std::memcpy(bytes.data() + at, &absurd, sizeof absurd);
-    test::write_text(path, bytes);
-    EXPECT_FALSE(prep::load_image(path));
+    for (const auto& [edge, code] : {std::pair(2147483646, prep::ErrorCode::syntax),
+                                     std::pair(32000, prep::ErrorCode::limit)}) {
+        const Window absurd{0, 0, edge, edge};
+        std::memcpy(bytes.data() + at, &absurd, sizeof absurd);
+        test::write_text(path, bytes);
+        const auto far = prep::load_image(path);
+        ASSERT_FALSE(far);
+        EXPECT_EQ(far.error().code, code) << to_string(far.error());
+    }
 }
 
 // Written by OpenImageIO 2.4, these were empty (JPEG 2000), not to be read (texture files), not

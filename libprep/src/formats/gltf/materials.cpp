@@ -245,11 +245,13 @@ class MaterialReader {
             if (auto r = texture(*e, "diffuseTexture", at, out.diffuse_map); !r) return r;
             if (auto r = texture(*e, "specularGlossinessTexture", at, out.specular_map); !r)
                 return r;
-            // What is not reflected is scattered; the map of F0 lets more of it through than this.
             out.roughness = 1 - glossiness;
             out.reflectance = glm::clamp(specular, 0.0f, 1.0f);
+            // What is not reflected is scattered. Where a map says how much is reflected, mostly
+            // by a factor of 1, all of it is: no material here has a map of what is left.
             const float most = std::max({out.reflectance.r, out.reflectance.g, out.reflectance.b});
-            for (int k = 0; k < 3; ++k) out.diffuse[k] *= 1 - most;
+            if (!out.specular_map && !out.unlit)
+                for (int k = 0; k < 3; ++k) out.diffuse[k] *= 1 - most;
             if (out.specular_map)
                 scene_.warnings.push_back(pointer +
                                           ": the glossiness of specularGlossinessTexture (its "

@@ -63,7 +63,7 @@ Result<void> VertexData::append(const std::string& semantic, const RawAccessor& 
             glm::vec4& c = colors_[*color].values[i];
             if (raw.width == 3) c.a = 1;
             // glTF 2.0, 3.7.2.1; what is no number stays, to be told.
-            for (int k = 0; k < 4; ++k) c[k] = c[k] < 0 ? 0 : c[k] > 1 ? 1 : c[k];
+            for (int k = 0; *color == 0 && k < 4; ++k) c[k] = c[k] < 0 ? 0 : c[k] > 1 ? 1 : c[k];
         }
     } else if (set_number(semantic, "JOINTS_") || set_number(semantic, "WEIGHTS_")) {
         if (auto done = wants(4, 4); !done) return done;

@@ -24,6 +24,8 @@ namespace oiio = OIIO;
 // pictures are exempt, because some formats store a constant picture in a hundred bytes.
 constexpr std::uint64_t largest_compression = 4096;
 constexpr std::uint64_t always_allowed_bytes = std::uint64_t(1) << 28;
+// How much larger than the part of it that a file holds a picture may be.
+constexpr std::uint64_t largest_margin = 64;
 
 std::string reason_of(const std::string& from_reader) {
     std::string reason = from_reader.empty() ? oiio::geterror() : from_reader;
@@ -68,21 +70,34 @@ Result<void> check_spec(const oiio::ImageSpec& spec, const Extent& full, std::ui
         return Error{ErrorCode::invalid, "the image is empty", place};
     if (spec.depth > 1)
         return Error{ErrorCode::unsupported, "this is a volume image; a flat one is needed", place};
-    const auto width = std::uint64_t(std::max(std::int64_t(spec.width), full.width));
-    const auto height = std::uint64_t(std::max(std::int64_t(spec.height), full.height));
-    if (width > max_image_extent || height > max_image_extent)
+    const auto check_extent = [&](std::int64_t width, std::int64_t height) -> Result<void> {
+        if (width <= std::int64_t(max_image_extent) && height <= std::int64_t(max_image_extent))
+            return {};
         return Error{ErrorCode::limit,
                      "the image is " + std::to_string(width) + " x " + std::to_string(height) +
                          " pixels, at most " + std::to_string(max_image_extent) +
                          " each way are read; scale it down",
                      place};
-    const std::uint64_t pixels = width * height;
-    const std::uint64_t need = pixels * count * sizeof(float);
+    };
+    if (auto held = check_extent(spec.width, spec.height); !held) return held;
+    if (auto shown = check_extent(full.width, full.height); !shown) return shown;
+    const auto bytes_of = [&](std::uint64_t width, std::uint64_t height) {
+        return width * height * count * sizeof(float);
+    };
+    const std::uint64_t need = bytes_of(std::uint64_t(spec.width), std::uint64_t(spec.height));
     if (need > always_allowed_bytes && need / largest_compression > file_bytes)
         return Error{ErrorCode::invalid,
-                     "the header promises " + std::to_string(width) + " x " +
-                         std::to_string(height) + " pixels, but the file has only " +
+                     "the header promises " + std::to_string(spec.width) + " x " +
+                         std::to_string(spec.height) + " pixels, but the file has only " +
                          std::to_string(file_bytes) + " bytes; it is truncated or damaged",
+                     place};
+    const std::uint64_t whole = bytes_of(std::uint64_t(full.width), std::uint64_t(full.height));
+    if (whole > 4 * always_allowed_bytes && whole / largest_margin > need)
+        return Error{ErrorCode::limit,
+                     "the image is " + std::to_string(full.width) + " x " +
+                         std::to_string(full.height) + " pixels, of which the file holds " +
+                         std::to_string(spec.width) + " x " + std::to_string(spec.height) +
+                         "; crop it to them",
                      place};
     return {};
 }
