@@ -76,6 +76,18 @@ TEST(GltfMorph, ShapesAreTheBasePlusTheDeltasOfTheirTarget) {
     EXPECT_EQ(second.positions, base);
 }
 
+TEST(GltfMorph, WeightsAtRestAreTheMeshs) {
+    auto maker = two_primitives();
+    maker.json["meshes"][0]["weights"] = {0.25, 1};
+    const auto scene = maker.read();
+    ASSERT_TRUE(scene) << test::error_of(scene);
+    const auto& targets = scene->meshes[0].morph_targets;
+    ASSERT_EQ(targets.size(), 3u);
+    EXPECT_EQ(targets[0].weight, 0.25f);
+    EXPECT_EQ(targets[1].weight, 1.0f);
+    EXPECT_EQ(targets[2].weight, 0.0f);
+}
+
 TEST(GltfMorph, NormalsAreTurnedByTheirDeltasAndUnitAgain) {
     const auto scene = two_primitives().read();
     ASSERT_TRUE(scene) << test::error_of(scene);

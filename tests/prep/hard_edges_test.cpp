@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "exact.h"
+#include "exact/exact_normals.h"
 #include "exact_dihedrals.h"
 #include "shapes.h"
 
@@ -89,6 +90,19 @@ TEST(HardEdges, CapsOfManyCornersAreDecidedExactly) {
     EXPECT_EQ(square.hard_count, 0u);
     EXPECT_EQ(square.exact_decisions, 2 * segments);
     EXPECT_EQ(hard_of(mesh, at_angle(89.999)).hard_count, 2 * segments);
+    const prep::MeshView view(mesh);
+    const prep::detail::ExactFaces exact(view);
+    const auto right = prep::detail::threshold_of(90);
+    std::vector<std::uint32_t> caps;
+    for (std::uint32_t f = 0; f < mesh.face_count(); ++f)
+        if (mesh.face_offsets[f + 1] - mesh.face_offsets[f] == segments) caps.push_back(f);
+    ASSERT_EQ(caps.size(), 2u);
+    for (std::uint32_t f = 0; f < mesh.face_count(); f += 100)
+        for (const std::uint32_t cap : caps)
+            if (f != caps[0] && f != caps[1]) {
+                EXPECT_FALSE(exact.turn_exceeds(f, cap, right));
+            }
+    EXPECT_EQ(exact.kept_made(), 2u);
 }
 
 TEST(HardEdges, BowTieHasTheEdgesOfTwoTetrahedra) {

@@ -56,14 +56,20 @@ Words without_help_word(Words words) {
     return {words[1], "--help"};
 }
 
-// What follows "--" are files, whatever they begin with. CLI11 2.1 takes them where no file stands
-// before alone. Where an option waits for its value it is left to say so.
-Words with_files_after_dashes(Words words, const CommandTables& tables) {
+// The option that "--" stands behind instead of its value; null where there is none.
+const OptionRow* waits_for_value(const Words& words, const CommandTables& tables) {
     const auto dashes = std::find(words.begin(), words.end(), "--");
     const CommandTable* const table = tables.find(words[0]);
-    if (dashes == words.end() || table == nullptr) return words;
+    if (dashes == words.end() || table == nullptr) return nullptr;
     const OptionRow* const before = table->find(*(dashes - 1));
-    if (before != nullptr && !before->type.empty()) return words;
+    return before != nullptr && !before->type.empty() ? before : nullptr;
+}
+
+// What follows "--" are files, whatever they begin with. CLI11 2.1 takes them where no file stands
+// before alone.
+Words with_files_after_dashes(Words words) {
+    const auto dashes = std::find(words.begin(), words.end(), "--");
+    if (dashes == words.end()) return words;
     for (auto word = dashes + 1; word != words.end(); ++word)
         if (word->size() > 1 && word->starts_with('-')) *word = "./" + *word;
     words.erase(dashes);
@@ -86,7 +92,6 @@ const Subcommand* parse(Words words, const std::vector<Subcommand>& known, std::
     }
     words = without_help_word(std::move(words));
     const CommandTables tables = tables_of(app);
-    words = with_files_after_dashes(std::move(words), tables);
     if (words[0] == "--generate") {
         exit_code = generate(Words(words.begin() + 1, words.end()), tables, err);
         return nullptr;
@@ -95,6 +100,13 @@ const Subcommand* parse(Words words, const std::vector<Subcommand>& known, std::
         exit_code = refuse(unknown_subcommand(words[0], tables), tables, words, out, err);
         return nullptr;
     }
+    if (const OptionRow* const option = waits_for_value(words, tables)) {
+        const UsageError error{option->longest_name(), "needs a value, and '--' stands there",
+                               "'meshprep help " + words[0] + "' lists its options."};
+        exit_code = refuse(error, tables, words, out, err);
+        return nullptr;
+    }
+    words = with_files_after_dashes(std::move(words));
     try {
         app.parse(Words(words.rbegin(), words.rend()));
         for (const Subcommand& subcommand : known)

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <utility>
 
 #include "sheets/edges.h"
 #include "sheets/figures.h"
@@ -101,7 +102,6 @@ class PanelDrawing {
 
   private:
     using Step = std::optional<prep::Error>;
-
     Material neutral(float grey, float specular) const {
         Material m;
         m.diffuse = glm::vec4(glm::vec3(grey), 1.0f);

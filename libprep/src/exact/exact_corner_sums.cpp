@@ -79,7 +79,7 @@ class ExactCornerSums::Sums {
 
     Vector area_of(Index face) {
         const Index begin = mesh_.face_offsets[face], end = mesh_.face_offsets[face + 1];
-        if (end - begin < many_corners) return area_vector(begin, end);
+        if (!has_many_corners(mesh_, face)) return area_vector(begin, end);
         const auto [at, fresh] = large_.try_emplace(face);
         if (fresh) at->second = area_vector(begin, end);
         return at->second;

@@ -51,37 +51,47 @@ class ExactFaces::Kept {
     // at a time: copies of them count their owners.
     template <class Use>
     auto of(std::span<const std::uint32_t> faces, const Use& use) {
-        const bool any_large = std::any_of(faces.begin(), faces.end(),
-                                           [&](std::uint32_t face) { return is_large(face); });
+        const bool any_large = std::any_of(faces.begin(), faces.end(), [&](std::uint32_t face) {
+            return has_many_corners(mesh_, face);
+        });
         const std::unique_lock<std::mutex> lock =
             any_large ? std::unique_lock(mutex_) : std::unique_lock<std::mutex>();
         std::vector<RationalVector> small;
         small.reserve(faces.size());
         std::vector<const RationalVector*> all;
         for (const std::uint32_t face : faces) {
-            if (!is_large(face)) {
+            if (!has_many_corners(mesh_, face)) {
                 all.push_back(&small.emplace_back(area_vector(mesh_, face)));
                 continue;
             }
             const auto [at, fresh] = large_.try_emplace(face);
-            if (fresh) at->second = area_vector(mesh_, face);
+            if (fresh) {
+                at->second = area_vector(mesh_, face);
+                ++made_;
+            }
             all.push_back(&at->second);
         }
         return use(all);
     }
 
-  private:
-    bool is_large(std::uint32_t face) const {
-        return mesh_.face_offsets[face + 1] - mesh_.face_offsets[face] >= many_corners;
+    std::size_t made() {
+        const std::unique_lock lock(mutex_);
+        return made_;
     }
 
+  private:
     const MeshView& mesh_;
     std::mutex mutex_;
     std::unordered_map<std::uint32_t, RationalVector> large_;
+    std::size_t made_ = 0;
 };
 
 ExactFaces::ExactFaces(const MeshView& mesh) : kept_(std::make_unique<Kept>(mesh)) {}
 ExactFaces::~ExactFaces() = default;
+
+std::size_t ExactFaces::kept_made() const {
+    return kept_->made();
+}
 
 glm::dvec3 exact_area_vector(const MeshView& mesh, std::uint32_t face) {
     const RationalVector v = area_vector(mesh, face);

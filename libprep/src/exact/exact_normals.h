@@ -13,6 +13,9 @@ namespace prep::detail {
 
 // From how many corners on a face's area vector is kept where it may be asked for again.
 constexpr std::uint32_t many_corners = 16;
+inline bool has_many_corners(const MeshView& mesh, std::uint32_t face) {
+    return mesh.face_offsets[face + 1] - mesh.face_offsets[face] >= many_corners;
+}
 
 // Newell's sum of a face with finite positions, exact, each component rounded to double once.
 glm::dvec3 exact_area_vector(const MeshView& mesh, std::uint32_t face);
@@ -48,6 +51,9 @@ class ExactFaces {
     // Whether the turn between two faces' normals is larger than the threshold, decided on the
     // exact coordinates. Faces whose exact area vector is zero give false.
     bool turn_exceeds(std::uint32_t face0, std::uint32_t face1, const Threshold& threshold) const;
+
+    // How many of those were made.
+    std::size_t kept_made() const;
 
   private:
     class Kept;

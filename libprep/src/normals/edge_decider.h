@@ -86,17 +86,14 @@ class EdgeDecider {
             classify(faces_.area_vectors[f], faces_.area_vectors[g], faces_.relative_error);
         if (verdict != Verdict::open) return verdict == Verdict::exceeds;
         // Of many corners: the exact ones are made once.
-        if (faces_.relative_error > accurate_face_error && !is_large(f) && !is_large(g)) {
+        if (faces_.relative_error > accurate_face_error && !has_many_corners(mesh_, f) &&
+            !has_many_corners(mesh_, g)) {
             const Verdict closer = classify(accurate_area_vector(mesh_, f),
                                             accurate_area_vector(mesh_, g), accurate_face_error);
             if (closer != Verdict::open) return closer == Verdict::exceeds;
         }
         ++exact;
         return exact_.turn_exceeds(f, g, threshold_);
-    }
-
-    bool is_large(Index face) const {
-        return mesh_.face_offsets[face + 1] - mesh_.face_offsets[face] >= many_corners;
     }
 
     enum class Verdict { exceeds, stays, open };

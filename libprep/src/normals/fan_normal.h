@@ -12,6 +12,7 @@
 
 #include "exact/arc_tangent.h"
 #include "exact/exact_corner_sums.h"
+#include "exact/exact_normals.h"
 #include "exact/reproducible_sum.h"
 #include "normals/area_vector.h"
 #include "prep/corner_normals.h"
@@ -54,7 +55,8 @@ class FanNormal {
             const bool fast = options_.precision == Precision::fast;
             const glm::dvec3 sum = trusted_sum(corners, !fast);
             if (sum != glm::dvec3(0.0)) return unit_of(sum);
-            if (fast) {
+            // Of faces with many corners the exact sums are kept, the accurate ones made each time.
+            if (fast && !any_large(corners)) {
                 const glm::dvec3 better = trusted_sum(corners, true);
                 if (better != glm::dvec3(0.0)) return unit_of(better);
             }
@@ -77,6 +79,13 @@ class FanNormal {
     }
 
   private:
+    bool any_large(std::span<const Index> corners) const {
+        return std::any_of(corners.begin(), corners.end(), [&](Index c) {
+            const Index face = steps_.face(c);
+            return steps_.end(face) - steps_.begin(face) >= many_corners;
+        });
+    }
+
     // Zero where the sum's error bound is not small enough against the sum.
     glm::dvec3 trusted_sum(std::span<const Index> corners, bool accurate) {
         const bool compute_areas = accurate && faces_.relative_error > accurate_face_error;

@@ -73,8 +73,8 @@ struct RenderRequest : prep::RenderChoices {
     std::optional<std::vector<LightInstance>> lights;  // unset: the scene's, else three lights
     bool textures = true;                              // false: material colours only
     bool keep_color = true;   // false: nothing is shaded, for those who want other buffers alone
-    // With coverage `area`: of colours alpha alone, how much of each pixel is covered; nothing is
-    // shaded, nor found what is in front.
+    // With coverage `area`: of the colours alpha alone is meant, how much of each pixel is covered.
+    // Nothing is shaded, nor found what is in front, whatever the plan's steps would do.
     bool alpha_alone = false;
     bool keep_depth = false;  // Frame::depth
     bool keep_ids = false;    // Frame::triangle and Frame::instance

@@ -529,8 +529,9 @@ prep::Result<RenderPlan> plan(const prep::PreparedScene& scene, const RenderRequ
             "exact areas take the place of samples: ask for 1 sample a pixel, found " +
                 std::to_string(samples),
             ""};
-    if (request.alpha_alone && request.coverage != Coverage::area)
-        return prep::Error{prep::ErrorCode::invalid, "alpha alone is a matter of exact areas", ""};
+    if (request.alpha_alone && (request.coverage != Coverage::area || !request.keep_color))
+        return prep::Error{prep::ErrorCode::invalid,
+                           "alpha alone is of colours that are kept, by exact areas", ""};
     const std::uint32_t most = max_picture_extent / std::uint32_t(request.supersample);
     if (request.width > most || request.height > most)
         return prep::Error{prep::ErrorCode::limit,

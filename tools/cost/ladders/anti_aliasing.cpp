@@ -175,7 +175,9 @@ prep::Result<Silhouette> silhouette(const Subject& subject, Ladder& ladder) {
     ladder.metrics = {{"RMSE", "", "linear light"},
                       {"largest", "", "linear light"},
                       {"PSNR", "dB", "linear light"},
-                      {"from its definition", "", "RMSE; the setting's own samples or areas"}};
+                      {"from its definition", "",
+                       subject.mesh ? "RMSE; the setting's own samples, 1,024 for areas"
+                                    : "RMSE; the setting's own samples or areas"}};
     if (subject.mesh) {
         ladder.floor =
             picture_error(sampled_coverage(triangles, width, height, 24), *shape.truth).rmse;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "meshprep/commands/subcommand.h"
 #include "meshprep/files/file_list.h"
@@ -21,7 +22,7 @@ struct HeightToNormalCommand {
     std::filesystem::path input, output;
     prep::HeightToNormalOptions options;
     prep::Wrap wrap = prep::Wrap::repeat;
-    int bits = 0;  // 0: what the ending holds at most
+    int bits = 0;  // 0: as pixel_type() chooses
     bool replace = true;
 };
 

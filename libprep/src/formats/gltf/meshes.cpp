@@ -86,6 +86,11 @@ class MeshReader {
                     primitive(primitives[p], p, pointer + "/primitives/" + std::to_string(p), mesh);
                 !done)
                 return done;
+        const auto weights = in.find("weights");
+        for (std::size_t t = 0; t < mesh.morph_targets.size(); ++t)
+            if (weights != in.end() && weights->is_array() && t < weights->size() &&
+                (*weights)[t].is_number())
+                mesh.morph_targets[t].weight = (*weights)[t].get<float>();
         return vertices_.finish(pointer, mesh, threads_);
     }
 
