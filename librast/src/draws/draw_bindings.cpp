@@ -205,7 +205,7 @@ ShadeDraw shade_draw(const RenderPlan& plan, const prep::PreparedScene& scene, c
             ? prep::blinn_phong(glm::vec3(0), material.metallic, material.roughness).shininess
             : material.shininess;
     s.shininess = std::max(shininess, 0.0f);
-    s.glows = !material.unlit && material.emissive != glm::vec3(0.0f);
+    s.glows = material.emissive != glm::vec3(0.0f);
     s.alpha_cutoff = material.alpha_cutoff;
     s.flip_green = material.normal_map_flip_green;
     s.metallic_roughness = !material.unlit && material.metallic_roughness;
