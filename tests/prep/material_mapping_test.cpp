@@ -205,7 +205,6 @@ TEST(RoundTrip, ObjGlbObjKeepsBlinnPhong) {
 }
 
 // --- transparency --------------------------------------------------------------------------------
-
 TEST(Transparency, AFileOfWhichNothingWouldBeSeenIsMadeOpaque) {
     for (const char* statement : {"Tr 1\n", "d 0\n"}) {
         const Folder folder(std::string("newmtl m\n") + statement + "newmtl n\n" + statement +
@@ -231,18 +230,17 @@ TEST(Transparency, AFileOfWhichNothingWouldBeSeenIsMadeOpaque) {
     }
 }
 
-// A mask that cuts nothing hides nothing.
-TEST(Transparency, OfMasksTheCutoffDecides) {
+TEST(Transparency, MasksThatCutNothingHideNothing) {
+    const test::TempDir dir;
     for (const double cutoff : {0.0, 0.5}) {
         test::GltfSource gltf;
-        gltf.json["materials"] = {{{"alphaMode", "MASK"},
-                                   {"alphaCutoff", cutoff},
-                                   {"pbrMetallicRoughness", {{"baseColorFactor", {1, 1, 1, 0}}}}}};
-        const std::size_t positions = gltf.add_positions({0, 0, 0, 1, 0, 0, 0, 1, 0});
-        gltf.mesh({{{"attributes", {{"POSITION", positions}}}, {"material", 0}}});
-        const test::TempDir dir;
+        const Json clear = {{"baseColorFactor", {1, 1, 1, 0}}};
+        gltf.json["materials"] = {
+            {{"alphaMode", "MASK"}, {"alphaCutoff", cutoff}, {"pbrMetallicRoughness", clear}}};
+        const auto at = gltf.add_positions({0, 0, 0, 1, 0, 0, 0, 1, 0});
+        gltf.mesh({{{"attributes", {{"POSITION", at}}}, {"material", 0}}});
         gltf.write(dir / "a.gltf");
-        EXPECT_EQ(prep::load_scene(dir / "a.gltf").value().warnings.size(), cutoff > 0 ? 1u : 0u);
+        EXPECT_EQ(prep::load_scene(dir / "a.gltf")->warnings.size(), cutoff > 0 ? 1u : 0u);
     }
 }
 

@@ -34,8 +34,8 @@ enum HardReason : std::uint8_t {  // bits
 
 struct HardEdgeOptions {
     // Threshold in degrees, 0 … 180; none: no edge is hard because of its angle. Degrees, because
-    // 0, 30, 45, 60, 90 and what they leave of 180 are then taken as cosines whose squares are exact
-    // (1, ¾, ½, ¼, 0); any other angle's cosine is rounded to double once and exact from there.
+    // 0, 30, 45, 60, 90 and what they leave of 180 then stand for cosines of exact squares (1, ¾,
+    // ½, ¼, 0); any other angle's cosine is rounded to double once and exact from there.
     std::optional<double> angle_degrees = 60.0;
     bool smoothing_groups = true;      // obey them where the mesh has any
     bool angle_inside_groups = false;  // the angle splits also inside a smoothing group
