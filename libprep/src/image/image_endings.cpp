@@ -16,8 +16,7 @@ constexpr unsigned u8 = bit(PixelType::u8), u16 = bit(PixelType::u16), f16 = bit
 
 // What OpenImageIO 2.4 writes so that it can be read again (SaveImage.*), and tells a full disk of.
 // Not JPEG 2000, whose writer leaves an empty file, nor the endings of its texture files (.tx), nor
-// .pgm, whose name promises greys, nor .dpx and .gif, whose bytes differ from one
-// time to the next.
+// .pgm, whose name promises greys, nor .dpx and .gif, whose bytes differ from one time to the next.
 struct WrittenEnding {
     std::string_view ending;
     unsigned types;

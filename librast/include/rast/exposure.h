@@ -24,8 +24,8 @@ struct FoundExposure {
 prep::Result<FoundExposure> find_exposure(SceneRenderer& renderer, const prep::PreparedScene& scene,
                                           RenderRequest request);
 
-// With this exposure, above 0. Light is multiplied by it; what is behind the scene is not lit, and is seen as
-// the choices had it.
+// With this exposure, above 0. Light is multiplied by it; what is behind the scene is not lit, and
+// is seen as the choices had it.
 void expose(prep::RenderChoices& choices, float exposure);
 
 }  // namespace rast

@@ -72,7 +72,7 @@ struct RenderRequest : prep::RenderChoices {
     std::optional<View> view;  // unset: the scene's camera, else the whole scene
     std::optional<std::vector<LightInstance>> lights;  // unset: the scene's, else three lights
     bool textures = true;                              // false: material colours only
-    bool keep_color = true;   // false: nothing is shaded, for those who want other buffers alone
+    bool keep_color = true;  // false: nothing is shaded, for those who want other buffers alone
     // With coverage `area`: of the colours alpha alone is meant, how much of each pixel is covered.
     // Nothing is shaded, nor found what is in front, whatever the plan's steps would do.
     bool alpha_alone = false;

@@ -1,6 +1,8 @@
 #include "formats/gltf/meshes.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 #include "base/parallel.h"
 #include "formats/gltf/vertex_data.h"
@@ -86,11 +88,15 @@ class MeshReader {
                     primitive(primitives[p], p, pointer + "/primitives/" + std::to_string(p), mesh);
                 !done)
                 return done;
+        // What is no weight counts as none: nothing here draws by them.
         const auto weights = in.find("weights");
-        for (std::size_t t = 0; t < mesh.morph_targets.size(); ++t)
-            if (weights != in.end() && weights->is_array() && t < weights->size() &&
-                (*weights)[t].is_number())
-                mesh.morph_targets[t].weight = (*weights)[t].get<float>();
+        for (std::size_t t = 0; t < mesh.morph_targets.size(); ++t) {
+            if (weights == in.end() || !weights->is_array() || t >= weights->size()) break;
+            const Json& w = (*weights)[t];
+            const double weight = w.is_number() ? w.get<double>() : 0;
+            if (std::abs(weight) <= double(std::numeric_limits<float>::max()))
+                mesh.morph_targets[t].weight = float(weight);
+        }
         return vertices_.finish(pointer, mesh, threads_);
     }
 

@@ -24,8 +24,8 @@ namespace oiio = OIIO;
 // pictures are exempt, because some formats store a constant picture in a hundred bytes.
 constexpr std::uint64_t largest_compression = 4096;
 constexpr std::uint64_t always_allowed_bytes = std::uint64_t(1) << 28;
-// How much larger than the part of it that a file holds a picture may be; of up to a gigabyte it may
-// be anything.
+// How much larger than the part of it that a file holds a picture may be; of up to a gigabyte it
+// may be anything.
 constexpr std::uint64_t largest_margin = 64;
 
 std::string reason_of(const std::string& from_reader) {
