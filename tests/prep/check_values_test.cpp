@@ -200,6 +200,64 @@ TEST(CheckValues, OnlyWhatLiesInsideAnOutwardShellIsACavity) {
 }
 
 // A shell is named by its first face, whatever order its faces are met in.
+// Against the definition: every box of an outward shell around it, one after the other.
+TEST(CheckValues, CavitiesAmongManyShells) {
+    std::uint32_t state = 1;
+    const auto random = [&state] {
+        state = state * 1664525u + 1013904223u;
+        return float(state >> 8) / float(1 << 24);
+    };
+    struct Box {
+        glm::vec3 at;
+        float scale;
+        bool turned;
+    };
+    std::vector<Box> boxes;
+    const Mesh cube = shapes::cube();
+    Mesh all;
+    Indices expected;
+    for (int i = 0; i < 400; ++i)
+        boxes.push_back({{10 * random(), 10 * random(), 10 * random()},
+                         0.1f + 2 * random() * random(), random() < 0.5f});
+    for (std::size_t i = 0; i < boxes.size(); ++i) {
+        const Mesh one = moved(cube, boxes[i].scale, boxes[i].at);
+        all = i == 0 ? (boxes[i].turned ? inside_out(one) : one)
+                     : shapes::joined(all, boxes[i].turned ? inside_out(one) : one);
+        if (!boxes[i].turned) continue;
+        bool cavity = false;
+        for (const Box& o : boxes) {
+            const glm::vec3 apart = glm::abs(o.at - boxes[i].at);
+            const float room = o.scale - boxes[i].scale;  // the cube goes from -1 to 1
+            cavity |= !o.turned && apart.x < room && apart.y < room && apart.z < room;
+        }
+        if (!cavity) expected.push_back(std::uint32_t(6 * i));
+    }
+    ASSERT_GT(expected.size(), 20u);
+    const prep::MeshCheck result = prep::check(all);
+    const Finding* found = find(result.findings, "inside-out-shell");
+    ASSERT_NE(found, nullptr);
+    EXPECT_EQ(found->count, expected.size());
+    expected.resize(Finding::max_places);
+    EXPECT_EQ(found->places, expected);
+}
+
+// Two polygons of no area, back to back along a line: each of their 50,000 edges leads into the
+// other. Looking at all edges of the other for each way would take an hour.
+TEST(CheckValues, FlatPolygonsOfManyCornersEnd) {
+    constexpr std::uint32_t n = 50'000;
+    std::vector<glm::vec3> line(n);
+    Indices there(n), back(n);
+    for (std::uint32_t i = 0; i < n; ++i) {
+        line[i] = {float(i), 0, 0};
+        there[i] = i;
+        back[i] = n - 1 - i;
+    }
+    const prep::MeshCheck result = prep::check(shapes::mesh_of(line, {there, back}));
+    const Finding* found = find(result.findings, "zero-area-face");
+    ASSERT_NE(found, nullptr);
+    EXPECT_EQ(found->count, 2u);
+}
+
 TEST(CheckValues, ShellsAreNamedByTheirFirstFace) {
     std::mt19937_64 random(11);
     const Mesh two = shapes::joined(moved(shapes::icosphere(1), 1.0f, {5, 0, 0}),

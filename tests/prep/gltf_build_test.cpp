@@ -368,6 +368,25 @@ TEST(GltfBuild, CamerasKeepTheirLens) {
                {"orthographic", {{"xmag", 2.2}, {"ymag", 3.3}, {"znear", 0.4}, {"zfar", 50.5}}}}}));
 }
 
+// An orthographic far plane is no option in glTF. The camera looks along -z from 40.
+TEST(GltfBuild, OrthographicCamerasWithoutAFarPlaneGetOneBehindTheScene) {
+    const prep::Mesh mesh = mesh_of({0, 1, 2}, 3);
+    double farthest = 0;
+    for (const glm::vec3& p : mesh.positions) farthest = std::max(farthest, 40.0 - double(p.z));
+    prep::Scene scene = scene_of(mesh);
+    scene.cameras.resize(1);
+    scene.cameras[0].perspective = false;
+    prep::Node node;
+    node.camera = 0;
+    node.transform[3] = glm::dvec4(0, 0, 40, 1);
+    scene.nodes.push_back(node);
+    const double far = saved(scene).file.json["cameras"][0]["orthographic"]["zfar"];
+    EXPECT_GT(far, farthest);
+    EXPECT_LT(far, 1.05 * farthest);
+    scene.nodes.back().transform[3].z = -400;  // all of it is behind the camera
+    EXPECT_GT(double(saved(scene).file.json["cameras"][0]["orthographic"]["zfar"]), 0.01);
+}
+
 TEST(GltfBuild, TheBinaryIsNamedByAUri) {
     const test::TempDir dir;
     const std::string name = "a b#%c\303\244";  // ä in UTF-8

@@ -93,6 +93,56 @@ TEST(GltfLost, NothingIsToldOfWhatIsNotThere) {
     EXPECT_EQ(notes_of(d, "out.obj"), Notes{});
 }
 
+// What the file's scene does not show, no other format has a place for.
+test::GltfSource two_scenes() {
+    test::GltfSource d;
+    for (const float z : {0.0f, 5.0f})
+        d.push("meshes",
+               Json{{"primitives",
+                     {{{"attributes",
+                        {{"POSITION", d.add_positions({0, 0, z, 1, 0, z, 0, 1, z})}}}}}}});
+    d.json["nodes"] = {{{"mesh", 0}}, {{"mesh", 1}}};
+    d.json["scenes"] = {{{"nodes", {0}}}, {{"nodes", {1}}}};
+    d.json["scene"] = 0;
+    return d;
+}
+
+TEST(GltfLost, MeshesOfOtherScenesAreTold) {
+    std::string text;
+    const Notes notes = notes_of(two_scenes(), "out.obj", &text);
+    EXPECT_EQ(notes, Notes{"1 mesh that the file's scene does not show was left out"});
+    EXPECT_EQ(text.find(" 5\n"), std::string::npos) << text;
+    EXPECT_EQ(notes_of(two_scenes(), "out.glb"), Notes{});
+}
+
+TEST(GltfLost, ScenesOfJsonShowWhatTheGltfShows) {
+    const test::TempDir dir;
+    two_scenes().write(dir / "in.glb");
+    test::write_text(dir / "a.json", R"({"meshprep":1,"meshes":{"m":{"file":"in.glb"}}})");
+    const auto scene = prep::load_scene(dir / "a.json");
+    ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
+    std::size_t shown = 0;
+    for (const prep::Node& node : scene->nodes) shown += node.mesh != prep::no_index;
+    EXPECT_EQ(shown, 1u);
+}
+
+// The files beside a glTF document are its buffers: no OBJ file reads its materials from them.
+TEST(GltfLost, ObjInThePlaceOfItsSourceHasItsMaterials) {
+    const test::TempDir dir;
+    test::GltfSource d = two_scenes();
+    d.json["materials"] = {{{"name", "red"}}};
+    d.json["meshes"][0]["primitives"][0]["material"] = 0;
+    d.write(dir / "a.gltf");
+    auto scene = prep::load_scene(dir / "a.gltf");
+    ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
+    scene->libraries = {dir / "a.bin"};
+    prep::SaveOptions options;
+    options.replace_sources = true;
+    ASSERT_TRUE(prep::save_scene(test::untouched(*scene), dir / "b.obj", options).has_value());
+    EXPECT_NE(test::file_text(dir / "b.obj").find("mtllib b.mtl\n"), std::string::npos);
+    EXPECT_NE(test::file_text(dir / "b.mtl").find("newmtl red\n"), std::string::npos);
+}
+
 TEST(GltfLost, ObjHasThePlacesNormalsAndUvsOfItsNodes) {
     test::GltfSource d = rich();
     d.json["nodes"].erase(1);

@@ -1,12 +1,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <span>
 #include <string>
 
 #include "formats/obj/obj.h"
 #include "invariants.h"
 #include "mesh_files.h"
 #include "prep/save.h"
+#include "shapes.h"
 
 namespace {
 
@@ -209,6 +211,65 @@ TEST(MtlFile, LibrariesAreFoundBesideTheObj) {
                         "material library 'gone.mtl' cannot be read: its materials get the default "
                         "look"),
               scene->warnings.end());
+}
+
+// As exporters write it that name the library with each object.
+TEST(MtlFile, LibrariesNamedAgainAreReadOnce) {
+    const test::TempDir dir;
+    test::write_text(dir / "a.mtl", "newmtl red\nKd 1 0 0\nmap_Kd red.png\n");
+    test::write_text(dir / "a.obj",
+                     "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\n"
+                     "mtllib ./a.mtl\nusemtl red\nf 1 2 3\n");
+    const auto scene = prep::load_obj(dir / "a.obj");
+    ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
+    EXPECT_EQ(scene->materials.size(), 1u);
+    EXPECT_EQ(scene->textures.size(), 1u);
+    EXPECT_EQ(scene->images.size(), 1u);
+    EXPECT_EQ(scene->libraries.size(), 1u);
+    EXPECT_EQ(scene->meshes[0].face_materials, (std::vector<std::uint32_t>{0, 0}));
+}
+
+// Faces without a material are none of one that is called as they are.
+TEST(MtlFile, NoMaterialIsNotTheOneCalledDefault) {
+    const test::TempDir dir;
+    test::write_text(dir / "a.mtl", "newmtl default\nKd 1 0 0\n");
+    test::write_text(dir / "a.obj",
+                     "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nusemtl default\nf 1 2 3\n");
+    const auto scene = prep::load_obj(dir / "a.obj");
+    ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
+    ASSERT_EQ(scene->meshes[0].face_materials, (std::vector<std::uint32_t>{prep::no_index, 0}));
+    // Written with the face of the material first, so that the other needs a word of its own.
+    prep::Scene turned = *scene;
+    turned.meshes[0].face_materials = {0, prep::no_index};
+    ASSERT_TRUE(prep::save_scene(test::untouched(turned), dir / "b.obj").has_value());
+    const auto again = prep::load_obj(dir / "b.obj");
+    ASSERT_TRUE(again.has_value()) << prep::to_string(again.error());
+    const std::uint32_t second = again->meshes[0].face_materials[1];
+    EXPECT_TRUE(second >= again->materials.size() || again->materials[second].name != "default");
+}
+
+// Embedded pictures get the ending of what they are.
+TEST(MtlFile, EmbeddedPicturesAreNamedByTheirKind) {
+    const test::TempDir dir;
+    for (const auto& [head, ending] :
+         {std::pair<std::string, std::string>{std::string("RIFF\4\0\0\0WEBP", 12), ".webp"},
+          {"\x89PNG\r\n\x1a\n", ".png"},
+          {"\xff\xd8\xff\xe0", ".jpg"}}) {
+        prep::Scene scene;
+        scene.images.resize(1);
+        const auto bytes = std::as_bytes(std::span(head));
+        scene.images[0].bytes.assign(bytes.begin(), bytes.end());
+        scene.textures.resize(1);
+        scene.textures[0].image = 0;
+        scene.materials.resize(1);
+        scene.materials[0].name = "m";
+        scene.materials[0].diffuse_map.texture = 0;
+        scene.meshes.push_back(shapes::mesh_of({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}));
+        scene.meshes[0].face_materials = {0};
+        prep::instance_unused_meshes(scene);
+        ASSERT_TRUE(prep::save_scene(test::untouched(scene), dir / "a.obj").has_value());
+        EXPECT_EQ(test::file_text(dir / ("a_image0" + ending)), head) << ending;
+    }
 }
 
 TEST(MtlFile, WrittenMaterialsReadBack) {

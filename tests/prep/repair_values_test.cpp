@@ -122,12 +122,25 @@ TEST(RepairValues, WeldsNothingAcrossParts) {
                                     {{0, 1, 2}, {3, 4, 5}, {6, 7, 8}});
         mesh.parts = {"", ""};
         mesh.face_parts = {0, 1, 1};
+        mesh.tied_to_file = true;
         const RepairStep step = weld(mesh, tolerance);
         // At the common point of all three, both vertices of part 1 are one; so are those of its
         // other edge. Part 0 stays alone.
-        EXPECT_EQ(mesh.corner_vertices, (Indices{0, 1, 2, 3, 4, 5, tolerance == 0 ? 6u : 5u, 4, 8}))
-            << tolerance;
-        EXPECT_EQ(step.changed, tolerance == 0 ? 1u : 2u);
+        EXPECT_EQ(mesh.corner_vertices, (Indices{0, 1, 2, 3, 4, 5, 5, 4, 8})) << tolerance;
+        EXPECT_EQ(step.changed, 2u);
+    }
+}
+
+// Groups of OBJ are names: they cut no vertex.
+TEST(RepairValues, WeldsAcrossPartsThatAreNames) {
+    for (const double tolerance : {0.0, 0.01}) {
+        Mesh mesh =
+            shapes::mesh_of({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}},
+                            {{0, 1, 2}, {3, 4, 5}});
+        mesh.parts = {"left", "right"};
+        mesh.face_parts = {0, 1};
+        weld(mesh, tolerance);
+        EXPECT_EQ(mesh.corner_vertices, (Indices{0, 1, 2, 1, 4, 2})) << tolerance;
     }
 }
 

@@ -315,7 +315,9 @@ std::string GltfFile::primitive_fault(const Json& p) const {
         const Json& a = json["accessors"][item.value().get<std::size_t>()];
         if (!a.contains("bufferView")) continue;
         const Shape shape = shape_of(a["type"]);
-        const std::size_t tight = shape.columns * shape.rows * bytes_of_type(a["componentType"]);
+        std::size_t column = shape.rows * bytes_of_type(a["componentType"]);
+        if (shape.columns > 1) column = (column + 3) / 4 * 4;
+        const std::size_t tight = shape.columns * column;
         const Json& view = json["bufferViews"].at(a["bufferView"].get<std::size_t>());
         if (view.value("byteStride", tight) % 4 != 0) fault = item.key() + " is not aligned";
     }

@@ -156,7 +156,7 @@ struct Mesh {
     std::uint32_t loose_parts_with_attributes = 0;
 
     std::size_t vertex_count() const { return positions.size(); }
-    std::size_t face_count() const { return face_offsets.size() - 1; }
+    std::size_t face_count() const { return face_offsets.empty() ? 0 : face_offsets.size() - 1; }
     std::size_t corner_count() const { return corner_vertices.size(); }
     std::uint32_t file_vertex(std::uint32_t vertex) const {
         return file_vertices.empty() ? vertex : file_vertices[vertex];

@@ -45,8 +45,18 @@ namespace {
 // What glTF files keep and the other formats do not, beside what their writers tell of themselves.
 void note_lost(const PreparedScene& prepared, const std::string& format, const FormatHolds& holds,
                std::vector<std::string>& notes) {
-    std::size_t loose = 0;
+    std::size_t loose = 0, shown = 0;
     NameList custom;
+    std::vector<bool> is_shown(prepared.scene.meshes.size(), false);
+    for (const Node& node : prepared.scene.nodes) {
+        if (node.mesh == no_index || is_shown[node.mesh]) continue;
+        is_shown[node.mesh] = true;
+        ++shown;
+    }
+    if (const std::size_t hidden = is_shown.size() - shown; hidden > 0)
+        notes.push_back(std::to_string(hidden) +
+                        (hidden == 1 ? " mesh that the file's scene does not show was left out"
+                                     : " meshes that the file's scene does not show were left out"));
     for (const Mesh& mesh : prepared.scene.meshes) {
         loose += mesh.loose_parts_with_attributes;
         for (const VertexAttribute& attribute : mesh.vertex_attributes) custom.add(attribute.name);

@@ -1,6 +1,8 @@
 #include "normals/degenerate_face_proxies.h"
 
 #include <algorithm>
+#include <array>
+#include <unordered_map>
 
 namespace prep::detail {
 namespace {
@@ -10,35 +12,49 @@ using Index = std::uint32_t;
 constexpr int longest_way = 64;
 
 class Search {
+    using Longest = std::array<Index, 2>;
+
   public:
     Search(const MeshView& mesh, const Topology& topology, const FaceNormals& faces)
         : mesh_(mesh), topology_(topology), faces_(faces) {}
 
     Index regular_neighbour(Index face) {
-        collect_edges(face, no_index);
-        const std::vector<Index> ways = edges_;
-        for (const Index first : ways) {
+        collect_edges(face);
+        for (const Index first : edges_) {
             Index entered = topology_.opposite[first];
             for (int step = 0; step < longest_way; ++step) {
                 const Index there = topology_.corner_faces[entered];
                 if (faces_.states[there] == FaceState::regular) return there;
                 if (faces_.states[there] != FaceState::zero_area || there == face) break;
-                collect_edges(there, entered);
-                if (edges_.empty()) break;
-                entered = topology_.opposite[edges_.front()];
+                const Index out = longest_but(there, entered);
+                if (out == no_index) break;
+                entered = topology_.opposite[out];
             }
         }
         return no_index;
     }
 
   private:
-    // The face's half-edges with an opposite, without one of them, the longest first.
-    void collect_edges(Index face, Index without) {
+    // The face's half-edges with an opposite, the longest first.
+    void collect_edges(Index face) {
         edges_.clear();
         for (Index c = mesh_.face_offsets[face]; c < mesh_.face_offsets[face + 1]; ++c)
-            if (c != without && topology_.opposite[c] != no_index) edges_.push_back(c);
+            if (topology_.opposite[c] != no_index) edges_.push_back(c);
         std::stable_sort(edges_.begin(), edges_.end(),
                          [&](Index a, Index b) { return squared(a) > squared(b); });
+    }
+    // The longest of them without one. A face may be entered by each of its edges.
+    Index longest_but(Index face, Index without) {
+        const auto [known, is_new] = longest_.try_emplace(face, Longest{no_index, no_index});
+        Longest& two = known->second;
+        for (Index c = mesh_.face_offsets[face]; is_new && c < mesh_.face_offsets[face + 1]; ++c) {
+            if (topology_.opposite[c] == no_index) continue;
+            if (two[0] == no_index || squared(c) > squared(two[0]))
+                two = {c, two[0]};
+            else if (two[1] == no_index || squared(c) > squared(two[1]))
+                two[1] = c;
+        }
+        return two[0] == without ? two[1] : two[0];
     }
     double squared(Index c) const {
         const Index d = next_corner(mesh_.face_offsets, topology_.corner_faces[c], c);
@@ -51,6 +67,7 @@ class Search {
     const Topology& topology_;
     const FaceNormals& faces_;
     std::vector<Index> edges_;
+    std::unordered_map<Index, Longest> longest_;  // by face, the first of equal ones
 };
 
 }  // namespace

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <unordered_set>
 
 #include "base/finite.h"
 #include "model/vertex_deltas.h"
+#include "pipeline/array_bytes.h"
 #include "pipeline/mesh_preparation.h"
 
 namespace prep::detail {
@@ -91,17 +93,33 @@ CornerLayer<glm::vec3> morphed_normals(const Mesh& mesh, const std::vector<glm::
     return result;
 }
 
+namespace {
+
+// Of all targets; what several share counts once.
+std::uint64_t bytes_of_targets(const Mesh& mesh) {
+    std::unordered_set<const void*> seen;
+    std::uint64_t bytes = 0;
+    for (const MorphTarget& target : mesh.morph_targets)
+        for (const auto* runs : {&target.positions, &target.normals, &target.tangents})
+            for (const VertexDeltas& run : *runs)
+                if (run.values && seen.insert(run.values.get()).second)
+                    bytes += array_bytes(*run.values);
+    return bytes;
+}
+
+}  // namespace
+
 Result<void> MeshPreparation::prepare_morph_targets() {
     if (!normals_made_ && !tangents_made_) return {};
     // Targets that share their data cost a file next to nothing, and each of them a mesh here;
     // those with data of their own stay far below this.
     const std::size_t targets = mesh_.morph_targets.size();
     const std::uint64_t vectors = std::uint64_t(targets) * mesh_.corner_count();
-    const std::uint64_t bytes = out_.scene.source_bytes;
+    const std::uint64_t bytes = std::max(out_.scene.source_bytes, bytes_of_targets(mesh_));
     if (vectors > (std::uint64_t(1) << 26) + 16 * bytes)
         return Error{ErrorCode::limit,
                      std::to_string(targets) + " morph targets of " +
-                         std::to_string(mesh_.corner_count()) + " corners in a file of " +
+                         std::to_string(mesh_.corner_count()) + " corners from " +
                          std::to_string(bytes) +
                          " bytes; leave normals and tangents as they are, or split the mesh",
                      ""};

@@ -25,10 +25,11 @@ struct CellHash {
     }
 };
 
-// The part of the file that a vertex belongs to: parts of glTF are primitives, which share none.
+// The part of the file that a vertex belongs to: parts of glTF that is written back are primitives,
+// which share none. Others are names, which cut no vertex.
 std::vector<Index> parts_of_vertices(const Mesh& mesh) {
     std::vector<Index> parts(mesh.vertex_count(), 0);
-    if (mesh.face_parts.empty()) return parts;
+    if (mesh.face_parts.empty() || !mesh.tied_to_file) return parts;
     for (Index f = 0; f < mesh.face_count(); ++f)
         for (Index c = mesh.face_offsets[f]; c < mesh.face_offsets[f + 1]; ++c)
             parts[mesh.corner_vertices[c]] = mesh.face_parts[f];
@@ -140,13 +141,18 @@ RepairStep weld_vertices(Mesh& mesh, double tolerance, int threads) {
     const std::vector<Index> equal = weld_exact(mesh.positions, threads);
     std::vector<Index> target(mesh.vertex_count());
     std::unordered_map<Cell, std::vector<Index>, CellHash> cells;
+    std::unordered_map<std::uint64_t, Index> firsts;  // of a point in a part that is not its first
     Places moved;
     for (Index v = 0; v < mesh.vertex_count(); ++v) {
         target[v] = v;
         const glm::dvec3 p(mesh.positions[v]);
         if (!is_finite(mesh.positions[v])) continue;
         if (tolerance == 0) {
-            if (parts[equal[v]] == parts[v]) target[v] = equal[v];
+            target[v] = equal[v];
+            if (parts[equal[v]] != parts[v]) {
+                const std::uint64_t key = std::uint64_t(equal[v]) << 32 | parts[v];
+                target[v] = firsts.emplace(key, v).first->second;
+            }
         } else {
             // Beyond 2^62 cells a coordinate's own grid is coarser than the tolerance.
             const glm::dvec3 scaled = glm::clamp(p / tolerance, -0x1p62, 0x1p62);

@@ -1,5 +1,7 @@
 #include "surface/shells.h"
 
+#include <algorithm>
+
 namespace prep::detail {
 namespace {
 
@@ -29,16 +31,59 @@ void grow(Component& part, const Mesh& mesh, const Topology& topology, const Fac
     part.volume += glm::dot(first - part.reference, faces.area_vectors[face]) / 6;
 }
 
-// A closed surface turned inside out is a cavity where an outward one is around it.
-bool inside_another(const std::vector<Component>& parts, std::size_t i) {
-    for (const Component& o : parts) {
-        if (!o.closed || !o.finite || o.volume <= 0) continue;
-        if (glm::all(glm::lessThan(o.low, parts[i].low)) &&
-            glm::all(glm::lessThan(parts[i].high, o.high)))
-            return true;
+// Boxes of the closed shells that face outwards, halved along their widest axis again and again.
+class OutwardShells {
+  public:
+    explicit OutwardShells(const std::vector<Component>& parts) {
+        for (const Component& part : parts)
+            if (part.closed && part.finite && part.volume > 0) boxes_.push_back({part.low, part.high});
+        nodes_.resize(boxes_.size());
+        build(0, boxes_.size());
     }
-    return false;
-}
+
+    // A closed surface turned inside out is a cavity where an outward one is around it.
+    bool surround(const Component& part) const {
+        return surround({part.low, part.high}, 0, boxes_.size());
+    }
+
+  private:
+    struct Box {
+        glm::dvec3 low, high;
+    };
+
+    static bool is_inside(const Box& inner, const Box& outer) {
+        return glm::all(glm::lessThan(outer.low, inner.low)) &&
+               glm::all(glm::lessThan(inner.high, outer.high));
+    }
+
+    // The box of [begin, end) is that of the one in the middle.
+    void build(std::size_t begin, std::size_t end) {
+        if (begin == end) return;
+        Box all = boxes_[begin];
+        for (std::size_t i = begin; i < end; ++i)
+            all = {glm::min(all.low, boxes_[i].low), glm::max(all.high, boxes_[i].high)};
+        const glm::dvec3 size = all.high - all.low;
+        const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+        const std::size_t middle = begin + (end - begin) / 2;
+        const auto at = [&](std::size_t i) { return boxes_.begin() + std::ptrdiff_t(i); };
+        std::nth_element(at(begin), at(middle), at(end), [axis](const Box& a, const Box& b) {
+            return a.low[axis] + a.high[axis] < b.low[axis] + b.high[axis];
+        });
+        nodes_[middle] = all;
+        build(begin, middle);
+        build(middle + 1, end);
+    }
+
+    bool surround(const Box& box, std::size_t begin, std::size_t end) const {
+        if (begin == end) return false;
+        const std::size_t middle = begin + (end - begin) / 2;
+        if (!is_inside(box, nodes_[middle])) return false;
+        return is_inside(box, boxes_[middle]) || surround(box, begin, middle) ||
+               surround(box, middle + 1, end);
+    }
+
+    std::vector<Box> boxes_, nodes_;
+};
 
 }  // namespace
 
@@ -56,12 +101,14 @@ Shells measure_shells(const Mesh& mesh, const Topology& topology, const FaceNorm
     }
     std::vector<Component> parts(roots.size());
     for (Index f = 0; f < mesh.face_count(); ++f) grow(parts[number[f]], mesh, topology, faces, f);
+    const OutwardShells outward(parts);
     Shells shells;
     shells.count = roots.size();
     for (std::size_t i = 0; i < parts.size(); ++i) {
         if (!parts[i].closed || !parts[i].finite) continue;
         shells.volume += parts[i].volume;
-        if (parts[i].volume < 0 && !inside_another(parts, i)) shells.inside_out.push_back(roots[i]);
+        if (parts[i].volume < 0 && !outward.surround(parts[i]))
+            shells.inside_out.push_back(roots[i]);
     }
     return shells;
 }

@@ -34,6 +34,11 @@ int components_of(const std::string& type) {
     return 0;
 }
 
+const char* type_of_width(int components) {
+    static constexpr const char* vectors[] = {"SCALAR", "VEC2", "VEC3", "VEC4"};
+    return components == 16 ? "MAT4" : components == 9 ? "MAT3" : vectors[components - 1];
+}
+
 namespace {
 
 // Columns of small matrices start at multiples of four bytes.
@@ -230,34 +235,47 @@ std::size_t whole(const Json& object, const char* key) {
     return it == object.end() ? 0 : it->get<std::size_t>();
 }
 
+// The elements that a sparse part changes, of an accessor with `elements` of them.
+Result<std::vector<std::uint32_t>> sparse_targets(const GltfDocument& d, const Json& sparse,
+                                                  std::size_t elements,
+                                                  const std::string& pointer) {
+    const Json& part = sparse["indices"];
+    RawAccessor indices{int(whole(part, "componentType")), 1, false, whole(sparse, "count"), {}};
+    if (auto done = d.spend_on_sparse(indices.count * sizeof(std::uint32_t), pointer); !done)
+        return std::move(done).error();
+    const Layout layout{whole(part, "byteOffset"), 0, indices.element_size(),
+                        component_size(indices.component_type), indices.count};
+    auto read = gather(d, whole(part, "bufferView"), layout, "SCALAR", pointer, nullptr);
+    if (!read) return std::move(read).error();
+    indices.bytes = *std::move(read);
+    std::vector<std::uint32_t> targets = to_indices(indices);
+    for (std::size_t i = 0; i < targets.size(); ++i) {
+        if (targets[i] >= elements)
+            return d.bad(pointer, "index " + std::to_string(targets[i]) +
+                                      " is out of range: the accessor has " +
+                                      std::to_string(elements) + " elements");
+        if (i > 0 && targets[i] <= targets[i - 1])
+            return d.bad(pointer, "the indices must ascend, found " + std::to_string(targets[i]) +
+                                      " after " + std::to_string(targets[i - 1]));
+    }
+    return targets;
+}
+
 Result<void> apply_sparse(const GltfDocument& d, const Json& sparse, const std::string& type,
                           const std::string& pointer, RawAccessor& raw) {
-    const std::size_t count = whole(sparse, "count");
-    RawAccessor indices{int(whole(sparse["indices"], "componentType")), 1, false, count, {}};
-    SharedBytes values;
-    for (const bool first : {true, false}) {
-        const Json& part = sparse[first ? "indices" : "values"];
-        const Layout layout{
-            whole(part, "byteOffset"), 0, first ? indices.element_size() : raw.element_size(),
-            component_size(first ? indices.component_type : raw.component_type), count};
-        auto read = gather(d, whole(part, "bufferView"), layout, first ? "SCALAR" : type,
-                           pointer + (first ? "/indices" : "/values"), nullptr);
-        if (!read) return std::move(read).error();
-        (first ? indices.bytes : values) = *std::move(read);
-    }
-    const std::vector<std::uint32_t> targets = to_indices(indices);
+    if (auto done = d.spend_on_sparse(raw.bytes.size(), pointer); !done) return done;
+    const auto targets = sparse_targets(d, sparse, raw.count, pointer + "/indices");
+    if (!targets) return targets.error();
+    const Json& part = sparse["values"];
+    const Layout layout{whole(part, "byteOffset"), 0, raw.element_size(),
+                        component_size(raw.component_type), targets->size()};
+    const auto values =
+        gather(d, whole(part, "bufferView"), layout, type, pointer + "/values", nullptr);
+    if (!values) return values.error();
     const std::size_t size = raw.element_size();
     std::vector<std::byte> changed(raw.bytes.begin(), raw.bytes.end());
-    for (std::size_t i = 0; i < targets.size(); ++i) {
-        if (targets[i] >= raw.count)
-            return d.bad(pointer + "/indices", "index " + std::to_string(targets[i]) +
-                                                   " is out of range: the accessor has " +
-                                                   std::to_string(raw.count) + " elements");
-        if (i > 0 && targets[i] <= targets[i - 1])
-            return d.bad(pointer + "/indices", "the indices must ascend, found " +
-                                                   std::to_string(targets[i]) + " after " +
-                                                   std::to_string(targets[i - 1]));
-        std::memcpy(changed.data() + targets[i] * size, values.data() + i * size, size);
+    for (std::size_t i = 0; i < targets->size(); ++i) {
+        std::memcpy(changed.data() + (*targets)[i] * size, values->data() + i * size, size);
     }
     raw.bytes = std::move(changed);
     return {};
@@ -301,6 +319,23 @@ bool ascends_by_one(const std::vector<std::uint32_t>& elements) {
 }
 
 }  // namespace
+
+Result<void> GltfDocument::spend_on_sparse(std::uint64_t bytes, const std::string& pointer) const {
+    sparse_bytes_ += bytes;
+    if (sparse_bytes_ <= sparse_limit(input_bytes)) return {};
+    return bad(pointer,
+               "sparse accessors are used so often that they would come to " +
+                   std::to_string(sparse_limit(input_bytes) >> 20) + " MiB",
+               ErrorCode::limit);
+}
+
+Result<void> GltfDocument::check_sparse_indices(std::size_t index) const {
+    const Json& accessor = json["accessors"][index];
+    const auto targets =
+        sparse_targets(*this, accessor["sparse"], whole(accessor, "count"),
+                       "/accessors/" + std::to_string(index) + "/sparse/indices");
+    return targets ? Result<void>() : Result<void>(targets.error());
+}
 
 Result<RawAccessor> GltfDocument::raw_accessor(std::size_t index) const {
     return read_accessor(*this, index, nullptr);
@@ -347,6 +382,23 @@ void write_scaled(const RawAccessor& raw, double largest, int width, float* out)
 }
 
 }  // namespace
+
+StoredElements stored_elements(const RawAccessor& raw, const std::string& type) {
+    const std::size_t size = raw.element_size(), component = component_size(raw.component_type);
+    const std::size_t padded = padded_matrix_size(type, component);
+    const std::size_t columns = !padded ? 1 : type == "MAT2" ? 2 : 3, column = size / columns;
+    const std::size_t filled = padded ? padded : size;
+    StoredElements out{raw.bytes, (filled + 3) & ~std::size_t(3), false};
+    out.apart = out.stride != filled;
+    if (out.stride == size) return out;
+    std::vector<std::byte> bytes(raw.count * out.stride);
+    for (std::size_t i = 0; i < raw.count; ++i)
+        for (std::size_t c = 0; c < columns; ++c)
+            std::memcpy(bytes.data() + i * out.stride + c * (filled / columns),
+                        raw.bytes.data() + i * size + c * column, column);
+    out.bytes = std::move(bytes);
+    return out;
+}
 
 RawAccessor selected(const RawAccessor& raw, const std::vector<std::uint32_t>& elements) {
     RawAccessor out{raw.component_type, raw.width, raw.normalized, elements.size(), {}};

@@ -11,6 +11,7 @@
 #include "formats/gltf/material_extensions.h"
 #include "formats/gltf/nodes/build_morphs_skins.h"
 #include "formats/gltf/nodes/build_nodes.h"
+#include "formats/gltf/references.h"
 #include "prep/files.h"
 #include "prep/image.h"
 #include "text/name_list.h"
@@ -108,6 +109,13 @@ class Builder {
             Json primitives = Json::array();
             const VertexMesh& mesh = prepared_.meshes[m];
             all_finite_ = all_finite(floats_of(mesh.positions));
+            mended_uvs_.clear();
+            for (const auto& uvs : mesh.uvs)
+                mended_uvs_.push_back(are_good(uvs) ? std::vector<glm::vec2>() : mended(uvs));
+            mended_colors_.clear();
+            for (const auto& colors : mesh.colors)
+                mended_colors_.push_back(are_good(colors) ? std::vector<glm::vec4>()
+                                                          : mended(colors));
             for (const VertexMesh::Range& range : mesh.ranges) {
                 const std::span<const Index> whole(
                     mesh.indices.data() + 3 * std::size_t(range.first_triangle),
@@ -159,18 +167,12 @@ class Builder {
         const VertexMesh& mesh = prepared_.meshes[m];
         // The vertices that this primitive uses, in their order. Where it uses all, the mesh's own
         // lists are what is written.
-        std::vector<Index> used, to_local, local;
+        std::vector<Index> used, local;
         const bool all = all_finite_ && mesh.ranges.size() == 1 && mesh.lines.empty() &&
                          mesh.points.empty() && indices.size() == mesh.indices.size();
         if (!all) {
-            to_local.assign(mesh.vertex_count(), no_index);
-            for (const Index i : indices) to_local[i] = 0;
-            for (Index v = 0; v < mesh.vertex_count(); ++v)
-                if (to_local[v] == 0) {
-                    to_local[v] = Index(used.size());
-                    used.push_back(v);
-                }
-            for (const Index i : indices) local.push_back(to_local[i]);
+            local.assign(indices.begin(), indices.end());
+            used = number_anew(local);
             indices = local;
         }
         const std::size_t count = all ? mesh.vertex_count() : used.size();
@@ -190,14 +192,16 @@ class Builder {
         if (faces && !mesh.normals.empty()) attributes["NORMAL"] = add(mesh.normals, 3);
         if (faces && !mesh.tangents.empty() && !mesh.normals.empty())
             attributes["TANGENT"] = add(mesh.tangents, 4);
-        const auto add_mended = [&](const auto& values, int width) {
-            return are_good(values) ? add(values, width) : add(mended(values), width, false);
+        const auto add_mended = [&](const auto& values, const auto& mended, int width) {
+            return mended.empty() ? add(values, width) : add(mended, width, false);
         };
         if (faces)
             for (std::size_t s = 0; s < mesh.uvs.size(); ++s)
-                attributes["TEXCOORD_" + std::to_string(s)] = add_mended(mesh.uvs[s], 2);
+                attributes["TEXCOORD_" + std::to_string(s)] =
+                    add_mended(mesh.uvs[s], mended_uvs_[s], 2);
         for (std::size_t s = 0; s < mesh.colors.size(); ++s)
-            attributes["COLOR_" + std::to_string(s)] = add_mended(mesh.colors[s], 4);
+            attributes["COLOR_" + std::to_string(s)] =
+                add_mended(mesh.colors[s], mended_colors_[s], 4);
         const PrimitiveVertices vertices{prepared_, m, all ? std::span<const Index>() : used,
                                          count};
         add_influences(vertices, buffer_, attributes);
@@ -527,8 +531,35 @@ class Builder {
         document_["extensions"]["KHR_lights_punctual"]["lights"] = std::move(list);
     }
 
+    // The farthest that a camera's nodes have of the scene in front of them, by boxes of meshes.
+    double depth_of_scene(Index camera) const {
+        const std::vector<glm::dmat4> world = world_transforms(scene_);
+        double depth = 0;
+        for (std::size_t n = 0; n < scene_.nodes.size(); ++n) {
+            if (scene_.nodes[n].camera != camera) continue;
+            const glm::dvec3 eye(world[n][3]), back = glm::normalize(glm::dvec3(world[n][2]));
+            for (std::size_t o = 0; o < scene_.nodes.size(); ++o) {
+                if (scene_.nodes[o].mesh == no_index) continue;
+                const Mesh& mesh = scene_.meshes[scene_.nodes[o].mesh];
+                glm::dvec3 low(std::numeric_limits<double>::infinity()), high = -low;
+                for (const glm::vec3& p : mesh.positions) {
+                    if (!is_finite(p)) continue;
+                    low = glm::min(low, mesh.origin + glm::dvec3(p));
+                    high = glm::max(high, mesh.origin + glm::dvec3(p));
+                }
+                for (int corner = 0; low.x <= high.x && corner < 8; ++corner) {
+                    const glm::dvec4 at(corner & 1 ? low.x : high.x, corner & 2 ? low.y : high.y,
+                                        corner & 4 ? low.z : high.z, 1);
+                    depth = std::max(depth, glm::dot(eye - glm::dvec3(world[o] * at), back));
+                }
+            }
+        }
+        return std::isfinite(depth) ? depth : 0;
+    }
+
     void cameras() {
-        for (const Camera& camera : scene_.cameras) {
+        for (Index c = 0; c < scene_.cameras.size(); ++c) {
+            const Camera& camera = scene_.cameras[c];
             Json out;
             if (!camera.name.empty()) out["name"] = camera.name;
             out["type"] = camera.perspective ? "perspective" : "orthographic";
@@ -542,7 +573,9 @@ class Builder {
                 lens["xmag"] = camera.xmag;
                 lens["ymag"] = camera.ymag;
                 lens["znear"] = camera.znear;
-                lens["zfar"] = camera.zfar;
+                // glTF wants one here, and behind the near plane.
+                const double behind = std::max(1.01 * depth_of_scene(c), camera.znear + 1);
+                lens["zfar"] = camera.zfar > camera.znear ? camera.zfar : behind;
             }
             buffer_.push("cameras", std::move(out));
         }
@@ -555,6 +588,9 @@ class Builder {
     std::vector<std::string>& notes_;
     std::uint64_t dropped_triangles_ = 0;
     bool all_finite_ = false;  // the positions of the mesh at hand
+    // Of the mesh at hand, in place of those that files must not hold; empty: there are none.
+    std::vector<std::vector<glm::vec2>> mended_uvs_;
+    std::vector<std::vector<glm::vec4>> mended_colors_;
     std::size_t limited_ = 0;  // highlights
     NameList unread_;          // textures
     std::vector<Index> mesh_index_, light_index_;

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cstring>
+#include <map>
 #include <string_view>
 
 #include "formats/gltf/document.h"
@@ -211,6 +212,7 @@ namespace {
 Result<void> load_buffers(GltfDocument& document, const std::optional<SharedBytes>& bin) {
     const auto list = top_array(document, "buffers");
     if (!list) return list.error();
+    std::map<std::string, Result<SharedBytes>> of_uris;  // buffers may be parts of one file
     for (std::size_t b = 0; b < (*list)->size(); ++b) {
         const Json& buffer = (**list)[b];
         const std::string pointer = "/buffers/" + std::to_string(b);
@@ -222,12 +224,19 @@ Result<void> load_buffers(GltfDocument& document, const std::optional<SharedByte
             if (!buffer["uri"].is_string())
                 return Error{ErrorCode::invalid, "expected a string",
                              document.place(pointer + "/uri")};
-            auto found = resolve_uri(document, buffer["uri"].get<std::string>(), pointer + "/uri");
-            if (!found && found.error().code == ErrorCode::syntax) return std::move(found).error();
-            if (found)
-                bytes = SharedBytes(*std::move(found));
-            else
-                bytes = std::move(found).error();
+            const auto uri = buffer["uri"].get<std::string>();
+            auto known = of_uris.find(uri);
+            if (known == of_uris.end()) {
+                auto found = resolve_uri(document, uri, pointer + "/uri");
+                if (!found && found.error().code == ErrorCode::syntax)
+                    return std::move(found).error();
+                if (found) document.input_bytes += found->size();
+                known = of_uris
+                            .emplace(uri, found ? Result<SharedBytes>(*std::move(found))
+                                                : std::move(found).error())
+                            .first;
+            }
+            bytes = known->second;
         } else if (b == 0 && bin) {
             // What stands beside the chunk stays in memory with it, unless it is the most of the
             // file.
@@ -244,10 +253,7 @@ Result<void> load_buffers(GltfDocument& document, const std::optional<SharedByte
                          "byteLength is " + std::to_string(*length) + ", but there are only " +
                              std::to_string(bytes->size()) + " bytes",
                          document.place(pointer + "/byteLength")};
-        if (bytes) {
-            bytes = bytes->part(0, *length);
-            document.input_bytes += *length;
-        }
+        if (bytes) bytes = bytes->part(0, *length);
         document.buffers.push_back(std::move(bytes));
     }
     return {};

@@ -27,6 +27,12 @@ constexpr std::uint64_t decoded_limit(std::uint64_t input_bytes) {
     return (std::uint64_t(256) << 20) + 64 * input_bytes;
 }
 
+// What sparse accessors may come to in all their uses: each is decoded whole every time, however few
+// of its elements are wanted. Some seconds.
+constexpr std::uint64_t sparse_limit(std::uint64_t input_bytes) {
+    return (std::uint64_t(16) << 30) + 64 * input_bytes;
+}
+
 // Elements of an accessor, tightly packed in their own component type, sparse values applied.
 struct RawAccessor {
     int component_type = 5126;
@@ -40,6 +46,7 @@ struct RawAccessor {
 
 std::size_t component_size(int component_type);  // 0: no such type
 int components_of(const std::string& type);      // 0: no such type
+const char* type_of_width(int components);       // a vector's, or a matrix's of 9 or 16
 
 // Bytes of one element in a bufferView: matrices of small components have padded columns.
 std::size_t stored_size(const std::string& type, int component_type);
@@ -94,9 +101,14 @@ class GltfDocument final : public RetainedFile {
     // for sparse accessors.
     Result<detail::RawAccessor> raw_elements(std::size_t index,
                                              const std::vector<std::uint32_t>& elements) const;
+    // Whether an accessor's sparse indices are there, ascend and are below its count.
+    Result<void> check_sparse_indices(std::size_t index) const;
+    // Errors: limit.
+    Result<void> spend_on_sparse(std::uint64_t bytes, const std::string& pointer) const;
 
   private:
     mutable std::map<std::size_t, detail::SharedBytes> decompressed_;
+    mutable std::uint64_t sparse_bytes_ = 0;  // decoded so far
 };
 
 namespace detail {
@@ -111,6 +123,15 @@ std::vector<std::filesystem::path> files_of_buffers(const GltfDocument& document
 // Errors: io (also where there is no folder), syntax, unsupported (other schemes).
 Result<std::vector<std::byte>> resolve_uri(const GltfDocument& document, const std::string& uri,
                                            const std::string& pointer);
+
+// Elements as vertex data are stored: columns of small matrices padded, each from a multiple of
+// four bytes on.
+struct StoredElements {
+    SharedBytes bytes;
+    std::size_t stride = 0;
+    bool apart = false;  // there is something between them
+};
+StoredElements stored_elements(const RawAccessor& raw, const std::string& type);
 
 // Only these elements, in this order.
 RawAccessor selected(const RawAccessor& raw, const std::vector<std::uint32_t>& elements);

@@ -311,7 +311,10 @@ class SceneReader {
                     return d_.bad(pointer + "/inverseBindMatrices",
                                   "expected a float MAT4 for each of " +
                                       std::to_string(out.joints.size()) + " joints");
-                const std::vector<float> floats = to_floats(*raw);
+                RawAccessor of_joints = *raw;  // many skins may share the matrices
+                of_joints.count = out.joints.size();
+                of_joints.bytes = raw->bytes.part(0, of_joints.count * raw->element_size());
+                const std::vector<float> floats = to_floats(of_joints);
                 for (std::size_t j = 0; j < out.joints.size(); ++j)
                     for (int k = 0; k < 16; ++k)
                         out.inverse_bind[j][k / 4][k % 4] = floats[16 * j + std::size_t(k)];

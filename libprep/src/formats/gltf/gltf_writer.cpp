@@ -8,6 +8,7 @@
 #include "formats/gltf/compression/quantize.h"
 #include "formats/gltf/rewrite.h"
 #include "formats/writers.h"
+#include "prep/formats.h"
 #include "prep/version.h"
 
 namespace prep::detail {
@@ -59,6 +60,19 @@ CompressionPlan compression_of(const GltfDocument& document) {
     return plan;
 }
 
+// A program may have added or taken away what the document knows nothing of.
+Result<void> check_same_meshes(const Scene& scene, const GltfDocument& document) {
+    bool same = scene.meshes.size() == document.primitives.size();
+    for (std::size_t m = 0; same && m < scene.meshes.size(); ++m)
+        same = scene.meshes[m].tied_to_file &&
+               scene.meshes[m].parts.size() == document.primitives[m].size();
+    if (same) return {};
+    return Error{ErrorCode::invalid,
+                 "the scene's meshes are not those of its document any more: without "
+                 "Scene::retained_file it is written anew",
+                 document.name};
+}
+
 Result<Encoded> encode(const PreparedScene& prepared, const SaveOptions& options,
                        std::vector<std::string>& notes) {
     Encoded out;
@@ -67,6 +81,8 @@ Result<Encoded> encode(const PreparedScene& prepared, const SaveOptions& options
     const bool rounds = options.quantization.any();
     const Compression compression = options.compression;
     if (const GltfDocument* const document = gltf_document(prepared.scene)) {
+        if (auto done = check_same_meshes(prepared.scene, *document); !done)
+            return std::move(done).error();
         auto rewritten = rewrite_gltf(prepared, rounds ? Compression::none : compression, notes);
         if (!rewritten) return std::move(rewritten).error();
         out.document = std::move(rewritten->json);
@@ -166,7 +182,7 @@ Result<GlbFile> encode_glb(const PreparedScene& prepared, std::vector<std::strin
 
 WriteResult write_gltf(const PreparedScene& prepared, const std::filesystem::path& path,
                        const SaveOptions& options) {
-    if (path.extension() == ".gltf") return write_separate(prepared, path, options);
+    if (lower_ending(path) == ".gltf") return write_separate(prepared, path, options);
     std::vector<std::string> notes;
     const auto glb = encode_glb(prepared, notes, options);
     if (!glb) {

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "formats/picture_search.h"
 #include "prep/files.h"
+#include "text/percent_encoding.h"
 
 namespace prep::detail {
 namespace {
@@ -30,6 +32,9 @@ class MaterialReader {
         const Json* list = *top_array(d_, "images");
         PictureSearch pictures(d_.directory, d_.texture_directories);
         const std::size_t views = (*top_array(d_, "bufferViews"))->size();
+        std::set<std::string> uris;
+        // Each has bytes of its own; what the file has once may be named ten thousand times.
+        std::uint64_t left = decoded_limit(d_.input_bytes);
         for (std::size_t i = 0; i < list->size(); ++i) {
             const Json& in = (*list)[i];
             const std::string pointer = "/images/" + std::to_string(i);
@@ -61,17 +66,37 @@ class MaterialReader {
                     out.bytes = *std::move(bytes);
                 else if (!listed)
                     scene_.warnings.push_back(to_string(bytes.error()));
+                // What stands in the JSON itself is there as often as it is written.
+                if (uris.insert(file_of(uri)).second || uri.starts_with("data:"))
+                    left += out.bytes.size();
                 if (out.name.empty() && !uri.starts_with("data:")) out.name = uri;
             } else if (in.contains("bufferView")) {
                 const auto bytes = d_.view(*view);
                 if (!bytes) return bytes.error();
-                out.bytes.assign(bytes->begin(), bytes->end());
+                if (bytes->size() <= left) out.bytes.assign(bytes->begin(), bytes->end());
+                if (out.bytes.size() != bytes->size()) return too_many(pointer);
             }
+            if (out.bytes.size() > left) return too_many(pointer);
+            left -= out.bytes.size();
             scene_.images.push_back(std::move(out));
         }
         for (std::string& warning : pictures.warnings())
             scene_.warnings.push_back(std::move(warning));
         return {};
+    }
+
+    // The same file by other words is the same.
+    std::string file_of(const std::string& uri) const {
+        if (uri.starts_with("data:")) return {};
+        std::error_code ignored;
+        return std::filesystem::weakly_canonical(d_.directory / percent_decoded(uri), ignored)
+            .string();
+    }
+    Error too_many(const std::string& pointer) const {
+        return d_.bad(pointer,
+                      "pictures name the same data so often that they would fill " +
+                          std::to_string(decoded_limit(d_.input_bytes) >> 20) + " MiB",
+                      ErrorCode::limit);
     }
 
     Result<void> textures() {

@@ -22,15 +22,21 @@ bool references_known(const std::string& name) {
     return names.contains(name) || name.starts_with("KHR_materials_");
 }
 
+// "3.0" is read as 3, and is written so: what is no reference here would be dropped.
+void visit_index(Json& value, const ReferenceVisit& visit) {
+    if (value.is_number_float()) {
+        const double number = value.get<double>();
+        if (number >= 0 && number < 0x1p53 && number == std::floor(number))
+            value = std::uint64_t(number);
+    }
+    if (value.is_number_integer()) visit(value);
+}
 void visit_member(Json& object, const char* key, const ReferenceVisit& visit) {
-    if (!object.is_object()) return;
-    const auto it = object.find(key);
-    if (it != object.end() && it->is_number_integer()) visit(*it);
+    if (Json* const value = member(object, key)) visit_index(*value, visit);
 }
 void visit_members(Json& object, const ReferenceVisit& visit) {
     if (!object.is_object()) return;
-    for (auto& item : object.items())
-        if (item.value().is_number_integer()) visit(item.value());
+    for (auto& item : object.items()) visit_index(item.value(), visit);
 }
 
 }  // namespace

@@ -30,7 +30,8 @@ void each(AnyJson& object, const char* key, const Each& body) {
 }
 
 // Every index of an accessor, by primitives, animations, skins and instances; of a bufferView, by
-// accessors and their sparse parts, pictures and Draco data. What is no whole number is left out.
+// accessors and their sparse parts, pictures and Draco data. What is no whole number is left out;
+// one with a fraction of 0 becomes an integer.
 using ReferenceVisit = std::function<void(Json& index)>;
 void visit_accessors(Json& json, const ReferenceVisit& visit);
 void visit_views(Json& json, const ReferenceVisit& visit);

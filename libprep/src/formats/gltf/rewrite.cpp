@@ -98,9 +98,10 @@ class Rewriter {
         const std::vector<GltfPrimitive>& primitives = document_.primitives[m];
         const VertexMesh& mesh = prepared_.meshes[m];
         positions_finite_ = all_finite(floats_of(mesh.positions));
+        const RangesByPart ranges(mesh);
         for (std::size_t p = 0; p < primitives.size(); ++p) {
             if (!primitives[p].triangles) continue;
-            PrimitiveTriangles triangles(mesh, p);
+            PrimitiveTriangles triangles(mesh, ranges.of(p));
             if (triangles.empty() && is_subdivided(m) && primitives[p].vertex_count > 2)
                 return Error{ErrorCode::unsupported,
                              "no face of a primitive is left of its subdivision (holes, or a "
@@ -458,7 +459,9 @@ class Rewriter {
         if (values.empty() || !attributes.contains(semantic)) return true;
         const auto draco = source.draco.find(semantic);
         if (draco != source.draco.end()) return same_directions(draco->second, values, true);
-        const auto raw = document_.raw_accessor(attributes[semantic].get<std::size_t>());
+        const auto accessor = attributes[semantic].get<std::size_t>();
+        if (document_.json["accessors"][accessor]["count"] != values.values().size()) return false;
+        const auto raw = document_.raw_accessor(accessor);
         return raw && same_directions(*raw, values, raw->component_type != 5126);
     }
 
@@ -526,19 +529,11 @@ class Rewriter {
         out["count"] = raw.count;
         if (bounded) set_bounds(raw, out);
         if (!gathered.implied) {
-            const std::size_t size = raw.element_size();
-            const std::size_t stride = (size + 3) & ~std::size_t(3);  // vertex data is aligned
-            SharedBytes bytes = std::move(raw.bytes);
-            if (stride != size) {
-                std::vector<std::byte> apart(raw.count * stride);
-                for (std::size_t i = 0; i < raw.count; ++i)
-                    std::memcpy(apart.data() + i * stride, bytes.data() + i * size, size);
-                bytes = std::move(apart);
-            }
-            out["bufferView"] =
-                appended_.add_view(std::move(bytes), 34962, stride == size ? 0 : stride);
+            StoredElements stored = stored_elements(raw, out["type"].get<std::string>());
+            out["bufferView"] = appended_.add_view(std::move(stored.bytes), 34962,
+                                                   stored.apart ? stored.stride : 0);
             if (keeps_meshopt_ && !gathered.repaired)
-                meshopt_.keep_filter(gathered.accessor, elements.of(semantic), stride,
+                meshopt_.keep_filter(gathered.accessor, elements.of(semantic), stored.stride,
                                      out["bufferView"].get<std::size_t>());
         }
         return appended_.add_accessor(std::move(out));
@@ -550,12 +545,11 @@ class Rewriter {
         std::optional<RawAccessor> now;
         if (!elements.of_corners.empty()) now = reshaped(semantic, gathered.values, m, used);
         if (!now) return emit(semantic, std::move(gathered), elements);
-        const char* const types[] = {"SCALAR", "VEC2", "VEC3", "VEC4"};
         return appended_.add_accessor(
             Json{{"bufferView", appended_.add_view(std::move(now->bytes), 34962, 0)},
                  {"componentType", 5126},
                  {"count", now->count},
-                 {"type", types[now->width - 1]}});
+                 {"type", type_of_width(now->width)}});
     }
 
     static void remove_extension(Json& object, const char* name) {

@@ -162,8 +162,7 @@ class Checker {
         if (auto done = check_sparse(*sparse, *type, element, pointer + "/sparse"); !done)
             return done;
         // That the sparse indices ascend and are in range only their values can tell.
-        if (const auto raw = d_.raw_accessor(index); !raw) return raw.error();
-        return {};
+        return d_.check_sparse_indices(index);
     }
 
     Result<void> check_sparse(const Json& in, const Type& type, std::uint64_t element,

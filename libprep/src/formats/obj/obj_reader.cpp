@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <optional>
+#include <set>
 #include <unordered_map>
 
 #include "base/parallel.h"
@@ -383,6 +384,10 @@ class Assembler {
     bool library(const std::string& name) {
         const auto path = files_.locate(name);
         if (!path) return false;
+        // Exporters name the same library with each object.
+        std::error_code ignored;
+        const std::filesystem::path file = std::filesystem::weakly_canonical(*path, ignored);
+        if (!libraries_read_.insert(file.native()).second) return true;
         const auto bytes = read_file(*path);
         if (!bytes) return false;
         scene_.libraries.push_back(*path);
@@ -475,6 +480,7 @@ class Assembler {
     Mesh* mesh_ = nullptr;
     std::unordered_map<std::string, Index> materials_, parts_;
     PictureSearch files_{options_.directory};
+    std::set<std::string> libraries_read_;
     bool missing_library_ = false;
 };
 

@@ -9,6 +9,7 @@
 #include "base/atomic_files.h"
 #include "formats/writers.h"
 #include "image/packed_channels.h"
+#include "image/picture_kind.h"
 #include "text/blocks.h"
 #include "text/numbers.h"
 
@@ -37,7 +38,9 @@ class ObjWriter {
               const SaveOptions& options)
         : scene_(prepared.scene),
           path_(path),
-          keep_libraries_(options.replace_sources && !scene_.libraries.empty()),
+          // Those of a glTF document are its buffers.
+          keep_libraries_(options.replace_sources && !scene_.libraries.empty() &&
+                          !scene_.retained_file),
           files_(rules_for(prepared, path, options)) {}
 
     WriteResult run() {
@@ -192,7 +195,7 @@ class ObjWriter {
             if (m != material_)
                 text_.text() += fmt::format("usemtl {}\n", m < scene_.materials.size()
                                                                ? material_name(m)
-                                                               : std::string("default"));
+                                                               : no_material_name_);
             if (s != smoothing_)
                 text_.text() += s ? fmt::format("s {}\n", s) : std::string("s off\n");
             material_ = m;
@@ -316,6 +319,8 @@ class ObjWriter {
             used.insert(name);
             material_names_.push_back(std::move(name));
         }
+        for (Index k = 2; used.contains(no_material_name_); ++k)
+            no_material_name_ = fmt::format("default_{}", k);
     }
 
     std::string materials() {
@@ -515,12 +520,12 @@ class ObjWriter {
     std::string embedded_file(const ImageRef& ref, Index image) {
         const auto known = written_.find(image);
         if (known != written_.end()) return known->second;
-        const bool png = std::to_integer<int>(ref.bytes[0]) == 0x89;
+        const std::string_view kind = picture_kind(ref.bytes);
         const std::string file =
             fmt::format("{}_image{}{}", path_.stem().string(), image,
                         ref.path.has_extension() ? ref.path.extension().string()
-                        : png                    ? ".png"
-                                                 : ".jpg");
+                        : kind.empty()           ? ".jpg"
+                                                 : "." + std::string(kind));
         if (auto done = files_.add(path_.parent_path() / file, ref.bytes); !done && !failure_)
             failure_ = std::move(done).error();
         written_.emplace(image, file);
@@ -537,6 +542,7 @@ class ObjWriter {
     std::unordered_map<Index, std::string> written_;
     std::unordered_set<std::string> grey_files_;
     std::vector<std::string> material_names_;
+    std::string no_material_name_ = "default";
     // The state that the lines written so far leave a reader in.
     std::string object_, group_;
     Index material_ = no_index, smoothing_ = 0;

@@ -152,8 +152,7 @@ class RefinedPrimitive {
             for (std::size_t k = 0; k < a.width && from + k < a.values.size(); ++k)
                 own[i * a.width + k] = a.values[from + k];
         }
-        const char* const types[] = {"SCALAR", "VEC2", "VEC3", "VEC4"};
-        return add(std::move(own), types[std::min<std::size_t>(a.width, 4) - 1]);
+        return add(std::move(own), type_of_width(int(a.width)));
     }
 
     const PreparedScene& prepared_;

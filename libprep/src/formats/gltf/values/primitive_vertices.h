@@ -15,11 +15,23 @@
 
 namespace prep::detail {
 
+// Which ranges of triangles are a part's, found once for all parts. The mesh must outlive this.
+class RangesByPart {
+  public:
+    explicit RangesByPart(const VertexMesh& mesh);
+    // In the mesh's order.
+    std::span<const std::uint32_t> of(std::size_t part) const;
+
+  private:
+    const VertexMesh& mesh_;
+    std::vector<std::uint32_t> order_;
+};
+
 // By the numbers of the mesh's vertices.
 class PrimitiveTriangles {
   public:
     // Ranges are per part and material; a primitive has one material. The mesh must outlive this.
-    PrimitiveTriangles(const VertexMesh& mesh, std::size_t part);
+    PrimitiveTriangles(const VertexMesh& mesh, std::span<const std::uint32_t> ranges);
     PrimitiveTriangles(PrimitiveTriangles&&) = default;  // copies would refer to another's indices
 
     bool empty() const { return indices_.empty(); }
