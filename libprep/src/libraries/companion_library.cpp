@@ -16,7 +16,8 @@ std::vector<std::string> library_paths(const std::string& file) {
     std::error_code ec;
     const auto program = std::filesystem::read_symlink("/proc/self/exe", ec);
     if (!ec) {
-        if (program.string().starts_with(MESHPREP_LIBRARIES_BUILD "/"))
+        // A program may be built around us, as a project of which we are a part.
+        if (program.string().starts_with(MESHPREP_PROGRAMS_BUILD "/"))
             list.push_back(MESHPREP_LIBRARIES_BUILD "/" + file);
         // The command is in one directory, the process that reads files for it in another.
         for (const char* libraries :
