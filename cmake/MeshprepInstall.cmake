@@ -2,7 +2,7 @@
 include(CMakePackageConfigHelpers)
 set(meshprep_config_dir ${CMAKE_INSTALL_LIBDIR}/cmake/meshprep)
 # One export per library, because each has a namespace of its own: prep::prep and rast::rast.
-install(TARGETS prep_images EXPORT prepTargets LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
+install(TARGETS prep_images prep_readers EXPORT prepTargets LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
 foreach(library IN ITEMS prep rast)
   install(TARGETS ${library} EXPORT ${library}Targets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
           LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})

@@ -55,7 +55,7 @@ set(tests_together
      selftest shell_files source_rules streams"
     "tools render_values report_panels spared_files subdivide_options subdivided_files tangents validate
      validate_counts"
-    "tools tessellation_errors validate_report"
+    "tools loaded_libraries tessellation_errors validate_report"
     "tools cost_pages gate_json")
 
 # In no line, besides those whose libraries and definitions are their own: what replaces a function of

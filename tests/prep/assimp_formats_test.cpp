@@ -1,5 +1,6 @@
 // FBX, DAE and 3DS, as another program writes them: Assimp's exporters, on a mesh made here.
 #include <assimp/scene.h>
+#include <assimp/version.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,6 +11,7 @@
 
 #include "mesh_files.h"
 #include "prep/load.h"
+#include "prep/version.h"
 
 namespace {
 
@@ -133,6 +135,17 @@ TEST(AssimpFormats, TrianglesAndUvsOfFbxDaeAnd3dsAreThoseThatWereExported) {
                 EXPECT_LT(glm::length(found[t][c].uv - expected[t][c].uv), 1e-6) << t << " " << c;
             }
     }
+}
+
+// The package says which version it is, not its headers.
+TEST(Dependencies, NameTheAssimpThatIsLoaded) {
+    const std::string loaded = std::to_string(aiGetVersionMajor()) + "." +
+                               std::to_string(aiGetVersionMinor()) + "." +
+                               std::to_string(aiGetVersionPatch());
+    std::string named;
+    for (const prep::Dependency& dependency : prep::dependencies())
+        if (dependency.name == "Assimp") named = dependency.version;
+    EXPECT_EQ(named, loaded);
 }
 
 }  // namespace

@@ -7,7 +7,6 @@
 #include <sys/wait.h>
 
 #include <algorithm>
-#include <assimp/Importer.hpp>
 #include <chrono>
 #include <thread>
 

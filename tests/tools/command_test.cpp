@@ -2,8 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <set>
-#include <sstream>
 
 #include "command_runner.h"
 #include "prep/load.h"
@@ -148,71 +146,6 @@ TEST(Command, AnUnknownSubcommandIsNamedWithThoseThatAre) {
     EXPECT_NE(ran.err.find("'bake' is no subcommand; there are prepare, inspect"),
               std::string::npos)
         << ran.err;
-}
-
-// Half an update leaves a command with another build's library for pictures.
-TEST(Command, TakesThePictureLibraryOfItsOwnBuildAlone) {
-    const TempDir dir;
-    const std::filesystem::path program = dir / "meshprep", library = dir / "libprep_images.so";
-    std::filesystem::copy_file(test::command_path(), program);
-    std::string bytes = file_text(test::command_path().parent_path() / "libprep_images.so");
-    ASSERT_FALSE(bytes.empty());
-    write_text(library, bytes);
-    write_text(dir / "cube.obj", test::cube_obj());
-    const std::vector<std::string> words{"render", (dir / "cube.obj").string(),
-                                         "-o",     (dir / "cube.png").string(),
-                                         "--size", "16x16"};
-    const test::Ran own = test::run_program(program, words);
-    EXPECT_EQ(own.exit_code, 0) << own.err;
-
-    const std::string name = "meshprep_images_";
-    for (std::size_t at = bytes.find(name); at != std::string::npos; at = bytes.find(name, at))
-        bytes[at] = 'M';
-    std::filesystem::remove(library);
-    write_text(library, bytes);
-    const test::Ran other = test::run_program(program, words);
-    if (other.exit_code == 0)
-        GTEST_SKIP() << "this build's library is installed where the system looks for libraries";
-    EXPECT_EQ(other.exit_code, 1) << other.err;
-    // A sanitized library refers to that name itself: the loader is the first to miss it.
-    EXPECT_TRUE(other.err.find("libprep_images.so is of another build") != std::string::npos ||
-                other.err.find("undefined symbol: M" + name.substr(1)) != std::string::npos)
-        << other.err;
-}
-
-// Opened with OpenImageIO alone, each of its libraries looks for symbols in all of them.
-TEST(Command, OpensWhatOpenImageIONeedsBeforeIt) {
-    const TempDir dir;
-    write_text(dir / "cube.obj", test::cube_obj());
-    test::Circumstances loader;
-    loader.environment = {{"LD_DEBUG", "scopes"}, {"LD_DEBUG_OUTPUT", (dir / "scopes").string()}};
-    const test::Ran ran = run_command({"render", (dir / "cube.obj").string(), "-o",
-                                       (dir / "cube.png").string(), "--size", "16x16"},
-                                      loader);
-    ASSERT_EQ(ran.exit_code, 0) << ran.err;
-    std::string text;
-    for (const std::string& name : dir.names())
-        if (name.starts_with("scopes")) text += file_text(dir / name);
-    if (text.find(" scope 1: ") == std::string::npos)
-        GTEST_SKIP() << "the loader of this system does not tell its scopes (LD_DEBUG)";
-    // The scope that a library came with stands under its first mention.
-    std::istringstream lines(text);
-    std::set<std::string> known;
-    std::string line, object;
-    std::size_t all = 0, with_the_rest = 0;
-    while (std::getline(lines, line)) {
-        if (const auto at = line.find("object="); at != std::string::npos) {
-            object = line.substr(at + 7, line.find(' ', at) - at - 7);
-            if (!known.insert(object).second) object.clear();
-        } else if (const auto first = line.find(" scope 1: ");
-                   first != std::string::npos && !object.empty()) {
-            ++all;
-            with_the_rest += line.find("libprep_images.so", first) != std::string::npos;
-        }
-    }
-    EXPECT_GT(all, 50U);
-    // The library of our own, OpenImageIO, and what cannot be opened by itself.
-    EXPECT_LT(with_the_rest, all / 10);
 }
 
 TEST(Prepare, APrimitiveWithoutAFiniteTriangleStopsNoBatch) {

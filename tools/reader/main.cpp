@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "contained/messages.h"
+#include "formats/foreign_files.h"
 #include "formats/registry.h"
 #include "reader/serve.h"
 
@@ -33,6 +34,8 @@ int main() {
                    stderr);
         return 2;
     }
+    // Before a file's limits hold. Where it cannot be loaded, each file is told so.
+    (void)prep::detail::open_foreign_readers();
     reader::serve(load, [](const std::filesystem::path& path, prep::ImageChannels channels) {
         return prep::load_image(path, channels);
     });

@@ -13,8 +13,8 @@ struct Dependency {
     std::string name, version, licence;
 };
 
-// By name, for `--version` and bug reports. Versions are those of the headers this library was
-// compiled with.
+// By name, for `--version` and bug reports. Versions are those of the headers, or the package,
+// that this library was compiled with.
 std::vector<Dependency> dependencies();
 
 }  // namespace prep

@@ -1,4 +1,6 @@
-// Formats that other libraries read for us.
+// Formats that other libraries read for us: with a library of our own (reader_backend.h), which
+// each of these loads where nothing has before. Errors of all: io (that library is not there, or is
+// another build's).
 #pragma once
 
 #include <filesystem>
@@ -19,6 +21,9 @@ Result<Scene> load_om(std::span<const std::byte> bytes, const std::filesystem::p
 // lights. Normals stay as authored; nothing is joined, split or triangulated.
 Result<Scene> load_with_assimp(const std::filesystem::path& path, const LoadOptions& options = {});
 // Whether Assimp claims this ending (with its dot, lower case).
-bool assimp_reads(const std::string& extension);
+Result<bool> assimp_reads(const std::string& extension);
+
+// Loads the library now, where the first file should not have to wait for it, or has limits.
+Result<void> open_foreign_readers();
 
 }  // namespace prep::detail

@@ -81,13 +81,15 @@ Result<Scene> load_scene(const std::filesystem::path& path, const LoadOptions& o
     if (std::filesystem::is_regular_file(status) && std::filesystem::file_size(path, ec) == 0)
         return Error{ErrorCode::syntax, "the file is empty", path.string()};
     const std::string ending = lower_ending(path);
-    const detail::Format* format = detail::format_that_reads(ending);
+    const auto claimed = detail::format_that_reads(ending);
+    const detail::Format* format = claimed ? *claimed : nullptr;
     if (!format) {
         const auto bytes = read_file(path);
         if (!bytes) return bytes.error();
         format =
             detail::format_of_bytes({reinterpret_cast<const char*>(bytes->data()), bytes->size()});
     }
+    if (!format && !claimed) return claimed.error();
     if (!format)
         return Error{
             ErrorCode::unsupported,

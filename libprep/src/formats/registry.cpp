@@ -131,10 +131,12 @@ const std::vector<Format>& formats() {
     return rows;
 }
 
-const Format* format_that_reads(std::string_view ending) {
+Result<const Format*> format_that_reads(std::string_view ending) {
     for (const Format& format : formats())
         if (contains(format.file.endings, ending)) return &format;
-    return assimp_reads(std::string(ending)) ? &formats().back() : nullptr;
+    const auto claimed = assimp_reads(std::string(ending));
+    if (!claimed) return claimed.error();
+    return *claimed ? &formats().back() : nullptr;
 }
 
 const Format* format_that_writes(std::string_view ending) {

@@ -36,8 +36,9 @@ struct Format {
 // The order is that of file_formats(), and that in which first bytes are looked at.
 const std::vector<Format>& formats();
 
-// Null: none reads, or none writes, this ending (lower case, with its dot).
-const Format* format_that_reads(std::string_view ending);
+// Null: none reads, or none writes, this ending (lower case, with its dot). Errors: io (the ending
+// is none of the table, and what Assimp claims cannot be asked).
+Result<const Format*> format_that_reads(std::string_view ending);
 const Format* format_that_writes(std::string_view ending);
 
 // By the first bytes; null: none.

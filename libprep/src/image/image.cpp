@@ -5,37 +5,18 @@
 #include <cstring>
 
 #include "image/image_library.h"
-#include "image/packed_channels.h"
+#include "libraries/companion_library.h"
+#include "libraries/macro_text.h"
 #include "prep/files.h"
 #include "prep/scene.h"
 
 // OpenImageIO brings some 250 libraries along, whose loading takes longer than many a conversion of
 // a mesh: the part that uses it is a library of its own, loaded with the first picture.
 
-#define MESHPREP_TEXT_OF(x) #x
-#define MESHPREP_TEXT(x) MESHPREP_TEXT_OF(x)
-
 namespace prep {
 namespace {
 
 using detail::ImageBackend;
-
-// Where the library may stand, in this order.
-std::vector<std::string> backend_paths() {
-    const std::string file = MESHPREP_IMAGES_FILE;
-    std::vector<std::string> list;
-    std::error_code ec;
-    const auto program = std::filesystem::read_symlink("/proc/self/exe", ec);
-    if (!ec) {
-        if (program.string().starts_with(MESHPREP_IMAGES_BUILD "/"))
-            list.push_back(MESHPREP_IMAGES_BUILD "/" + file);
-        list.push_back((program.parent_path() / file).string());
-        const auto installed = program.parent_path() / MESHPREP_IMAGES_FROM_BIN / file;
-        list.push_back(installed.lexically_normal().string());
-    }
-    list.push_back(file);  // linked already, or where the system looks
-    return list;
-}
 
 // A symbol is looked for in the program, then in what was opened with its library, one after the
 // other: with OpenImageIO that is all of its 250. Opened before, by itself, a library has only what
@@ -51,23 +32,8 @@ void open_needs_first() {
 
 Result<const ImageBackend*> open_backend() {
     open_needs_first();
-    std::string reasons;
-    for (const std::string& path : backend_paths()) {
-        // Never closed: libraries of this size do not survive it.
-        void* library = ::dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
-        const char* problem = library ? nullptr : ::dlerror();
-        if (library) {
-            void* symbol = ::dlsym(library, MESHPREP_TEXT(MESHPREP_IMAGE_BACKEND));
-            if (symbol) return reinterpret_cast<detail::ImageBackendFunction>(symbol)();
-            problem = "is of another build";
-        }
-        reasons += (reasons.empty() ? "" : "; ") + (library ? path + " " : std::string()) +
-                   (problem ? problem : "unknown");
-    }
-    return Error{
-        ErrorCode::io,
-        "the library for pictures cannot be loaded (" + reasons + "): install meshprep anew",
-        MESHPREP_IMAGES_FILE};
+    return detail::open_companion<ImageBackend>(
+        {"libprep_images.so", MESHPREP_TEXT(MESHPREP_IMAGE_BACKEND), "the library for pictures"});
 }
 
 }  // namespace

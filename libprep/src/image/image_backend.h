@@ -32,8 +32,4 @@ struct ImageBackend {
                                                     const ImageLayout&);
 };
 
-// The library exports this function under the name `image_backend_name`; it carries the version and
-// a hash of the headers that both sides share.
-using ImageBackendFunction = const ImageBackend* (*)();
-
 }  // namespace prep::detail

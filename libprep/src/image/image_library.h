@@ -7,7 +7,7 @@
 
 namespace prep::detail {
 
-// Errors: unsupported (it is not there, or is another build's).
+// Errors: io (it is not there, or is another build's).
 const Result<const ImageBackend*>& image_backend();
 
 // Pictures decoded in this process. Errors: those of load_image() and decode_image().

@@ -7,7 +7,7 @@
 #include "normals/crease_fans.h"
 #include "pipeline/array_bytes.h"
 #include "pipeline/mesh_preparation.h"
-#include "surface/share_vertices.h"
+#include "surface/soup.h"
 
 namespace prep::detail {
 namespace {

@@ -6,6 +6,7 @@
 #include "pipeline/array_bytes.h"
 #include "pipeline/mesh_preparation.h"
 #include "surface/share_vertices.h"
+#include "surface/soup.h"
 #include "vertices/split_vertices.h"
 
 namespace prep {

@@ -14,14 +14,18 @@ int main(int, char** argv) {
     // Pictures are a library of their own, which must be found from here.
     const auto png = prep::encode_png({1, 1, 1, {0.5f}});
     if (!png) return std::puts(to_string(png.error()).c_str()), 1;
-    // So must the process for readers of other libraries: what is wrong is the file.
+    // So must readers of other libraries, here and in a process of theirs: what is wrong is the
+    // file.
     if (std::FILE* const file = std::fopen("damaged.dae", "w"))
         std::fclose((std::fputs("<", file), file));
     prep::LoadOptions contained;
     contained.reader_process = std::make_shared<prep::ReaderProcess>();
-    const auto damaged = prep::load_scene("damaged.dae", contained);
-    if (damaged || damaged.error().code != prep::ErrorCode::syntax)
-        return std::puts(damaged ? "a scene of nothing" : to_string(damaged.error()).c_str()), 1;
+    for (const prep::LoadOptions& options : {prep::LoadOptions(), contained}) {
+        const auto damaged = prep::load_scene("damaged.dae", options);
+        if (damaged || damaged.error().code != prep::ErrorCode::syntax)
+            return std::puts(damaged ? "a scene of nothing" : to_string(damaged.error()).c_str()),
+                   1;
+    }
     std::printf("prep %s, rast %s: %zu vertices from %zu, %s\n", prep::version().data(),
                 rast::version().data(), prepared->meshes[0].vertex_count(),
                 prepared->scene.meshes[0].vertex_count(),

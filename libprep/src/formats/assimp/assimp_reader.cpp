@@ -10,7 +10,7 @@
 
 #include "formats/assimp/import.h"
 #include "formats/assimp/utf16.h"
-#include "formats/foreign_files.h"
+#include "formats/reader_backend.h"
 #include "prep/files.h"
 
 namespace prep::detail {
@@ -60,13 +60,12 @@ std::optional<std::string> text_of_utf16_file(const std::filesystem::path& path)
 
 }  // namespace
 
-bool assimp_reads(const std::string& extension) {
-    if (extension.size() < 2) return false;
+bool assimp_knows(const std::string& extension) {
     Assimp::Importer importer;
     return importer.IsExtensionSupported(extension);
 }
 
-Result<Scene> load_with_assimp(const std::filesystem::path& path, const LoadOptions& options) {
+Result<Scene> read_with_assimp(const std::filesystem::path& path, const LoadOptions& options) {
     try {
         std::vector<std::filesystem::path> others;
         Assimp::Importer importer;

@@ -11,7 +11,7 @@
 #include "formats/assimp/import.h"
 #include "formats/assimp/material_properties.h"
 #include "formats/picture_search.h"
-#include "image/packed_channels.h"
+#include "image/packed_refs.h"
 #include "text/name_list.h"
 
 namespace prep::detail {

@@ -6,7 +6,7 @@
 #include <map>
 
 #include "formats/assimp/import.h"
-#include "surface/share_vertices.h"
+#include "surface/soup.h"
 
 namespace prep::detail {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "formats/obj/obj.h"
 #include "formats/picture_search.h"
-#include "image/packed_channels.h"
+#include "image/packed_refs.h"
 #include "text/line_ends.h"
 #include "text/name_list.h"
 #include "text/scan.h"

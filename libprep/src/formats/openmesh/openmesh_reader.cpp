@@ -3,8 +3,8 @@
 #include <exception>
 #include <sstream>
 
-#include "formats/foreign_files.h"
 #include "formats/openmesh/om_structure.h"
+#include "formats/reader_backend.h"
 #include "prep/mesh.h"
 
 namespace prep::detail {
@@ -70,7 +70,7 @@ Mesh convert(HalfEdgeMesh& from, const std::string& name, const OpenMesh::IO::Op
 
 }  // namespace
 
-Result<Scene> load_om(std::span<const std::byte> bytes, const std::filesystem::path& path) {
+Result<Scene> read_om(std::span<const std::byte> bytes, const std::filesystem::path& path) {
     const std::string name = path.filename().string();
     auto checked = checked_om(bytes, name);
     if (!checked) return std::move(checked).error();

@@ -2,7 +2,6 @@
 #include <Imath/ImathConfig.h>
 #include <OpenImageIO/oiioversion.h>
 #include <OpenMesh/Core/System/config.h>
-#include <assimp/version.h>
 #include <draco/core/draco_version.h>
 #include <gmp.h>
 #include <hwy/highway.h>
@@ -15,10 +14,8 @@
 #include <glm/detail/setup.hpp>
 #include <nlohmann/detail/abi_macros.hpp>
 
+#include "libraries/macro_text.h"
 #include "prep/version.h"
-
-#define MESHPREP_TEXT_OF(x) #x
-#define MESHPREP_TEXT(x) MESHPREP_TEXT_OF(x)
 
 namespace prep {
 namespace {
@@ -31,8 +28,7 @@ std::string dotted(unsigned major, unsigned minor, unsigned patch) {
 
 std::vector<Dependency> dependencies() {
     return {
-        {"Assimp", dotted(aiGetVersionMajor(), aiGetVersionMinor(), aiGetVersionPatch()),
-         "BSD-3-Clause"},
+        {"Assimp", MESHPREP_ASSIMP_VERSION, "BSD-3-Clause"},  // its headers do not say it
         {"Boost", dotted(BOOST_VERSION / 100000, BOOST_VERSION / 100 % 1000, BOOST_VERSION % 100),
          "BSL-1.0"},
         {"CGAL", MESHPREP_TEXT(CGAL_VERSION), "LGPL-3.0-or-later (kernels only)"},
