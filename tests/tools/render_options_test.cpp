@@ -418,16 +418,16 @@ TEST(RenderUsage, WrongNumbersAreUsageErrors) {
     const TempDir dir;
     write_text(dir / "c.obj", test::cube_obj());
     for (const std::vector<std::string>& more : std::vector<std::vector<std::string>>{
-             {"--size", "10.5x10"},   {"--size", "32769x10"},  {"--size", "10x10x10"},
-             {"--camera", "10,91"},   {"--camera", "10,20,0"}, {"--camera", "1,2,3,4"},
-             {"--light", "1,2,-1"},   {"--light", "1,2,3,4"},  {"--look-from", "1,2,3,4"},
-             {"--crop", "0,0,4x4,1"}, {"--crop", "0.5,0,4x4"}, {"--buffers", "depth,,x"},
-             {"--fov", "0"},          {"--fov", "175.5"},      {"--ortho", "-1"},
-             {"--ambient", "-0.1"},   {"--ambient", "101"},    {"--exposure", "0"},
-             {"--samples", "3"},      {"--supersample", "17"}, {"--max-anisotropy", "0"},
-             {"--coverage", "exact"}, {"--depth", "double"},   {"--tone-map", "filmic"},
-             {"--shading", "Phong"},  {"--cull", "all"},       {"--filter", "lanczos"},
-             {"--turntable", "10001"}}) {
+             {"--size", "10.5x10"},    {"--size", "32769x10"},   {"--size", "10x10x10"},
+             {"--camera", "10,91"},    {"--camera", "10,20,0"},  {"--camera", "1,2,3,4"},
+             {"--light", "1,2,-1"},    {"--light", "1,2,3,4"},   {"--look-from", "1,2,3,4"},
+             {"--crop", "0,0,4x4,1"},  {"--crop", "0.5,0,4x4"},  {"--buffers", "depth,,x"},
+             {"--fov", "0"},           {"--fov", "175.5"},       {"--ortho", "-1"},
+             {"--ambient", "-0.1"},    {"--ambient", "101"},     {"--exposure", "0"},
+             {"--samples", "3"},       {"--supersample", "17"},  {"--max-anisotropy", "0"},
+             {"--coverage", "exact"},  {"--depth", "double"},    {"--tone-map", "filmic"},
+             {"--shading", "Phong"},   {"--cull", "all"},        {"--filter", "lanczos"},
+             {"--turntable", "10001"}, {"--light", "1,2,1.1e9"}, {"--light", "1,2,1e39"}}) {
         std::vector<std::string> words = {"render", (dir / "c.obj").string(), "-o",
                                           (dir / "x.png").string()};
         words.insert(words.end(), more.begin(), more.end());
@@ -447,6 +447,7 @@ TEST(RenderUsage, WrongNumbersAreUsageErrors) {
     EXPECT_EQ(pair({"--crop", "4,4,4x5", "--size", "8x8"}), 2);
     EXPECT_EQ(pair({"--crop", "4,4,4x4", "--size", "8x8"}), 0);
     EXPECT_EQ(pair({"--supersample", "16", "--size", "2049x8"}), 2);
+    EXPECT_EQ(pair({"--light", "1,2,1e9", "--size", "8x8"}), 0);
 }
 
 }  // namespace
