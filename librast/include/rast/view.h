@@ -77,6 +77,8 @@ View bounded_view(const prep::PreparedScene& scene, const View& view);
 
 // The view of a camera node, for a picture of that aspect. Where the camera names another one, the
 // picture shows all that the camera frames, undistorted, and more above and below or at the sides.
+// Orthographic extents below 0, which glTF advises against, count as those above: nothing is
+// mirrored.
 View camera_view(const prep::Scene& scene, std::uint32_t camera_node, double aspect);
 
 // A key, a fill and a rim light that stand with the view (from above on the left, from the right
