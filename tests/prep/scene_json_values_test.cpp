@@ -88,6 +88,7 @@ TEST(SceneValues, OrthographicHeightsAreWhole) {
         scene_of(R"("camera": {"position": [0, 0, 5], "target": [0, 0, 0], "height": 3})").scene;
     EXPECT_FALSE(scene.cameras[0].perspective);
     EXPECT_EQ(scene.cameras[0].ymag, 1.5);  // half extents
+    EXPECT_EQ(scene.cameras[0].xmag, 0) << "no width is named";
     EXPECT_EQ(scene.cameras[0].zfar, 0);
 }
 

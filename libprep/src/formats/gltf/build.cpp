@@ -11,6 +11,7 @@
 #include "formats/gltf/material_extensions.h"
 #include "formats/gltf/nodes/build_morphs_skins.h"
 #include "formats/gltf/nodes/build_nodes.h"
+#include "formats/gltf/nodes/far_plane.h"
 #include "prep/files.h"
 #include "prep/image.h"
 #include "text/name_list.h"
@@ -528,7 +529,8 @@ class Builder {
     }
 
     void cameras() {
-        for (const Camera& camera : scene_.cameras) {
+        for (std::size_t c = 0; c < scene_.cameras.size(); ++c) {
+            const Camera& camera = scene_.cameras[c];
             Json out;
             if (!camera.name.empty()) out["name"] = camera.name;
             out["type"] = camera.perspective ? "perspective" : "orthographic";
@@ -539,10 +541,11 @@ class Builder {
                 lens["znear"] = camera.znear;
                 if (camera.zfar > camera.znear) lens["zfar"] = camera.zfar;
             } else {
-                lens["xmag"] = camera.xmag;
+                // glTF has no camera without a width: a square picture's.
+                lens["xmag"] = camera.xmag != 0 ? camera.xmag : camera.ymag;
                 lens["ymag"] = camera.ymag;
                 lens["znear"] = camera.znear;
-                lens["zfar"] = camera.zfar;
+                lens["zfar"] = orthographic_far_plane(prepared_, c);
             }
             buffer_.push("cameras", std::move(out));
         }

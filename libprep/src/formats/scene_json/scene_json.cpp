@@ -409,7 +409,10 @@ class Builder {
         Camera camera;
         camera.perspective = !c.height.has_value();
         camera.yfov = c.fov.value_or(45) * degrees;
-        if (c.height) camera.xmag = camera.ymag = *c.height / 2;
+        if (c.height) {
+            camera.xmag = 0;  // pictures of any form show this height
+            camera.ymag = *c.height / 2;
+        }
         camera.znear = c.near;
         camera.zfar = c.far;
         Node node;
