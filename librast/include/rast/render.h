@@ -223,8 +223,10 @@ struct RenderPlan {         // a value; made by plan(), obeyed by render()
 };
 
 // Pure. Errors: invalid (no extent; a crop that is empty or leaves the picture; a sample count,
-// an anisotropy or a supersampling that is not offered; samples beside exact areas), limit (larger
-// than max_picture_extent, times the supersampling).
+// an anisotropy or a supersampling that is not offered; samples beside exact areas; a view that
+// makes no picture: see View), limit (larger than max_picture_extent, times the supersampling; 2^31
+// triangles and more over all instances; over 2^29 vertices of a mesh, 178,956,970 with light at
+// vertices, or 715,827,882 triangles).
 prep::Result<RenderPlan> plan(const prep::PreparedScene& scene, const RenderRequest& request = {});
 
 // What the plan's consumer reads of the meshes' vertices, by PreparedScene::meshes: the table of

@@ -12,14 +12,15 @@
 
 namespace rast {
 
+// plan() refuses what is not as it says here, or not finite.
 struct View {
     glm::dmat4 world_to_view{1.0};  // rigid: rotation and translation
     bool perspective = true;
-    double yfov = 0.7;         // radians, perspective
-    double half_height = 1.0;  // world units, orthographic
+    double yfov = 0.7;         // radians, perspective: between 0 and pi
+    double half_height = 1.0;  // world units, orthographic: above 0
     double aspect = 0;         // width / height; 0: the picture's
-    double znear = 0.01;
-    double zfar = 0;  // 0: infinite (perspective only)
+    double znear = 0.01;       // perspective: above 0
+    double zfar = 0;           // beyond znear; 0 or infinite: none (see bounded_view())
 
     glm::dvec3 eye() const;
     glm::dvec3 forward() const;

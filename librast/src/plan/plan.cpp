@@ -10,6 +10,7 @@
 #include "plan/filter_words.h"
 #include "plan/frame_pass.h"
 #include "plan/memory_estimate.h"
+#include "plan/request_checks.h"
 #include "plan/skips.h"
 #include "rast/render.h"
 #include "shading/texture.h"
@@ -37,12 +38,12 @@ class Planner {
         plan_.bump_textures.assign(textures, false);
     }
 
-    RenderPlan run() {
+    prep::Result<RenderPlan> run() {
         RenderRequest& r = plan_.request;
         if (!r.prune)
             r.keep_depth = r.keep_ids = r.keep_normals = r.keep_uvs = r.keep_barycentrics =
                 r.keep_positions = true;
-        camera();
+        if (std::optional<prep::Error> fault = camera()) return std::move(*fault);
         lights();
         shading();
         proved_ = detail::prove_skips(prepared_, plan_, contents_);
@@ -193,7 +194,7 @@ class Planner {
                            [&](std::uint32_t m) { return test(prepared_.scene.materials[m]); });
     }
 
-    void camera() {
+    std::optional<prep::Error> camera() {
         const prep::Scene& scene = prepared_.scene;
         const double aspect = double(plan_.request.width) / plan_.request.height;
         if (plan_.request.view) {
@@ -209,8 +210,14 @@ class Planner {
             plan_.view = orbit_view(prepared_, orbit);
             step(Kind::camera, true, Code::view_framed);
         }
+        if (std::optional<prep::Error> fault = detail::fault_of_view(plan_.view)) {
+            if (!plan_.request.view && scene.active_camera != prep::no_index)
+                fault->place = "camera '" + scene.nodes[scene.active_camera].name + "'";
+            return fault;
+        }
         plan_.view = bounded_view(prepared_, plan_.view);
-        if (!(plan_.view.aspect > 0)) plan_.view.aspect = aspect;
+        if (plan_.view.aspect == 0) plan_.view.aspect = aspect;
+        return std::nullopt;
     }
 
     void lights() {
@@ -483,63 +490,8 @@ class Planner {
 }  // namespace
 
 prep::Result<RenderPlan> plan(const prep::PreparedScene& scene, const RenderRequest& request) {
-    if (request.width == 0 || request.height == 0)
-        return prep::Error{prep::ErrorCode::invalid, "the picture has no extent", ""};
-    if (request.width > max_picture_extent || request.height > max_picture_extent)
-        return prep::Error{prep::ErrorCode::limit,
-                           "the picture is larger than " + std::to_string(max_picture_extent) +
-                               " pixels a side, found " + std::to_string(request.width) + "x" +
-                               std::to_string(request.height),
-                           ""};
-    if (request.crop) {
-        const Crop& c = *request.crop;
-        if (c.width == 0 || c.height == 0 || c.x > request.width || c.y > request.height ||
-            c.width > request.width - c.x || c.height > request.height - c.y)
-            return prep::Error{prep::ErrorCode::invalid,
-                               "the crop must be a part of the picture of " +
-                                   std::to_string(request.width) + "x" +
-                                   std::to_string(request.height) + ", found " +
-                                   std::to_string(c.width) + "x" + std::to_string(c.height) +
-                                   " at " + std::to_string(c.x) + ", " + std::to_string(c.y),
-                               ""};
-    }
-    if (request.max_anisotropy < 1 || request.max_anisotropy > 16)
-        return prep::Error{prep::ErrorCode::invalid,
-                           "anisotropy is 1 to 16, found " + std::to_string(request.max_anisotropy),
-                           ""};
-    const int samples = request.samples;
-    if (samples != 1 && samples != 2 && samples != 4 && samples != 8 && samples != 16)
-        return prep::Error{prep::ErrorCode::invalid,
-                           "a pixel has 1, 2, 4, 8 or 16 samples, found " + std::to_string(samples),
-                           ""};
-    if (!(request.allow_error >= 0) || !std::isfinite(request.allow_error))
-        return prep::Error{
-            prep::ErrorCode::invalid,
-            "what lights that are left out may add is finite and not negative, found " +
-                std::to_string(request.allow_error),
-            ""};
-    if (request.supersample < 1 || request.supersample > max_supersample)
-        return prep::Error{prep::ErrorCode::invalid,
-                           "supersampling is 1 to " + std::to_string(max_supersample) +
-                               " pixels each way, found " + std::to_string(request.supersample),
-                           ""};
-    if (request.coverage == Coverage::area && samples != 1)
-        return prep::Error{
-            prep::ErrorCode::invalid,
-            "exact areas take the place of samples: ask for 1 sample a pixel, found " +
-                std::to_string(samples),
-            ""};
-    if (request.alpha_alone && (request.coverage != Coverage::area || !request.keep_color))
-        return prep::Error{prep::ErrorCode::invalid,
-                           "alpha alone is of colours that are kept, by exact areas", ""};
-    const std::uint32_t most = max_picture_extent / std::uint32_t(request.supersample);
-    if (request.width > most || request.height > most)
-        return prep::Error{prep::ErrorCode::limit,
-                           "supersampled " + std::to_string(request.supersample) +
-                               " times, a picture is at most " + std::to_string(most) +
-                               " pixels a side, found " + std::to_string(request.width) + "x" +
-                               std::to_string(request.height),
-                           ""};
+    if (std::optional<prep::Error> fault = detail::fault_of_request(request))
+        return std::move(*fault);
     return Planner(scene, request).run();
 }
 

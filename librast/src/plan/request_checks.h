@@ -1,0 +1,17 @@
+// What plan() refuses.
+#pragma once
+
+#include <optional>
+
+#include "prep/result.h"
+#include "rast/render.h"
+
+namespace rast::detail {
+
+// Extents, crop, sampling: invalid or limit.
+std::optional<prep::Error> fault_of_request(const RenderRequest& request);
+
+// A view that makes no picture: invalid.
+std::optional<prep::Error> fault_of_view(const View& view);
+
+}  // namespace rast::detail

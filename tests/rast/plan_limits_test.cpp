@@ -1,0 +1,106 @@
+// What plan() refuses, and how much its proofs look at.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+#include <functional>
+#include <limits>
+
+#include "builders.h"
+#include "plan/request_checks.h"
+
+namespace {
+
+using prep::ErrorCode;
+
+constexpr double infinite = std::numeric_limits<double>::infinity();
+const double nan = std::nan("");
+
+prep::PreparedScene ball() {
+    return test::scene_of(test::sphere(8, 6));
+}
+
+TEST(PlanViews, ThatMakeNoPictureAreRefused) {
+    const prep::PreparedScene scene = ball();
+    struct Change {
+        bool perspective;
+        std::function<void(rast::View&)> make;
+        const char* says;  // empty: a picture comes of it
+    };
+    const Change changes[] = {
+        {true, [](rast::View&) {}, ""},
+        {false, [](rast::View&) {}, ""},
+        {true, [](rast::View& v) { v.znear = 10, v.zfar = 1; }, "far"},
+        {true, [](rast::View& v) { v.znear = 1, v.zfar = 1; }, "far"},
+        {true, [](rast::View& v) { v.zfar = -1; }, "far"},
+        {true, [](rast::View& v) { v.zfar = nan; }, "far"},
+        {true, [](rast::View& v) { v.zfar = 0; }, ""},
+        {true, [](rast::View& v) { v.zfar = infinite; }, ""},
+        {true, [](rast::View& v) { v.znear = 0; }, "near"},
+        {true, [](rast::View& v) { v.znear = -1; }, "near"},
+        {true, [](rast::View& v) { v.znear = infinite; }, "near"},
+        {true, [](rast::View& v) { v.znear = nan; }, "near"},
+        {true, [](rast::View& v) { v.yfov = 0; }, "field of view"},
+        {true, [](rast::View& v) { v.yfov = -0.5; }, "field of view"},
+        {true, [](rast::View& v) { v.yfov = 3.2; }, "field of view"},
+        {true, [](rast::View& v) { v.yfov = nan; }, "field of view"},
+        {true, [](rast::View& v) { v.aspect = -1; }, "aspect"},
+        {true, [](rast::View& v) { v.aspect = nan; }, "aspect"},
+        {true, [](rast::View& v) { v.aspect = infinite; }, "aspect"},
+        {true, [](rast::View& v) { v.world_to_view[0] *= 2.0; }, "stretches"},
+        {true, [](rast::View& v) { v.world_to_view[0] *= -1.0; }, "mirrors"},
+        {true, [](rast::View& v) { v.world_to_view[1] = glm::dvec4(0); }, "stretches"},
+        {true, [](rast::View& v) { v.world_to_view[2][2] = nan; }, "stretches"},
+        {true, [](rast::View& v) { v.world_to_view[3][1] = infinite; }, "moves"},
+        {true, [](rast::View& v) { v.world_to_view[3][3] = 2; }, "moves"},
+        // As floats have a rotation.
+        {true, [](rast::View& v) { v.world_to_view = glm::dmat4(glm::mat4(v.world_to_view)); }, ""},
+        // What the other projection reads is nothing to this one.
+        {true, [](rast::View& v) { v.half_height = -1; }, ""},
+        {false, [](rast::View& v) { v.yfov = nan; }, ""},
+        {false, [](rast::View& v) { v.half_height = 0; }, "height"},
+        {false, [](rast::View& v) { v.half_height = -1; }, "height"},
+        {false, [](rast::View& v) { v.half_height = infinite; }, "height"},
+        {false, [](rast::View& v) { v.znear = 10, v.zfar = 1; }, "far"},
+        {false, [](rast::View& v) { v.zfar = nan; }, "far"},
+        {false, [](rast::View& v) { v.zfar = 0; }, ""},
+        {false, [](rast::View& v) { v.zfar = infinite; }, ""},
+        {false, [](rast::View& v) { v.znear = 0; }, ""},
+    };
+    for (std::size_t i = 0; i < std::size(changes); ++i) {
+        SCOPED_TRACE("change " + std::to_string(i));
+        rast::RenderRequest request;
+        request.view = test::look_at({1, 2, 4}, {0, 0, 0});
+        request.view->perspective = changes[i].perspective;
+        request.view->zfar = 100;
+        changes[i].make(*request.view);
+        const auto plan = rast::plan(scene, request);
+        ASSERT_EQ(plan.has_value(), changes[i].says[0] == 0);
+        if (plan) continue;
+        EXPECT_EQ(plan.error().code, ErrorCode::invalid);
+        EXPECT_NE(plan.error().text.find(changes[i].says), std::string::npos) << plan.error().text;
+    }
+}
+
+// Readers may let through what their files say: it is told of the camera.
+TEST(PlanViews, CamerasThatMakeNoPictureAreNamed) {
+    prep::PreparedScene scene = ball();
+    prep::Camera& camera = scene.scene.cameras.emplace_back();
+    camera.znear = 10;
+    camera.zfar = 1;
+    prep::Node node;
+    node.name = "front";
+    node.camera = 0;
+    node.transform[3] = glm::dvec4(0, 0, 5, 1);
+    scene.scene.nodes.push_back(node);
+    scene.scene.active_camera = 1;
+    const auto plan = rast::plan(scene, {});
+    ASSERT_FALSE(plan.has_value());
+    EXPECT_EQ(plan.error().code, ErrorCode::invalid);
+    EXPECT_EQ(plan.error().place, "camera 'front'");
+    scene.scene.cameras[0].zfar = 11;
+    EXPECT_TRUE(rast::plan(scene, {}).has_value());
+}
+
+}  // namespace
