@@ -103,4 +103,54 @@ TEST(PlanViews, CamerasThatMakeNoPictureAreNamed) {
     EXPECT_TRUE(rast::plan(scene, {}).has_value());
 }
 
+// Triangles of all instances have numbers of 31 bits, the last of them none's.
+TEST(PlanCounts, TrianglesOfAllInstancesAreBelowTwoToTheThirtyFirst) {
+    prep::VertexMesh large, small;
+    for (prep::VertexMesh* const mesh : {&large, &small}) {
+        mesh->positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+        mesh->indices.assign(3 * (mesh == &large ? 65536u : 65535u), 0);
+    }
+    prep::PreparedScene scene = test::scene_of(large);
+    const prep::PreparedScene other = test::scene_of(small);
+    scene.meshes.push_back(other.meshes[0]);
+    scene.scene.meshes.emplace_back();
+    scene.scene.nodes.resize(32767, scene.scene.nodes[0]);
+    scene.scene.nodes.push_back(other.scene.nodes[0]);
+    scene.scene.nodes.back().mesh = 1;
+    rast::RenderRequest request;
+    request.view = test::look_at({0, 0, 5}, {0, 0, 0});
+    const auto most = rast::plan(scene, request);
+    ASSERT_TRUE(most.has_value()) << to_string(most.error());
+    EXPECT_EQ(most->triangles, 0x7fffffffu);
+    scene.scene.nodes.back().mesh = 0;  // one more
+    const auto more = rast::plan(scene, request);
+    ASSERT_FALSE(more.has_value());
+    EXPECT_EQ(more.error().code, ErrorCode::limit);
+    EXPECT_NE(more.error().text.find("2147483648"), std::string::npos) << more.error().text;
+}
+
+// What the last vertex and the last triangle have is within 2^31 floats or indices.
+TEST(PlanCounts, MeshesAreWithinSignedIndices) {
+    using rast::Shading;
+    const auto fits = [](std::uint64_t triangles, std::uint64_t vertices, Shading shading) {
+        rast::detail::DrawnContents drawn;
+        drawn.most_triangles = triangles;
+        drawn.most_vertices = vertices;
+        const auto fault = rast::detail::fault_of_size(drawn, shading);
+        EXPECT_TRUE(!fault || fault->code == ErrorCode::limit);
+        return !fault;
+    };
+    constexpr std::uint64_t all = std::uint64_t(1) << 31;
+    EXPECT_TRUE(fits(1, all / 4, Shading::phong));
+    EXPECT_FALSE(fits(1, all / 4 + 1, Shading::phong));
+    EXPECT_TRUE(fits(1, all / 12, Shading::gouraud));
+    EXPECT_FALSE(fits(1, all / 12 + 1, Shading::gouraud));
+    EXPECT_TRUE(fits(all / 3, 3, Shading::flat));
+    EXPECT_FALSE(fits(all / 3 + 1, 3, Shading::flat));
+    // And that is what the scene is asked for.
+    const rast::detail::DrawnContents drawn = rast::detail::drawn_contents(ball());
+    EXPECT_EQ(drawn.most_triangles, 8u * (6 * 2 - 2));
+    EXPECT_EQ(drawn.most_vertices, 9u * 7);
+}
+
 }  // namespace

@@ -40,6 +40,8 @@ class Planner {
 
     prep::Result<RenderPlan> run() {
         RenderRequest& r = plan_.request;
+        if (std::optional<prep::Error> fault = detail::fault_of_size(contents_, r.shading))
+            return std::move(*fault);
         if (!r.prune)
             r.keep_depth = r.keep_ids = r.keep_normals = r.keep_uvs = r.keep_barycentrics =
                 r.keep_positions = true;

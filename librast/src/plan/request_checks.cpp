@@ -3,11 +3,20 @@
 #include <cmath>
 #include <string>
 
+#include "geometry/tile.h"
+
 namespace rast::detail {
 namespace {
 
 using prep::Error;
 using prep::ErrorCode;
+
+Error too_many(const char* of_what, std::uint64_t most, std::uint64_t found) {
+    return {ErrorCode::limit,
+            std::string(of_what) + ": at most " + std::to_string(most) + " are drawn, found " +
+                std::to_string(found),
+            ""};
+}
 
 // Rotation and translation, as closely as matrices of floats have them.
 bool is_rigid(const glm::dmat4& m) {
@@ -76,6 +85,25 @@ std::optional<Error> fault_of_request(const RenderRequest& request) {
                          " pixels a side, found " + std::to_string(request.width) + "x" +
                          std::to_string(request.height),
                      ""};
+    return std::nullopt;
+}
+
+std::optional<Error> fault_of_size(const DrawnContents& drawn, Shading shading) {
+    // Triangles of all instances are numbered below the bit of back faces; the last number is that
+    // of no triangle.
+    constexpr std::uint64_t most_numbers = id_none & ~id_back_face;
+    if (drawn.triangles > most_numbers)
+        return too_many("triangles of all instances", most_numbers, drawn.triangles);
+    // Corners, and what vertices have, are gathered by signed numbers of 32 bits: up to four floats
+    // of each, 12 of light at vertices.
+    constexpr std::uint64_t most_gathered = std::uint64_t(1) << 31;
+    if (drawn.most_triangles > most_gathered / 3)
+        return too_many("triangles of a mesh", most_gathered / 3, drawn.most_triangles);
+    const bool at_vertices = shading == Shading::gouraud;
+    const std::uint64_t most_vertices = most_gathered / (at_vertices ? 12 : 4);
+    if (drawn.most_vertices > most_vertices)
+        return too_many(at_vertices ? "lit vertices of a mesh" : "vertices of a mesh",
+                        most_vertices, drawn.most_vertices);
     return std::nullopt;
 }
 
