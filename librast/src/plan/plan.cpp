@@ -31,11 +31,7 @@ class Planner {
         plan_.passes = request.passes;
         plan_.triangles = contents_.triangles;
         plan_.vertices = contents_.vertices;
-        const std::size_t textures = prepared.scene.textures.size();
-        plan_.textures_used.assign(textures, false);
-        plan_.texel_questions.assign(textures, {});
-        plan_.colour_textures.assign(textures, false);
-        plan_.bump_textures.assign(textures, false);
+        plan_.textures_read.assign(detail::texture_uses * prepared.scene.textures.size(), false);
     }
 
     prep::Result<RenderPlan> run() {
@@ -311,15 +307,11 @@ class Planner {
     void textures() {
         bool colour_used = false, data_used = false, uvs_missing = false;
         std::vector<prep::Reason> unplaced;
-        // What is left out has its say in how a texture is decoded that others read as well.
-        prep::Consumer any_light = consumer_;
-        any_light.lights = true;
-        const auto use = [&](const TextureRef& ref, const prep::MaterialMap& map, bool read) {
-            if (!ref || ref.texture >= plan_.textures_used.size()) return;
-            if (map.color) plan_.colour_textures[ref.texture] = true;
-            if (!read) return;
-            const bool bump = map.kind == prep::MapKind::bump;
-            (bump ? plan_.bump_textures : plan_.textures_used)[ref.texture] = true;
+        const auto use = [&](const TextureRef& ref, const prep::MaterialMap& map) {
+            const std::size_t slot =
+                detail::texture_slot(prepared_.scene.textures.size(), map.kind, ref);
+            if (slot >= plan_.textures_read.size()) return;
+            plan_.textures_read[slot] = true;
             (map.color ? colour_used : data_used) = true;
         };
         if (plan_.request.textures) {
@@ -329,8 +321,7 @@ class Planner {
                 uvs_missing |= maps.uvs_missing;
                 for (const prep::MaterialMap& map : prep::material_maps) {
                     const std::uint32_t bit = 1u << unsigned(map.kind);
-                    if (prep::map_is_read(material, map, any_light))
-                        use(material.*map.ref, map, (maps.placed & bit) != 0);
+                    if ((maps.placed & bit) != 0) use(material.*map.ref, map);
                     if ((maps.wanted & ~maps.placed & bit) != 0)
                         unplaced.push_back(not_placed(m, map));
                 }
@@ -354,7 +345,7 @@ class Planner {
              some ? filter_reason() : "");
         const auto level_step = [&](Kind step_kind, TextureLevels kind) {
             bool read = false;
-            for (std::size_t t = 0; t < plan_.textures_used.size(); ++t)
+            for (std::size_t t = 0; t < prepared_.scene.textures.size(); ++t)
                 read |=
                     is_read(t) && levels_for(filter_of(t), prepared_.scene.textures[t].mip) == kind;
             step(step_kind, read, !some ? none : read ? Code::levels : Code::no_levels);
@@ -362,12 +353,16 @@ class Planner {
         level_step(Kind::mip_levels, TextureLevels::mipmap);
         level_step(Kind::ripmap_levels, TextureLevels::ripmap);
         // What is not drawn need not be looked at.
-        for (std::size_t t = 0; t < plan_.texel_questions.size(); ++t)
-            if (!plan_.textures_used[t]) plan_.texel_questions[t] = {};
+        for (std::size_t slot = 0; slot < plan_.texel_questions.size(); ++slot)
+            if (!plan_.textures_read[slot]) plan_.texel_questions[slot] = {};
     }
 
+    // In any way.
     bool is_read(std::size_t texture) const {
-        return plan_.textures_used[texture] || plan_.bump_textures[texture];
+        const std::size_t textures = prepared_.scene.textures.size();
+        for (std::size_t slot = texture; slot < plan_.textures_read.size(); slot += textures)
+            if (plan_.textures_read[slot]) return true;
+        return false;
     }
 
     TextureFilter filter_of(std::size_t texture) const {
@@ -376,7 +371,7 @@ class Planner {
 
     std::string filter_reason() const {
         std::vector<TextureFilter> used;
-        for (std::size_t t = 0; t < plan_.textures_used.size(); ++t)
+        for (std::size_t t = 0; t < prepared_.scene.textures.size(); ++t)
             if (is_read(t)) used.push_back(filter_of(t));
         return detail::filter_words(plan_.request, used);
     }

@@ -40,7 +40,7 @@ class Prover {
 
     ProvedSkips run() {
         out_.skips.materials.resize(scene_.scene.materials.size());
-        out_.texel_questions.resize(scene_.scene.textures.size());
+        out_.texel_questions.resize(2 * scene_.scene.textures.size());  // colours, then data
         out_.skips.inside_samples = request_.prune && request_.samples > 1;
         lights();
         for (const std::uint32_t m : materials_) {
@@ -164,26 +164,27 @@ class Prover {
 
     MaterialRanges ranges_of(std::uint32_t m) {
         const Material& material = material_of(m);
-        const auto range = [&](const TextureRef& map) {
-            return is_sampled(m, map) ? range_of(map) : TexelRange();
+        const auto range = [&](MapKind kind, const TextureRef& map) {
+            return is_sampled(m, map) ? range_of(kind, map) : TexelRange();
         };
         MaterialRanges out;
         if (request_.textures) {
-            out.diffuse = range(material.diffuse_map);
-            out.specular = range(material.specular_map);
+            out.diffuse = range(MapKind::diffuse, material.diffuse_map);
+            out.specular = range(MapKind::specular, material.specular_map);
             if (material.metallic_roughness)
-                out.metallic_roughness = range(material.metallic_roughness_map);
+                out.metallic_roughness =
+                    range(MapKind::metallic_roughness, material.metallic_roughness_map);
         }
         out.colors = greatest_colors();
         return out;
     }
     // Unbounded until the texels have been looked at.
-    TexelRange range_of(const TextureRef& map) {
+    TexelRange range_of(MapKind kind, const TextureRef& map) {
         TexelRange out;
         if (!map) return out;
         TexelQuestions asked;
         asked.not_negative = true;
-        const TexelFacts* const f = facts(map, asked);
+        const TexelFacts* const f = facts(kind, map, asked);
         // Facts that another question gathered may say that there are negative ones.
         if (f == nullptr || !overshoots_not(map) ||
             !glm::all(glm::greaterThanEqual(glm::dvec3(f->low), glm::dvec3(0))))
@@ -328,18 +329,19 @@ class Prover {
 
     // Materials -----------------------------------------------------------------------------
 
-    const TexelFacts* facts(const TextureRef& map, const TexelQuestions& asked) {
-        if (!map || map.texture >= out_.texel_questions.size()) return nullptr;
+    const TexelFacts* facts(MapKind kind, const TextureRef& map, const TexelQuestions& asked) {
+        const std::size_t slot = texture_slot(scene_.scene.textures.size(), kind, map);
+        if (slot >= out_.texel_questions.size()) return nullptr;
         if (!request_.prune || !request_.textures) return nullptr;
-        TexelQuestions& all = out_.texel_questions[map.texture];
+        TexelQuestions& all = out_.texel_questions[slot];
         if (asked.alpha)
             all.least_alpha =
                 all.alpha ? std::min(all.least_alpha, asked.least_alpha) : asked.least_alpha;
         all.constant |= asked.constant;
         all.not_negative |= asked.not_negative;
         all.alpha |= asked.alpha;
-        if (!request_.texel_facts || map.texture >= request_.texel_facts->size()) return nullptr;
-        const TexelFacts& f = (*request_.texel_facts)[map.texture];
+        if (!request_.texel_facts || slot >= request_.texel_facts->size()) return nullptr;
+        const TexelFacts& f = (*request_.texel_facts)[slot];
         return f.known ? &f : nullptr;
     }
 
@@ -399,7 +401,7 @@ class Prover {
         if (!is_sampled(m, material.specular_map) || !request_.textures) return true;
         TexelQuestions asked;
         asked.not_negative = true;
-        const TexelFacts* const f = facts(material.specular_map, asked);
+        const TexelFacts* const f = facts(MapKind::specular, material.specular_map, asked);
         if (f == nullptr || !overshoots_not(material.specular_map)) return false;
         for (int k = 0; k < 3; ++k)
             if (!(f->low[k] >= 0) || !is_ordinary(f->high[k])) return false;
@@ -415,7 +417,7 @@ class Prover {
             return;
         TexelQuestions asked;
         asked.constant = true;
-        const TexelFacts* const f = facts(material.normal_map, asked);
+        const TexelFacts* const f = facts(MapKind::normal, material.normal_map, asked);
         if (f == nullptr || !f->constant || f->low.z != 1) return;
         const bool straight = f->low.x == 0.5f && f->low.y == 0.5f;
         if (!is_ordinary(material.normal_map.strength)) return;
@@ -461,7 +463,8 @@ class Prover {
             // Less than this cuts, whatever the other factors are.
             if (own > 0)
                 asked.least_alpha = float(std::max(double(material.alpha_cutoff) / own, 0.0));
-            const TexelFacts* const f = own > 0 ? facts(material.diffuse_map, asked) : nullptr;
+            const TexelFacts* const f =
+                own > 0 ? facts(MapKind::diffuse, material.diffuse_map, asked) : nullptr;
             known = known && f != nullptr && f->low.a >= 0 && is_ordinary(f->high.a) &&
                     overshoots_not(material.diffuse_map);
             if (f != nullptr) {
