@@ -153,4 +153,53 @@ TEST(PlanCounts, MeshesAreWithinSignedIndices) {
     EXPECT_EQ(drawn.most_vertices, 9u * 7);
 }
 
+// Lights are held against so many normals in all: 2^24 and 8 times the vertices (plan/skips.h).
+TEST(PlanProofs, ManyLightsBehindManyNormalsTakeNoLongerThanAFew) {
+    constexpr std::size_t vertices = 1u << 20, lights = 60;
+    prep::VertexMesh mesh;
+    mesh.positions.assign(vertices, {0, 0, 0});
+    mesh.positions[1].x = mesh.positions[2].y = 1;
+    mesh.normals.assign(vertices, {0, 0, 1});
+    mesh.indices = {0, 1, 2};
+    const prep::PreparedScene scene = test::scene_of(mesh);
+    rast::RenderRequest request;
+    request.view = test::look_at({0, 0, 5}, {0, 0, 0});
+    request.shading = rast::Shading::phong;
+    rast::LightInstance behind;
+    behind.direction = {0, 0, 1};
+    request.lights.emplace(lights, behind);
+    const auto plan = rast::plan(scene, request);
+    ASSERT_TRUE(plan.has_value());
+    const auto left_out =
+        std::size_t(std::count(plan->skips.lights.begin(), plan->skips.lights.end(), true));
+    EXPECT_EQ(left_out, ((std::size_t(1) << 24) + 8 * vertices - 1) / (vertices + 1));
+    EXPECT_TRUE(plan->skips.lights[0]);
+}
+
+// A material's meshes are found once for all materials, and what their vertices are like once a
+// mesh: in seconds of the processor, of which looking through all for each took 5 and more.
+TEST(PlanProofs, ManyMaterialsOfOneMeshTakeNoLongerThanAFew) {
+    constexpr std::uint32_t materials = 40000;
+    prep::VertexMesh mesh;
+    mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    mesh.colors = {std::vector<glm::vec4>(materials, glm::vec4(1))};
+    mesh.positions.resize(materials);
+    for (std::uint32_t m = 0; m < materials; ++m) {
+        mesh.indices.insert(mesh.indices.end(), {0, 1, 2});
+        mesh.ranges.push_back({m, 1, m, prep::no_index});
+    }
+    prep::Material masked;
+    masked.alpha_mode = prep::AlphaMode::mask;
+    prep::PreparedScene scene = test::scene_of(mesh, masked);
+    scene.scene.materials.resize(materials, masked);
+    rast::RenderRequest request;
+    request.view = test::look_at({0, 0, 5}, {0, 0, 0});
+    const std::clock_t start = std::clock();
+    const auto plan = rast::plan(scene, request);
+    const double seconds = double(std::clock() - start) / CLOCKS_PER_SEC;
+    ASSERT_TRUE(plan.has_value());
+    EXPECT_TRUE(plan->skips.materials[materials - 1].mask);
+    EXPECT_LT(seconds, 2);
+}
+
 }  // namespace
