@@ -223,6 +223,18 @@ TEST(SceneJson, SaysWhichReferenceLeadsNowhereOrInACircle) {
            "#/camera/far", "beyond");
 }
 
+TEST(SceneJson, OrbitsTakeALensAndNoPlace) {
+    const auto refuse = [](const std::string& more, const char* place, const char* says) {
+        const std::string text = with(R"("camera": {"orbit": {}, )" + more + "}");
+        expect({text.c_str(), ErrorCode::invalid, place, says});
+    };
+    refuse(R"("position": [0,0,1])", "#/camera", "no position");
+    refuse(R"("target": [0,0,1])", "#/camera", "no position");
+    refuse(R"("up": [0,0,1])", "#/camera/up", "+Y");
+    refuse(R"("fov": 30, "height": 2)", "#/camera/fov", "perspective");
+    refuse(R"("near": 2, "far": 2)", "#/camera/far", "beyond");
+}
+
 TEST(SceneJson, PicturesAskForWhatTheCommandOffers) {
     const auto refuse = [](const std::string& picture, const char* place, const char* says) {
         const std::string text = with("\"picture\": " + picture);

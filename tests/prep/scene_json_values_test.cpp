@@ -99,6 +99,20 @@ TEST(SceneValues, OrbitsAreInDegrees) {
     EXPECT_NEAR(orbit.azimuth, pi / 2, 1e-12);
     EXPECT_NEAR(orbit.elevation, -pi / 4, 1e-12);
     EXPECT_EQ(orbit.distance, 2.5);
+    EXPECT_FALSE(orbit.yfov || orbit.height || orbit.znear || orbit.zfar);
+}
+
+TEST(SceneValues, OrbitsHaveTheirLens) {
+    const prep::OrbitCamera seen =
+        scene_of(R"("camera": {"orbit": {}, "fov": 30, "near": 0.25, "far": 8})").orbit.value();
+    EXPECT_NEAR(seen.yfov.value(), pi / 6, 1e-15);
+    EXPECT_EQ(seen.znear, 0.25);
+    EXPECT_EQ(seen.zfar, 8);
+    EXPECT_FALSE(seen.height);
+    const prep::OrbitCamera flat =
+        scene_of(R"("camera": {"orbit": {}, "height": 3})").orbit.value();
+    EXPECT_EQ(flat.height, 3);
+    EXPECT_FALSE(flat.yfov || flat.znear || flat.zfar);
 }
 
 TEST(SceneValues, MaterialsAreAsTheFileSays) {

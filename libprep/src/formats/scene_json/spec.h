@@ -79,10 +79,10 @@ struct OrbitSpec {
 
 struct CameraSpec {
     std::optional<glm::dvec3> position, target;
-    glm::dvec3 up{0, 1, 0};
+    std::optional<glm::dvec3> up;
     std::optional<double> fov;     // degrees, vertical
     std::optional<double> height;  // orthographic
-    double near = 0.01, far = 0;
+    std::optional<double> near, far;
     std::optional<OrbitSpec> orbit;
 };
 
