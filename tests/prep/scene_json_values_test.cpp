@@ -153,8 +153,8 @@ TEST(SceneValues, TexturesAndMapsAreAsTheFileSays) {
             "mip": "none"}, "b": {"file": "b.png", "wrap": "border", "min": "nearest",
             "mip": "nearest"}},
         "materials": {"m": {"diffuse_map": {"texture": "b", "uv_set": 1, "offset": [0.25, 0.5],
-            "scale": [2, 3], "rotate": 90, "strength": 0.5}, "specular_map": "a",
-            "emissive_map": "b", "occlusion_map": "a", "normal_map": "b", "bump_map": "a",
+            "scale": [2, 3], "rotate": 90}, "specular_map": "a",
+            "emissive_map": "b", "occlusion_map": {"texture": "a", "strength": 0.5}, "normal_map": "b", "bump_map": "a",
             "displacement_map": "b", "displacement_scale": -0.25, "displacement_midlevel": 0.75,
             "displacement_kind": "vector-object"}},
         "meshes": {"box": {"shape": {"kind": "box"}, "material": "m"}}})");
@@ -177,7 +177,8 @@ TEST(SceneValues, TexturesAndMapsAreAsTheFileSays) {
     EXPECT_EQ(m.diffuse_map.offset, glm::vec2(0.25f, 0.5f));
     EXPECT_EQ(m.diffuse_map.scale, glm::vec2(2, 3));
     EXPECT_FLOAT_EQ(m.diffuse_map.rotation, float(pi / 2));
-    EXPECT_EQ(m.diffuse_map.strength, 0.5f);
+    EXPECT_EQ(m.diffuse_map.strength, 1.0f);
+    EXPECT_EQ(m.occlusion_map.strength, 0.5f);
     EXPECT_EQ(m.specular_map.texture, a);
     EXPECT_EQ(m.emissive_map.texture, b);
     EXPECT_EQ(m.occlusion_map.texture, a);

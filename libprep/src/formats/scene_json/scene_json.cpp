@@ -25,6 +25,20 @@ using schema::Problem;
 
 constexpr double degrees = std::numbers::pi / 180;
 
+// Whether anything reads it.
+bool has_strength(MapKind kind, const Material& material) {
+    switch (kind) {
+        case MapKind::normal:
+            return material.normal_map_space == NormalMapSpace::tangent;
+        case MapKind::occlusion:
+        case MapKind::bump:
+        case MapKind::displacement:
+            return true;
+        default:
+            return false;
+    }
+}
+
 class Builder {
   public:
     // Without `opens_files`, mesh files have nothing in them.
@@ -113,11 +127,18 @@ class Builder {
             for (const MaterialMap& row : material_maps) {
                 const std::optional<MapSpec>& map = entry.value.maps[std::size_t(row.kind)];
                 if (!map) continue;
+                if (map->strength && !has_strength(row.kind, material))
+                    return error(entry.name.pointer + "/" + row.scene_key + "/strength",
+                                 row.kind == MapKind::normal
+                                     ? "normal maps in object space have no strength; leave it out"
+                                     : "maps of colours have no strength; change the colour that "
+                                       "the map multiplies");
                 const Result<std::uint32_t> texture = find(textures_, map->texture, "texture");
                 if (!texture) return texture.error();
                 TextureRef ref = map->ref;
                 ref.texture = *texture;
                 ref.rotation = static_cast<float>(map->rotate * degrees);
+                ref.strength = static_cast<float>(map->strength.value_or(1));
                 material.*row.ref = ref;
             }
             materials_[entry.name.text] = static_cast<std::uint32_t>(out_.scene.materials.size());

@@ -103,7 +103,7 @@ Table<MapSpec> map_table() {
         of_ref(numbers("offset", &TextureRef::offset, -1e6, 1e6)),
         of_ref(numbers("scale", &TextureRef::scale, -1e6, 1e6)),
         number("rotate", &T::rotate, -360, 360),
-        of_ref(number("strength", &TextureRef::strength, -1e3, 1e3)),
+        optional_number("strength", &T::strength, -1e3, 1e3),
     };
 }
 

@@ -23,6 +23,7 @@ struct MapSpec {
     schema::Name texture;
     TextureRef ref;
     double rotate = 0;  // degrees
+    std::optional<double> strength;
 };
 
 struct MaterialSpec {
