@@ -368,23 +368,41 @@ TEST(GltfBuild, CamerasKeepTheirLens) {
                {"orthographic", {{"xmag", 2.2}, {"ymag", 3.3}, {"znear", 0.4}, {"zfar", 50.5}}}}}));
 }
 
-// An orthographic far plane is no option in glTF. The camera looks along -z from 40.
-TEST(GltfBuild, OrthographicCamerasWithoutAFarPlaneGetOneBehindTheScene) {
-    const prep::Mesh mesh = mesh_of({0, 1, 2}, 3);
-    double farthest = 0;
-    for (const glm::vec3& p : mesh.positions) farthest = std::max(farthest, 40.0 - double(p.z));
-    prep::Scene scene = scene_of(mesh);
+// glTF asks for a width: a square picture's, where the camera takes any picture's.
+TEST(GltfBuild, OrthographicCamerasWithoutAWidthAreSquare) {
+    prep::Scene scene = scene_of(mesh_of({0, 1, 2}, 3));
     scene.cameras.resize(1);
     scene.cameras[0].perspective = false;
+    scene.cameras[0].xmag = 0;
+    scene.cameras[0].ymag = 3.5;
+    scene.cameras[0].zfar = 9;
+    const Json lens = saved(scene).file.json["cameras"][0]["orthographic"];
+    EXPECT_EQ(lens["xmag"], 3.5);
+    EXPECT_EQ(lens["ymag"], 3.5);
+}
+
+// Nor without a far plane: it lies behind what is drawn, and readers take it.
+TEST(GltfBuild, OrthographicCamerasWithoutAFarPlaneSeeAllThatIsDrawn) {
+    prep::Scene scene = scene_of(mesh_of({0, 1, 2}, 3));  // as far as (2, 4, −6)
+    scene.cameras.resize(1);
+    scene.cameras[0].perspective = false;
+    scene.cameras[0].znear = 0.5;
     prep::Node node;
     node.camera = 0;
-    node.transform[3] = glm::dvec4(0, 0, 40, 1);
+    node.transform[3] = {0, 0, 40, 1};
     scene.nodes.push_back(node);
-    const double far = saved(scene).file.json["cameras"][0]["orthographic"]["zfar"];
-    EXPECT_GT(far, farthest);
-    EXPECT_LT(far, 1.05 * farthest);
-    scene.nodes.back().transform[3].z = -400;  // all of it is behind the camera
-    EXPECT_GT(double(saved(scene).file.json["cameras"][0]["orthographic"]["zfar"]), 0.01);
+    const auto far_of = [](const prep::Scene& s) {
+        return saved(s).file.json["cameras"][0]["orthographic"]["zfar"].get<double>();
+    };
+    EXPECT_GT(far_of(scene), 46);
+    EXPECT_LT(far_of(scene), 60);
+    scene.cameras[0].zfar = 41.5;
+    EXPECT_EQ(far_of(scene), 41.5);
+    // Nothing is drawn: beyond the near plane all the same.
+    prep::Scene empty = scene_of(mesh_of({0, 1, 2}, 3));
+    empty.cameras = scene.cameras;
+    empty.cameras[0].zfar = 0;
+    EXPECT_GT(far_of(empty), 0.5);
 }
 
 TEST(GltfBuild, TheBinaryIsNamedByAUri) {

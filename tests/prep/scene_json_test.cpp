@@ -223,6 +223,37 @@ TEST(SceneJson, SaysWhichReferenceLeadsNowhereOrInACircle) {
            "#/camera/far", "beyond");
 }
 
+TEST(SceneJson, OrbitsTakeALensAndNoPlace) {
+    const auto refuse = [](const std::string& more, const char* place, const char* says) {
+        const std::string text = with(R"("camera": {"orbit": {}, )" + more + "}");
+        expect({text.c_str(), ErrorCode::invalid, place, says});
+    };
+    refuse(R"("position": [0,0,1])", "#/camera", "no position");
+    refuse(R"("target": [0,0,1])", "#/camera", "no position");
+    refuse(R"("up": [0,0,1])", "#/camera/up", "+Y");
+    refuse(R"("fov": 30, "height": 2)", "#/camera/fov", "perspective");
+    refuse(R"("near": 2, "far": 2)", "#/camera/far", "beyond");
+}
+
+// What nothing would read.
+TEST(SceneJson, MapsWithoutAStrengthTakeNone) {
+    for (const char* const map : {"diffuse_map", "specular_map", "emissive_map"}) {
+        const std::string text = with(R"("materials": {"m": {")" + std::string(map) +
+                                      R"(": {"texture": "t", "strength": 0.5}}})");
+        const std::string place = "#/materials/m/" + std::string(map) + "/strength";
+        expect({text.c_str(), ErrorCode::invalid, place.c_str(), "multiplies"});
+    }
+    const std::string text = with(R"("materials": {"m": {"normal_map_space": "object",
+        "normal_map": {"texture": "t", "strength": 1}}})");
+    expect({text.c_str(), ErrorCode::invalid, "#/materials/m/normal_map/strength", "object space"});
+    for (const char* const map : {"occlusion_map", "normal_map", "bump_map", "displacement_map"}) {
+        const std::string good = with(R"("materials": {"m": {")" + std::string(map) +
+                                      R"(": {"texture": "t", "strength": 0.5}}})");
+        expect({good.c_str(), ErrorCode::invalid,
+                ("#/materials/m/" + std::string(map) + "/texture").c_str(), "texture"});
+    }
+}
+
 TEST(SceneJson, PicturesAskForWhatTheCommandOffers) {
     const auto refuse = [](const std::string& picture, const char* place, const char* says) {
         const std::string text = with("\"picture\": " + picture);

@@ -88,6 +88,7 @@ TEST(SceneValues, OrthographicHeightsAreWhole) {
         scene_of(R"("camera": {"position": [0, 0, 5], "target": [0, 0, 0], "height": 3})").scene;
     EXPECT_FALSE(scene.cameras[0].perspective);
     EXPECT_EQ(scene.cameras[0].ymag, 1.5);  // half extents
+    EXPECT_EQ(scene.cameras[0].xmag, 0) << "no width is named";
     EXPECT_EQ(scene.cameras[0].zfar, 0);
 }
 
@@ -98,6 +99,20 @@ TEST(SceneValues, OrbitsAreInDegrees) {
     EXPECT_NEAR(orbit.azimuth, pi / 2, 1e-12);
     EXPECT_NEAR(orbit.elevation, -pi / 4, 1e-12);
     EXPECT_EQ(orbit.distance, 2.5);
+    EXPECT_FALSE(orbit.yfov || orbit.height || orbit.znear || orbit.zfar);
+}
+
+TEST(SceneValues, OrbitsHaveTheirLens) {
+    const prep::OrbitCamera seen =
+        scene_of(R"("camera": {"orbit": {}, "fov": 30, "near": 0.25, "far": 8})").orbit.value();
+    EXPECT_NEAR(seen.yfov.value(), pi / 6, 1e-15);
+    EXPECT_EQ(seen.znear, 0.25);
+    EXPECT_EQ(seen.zfar, 8);
+    EXPECT_FALSE(seen.height);
+    const prep::OrbitCamera flat =
+        scene_of(R"("camera": {"orbit": {}, "height": 3})").orbit.value();
+    EXPECT_EQ(flat.height, 3);
+    EXPECT_FALSE(flat.yfov || flat.znear || flat.zfar);
 }
 
 TEST(SceneValues, MaterialsAreAsTheFileSays) {
@@ -138,8 +153,8 @@ TEST(SceneValues, TexturesAndMapsAreAsTheFileSays) {
             "mip": "none"}, "b": {"file": "b.png", "wrap": "border", "min": "nearest",
             "mip": "nearest"}},
         "materials": {"m": {"diffuse_map": {"texture": "b", "uv_set": 1, "offset": [0.25, 0.5],
-            "scale": [2, 3], "rotate": 90, "strength": 0.5}, "specular_map": "a",
-            "emissive_map": "b", "occlusion_map": "a", "normal_map": "b", "bump_map": "a",
+            "scale": [2, 3], "rotate": 90}, "specular_map": "a",
+            "emissive_map": "b", "occlusion_map": {"texture": "a", "strength": 0.5}, "normal_map": "b", "bump_map": "a",
             "displacement_map": "b", "displacement_scale": -0.25, "displacement_midlevel": 0.75,
             "displacement_kind": "vector-object"}},
         "meshes": {"box": {"shape": {"kind": "box"}, "material": "m"}}})");
@@ -162,7 +177,8 @@ TEST(SceneValues, TexturesAndMapsAreAsTheFileSays) {
     EXPECT_EQ(m.diffuse_map.offset, glm::vec2(0.25f, 0.5f));
     EXPECT_EQ(m.diffuse_map.scale, glm::vec2(2, 3));
     EXPECT_FLOAT_EQ(m.diffuse_map.rotation, float(pi / 2));
-    EXPECT_EQ(m.diffuse_map.strength, 0.5f);
+    EXPECT_EQ(m.diffuse_map.strength, 1.0f);
+    EXPECT_EQ(m.occlusion_map.strength, 0.5f);
     EXPECT_EQ(m.specular_map.texture, a);
     EXPECT_EQ(m.emissive_map.texture, b);
     EXPECT_EQ(m.occlusion_map.texture, a);

@@ -364,7 +364,7 @@ TEST(FramePasses, AreInThePlanBeforeItProvesAnything) {
     rast::detail::add_pass(request, pass);
     const test::Drawing drawing = test::draw_knowing_texels(scene, request);
     EXPECT_EQ(test::proved_zero(drawing.plan).count("normal_map_flat"), 0u);
-    EXPECT_TRUE(drawing.plan.textures_used[0]);
+    EXPECT_TRUE(drawing.plan.textures_read[1]);
     ASSERT_EQ(seen.size(), normals.size());
     EXPECT_EQ(std::memcmp(seen.data(), normals.data(), seen.size() * sizeof(seen[0])), 0);
 }

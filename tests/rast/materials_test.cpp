@@ -183,6 +183,34 @@ TEST(Materials, OcclusionIsRedByItsStrengthAndDimsAmbientLightAlone) {
         }
 }
 
+// One texture, decoded for those that read colours in it and as it is for those that read data.
+TEST(Materials, OneTextureMayBeAColourAndData) {
+    const glm::dvec3 map(0.5, 0.8, 0.6);
+    for (const bool same_material : {true, false}) {
+        prep::PreparedScene scene = test::scene_of(floor_of(4), glossy());
+        const prep::TextureRef ref = add_map(scene, map);
+        Surface s = from_factors(glossy());
+        if (same_material) {
+            scene.scene.materials[0].diffuse_map = ref;
+            s.diffuse *= decoded_srgb(map);
+            s.ambient *= decoded_srgb(map);
+        } else {  // out of sight
+            scene.scene.materials.push_back(glossy());
+            scene.scene.materials[1].diffuse_map = ref;
+            scene.scene.meshes.emplace_back();
+            scene.meshes.push_back(scene.meshes[0]);
+            scene.meshes[1].ranges[0].material = 1;
+            scene.scene.nodes.push_back(scene.scene.nodes[0]);
+            scene.scene.nodes[1].mesh = 1;
+            scene.scene.nodes[1].transform[3] = glm::dvec4(0, 0, -1e4, 1);
+        }
+        scene.scene.materials[0].occlusion_map = ref;
+        s.ambient *= map.r;
+        SCOPED_TRACE(same_material);
+        expect_floor(scene, s);
+    }
+}
+
 // ------------------------------------------------------------------------------ metallic-roughness
 
 // glTF: roughness is green, metalness is blue; both linear, times their factors. Red is another's.

@@ -151,7 +151,8 @@ TEST(Pruning, FilesOfMapsWithoutUvsAreNotRead) {
     EXPECT_FALSE(warned("texture left out"));
     EXPECT_TRUE(warned("UV set"));
     const rast::RenderPlan plan = plan_of(scene, small());
-    EXPECT_EQ(plan.textures_used, (std::vector<bool>{false, true}));
+    EXPECT_EQ(plan.textures_read,
+              (std::vector<bool>{false, false, false, true, false, false}));  // the normal map
     // One mesh that has them is enough.
     scene.meshes.push_back(scene.meshes[0]);
     scene.meshes[1].uvs.push_back(scene.meshes[1].uvs[0]);

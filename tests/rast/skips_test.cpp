@@ -228,7 +228,7 @@ TEST(Skips, EmissiveMapsOfWhatDoesNotGlowAreNotRead) {
     const test::Drawing dark = test::draw_knowing_texels(scene, request);
     EXPECT_EQ(proved_zero(dark.plan).count("map_times_zero"), 1u);
     EXPECT_EQ(dark.frame.counters.texture_samples, 0u);
-    EXPECT_FALSE(dark.plan.textures_used[0]);
+    EXPECT_FALSE(dark.plan.textures_read[0]);
     const rast::Frame full = test::draw_in_full(scene, request);
     EXPECT_GT(full.counters.texture_samples, 0u);
     EXPECT_EQ(test::differing(dark.frame, full), "");

@@ -138,6 +138,48 @@ TEST(View, CamerasOfAnotherAspectAreNotStretched) {
     }
 }
 
+// The height that a camera names is the picture's where it names no width, whatever the form.
+TEST(View, OrthographicCamerasWithoutAWidthShowTheirHeight) {
+    prep::Scene scene;
+    scene.cameras.resize(1);
+    scene.cameras[0].perspective = false;
+    scene.cameras[0].xmag = 0;
+    scene.cameras[0].ymag = 3;
+    scene.cameras[0].zfar = 100;
+    prep::Node node;
+    node.camera = 0;
+    scene.nodes.push_back(node);
+    for (const glm::uvec2 size : {glm::uvec2(100, 400), {400, 100}, {200, 200}}) {
+        const rast::View view = rast::camera_view(scene, 0, double(size.x) / size.y);
+        EXPECT_EQ(view.half_height, 3);
+        EXPECT_NEAR(rast::project(view, size.x, size.y, {0, 3, -10}).y, 0, 1e-9);
+        EXPECT_NEAR(rast::project(view, size.x, size.y, {0, -3, -10}).y, size.y, 1e-9);
+    }
+}
+
+// glTF advises against them; nothing is mirrored, and the whole frame is shown.
+TEST(View, OrthographicExtentsBelowZeroAreThoseAbove) {
+    prep::Scene scene;
+    scene.cameras.resize(1);
+    prep::Camera& camera = scene.cameras[0];
+    camera.perspective = false;
+    camera.zfar = 100;
+    prep::Node node;
+    node.camera = 0;
+    scene.nodes.push_back(node);
+    for (const glm::dvec2 signs : {glm::dvec2(-1, 1), {1, -1}, {-1, -1}})
+        for (const glm::uvec2 size : {glm::uvec2(100, 400), {400, 100}}) {
+            camera.xmag = 6 * signs.x;
+            camera.ymag = 3 * signs.y;
+            const rast::View view = rast::camera_view(scene, 0, double(size.x) / size.y);
+            const rast::Projected corner = rast::project(view, size.x, size.y, {6, 3, -10});
+            EXPECT_GT(corner.x, size.x / 2.0);
+            EXPECT_LT(corner.y, size.y / 2.0);
+            EXPECT_LE(corner.x, size.x + 1e-9);
+            EXPECT_GE(corner.y, -1e-9);
+        }
+}
+
 TEST(View, AnEyeCloseToALargeGroundSeesIt) {
     const auto ground = box_scene({0, 0, 0}, {1e6, 1e-3, 1e6});
     rast::LookAtOptions options;

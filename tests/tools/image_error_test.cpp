@@ -8,6 +8,9 @@
 
 #include "command_runner.h"
 #include "hostile_meshes.h"
+#include "meshprep/budgets/render_budget.h"
+#include "prep/load.h"
+#include "prep/prepare.h"
 
 namespace {
 
@@ -148,9 +151,129 @@ TEST_F(ImageError, OfLargePicturesSquaresAreMeasured) {
                                     "2000x800", "--image-error", "30", "--json"});
     ASSERT_EQ(ran.exit_code, 0) << ran.err;
     const json c = ran.json()["certificate"];
-    EXPECT_EQ(c["measured"], 256 * 64 * 64);
+    EXPECT_EQ(c["measured"], 12 * 21 * 64 * 64);  // more rows would overlap
     EXPECT_EQ(c["pixels"], 1600000);
-    EXPECT_NE(c["scope"].get<std::string>().find("1,048,576 of 1,600,000"), std::string::npos);
+    EXPECT_NE(c["scope"].get<std::string>().find("1,032,192 of 1,600,000"), std::string::npos);
+}
+
+// Nothing is finer than a picture of the largest size but half its sides.
+TEST_F(ImageError, WithoutAFinerPictureNothingIsSaid) {
+    for (const std::vector<std::string>& more : std::vector<std::vector<std::string>>{
+             {"--size", "16385x16"}, {"--size", "16x32768", "--crop", "0,0,16x16"}}) {
+        std::vector<std::string> words = {"render",    at("ball.obj"),  "-o",
+                                          at("x.png"), "--image-error", "255"};
+        words.insert(words.end(), more.begin(), more.end());
+        const test::Ran ran = run_here(words);
+        EXPECT_EQ(ran.exit_code, 1);
+        EXPECT_NE(ran.err.find("twice as fine"), std::string::npos) << ran.err;
+        EXPECT_FALSE(std::filesystem::exists(dir_ / "x.png"));
+    }
+    const test::Ran ran = run_here({"render", at("ball.obj"), "-o", at("x.png"), "--image-error",
+                                    "255", "--size", "16384x16", "--json"});
+    ASSERT_EQ(ran.exit_code, 0) << ran.err;
+    EXPECT_EQ(ran.json()["certificate"]["truth_supersample"], 2);
+}
+
+// The search itself, and what it plans.
+struct Searched {
+    meshprep::ImageCertificate certificate;
+    std::vector<std::pair<std::size_t, rast::RenderRequest>> planned;
+};
+Searched search(const prep::PreparedScene& scene, const rast::RenderRequest& request,
+                const std::vector<rast::View>& views, double levels) {
+    Searched out;
+    rast::SceneRenderer renderer(scene);
+    const auto plan_for = [&](const rast::RenderRequest& r, std::size_t view) {
+        out.planned.emplace_back(view, r);
+        rast::RenderRequest seen = r;
+        seen.view = views[view];
+        return rast::plan(scene, seen);
+    };
+    const auto chosen =
+        meshprep::choose_sampling(renderer, request, views.size(), plan_for, levels);
+    EXPECT_TRUE(chosen) << to_string(chosen.error());
+    if (chosen) out.certificate = *chosen;
+    return out;
+}
+prep::PreparedScene prepared(const std::filesystem::path& file) {
+    auto scene = prep::load_scene(file);
+    EXPECT_TRUE(scene);
+    auto prepared = prep::prepare(std::move(*scene));
+    EXPECT_TRUE(prepared);
+    return std::move(*prepared);
+}
+
+// Each pixel at most once, and as many as are told.
+TEST_F(ImageError, SquaresDoNotOverlap) {
+    const prep::PreparedScene scene = prepared(dir_ / "cube.obj");
+    for (const glm::uvec2 size : {glm::uvec2(100, 12000),
+                                  {12000, 100},
+                                  {64, 16384},
+                                  {1024, 1100},
+                                  {1000, 1500},
+                                  {4000, 300}}) {
+        rast::RenderRequest request;
+        request.width = size.x;
+        request.height = size.y;
+        const Searched found = search(scene, request, {rast::orbit_view(scene)}, 255);
+        std::vector<bool> seen(std::size_t(size.x) * size.y, false);
+        std::size_t pixels = 0;
+        for (const auto& [view, r] : found.planned) {
+            if (r.supersample > 1) continue;
+            if (r.samples > 1) break;
+            ASSERT_TRUE(r.crop.has_value());
+            for (std::uint32_t y = r.crop->y; y < r.crop->y + r.crop->height; ++y)
+                for (std::uint32_t x = r.crop->x; x < r.crop->x + r.crop->width; ++x) {
+                    ASSERT_FALSE(seen[std::size_t(y) * size.x + x]) << x << " " << y;
+                    seen[std::size_t(y) * size.x + x] = true;
+                    ++pixels;
+                }
+        }
+        EXPECT_EQ(found.certificate.measured, pixels);
+        EXPECT_GT(pixels, std::min(seen.size(), std::size_t(1) << 20) * 7 / 10);
+        // To the last row and column, where there is more than one of squares.
+        if (size.y > 128) {
+            EXPECT_TRUE(std::find(seen.end() - size.x, seen.end(), true) != seen.end());
+        }
+    }
+}
+
+// Of several views, what each of them alone says, the worst; and one view after the other, so that
+// their pictures need not all be there at once.
+TEST_F(ImageError, ViewsAreMeasuredOneByOne) {
+    const prep::PreparedScene scene = prepared(dir_ / "comb.obj");
+    rast::RenderRequest request;
+    request.width = 48;
+    request.height = 36;
+    std::vector<rast::View> views;
+    for (const double azimuth : {85.0, 0.0, 40.0})
+        views.push_back(rast::orbit_view(scene, {.azimuth_degrees = azimuth}));
+    std::vector<double> worst(meshprep::sampling_rungs().size(), 0);
+    for (const rast::View& view : views) {
+        const auto tried = search(scene, request, {view}, 0).certificate.tried;
+        ASSERT_EQ(tried.size(), worst.size());
+        for (std::size_t n = 0; n < worst.size(); ++n)
+            worst[n] = std::max(worst[n], tried[n].levels);
+    }
+    for (const double levels : {0.0, worst[8] * 1.01, worst[5] * 1.01, worst[2] * 1.01, 255.0}) {
+        const Searched found = search(scene, request, views, levels);
+        std::size_t first = 0;
+        while (first < worst.size() && worst[first] > levels) ++first;
+        const auto& tried = found.certificate.tried;
+        ASSERT_EQ(tried.size(), std::min(first + 1, worst.size())) << levels;
+        for (std::size_t n = 0; n < tried.size(); ++n) EXPECT_EQ(tried[n].levels, worst[n]);
+        EXPECT_EQ(found.certificate.met, first < worst.size());
+        ASSERT_EQ(found.certificate.next.has_value(), first + 1 < worst.size());
+        if (found.certificate.next) {
+            EXPECT_EQ(found.certificate.next->levels, worst[first + 1]);
+        }
+        // Nothing of a view is drawn but next to its own truth.
+        std::size_t truth = views.size();
+        for (const auto& [view, r] : found.planned) {
+            if (r.supersample == found.certificate.truth) truth = view;
+            EXPECT_EQ(view, truth);
+        }
+    }
 }
 
 }  // namespace

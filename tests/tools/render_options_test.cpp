@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "command_runner.h"
+#include "meshprep/commands/render_views.h"
 #include "prep/image.h"
 #include "prep/prepare.h"
 #include "prep/scene_json.h"
@@ -170,6 +171,98 @@ TEST(RenderCameras, AnglesHeightsAndDistancesAreInUnits) {
     EXPECT_NEAR(fills({"--camera", "60,0", "--ortho", "4"}), 0.5 * std::sqrt(0.5), 0.03);
     // From the side only the elevation tells: from above, the horizon tilts away.
     EXPECT_NEAR(fills({"--camera", "0,60", "--ortho", "4"}), 0.5 * std::sqrt(0.5), 0.03);
+}
+
+// What scene files say of their cameras, on a square of two units that faces them, or a box.
+std::string seen(const std::string& shape, const std::string& camera) {
+    return R"({"meshprep": 1, "meshes": {"p": {"shape": )" + shape +
+           R"(}}, "nodes": [{"mesh": "p", "rotate": [)" +
+           (shape.find("plane") != std::string::npos ? "90" : "0") + R"(, 0, 0]}], "camera": {)" +
+           camera + "}}";
+}
+
+// A unit is so many pixels, whatever the picture's form.
+TEST(RenderCameras, HeightsOfSceneFilesAreThePictures) {
+    const TempDir dir;
+    const std::string square = R"({"kind": "plane", "size": [2, 1, 2]})";
+    for (const auto& [size, height] : {std::pair("40x80", 80), {"80x40", 40}, {"60x60", 60}}) {
+        const double side = 2 * height / 4.0;
+        for (const char* const camera : {R"("position": [0, 0, 5], "target": [0, 0, 0])",
+                                         R"("orbit": {"azimuth": 0, "elevation": 0})"})
+            EXPECT_EQ(covered(drawn(dir, seen(square, std::string(camera) + R"(, "height": 4)"),
+                                    {"--size", size})),
+                      int(side * side))
+                << size << camera;
+    }
+}
+
+// Of a box of two units seen from the front: how high its front is in the picture.
+TEST(RenderCameras, OrbitsOfSceneFilesHaveTheirLens) {
+    const TempDir dir;
+    const auto fills = [&](const std::string& camera, std::vector<std::string> options = {}) {
+        options.insert(options.end(), {"--size", "200x200"});
+        const std::string orbit = R"("orbit": {"azimuth": 0, "elevation": 0, "distance": 2})";
+        return std::sqrt(covered(drawn(
+                   dir, seen(R"({"kind": "box", "size": [2, 2, 2]})", orbit + camera), options))) /
+               200;
+    };
+    // The box fits with a margin of 8 % from 1 + 1.08 / tan(fov / 2): twice as far, the front's
+    // half height of 1 is seen from 1 + 2.16 / tan(fov / 2) (rast/view.h).
+    const auto front = [](double fov) {
+        const double tangent = std::tan(fov / 2);
+        return 1 / (tangent * (1 + 2.16 / tangent));
+    };
+    EXPECT_NEAR(fills(""), front(0.6), 0.011);
+    EXPECT_NEAR(fills(R"(, "fov": 90)"), front(std::numbers::pi / 2), 0.011);
+    EXPECT_NEAR(fills(R"(, "fov": 20)", {"--fov", "90"}), front(std::numbers::pi / 2), 0.011);
+    EXPECT_NEAR(fills(R"(, "height": 4)"), 0.5, 0.001);
+    EXPECT_NEAR(fills(R"(, "height": 4)", {"--ortho", "8"}), 0.25, 0.001);
+    EXPECT_NEAR(fills(R"(, "fov": 90)", {"--ortho", "8"}), 0.25, 0.001);
+    // The front is 3.16 away; behind it are back faces alone.
+    EXPECT_GT(fills(R"(, "fov": 90, "near": 3.1)"), 0.3);
+    EXPECT_EQ(fills(R"(, "fov": 90, "near": 3.2)"), 0);
+    EXPECT_GT(fills(R"(, "fov": 90, "far": 3.2)"), 0.3);
+    EXPECT_EQ(fills(R"(, "fov": 90, "far": 3.1)"), 0);
+    // 1 + 2.16 / tan 0.3 = 7.98 without perspective.
+    EXPECT_GT(fills(R"(, "height": 4, "near": 7.9)"), 0.4);
+    EXPECT_EQ(fills(R"(, "height": 4, "near": 8.1)"), 0);
+    EXPECT_GT(fills(R"(, "height": 4, "far": 8.1)"), 0.4);
+    EXPECT_EQ(fills(R"(, "height": 4, "far": 7.9)"), 0);
+    // A plane that is named has the other one move.
+    EXPECT_EQ(fills(R"(, "far": 0.001)"), 0);
+    EXPECT_EQ(fills(R"(, "height": 4, "near": 1000)"), 0);
+    // Another projection has planes of its own.
+    EXPECT_GT(fills(R"(, "far": 3.1)", {"--ortho", "4"}), 0.4);
+    const test::Ran none = run_here({"render", (dir / "scene.json").string(), "-o",
+                                     (dir / "a.png").string(), "--fov", "30", "--quiet"});
+    EXPECT_EQ(none.exit_code, 0) << none.err;
+    write_text(dir / "flat.json", seen(R"({"kind": "box"})", R"("orbit": {}, "height": 4)"));
+    const test::Ran flat = run_here(
+        {"render", (dir / "flat.json").string(), "-o", (dir / "a.png").string(), "--fov", "30"});
+    EXPECT_EQ(flat.exit_code, 1);
+    EXPECT_NE(flat.err.find("--fov is an angle of perspective"), std::string::npos) << flat.err;
+}
+
+// Nor do views for errors in pixels, made of the scene as it is read, change planes that are named.
+TEST(RenderCameras, PlanesOfSceneFilesStayInViewsForPixelErrors) {
+    const TempDir dir;
+    for (const char* const lens : {R"("fov": 40)", R"("height": 4)"}) {
+        write_text(dir / "s.json",
+                   seen(R"({"kind": "box"})",
+                        std::string(R"("orbit": {}, )") + lens + R"(, "near": 0.25, "far": 77)"));
+        auto loaded = prep::load_scene_json(dir / "s.json", {});
+        ASSERT_TRUE(loaded) << to_string(loaded.error());
+        const meshprep::CameraWishes camera;
+        const meshprep::ViewChoices choices{camera, 0, loaded->orbit};
+        const auto screens = meshprep::screen_views(choices, loaded->scene, 1);
+        ASSERT_TRUE(screens);
+        const auto prepared = prep::prepare(std::move(loaded->scene));
+        ASSERT_TRUE(prepared);
+        const auto views = meshprep::drawn_views(*screens, choices, *prepared, 1);
+        ASSERT_EQ(views.size(), 1u);
+        EXPECT_EQ(views[0]->znear, 0.25);
+        EXPECT_EQ(views[0]->zfar, 77);
+    }
 }
 
 // Camera nodes by their names, their cameras' names, and their numbers among the cameras.
@@ -418,16 +511,16 @@ TEST(RenderUsage, WrongNumbersAreUsageErrors) {
     const TempDir dir;
     write_text(dir / "c.obj", test::cube_obj());
     for (const std::vector<std::string>& more : std::vector<std::vector<std::string>>{
-             {"--size", "10.5x10"},   {"--size", "32769x10"},  {"--size", "10x10x10"},
-             {"--camera", "10,91"},   {"--camera", "10,20,0"}, {"--camera", "1,2,3,4"},
-             {"--light", "1,2,-1"},   {"--light", "1,2,3,4"},  {"--look-from", "1,2,3,4"},
-             {"--crop", "0,0,4x4,1"}, {"--crop", "0.5,0,4x4"}, {"--buffers", "depth,,x"},
-             {"--fov", "0"},          {"--fov", "175.5"},      {"--ortho", "-1"},
-             {"--ambient", "-0.1"},   {"--ambient", "101"},    {"--exposure", "0"},
-             {"--samples", "3"},      {"--supersample", "17"}, {"--max-anisotropy", "0"},
-             {"--coverage", "exact"}, {"--depth", "double"},   {"--tone-map", "filmic"},
-             {"--shading", "Phong"},  {"--cull", "all"},       {"--filter", "lanczos"},
-             {"--turntable", "10001"}}) {
+             {"--size", "10.5x10"},    {"--size", "32769x10"},   {"--size", "10x10x10"},
+             {"--camera", "10,91"},    {"--camera", "10,20,0"},  {"--camera", "1,2,3,4"},
+             {"--light", "1,2,-1"},    {"--light", "1,2,3,4"},   {"--look-from", "1,2,3,4"},
+             {"--crop", "0,0,4x4,1"},  {"--crop", "0.5,0,4x4"},  {"--buffers", "depth,,x"},
+             {"--fov", "0"},           {"--fov", "175.5"},       {"--ortho", "-1"},
+             {"--ambient", "-0.1"},    {"--ambient", "101"},     {"--exposure", "0"},
+             {"--samples", "3"},       {"--supersample", "17"},  {"--max-anisotropy", "0"},
+             {"--coverage", "exact"},  {"--depth", "double"},    {"--tone-map", "filmic"},
+             {"--shading", "Phong"},   {"--cull", "all"},        {"--filter", "lanczos"},
+             {"--turntable", "10001"}, {"--light", "1,2,1.1e9"}, {"--light", "1,2,1e39"}}) {
         std::vector<std::string> words = {"render", (dir / "c.obj").string(), "-o",
                                           (dir / "x.png").string()};
         words.insert(words.end(), more.begin(), more.end());
@@ -447,6 +540,7 @@ TEST(RenderUsage, WrongNumbersAreUsageErrors) {
     EXPECT_EQ(pair({"--crop", "4,4,4x5", "--size", "8x8"}), 2);
     EXPECT_EQ(pair({"--crop", "4,4,4x4", "--size", "8x8"}), 0);
     EXPECT_EQ(pair({"--supersample", "16", "--size", "2049x8"}), 2);
+    EXPECT_EQ(pair({"--light", "1,2,1e9", "--size", "8x8"}), 0);
 }
 
 }  // namespace

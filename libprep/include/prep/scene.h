@@ -76,7 +76,7 @@ struct Camera {
     bool perspective = true;
     double yfov = 0.8;              // radians
     double aspect = 0;              // 0: take the picture's
-    double xmag = 1, ymag = 1;      // orthographic half extents
+    double xmag = 1, ymag = 1;      // orthographic half extents; xmag 0: as wide as the picture
     double znear = 0.01, zfar = 0;  // zfar 0: infinite
 };
 

@@ -24,6 +24,9 @@ namespace prep {
 struct OrbitCamera {
     double azimuth = 0, elevation = 0;  // radians
     double distance = 1;                // in multiples of the distance that fits the scene
+    std::optional<double> yfov;         // radians
+    std::optional<double> height;       // without perspective: world units from bottom to top
+    std::optional<double> znear, zfar;  // zfar 0: none; unset: as they fit the scene
 };
 
 // What a scene file says of a mesh file.

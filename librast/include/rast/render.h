@@ -86,8 +86,8 @@ struct RenderRequest : prep::RenderChoices {
     // Whether what each part of drawing takes is measured: Frame::part_ms. The picture does not
     // depend on it; clocks take some of its time.
     bool timed = false;
-    // By Scene::textures; SceneRenderer::texel_facts() gathers them. Null: nothing is known, and
-    // nothing is left out for what texels are like.
+    // By RenderPlan::texel_questions; SceneRenderer::texel_facts() gathers them. Null: nothing is
+    // known, and nothing is left out for what texels are like.
     std::shared_ptr<const std::vector<TexelFacts>> texel_facts;
     std::optional<Crop> crop;  // unset: the whole picture
     // Before and after the main one: detail::add_pass().
@@ -209,10 +209,10 @@ struct RenderPlan {         // a value; made by plan(), obeyed by render()
     std::vector<std::shared_ptr<const detail::FramePass>> passes = {};
     std::uint32_t halo = 0;
     detail::StageWatch* watch = nullptr;  // looks at each stage of shading, for tests
-    std::vector<bool> textures_used;      // per Scene::textures entry
-    std::vector<bool> colour_textures;    // decoded from sRGB, where they are
-    std::vector<bool> bump_textures;      // read as heights of bump maps, used otherwise or not
-    // Of those: texel_facts() might leave something out by them.
+    // Of Scene::textures: which are read as colours, which as data, which as heights of bump maps,
+    // one list after the other. Colours are decoded from sRGB, where files encode them so.
+    std::vector<bool> textures_read;
+    // As colours, then as data: texel_facts() might leave something out by them.
     std::vector<TexelQuestions> texel_questions;
     std::uint64_t triangles = 0, vertices = 0;  // instanced
     std::uint32_t band_rows = 0;                // of what render_bands() draws at a time
@@ -223,8 +223,10 @@ struct RenderPlan {         // a value; made by plan(), obeyed by render()
 };
 
 // Pure. Errors: invalid (no extent; a crop that is empty or leaves the picture; a sample count,
-// an anisotropy or a supersampling that is not offered; samples beside exact areas), limit (larger
-// than max_picture_extent, times the supersampling).
+// an anisotropy or a supersampling that is not offered; samples beside exact areas; a view that
+// makes no picture: see View), limit (larger than max_picture_extent, times the supersampling; 2^31
+// triangles and more over all instances; over 2^29 vertices of a mesh, 178,956,970 with light at
+// vertices, or 715,827,882 triangles).
 prep::Result<RenderPlan> plan(const prep::PreparedScene& scene, const RenderRequest& request = {});
 
 // What the plan's consumer reads of the meshes' vertices, by PreparedScene::meshes: the table of

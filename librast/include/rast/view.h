@@ -12,14 +12,15 @@
 
 namespace rast {
 
+// plan() refuses what is not as it says here, or not finite.
 struct View {
     glm::dmat4 world_to_view{1.0};  // rigid: rotation and translation
     bool perspective = true;
-    double yfov = 0.7;         // radians, perspective
-    double half_height = 1.0;  // world units, orthographic
+    double yfov = 0.7;         // radians, perspective: between 0 and pi
+    double half_height = 1.0;  // world units, orthographic: above 0
     double aspect = 0;         // width / height; 0: the picture's
-    double znear = 0.01;
-    double zfar = 0;  // 0: infinite (perspective only)
+    double znear = 0.01;       // perspective: above 0
+    double zfar = 0;           // beyond znear; 0 or infinite: none (see bounded_view())
 
     glm::dvec3 eye() const;
     glm::dvec3 forward() const;
@@ -77,6 +78,8 @@ View bounded_view(const prep::PreparedScene& scene, const View& view);
 
 // The view of a camera node, for a picture of that aspect. Where the camera names another one, the
 // picture shows all that the camera frames, undistorted, and more above and below or at the sides.
+// Orthographic extents below 0, which glTF advises against, count as those above: nothing is
+// mirrored.
 View camera_view(const prep::Scene& scene, std::uint32_t camera_node, double aspect);
 
 // A key, a fill and a rim light that stand with the view (from above on the left, from the right

@@ -20,7 +20,7 @@ class Binder {
         : plan_(plan), mesh_(mesh), textures_(textures), draw_(draw) {}
 
     bool bind(MapKind kind, const prep::TextureRef& ref) {
-        const std::size_t at = texture_slot(plan_.textures_used.size(), kind, ref);
+        const std::size_t at = texture_slot(plan_.textures_read.size() / texture_uses, kind, ref);
         if (at >= textures_.size() || !textures_[at]) return false;
         MapPlace place;
         place.uv = &mesh_.uvs[ref.uv_set][0].x;
@@ -103,11 +103,6 @@ void bind_maps(const DrawChoice& choice, const prep::Material& material, Binder&
 }
 
 }  // namespace
-
-std::size_t texture_slot(std::size_t textures, MapKind kind, const prep::TextureRef& ref) {
-    if (ref.texture >= textures) return prep::no_index;
-    return ref.texture + (kind == MapKind::bump ? textures : 0);
-}
 
 void add_neutral_maps(TextureSet& textures, TextureLevels levels) {
     const auto constant = [&](float r, float g) {

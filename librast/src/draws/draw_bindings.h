@@ -17,12 +17,8 @@ struct Draw {
     std::uint32_t first_triangle = 0, triangle_count = 0;
 };
 
-using TextureSet =
-    std::vector<std::shared_ptr<const MipTexture>>;  // null: not used or not readable
-
-// Its entries: Scene::textures, then the slopes of each as a bump map. That of a map, beyond all
-// if its material names none that there is.
-std::size_t texture_slot(std::size_t textures, MapKind kind, const prep::TextureRef& ref);
+using TextureSet = std::vector<std::shared_ptr<const MipTexture>>;  // by texture_slot(); null: not
+                                                                    // read, or not readable
 
 // Where nothing is to be left out, neutral textures end a TextureSet: so far from its end.
 inline constexpr std::size_t white_map = 3, flat_map = 2, no_slopes = 1;

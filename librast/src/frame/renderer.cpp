@@ -4,10 +4,12 @@
 #include <atomic>
 #include <chrono>
 #include <numeric>
+#include <utility>
 
 #include "base/scratch_buffer.h"
 #include "passes/area_resolve.h"
 #include "passes/parallel_tiles.h"
+#include "plan/draw_choice.h"
 #include "shading/slopes.h"
 
 namespace rast::detail {
@@ -190,7 +192,7 @@ PartTimes Renderer::part_times() {
     if (!plan_->request.timed) return times;
     for (PartClock& clock : clocks_) clock.tell(clock_reading_, times);
     for (std::size_t slot = 0; slot < kept_.size(); ++slot) {
-        if (!is_read(slot)) continue;
+        if (!plan_->textures_read[slot]) continue;
         times[std::size_t(DrawingPart::textures)] += kept_[slot].read_ms;
         times[std::size_t(DrawingPart::levels)] += kept_[slot].levels_ms;
     }
@@ -217,23 +219,17 @@ prep::Image checker() {
 
 }  // namespace
 
-bool Renderer::is_read(std::size_t slot) const {
-    const std::size_t textures = prepared_.scene.textures.size();
-    return slot < textures ? plan_->textures_used[slot] : plan_->bump_textures[slot - textures];
-}
-
 // Unless it is there.
 void Renderer::load_texture(std::size_t slot) {
     const prep::Scene& scene = prepared_.scene;
-    const bool bump = slot >= scene.textures.size();
-    const std::size_t t = bump ? slot - scene.textures.size() : slot;
-    const prep::Texture& texture = scene.textures[t];
+    const std::size_t textures = scene.textures.size();
+    const bool colour = slot < textures, bump = slot >= 2 * textures;
+    const prep::Texture& texture = scene.textures[slot % textures];
     KeptTexture& kept = kept_[slot];
-    const bool colour = !bump && plan_->colour_textures[t];
     const TextureLevels levels =
         levels_for(filter_for(plan_->request.filter, texture), texture.mip);
-    if (kept.tried && kept.colour == colour && kept.levels == levels) return;
-    kept = {true, colour, levels, nullptr, {}, 0, 0, {}, {}};
+    if (kept.tried && kept.levels == levels) return;
+    kept = {true, levels, nullptr, {}, 0, 0, {}, {}};
     const Clock::time_point reading = Clock::now();
     auto image = prep::load_image(scene.images[texture.image]);
     if (!image) {
@@ -255,18 +251,19 @@ void Renderer::load_texture(std::size_t slot) {
 std::vector<TexelFacts> Renderer::texel_facts(const RenderPlan& plan) {
     plan_ = &plan;
     const prep::Scene& scene = prepared_.scene;
-    kept_.resize(2 * scene.textures.size());
-    std::vector<TexelFacts> facts(scene.textures.size());
-    for (std::size_t t = 0; t < facts.size(); ++t) {
-        const TexelQuestions& asked = plan.texel_questions[t];
-        if (!asked || scene.textures[t].image >= scene.images.size()) continue;
-        load_texture(t);
-        KeptTexture& kept = kept_[t];
+    const std::size_t textures = scene.textures.size();
+    kept_.resize(texture_uses * textures);
+    std::vector<TexelFacts> facts(plan.texel_questions.size());
+    for (std::size_t slot = 0; slot < facts.size(); ++slot) {
+        const TexelQuestions& asked = plan.texel_questions[slot];
+        if (!asked || scene.textures[slot % textures].image >= scene.images.size()) continue;
+        load_texture(slot);
+        KeptTexture& kept = kept_[slot];
         if (kept.texture && kept.asked != asked) {
             kept.asked = asked;
             kept.facts = kept.texture->facts(asked, plan.request.threads);
         }
-        facts[t] = kept.facts;
+        facts[slot] = kept.facts;
     }
     return facts;
 }
@@ -274,21 +271,25 @@ std::vector<TexelFacts> Renderer::texel_facts(const RenderPlan& plan) {
 void Renderer::load_textures() {
     const prep::Scene& scene = prepared_.scene;
     const std::size_t textures = scene.textures.size();
-    kept_.resize(2 * textures);
-    textures_.assign(2 * textures, nullptr);
+    kept_.resize(texture_uses * textures);
+    textures_.assign(texture_uses * textures, nullptr);
     textures_read_ = 0;
     warnings_.clear();
-    for (std::size_t slot = 0; slot < 2 * textures; ++slot) {
-        const std::size_t t = slot % textures;
-        if (!is_read(slot) || scene.textures[t].image >= scene.images.size()) continue;
-        load_texture(slot);
-        const KeptTexture& kept = kept_[slot];
-        textures_[slot] = kept.texture;
-        if (slot != t && is_read(t)) continue;  // has been counted or told
-        if (kept.warning.empty())
-            ++textures_read_;
-        else
-            warnings_.push_back(kept.warning);
+    for (std::size_t t = 0; t < textures; ++t) {
+        if (scene.textures[t].image >= scene.images.size()) continue;
+        bool told = false;  // or counted
+        for (std::size_t use = 0; use < texture_uses; ++use) {
+            const std::size_t slot = use * textures + t;
+            if (!plan_->textures_read[slot]) continue;
+            load_texture(slot);
+            const KeptTexture& kept = kept_[slot];
+            textures_[slot] = kept.texture;
+            if (std::exchange(told, true)) continue;
+            if (kept.warning.empty())
+                ++textures_read_;
+            else
+                warnings_.push_back(kept.warning);
+        }
     }
     pair_textures();
     if (plan_->request.prune) return;

@@ -36,7 +36,6 @@ class Renderer {
 
   private:
     void load_texture(std::size_t slot);  // of the TextureSet
-    bool is_read(std::size_t slot) const;
     void load_textures();
     void pair_textures();
     void transform();
@@ -66,7 +65,7 @@ class Renderer {
     Counters shared_counters_;
     std::vector<std::string> warnings_;
     struct KeptTexture {
-        bool tried = false, colour = false;
+        bool tried = false;
         TextureLevels levels = TextureLevels::base;
         std::shared_ptr<MipTexture> texture;
         std::string warning;  // set: it cannot be read

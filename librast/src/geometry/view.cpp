@@ -212,9 +212,9 @@ View camera_view(const prep::Scene& scene, std::uint32_t camera_node, double asp
     view.world_to_view[3] = glm::dvec4(-(rotation * glm::dvec3(world[3])), 1.0);
     view.perspective = camera.perspective;
     view.yfov = camera.yfov;
-    view.half_height = camera.ymag;
+    view.half_height = std::abs(camera.ymag);
     view.aspect = aspect;
-    const double own = camera.perspective ? camera.aspect : camera.xmag / camera.ymag;
+    const double own = camera.perspective ? camera.aspect : std::abs(camera.xmag / camera.ymag);
     if (own > aspect && std::isfinite(own)) {
         view.yfov = 2 * std::atan(std::tan(camera.yfov / 2) * (own / aspect));
         view.half_height *= own / aspect;

@@ -235,15 +235,18 @@ struct EllipseSides {
 };
 template <int count>
 RAST_INLINE void read_ellipses(const TextureView* const views[], F at_u, F at_v,
-                               const EllipseSides& sides, I level, F out[][4]) {
+                               const EllipseSides& sides, int most, I level, F out[][4]) {
     const TextureView& view = *views[0];
     const Sizes size = sizes_of(view, level);
     const F one = set(1.0f), half = set(0.5f), none = set(0.0f);
     const F width = to_float(size.width), height = to_float(size.height);
     const F scale_u = width / set(float(view.widths[0]));
     const F scale_v = height / set(float(view.heights[0]));
-    const F p_x = sides.major_u * scale_u, p_y = sides.major_v * scale_v;
-    const F q_x = sides.minor_u * scale_u, q_y = sides.minor_v * scale_v;
+    const F longest = set((most > 1 ? float(most) : 1.0f) * 2.0f + 1.0f);
+    const F shortest = none - longest;
+    const auto kept = [&](F x) { return min(max(x, shortest), longest); };
+    const F p_x = kept(sides.major_u * scale_u), p_y = kept(sides.major_v * scale_v);
+    const F q_x = kept(sides.minor_u * scale_u), q_y = kept(sides.minor_v * scale_v);
     const F area = p_x * q_y - p_y * q_x;
     const F a = (p_y * p_y + q_y * q_y) + one, c = (p_x * p_x + q_x * q_x) + one;
     const F reach = sqrt(a);
@@ -360,7 +363,9 @@ inline void read_ewa(const BoundMap* const maps[], const Coordinates& coordinate
         F ellipses[count][4];
         between_levels<count>(
             maps, drawn(lod),
-            [&](I level, F to[][4]) { read_ellipses<count>(views, at.u, at.v, e, level, to); },
+            [&](I level, F to[][4]) {
+                read_ellipses<count>(views, at.u, at.v, e, map.most, level, to);
+            },
             ellipses);
         for (int i = 0; i < count; ++i)
             for (int k = 0; k < 4; ++k)

@@ -19,6 +19,14 @@ prep::Consumer consumer_for(const RenderRequest& r, bool lights) {
     return c;
 }
 
+std::size_t texture_slot(std::size_t textures, prep::MapKind kind, const prep::TextureRef& ref) {
+    if (ref.texture >= textures) return prep::no_index;
+    const std::size_t use = prep::material_maps[std::size_t(kind)].color ? 0
+                            : kind == prep::MapKind::bump                ? 2
+                                                                         : 1;
+    return use * textures + ref.texture;
+}
+
 DrawChoice choose(const RenderPlan& plan, const prep::Consumer& consumer,
                   const prep::VertexMesh& mesh, const prep::Material& material,
                   std::uint32_t number) {

@@ -18,6 +18,12 @@ struct DrawChoice {
     bool has(prep::MapKind kind) const { return (maps >> unsigned(kind) & 1u) != 0; }
 };
 
+// Each of `textures` has a slot for each of its uses: all as colours, then all as data, then the
+// slopes of all as bump maps. That of a map; beyond all where its material names none that there
+// is.
+inline constexpr std::size_t texture_uses = 3;
+std::size_t texture_slot(std::size_t textures, prep::MapKind kind, const prep::TextureRef& ref);
+
 // `material`: the mesh's, of this number (the default one beyond all). Textures that cannot be read
 // are known only when they are: they drop out of the draw then.
 DrawChoice choose(const RenderPlan& plan, const prep::Consumer& consumer,

@@ -1,5 +1,7 @@
 #include "plan/drawn_contents.h"
 
+#include <algorithm>
+
 #include "plan/draw_choice.h"
 
 namespace rast::detail {
@@ -13,6 +15,8 @@ DrawnContents drawn_contents(const prep::PreparedScene& prepared) {
         out.triangles += mesh.triangle_count();
         out.vertices += mesh.vertex_count();
         if (!meshes.insert(node.mesh).second) continue;
+        out.most_triangles = std::max(out.most_triangles, std::uint64_t(mesh.triangle_count()));
+        out.most_vertices = std::max(out.most_vertices, std::uint64_t(mesh.vertex_count()));
         for (const prep::VertexMesh::Range& range : mesh.ranges) {
             const bool own = range.material < prepared.scene.materials.size();
             const bool lit = range.triangle_count > 0 &&

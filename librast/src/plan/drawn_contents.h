@@ -17,6 +17,7 @@ struct DrawnContents {
     bool lit = false;  // some triangle has a material that light reaches
     bool normals_missing = false;
     std::uint64_t triangles = 0, vertices = 0;
+    std::uint64_t most_triangles = 0, most_vertices = 0;  // of a mesh
 };
 DrawnContents drawn_contents(const prep::PreparedScene& prepared);
 

@@ -10,6 +10,7 @@
 #include "plan/filter_words.h"
 #include "plan/frame_pass.h"
 #include "plan/memory_estimate.h"
+#include "plan/request_checks.h"
 #include "plan/skips.h"
 #include "rast/render.h"
 #include "shading/texture.h"
@@ -30,19 +31,17 @@ class Planner {
         plan_.passes = request.passes;
         plan_.triangles = contents_.triangles;
         plan_.vertices = contents_.vertices;
-        const std::size_t textures = prepared.scene.textures.size();
-        plan_.textures_used.assign(textures, false);
-        plan_.texel_questions.assign(textures, {});
-        plan_.colour_textures.assign(textures, false);
-        plan_.bump_textures.assign(textures, false);
+        plan_.textures_read.assign(detail::texture_uses * prepared.scene.textures.size(), false);
     }
 
-    RenderPlan run() {
+    prep::Result<RenderPlan> run() {
         RenderRequest& r = plan_.request;
+        if (std::optional<prep::Error> fault = detail::fault_of_size(contents_, r.shading))
+            return std::move(*fault);
         if (!r.prune)
             r.keep_depth = r.keep_ids = r.keep_normals = r.keep_uvs = r.keep_barycentrics =
                 r.keep_positions = true;
-        camera();
+        if (std::optional<prep::Error> fault = camera()) return std::move(*fault);
         lights();
         shading();
         proved_ = detail::prove_skips(prepared_, plan_, contents_);
@@ -193,7 +192,7 @@ class Planner {
                            [&](std::uint32_t m) { return test(prepared_.scene.materials[m]); });
     }
 
-    void camera() {
+    std::optional<prep::Error> camera() {
         const prep::Scene& scene = prepared_.scene;
         const double aspect = double(plan_.request.width) / plan_.request.height;
         if (plan_.request.view) {
@@ -209,8 +208,14 @@ class Planner {
             plan_.view = orbit_view(prepared_, orbit);
             step(Kind::camera, true, Code::view_framed);
         }
+        if (std::optional<prep::Error> fault = detail::fault_of_view(plan_.view)) {
+            if (!plan_.request.view && scene.active_camera != prep::no_index)
+                fault->place = "camera '" + scene.nodes[scene.active_camera].name + "'";
+            return fault;
+        }
         plan_.view = bounded_view(prepared_, plan_.view);
-        if (!(plan_.view.aspect > 0)) plan_.view.aspect = aspect;
+        if (plan_.view.aspect == 0) plan_.view.aspect = aspect;
+        return std::nullopt;
     }
 
     void lights() {
@@ -302,15 +307,11 @@ class Planner {
     void textures() {
         bool colour_used = false, data_used = false, uvs_missing = false;
         std::vector<prep::Reason> unplaced;
-        // What is left out has its say in how a texture is decoded that others read as well.
-        prep::Consumer any_light = consumer_;
-        any_light.lights = true;
-        const auto use = [&](const TextureRef& ref, const prep::MaterialMap& map, bool read) {
-            if (!ref || ref.texture >= plan_.textures_used.size()) return;
-            if (map.color) plan_.colour_textures[ref.texture] = true;
-            if (!read) return;
-            const bool bump = map.kind == prep::MapKind::bump;
-            (bump ? plan_.bump_textures : plan_.textures_used)[ref.texture] = true;
+        const auto use = [&](const TextureRef& ref, const prep::MaterialMap& map) {
+            const std::size_t slot =
+                detail::texture_slot(prepared_.scene.textures.size(), map.kind, ref);
+            if (slot >= plan_.textures_read.size()) return;
+            plan_.textures_read[slot] = true;
             (map.color ? colour_used : data_used) = true;
         };
         if (plan_.request.textures) {
@@ -320,8 +321,7 @@ class Planner {
                 uvs_missing |= maps.uvs_missing;
                 for (const prep::MaterialMap& map : prep::material_maps) {
                     const std::uint32_t bit = 1u << unsigned(map.kind);
-                    if (prep::map_is_read(material, map, any_light))
-                        use(material.*map.ref, map, (maps.placed & bit) != 0);
+                    if ((maps.placed & bit) != 0) use(material.*map.ref, map);
                     if ((maps.wanted & ~maps.placed & bit) != 0)
                         unplaced.push_back(not_placed(m, map));
                 }
@@ -345,7 +345,7 @@ class Planner {
              some ? filter_reason() : "");
         const auto level_step = [&](Kind step_kind, TextureLevels kind) {
             bool read = false;
-            for (std::size_t t = 0; t < plan_.textures_used.size(); ++t)
+            for (std::size_t t = 0; t < prepared_.scene.textures.size(); ++t)
                 read |=
                     is_read(t) && levels_for(filter_of(t), prepared_.scene.textures[t].mip) == kind;
             step(step_kind, read, !some ? none : read ? Code::levels : Code::no_levels);
@@ -353,12 +353,16 @@ class Planner {
         level_step(Kind::mip_levels, TextureLevels::mipmap);
         level_step(Kind::ripmap_levels, TextureLevels::ripmap);
         // What is not drawn need not be looked at.
-        for (std::size_t t = 0; t < plan_.texel_questions.size(); ++t)
-            if (!plan_.textures_used[t]) plan_.texel_questions[t] = {};
+        for (std::size_t slot = 0; slot < plan_.texel_questions.size(); ++slot)
+            if (!plan_.textures_read[slot]) plan_.texel_questions[slot] = {};
     }
 
+    // In any way.
     bool is_read(std::size_t texture) const {
-        return plan_.textures_used[texture] || plan_.bump_textures[texture];
+        const std::size_t textures = prepared_.scene.textures.size();
+        for (std::size_t slot = texture; slot < plan_.textures_read.size(); slot += textures)
+            if (plan_.textures_read[slot]) return true;
+        return false;
     }
 
     TextureFilter filter_of(std::size_t texture) const {
@@ -367,7 +371,7 @@ class Planner {
 
     std::string filter_reason() const {
         std::vector<TextureFilter> used;
-        for (std::size_t t = 0; t < plan_.textures_used.size(); ++t)
+        for (std::size_t t = 0; t < prepared_.scene.textures.size(); ++t)
             if (is_read(t)) used.push_back(filter_of(t));
         return detail::filter_words(plan_.request, used);
     }
@@ -483,63 +487,8 @@ class Planner {
 }  // namespace
 
 prep::Result<RenderPlan> plan(const prep::PreparedScene& scene, const RenderRequest& request) {
-    if (request.width == 0 || request.height == 0)
-        return prep::Error{prep::ErrorCode::invalid, "the picture has no extent", ""};
-    if (request.width > max_picture_extent || request.height > max_picture_extent)
-        return prep::Error{prep::ErrorCode::limit,
-                           "the picture is larger than " + std::to_string(max_picture_extent) +
-                               " pixels a side, found " + std::to_string(request.width) + "x" +
-                               std::to_string(request.height),
-                           ""};
-    if (request.crop) {
-        const Crop& c = *request.crop;
-        if (c.width == 0 || c.height == 0 || c.x > request.width || c.y > request.height ||
-            c.width > request.width - c.x || c.height > request.height - c.y)
-            return prep::Error{prep::ErrorCode::invalid,
-                               "the crop must be a part of the picture of " +
-                                   std::to_string(request.width) + "x" +
-                                   std::to_string(request.height) + ", found " +
-                                   std::to_string(c.width) + "x" + std::to_string(c.height) +
-                                   " at " + std::to_string(c.x) + ", " + std::to_string(c.y),
-                               ""};
-    }
-    if (request.max_anisotropy < 1 || request.max_anisotropy > 16)
-        return prep::Error{prep::ErrorCode::invalid,
-                           "anisotropy is 1 to 16, found " + std::to_string(request.max_anisotropy),
-                           ""};
-    const int samples = request.samples;
-    if (samples != 1 && samples != 2 && samples != 4 && samples != 8 && samples != 16)
-        return prep::Error{prep::ErrorCode::invalid,
-                           "a pixel has 1, 2, 4, 8 or 16 samples, found " + std::to_string(samples),
-                           ""};
-    if (!(request.allow_error >= 0) || !std::isfinite(request.allow_error))
-        return prep::Error{
-            prep::ErrorCode::invalid,
-            "what lights that are left out may add is finite and not negative, found " +
-                std::to_string(request.allow_error),
-            ""};
-    if (request.supersample < 1 || request.supersample > max_supersample)
-        return prep::Error{prep::ErrorCode::invalid,
-                           "supersampling is 1 to " + std::to_string(max_supersample) +
-                               " pixels each way, found " + std::to_string(request.supersample),
-                           ""};
-    if (request.coverage == Coverage::area && samples != 1)
-        return prep::Error{
-            prep::ErrorCode::invalid,
-            "exact areas take the place of samples: ask for 1 sample a pixel, found " +
-                std::to_string(samples),
-            ""};
-    if (request.alpha_alone && (request.coverage != Coverage::area || !request.keep_color))
-        return prep::Error{prep::ErrorCode::invalid,
-                           "alpha alone is of colours that are kept, by exact areas", ""};
-    const std::uint32_t most = max_picture_extent / std::uint32_t(request.supersample);
-    if (request.width > most || request.height > most)
-        return prep::Error{prep::ErrorCode::limit,
-                           "supersampled " + std::to_string(request.supersample) +
-                               " times, a picture is at most " + std::to_string(most) +
-                               " pixels a side, found " + std::to_string(request.width) + "x" +
-                               std::to_string(request.height),
-                           ""};
+    if (std::optional<prep::Error> fault = detail::fault_of_request(request))
+        return std::move(*fault);
     return Planner(scene, request).run();
 }
 

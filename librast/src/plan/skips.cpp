@@ -36,11 +36,12 @@ class Prover {
           request_(plan.request),
           drawn_(drawn),
           materials_(drawn.materials),
-          consumer_(consumer_of(plan)) {}
+          consumer_(consumer_of(plan)),
+          normals_left_((std::uint64_t(1) << 24) + 8 * drawn.vertices) {}
 
     ProvedSkips run() {
         out_.skips.materials.resize(scene_.scene.materials.size());
-        out_.texel_questions.resize(scene_.scene.textures.size());
+        out_.texel_questions.resize(2 * scene_.scene.textures.size());  // colours, then data
         out_.skips.inside_samples = request_.prune && request_.samples > 1;
         lights();
         for (const std::uint32_t m : materials_) {
@@ -164,26 +165,27 @@ class Prover {
 
     MaterialRanges ranges_of(std::uint32_t m) {
         const Material& material = material_of(m);
-        const auto range = [&](const TextureRef& map) {
-            return is_sampled(m, map) ? range_of(map) : TexelRange();
+        const auto range = [&](MapKind kind, const TextureRef& map) {
+            return is_sampled(m, map) ? range_of(kind, map) : TexelRange();
         };
         MaterialRanges out;
         if (request_.textures) {
-            out.diffuse = range(material.diffuse_map);
-            out.specular = range(material.specular_map);
+            out.diffuse = range(MapKind::diffuse, material.diffuse_map);
+            out.specular = range(MapKind::specular, material.specular_map);
             if (material.metallic_roughness)
-                out.metallic_roughness = range(material.metallic_roughness_map);
+                out.metallic_roughness =
+                    range(MapKind::metallic_roughness, material.metallic_roughness_map);
         }
         out.colors = greatest_colors();
         return out;
     }
     // Unbounded until the texels have been looked at.
-    TexelRange range_of(const TextureRef& map) {
+    TexelRange range_of(MapKind kind, const TextureRef& map) {
         TexelRange out;
         if (!map) return out;
         TexelQuestions asked;
         asked.not_negative = true;
-        const TexelFacts* const f = facts(map, asked);
+        const TexelFacts* const f = facts(kind, map, asked);
         // Facts that another question gathered may say that there are negative ones.
         if (f == nullptr || !overshoots_not(map) ||
             !glm::all(glm::greaterThanEqual(glm::dvec3(f->low), glm::dvec3(0))))
@@ -291,16 +293,7 @@ class Prover {
     // first one that does not, which mostly is among the first ones there are. Normals alone are
     // looked at: back faces are left out, and smooth shading knows no others.
     bool is_behind_all(const LightInstance& light) {
-        if (request_.shading == Shading::flat) return false;  // those are found while drawing
-        if (request_.cull == Cull::none || request_.cull == Cull::front) return false;
-        if (!is_unit(light.direction)) return false;
-        for (const std::uint32_t m : materials_) {
-            const Material& material = scene_.scene.materials[m];
-            const bool turns = material.double_sided && request_.cull == Cull::by_material;
-            const bool bends = (material.normal_map || material.bump_map) &&
-                               request_.shading == Shading::normal_mapped;
-            if (!material.unlit && (turns || bends)) return false;
-        }
+        if (!are_fixed_normals() || !is_unit(light.direction)) return false;
         bool any = false;
         for (std::size_t n = 0; n < scene_.scene.nodes.size(); ++n) {
             const std::uint32_t m = scene_.scene.nodes[n].mesh;
@@ -315,48 +308,72 @@ class Prover {
             const glm::dmat3 inverse = glm::inverse(linear);
             const glm::dvec3 towards = inverse * -light.direction;
             const double margin = 1e-3 * norm(inverse);
-            for (const glm::vec3& normal : mesh.normals) {
-                const glm::dvec3 v(normal);
-                const double length = glm::length(v);
-                if (!(length > 0.5 && length < 2) || !(glm::dot(v, towards) < -margin * length))
-                    return false;
-            }
+            if (mesh.normals.size() >= normals_left_) return false;
+            const auto lit = std::find_if(mesh.normals.begin(), mesh.normals.end(),
+                                          [&](const glm::vec3& normal) {
+                                              const glm::dvec3 v(normal);
+                                              const double length = glm::length(v);
+                                              return !(length > 0.5 && length < 2) ||
+                                                     !(glm::dot(v, towards) < -margin * length);
+                                          });
+            normals_left_ -= std::uint64_t(lit - mesh.normals.begin()) + 1;
+            if (lit != mesh.normals.end()) return false;
             any = true;
         }
         return any;
     }
+    // Whether what is lit has the meshes' own normals, seen from their front.
+    bool are_fixed_normals() {
+        if (!fixed_normals_)
+            fixed_normals_ =
+                request_.shading != Shading::flat &&  // those are found while drawing
+                request_.cull != Cull::none && request_.cull != Cull::front &&
+                std::none_of(materials_.begin(), materials_.end(), [&](std::uint32_t m) {
+                    const Material& material = scene_.scene.materials[m];
+                    const bool turns = material.double_sided && request_.cull == Cull::by_material;
+                    const bool bends = (material.normal_map || material.bump_map) &&
+                                       request_.shading == Shading::normal_mapped;
+                    return !material.unlit && (turns || bends);
+                });
+        return *fixed_normals_;
+    }
 
     // Materials -----------------------------------------------------------------------------
 
-    const TexelFacts* facts(const TextureRef& map, const TexelQuestions& asked) {
-        if (!map || map.texture >= out_.texel_questions.size()) return nullptr;
+    const TexelFacts* facts(MapKind kind, const TextureRef& map, const TexelQuestions& asked) {
+        const std::size_t slot = texture_slot(scene_.scene.textures.size(), kind, map);
+        if (slot >= out_.texel_questions.size()) return nullptr;
         if (!request_.prune || !request_.textures) return nullptr;
-        TexelQuestions& all = out_.texel_questions[map.texture];
+        TexelQuestions& all = out_.texel_questions[slot];
         if (asked.alpha)
             all.least_alpha =
                 all.alpha ? std::min(all.least_alpha, asked.least_alpha) : asked.least_alpha;
         all.constant |= asked.constant;
         all.not_negative |= asked.not_negative;
         all.alpha |= asked.alpha;
-        if (!request_.texel_facts || map.texture >= request_.texel_facts->size()) return nullptr;
-        const TexelFacts& f = (*request_.texel_facts)[map.texture];
+        if (!request_.texel_facts || slot >= request_.texel_facts->size()) return nullptr;
+        const TexelFacts& f = (*request_.texel_facts)[slot];
         return f.known ? &f : nullptr;
     }
 
     template <class Test>
-    bool all_meshes_with(std::uint32_t material, const Test& test) const {
-        for (const prep::VertexMesh& mesh : scene_.meshes)
-            for (const prep::VertexMesh::Range& range : mesh.ranges)
-                if (range.material == material && range.triangle_count > 0) {
-                    if (!test(mesh)) return false;
-                    break;
+    bool all_meshes_with(std::uint32_t material, const Test& test) {
+        if (users_.empty()) {
+            users_.resize(scene_.scene.materials.size());
+            for (std::uint32_t m = 0; m < scene_.meshes.size(); ++m)
+                for (const prep::VertexMesh::Range& range : scene_.meshes[m].ranges) {
+                    if (range.material >= users_.size() || range.triangle_count == 0) continue;
+                    std::vector<std::uint32_t>& users = users_[range.material];
+                    if (users.empty() || users.back() != m) users.push_back(m);
                 }
-        return true;
+        }
+        return std::all_of(users_[material].begin(), users_[material].end(), test);
     }
 
     // Whether some mesh has the map's UVs. Elsewhere what it multiplies is multiplied by 1.
-    bool is_sampled(std::uint32_t material, const TextureRef& map) const {
-        return map && !all_meshes_with(material, [&](const prep::VertexMesh& mesh) {
+    bool is_sampled(std::uint32_t material, const TextureRef& map) {
+        return map && !all_meshes_with(material, [&](std::uint32_t number) {
+                   const prep::VertexMesh& mesh = scene_.meshes[number];
                    return map.uv_set >= mesh.uvs.size() || mesh.uvs[map.uv_set].empty();
                });
     }
@@ -399,7 +416,7 @@ class Prover {
         if (!is_sampled(m, material.specular_map) || !request_.textures) return true;
         TexelQuestions asked;
         asked.not_negative = true;
-        const TexelFacts* const f = facts(material.specular_map, asked);
+        const TexelFacts* const f = facts(MapKind::specular, material.specular_map, asked);
         if (f == nullptr || !overshoots_not(material.specular_map)) return false;
         for (int k = 0; k < 3; ++k)
             if (!(f->low[k] >= 0) || !is_ordinary(f->high[k])) return false;
@@ -415,25 +432,50 @@ class Prover {
             return;
         TexelQuestions asked;
         asked.constant = true;
-        const TexelFacts* const f = facts(material.normal_map, asked);
+        const TexelFacts* const f = facts(MapKind::normal, material.normal_map, asked);
         if (f == nullptr || !f->constant || f->low.z != 1) return;
         const bool straight = f->low.x == 0.5f && f->low.y == 0.5f;
         if (!is_ordinary(material.normal_map.strength)) return;
         if (!straight &&
             !(material.normal_map.strength == 0 && is_ordinary(f->low.x) && is_ordinary(f->low.y)))
             return;
-        const bool sound = all_meshes_with(m, [](const prep::VertexMesh& mesh) {
-            for (const glm::vec4& t : mesh.tangents)
-                for (int k = 0; k < 4; ++k)
-                    if (!is_ordinary(t[k])) return false;
-            for (const glm::vec3& n : mesh.normals)
-                for (int k = 0; k < 3; ++k)
-                    if (!is_ordinary(n[k])) return false;
-            return true;
-        });
-        if (!sound) return;
+        if (!all_meshes_with(m, [&](std::uint32_t mesh) { return has_ordinary_frames(mesh); }))
+            return;
         out_.skips.materials[m].maps |= 1u << unsigned(MapKind::normal);
         out_.maps.push_back(prep::reason(flat_map_code(map.kind), prep::map_subject(m, map)));
+    }
+
+    bool has_ordinary_frames(std::uint32_t number) {
+        if (frames_.empty()) frames_.resize(scene_.meshes.size());
+        std::optional<bool>& known = frames_[number];
+        if (known) return *known;
+        const auto ordinary_vectors = [](const auto& vectors) {
+            return std::all_of(vectors.begin(), vectors.end(), [](const auto& v) {
+                for (int k = 0; k < int(v.length()); ++k)
+                    if (!is_ordinary(v[k])) return false;
+                return true;
+            });
+        };
+        const prep::VertexMesh& mesh = scene_.meshes[number];
+        known = ordinary_vectors(mesh.tangents) && ordinary_vectors(mesh.normals);
+        return *known;
+    }
+
+    // Of a mesh's vertex colours, and 1.
+    struct AlphaRange {
+        double least = 1, highest = 1;
+    };
+    const AlphaRange& alphas_of(std::uint32_t number) {
+        if (alphas_.empty()) alphas_.resize(scene_.meshes.size());
+        std::optional<AlphaRange>& known = alphas_[number];
+        if (known) return *known;
+        known.emplace();
+        for (const glm::vec4& c : scene_.meshes[number].colors[0]) {
+            if (!std::isfinite(c.a)) continue;  // 1 takes its place
+            known->least = std::min(known->least, double(c.a));
+            known->highest = std::max(known->highest, double(c.a));
+        }
+        return *known;
     }
 
     // Heights times 0. Slopes are finite, and so are their gradients by the position.
@@ -461,7 +503,8 @@ class Prover {
             // Less than this cuts, whatever the other factors are.
             if (own > 0)
                 asked.least_alpha = float(std::max(double(material.alpha_cutoff) / own, 0.0));
-            const TexelFacts* const f = own > 0 ? facts(material.diffuse_map, asked) : nullptr;
+            const TexelFacts* const f =
+                own > 0 ? facts(MapKind::diffuse, material.diffuse_map, asked) : nullptr;
             known = known && f != nullptr && f->low.a >= 0 && is_ordinary(f->high.a) &&
                     overshoots_not(material.diffuse_map);
             if (f != nullptr) {
@@ -470,14 +513,11 @@ class Prover {
             }
             exact = false;
         }
-        known = known && all_meshes_with(m, [&](const prep::VertexMesh& mesh) {
-                    if (mesh.colors.empty()) return true;
+        known = known && all_meshes_with(m, [&](std::uint32_t mesh) {
+                    if (scene_.meshes[mesh].colors.empty()) return true;
                     exact = false;
-                    for (const glm::vec4& c : mesh.colors[0]) {
-                        if (!std::isfinite(c.a)) continue;  // 1 takes its place
-                        least_color = std::min(least_color, double(c.a));
-                        highest_color = std::max(highest_color, double(c.a));
-                    }
+                    least_color = std::min(least_color, alphas_of(mesh).least);
+                    highest_color = std::max(highest_color, alphas_of(mesh).highest);
                     return least_color >= 0 && highest_color <= double(ordinary);
                 });
         const double least = own * least_texel * least_color;
@@ -512,6 +552,12 @@ class Prover {
     std::optional<bool> ordinary_lights_;  // of all; asked for by each
     std::optional<glm::dvec3> colors_;
     std::vector<glm::dmat4> worlds_;
+    std::optional<bool> fixed_normals_;
+    // That lights are still held against: then none is proved to be behind them.
+    std::uint64_t normals_left_;
+    std::vector<std::vector<std::uint32_t>> users_;  // meshes, by material
+    std::vector<std::optional<bool>> frames_;        // by mesh
+    std::vector<std::optional<AlphaRange>> alphas_;
 };
 
 }  // namespace

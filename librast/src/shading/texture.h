@@ -195,7 +195,7 @@ class MipTexture {
     glm::vec4 bicubic(const glm::vec2& uv, const Footprint& footprint) const;
     glm::vec4 anisotropic(const glm::vec2& uv, const Footprint& footprint, int most) const;
     glm::vec4 ellipse(const Level& level, const glm::vec2& uv, const glm::vec2& major,
-                      const glm::vec2& minor) const;
+                      const glm::vec2& minor, int most) const;
     glm::vec4 ewa(const glm::vec2& uv, const Footprint& footprint, int most) const;
     glm::vec4 ripmap(const glm::vec2& uv, const Footprint& footprint) const;
     glm::vec4 by_sampler(const glm::vec2& uv, const Footprint& footprint) const;

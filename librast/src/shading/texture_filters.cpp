@@ -123,12 +123,16 @@ glm::vec4 MipTexture::anisotropic(const glm::vec2& uv, const Footprint& footprin
 
 // The kernels' operations in their order (read_ellipses).
 glm::vec4 MipTexture::ellipse(const Level& level, const glm::vec2& uv, const glm::vec2& major,
-                              const glm::vec2& minor) const {
+                              const glm::vec2& minor, int most) const {
     // Sides in texels of this level; one texel more in each direction keeps the ellipse from
     // falling between texels (Heckbert 1989, section 3.5.8).
     const float width = float(level.width), height = float(level.height);
     const glm::vec2 scale(width / float(levels_[0].width), height / float(levels_[0].height));
-    const glm::vec2 p = major * scale, q = minor * scale;
+    // On levels of half the size each the narrow side is below two texels, and the long one below
+    // `most` times that. Along an axis that is down to a single texel they would grow without end.
+    const glm::vec2 longest(float(std::max(most, 1)) * 2 + 1);  // 1: far above rounding
+    const glm::vec2 p = glm::clamp(major * scale, -longest, longest);
+    const glm::vec2 q = glm::clamp(minor * scale, -longest, longest);
     const float area = p.x * q.y - p.y * q.x;
     const float a = (p.y * p.y + q.y * q.y) + 1, c = (p.x * p.x + q.x * q.x) + 1;
     const float reach = std::sqrt(a);
@@ -186,8 +190,8 @@ glm::vec4 MipTexture::ewa(const glm::vec2& uv, const Footprint& footprint, int m
     const float lod = std::max(0.0f, log2_portable(narrow));
     // On the last level an ellipse would have no largest size.
     if (!(lod < float(levels_.size() - 1))) return bilinear(level(level_count() - 1), uv);
-    return between_levels(lod,
-                          [&](const Level& level) { return ellipse(level, uv, major, minor); });
+    return between_levels(
+        lod, [&](const Level& level) { return ellipse(level, uv, major, minor, most); });
 }
 
 glm::vec4 MipTexture::ripmap(const glm::vec2& uv, const Footprint& f) const {

@@ -38,7 +38,8 @@ struct ImageCertificate {
 
 // Draws as `plan_for` says (view by view; a request that differs in sampling and crop alone). The
 // truth is supersampling by 16 or as much as the picture's size leaves; of pictures over 2^20
-// pixels 256 evenly spread squares of 64 are measured. Errors: those of planning and drawing.
+// pixels up to 256 evenly spread squares of 64 are measured. `views` is at least 1. Errors: limit
+// (a picture that leaves no finer one to compare with), those of planning and drawing.
 prep::Result<ImageCertificate> choose_sampling(
     rast::SceneRenderer& renderer, const rast::RenderRequest& request, std::size_t views,
     const std::function<prep::Result<rast::RenderPlan>(const rast::RenderRequest&, std::size_t)>&

@@ -10,9 +10,12 @@ namespace meshprep {
 namespace {
 
 void parse_light(const std::string& text, RenderCommand& c) {
+    constexpr double most = 1e9;  // as in scene files
     const std::vector<double> n = parse_numbers(text, ',');
-    if (n.size() < 2 || n.size() > 3 || (n.size() > 2 && n[2] < 0))
-        usage_error("--light", "'" + text + "' is not AZIMUTH,ELEVATION[,INTENSITY]");
+    if (n.size() < 2 || n.size() > 3 || (n.size() > 2 && !(n[2] >= 0 && n[2] <= most)))
+        usage_error("--light", "'" + text +
+                                   "' is not AZIMUTH,ELEVATION[,INTENSITY] with an intensity from "
+                                   "0 to 1e9");
     c.lights.push_back({n[0], n[1], static_cast<float>(n.size() > 2 ? n[2] : 1.0)});
 }
 

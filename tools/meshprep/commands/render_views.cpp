@@ -42,6 +42,36 @@ bool is_of_file(const ViewChoices& choices, const prep::Scene& scene) {
     return camera.index() == 0 && !choices.orbit && scene.active_camera != prep::no_index;
 }
 
+// The scene file's orbit, where nothing else is asked for.
+const prep::OrbitCamera* orbit_of_file(const ViewChoices& choices) {
+    return choices.camera.camera.index() == 0 && choices.orbit ? &*choices.orbit : nullptr;
+}
+
+// What of its lens the command line leaves open is the file's.
+CameraWishes wishes_of(const ViewChoices& choices) {
+    CameraWishes wishes = choices.camera;
+    const prep::OrbitCamera* const orbit = orbit_of_file(choices);
+    if (orbit == nullptr || wishes.ortho_height) return wishes;
+    wishes.ortho_height = orbit->height;
+    if (!wishes.yfov) wishes.yfov = orbit->yfov;
+    return wishes;
+}
+
+// Those of the file's orbit that it names, before or behind which the other one moves; another
+// projection has its own.
+void set_planes(rast::View& view, const ViewChoices& choices) {
+    const prep::OrbitCamera* const orbit = orbit_of_file(choices);
+    if (orbit == nullptr || choices.camera.ortho_height) return;
+    if (orbit->zfar) {
+        view.zfar = *orbit->zfar;
+        if (view.zfar > 0) view.znear = std::min(view.znear, view.zfar / 2);
+    }
+    if (orbit->znear) {
+        view.znear = *orbit->znear;
+        if (!orbit->zfar && view.zfar > 0) view.zfar = std::max(view.zfar, 2 * view.znear);
+    }
+}
+
 // As prepared meshes have them: those of faces, lines and points alone.
 std::vector<glm::vec3> drawn_positions(const prep::Mesh& mesh) {
     std::vector<bool> drawn(mesh.positions.size(), false);
@@ -57,7 +87,7 @@ std::vector<glm::vec3> drawn_positions(const prep::Mesh& mesh) {
 class Viewer {
   public:
     Viewer(const ViewChoices& choices, const prep::PreparedScene& prepared, double aspect)
-        : wishes_(choices.camera),
+        : wishes_(wishes_of(choices)),
           prepared_(prepared),
           aspect_(aspect),
           count_(std::max<std::uint32_t>(choices.turntable, 1)) {
@@ -165,7 +195,7 @@ class Viewer {
         return {c * p.x + s * p.z, p.y, c * p.z - s * p.x};
     }
 
-    const CameraWishes& wishes_;
+    const CameraWishes wishes_;
     const prep::PreparedScene& prepared_;
     double aspect_;
     std::uint32_t count_;
@@ -188,10 +218,18 @@ Result<std::vector<std::optional<rast::View>>> views_of(const ViewChoices& choic
         if (!node) return node.error();
         return viewer.through_camera(*node);
     }
-    if (const auto& orbit = choices.orbit)
-        return viewer.finished(
+    if (const prep::OrbitCamera* const orbit = orbit_of_file(choices)) {
+        if (wishes.yfov && orbit->height)
+            return Error{ErrorCode::invalid,
+                         "--fov is an angle of perspective, and the scene file's camera has none: "
+                         "--ortho HEIGHT changes what it shows",
+                         prepared.scene.source.string()};
+        auto views = viewer.finished(
             viewer.orbits({orbit->azimuth / radians_per_degree,
                            orbit->elevation / radians_per_degree, orbit->distance}));
+        for (std::optional<rast::View>& view : views) set_planes(*view, choices);
+        return views;
+    }
     if (choices.turntable == 0 && !wishes.yfov && !wishes.ortho_height)
         return std::vector<std::optional<rast::View>>(1);
     if (prepared.scene.active_camera != prep::no_index)
@@ -230,6 +268,7 @@ Result<std::vector<rast::View>> screen_views(const ViewChoices& choices, const p
         if (!bounds || !view.perspective) continue;
         const double way = glm::length(view.eye() - bounds->centre());
         view.znear = std::min(view.znear, share_of_way * std::max(way, bounds->radius()));
+        set_planes(view, choices);
     }
     return views;
 }
@@ -259,11 +298,13 @@ std::vector<std::optional<rast::View>> drawn_views(const std::vector<rast::View>
                                                    double aspect) {
     std::vector<std::optional<rast::View>> drawn;
     const bool own_depths = is_of_file(choices, prepared.scene) && !choices.camera.ortho_height;
-    for (const rast::View& view : views)
+    for (const rast::View& view : views) {
         drawn.emplace_back(view.perspective || own_depths
                                ? view
                                : rast::orthographic_view(prepared, view, 2 * view.half_height,
                                                          view.aspect > 0 ? view.aspect : aspect));
+        set_planes(*drawn.back(), choices);
+    }
     return drawn;
 }
 

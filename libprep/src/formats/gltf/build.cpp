@@ -11,6 +11,7 @@
 #include "formats/gltf/material_extensions.h"
 #include "formats/gltf/nodes/build_morphs_skins.h"
 #include "formats/gltf/nodes/build_nodes.h"
+#include "formats/gltf/nodes/far_plane.h"
 #include "formats/gltf/references.h"
 #include "prep/files.h"
 #include "prep/image.h"
@@ -531,34 +532,8 @@ class Builder {
         document_["extensions"]["KHR_lights_punctual"]["lights"] = std::move(list);
     }
 
-    // The farthest that a camera's nodes have of the scene in front of them, by boxes of meshes.
-    double depth_of_scene(Index camera) const {
-        const std::vector<glm::dmat4> world = world_transforms(scene_);
-        double depth = 0;
-        for (std::size_t n = 0; n < scene_.nodes.size(); ++n) {
-            if (scene_.nodes[n].camera != camera) continue;
-            const glm::dvec3 eye(world[n][3]), back = glm::normalize(glm::dvec3(world[n][2]));
-            for (std::size_t o = 0; o < scene_.nodes.size(); ++o) {
-                if (scene_.nodes[o].mesh == no_index) continue;
-                const Mesh& mesh = scene_.meshes[scene_.nodes[o].mesh];
-                glm::dvec3 low(std::numeric_limits<double>::infinity()), high = -low;
-                for (const glm::vec3& p : mesh.positions) {
-                    if (!is_finite(p)) continue;
-                    low = glm::min(low, mesh.origin + glm::dvec3(p));
-                    high = glm::max(high, mesh.origin + glm::dvec3(p));
-                }
-                for (int corner = 0; low.x <= high.x && corner < 8; ++corner) {
-                    const glm::dvec4 at(corner & 1 ? low.x : high.x, corner & 2 ? low.y : high.y,
-                                        corner & 4 ? low.z : high.z, 1);
-                    depth = std::max(depth, glm::dot(eye - glm::dvec3(world[o] * at), back));
-                }
-            }
-        }
-        return std::isfinite(depth) ? depth : 0;
-    }
-
     void cameras() {
-        for (Index c = 0; c < scene_.cameras.size(); ++c) {
+        for (std::size_t c = 0; c < scene_.cameras.size(); ++c) {
             const Camera& camera = scene_.cameras[c];
             Json out;
             if (!camera.name.empty()) out["name"] = camera.name;
@@ -570,12 +545,11 @@ class Builder {
                 lens["znear"] = camera.znear;
                 if (camera.zfar > camera.znear) lens["zfar"] = camera.zfar;
             } else {
-                lens["xmag"] = camera.xmag;
+                // glTF has no camera without a width: a square picture's.
+                lens["xmag"] = camera.xmag != 0 ? camera.xmag : camera.ymag;
                 lens["ymag"] = camera.ymag;
                 lens["znear"] = camera.znear;
-                // glTF wants one here, and behind the near plane.
-                const double behind = std::max(1.01 * depth_of_scene(c), camera.znear + 1);
-                lens["zfar"] = camera.zfar > camera.znear ? camera.zfar : behind;
+                lens["zfar"] = orthographic_far_plane(prepared_, c);
             }
             buffer_.push("cameras", std::move(out));
         }

@@ -25,6 +25,20 @@ using schema::Problem;
 
 constexpr double degrees = std::numbers::pi / 180;
 
+// Whether anything reads it.
+bool has_strength(MapKind kind, const Material& material) {
+    switch (kind) {
+        case MapKind::normal:
+            return material.normal_map_space == NormalMapSpace::tangent;
+        case MapKind::occlusion:
+        case MapKind::bump:
+        case MapKind::displacement:
+            return true;
+        default:
+            return false;
+    }
+}
+
 class Builder {
   public:
     // Without `opens_files`, mesh files have nothing in them.
@@ -43,9 +57,6 @@ class Builder {
         const RenderChoices& choices = spec.picture.choices;
         if (choices.coverage == Coverage::area && choices.samples > 1)
             return error("/picture/coverage", "exact areas take the place of several samples");
-        if (spec.camera && spec.camera->orbit)
-            out_.orbit = {spec.camera->orbit->azimuth * degrees,
-                          spec.camera->orbit->elevation * degrees, spec.camera->orbit->distance};
         return std::move(out_);
     }
 
@@ -116,11 +127,18 @@ class Builder {
             for (const MaterialMap& row : material_maps) {
                 const std::optional<MapSpec>& map = entry.value.maps[std::size_t(row.kind)];
                 if (!map) continue;
+                if (map->strength && !has_strength(row.kind, material))
+                    return error(entry.name.pointer + "/" + row.scene_key + "/strength",
+                                 row.kind == MapKind::normal
+                                     ? "normal maps in object space have no strength; leave it out"
+                                     : "maps of colours have no strength; change the colour that "
+                                       "the map multiplies");
                 const Result<std::uint32_t> texture = find(textures_, map->texture, "texture");
                 if (!texture) return texture.error();
                 TextureRef ref = map->ref;
                 ref.texture = *texture;
                 ref.rotation = static_cast<float>(map->rotate * degrees);
+                ref.strength = static_cast<float>(map->strength.value_or(1));
                 material.*row.ref = ref;
             }
             materials_[entry.name.text] = static_cast<std::uint32_t>(out_.scene.materials.size());
@@ -384,38 +402,55 @@ class Builder {
         return {};
     }
 
+    Step add_orbit(const CameraSpec& c) {
+        if (c.position || c.target)
+            return error("/camera", "'orbit' circles the scene; it takes no position or target");
+        if (c.up)
+            return error("/camera/up", "'orbit' keeps +Y up; give 'position' and 'target' instead");
+        OrbitCamera& orbit = out_.orbit.emplace();
+        orbit.azimuth = c.orbit->azimuth * degrees;
+        orbit.elevation = c.orbit->elevation * degrees;
+        orbit.distance = c.orbit->distance;
+        if (c.fov) orbit.yfov = *c.fov * degrees;
+        orbit.height = c.height;
+        orbit.znear = c.near;
+        orbit.zfar = c.far;
+        return {};
+    }
+
     Step add_camera(const SceneSpec& spec) {
-        if (!spec.camera || spec.camera->orbit) {
-            if (spec.camera && (spec.camera->position || spec.camera->target))
-                return error("/camera",
-                             "'orbit' circles the scene; it takes no position or target");
-            return {};
-        }
+        if (!spec.camera) return {};
         const CameraSpec& c = *spec.camera;
+        if (c.fov && c.height)
+            return error("/camera/fov",
+                         "is an angle of perspective; 'height' makes the camera orthographic, give "
+                         "one of them");
+        const double near = c.near.value_or(0.01), far = c.far.value_or(0);
+        if (far > 0 && far <= near && (c.near || !c.orbit))
+            return error("/camera/far", "'far' must lie beyond 'near'");
+        if (c.orbit) return add_orbit(c);
         if (!c.position || !c.target)
             return error("/camera", "a camera needs 'position' and 'target', or 'orbit'");
         const glm::dvec3 direction = *c.target - *c.position;
         if (!(glm::length(direction) > 0))
             return error("/camera/target", "the target is where the camera stands; move one");
-        if (!(glm::length(glm::cross(direction, c.up)) >
-              1e-9 * glm::length(direction) * glm::length(c.up)))
+        const glm::dvec3 up = c.up.value_or(glm::dvec3(0, 1, 0));
+        if (!(glm::length(glm::cross(direction, up)) >
+              1e-9 * glm::length(direction) * glm::length(up)))
             return error("/camera/up", "'up' is zero or points along the view; choose another");
-        if (c.fov && c.height)
-            return error("/camera/fov",
-                         "is an angle of perspective; 'height' makes the camera orthographic, give "
-                         "one of them");
-        if (c.far > 0 && c.far <= c.near)
-            return error("/camera/far", "'far' must lie beyond 'near'");
         Camera camera;
         camera.perspective = !c.height.has_value();
         camera.yfov = c.fov.value_or(45) * degrees;
-        if (c.height) camera.xmag = camera.ymag = *c.height / 2;
-        camera.znear = c.near;
-        camera.zfar = c.far;
+        if (c.height) {
+            camera.xmag = 0;  // pictures of any form show this height
+            camera.ymag = *c.height / 2;
+        }
+        camera.znear = near;
+        camera.zfar = far;
         Node node;
         node.name = "camera";
         node.camera = static_cast<std::uint32_t>(out_.scene.cameras.size());
-        node.transform = looking(*c.position, direction, c.up);
+        node.transform = looking(*c.position, direction, up);
         out_.scene.cameras.push_back(camera);
         out_.scene.active_camera = static_cast<std::uint32_t>(out_.scene.nodes.size());
         out_.scene.nodes.push_back(std::move(node));

@@ -103,7 +103,7 @@ Table<MapSpec> map_table() {
         of_ref(numbers("offset", &TextureRef::offset, -1e6, 1e6)),
         of_ref(numbers("scale", &TextureRef::scale, -1e6, 1e6)),
         number("rotate", &T::rotate, -360, 360),
-        of_ref(number("strength", &TextureRef::strength, -1e3, 1e3)),
+        optional_number("strength", &T::strength, -1e3, 1e3),
     };
 }
 
@@ -305,11 +305,11 @@ Table<CameraSpec> camera_table() {
     return {
         optional_point("position", &T::position),
         optional_point("target", &T::target),
-        numbers("up", &T::up, -huge, huge),
+        optional_point("up", &T::up),
         optional_number("fov", &T::fov, 0.01, 179),
         optional_number("height", &T::height, 1e-30, huge),
-        number("near", &T::near, 1e-30, huge),
-        number("far", &T::far, 0, huge),
+        optional_number("near", &T::near, 1e-30, huge),
+        optional_number("far", &T::far, 0, huge),
         object("orbit", &T::orbit, orbit_table()),
     };
 }

@@ -23,6 +23,7 @@ struct MapSpec {
     schema::Name texture;
     TextureRef ref;
     double rotate = 0;  // degrees
+    std::optional<double> strength;
 };
 
 struct MaterialSpec {
@@ -79,10 +80,10 @@ struct OrbitSpec {
 
 struct CameraSpec {
     std::optional<glm::dvec3> position, target;
-    glm::dvec3 up{0, 1, 0};
+    std::optional<glm::dvec3> up;
     std::optional<double> fov;     // degrees, vertical
     std::optional<double> height;  // orthographic
-    double near = 0.01, far = 0;
+    std::optional<double> near, far;
     std::optional<OrbitSpec> orbit;
 };
 
