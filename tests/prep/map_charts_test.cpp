@@ -5,7 +5,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <initializer_list>
 #include <numbers>
+#include <random>
 
 #include "base/step_count.h"
 #include "displacement/height_field.h"
@@ -316,6 +318,105 @@ TEST(MapCharts, FinerTexelsKeepWhatIsThere) {
         }
         EXPECT_EQ(limited->change, 0);
     }
+}
+
+// A corner of a wall, seen from above, that does not lie around the mean of its corners; UVs are
+// its places in a square of 5.
+constexpr float wall_square = 5;
+Mesh wall(std::initializer_list<std::initializer_list<std::uint32_t>> faces) {
+    Mesh mesh;
+    mesh.positions = {{0, 0, 0}, {4, 0, 0}, {4, 1, 0}, {1, 1, 0},
+                      {1, 4, 0}, {0, 4, 0}, {1, 0, 0}, {0, 1, 0}};
+    mesh.face_offsets = {0};
+    for (const auto& face : faces) {
+        mesh.corner_vertices.insert(mesh.corner_vertices.end(), face);
+        mesh.face_offsets.push_back(std::uint32_t(mesh.corner_vertices.size()));
+    }
+    mesh.uvs.resize(1);
+    for (const glm::vec3& p : mesh.positions)
+        mesh.uvs[0].values.emplace_back((glm::vec2(p) + 0.5F) / wall_square);
+    mesh.uvs[0].indices = mesh.corner_vertices;
+    return mesh;
+}
+Mesh whole_wall() {
+    return wall({{0, 1, 2, 3, 4, 5}});
+}
+bool is_in_wall(const glm::dvec2& p) {
+    return p.x >= 0 && p.y >= 0 && p.x <= 4 && p.y <= 4 && (p.x <= 1 || p.y <= 1);
+}
+glm::dvec2 wall_uv(double x, double y) {
+    return (glm::dvec2(x, y) + 0.5) / double(wall_square);
+}
+
+// Of a polygon that is cut, what lies beside it is no more read than of any other; a limit surface
+// over it is a fan about the mean, and reads what that reaches over.
+TEST(MapCharts, NothingIsReadBesideAConcavePolygon) {
+    constexpr std::uint32_t size = 100;
+    const Image image = picture(size, size, [](auto x, auto y) {
+        const glm::dvec2 p =
+            double(wall_square) * glm::dvec2(x + 0.5, y + 0.5) / double(size) - 0.5;
+        return is_in_wall(p) ? 0.25 : 1e6;
+    });
+    const Mesh mesh = whole_wall();
+    const auto polygon = *height_function(image, plain(), &mesh);
+    for (double t = 0; t <= 3; t += 0.01) {
+        EXPECT_NEAR(polygon->value(wall_uv(1 + t, 1)), 0.25, 1e-6) << t;
+        EXPECT_NEAR(polygon->value(wall_uv(1, 1 + t)), 0.25, 1e-6) << t;
+    }
+    const auto cage = *height_function(image, plain(), &mesh, 0, SubdivisionScheme::catmark);
+    EXPECT_GT(cage->value(wall_uv(1.3, 1.3)), 1e5);  // of the mean, (5/3, 5/3), and (1, 1)
+    EXPECT_NEAR(cage->value(wall_uv(0.5, 0.5)), 0.25, 1e-6);
+}
+
+// A band limit's scale is that of the polygon, as of the same polygon in convex pieces.
+TEST(MapCharts, ConcavePolygonsHaveOneScale) {
+    constexpr std::uint32_t size = 500;
+    const Mesh whole = whole_wall(), pieces = wall({{0, 6, 3, 7}, {6, 1, 2, 3}, {7, 3, 4, 5}});
+    for (const auto& [cycles, passes] : {std::pair(1.2, true), std::pair(2.6, false)}) {
+        const Image image = picture(size, size, [&](auto x, auto) {
+            return std::sin(2 * pi * cycles * double(wall_square) * (x + 0.5) / size);
+        });
+        HeightMapOptions options = plain();
+        options.sample_spacing = 0.2;  // of 2.5 cycles
+        const auto made = *height_function(image, options, &whole);
+        const auto of_pieces = *height_function(image, options, &pieces);
+        double most = 0;
+        for (double x = 1.5; x <= 3; x += 0.01)
+            for (const double y : {0.3, 0.5, 0.7}) {
+                most = std::max(most, std::abs(made->value(wall_uv(x, y))));
+                EXPECT_NEAR(made->value(wall_uv(x, y)), of_pieces->value(wall_uv(x, y)), 1e-6);
+            }
+        if (passes)
+            EXPECT_GE(most, 0.95);
+        else
+            EXPECT_LE(most, 0.02);
+    }
+}
+
+// A comb of many corners takes its own time, not that of a fan of all corners for each of its
+// triangles.
+TEST(MapCharts, ManyCornersTakeNoSquareOfThem) {
+    constexpr std::uint32_t teeth = 200, size = 512;
+    Mesh mesh;
+    for (std::uint32_t k = 0; k < teeth; ++k) {
+        mesh.positions.emplace_back(float(2 * k), 100, 0);
+        mesh.positions.emplace_back(float(2 * k + 1), 1, 0);
+    }
+    mesh.positions.emplace_back(float(2 * teeth), 100, 0);
+    mesh.positions.emplace_back(float(2 * teeth), 0, 0);
+    mesh.positions.emplace_back(0, 0, 0);
+    for (std::uint32_t v = 0; v < mesh.positions.size(); ++v)
+        mesh.corner_vertices.push_back(std::uint32_t(mesh.positions.size()) - 1 - v);
+    mesh.face_offsets = {0, std::uint32_t(mesh.corner_vertices.size())};
+    mesh.uvs.resize(1);
+    for (const glm::vec3& p : mesh.positions)
+        mesh.uvs[0].values.emplace_back(0.1F + 0.002F * p.x, 0.1F + 0.008F * p.y);
+    mesh.uvs[0].indices = mesh.corner_vertices;
+    HeightMapOptions options = plain();
+    options.sample_spacing = 2;
+    const std::uint64_t before = detail::steps_taken;
+    ASSERT_TRUE(height_function(random_picture(size, size, 5), options, &mesh));
+    EXPECT_LT(detail::steps_taken - before, std::uint64_t(20 * size * size));
 }
 
 }  // namespace
