@@ -320,6 +320,93 @@ TEST(MapCharts, FinerTexelsKeepWhatIsThere) {
     }
 }
 
+// The part of a triangle within a box.
+std::vector<glm::dvec2> clipped(const std::array<glm::dvec2, 3>& triangle, const glm::dvec2& low,
+                                const glm::dvec2& high) {
+    std::vector<glm::dvec2> polygon(triangle.begin(), triangle.end());
+    for (glm::length_t k = 0; k < 2; ++k)
+        for (const double side : {-1.0, 1.0}) {
+            const auto beyond = [&](const glm::dvec2& p) {
+                return side < 0 ? low[k] - p[k] : p[k] - high[k];
+            };
+            std::vector<glm::dvec2> kept;
+            for (std::size_t c = 0; c < polygon.size(); ++c) {
+                const glm::dvec2 a = polygon[c], b = polygon[(c + 1) % polygon.size()];
+                const double from = beyond(a), to = beyond(b);
+                if (from <= 0) kept.push_back(a);
+                if ((from < 0 && to > 0) || (from > 0 && to < 0))
+                    kept.push_back(glm::mix(a, b, from / (from - to)));
+            }
+            polygon = std::move(kept);
+        }
+    return polygon;
+}
+
+// A clamped map's last texels are read by all that lies beyond them, of triangles that reach into
+// the map as well.
+TEST(MapCharts, TexelsReadFromBeyondAClampedMapAreCovered) {
+    constexpr double none = 1e9, roundings = 1e-6;
+    std::mt19937 random(23);
+    std::uniform_real_distribution<double> at(-0.6, 1.6);
+    int from_beyond = 0;
+    for (int trial = 0; trial < 600; ++trial) {
+        detail::HeightMapData map;
+        map.x = {trial % 5 == 0 ? 1 : 13, Wrap::clamp};
+        map.y = {trial % 7 == 0 ? 1 : 9, trial % 3 == 0 ? Wrap::repeat : Wrap::clamp};
+        map.raw.assign(std::size_t(map.x.size * map.y.size), 0.0F);
+        std::array<glm::dvec2, 3> uv, p;
+        for (std::size_t k = 0; k < 3; ++k) {
+            uv[k] = {at(random), map.y.wrap == Wrap::clamp ? at(random) : 0.3 + 0.4 * at(random)};
+            p[k] = map.map_point(uv[k]);
+        }
+        const auto reads = [&](std::int64_t i, std::int64_t j, double by) {
+            glm::dvec2 low{double(i), double(j)}, high = low;
+            if (i == 0) low.x = -none;
+            if (i == map.x.size - 1) high.x = none;
+            if (map.y.wrap == Wrap::clamp && j == 0) low.y = -none;
+            if (map.y.wrap == Wrap::clamp && j == map.y.size - 1) high.y = none;
+            return !clipped(p, low - by, high + by).empty();
+        };
+        bool any = false;
+        for (std::int64_t j = 0; j < map.y.size; ++j)
+            for (std::int64_t i = 0; i < map.x.size; ++i) any |= reads(i, j, roundings);
+        if (!any) continue;
+        const auto covered = detail::covered_texels(map, Charts{uv});
+        for (std::int64_t j = 0; j < map.y.size; ++j)
+            for (std::int64_t i = 0; i < map.x.size; ++i) {
+                const bool is = covered[std::size_t(j * map.x.size + i)] != 0;
+                EXPECT_LE(reads(i, j, 1e-12), is) << trial << ": " << i << ", " << j;
+                EXPECT_LE(is, reads(i, j, roundings)) << trial << ": " << i << ", " << j;
+                from_beyond += is && clipped(p, {double(i) - roundings, double(j) - roundings},
+                                             {double(i) + roundings, double(j) + roundings})
+                                         .empty();
+            }
+    }
+    EXPECT_GT(from_beyond, 1000);
+}
+
+// And a band limit changes them: the row that lies beyond is as smooth as the rest.
+TEST(MapCharts, BandLimitsReachTexelsReadFromBeyond) {
+    constexpr std::uint32_t size = 256;
+    const auto waves = [](double t) { return std::sin(2 * pi * 64 * (t + 0.5) / size); };
+    const Charts along_u{{{{0, -0.2}, {1, -0.2}, {0.5, 0.9}}}};
+    Charts along_v = along_u;
+    for (glm::dvec2& uv : along_v[0]) std::swap(uv.x, uv.y);
+    for (const bool turned : {false, true}) {
+        const Image image =
+            picture(size, size, [&](auto x, auto y) { return waves(turned ? y : x); });
+        const auto map = HeightMap::make(image, plain(HeightFilter::bilinear, Wrap::clamp));
+        ASSERT_TRUE(map);
+        const Charts& charts = turned ? along_v : along_u;
+        const auto limited = map->limited({.triangles = charts}, 0.05);
+        ASSERT_TRUE(limited);
+        for (double t = 0.06; t < 0.94; t += 0.5 / size) {
+            const glm::dvec2 uv = turned ? glm::dvec2(-0.15, t) : glm::dvec2(t, -0.15);
+            EXPECT_NEAR(limited->map.value(uv), 0, 0.1) << t << (turned ? ", v" : ", u");
+        }
+    }
+}
+
 // A corner of a wall, seen from above, that does not lie around the mean of its corners; UVs are
 // its places in a square of 5.
 constexpr float wall_square = 5;

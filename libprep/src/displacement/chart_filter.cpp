@@ -289,7 +289,10 @@ class ChartFilter {
                 for (std::int64_t i = 0; i < made_.width; ++i) own(i, j);
             for (const std::uint32_t t : chart.of.triangles) {
                 if (unowned == 0 || all) break;
-                for_covered(in_parts(t), x, y, own);
+                const MapTriangle p = in_parts(t);
+                for_covered(p, x, y, own);
+                for_parts_beyond(p, x.axis, y.axis,
+                                 [&](const MapTriangle& line) { for_covered(line, x, y, own); });
             }
         }
     }

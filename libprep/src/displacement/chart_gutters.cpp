@@ -14,8 +14,8 @@ namespace {
 constexpr double far = 0x1p50;
 constexpr double on_border = 1e-9;  // texels: UVs are floats, which are coarser
 
-// Where the triangle meets the row through texels' centres.
-std::pair<double, double> crossing(const std::array<glm::dvec2, 3>& p, double y) {
+// Where the triangle meets the row through texels' centres, if it does.
+std::pair<double, double> crossing(const MapTriangle& p, double y) {
     double low = std::numeric_limits<double>::infinity(), high = -low;
     const auto note = [&](double x) {
         low = std::min(low, x);
@@ -33,9 +33,6 @@ std::pair<double, double> crossing(const std::array<glm::dvec2, 3>& p, double y)
             note(a.x + t * (b.x - a.x));
         }
     }
-    // Rows outside of a clamped map read its first or last one.
-    if (low > high)
-        for (const glm::dvec2& c : p) note(c.x);
     return {low, high};
 }
 
@@ -49,7 +46,6 @@ class Coverage {
         std::array<glm::dvec2, 3> p;
         if (!place(uv, p)) return false;
         if (unset_ == 0) return true;
-        bool any = false;
         const auto [left, right] = std::minmax({p[0].x, p[1].x, p[2].x});
         const auto [top, bottom] = std::minmax({p[0].y, p[1].y, p[2].y});
         if (!spans_few(map_.x, left, right) || !spans_few(map_.y, top, bottom)) {
@@ -57,13 +53,10 @@ class Coverage {
             unset_ = 0;
             return true;
         }
-        const auto [j0, j1] = texels(map_.y, top, bottom);
-        for (std::int64_t j = j0; j <= j1; ++j) {
-            const auto [from, to] = crossing(p, double(j));
-            const auto [i0, i1] = texels(map_.x, from, to);
-            for (std::int64_t i = i0; i <= i1; ++i) set(index(i, j));
-            any |= i0 <= i1;
-        }
+        bool any = add_inside(p);
+        for_parts_beyond(p, map_.x, map_.y, [&](const MapTriangle& line) {
+            if (add_inside(line)) any = true;
+        });
         return any;
     }
 
@@ -89,6 +82,19 @@ class Coverage {
     std::vector<std::uint8_t>& mask() { return mask_; }
 
   private:
+    // Without what lies beyond a clamped map.
+    bool add_inside(const MapTriangle& p) {
+        bool any = false;
+        const auto [top, bottom] = std::minmax({p[0].y, p[1].y, p[2].y});
+        const auto [j0, j1] = texels(map_.y, top, bottom);
+        for (std::int64_t j = j0; j <= j1; ++j) {
+            const auto [from, to] = crossing(p, double(j));
+            const auto [i0, i1] = texels(map_.x, from, to);
+            for (std::int64_t i = i0; i <= i1; ++i) set(index(i, j));
+            any |= i0 <= i1;
+        }
+        return any;
+    }
     void set(std::size_t texel) {
         unset_ -= mask_[texel] == 0;
         mask_[texel] = 1;
@@ -104,19 +110,14 @@ class Coverage {
         return axis.wrap == Wrap::clamp ||
                (high - low < 4 * double(axis.size) && std::abs(low) < far && std::abs(high) < far);
     }
-    // Those whose centres lie from low to high; outside of a clamped map one stands for all.
+    // Those whose centres lie from low to high.
     static std::pair<std::int64_t, std::int64_t> texels(const HeightAxis& axis, double low,
                                                         double high) {
         double first = std::ceil(low - on_border), last = std::floor(high + on_border);
         if (axis.wrap == Wrap::clamp) {
             const double size = double(axis.size);
-            if (last < 0 || first > size - 1) {
-                first = std::clamp(first, -1.0, size);
-                last = std::clamp(last, -1.0, size);
-            } else {
-                first = std::max(first, 0.0);
-                last = std::min(last, size - 1);
-            }
+            first = std::clamp(first, 0.0, size);
+            last = std::clamp(last, -1.0, size - 1);
         }
         return {std::int64_t(first), std::int64_t(last)};
     }
@@ -173,8 +174,29 @@ std::vector<std::uint32_t> charts_of(ChartTriangles triangles) {
     return charts;
 }
 
-std::pair<std::int64_t, std::int64_t> covered_in_row(const std::array<glm::dvec2, 3>& p,
-                                                     std::int64_t y) {
+bool beyond_end(const MapTriangle& p, glm::length_t k, double end, double side, MapTriangle& line) {
+    double low = std::numeric_limits<double>::infinity(), high = -low;
+    bool any = false;
+    const auto note = [&](double at) {
+        low = std::min(low, at);
+        high = std::max(high, at);
+    };
+    for (std::size_t c = 0; c < 3; ++c) {
+        const glm::dvec2 a = p[c], b = p[(c + 1) % 3];
+        const double from = side * (a[k] - end), to = side * (b[k] - end);
+        if (from >= 0) note(a[1 - k]);
+        any |= from > 0;
+        if (std::min(from, to) < 0 && std::max(from, to) > 0)
+            note(glm::mix(a[1 - k], b[1 - k], from / (from - to)));
+    }
+    if (!any) return false;
+    line[0][k] = line[1][k] = line[2][k] = end;
+    line[0][1 - k] = low;
+    line[1][1 - k] = line[2][1 - k] = high;
+    return true;
+}
+
+std::pair<std::int64_t, std::int64_t> covered_in_row(const MapTriangle& p, std::int64_t y) {
     const auto [low, high] = std::minmax({p[0].y, p[1].y, p[2].y});
     if (double(y) < low - on_border || double(y) > high + on_border) return {0, -1};
     const auto [from, to] = crossing(p, double(y));

@@ -15,8 +15,6 @@
 
 namespace prep::detail {
 
-using MapTriangle = std::array<glm::dvec2, 3>;  // map coordinates
-
 struct MapChart {
     std::vector<std::uint32_t> triangles;  // none: all of the map, by its wrap
     double of_uvs = 0, of_surface = 0;     // areas
