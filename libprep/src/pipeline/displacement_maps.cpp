@@ -56,16 +56,11 @@ class NoiseAbout final : public SpaceFunction {
     glm::dvec3 origin_;
 };
 
-// By how much a band limit moves a noise's heights at most: by the range of what it leaves out.
+// By how much a band limit moves a noise's heights at most.
 double band_limit_change(NoiseOptions options, double band_limit) {
-    const auto reach = [&](double spacing) {
-        options.sample_spacing = spacing;
-        const auto field = NoiseField::make(options);
-        if (!field) return 0.0;
-        const Interval range = field->range();
-        return 0.5 * (range.high - range.low);
-    };
-    return reach(0) - reach(band_limit);
+    options.sample_spacing = band_limit;
+    const auto field = NoiseField::make(options);
+    return field ? field->left_out() : 0;
 }
 
 std::shared_ptr<const HeightFunction> function_of(const HeightMap& map, const ChartFaces& faces,
