@@ -506,5 +506,31 @@ TEST(Tessellation, NormalsOfPolygonsArePreparedAsOthersAre) {
     EXPECT_GT(farthest_apart, 1);
 }
 
+// A sliver along a row of samples, across 280,000 pictures, is no chart to bake.
+TEST(Tessellation, SliversAlongRowsGetNoResidualMap) {
+    Mesh mesh;
+    mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    add_face(mesh, {0, 1, 2});
+    constexpr float row = 0x1p-15F, off = 0x1p-24F;  // the first samples of 4096 texels
+    mesh.uvs.resize(1);
+    mesh.uvs[0].values = {{-140000, row - off}, {140000, row}, {-140000, row + off}};
+    mesh.uvs[0].indices = {0, 1, 2};
+    Scene scene;
+    scene.meshes = {mesh};
+    PrepareOptions options;
+    options.tessellate = true;
+    options.tessellation.chord_error = 1;
+    options.displacement.residual.emplace();
+    options.displacement.residual->size = 4096;
+    const auto made = prepare(std::move(scene), options);
+    ASSERT_TRUE(made) << to_string(made.error());
+    const auto& findings = made->findings;
+    const auto found = std::find_if(findings.begin(), findings.end(), [](const Finding& finding) {
+        return finding.kind == "no-residual-map";
+    });
+    ASSERT_NE(found, findings.end());
+    EXPECT_NE(found->text.find("as wide as the picture"), std::string::npos) << found->text;
+}
+
 }  // namespace
 }  // namespace prep
