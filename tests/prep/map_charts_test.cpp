@@ -10,6 +10,7 @@
 #include <random>
 
 #include "base/step_count.h"
+#include "displacement/chart_gutters.h"
 #include "displacement/height_field.h"
 #include "height_maps.h"
 #include "pipeline/displacement_maps.h"
@@ -404,6 +405,34 @@ TEST(MapCharts, BandLimitsReachTexelsReadFromBeyond) {
             const glm::dvec2 uv = turned ? glm::dvec2(-0.15, t) : glm::dvec2(t, -0.15);
             EXPECT_NEAR(limited->map.value(uv), 0, 0.1) << t << (turned ? ", v" : ", u");
         }
+    }
+}
+
+// Charts that lie over each other, equal ones and tiles, take the time of the map and of their
+// rows.
+TEST(MapCharts, StackedChartsTakeTheTimeOfOne) {
+    constexpr int size = 512, stacked = 2000;
+    Charts equal, tiles;
+    for (int k = 0; k < stacked; ++k) {
+        equal.push_back({{{0, 0}, {1, 0}, {0, 1}}});
+        const double u = 1.37 * k;
+        add_quad(tiles, {{{u, 0.1}, {u + 1, 0.1}, {u + 1, 0.9}, {u, 0.9}}});
+    }
+    for (const Charts& charts : {equal, tiles}) {
+        const detail::HeightMapData map = texels_of(size, Wrap::repeat);
+        const std::uint64_t before = detail::steps_taken;
+        const auto covered = detail::covered_texels(map, charts);
+        const auto made = detail::map_charts(map, {.triangles = charts});
+        // A few in each row of each triangle; all texels of each would be a billion.
+        const std::uint64_t rows = charts.size() * size, texels = size * size;
+        EXPECT_LT(detail::steps_taken - before, 2 * (4 * texels + 6 * rows));
+        EXPECT_EQ(made.size(), 1U);
+        for (int j = 0; j < size; ++j)
+            for (int i = 0; i < size; ++i) {
+                const double v = (j + 0.5) / size, u = (i + 0.5) / size;
+                const bool is = charts == equal ? u + v <= 1 + 1e-9 : v >= 0.1 && v <= 0.9;
+                ASSERT_EQ(covered[std::size_t(j * size + i)] != 0, is) << i << ", " << j;
+            }
     }
 }
 

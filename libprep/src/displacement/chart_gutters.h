@@ -2,48 +2,21 @@
 // painter left there.
 #pragma once
 
-#include <algorithm>
-#include <array>
 #include <cstdint>
-#include <utility>
 #include <vector>
 
-#include "displacement/height_data.h"
 #include "displacement/height_field.h"
 
 namespace prep::detail {
 
-using MapTriangle = std::array<glm::dvec2, 3>;  // map coordinates
+struct HeightMapData;
 
 // For each triangle one that stands for its chart: triangles with a corner in common are of one.
 std::vector<std::uint32_t> charts_of(ChartTriangles triangles);
 
-// Texels of row y whose centres a triangle of map coordinates covers, to within rounding: from the
-// first to the last, none where that is less.
-std::pair<std::int64_t, std::int64_t> covered_in_row(const MapTriangle& p, std::int64_t y);
-
-// What of the triangle lies beyond an end of axis k, its low one (side −1) or its high one (1),
-// laid on that end: a triangle that is a line. False where nothing does.
-bool beyond_end(const MapTriangle& p, glm::length_t k, double end, double side, MapTriangle& line);
-
-// Calls body(line) for what lies beyond the ends of clamped axes, whose last texels are read there.
-template <class Body>
-void for_parts_beyond(const MapTriangle& p, const HeightAxis& x, const HeightAxis& y,
-                      const Body& body) {
-    const HeightAxis* const axes[2] = {&x, &y};
-    for (glm::length_t k = 0; k < 2; ++k) {
-        if (axes[k]->wrap != Wrap::clamp) continue;
-        const HeightAxis& other = *axes[1 - k];
-        for (const double side : {-1.0, 1.0}) {
-            MapTriangle line;
-            if (!beyond_end(p, k, side < 0 ? 0.0 : double(axes[k]->size - 1), side, line)) continue;
-            if (other.wrap == Wrap::clamp)
-                for (glm::dvec2& c : line)
-                    c[1 - k] = std::clamp(c[1 - k], 0.0, double(other.size - 1));
-            body(line);
-        }
-    }
-}
+// For each triangle the first one of the same UVs, where triangles cover the map several times;
+// else itself.
+std::vector<std::uint32_t> first_alike(const HeightMapData& map, ChartTriangles triangles);
 
 // 1 for each texel that the charts cover (height_field.h says which those are); triangles with a
 // corner in common are of one chart. Beyond the ends of a clamped map lies what its last texels
