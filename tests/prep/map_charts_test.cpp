@@ -5,9 +5,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <initializer_list>
 #include <numbers>
+#include <random>
 
 #include "base/step_count.h"
+#include "displacement/chart_gutters.h"
 #include "displacement/height_field.h"
 #include "height_maps.h"
 #include "pipeline/displacement_maps.h"
@@ -316,6 +319,222 @@ TEST(MapCharts, FinerTexelsKeepWhatIsThere) {
         }
         EXPECT_EQ(limited->change, 0);
     }
+}
+
+// The part of a triangle within a box.
+std::vector<glm::dvec2> clipped(const std::array<glm::dvec2, 3>& triangle, const glm::dvec2& low,
+                                const glm::dvec2& high) {
+    std::vector<glm::dvec2> polygon(triangle.begin(), triangle.end());
+    for (glm::length_t k = 0; k < 2; ++k)
+        for (const double side : {-1.0, 1.0}) {
+            const auto beyond = [&](const glm::dvec2& p) {
+                return side < 0 ? low[k] - p[k] : p[k] - high[k];
+            };
+            std::vector<glm::dvec2> kept;
+            for (std::size_t c = 0; c < polygon.size(); ++c) {
+                const glm::dvec2 a = polygon[c], b = polygon[(c + 1) % polygon.size()];
+                const double from = beyond(a), to = beyond(b);
+                if (from <= 0) kept.push_back(a);
+                if ((from < 0 && to > 0) || (from > 0 && to < 0))
+                    kept.push_back(glm::mix(a, b, from / (from - to)));
+            }
+            polygon = std::move(kept);
+        }
+    return polygon;
+}
+
+// A clamped map's last texels are read by all that lies beyond them, of triangles that reach into
+// the map as well.
+TEST(MapCharts, TexelsReadFromBeyondAClampedMapAreCovered) {
+    constexpr double none = 1e9, roundings = 1e-6;
+    std::mt19937 random(23);
+    std::uniform_real_distribution<double> at(-0.6, 1.6);
+    int from_beyond = 0;
+    for (int trial = 0; trial < 600; ++trial) {
+        detail::HeightMapData map;
+        map.x = {trial % 5 == 0 ? 1 : 13, Wrap::clamp};
+        map.y = {trial % 7 == 0 ? 1 : 9, trial % 3 == 0 ? Wrap::repeat : Wrap::clamp};
+        map.raw.assign(std::size_t(map.x.size * map.y.size), 0.0F);
+        std::array<glm::dvec2, 3> uv, p;
+        for (std::size_t k = 0; k < 3; ++k) {
+            uv[k] = {at(random), map.y.wrap == Wrap::clamp ? at(random) : 0.3 + 0.4 * at(random)};
+            p[k] = map.map_point(uv[k]);
+        }
+        const auto reads = [&](std::int64_t i, std::int64_t j, double by) {
+            glm::dvec2 low{double(i), double(j)}, high = low;
+            if (i == 0) low.x = -none;
+            if (i == map.x.size - 1) high.x = none;
+            if (map.y.wrap == Wrap::clamp && j == 0) low.y = -none;
+            if (map.y.wrap == Wrap::clamp && j == map.y.size - 1) high.y = none;
+            return !clipped(p, low - by, high + by).empty();
+        };
+        bool any = false;
+        for (std::int64_t j = 0; j < map.y.size; ++j)
+            for (std::int64_t i = 0; i < map.x.size; ++i) any |= reads(i, j, roundings);
+        if (!any) continue;
+        const auto covered = detail::covered_texels(map, Charts{uv});
+        for (std::int64_t j = 0; j < map.y.size; ++j)
+            for (std::int64_t i = 0; i < map.x.size; ++i) {
+                const bool is = covered[std::size_t(j * map.x.size + i)] != 0;
+                EXPECT_LE(reads(i, j, 1e-12), is) << trial << ": " << i << ", " << j;
+                EXPECT_LE(is, reads(i, j, roundings)) << trial << ": " << i << ", " << j;
+                from_beyond += is && clipped(p, {double(i) - roundings, double(j) - roundings},
+                                             {double(i) + roundings, double(j) + roundings})
+                                         .empty();
+            }
+    }
+    EXPECT_GT(from_beyond, 1000);
+}
+
+// And a band limit changes them: the row that lies beyond is as smooth as the rest.
+TEST(MapCharts, BandLimitsReachTexelsReadFromBeyond) {
+    constexpr std::uint32_t size = 256;
+    const auto waves = [](double t) { return std::sin(2 * pi * 64 * (t + 0.5) / size); };
+    const Charts along_u{{{{0, -0.2}, {1, -0.2}, {0.5, 0.9}}}};
+    Charts along_v = along_u;
+    for (glm::dvec2& uv : along_v[0]) std::swap(uv.x, uv.y);
+    for (const bool turned : {false, true}) {
+        const Image image =
+            picture(size, size, [&](auto x, auto y) { return waves(turned ? y : x); });
+        const auto map = HeightMap::make(image, plain(HeightFilter::bilinear, Wrap::clamp));
+        ASSERT_TRUE(map);
+        const Charts& charts = turned ? along_v : along_u;
+        const auto limited = map->limited({.triangles = charts}, 0.05);
+        ASSERT_TRUE(limited);
+        for (double t = 0.06; t < 0.94; t += 0.5 / size) {
+            const glm::dvec2 uv = turned ? glm::dvec2(-0.15, t) : glm::dvec2(t, -0.15);
+            EXPECT_NEAR(limited->map.value(uv), 0, 0.1) << t << (turned ? ", v" : ", u");
+        }
+    }
+}
+
+// Charts that lie over each other, equal ones and tiles, take the time of the map and of their
+// rows.
+TEST(MapCharts, StackedChartsTakeTheTimeOfOne) {
+    constexpr int size = 512, stacked = 2000;
+    Charts equal, tiles;
+    for (int k = 0; k < stacked; ++k) {
+        equal.push_back({{{0, 0}, {1, 0}, {0, 1}}});
+        const double u = 1.37 * k;
+        add_quad(tiles, {{{u, 0.1}, {u + 1, 0.1}, {u + 1, 0.9}, {u, 0.9}}});
+    }
+    for (const Charts& charts : {equal, tiles}) {
+        const detail::HeightMapData map = texels_of(size, Wrap::repeat);
+        const std::uint64_t before = detail::steps_taken;
+        const auto covered = detail::covered_texels(map, charts);
+        const auto made = detail::map_charts(map, {.triangles = charts});
+        // Equal ones but once, else a few in each row of each triangle; all texels of each would be
+        // a billion.
+        const std::uint64_t rows = charts.size() * size, texels = size * size;
+        EXPECT_LT(detail::steps_taken - before,
+                  2 * (4 * texels + (charts == equal ? 0 : 6 * rows)));
+        EXPECT_EQ(made.size(), 1U);
+        for (int j = 0; j < size; ++j)
+            for (int i = 0; i < size; ++i) {
+                const double v = (j + 0.5) / size, u = (i + 0.5) / size;
+                const bool is = charts == equal ? u + v <= 1 + 1e-9 : v >= 0.1 && v <= 0.9;
+                ASSERT_EQ(covered[std::size_t(j * size + i)] != 0, is) << i << ", " << j;
+            }
+    }
+}
+
+// A corner of a wall, seen from above, that does not lie around the mean of its corners; UVs are
+// its places in a square of 5.
+constexpr float wall_square = 5;
+Mesh wall(std::initializer_list<std::initializer_list<std::uint32_t>> faces) {
+    Mesh mesh;
+    mesh.positions = {{0, 0, 0}, {4, 0, 0}, {4, 1, 0}, {1, 1, 0},
+                      {1, 4, 0}, {0, 4, 0}, {1, 0, 0}, {0, 1, 0}};
+    mesh.face_offsets = {0};
+    for (const auto& face : faces) {
+        mesh.corner_vertices.insert(mesh.corner_vertices.end(), face);
+        mesh.face_offsets.push_back(std::uint32_t(mesh.corner_vertices.size()));
+    }
+    mesh.uvs.resize(1);
+    for (const glm::vec3& p : mesh.positions)
+        mesh.uvs[0].values.emplace_back((glm::vec2(p) + 0.5F) / wall_square);
+    mesh.uvs[0].indices = mesh.corner_vertices;
+    return mesh;
+}
+Mesh whole_wall() {
+    return wall({{0, 1, 2, 3, 4, 5}});
+}
+bool is_in_wall(const glm::dvec2& p) {
+    return p.x >= 0 && p.y >= 0 && p.x <= 4 && p.y <= 4 && (p.x <= 1 || p.y <= 1);
+}
+glm::dvec2 wall_uv(double x, double y) {
+    return (glm::dvec2(x, y) + 0.5) / double(wall_square);
+}
+
+// Of a polygon that is cut, what lies beside it is no more read than of any other; a limit surface
+// over it is a fan about the mean, and reads what that reaches over.
+TEST(MapCharts, NothingIsReadBesideAConcavePolygon) {
+    constexpr std::uint32_t size = 100;
+    const Image image = picture(size, size, [](auto x, auto y) {
+        const glm::dvec2 p =
+            double(wall_square) * glm::dvec2(x + 0.5, y + 0.5) / double(size) - 0.5;
+        return is_in_wall(p) ? 0.25 : 1e6;
+    });
+    const Mesh mesh = whole_wall();
+    const auto polygon = *height_function(image, plain(), &mesh);
+    for (double t = 0; t <= 3; t += 0.01) {
+        EXPECT_NEAR(polygon->value(wall_uv(1 + t, 1)), 0.25, 1e-6) << t;
+        EXPECT_NEAR(polygon->value(wall_uv(1, 1 + t)), 0.25, 1e-6) << t;
+    }
+    const auto cage = *height_function(image, plain(), &mesh, 0, SubdivisionScheme::catmark);
+    EXPECT_GT(cage->value(wall_uv(1.3, 1.3)), 1e5);  // of the mean, (5/3, 5/3), and (1, 1)
+    EXPECT_NEAR(cage->value(wall_uv(0.5, 0.5)), 0.25, 1e-6);
+}
+
+// A band limit's scale is that of the polygon, as of the same polygon in convex pieces.
+TEST(MapCharts, ConcavePolygonsHaveOneScale) {
+    constexpr std::uint32_t size = 500;
+    const Mesh whole = whole_wall(), pieces = wall({{0, 6, 3, 7}, {6, 1, 2, 3}, {7, 3, 4, 5}});
+    for (const auto& [cycles, passes] : {std::pair(1.2, true), std::pair(2.6, false)}) {
+        const Image image = picture(size, size, [&](auto x, auto) {
+            return std::sin(2 * pi * cycles * double(wall_square) * (x + 0.5) / size);
+        });
+        HeightMapOptions options = plain();
+        options.sample_spacing = 0.2;  // of 2.5 cycles
+        const auto made = *height_function(image, options, &whole);
+        const auto of_pieces = *height_function(image, options, &pieces);
+        double most = 0;
+        for (double x = 1.5; x <= 3; x += 0.01)
+            for (const double y : {0.3, 0.5, 0.7}) {
+                most = std::max(most, std::abs(made->value(wall_uv(x, y))));
+                EXPECT_NEAR(made->value(wall_uv(x, y)), of_pieces->value(wall_uv(x, y)), 1e-6);
+            }
+        if (passes)
+            EXPECT_GE(most, 0.95);
+        else
+            EXPECT_LE(most, 0.02);
+    }
+}
+
+// A comb of many corners takes its own time, not that of a fan of all corners for each of its
+// triangles.
+TEST(MapCharts, ManyCornersTakeNoSquareOfThem) {
+    constexpr std::uint32_t teeth = 200, size = 512;
+    Mesh mesh;
+    for (std::uint32_t k = 0; k < teeth; ++k) {
+        mesh.positions.emplace_back(float(2 * k), 100, 0);
+        mesh.positions.emplace_back(float(2 * k + 1), 1, 0);
+    }
+    mesh.positions.emplace_back(float(2 * teeth), 100, 0);
+    mesh.positions.emplace_back(float(2 * teeth), 0, 0);
+    mesh.positions.emplace_back(0, 0, 0);
+    for (std::uint32_t v = 0; v < mesh.positions.size(); ++v)
+        mesh.corner_vertices.push_back(std::uint32_t(mesh.positions.size()) - 1 - v);
+    mesh.face_offsets = {0, std::uint32_t(mesh.corner_vertices.size())};
+    mesh.uvs.resize(1);
+    for (const glm::vec3& p : mesh.positions)
+        mesh.uvs[0].values.emplace_back(0.1F + 0.002F * p.x, 0.1F + 0.008F * p.y);
+    mesh.uvs[0].indices = mesh.corner_vertices;
+    HeightMapOptions options = plain();
+    options.sample_spacing = 2;
+    const std::uint64_t before = detail::steps_taken;
+    ASSERT_TRUE(height_function(random_picture(size, size, 5), options, &mesh));
+    EXPECT_LT(detail::steps_taken - before, std::uint64_t(20 * size * size));
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include <random>
 
 #include "height_maps.h"
+#include "pipeline/displacement_maps.h"
 
 namespace prep {
 namespace {
@@ -461,6 +462,26 @@ TEST(NoiseBounds, HoldOverTheWholeCell) {
         proved(around, simplex.range().high, simplex.steepest(), simplex.curvature(), inside);
     EXPECT_GT(more, 0u);
     std::printf("proved with %zu and %zu boxes\n", boxes, more);
+}
+
+// Whoever limits a noise that is none without the limit is told how much that leaves out: here all
+// octaves but the first, which together are as high as it; the last has 20^31 cells a unit.
+TEST(NoiseField, BandLimitsTellOfOctavesThatNoDoubleHolds) {
+    Scene scene;
+    Mesh mesh;
+    mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    mesh.corner_vertices = {0, 1, 2};
+    mesh.face_offsets = {0, 3};
+    DisplaceOptions options;
+    options.noise.emplace();
+    options.noise->octaves = 32;
+    options.noise->lacunarity = 20;
+    options.band_limit = 0.1;
+    ASSERT_FALSE(NoiseField::make(*options.noise));
+    const auto made = detail::DisplacementMaps(options, 1).of(scene, mesh, nullptr);
+    ASSERT_TRUE(made) << to_string(made.error());
+    ASSERT_EQ(made->changes.size(), 1U);
+    EXPECT_NEAR(made->changes[0], NoiseField::make()->range().high, 1e-6);
 }
 
 }  // namespace

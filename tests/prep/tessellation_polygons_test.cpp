@@ -1,7 +1,11 @@
 // Polygons with heights, tessellated: closed, certified, refined where it matters.
 #include <gtest/gtest.h>
 
+#include <map>
+#include <tuple>
+
 #include "prep/displacement/tessellate.h"
+#include "prep/prepare.h"
 #include "tessellation/tessellation.h"
 #include "tessellation_checks.h"
 
@@ -412,6 +416,120 @@ TEST(Tessellation, MarksMaterialsAndUvsComeFromTheCage) {
             EXPECT_NEAR(glm::distance(n, normal), 0, 1e-6);
         }
     }
+}
+
+// A shallow bowl of a triangle and two quads, whose weights all differ; its borders are its own.
+Mesh bowl() {
+    Mesh mesh;
+    mesh.positions = {{0, 0, 0},        {1, 0, 0.2F},   {1.5F, 2, 0.5F},    {0, 1, 0.25F},
+                      {-2, 0.5F, 0.5F}, {-1, -1, 0.3F}, {0.3F, -0.6F, 0.1F}};
+    add_face(mesh, {0, 1, 2, 3});
+    add_face(mesh, {0, 3, 4, 5});
+    add_face(mesh, {0, 5, 6});
+    return mesh;
+}
+
+// Normals at the cage's vertices, as they are written, and what was found of them.
+struct PreparedNormals {
+    std::map<std::tuple<float, float, float>, std::vector<glm::vec3>> at;
+    std::map<std::string, std::uint64_t> findings;
+};
+PreparedNormals prepared_normals(const Mesh& mesh, const PrepareOptions& options) {
+    Scene scene;
+    scene.meshes = {mesh};
+    const auto prepared = prepare(std::move(scene), options);
+    PreparedNormals out;
+    EXPECT_TRUE(prepared) << to_string(prepared.error());
+    if (!prepared) return out;
+    const VertexMesh& made = prepared->meshes[0];
+    for (const glm::vec3& p : mesh.positions) {
+        auto& normals = out.at[{p.x, p.y, p.z}];
+        for (std::size_t v = 0; v < made.positions.size(); ++v)
+            if (made.positions[v] == p) normals.push_back(made.normals[v]);
+    }
+    for (const Finding& finding : prepared->findings)
+        if (finding.kind.ends_with("-normal")) out.findings[finding.kind] += finding.count;
+    return out;
+}
+
+// Polygons that are cut have the normals that they have as they are, whatever was asked for, and
+// the same is told of them.
+TEST(Tessellation, NormalsOfPolygonsArePreparedAsOthersAre) {
+    Mesh good = bowl();
+    for (const std::uint32_t v : good.corner_vertices) {
+        const glm::vec3 p = good.positions[v];
+        good.normals.indices.push_back(std::uint32_t(good.normals.values.size()));
+        good.normals.values.push_back(glm::normalize(glm::vec3(-0.1F * p.x, 0.2F * p.y, 1)));
+    }
+    Mesh bad = good, downward = good;
+    for (glm::vec3& n : downward.normals.values) n = -n;
+    bad.normals.indices[1] = no_index;
+    bad.normals.values[2] = glm::vec3(0);
+    bad.normals.values[5] = glm::vec3(NAN, 0, 1);
+    bad.normals.values[6] *= 3.0F;
+    bad.normals.values[9] *= -1.0F;
+    std::size_t told = 0;
+    double farthest_apart = 0;  // of what different wishes make
+    for (const Mesh& mesh : {bowl(), good, bad, downward}) {
+        std::vector<PreparedNormals> all;
+        for (const Authored normals : {Authored::keep, Authored::repair, Authored::replace})
+            for (const NormalWeight weight :
+                 {NormalWeight::area, NormalWeight::uniform, NormalWeight::angle}) {
+                PrepareOptions options;
+                options.normals = normals;
+                options.normal.weight = weight;
+                options.hard_edges.angle_degrees = 80;
+                const PreparedNormals whole = prepared_normals(mesh, options);
+                options.tessellate = true;
+                options.tessellation.edge_length = 0.4;
+                const PreparedNormals cut = prepared_normals(mesh, options);
+                EXPECT_EQ(whole.findings, cut.findings);
+                told += whole.findings.size();
+                for (const auto& [place, normals_there] : whole.at) {
+                    const auto& found = cut.at.at(place);
+                    EXPECT_EQ(found.size(), normals_there.size());
+                    for (const glm::vec3& n : found) {
+                        double nearest = 2;
+                        for (const glm::vec3& other : normals_there)
+                            nearest = std::min(nearest, double(glm::distance(n, other)));
+                        EXPECT_LE(nearest, 1e-6) << name_of(normals) << ", " << name_of(weight);
+                    }
+                }
+                all.push_back(cut);
+            }
+        for (const PreparedNormals& one : all)
+            farthest_apart = std::max(
+                farthest_apart, double(glm::distance(one.at.begin()->second.front(),
+                                                     all.front().at.begin()->second.front())));
+    }
+    EXPECT_GE(told, 15U);
+    EXPECT_GT(farthest_apart, 1);
+}
+
+// A sliver along a row of samples, across 280,000 pictures, is no chart to bake.
+TEST(Tessellation, SliversAlongRowsGetNoResidualMap) {
+    Mesh mesh;
+    mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    add_face(mesh, {0, 1, 2});
+    constexpr float row = 0x1p-15F, off = 0x1p-24F;  // the first samples of 4096 texels
+    mesh.uvs.resize(1);
+    mesh.uvs[0].values = {{-140000, row - off}, {140000, row}, {-140000, row + off}};
+    mesh.uvs[0].indices = {0, 1, 2};
+    Scene scene;
+    scene.meshes = {mesh};
+    PrepareOptions options;
+    options.tessellate = true;
+    options.tessellation.chord_error = 1;
+    options.displacement.residual.emplace();
+    options.displacement.residual->size = 4096;
+    const auto made = prepare(std::move(scene), options);
+    ASSERT_TRUE(made) << to_string(made.error());
+    const auto& findings = made->findings;
+    const auto found = std::find_if(findings.begin(), findings.end(), [](const Finding& finding) {
+        return finding.kind == "no-residual-map";
+    });
+    ASSERT_NE(found, findings.end());
+    EXPECT_NE(found->text.find("as wide as the picture"), std::string::npos) << found->text;
 }
 
 }  // namespace

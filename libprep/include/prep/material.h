@@ -87,7 +87,7 @@ struct Material {
     TextureRef normal_map, bump_map, displacement_map;
     NormalMapSpace normal_map_space = NormalMapSpace::tangent;
     bool normal_map_flip_green = false;  // true for maps whose green points down
-    // Displacement in scene units: (texel − midlevel) · scale · the map's strength.
+    // Displacement in units of the mesh: (texel − midlevel) · scale · the map's strength.
     float displacement_scale = 1, displacement_midlevel = 0.5f;
     DisplacementKind displacement_kind = DisplacementKind::height;
     bool unlit = false;

@@ -89,6 +89,7 @@ struct PrepareOptions {
     // the displacements, the hard edges and the threads that it reads are those given here; where
     // it asks for nothing, an error of a thousandth of the mesh's diagonal and at most a million
     // triangles are meant. Its screens are of the world: each is that of every node with the mesh.
+    // Normals of polygons are prepared before, as `normals` and `normal` say of any mesh.
     bool tessellate = false;
     TessellateOptions tessellation;
     DisplaceOptions displacement;

@@ -22,7 +22,7 @@ constexpr std::int64_t rows_in_band = 32;  // of texels: a task
 // work in proportion to the picture.
 constexpr double most_tiles = 16;      // that all triangles cover together
 constexpr double farthest_tile = 1e6;  // beyond, floats have no texels
-constexpr double most_rows = 0x1p32;   // of samples, over all triangles
+constexpr double most_rows = 0x1p32;   // and columns, of samples, over all triangles
 
 std::int64_t folded(std::int64_t i, std::int64_t size) {
     const std::int64_t r = i % size;
@@ -89,7 +89,7 @@ std::optional<std::string> ResidualPicture::add(const BakedMesh& baked, std::uin
     const std::vector<glm::vec2>& uvs = mesh.uvs[baked.uv_set];
     const double samples = double(size_) * side;
     std::vector<Triangle> triangles;
-    double tiles = 0, rows = 0;
+    double tiles = 0, rows = 0, columns = 0;
     for (const VertexMesh::Range& range : mesh.ranges) {
         if (range.material != material) continue;
         for (std::uint32_t k = 0; k < range.triangle_count; ++k) {
@@ -111,6 +111,9 @@ std::optional<std::string> ResidualPicture::add(const BakedMesh& baked, std::uin
             t.last_row = std::int64_t(std::floor(high / side));
             tiles += 0.5 * std::abs(area) / (samples * samples);
             rows += high - low + side;
+            const auto [left, right] =
+                std::minmax({t.corners[0].x, t.corners[1].x, t.corners[2].x});
+            columns += right - left + side;
             triangles.push_back(t);
         }
     }
@@ -118,6 +121,9 @@ std::optional<std::string> ResidualPicture::add(const BakedMesh& baked, std::uin
     if (rows > most_rows)
         return fmt::format("they are slivers: together {:.3g} times as high as the picture",
                            rows / samples);
+    if (columns > most_rows)
+        return fmt::format("they are slivers: together {:.3g} times as wide as the picture",
+                           columns / samples);
 
     const std::int64_t size = size_, bands = (size + rows_in_band - 1) / rows_in_band;
     const auto over_bands = [&](const Triangle& t, const auto& body) {

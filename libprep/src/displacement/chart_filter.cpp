@@ -284,12 +284,13 @@ class ChartFilter {
             const TexelBox to = written_box(chart);
             const TexelRange x{to.x, to.width, {made_.width, map_.x.wrap}, chart.of.wraps[0]};
             const TexelRange y{to.y, to.height, {made_.height, map_.y.wrap}, chart.of.wraps[1]};
+            SeenTexels seen(x, y);
             const bool all = covers_map(chart);
             for (std::int64_t j = 0; all && j < made_.height; ++j)
                 for (std::int64_t i = 0; i < made_.width; ++i) own(i, j);
             for (const std::uint32_t t : chart.of.triangles) {
                 if (unowned == 0 || all) break;
-                for_covered(in_parts(t), x, y, own);
+                for_read(in_parts(t), x, y, seen, own);
             }
         }
     }
@@ -506,10 +507,11 @@ class ChartFilter {
             .mask = {}};
         made.mask.assign(std::size_t(made.x.count * made.y.count), covers_map(chart));
         std::size_t unset = covers_map(chart) ? 0 : made.mask.size();
+        SeenTexels seen(made.x, made.y);
         for (const std::uint32_t t : chart.of.triangles) {
             if (unset == 0) break;
             for_covered(
-                in_map(map_, atlas_, t), made.x, made.y, [&](std::int64_t i, std::int64_t j) {
+                in_map(map_, atlas_, t), made.x, made.y, seen, [&](std::int64_t i, std::int64_t j) {
                     std::uint8_t& is = made.mask[std::size_t((j - made.y.first) * made.x.count + i -
                                                              made.x.first)];
                     unset -= is == 0;

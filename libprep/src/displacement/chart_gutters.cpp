@@ -3,53 +3,37 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
+#include <cstring>
+#include <numeric>
 
 #include "base/disjoint_sets.h"
+#include "base/step_count.h"
+#include "displacement/covered_texels.h"
 #include "displacement/height_data.h"
 
 namespace prep::detail {
 namespace {
 
 constexpr double far = 0x1p50;
-constexpr double on_border = 1e-9;  // texels: UVs are floats, which are coarser
-
-// Where the triangle meets the row through texels' centres.
-std::pair<double, double> crossing(const std::array<glm::dvec2, 3>& p, double y) {
-    double low = std::numeric_limits<double>::infinity(), high = -low;
-    const auto note = [&](double x) {
-        low = std::min(low, x);
-        high = std::max(high, x);
-    };
-    for (std::size_t k = 0; k < 3; ++k) {
-        const glm::dvec2 a = p[k], b = p[(k + 1) % 3];
-        const auto [top, bottom] = std::minmax(a.y, b.y);
-        if (y < top - on_border || y > bottom + on_border) continue;
-        if (bottom - top <= 2 * on_border) {
-            note(a.x);
-            note(b.x);
-        } else {
-            const double t = std::clamp((y - a.y) / (b.y - a.y), 0.0, 1.0);
-            note(a.x + t * (b.x - a.x));
-        }
-    }
-    // Rows outside of a clamped map read its first or last one.
-    if (low > high)
-        for (const glm::dvec2& c : p) note(c.x);
-    return {low, high};
-}
 
 class Coverage {
   public:
     explicit Coverage(const HeightMapData& map)
-        : map_(map), mask_(std::size_t(map.x.size * map.y.size), 0), unset_(mask_.size()) {}
+        : map_(map),
+          x_(all_of(map.x)),
+          y_(all_of(map.y)),
+          mask_(std::size_t(map.x.size * map.y.size), 0),
+          unset_(mask_.size()),
+          seen_(x_, y_) {}
+    ~Coverage() { count_steps(steps_); }
+    Coverage(const Coverage&) = delete;
+    Coverage& operator=(const Coverage&) = delete;
 
     // Whether a texel's centre lies in it.
-    bool add(const std::array<glm::dvec2, 3>& uv) {
-        std::array<glm::dvec2, 3> p;
+    bool add(const MapTriangle& uv) {
+        MapTriangle p;
         if (!place(uv, p)) return false;
         if (unset_ == 0) return true;
-        bool any = false;
         const auto [left, right] = std::minmax({p[0].x, p[1].x, p[2].x});
         const auto [top, bottom] = std::minmax({p[0].y, p[1].y, p[2].y});
         if (!spans_few(map_.x, left, right) || !spans_few(map_.y, top, bottom)) {
@@ -57,19 +41,14 @@ class Coverage {
             unset_ = 0;
             return true;
         }
-        const auto [j0, j1] = texels(map_.y, top, bottom);
-        for (std::int64_t j = j0; j <= j1; ++j) {
-            const auto [from, to] = crossing(p, double(j));
-            const auto [i0, i1] = texels(map_.x, from, to);
-            for (std::int64_t i = i0; i <= i1; ++i) set(index(i, j));
-            any |= i0 <= i1;
-        }
-        return any;
+        return for_read(p, x_, y_, seen_, [&](std::int64_t i, std::int64_t j) {
+            set(std::size_t(j * map_.x.size + i));
+        });
     }
 
     // The texels that the triangle's border runs through.
-    void add_border(const std::array<glm::dvec2, 3>& uv) {
-        std::array<glm::dvec2, 3> p;
+    void add_border(const MapTriangle& uv) {
+        MapTriangle p;
         if (!place(uv, p)) return;
         for (std::size_t k = 0; k < 3; ++k) {
             const glm::dvec2 a = p[k], b = p[(k + 1) % 3];
@@ -90,10 +69,11 @@ class Coverage {
 
   private:
     void set(std::size_t texel) {
+        ++steps_;
         unset_ -= mask_[texel] == 0;
         mask_[texel] = 1;
     }
-    bool place(const std::array<glm::dvec2, 3>& uv, std::array<glm::dvec2, 3>& p) const {
+    bool place(const MapTriangle& uv, MapTriangle& p) const {
         for (std::size_t k = 0; k < 3; ++k) {
             if (!std::isfinite(uv[k].x) || !std::isfinite(uv[k].y)) return false;
             p[k] = map_.map_point(uv[k]);
@@ -104,29 +84,16 @@ class Coverage {
         return axis.wrap == Wrap::clamp ||
                (high - low < 4 * double(axis.size) && std::abs(low) < far && std::abs(high) < far);
     }
-    // Those whose centres lie from low to high; outside of a clamped map one stands for all.
-    static std::pair<std::int64_t, std::int64_t> texels(const HeightAxis& axis, double low,
-                                                        double high) {
-        double first = std::ceil(low - on_border), last = std::floor(high + on_border);
-        if (axis.wrap == Wrap::clamp) {
-            const double size = double(axis.size);
-            if (last < 0 || first > size - 1) {
-                first = std::clamp(first, -1.0, size);
-                last = std::clamp(last, -1.0, size);
-            } else {
-                first = std::max(first, 0.0);
-                last = std::min(last, size - 1);
-            }
-        }
-        return {std::int64_t(first), std::int64_t(last)};
-    }
     std::size_t index(std::int64_t i, std::int64_t j) const {
         return std::size_t(map_.y.texel(j) * map_.x.size + map_.x.texel(i));
     }
 
     const HeightMapData& map_;
+    const TexelRange x_, y_;
     std::vector<std::uint8_t> mask_;
     std::size_t unset_;  // of it
+    SeenTexels seen_;
+    std::uint64_t steps_ = 0;  // texels looked at
 };
 
 // Neighbours by index; past the edge of a map that does not repeat there are none.
@@ -173,20 +140,38 @@ std::vector<std::uint32_t> charts_of(ChartTriangles triangles) {
     return charts;
 }
 
-std::pair<std::int64_t, std::int64_t> covered_in_row(const std::array<glm::dvec2, 3>& p,
-                                                     std::int64_t y) {
-    const auto [low, high] = std::minmax({p[0].y, p[1].y, p[2].y});
-    if (double(y) < low - on_border || double(y) > high + on_border) return {0, -1};
-    const auto [from, to] = crossing(p, double(y));
-    return {std::int64_t(std::ceil(from - on_border)), std::int64_t(std::floor(to + on_border))};
+std::vector<std::uint32_t> first_alike(const HeightMapData& map, ChartTriangles triangles) {
+    constexpr double several = 4;
+    std::vector<std::uint32_t> first(triangles.size()), order;
+    std::iota(first.begin(), first.end(), 0U);
+    double texels = 0;
+    for (const MapTriangle& uv : triangles) {
+        const glm::dvec2 a = map.map_point(uv[1]) - map.map_point(uv[0]);
+        const glm::dvec2 b = map.map_point(uv[2]) - map.map_point(uv[0]);
+        texels += 0.5 * std::abs(a.x * b.y - a.y * b.x);
+    }
+    if (!(texels > several * double(map.x.size) * double(map.y.size))) return first;
+    order = first;
+    // By their bits: what is no number has an order as well.
+    const auto compare = [&](std::uint32_t a, std::uint32_t b) {
+        return std::memcmp(&triangles[a], &triangles[b], sizeof(MapTriangle));
+    };
+    std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+        const int order_of = compare(a, b);
+        return order_of != 0 ? order_of < 0 : a < b;
+    });
+    for (std::size_t k = 1; k < order.size(); ++k)
+        if (compare(order[k - 1], order[k]) == 0) first[order[k]] = first[order[k - 1]];
+    return first;
 }
 
 std::vector<std::uint8_t> covered_texels(const HeightMapData& map, ChartTriangles charts) {
     Coverage coverage(map);
     std::vector<std::uint8_t> has_centre(charts.size());
+    const std::vector<std::uint32_t> first = first_alike(map, charts);
     bool all = true;
     for (std::size_t t = 0; t < charts.size(); ++t) {
-        has_centre[t] = coverage.add(charts[t]);
+        has_centre[t] = first[t] == t ? coverage.add(charts[t]) : has_centre[first[t]] != 0;
         all &= has_centre[t] != 0;
     }
     if (all) return std::move(coverage.mask());

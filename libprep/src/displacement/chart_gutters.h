@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstdint>
-#include <utility>
 #include <vector>
 
 #include "displacement/height_field.h"
@@ -15,14 +14,14 @@ struct HeightMapData;
 // For each triangle one that stands for its chart: triangles with a corner in common are of one.
 std::vector<std::uint32_t> charts_of(ChartTriangles triangles);
 
-// Texels of row y whose centres a triangle of map coordinates covers, to within rounding: from the
-// first to the last, none where that is less.
-std::pair<std::int64_t, std::int64_t> covered_in_row(const std::array<glm::dvec2, 3>& p,
-                                                     std::int64_t y);
+// For each triangle the first one of the same UVs, where triangles cover the map several times;
+// else itself.
+std::vector<std::uint32_t> first_alike(const HeightMapData& map, ChartTriangles triangles);
 
 // 1 for each texel that the charts cover (height_field.h says which those are); triangles with a
-// corner in common are of one chart. Coordinates that
-// are not finite cover nothing; a triangle that spans the map several times covers all of it.
+// corner in common are of one chart. Beyond the ends of a clamped map lies what its last texels
+// have. Coordinates that are not finite cover nothing; a triangle that spans the map several times
+// covers all of it.
 std::vector<std::uint8_t> covered_texels(const HeightMapData& map, ChartTriangles charts);
 
 // Rings around what is covered, each made from those before: the first two, which filters read,

@@ -5,6 +5,7 @@
 
 #include "base/disjoint_sets.h"
 #include "base/step_count.h"
+#include "displacement/chart_gutters.h"
 
 namespace prep::detail {
 namespace {
@@ -27,7 +28,8 @@ class SharedTexels {
           is_plain_(is_plain),
           sets_(sets),
           x_(all_of(map.x)),
-          y_(all_of(map.y)) {}
+          y_(all_of(map.y)),
+          seen_(x_, y_) {}
     ~SharedTexels() { count_steps(steps_); }
     SharedTexels(const SharedTexels&) = delete;
     SharedTexels& operator=(const SharedTexels&) = delete;
@@ -39,18 +41,25 @@ class SharedTexels {
         first_.assign(map_.raw.size(), no_index);
         unset_ = first_.size();
         std::uint32_t next_look = 0;
+        const std::vector<std::uint32_t> alike = first_alike(map_, atlas_.triangles);
+        std::vector<std::uint8_t> has_texel(count, 0);
         for (std::uint32_t t = 0; t < count; ++t) {
             if (!is_plain_[t]) continue;
-            for_covered(inside_of(t), x_, y_, [&](std::int64_t i, std::int64_t j) {
-                ++steps_;
-                std::uint32_t& of = first_[std::size_t(j * map_.x.size + i)];
-                if (of == no_index) {
-                    of = t;
-                    --unset_;
-                } else if (of != t) {
-                    sets_.unite(of, t);
-                }
-            });
+            if (alike[t] != t) {
+                if (has_texel[alike[t]]) sets_.unite(alike[t], t);
+                continue;
+            }
+            has_texel[t] =
+                for_covered(inside_of(t), x_, y_, seen_, [&](std::int64_t i, std::int64_t j) {
+                    ++steps_;
+                    std::uint32_t& of = first_[std::size_t(j * map_.x.size + i)];
+                    if (of == no_index) {
+                        of = t;
+                        --unset_;
+                    } else if (of != t) {
+                        sets_.unite(of, t);
+                    }
+                });
             // Tiles: where one chart has all of the map, the others that have texels are of it.
             if (unset_ > 0 || t < next_look) continue;
             if (is_one()) return unite_all(first_[0]);
@@ -72,11 +81,11 @@ class SharedTexels {
         for (std::uint32_t t = 0; t < is_plain_.size(); ++t) {
             if (!is_plain_[t]) continue;
             const MapTriangle p = inside_of(t);
-            const auto has_one = [&](std::int64_t, std::int64_t) {
+            const auto has_one = [&](const auto&...) {
                 ++steps_;
                 return true;
             };
-            if (covers_all(p, x_, y_) || any_covered(p, x_, y_, has_one)) sets_.unite(with, t);
+            if (covers_all(p, x_, y_) || any_run(p, x_, y_, has_one)) sets_.unite(with, t);
         }
     }
     bool is_one() {
@@ -90,6 +99,7 @@ class SharedTexels {
     const std::vector<std::uint8_t>& is_plain_;
     DisjointSets& sets_;
     const TexelRange x_, y_;
+    SeenTexels seen_;                   // whose runs are of one set each
     std::vector<std::uint32_t> first_;  // by texel: a triangle that covers it
     std::size_t unset_ = 0;             // of them
     std::uint64_t steps_ = 0;           // texels looked at

@@ -132,16 +132,22 @@ double carried(double frequency, double spacing) {
     return 1 - beyond * beyond * (3 - 2 * beyond);
 }
 
-// Calls visit(octave's seed, frequency, amplitude), but for those of which nothing is carried.
+// Calls visit(octave's number, frequency, amplitude, the part of it that is carried).
 template <class Visit>
-void over_octaves(const NoiseOptions& options, const Visit& visit) {
+void over_parts(const NoiseOptions& options, const Visit& visit) {
     double frequency = options.frequency, amplitude = options.scale;
     for (int i = 0; i < options.octaves; ++i) {
-        const double part = carried(frequency, options.sample_spacing);
-        if (part > 0) visit((std::uint64_t(i) << 32) + options.seed, frequency, part * amplitude);
+        visit(i, frequency, amplitude, carried(frequency, options.sample_spacing));
         frequency *= options.lacunarity;
         amplitude *= options.gain;
     }
+}
+// Calls visit(octave's seed, frequency, amplitude), but for those of which nothing is carried.
+template <class Visit>
+void over_octaves(const NoiseOptions& options, const Visit& visit) {
+    over_parts(options, [&](int i, double frequency, double amplitude, double part) {
+        if (part > 0) visit((std::uint64_t(i) << 32) + options.seed, frequency, part * amplitude);
+    });
 }
 
 // The squared radius of the smallest circle around a triangle: nothing inside is further from what
@@ -224,6 +230,14 @@ double NoiseField::curvature() const {
         sum += std::abs(amplitude) * frequency * frequency;
     });
     return bounds_of(options_.kind).second * sum * (1 + 0x1p-48);
+}
+
+double NoiseField::left_out() const {
+    double sum = 0;
+    over_parts(options_, [&](int, double, double amplitude, double part) {
+        if (part < 1) sum += (1 - part) * std::abs(amplitude);
+    });
+    return bounds_of(options_.kind).value * sum * (1 + 0x1p-48);
 }
 
 double NoiseField::change(double distance) const {

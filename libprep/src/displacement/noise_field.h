@@ -30,6 +30,8 @@ class NoiseField {
     Interval range() const;
     double steepest() const;
     double curvature() const;
+    // No value is changed by more by the spacing of samples; infinite where no double holds that.
+    double left_out() const;
     // No two values of points so far apart differ by more: each octave's by no more than twice its
     // largest, however steep it is.
     double change(double distance) const;

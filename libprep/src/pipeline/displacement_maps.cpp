@@ -56,25 +56,20 @@ class NoiseAbout final : public SpaceFunction {
     glm::dvec3 origin_;
 };
 
-// By how much a band limit moves a noise's heights at most: by the range of what it leaves out.
+// By how much a band limit moves a noise's heights at most.
 double band_limit_change(NoiseOptions options, double band_limit) {
-    const auto reach = [&](double spacing) {
-        options.sample_spacing = spacing;
-        const auto field = NoiseField::make(options);
-        if (!field) return 0.0;
-        const Interval range = field->range();
-        return 0.5 * (range.high - range.low);
-    };
-    return reach(0) - reach(band_limit);
+    options.sample_spacing = band_limit;
+    const auto field = NoiseField::make(options);
+    return field ? field->left_out() : 0;
 }
 
-std::shared_ptr<const HeightFunction> function_of(const HeightMap& map, const Mesh* charts,
-                                                  std::size_t uv_set, Index material, int threads) {
-    return height_function(map, charts, uv_set, material, threads);
+std::shared_ptr<const HeightFunction> function_of(const HeightMap& map, const ChartFaces& faces,
+                                                  int threads) {
+    return height_function(map, faces, threads);
 }
-std::shared_ptr<const VectorFunction> function_of(const VectorMap& map, const Mesh* charts,
-                                                  std::size_t uv_set, Index material, int threads) {
-    return vector_function(map, charts, uv_set, material, threads);
+std::shared_ptr<const VectorFunction> function_of(const VectorMap& map, const ChartFaces& faces,
+                                                  int threads) {
+    return vector_function(map, faces, threads);
 }
 
 }  // namespace
@@ -91,13 +86,9 @@ Result<const Image*> DisplacementMaps::picture(const ImageRef& ref) {
 
 Result<DisplacementMaps::Surface> DisplacementMaps::surface(
     const Mesh& mesh, const SubdivideOptions* subdivision) const {
-    Surface surface{mesh, {}};
-    if (!(options_.band_limit > 0)) return surface;
+    Surface surface{mesh, subdivision != nullptr, {}};
+    if (!(options_.band_limit > 0) || !subdivision) return surface;
     surface.face_areas.assign(mesh.face_count(), 0);
-    if (!subdivision) {
-        surface.face_areas = polygon_areas(mesh);
-        return surface;
-    }
     constexpr std::size_t many_faces = 50'000;
     SubdivideOptions options = *subdivision;
     options.level = mesh.face_count() < many_faces ? 2 : 1;
@@ -105,7 +96,7 @@ Result<DisplacementMaps::Surface> DisplacementMaps::surface(
     options.threads = threads_;
     const auto refined = subdivide(mesh, options);
     if (!refined) return refined.error();
-    const std::vector<double> areas = polygon_areas(refined->mesh);
+    const std::vector<double> areas = fan_areas(refined->mesh);
     for (std::size_t f = 0; f < areas.size(); ++f)
         surface.face_areas[refined->cage_faces[f]] += areas[f];
     return surface;
@@ -114,15 +105,13 @@ Result<DisplacementMaps::Surface> DisplacementMaps::surface(
 template <class Map, class Function>
 Result<Function> DisplacementMaps::function(const Map& map, const Reading& as,
                                             const Surface& surface, OfMesh& to, Function& as_read) {
-    const auto of = [&](const Map& read) {
-        return function_of(read, &surface.mesh, as.uv_set, as.material, threads_);
-    };
+    const ChartFaces faces{&surface.mesh, as.uv_set, as.material, surface.is_limit};
+    const auto of = [&](const Map& read) { return function_of(read, faces, threads_); };
     if (!(options_.band_limit > 0)) {
         to.changes.push_back(0);
         return of(map);
     }
-    auto limited = band_limited(map, &surface.mesh, as.uv_set, as.material, options_.band_limit,
-                                surface.face_areas, threads_);
+    auto limited = band_limited(map, faces, options_.band_limit, surface.face_areas, threads_);
     if (!limited) return std::move(limited).error();
     to.changes.push_back(limited->change);
     if (keeps_as_read()) as_read = of(map);

@@ -53,9 +53,10 @@ class DisplacementMaps {
         std::uint32_t material = no_index;  // whose faces; no_index: all
         bool default_midlevel = false;      // nobody said it
     };
-    // A mesh, and the areas of the surface over its faces where a band limit needs them.
+    // A mesh, and of a limit surface its areas over the faces where a band limit needs them.
     struct Surface {
         const Mesh& mesh;
+        bool is_limit = false;
         std::vector<double> face_areas;
     };
     Result<Surface> surface(const Mesh& mesh, const SubdivideOptions* subdivision) const;

@@ -124,7 +124,8 @@ class MeshPreparation {
     };
     std::optional<Baking> baking_;
     bool normals_made_ = false, tangents_made_ = false;  // all of the mesh
-    bool limit_normals_ = false;  // of a subdivision surface: nothing computes others
+    bool limit_normals_ =
+        false;  // of a surface that was subdivided or cut: nothing computes others
     std::vector<CornerLayer<glm::vec3>> limit_morph_normals_;  // by target
     std::vector<bool> normal_replaced_;  // per corner; empty: none of the file's own
 };

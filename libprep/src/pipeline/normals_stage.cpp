@@ -47,8 +47,11 @@ bool MeshPreparation::is_welded() const {
 
 Result<void> MeshPreparation::prepare_normals() {
     if (limit_normals_) {
-        skip_normals(out_.tessellated[index_] ? "the normals of the tessellated surface stand"
-                                              : "the normals of the limit surface stand");
+        const bool tessellated = out_.tessellated[index_].has_value();
+        // Polygons got theirs before they were cut.
+        if (options_.subdivide || !tessellated)
+            skip_normals(tessellated ? "the normals of the tessellated surface stand"
+                                     : "the normals of the limit surface stand");
         return {};
     }
     if (!need_.normals.needed) {

@@ -147,6 +147,7 @@ void MeshPreparation::take_surface(Mesh&& surface) {
     mesh_.tied_to_file = tied;  // its parts are the document's primitives still
     geometry_ = {};
     geometry_.shared = true;
+    normal_replaced_.clear();
     limit_normals_ = !mesh_.normals.empty();
     normals_made_ = limit_normals_;
     out_.subdivided[index_] = true;

@@ -170,6 +170,11 @@ Result<void> MeshPreparation::tessellate_mesh() {
         ": " + goal_of(options);
     const std::size_t attributes = mesh_.vertex_attributes.size();
     choose_residuals(options);
+    // A limit surface has its own; those of polygons are interpolated.
+    if (!options_.subdivide) {
+        if (auto done = prepare_normals(); !done) return done;
+        make_normals_unit();
+    }
     TessellationHooks hooks;
     if (baking_) hooks.places = &baking_->places;
     auto made = log_.run("tessellate", reason, [&] { return tessellate(mesh_, options, hooks); });

@@ -66,26 +66,24 @@ class NoiseHeights final : public SpaceFunction {
     NoiseField field_;
 };
 
+// One fan a face on limit surfaces; polygons are cut where the domain cuts them.
+Domain domain_of(const ChartFaces& faces, int threads) {
+    return make_domain(*faces.mesh, {}, !faces.of_cage, threads);
+}
+
 // Triangles of UVs of the faces that have a material: as fans of the domain lie over them.
 class Charts {
   public:
-    Charts(const Mesh& mesh, std::size_t uv_set, std::uint32_t material, int threads)
-        : mesh_(mesh), layer_(mesh.uvs[uv_set]) {
-        const Domain domain = make_domain(mesh, {}, true, threads);
+    Charts(const ChartFaces& faces, const Domain& domain)
+        : mesh_(*faces.mesh), layer_(mesh_.uvs[faces.uv_set]) {
         std::vector<std::uint32_t> corners;
         for (std::uint32_t fan = 0; fan < domain.fans(); ++fan) {
             const std::uint32_t face = domain.roots[domain.fan_roots[fan]].face;
-            if (material != no_index &&
-                (mesh.face_materials.empty() || mesh.face_materials[face] != material))
+            if (faces.material != no_index &&
+                (mesh_.face_materials.empty() || mesh_.face_materials[face] != faces.material))
                 continue;
             corners.clear();
             for_fan_corners(domain, fan, [&](std::uint32_t c) { corners.push_back(c); });
-            add(face, corners);
-            // A face that was cut is one fan on limit surfaces.
-            const std::uint32_t first = mesh.face_offsets[face], last = mesh.face_offsets[face + 1];
-            if (corners.size() == last - first) continue;
-            corners.clear();
-            for (std::uint32_t c = first; c < last; ++c) corners.push_back(c);
             add(face, corners);
         }
     }
@@ -115,8 +113,7 @@ class Charts {
         std::array<std::uint32_t, 2> corners{};
         std::uint32_t next = 0, previous = 0;  // of the fan
         glm::dvec3 centre{0.0};
-        // Of the face: fans of cut faces have inner ones as well, and are there twice.
-        bool is_edge = false;
+        bool is_edge = false;  // of the face: fans of cut faces have diagonals as well
     };
     glm::dvec2 uv(std::uint32_t c) const { return glm::dvec2(layer_.values[layer_.indices[c]]); }
     glm::dvec3 position(std::uint32_t c) const {
@@ -133,8 +130,10 @@ class Charts {
         }
         mean /= double(corners.size());
         centre /= double(corners.size());
-        const bool is_face =
-            corners.size() == mesh_.face_offsets[face + 1] - mesh_.face_offsets[face];
+        const std::uint32_t begin = mesh_.face_offsets[face], end = mesh_.face_offsets[face + 1];
+        const auto is_edge = [&](std::uint32_t a, std::uint32_t b) {
+            return b == (a + 1 == end ? begin : a + 1);
+        };
         const auto first = std::uint32_t(triangles_.size()), count = std::uint32_t(corners.size());
         for (std::uint32_t k = 0; k < count; ++k) {
             const std::uint32_t after = (k + 1) % count, before = (k + count - 1) % count;
@@ -144,7 +143,7 @@ class Charts {
                                 first + after,
                                 first + before,
                                 centre,
-                                is_face});
+                                is_edge(corners[k], corners[after])});
         }
     }
 
@@ -153,26 +152,33 @@ class Charts {
         atlas.flat.resize(count);
         atlas.across.assign(3 * std::size_t(count), no_index);
         atlas.same_way.assign(3 * std::size_t(count), 0);
-        struct Edge {
-            std::uint64_t ends;
-            std::uint32_t triangle;
+        std::vector<Edge> edges, diagonals;
+        const auto between = [](std::uint32_t a, std::uint32_t b) {
+            return std::uint64_t(std::min(a, b)) << 32 | std::max(a, b);
         };
-        std::vector<Edge> edges;
         for (std::uint32_t t = 0; t < count; ++t) {
             const Source& source = sources_[t];
             const auto [a, b] = source.corners;
             const glm::dvec3 edge = position(b) - position(a), up = source.centre - position(a);
             const double length = glm::length(edge);
-            if (length > 0 && source.is_edge)
+            if (length > 0)
                 atlas.flat[t] = {length, glm::dot(up, edge) / length,
                                  glm::length(glm::cross(edge, up)) / length};
             atlas.across[3 * t + 1] = 3 * source.next + 2;
             atlas.across[3 * t + 2] = 3 * source.previous + 1;
-            if (!source.is_edge) continue;
-            const auto [least, most] =
-                std::minmax(mesh_.corner_vertices[a], mesh_.corner_vertices[b]);
-            edges.push_back({std::uint64_t(least) << 32 | most, t});
+            if (source.is_edge)
+                edges.push_back({between(mesh_.corner_vertices[a], mesh_.corner_vertices[b]), t});
+            else
+                diagonals.push_back({between(a, b), t});
         }
+        link(edges, atlas);
+        link(diagonals, atlas);
+    }
+    struct Edge {
+        std::uint64_t ends;  // vertices; of diagonals, which are within a face, corners
+        std::uint32_t triangle;
+    };
+    void link(std::vector<Edge>& edges, ChartAtlas& atlas) const {
         std::sort(edges.begin(), edges.end(), [](const Edge& a, const Edge& b) {
             return a.ends != b.ends ? a.ends < b.ends : a.triangle < b.triangle;
         });
@@ -195,66 +201,71 @@ class Charts {
     std::vector<Source> sources_;  // per triangle
 };
 
-bool has_charts(const Mesh* mesh, std::size_t uv_set) {
-    return mesh && uv_set < mesh->uvs.size() && !mesh->uvs[uv_set].empty();
+bool has_charts(const ChartFaces& faces) {
+    return faces.mesh && faces.uv_set < faces.mesh->uvs.size() &&
+           !faces.mesh->uvs[faces.uv_set].empty();
 }
 
-template <class Map>
-Result<typename Map::Limited> limited_in(const Map& map, const Mesh* mesh, std::size_t uv_set,
-                                         std::uint32_t material, double spacing,
-                                         std::span<const double> face_areas, int threads) {
-    if (!has_charts(mesh, uv_set)) return map.limited({}, spacing);
-    std::vector<double> of_polygons;
-    if (face_areas.empty()) face_areas = of_polygons = polygon_areas(*mesh);
-    return map.limited(Charts(*mesh, uv_set, material, threads).atlas(face_areas), spacing);
-}
-
-}  // namespace
-
-std::shared_ptr<const HeightFunction> height_function(const HeightMap& map, const Mesh* charts,
-                                                      std::size_t uv_set, std::uint32_t material,
-                                                      int threads) {
-    if (!has_charts(charts, uv_set)) return std::make_shared<MapHeights>(map);
-    return std::make_shared<MapHeights>(
-        map.confined(Charts(*charts, uv_set, material, threads).triangles()));
-}
-
-std::shared_ptr<const VectorFunction> vector_function(const VectorMap& map, const Mesh* charts,
-                                                      std::size_t uv_set, std::uint32_t material,
-                                                      int threads) {
-    if (!has_charts(charts, uv_set)) return std::make_shared<MapVectors>(map);
-    return std::make_shared<MapVectors>(
-        map.confined(Charts(*charts, uv_set, material, threads).triangles()));
-}
-
-std::vector<double> polygon_areas(const Mesh& mesh) {
+// Of the fans of triangles around the mean of their corners, by face.
+std::vector<double> areas_of(const Mesh& mesh, const Domain& domain) {
     std::vector<double> areas(mesh.face_count(), 0);
-    for (std::size_t f = 0; f < areas.size(); ++f) {
-        const std::uint32_t first = mesh.face_offsets[f], last = mesh.face_offsets[f + 1];
-        const auto at = [&](std::uint32_t c) {
-            return glm::dvec3(mesh.positions[mesh.corner_vertices[c]]);
+    for (std::uint32_t fan = 0; fan < domain.fans(); ++fan) {
+        const std::uint32_t first = domain.fan_roots[fan], last = domain.fan_roots[fan + 1];
+        const auto at = [&](std::uint32_t root, std::size_t k) {
+            return glm::dvec3(mesh.positions[mesh.corner_vertices[domain.roots[root].corners[k]]]);
         };
-        // Of the fan around the corners' mean, as tessellation has it.
         glm::dvec3 middle(0.0);
-        for (std::uint32_t c = first; c < last; ++c) middle += at(c) - at(first);
-        middle = at(first) + middle / double(last - first);
-        for (std::uint32_t c = first; c < last; ++c)
-            areas[f] += 0.5 * glm::length(glm::cross(at(c) - middle,
-                                                     at(c + 1 == last ? first : c + 1) - middle));
+        for (std::uint32_t r = first; r < last; ++r) middle += at(r, 0) - at(first, 0);
+        middle = at(first, 0) + middle / double(last - first);
+        for (std::uint32_t r = first; r < last; ++r)
+            areas[domain.roots[r].face] +=
+                0.5 * glm::length(glm::cross(at(r, 0) - middle, at(r, 1) - middle));
     }
     return areas;
 }
 
-Result<HeightMap::Limited> band_limited(const HeightMap& map, const Mesh* charts,
-                                        std::size_t uv_set, std::uint32_t material, double spacing,
-                                        std::span<const double> face_areas, int threads) {
-    return limited_in(map, charts, uv_set, material, spacing, face_areas, threads);
+template <class Map>
+Result<typename Map::Limited> limited_in(const Map& map, const ChartFaces& faces, double spacing,
+                                         std::span<const double> face_areas, int threads) {
+    if (!has_charts(faces)) return map.limited({}, spacing);
+    const Domain domain = domain_of(faces, threads);
+    std::vector<double> of_polygons;
+    if (face_areas.empty()) face_areas = of_polygons = areas_of(*faces.mesh, domain);
+    return map.limited(Charts(faces, domain).atlas(face_areas), spacing);
 }
 
-Result<VectorMap::Limited> band_limited(const VectorMap& map, const Mesh* charts,
-                                        std::size_t uv_set, std::uint32_t material, double spacing,
-                                        std::span<const double> face_areas, int threads) {
-    return limited_in(map, charts, uv_set, material, spacing, face_areas, threads);
+template <class Map>
+Map confined_to(const Map& map, const ChartFaces& faces, int threads) {
+    if (!has_charts(faces)) return map;
+    return map.confined(Charts(faces, domain_of(faces, threads)).triangles());
+}
+
+}  // namespace
+
+std::shared_ptr<const HeightFunction> height_function(const HeightMap& map, const ChartFaces& faces,
+                                                      int threads) {
+    return std::make_shared<MapHeights>(confined_to(map, faces, threads));
+}
+
+std::shared_ptr<const VectorFunction> vector_function(const VectorMap& map, const ChartFaces& faces,
+                                                      int threads) {
+    return std::make_shared<MapVectors>(confined_to(map, faces, threads));
+}
+
+std::vector<double> fan_areas(const Mesh& mesh) {
+    return areas_of(mesh, make_domain(mesh, {}, false, 1));
+}
+
+Result<HeightMap::Limited> band_limited(const HeightMap& map, const ChartFaces& faces,
+                                        double spacing, std::span<const double> face_areas,
+                                        int threads) {
+    return limited_in(map, faces, spacing, face_areas, threads);
+}
+
+Result<VectorMap::Limited> band_limited(const VectorMap& map, const ChartFaces& faces,
+                                        double spacing, std::span<const double> face_areas,
+                                        int threads) {
+    return limited_in(map, faces, spacing, face_areas, threads);
 }
 
 }  // namespace detail
@@ -271,36 +282,36 @@ Result<void> check_spacing(double spacing) {
 
 }  // namespace
 
-Result<std::shared_ptr<const HeightFunction>> height_function(const Image& image,
-                                                              const HeightMapOptions& options,
-                                                              const Mesh* charts,
-                                                              std::size_t uv_set) {
+Result<std::shared_ptr<const HeightFunction>> height_function(
+    const Image& image, const HeightMapOptions& options, const Mesh* charts, std::size_t uv_set,
+    std::optional<SubdivisionScheme> scheme) {
     if (auto checked = check_spacing(options.sample_spacing); !checked) return checked.error();
     Result<detail::HeightMap> map = detail::HeightMap::make(image, options);
     if (!map) return map.error();
+    const detail::ChartFaces faces{.mesh = charts, .uv_set = uv_set, .of_cage = scheme.has_value()};
     if (options.sample_spacing > 0) {
-        auto limited = detail::band_limited(*map, charts, uv_set, no_index, options.sample_spacing,
-                                            {}, options.threads);
+        auto limited =
+            detail::band_limited(*map, faces, options.sample_spacing, {}, options.threads);
         if (!limited) return std::move(limited).error();
         *map = std::move(limited->map);
     }
-    return detail::height_function(*map, charts, uv_set, no_index, options.threads);
+    return detail::height_function(*map, faces, options.threads);
 }
 
-Result<std::shared_ptr<const VectorFunction>> vector_function(const Image& image,
-                                                              const VectorMapOptions& options,
-                                                              const Mesh* charts,
-                                                              std::size_t uv_set) {
+Result<std::shared_ptr<const VectorFunction>> vector_function(
+    const Image& image, const VectorMapOptions& options, const Mesh* charts, std::size_t uv_set,
+    std::optional<SubdivisionScheme> scheme) {
     if (auto checked = check_spacing(options.map.sample_spacing); !checked) return checked.error();
     Result<detail::VectorMap> map = detail::VectorMap::make(image, options);
     if (!map) return map.error();
+    const detail::ChartFaces faces{.mesh = charts, .uv_set = uv_set, .of_cage = scheme.has_value()};
     if (options.map.sample_spacing > 0) {
-        auto limited = detail::band_limited(*map, charts, uv_set, no_index,
-                                            options.map.sample_spacing, {}, options.map.threads);
+        auto limited =
+            detail::band_limited(*map, faces, options.map.sample_spacing, {}, options.map.threads);
         if (!limited) return std::move(limited).error();
         *map = std::move(limited->map);
     }
-    return detail::vector_function(*map, charts, uv_set, no_index, options.map.threads);
+    return detail::vector_function(*map, faces, options.map.threads);
 }
 
 Result<std::shared_ptr<const SpaceFunction>> noise_function(const NoiseOptions& options) {

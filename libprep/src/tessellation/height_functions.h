@@ -11,27 +11,30 @@
 
 namespace prep::detail {
 
-// The map, confined to the UVs of the faces of `charts` (null: as it is) that have this material
-// (no_index: all faces), as fans of the domain lie over them.
-std::shared_ptr<const HeightFunction> height_function(const HeightMap& map, const Mesh* charts,
-                                                      std::size_t uv_set, std::uint32_t material,
-                                                      int threads);
+// Faces at whose UVs a map is read.
+struct ChartFaces {
+    const Mesh* mesh = nullptr;  // null: it is read anywhere
+    std::size_t uv_set = 0;
+    std::uint32_t material = no_index;  // of the faces; no_index: all
+    bool of_cage = false;  // a limit surface lies over them, else they are its polygons
+};
 
-// A vector map, confined likewise.
-std::shared_ptr<const VectorFunction> vector_function(const VectorMap& map, const Mesh* charts,
-                                                      std::size_t uv_set, std::uint32_t material,
+// The map, confined to the UVs of the faces, as fans of the domain lie over them.
+std::shared_ptr<const HeightFunction> height_function(const HeightMap& map, const ChartFaces& faces,
+                                                      int threads);
+std::shared_ptr<const VectorFunction> vector_function(const VectorMap& map, const ChartFaces& faces,
                                                       int threads);
 
 // Of the fan of triangles around the mean of each face's corners.
-std::vector<double> polygon_areas(const Mesh& mesh);
+std::vector<double> fan_areas(const Mesh& mesh);
 
 // The map as samples of the surface so far apart carry it (HeightMap::limited), in the same charts;
-// `face_areas`: of the surface over each face; empty: of the polygons.
-Result<HeightMap::Limited> band_limited(const HeightMap& map, const Mesh* charts,
-                                        std::size_t uv_set, std::uint32_t material, double spacing,
-                                        std::span<const double> face_areas, int threads);
-Result<VectorMap::Limited> band_limited(const VectorMap& map, const Mesh* charts,
-                                        std::size_t uv_set, std::uint32_t material, double spacing,
-                                        std::span<const double> face_areas, int threads);
+// `face_areas`: of the surface over each face; empty: of the fans.
+Result<HeightMap::Limited> band_limited(const HeightMap& map, const ChartFaces& faces,
+                                        double spacing, std::span<const double> face_areas,
+                                        int threads);
+Result<VectorMap::Limited> band_limited(const VectorMap& map, const ChartFaces& faces,
+                                        double spacing, std::span<const double> face_areas,
+                                        int threads);
 
 }  // namespace prep::detail

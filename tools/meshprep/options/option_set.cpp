@@ -96,6 +96,15 @@ Option Option::when_given(std::function<void()> act) const {
     return *this;
 }
 
+std::string Option::given() const {
+    const std::vector<std::string>& values = option_->results();
+    return values.empty() ? std::string() : values.back();
+}
+
+Option OptionSet::added(const std::string& name) const {
+    return Option(app_.get_option(name));
+}
+
 CLI::Option* OptionSet::grouped(CLI::Option* option) const {
     if (!group_.empty()) option->group(group_);
     return option;

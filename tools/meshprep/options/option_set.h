@@ -29,6 +29,8 @@ class Option {
     Option needs(const Option& other) const;
     Option excludes(const Option& other) const;
     Option when_given(std::function<void()> act) const;
+    // Its value in words, the last one; empty where the line has none.
+    std::string given() const;
 
   private:
     CLI::Option* option_;
@@ -43,6 +45,7 @@ class OptionSet {
     explicit OptionSet(CLI::App& app) : app_(app) {}
 
     void group(const std::string& name) { group_ = name; }  // in help, of what follows
+    Option added(const std::string& name) const;            // before
     void examples(const std::string& text);
     // Fills `to` once the command line was read, but for the options named in `without`, those of
     // the group "Common" and arguments by their order.

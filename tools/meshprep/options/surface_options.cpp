@@ -93,11 +93,12 @@ void add_subdivision_options(OptionSet& options, prep::PrepareOptions& p) {
 }
 
 // What every option that asks for a tessellation begins with. Options of a refinement level by
-// level, which are read before these, would do nothing beside it. (A level of 2 cannot be told from
-// none.)
-void take_tessellation(const std::string& option, prep::PrepareOptions& p) {
+// level, which are read before these, would do nothing beside it.
+void take_tessellation(const std::string& option, const Option& subdivide,
+                       prep::PrepareOptions& p) {
     const prep::SubdivideOptions plain, &s = p.subdivision;
-    const char* const other = s.level != plain.level                     ? "a level of --subdivide"
+    const bool has_level = subdivide.given().find(':') != std::string::npos;
+    const char* const other = has_level                                  ? "a level of --subdivide"
                               : s.control_points                         ? "--control-points"
                               : s.face_varying.has_value()               ? "--face-varying"
                               : s.max_influences != plain.max_influences ? "--max-influences"
@@ -199,18 +200,18 @@ void add_noise_options(OptionSet& options, prep::DisplaceOptions& d, const Optio
         .needs(displace);
 }
 
-void add_residual_options(OptionSet& options, prep::PrepareOptions& p) {
+void add_residual_options(OptionSet& options, const Option& subdivide, prep::PrepareOptions& p) {
     prep::DisplaceOptions& d = p.displacement;
     const Option residual = options.value(
         "--residual-normal-map", "SIZE",
-        [&p, &d](const std::string& text) {
+        [&p, &d, subdivide](const std::string& text) {
             const std::vector<double> n = parse_numbers(text, ',');
             if (n.size() != 1 || n[0] != std::floor(n[0]) ||
                 !(n[0] >= 1 && n[0] <= double(prep::max_residual_size)))
                 usage_error("--residual-normal-map",
                             fmt::format("'{}' is not a number of texels from 1 to {}", text,
                                         prep::max_residual_size));
-            take_tessellation("--residual-normal-map", p);
+            take_tessellation("--residual-normal-map", subdivide, p);
             if (!d.residual) d.residual.emplace();
             d.residual->size = std::uint32_t(n[0]);
         },
@@ -230,10 +231,11 @@ void add_residual_options(OptionSet& options, prep::PrepareOptions& p) {
 void add_displacement_options(OptionSet& options, prep::PrepareOptions& p) {
     options.group("Displacement");
     prep::DisplaceOptions& d = p.displacement;
+    const Option subdivide = options.added("--subdivide");
     const Option displace = options.value(
         "--displace", "FILE|materials|noise",
-        [&p, &d](const std::string& text) {
-            take_tessellation("--displace", p);
+        [&p, &d, subdivide](const std::string& text) {
+            take_tessellation("--displace", subdivide, p);
             if (text == "materials") {
                 d.from_materials = true;
                 return;
@@ -338,8 +340,8 @@ void add_displacement_options(OptionSet& options, prep::PrepareOptions& p) {
     const auto length = [&](const char* name, std::optional<double>& to, const char* help) {
         options.value(
             name, "LENGTH",
-            [&p, &to, name](const std::string& text) {
-                take_tessellation(name, p);
+            [&p, &to, name, subdivide](const std::string& text) {
+                take_tessellation(name, subdivide, p);
                 to = parse_number(name, text, true);
             },
             help);
@@ -351,13 +353,13 @@ void add_displacement_options(OptionSet& options, prep::PrepareOptions& p) {
     length("--edge-length", t.edge_length, "No edge is longer, in the mesh's units");
     options.value(
         "--max-triangles", "N",
-        [&p, &t](const std::string& text) {
-            take_tessellation("--max-triangles", p);
+        [&p, &t, subdivide](const std::string& text) {
+            take_tessellation("--max-triangles", subdivide, p);
             t.max_triangles = parse_count("--max-triangles", text);
         },
         "At most so many in a mesh, spent where the error is largest (20000, 200k, 1.5M); one a "
         "triangle and two a quad there are in any case");
-    add_residual_options(options, p);
+    add_residual_options(options, subdivide, p);
 }
 
 }  // namespace
@@ -371,8 +373,8 @@ Option add_pixel_error_option(OptionSet& options, prep::PrepareOptions& p) {
     options.group("Tessellation");
     return options.value(
         "--pixel-error", "PIXELS",
-        [&p](const std::string& text) {
-            take_tessellation("--pixel-error", p);
+        [&p, subdivide = options.added("--subdivide")](const std::string& text) {
+            take_tessellation("--pixel-error", subdivide, p);
             p.tessellation.pixel_error = parse_number("--pixel-error", text, true);
         },
         "In the picture that the camera takes, triangles nowhere further than this from the "

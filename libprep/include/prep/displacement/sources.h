@@ -31,7 +31,7 @@ struct HeightMapOptions {
     std::uint32_t channel = 0;
     HeightFilter filter = HeightFilter::bilinear;
     Wrap wrap_u = Wrap::repeat, wrap_v = Wrap::repeat;  // border is taken for clamp
-    double scale = 1;                                   // height of a texel of 1, in scene units
+    double scale = 1;  // height of a texel of 1, in units of the mesh
     // The texel that moves nothing. In files of 8 and 16 bits it is the code nearest to it, halves
     // up: 0.5 stands for 128/255 and for 32768/65535, as no such file can hold 0.5.
     double midlevel = 0.5;

@@ -57,11 +57,11 @@ class HeightFunction {
 
 // A height map (sources.h) as read: its own scale and mid-level are applied already, those of a
 // Displacement then stay 1 and 0. With `charts`, texels outside the faces of that mesh's UV set are
-// not read (docs/displacement.md, gutters). Errors: those of a height map.
-Result<std::shared_ptr<const HeightFunction>> height_function(const Image& image,
-                                                              const HeightMapOptions& options = {},
-                                                              const Mesh* charts = nullptr,
-                                                              std::size_t uv_set = 0);
+// not read (docs/displacement.md, gutters); `scheme`: where TessellateOptions has one, as a limit
+// surface reads other texels of a concave face than the polygon. Errors: those of a height map.
+Result<std::shared_ptr<const HeightFunction>> height_function(
+    const Image& image, const HeightMapOptions& options = {}, const Mesh* charts = nullptr,
+    std::size_t uv_set = 0, std::optional<SubdivisionScheme> scheme = std::nullopt);
 
 // A height over the mesh's own space, where the surface is before it is displaced; as
 // HeightFunction.
@@ -102,10 +102,9 @@ class VectorFunction {
 
 // A vector map, as height_function(); a Displacement by it has `tangent_space` unless its axes are
 // those of object space. Errors: also invalid (fewer than three channels).
-Result<std::shared_ptr<const VectorFunction>> vector_function(const Image& image,
-                                                              const VectorMapOptions& options = {},
-                                                              const Mesh* charts = nullptr,
-                                                              std::size_t uv_set = 0);
+Result<std::shared_ptr<const VectorFunction>> vector_function(
+    const Image& image, const VectorMapOptions& options = {}, const Mesh* charts = nullptr,
+    std::size_t uv_set = 0, std::optional<SubdivisionScheme> scheme = std::nullopt);
 
 // P = S + (scale · (height − midlevel) + noise) n + vector, of those that are there.
 struct Displacement {
