@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <functional>
 #include <limits>
 
@@ -177,9 +176,9 @@ TEST(PlanProofs, ManyLightsBehindManyNormalsTakeNoLongerThanAFew) {
 }
 
 // A material's meshes are found once for all materials, and what their vertices are like once a
-// mesh: in seconds of the processor, of which looking through all for each took 30.
-TEST(PlanProofs, ManyMaterialsOfOneMeshTakeNoLongerThanAFew) {
-    constexpr std::uint32_t materials = 40000;
+// mesh: looking through all for each would take half an hour.
+TEST(PlanProofs, ManyMaterialsOfOneMeshAreLookedThroughOnce) {
+    constexpr std::uint32_t materials = 300'000;
     prep::VertexMesh mesh;
     mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
     mesh.colors = {std::vector<glm::vec4>(materials, glm::vec4(1))};
@@ -194,12 +193,9 @@ TEST(PlanProofs, ManyMaterialsOfOneMeshTakeNoLongerThanAFew) {
     scene.scene.materials.resize(materials, masked);
     rast::RenderRequest request;
     request.view = test::look_at({0, 0, 5}, {0, 0, 0});
-    const std::clock_t start = std::clock();
     const auto plan = rast::plan(scene, request);
-    const double seconds = double(std::clock() - start) / CLOCKS_PER_SEC;
     ASSERT_TRUE(plan.has_value());
     EXPECT_TRUE(plan->skips.materials[materials - 1].mask);
-    EXPECT_LT(seconds, 2);
 }
 
 }  // namespace

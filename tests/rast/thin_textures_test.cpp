@@ -4,7 +4,6 @@
 
 #include <cmath>
 #include <cstring>
-#include <ctime>
 #include <vector>
 
 #include "builders.h"
@@ -63,24 +62,21 @@ TEST(ThinTextures, RowsHaveTheirShareOfTheEllipse) {
     }
 }
 
-// In seconds of the processor. With all of the footprint's repeats each sample reads a million
-// texels a row.
-TEST(ThinTextures, FootprintsOfManyRepeatsEndSoon) {
-    const std::clock_t start = std::clock();
+// With all of the footprint's repeats each sample would read a million texels a row: an hour.
+TEST(ThinTextures, FootprintsOfManyRepeatsEnd) {
     for (const bool down : {true, false}) {
         const prep::Image image =
             down ? test::random_image(1, 32768, 5) : test::random_image(32768, 1, 5);
         const MipTexture texture = column_of(image);
-        for (int n = 0; n < 500; ++n) {
+        for (int n = 0; n < 50'000; ++n) {
             const glm::vec2 across(5e5f, 40.0f / 32768), along(3.0f * float(n % 7), 0.9f);
             const Footprint footprint = down ? Footprint{across, along}
                                              : Footprint{{across.y, across.x}, {along.y, along.x}};
             const glm::vec4 c =
-                texture.sample({0.3f, 0.001f * float(n)}, footprint, TextureFilter::ewa, longest);
+                texture.sample({0.3f, 0.001f * float(n % 1000)}, footprint, TextureFilter::ewa, longest);
             for (int k = 0; k < 4; ++k) ASSERT_TRUE(c[k] >= 0 && c[k] <= 1);
         }
     }
-    EXPECT_LT(double(std::clock() - start) / CLOCKS_PER_SEC, 2);
 }
 
 // In pictures, the same bytes on every instruction set.
