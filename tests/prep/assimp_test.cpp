@@ -127,7 +127,7 @@ const char* const furnished = R"(<?xml version="1.0"?>
 <scene><instance_visual_scene url="#w"/></scene></COLLADA>
 )";
 
-// Nothing lies between such planes.
+// A near plane at 0 becomes the usual one, 0.01, and nothing lies between it and 0.005.
 TEST(Assimp, FarPlanesAreBehindNearOnes) {
     const test::TempDir dir;
     const auto load_with = [&](const std::string& far) {
@@ -151,7 +151,7 @@ TEST(Assimp, FarPlanesAreBehindNearOnes) {
  *NODE_NAME "c"
  *CAMERA_TYPE Free
  *CAMERA_SETTINGS {
-  *CAMERA_NEAR 10
+  *CAMERA_NEAR 0
   *CAMERA_FAR )" + far + R"(
   *CAMERA_FOV 0.8
  }
@@ -159,11 +159,11 @@ TEST(Assimp, FarPlanesAreBehindNearOnes) {
 )");
     };
     const std::string warning = "the far plane of the camera 'c' is not behind its near plane: left out";
-    for (const auto& [far, zfar] : {std::pair("10", 0.0), std::pair("20", 20.0)}) {
+    for (const auto& [far, zfar] : {std::pair("0.005", 0.0), std::pair("20", 20.0)}) {
         const auto scene = load_with(far);
         ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
         ASSERT_EQ(scene->cameras.size(), 1u);
-        EXPECT_EQ(scene->cameras[0].znear, 10);
+        EXPECT_EQ(scene->cameras[0].znear, prep::Camera().znear);
         EXPECT_EQ(scene->cameras[0].zfar, zfar);
         EXPECT_EQ(std::count(scene->warnings.begin(), scene->warnings.end(), warning),
                   zfar == 0 ? 1 : 0);
