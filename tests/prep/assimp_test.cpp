@@ -127,49 +127,6 @@ const char* const furnished = R"(<?xml version="1.0"?>
 <scene><instance_visual_scene url="#w"/></scene></COLLADA>
 )";
 
-// A near plane at 0 becomes the usual one, 0.01, and nothing lies between it and 0.005.
-TEST(Assimp, FarPlanesAreBehindNearOnes) {
-    const test::TempDir dir;
-    const auto load_with = [&](const std::string& far) {
-        return load(dir, "camera.ase", R"(*3DSMAX_ASCIIEXPORT 200
-*GEOMOBJECT {
- *NODE_NAME "a"
- *MESH {
-  *MESH_NUMVERTEX 3
-  *MESH_NUMFACES 1
-  *MESH_VERTEX_LIST {
-   *MESH_VERTEX 0 0 0 0
-   *MESH_VERTEX 1 1 0 0
-   *MESH_VERTEX 2 0 1 0
-  }
-  *MESH_FACE_LIST {
-   *MESH_FACE 0: A: 0 B: 1 C: 2 AB: 1 BC: 1 CA: 1 *MESH_SMOOTHING 1 *MESH_MTLID 0
-  }
- }
-}
-*CAMERAOBJECT {
- *NODE_NAME "c"
- *CAMERA_TYPE Free
- *CAMERA_SETTINGS {
-  *CAMERA_NEAR 0
-  *CAMERA_FAR )" + far + R"(
-  *CAMERA_FOV 0.8
- }
-}
-)");
-    };
-    const std::string warning = "the far plane of the camera 'c' is not behind its near plane: left out";
-    for (const auto& [far, zfar] : {std::pair("0.005", 0.0), std::pair("20", 20.0)}) {
-        const auto scene = load_with(far);
-        ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
-        ASSERT_EQ(scene->cameras.size(), 1u);
-        EXPECT_EQ(scene->cameras[0].znear, prep::Camera().znear);
-        EXPECT_EQ(scene->cameras[0].zfar, zfar);
-        EXPECT_EQ(std::count(scene->warnings.begin(), scene->warnings.end(), warning),
-                  zfar == 0 ? 1 : 0);
-    }
-}
-
 TEST(Assimp, ColladaMaterialsCamerasAndLightsByValue) {
     const test::TempDir dir;
     const auto scene = load(dir, "two.dae", furnished);

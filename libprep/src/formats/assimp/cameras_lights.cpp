@@ -99,11 +99,7 @@ class CameraAndLightImport {
             const double aspect = in.mAspect > 0 ? double(in.mAspect) : 4.0 / 3.0;
             if (half > 0) out.yfov = 2 * std::atan(half / aspect);
             if (in.mClipPlaneNear > 0) out.znear = in.mClipPlaneNear;
-            if (in.mClipPlaneFar > out.znear && std::isfinite(in.mClipPlaneFar))
-                out.zfar = in.mClipPlaneFar;
-            else if (in.mClipPlaneFar > 0)
-                scene_.warnings.push_back("the far plane of the camera '" + out.name +
-                                          "' is not behind its near plane: left out");
+            out.zfar = std::isfinite(in.mClipPlaneFar) ? in.mClipPlaneFar : 0;
         }
         out.xmag *= import_.scene.placement.file_unit;
         out.ymag *= import_.scene.placement.file_unit;
