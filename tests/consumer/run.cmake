@@ -12,6 +12,17 @@ run(${CMAKE_COMMAND} -S ${PROGRAM_DIR} -B ${WORK_DIR}/build -G ${GENERATOR}
   -DCMAKE_PREFIX_PATH=${WORK_DIR}/prefix -DMESHPREP_VERSION=${VERSION})
 run(${CMAKE_COMMAND} --build ${WORK_DIR}/build)
 run(${WORK_DIR}/build/consumer ${MESH})
+# The libraries that are loaded when they are needed are found where they were installed. (Within the
+# build's folder a program finds the build's: what it is linked with tells.)
+find_program(LDD ldd)
+if(LDD)
+  execute_process(COMMAND ${LDD} ${WORK_DIR}/build/consumer OUTPUT_VARIABLE linked)
+  foreach(library libprep_images.so libprep_readers.so)
+    if(NOT linked MATCHES "${library} => ${WORK_DIR}/prefix/")
+      message(FATAL_ERROR "the program is not linked with the installed ${library}:\n${linked}")
+    endif()
+  endforeach()
+endif()
 
 # The samples of the documentation: every block of C++ is a program, built as the block of CMake beside
 # it says, and run where its chair.obj is.

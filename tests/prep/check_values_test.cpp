@@ -199,7 +199,6 @@ TEST(CheckValues, OnlyWhatLiesInsideAnOutwardShellIsACavity) {
               Indices{});
 }
 
-// A shell is named by its first face, whatever order its faces are met in.
 // Against the definition: every box of an outward shell around it, one after the other.
 TEST(CheckValues, CavitiesAmongManyShells) {
     std::uint32_t state = 1;
@@ -218,7 +217,8 @@ TEST(CheckValues, CavitiesAmongManyShells) {
     Indices expected;
     for (int i = 0; i < 400; ++i)
         boxes.push_back({{10 * random(), 10 * random(), 10 * random()},
-                         0.1f + 2 * random() * random(), random() < 0.5f});
+                         0.1f + 2 * random() * random(),
+                         random() < 0.5f});
     for (std::size_t i = 0; i < boxes.size(); ++i) {
         const Mesh one = moved(cube, boxes[i].scale, boxes[i].at);
         all = i == 0 ? (boxes[i].turned ? inside_out(one) : one)
@@ -241,6 +241,34 @@ TEST(CheckValues, CavitiesAmongManyShells) {
     EXPECT_EQ(found->places, expected);
 }
 
+// Thin slabs on each other, a small cube turned inside out in each gap: wherever a box of several
+// slabs is, the cubes between them are in it.
+TEST(CheckValues, GapsBetweenManyShellsAreNoCavities) {
+    constexpr int slabs = 20'000;
+    std::vector<glm::vec3> positions;
+    shapes::Faces faces;
+    const Mesh cube = shapes::cube();
+    const auto add = [&](const glm::vec3& half, float z, bool turned) {
+        const auto base = std::uint32_t(positions.size());
+        for (const glm::vec3& p : cube.positions)
+            positions.push_back(half * p + glm::vec3(0, 0, z));
+        for (std::uint32_t f = 0; f < 6; ++f) {
+            std::vector<std::uint32_t> face;
+            for (std::uint32_t c = 0; c < 4; ++c)
+                face.push_back(base + cube.corner_vertices[4 * f + (turned ? 3 - c : c)]);
+            faces.push_back(face);
+        }
+    };
+    for (int i = 0; i < slabs; ++i) {
+        add({1e5f, 1e5f, 0.25f}, float(2 * i), false);
+        add({0.25f, 0.25f, 0.25f}, float(2 * i + 1), true);
+    }
+    const prep::MeshCheck result = prep::check(shapes::mesh_of(positions, faces));
+    const Finding* found = find(result.findings, "inside-out-shell");
+    ASSERT_NE(found, nullptr);
+    EXPECT_EQ(found->count, std::uint64_t(slabs));
+}
+
 // Two polygons of no area, back to back along a line: each of their 50,000 edges leads into the
 // other. Looking at all edges of the other for each way would take an hour.
 TEST(CheckValues, FlatPolygonsOfManyCornersEnd) {
@@ -258,6 +286,7 @@ TEST(CheckValues, FlatPolygonsOfManyCornersEnd) {
     EXPECT_EQ(found->count, 2u);
 }
 
+// A shell is named by its first face, whatever order its faces are met in.
 TEST(CheckValues, ShellsAreNamedByTheirFirstFace) {
     std::mt19937_64 random(11);
     const Mesh two = shapes::joined(moved(shapes::icosphere(1), 1.0f, {5, 0, 0}),

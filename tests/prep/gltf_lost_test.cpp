@@ -126,6 +126,20 @@ TEST(GltfLost, ScenesOfJsonShowWhatTheGltfShows) {
     EXPECT_EQ(shown, 1u);
 }
 
+// A collection without nodes shows nothing by itself: a scene that names it does.
+TEST(GltfLost, ScenesOfJsonShowCollectionsOfMeshes) {
+    const test::TempDir dir;
+    test::GltfSource d = two_scenes();
+    for (const char* key : {"nodes", "scenes", "scene"}) d.json.erase(key);
+    d.write(dir / "in.glb");
+    test::write_text(dir / "a.json", R"({"meshprep":1,"meshes":{"m":{"file":"in.glb"}}})");
+    const auto scene = prep::load_scene(dir / "a.json");
+    ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
+    std::size_t shown = 0;
+    for (const prep::Node& node : scene->nodes) shown += node.mesh != prep::no_index;
+    EXPECT_EQ(shown, 2u);
+}
+
 // The files beside a glTF document are its buffers: no OBJ file reads its materials from them.
 TEST(GltfLost, ObjInThePlaceOfItsSourceHasItsMaterials) {
     const test::TempDir dir;

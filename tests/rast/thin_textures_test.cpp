@@ -72,8 +72,8 @@ TEST(ThinTextures, FootprintsOfManyRepeatsEnd) {
             const glm::vec2 across(5e5f, 40.0f / 32768), along(3.0f * float(n % 7), 0.9f);
             const Footprint footprint = down ? Footprint{across, along}
                                              : Footprint{{across.y, across.x}, {along.y, along.x}};
-            const glm::vec4 c =
-                texture.sample({0.3f, 0.001f * float(n % 1000)}, footprint, TextureFilter::ewa, longest);
+            const glm::vec4 c = texture.sample({0.3f, 0.001f * float(n % 1000)}, footprint,
+                                               TextureFilter::ewa, longest);
             for (int k = 0; k < 4; ++k) ASSERT_TRUE(c[k] >= 0 && c[k] <= 1);
         }
     }

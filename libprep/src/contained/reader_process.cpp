@@ -54,7 +54,7 @@ std::vector<fs::path> candidates() {
     std::error_code ec;
     const fs::path self = fs::read_symlink("/proc/self/exe", ec);
     if (!ec) {
-        if (self.string().starts_with(MESHPREP_READER_BUILT_IN "/"))
+        if (self.string().starts_with(MESHPREP_READER_PROGRAMS_BUILD "/"))
             list.push_back(fs::path(MESHPREP_READER_BUILT_IN) / MESHPREP_READER_FILE);
         list.push_back(self.parent_path() / MESHPREP_READER_FILE);
         list.push_back((self.parent_path() / MESHPREP_READER_FROM_BIN / MESHPREP_READER_FILE)

@@ -55,8 +55,9 @@ void note_lost(const PreparedScene& prepared, const std::string& format, const F
     }
     if (const std::size_t hidden = is_shown.size() - shown; hidden > 0)
         notes.push_back(std::to_string(hidden) +
-                        (hidden == 1 ? " mesh that the file's scene does not show was left out"
-                                     : " meshes that the file's scene does not show were left out"));
+                        (hidden == 1
+                             ? " mesh that the file's scene does not show was left out"
+                             : " meshes that the file's scene does not show were left out"));
     for (const Mesh& mesh : prepared.scene.meshes) {
         loose += mesh.loose_parts_with_attributes;
         for (const VertexAttribute& attribute : mesh.vertex_attributes) custom.add(attribute.name);

@@ -31,12 +31,14 @@ void grow(Component& part, const Mesh& mesh, const Topology& topology, const Fac
     part.volume += glm::dot(first - part.reference, faces.area_vectors[face]) / 6;
 }
 
-// Boxes of the closed shells that face outwards, halved along their widest axis again and again.
+// Boxes of the closed shells that face outwards, halved again and again along the axis in which
+// their centres lie the farthest apart.
 class OutwardShells {
   public:
     explicit OutwardShells(const std::vector<Component>& parts) {
         for (const Component& part : parts)
-            if (part.closed && part.finite && part.volume > 0) boxes_.push_back({part.low, part.high});
+            if (part.closed && part.finite && part.volume > 0)
+                boxes_.push_back({part.low, part.high});
         nodes_.resize(boxes_.size());
         build(0, boxes_.size());
     }
@@ -60,9 +62,13 @@ class OutwardShells {
     void build(std::size_t begin, std::size_t end) {
         if (begin == end) return;
         Box all = boxes_[begin];
-        for (std::size_t i = begin; i < end; ++i)
+        Box centres{all.low + all.high, all.low + all.high};
+        for (std::size_t i = begin; i < end; ++i) {
+            const glm::dvec3 centre = boxes_[i].low + boxes_[i].high;
             all = {glm::min(all.low, boxes_[i].low), glm::max(all.high, boxes_[i].high)};
-        const glm::dvec3 size = all.high - all.low;
+            centres = {glm::min(centres.low, centre), glm::max(centres.high, centre)};
+        }
+        const glm::dvec3 size = centres.high - centres.low;
         const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
         const std::size_t middle = begin + (end - begin) / 2;
         const auto at = [&](std::size_t i) { return boxes_.begin() + std::ptrdiff_t(i); };

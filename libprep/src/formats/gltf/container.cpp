@@ -195,6 +195,13 @@ Result<std::vector<std::byte>> resolve_uri(const GltfDocument& document, const s
     return bytes;
 }
 
+std::string file_of_uri(const GltfDocument& document, const std::string& uri) {
+    if (uri.starts_with("data:") || document.directory.empty()) return {};
+    std::error_code ignored;
+    return std::filesystem::weakly_canonical(document.directory / percent_decoded(uri), ignored)
+        .string();
+}
+
 std::vector<std::filesystem::path> files_of_buffers(const GltfDocument& document) {
     std::vector<std::filesystem::path> files;
     const auto list = document.json.find("buffers");
@@ -212,7 +219,7 @@ namespace {
 Result<void> load_buffers(GltfDocument& document, const std::optional<SharedBytes>& bin) {
     const auto list = top_array(document, "buffers");
     if (!list) return list.error();
-    std::map<std::string, Result<SharedBytes>> of_uris;  // buffers may be parts of one file
+    std::map<std::string, SharedBytes> files;  // buffers may be parts of one
     for (std::size_t b = 0; b < (*list)->size(); ++b) {
         const Json& buffer = (**list)[b];
         const std::string pointer = "/buffers/" + std::to_string(b);
@@ -224,19 +231,23 @@ Result<void> load_buffers(GltfDocument& document, const std::optional<SharedByte
             if (!buffer["uri"].is_string())
                 return Error{ErrorCode::invalid, "expected a string",
                              document.place(pointer + "/uri")};
-            const auto uri = buffer["uri"].get<std::string>();
-            auto known = of_uris.find(uri);
-            if (known == of_uris.end()) {
+            const auto& uri = buffer["uri"].get_ref<const std::string&>();
+            const std::string file = file_of_uri(document, uri);
+            const auto known = files.find(file);
+            if (known != files.end()) {
+                bytes = known->second;
+            } else {
                 auto found = resolve_uri(document, uri, pointer + "/uri");
                 if (!found && found.error().code == ErrorCode::syntax)
                     return std::move(found).error();
-                if (found) document.input_bytes += found->size();
-                known = of_uris
-                            .emplace(uri, found ? Result<SharedBytes>(*std::move(found))
-                                                : std::move(found).error())
-                            .first;
+                if (found) {
+                    document.input_bytes += found->size();
+                    bytes = SharedBytes(*std::move(found));
+                    if (!file.empty()) files.emplace(file, *bytes);
+                } else {
+                    bytes = std::move(found).error();
+                }
             }
-            bytes = known->second;
         } else if (b == 0 && bin) {
             // What stands beside the chunk stays in memory with it, unless it is the most of the
             // file.

@@ -27,8 +27,8 @@ constexpr std::uint64_t decoded_limit(std::uint64_t input_bytes) {
     return (std::uint64_t(256) << 20) + 64 * input_bytes;
 }
 
-// What sparse accessors may come to in all their uses: each is decoded whole every time, however few
-// of its elements are wanted. Some seconds.
+// What sparse accessors may come to in all their uses by primitives: each is decoded whole every
+// time, however few of its elements are wanted. Some seconds.
 constexpr std::uint64_t sparse_limit(std::uint64_t input_bytes) {
     return (std::uint64_t(16) << 30) + 64 * input_bytes;
 }
@@ -103,12 +103,9 @@ class GltfDocument final : public RetainedFile {
                                              const std::vector<std::uint32_t>& elements) const;
     // Whether an accessor's sparse indices are there, ascend and are below its count.
     Result<void> check_sparse_indices(std::size_t index) const;
-    // Errors: limit.
-    Result<void> spend_on_sparse(std::uint64_t bytes, const std::string& pointer) const;
 
   private:
     mutable std::map<std::size_t, detail::SharedBytes> decompressed_;
-    mutable std::uint64_t sparse_bytes_ = 0;  // decoded so far
 };
 
 namespace detail {
@@ -118,6 +115,9 @@ Result<GltfDocument> open_gltf(const SharedBytes& bytes, const GltfOptions& opti
 
 // The files that the document's buffers lie in.
 std::vector<std::filesystem::path> files_of_buffers(const GltfDocument& document);
+
+// The file that a URI names, whatever its spelling; empty for data.
+std::string file_of_uri(const GltfDocument& document, const std::string& uri);
 
 // Bytes behind a URI: data: or a regular file, by a path relative to the document's folder.
 // Errors: io (also where there is no folder), syntax, unsupported (other schemes).

@@ -304,6 +304,17 @@ class SceneReader {
                 return r.error();
             out.inverse_bind.assign(out.joints.size(), glm::mat4(1.0f));
             if (*accessor != no_index) {
+                const Json& matrices = d_.json["accessors"][*accessor];
+                if (matrices.contains("sparse")) {  // each skin decodes it whole
+                    const std::uint64_t bytes = 64 * matrices["count"].get<std::uint64_t>();
+                    if (bytes > decoded_bytes_left_)
+                        return d_.bad(pointer + "/inverseBindMatrices",
+                                      "skins share a sparse accessor so often that it would fill " +
+                                          std::to_string(decoded_limit(d_.input_bytes) >> 20) +
+                                          " MiB",
+                                      ErrorCode::limit);
+                    decoded_bytes_left_ -= bytes;
+                }
                 const auto raw = d_.raw_accessor(*accessor);
                 if (!raw) return raw.error();
                 if (raw->width != 16 || raw->component_type != 5126 ||

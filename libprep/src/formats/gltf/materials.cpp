@@ -6,7 +6,6 @@
 
 #include "formats/picture_search.h"
 #include "prep/files.h"
-#include "text/percent_encoding.h"
 
 namespace prep::detail {
 namespace {
@@ -32,7 +31,7 @@ class MaterialReader {
         const Json* list = *top_array(d_, "images");
         PictureSearch pictures(d_.directory, d_.texture_directories);
         const std::size_t views = (*top_array(d_, "bufferViews"))->size();
-        std::set<std::string> uris;
+        std::set<std::string> files;
         // Each has bytes of its own; what the file has once may be named ten thousand times.
         std::uint64_t left = decoded_limit(d_.input_bytes);
         for (std::size_t i = 0; i < list->size(); ++i) {
@@ -51,11 +50,14 @@ class MaterialReader {
                 if (!in["uri"].is_string()) return d_.bad(pointer + "/uri", "expected a string");
                 const std::string uri = in["uri"].get<std::string>();
                 auto bytes = resolve_uri(d_, uri, pointer + "/uri");
+                std::string file = file_of_uri(d_, uri);
                 // Elsewhere than it says, or by a path of another machine.
                 bool listed = false;
                 if (!bytes && !d_.directory.empty() && bytes.error().code != ErrorCode::syntax) {
                     if (const auto path = pictures.locate(uri)) {
                         bytes = read_file(*path);
+                        std::error_code ignored;
+                        file = std::filesystem::weakly_canonical(*path, ignored).string();
                     } else if (bytes.error().code == ErrorCode::io) {
                         pictures.find(uri);
                         listed = true;
@@ -67,8 +69,7 @@ class MaterialReader {
                 else if (!listed)
                     scene_.warnings.push_back(to_string(bytes.error()));
                 // What stands in the JSON itself is there as often as it is written.
-                if (uris.insert(file_of(uri)).second || uri.starts_with("data:"))
-                    left += out.bytes.size();
+                if (file.empty() || files.insert(file).second) left += out.bytes.size();
                 if (out.name.empty() && !uri.starts_with("data:")) out.name = uri;
             } else if (in.contains("bufferView")) {
                 const auto bytes = d_.view(*view);
@@ -85,13 +86,6 @@ class MaterialReader {
         return {};
     }
 
-    // The same file by other words is the same.
-    std::string file_of(const std::string& uri) const {
-        if (uri.starts_with("data:")) return {};
-        std::error_code ignored;
-        return std::filesystem::weakly_canonical(d_.directory / percent_decoded(uri), ignored)
-            .string();
-    }
     Error too_many(const std::string& pointer) const {
         return d_.bad(pointer,
                       "pictures name the same data so often that they would fill " +

@@ -219,6 +219,7 @@ class MeshReader {
         const auto accessor = index_member(d_, in, "indices", pointer, accessors_);
         if (!accessor) return accessor.error();
         const std::string place = pointer + "/indices";
+        if (auto done = budget_.spend_on_sparse(*accessor); !done) return std::move(done).error();
         const auto raw = d_.raw_accessor(*accessor);
         if (!raw) return raw.error();
         const int type = raw->component_type;
@@ -255,6 +256,13 @@ class MeshReader {
 
     // --- attributes --------------------------------------------------------------------------
 
+    // Those that the primitive has vertices of.
+    Result<RawAccessor> elements_of(Index accessor, const GltfPrimitive& primitive) {
+        if (auto done = budget_.spend_on_sparse(accessor); !done) return std::move(done).error();
+        return primitive.elements.empty() ? d_.raw_accessor(accessor)
+                                          : d_.raw_elements(accessor, primitive.elements);
+    }
+
     // What the primitive uses of an attribute. Shared accessors that are read whole are read once.
     Result<const RawAccessor*> attribute(const GltfPrimitive& primitive,
                                          const std::string& semantic, Index accessor) {
@@ -264,8 +272,7 @@ class MeshReader {
         if (whole && shared_[accessor])
             if (const auto known = decoded_.find(accessor); known != decoded_.end())
                 return &known->second;
-        auto raw =
-            whole ? d_.raw_accessor(accessor) : d_.raw_elements(accessor, primitive.elements);
+        auto raw = elements_of(accessor, primitive);
         if (!raw) return std::move(raw).error();
         if (whole && shared_[accessor])
             return &decoded_.emplace(accessor, *std::move(raw)).first->second;
@@ -312,8 +319,7 @@ class MeshReader {
                                           pointer + "/targets/" + std::to_string(t));
                         !done)
                         return done;
-                    const auto raw = out.elements.empty() ? d_.raw_accessor(accessor)
-                                                          : d_.raw_elements(accessor, out.elements);
+                    const auto raw = elements_of(accessor, out);
                     if (!raw) return raw.error();
                     Growing<glm::vec3> read;
                     read.append(0, *raw);

@@ -161,7 +161,13 @@ class Checker {
         if (!sparse->is_object()) return d_.bad(pointer + "/sparse", "expected an object");
         if (auto done = check_sparse(*sparse, *type, element, pointer + "/sparse"); !done)
             return done;
-        // That the sparse indices ascend and are in range only their values can tell.
+        // That the sparse indices ascend and are in range only their values can tell. Many
+        // accessors may name the same ones.
+        sparse_indices_ += whole_member(d_, *sparse, "count", pointer, 1, type->count, {}).value();
+        if (sparse_indices_ * sizeof(std::uint32_t) > sparse_limit(d_.input_bytes))
+            return d_.bad(pointer + "/sparse/count",
+                          "sparse accessors name the same indices again and again",
+                          ErrorCode::limit);
         return d_.check_sparse_indices(index);
     }
 
@@ -203,7 +209,7 @@ class Checker {
 
     const GltfDocument& d_;
     std::vector<View> views_;
-    std::uint64_t zero_bytes_ = 0, decompressed_bytes_ = 0;
+    std::uint64_t zero_bytes_ = 0, decompressed_bytes_ = 0, sparse_indices_ = 0;
 };
 
 }  // namespace

@@ -27,6 +27,21 @@ Result<void> DecodeBudget::spend(std::uint64_t bytes, const std::string& pointer
     return {};
 }
 
+Result<void> DecodeBudget::spend_on_sparse(std::size_t accessor) {
+    const Json& in = document_.json["accessors"][accessor];
+    if (!in.contains("sparse")) return {};
+    const std::uint64_t bytes =
+        in["count"].get<std::uint64_t>() *
+        stored_size(in["type"].get<std::string>(), in["componentType"].get<int>());
+    if (bytes > sparse_left_)
+        return Error{ErrorCode::limit,
+                     "sparse accessors are used so often that they would come to " +
+                         std::to_string(sparse_limit(document_.input_bytes) >> 20) + " MiB",
+                     document_.place("/accessors/" + std::to_string(accessor))};
+    sparse_left_ -= bytes;
+    return {};
+}
+
 Result<void> VertexData::append(const std::string& semantic, const RawAccessor& raw,
                                 const std::string& pointer, std::size_t first, Mesh& mesh) {
     const auto bad = [&](std::string text) {

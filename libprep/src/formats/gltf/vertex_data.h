@@ -20,13 +20,17 @@ constexpr std::size_t worth_threads = 1 << 16;
 class DecodeBudget {
   public:
     explicit DecodeBudget(const GltfDocument& document)
-        : document_(document), left_(decoded_limit(document.input_bytes)) {}
+        : document_(document),
+          left_(decoded_limit(document.input_bytes)),
+          sparse_left_(sparse_limit(document.input_bytes)) {}
     // Errors: limit.
     Result<void> spend(std::uint64_t bytes, const std::string& pointer);
+    // Nothing where the accessor is not sparse. Errors: limit.
+    Result<void> spend_on_sparse(std::size_t accessor);
 
   private:
     const GltfDocument& document_;
-    std::uint64_t left_;
+    std::uint64_t left_, sparse_left_;
 };
 
 // An attribute of all vertices, which grows with the primitives that have it.

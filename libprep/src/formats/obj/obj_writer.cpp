@@ -10,6 +10,7 @@
 #include "formats/writers.h"
 #include "image/packed_channels.h"
 #include "image/picture_kind.h"
+#include "prep/formats.h"
 #include "text/blocks.h"
 #include "text/numbers.h"
 
@@ -38,9 +39,9 @@ class ObjWriter {
               const SaveOptions& options)
         : scene_(prepared.scene),
           path_(path),
-          // Those of a glTF document are its buffers.
+          // Those of other formats hold no materials of OBJ.
           keep_libraries_(options.replace_sources && !scene_.libraries.empty() &&
-                          !scene_.retained_file),
+                          lower_ending(scene_.name) == ".obj"),
           files_(rules_for(prepared, path, options)) {}
 
     WriteResult run() {
@@ -193,9 +194,9 @@ class ObjWriter {
             const Index s = value(mesh.face_smoothing, f, 0);
             part(mesh, p);
             if (m != material_)
-                text_.text() += fmt::format("usemtl {}\n", m < scene_.materials.size()
-                                                               ? material_name(m)
-                                                               : no_material_name_);
+                text_.text() +=
+                    fmt::format("usemtl {}\n",
+                                m < scene_.materials.size() ? material_name(m) : no_material_name_);
             if (s != smoothing_)
                 text_.text() += s ? fmt::format("s {}\n", s) : std::string("s off\n");
             material_ = m;

@@ -18,8 +18,8 @@ void shift(std::uint32_t& index, std::size_t by) {
 }  // namespace
 
 MergedPart merge_scene(Scene& into, Scene&& part, const std::string& name, ReadFiles& files) {
-    // A glTF file says itself which of its meshes its scene shows.
-    if (!part.retained_file) instance_unused_meshes(part);
+    // A glTF file says itself which of its meshes its scene shows, unless it is a mere collection.
+    if (!part.retained_file || part.nodes.empty()) instance_unused_meshes(part);
     std::string left;
     const auto leave = [&left](bool present, const char* what) {
         if (present) left += (left.empty() ? "" : ", ") + std::string(what);
