@@ -207,7 +207,7 @@ class MeshReader {
     }
 
     Result<std::vector<Index>> read_indices(const Json& in, const std::string& pointer,
-                                            std::uint64_t count) const {
+                                            std::uint64_t count) {
         std::vector<Index> indices;
         if (!in.contains("indices")) {
             // A list of all vertices would cost a file of zeros nothing and us four bytes each.
