@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "plan/draw_choice.h"
 #include "prep/load.h"
 #include "prep/prepare.h"
 #include "prep/scene_json.h"
@@ -20,6 +21,16 @@ double processor_ms() {
     timespec now{};
     clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
     return double(now.tv_sec) * 1e3 + double(now.tv_nsec) * 1e-6;
+}
+
+// Also those that were proved to change nothing.
+void read_maps(const prep::Scene& scene, std::size_t material, rast::RenderPlan& plan) {
+    if (!plan.request.textures) return;
+    for (const prep::MaterialMap& map : prep::material_maps) {
+        const std::size_t slot = rast::detail::texture_slot(scene.textures.size(), map.kind,
+                                                            scene.materials[material].*map.ref);
+        if (slot < plan.textures_read.size()) plan.textures_read[slot] = true;
+    }
 }
 
 template <class T>
@@ -84,17 +95,18 @@ std::vector<Skip> skips_of(const rast::RenderPlan& plan, const prep::Scene& scen
             out.push_back({"the mask of " + name,
                            [m](rast::RenderPlan& p) { p.skips.materials[m].mask = false; }});
         if (of.maps != 0)
-            out.push_back({"maps of " + name, [m](rast::RenderPlan& p) {
+            out.push_back({"maps of " + name, [m, &scene](rast::RenderPlan& p) {
                                p.skips.materials[m].maps = 0;
-                               p.textures_used.assign(p.textures_used.size(), true);
+                               read_maps(scene, m, p);
                            }});
     }
     if (plan.skips.inside_samples)
         out.push_back({"samples inside a triangle",
                        [](rast::RenderPlan& p) { p.skips.inside_samples = false; }});
-    out.push_back({"all of it", [](rast::RenderPlan& p) {
+    out.push_back({"all of it", [&scene](rast::RenderPlan& p) {
                        p.skips = {};
-                       p.textures_used.assign(p.textures_used.size(), p.request.textures);
+                       for (std::size_t m = 0; m < scene.materials.size(); ++m)
+                           read_maps(scene, m, p);
                    }});
     return out;
 }

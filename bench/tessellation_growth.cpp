@@ -81,10 +81,10 @@ int run(const Case& of, std::uint64_t wanted) {
     const prep::Mesh mesh = cube();
     prep::HeightMapOptions as;
     as.scale = 0.1;
-    const auto map = prep::height_function(waves(2048), as, &mesh);
-    if (!map) return failed(map.error());
     prep::TessellateOptions options;
     if (of.limit_surface) options.scheme = prep::SubdivisionScheme::catmark;
+    const auto map = prep::height_function(waves(2048), as, &mesh, 0, options.scheme);
+    if (!map) return failed(map.error());
     options.displacements = {{*map}};
     // Errors are a power of the number of triangles.
     std::array<double, 2> triangles{}, errors{};

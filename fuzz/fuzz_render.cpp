@@ -1,6 +1,7 @@
 // plan() and render() on small hostile meshes, under hostile transforms, seen from anywhere.
 #include <cmath>
 #include <cstdlib>
+#include <glm/gtc/matrix_transform.hpp>
 
 #include "hostile_mesh.h"
 #include "prep/prepare.h"
@@ -20,6 +21,28 @@ glm::dmat4 transform_from(Bytes& in) {
     return m;
 }
 
+// Rigid and with planes in order, mostly: others are refused.
+rast::View view_from(Bytes& in) {
+    rast::View view;
+    view.perspective = in.below(4) != 0;
+    const double near = fuzz::coordinate(in), deep = fuzz::coordinate(in);
+    view.half_height = fuzz::coordinate(in);
+    if (in.below(8) == 0) {
+        view.world_to_view = transform_from(in);
+        view.znear = near;
+        view.zfar = deep;
+        return view;
+    }
+    const double around = 0.1 * in.take<std::uint8_t>(), up = 0.1 * in.take<std::uint8_t>();
+    view.world_to_view = glm::rotate(glm::rotate(glm::dmat4(1), up, glm::dvec3(1, 0, 0)), around,
+                                     glm::dvec3(0, 1, 0));
+    view.world_to_view[3] = glm::dvec4(fuzz::vector3(in), 1);
+    view.znear = view.perspective ? std::abs(near) + 1e-6 : near;
+    view.zfar = in.below(2) == 0 ? 0 : view.znear + std::abs(deep);
+    view.half_height = std::abs(view.half_height);
+    return view;
+}
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
@@ -34,13 +57,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     request.keep_depth = request.keep_ids = request.keep_normals = request.keep_uvs = true;
     request.keep_barycentrics = request.keep_positions = true;
     if (in.below(2) == 1) {
-        rast::View view;
-        view.world_to_view = transform_from(in);
-        view.perspective = in.below(4) != 0;
-        view.znear = fuzz::coordinate(in);
-        view.zfar = fuzz::coordinate(in);
-        view.half_height = fuzz::coordinate(in);
-        request.view = view;
+        request.view = view_from(in);
     }
     prep::Scene scene;
     scene.materials.resize(2);

@@ -64,7 +64,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const prep::Mesh mesh = fuzz::hostile_mesh(in, triangles);
     prep::Displacement displacement;
     if (sources & 1)
-        if (const auto map = prep::height_function(image, heights, confined ? &mesh : nullptr))
+        if (const auto map = prep::height_function(image, heights, confined ? &mesh : nullptr, 0,
+                                                   options.scheme))
             displacement.height = *map;
     if (sources & 2)
         if (const auto made = prep::noise_function(noise)) displacement.noise = *made;
@@ -75,7 +76,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         const auto axes = prep::VectorAxes(in.below(3));
         displacement.tangent_space = axes != prep::VectorAxes::object;
         if (const auto map = prep::vector_function(wide, {.map = heights, .axes = axes},
-                                                   confined ? &mesh : nullptr))
+                                                   confined ? &mesh : nullptr, 0, options.scheme))
             displacement.vector = *map;
     }
     if (sources != 0) options.displacements.push_back(displacement);

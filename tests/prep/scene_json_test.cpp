@@ -244,8 +244,12 @@ TEST(SceneJson, MapsWithoutAStrengthTakeNone) {
         expect({text.c_str(), ErrorCode::invalid, place.c_str(), "multiplies"});
     }
     const std::string text = with(R"("materials": {"m": {"normal_map_space": "object",
-        "normal_map": {"texture": "t", "strength": 1}}})");
+        "normal_map": {"texture": "t", "strength": 2}}})");
     expect({text.c_str(), ErrorCode::invalid, "#/materials/m/normal_map/strength", "object space"});
+    // That of 1 changes nothing: what is missing here is the texture.
+    const std::string whole =
+        with(R"("materials": {"m": {"diffuse_map": {"texture": "t", "strength": 1}}})");
+    expect({whole.c_str(), ErrorCode::invalid, "#/materials/m/diffuse_map/texture", "texture"});
     for (const char* const map : {"occlusion_map", "normal_map", "bump_map", "displacement_map"}) {
         const std::string good = with(R"("materials": {"m": {")" + std::string(map) +
                                       R"(": {"texture": "t", "strength": 0.5}}})");

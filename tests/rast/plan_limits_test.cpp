@@ -55,6 +55,8 @@ TEST(PlanViews, ThatMakeNoPictureAreRefused) {
         {true, [](rast::View& v) { v.world_to_view[3][3] = 2; }, "moves"},
         // As floats have a rotation.
         {true, [](rast::View& v) { v.world_to_view = glm::dmat4(glm::mat4(v.world_to_view)); }, ""},
+        // As glm::inverse() leaves the last row of such a one.
+        {true, [](rast::View& v) { v.world_to_view[3][3] = 1 - 0x1p-53; }, ""},
         // What the other projection reads is nothing to this one.
         {true, [](rast::View& v) { v.half_height = -1; }, ""},
         {false, [](rast::View& v) { v.yfov = nan; }, ""},
@@ -66,6 +68,7 @@ TEST(PlanViews, ThatMakeNoPictureAreRefused) {
         {false, [](rast::View& v) { v.zfar = 0; }, ""},
         {false, [](rast::View& v) { v.zfar = infinite; }, ""},
         {false, [](rast::View& v) { v.znear = 0; }, ""},
+        {false, [](rast::View& v) { v.znear = -5, v.zfar = -1; }, ""},
     };
     for (std::size_t i = 0; i < std::size(changes); ++i) {
         SCOPED_TRACE("change " + std::to_string(i));
@@ -76,6 +79,9 @@ TEST(PlanViews, ThatMakeNoPictureAreRefused) {
         changes[i].make(*request.view);
         const auto plan = rast::plan(scene, request);
         ASSERT_EQ(plan.has_value(), changes[i].says[0] == 0);
+        if (plan && request.view->zfar != 0 && std::isfinite(request.view->zfar)) {
+            EXPECT_EQ(plan->view.zfar, request.view->zfar);
+        }
         if (plan) continue;
         EXPECT_EQ(plan.error().code, ErrorCode::invalid);
         EXPECT_NE(plan.error().text.find(changes[i].says), std::string::npos) << plan.error().text;
@@ -98,6 +104,11 @@ TEST(PlanViews, CamerasThatMakeNoPictureAreNamed) {
     ASSERT_FALSE(plan.has_value());
     EXPECT_EQ(plan.error().code, ErrorCode::invalid);
     EXPECT_EQ(plan.error().place, "camera 'front'");
+    EXPECT_NE(plan.error().text.find("found 1 and 10"), std::string::npos) << plan.error().text;
+    scene.scene.nodes.back().name.clear();
+    EXPECT_EQ(rast::plan(scene, {}).error().place, "camera 0");
+    scene.scene.cameras[0].name = "own";
+    EXPECT_EQ(rast::plan(scene, {}).error().place, "camera 'own'");
     scene.scene.cameras[0].zfar = 11;
     EXPECT_TRUE(rast::plan(scene, {}).has_value());
 }

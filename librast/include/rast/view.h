@@ -12,7 +12,7 @@
 
 namespace rast {
 
-// plan() refuses what is not as it says here, or not finite.
+// plan() refuses what is not as it says here, or not finite, of what the projection reads.
 struct View {
     glm::dmat4 world_to_view{1.0};  // rigid: rotation and translation
     bool perspective = true;

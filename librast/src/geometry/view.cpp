@@ -177,7 +177,7 @@ View orthographic_view(const prep::PreparedScene& scene, const View& view, doubl
 
 View bounded_view(const prep::PreparedScene& scene, const View& view) {
     View out = view;
-    if (view.perspective || (view.zfar > 0 && std::isfinite(view.zfar))) return out;
+    if (view.perspective || (view.zfar != 0 && std::isfinite(view.zfar))) return out;
     out.zfar = std::max(2 * view.znear, 1e-30);
     if (const std::optional<Bounds> bounds = world_bounds(scene)) {
         const DepthRange range = depths_of(*bounds, view);

@@ -18,6 +18,14 @@
 namespace rast {
 namespace {
 
+// By the name of its node, else its own, else by number.
+std::string place_of_camera(const prep::Scene& scene, std::uint32_t node) {
+    const prep::Node& at = scene.nodes[node];
+    const std::string& own = scene.cameras[at.camera].name;
+    if (at.name.empty() && own.empty()) return "camera " + std::to_string(at.camera);
+    return "camera '" + (at.name.empty() ? own : at.name) + "'";
+}
+
 using Code = prep::ReasonCode;
 using Kind = PlanStepKind;
 using prep::Material;
@@ -210,7 +218,7 @@ class Planner {
         }
         if (std::optional<prep::Error> fault = detail::fault_of_view(plan_.view)) {
             if (!plan_.request.view && scene.active_camera != prep::no_index)
-                fault->place = "camera '" + scene.nodes[scene.active_camera].name + "'";
+                fault->place = place_of_camera(scene, scene.active_camera);
             return fault;
         }
         plan_.view = bounded_view(prepared_, plan_.view);

@@ -1,6 +1,7 @@
 #include "plan/request_checks.h"
 
 #include <cmath>
+#include <cstdio>
 #include <string>
 
 #include "geometry/tile.h"
@@ -18,6 +19,12 @@ Error too_many(const char* of_what, std::uint64_t most, std::uint64_t found) {
             ""};
 }
 
+std::string text_of(double value) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%g", value);
+    return text;
+}
+
 // Rotation and translation, as closely as matrices of floats have them.
 bool is_rigid(const glm::dmat4& m) {
     constexpr double rounding = 1e-4;
@@ -26,8 +33,8 @@ bool is_rigid(const glm::dmat4& m) {
         for (int r = 0; r < 3; ++r)
             if (!(std::abs(product[c][r] - (c == r ? 1 : 0)) < rounding)) return false;
     for (int k = 0; k < 3; ++k)
-        if (m[k][3] != 0 || !std::isfinite(m[3][k])) return false;
-    return m[3][3] == 1 && glm::determinant(turn) > 0;
+        if (!(std::abs(m[k][3]) < rounding) || !std::isfinite(m[3][k])) return false;
+    return std::abs(m[3][3] - 1) < rounding && glm::determinant(turn) > 0;
 }
 
 }  // namespace
@@ -112,19 +119,19 @@ std::optional<Error> fault_of_view(const View& view) {
     if (!is_rigid(view.world_to_view))
         return invalid("a view turns and moves the world, and neither stretches nor mirrors it");
     if (!(view.aspect >= 0) || !std::isfinite(view.aspect))
-        return invalid("a view's aspect is not below 0, found " + std::to_string(view.aspect));
+        return invalid("a view's aspect is not below 0, found " + text_of(view.aspect));
     if (view.perspective && !(view.yfov > 0 && view.yfov < 3.14159265358979323846))
-        return invalid("a field of view is between 0 and pi, found " + std::to_string(view.yfov));
+        return invalid("a field of view is between 0 and pi, found " + text_of(view.yfov));
     if (!view.perspective && !(view.half_height > 0 && std::isfinite(view.half_height)))
         return invalid("half the height of what a view sees is above 0, found " +
-                       std::to_string(view.half_height));
+                       text_of(view.half_height));
     if (!std::isfinite(view.znear) || (view.perspective && !(view.znear > 0)))
         return invalid("the near plane lies before the eye, found a distance of " +
-                       std::to_string(view.znear));
+                       text_of(view.znear));
     const bool endless = view.zfar == 0 || view.zfar == HUGE_VAL;
     if (!endless && !(view.zfar > view.znear))
-        return invalid("the far plane lies beyond the near one, found " +
-                       std::to_string(view.zfar) + " and " + std::to_string(view.znear));
+        return invalid("the far plane lies beyond the near one, found " + text_of(view.zfar) +
+                       " and " + text_of(view.znear));
     return std::nullopt;
 }
 

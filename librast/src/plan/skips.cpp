@@ -41,7 +41,8 @@ class Prover {
 
     ProvedSkips run() {
         out_.skips.materials.resize(scene_.scene.materials.size());
-        out_.texel_questions.resize(2 * scene_.scene.textures.size());  // colours, then data
+        // Of textures as colours and as data: slopes are no question.
+        out_.texel_questions.resize((texture_uses - 1) * scene_.scene.textures.size());
         out_.skips.inside_samples = request_.prune && request_.samples > 1;
         lights();
         for (const std::uint32_t m : materials_) {

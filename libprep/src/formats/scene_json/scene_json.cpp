@@ -127,7 +127,7 @@ class Builder {
             for (const MaterialMap& row : material_maps) {
                 const std::optional<MapSpec>& map = entry.value.maps[std::size_t(row.kind)];
                 if (!map) continue;
-                if (map->strength && !has_strength(row.kind, material))
+                if (map->strength.value_or(1) != 1 && !has_strength(row.kind, material))
                     return error(entry.name.pointer + "/" + row.scene_key + "/strength",
                                  row.kind == MapKind::normal
                                      ? "normal maps in object space have no strength; leave it out"
@@ -405,7 +405,7 @@ class Builder {
     Step add_orbit(const CameraSpec& c) {
         if (c.position || c.target)
             return error("/camera", "'orbit' circles the scene; it takes no position or target");
-        if (c.up)
+        if (c.up && !(c.up->x == 0 && c.up->z == 0 && c.up->y > 0))
             return error("/camera/up", "'orbit' keeps +Y up; give 'position' and 'target' instead");
         OrbitCamera& orbit = out_.orbit.emplace();
         orbit.azimuth = c.orbit->azimuth * degrees;

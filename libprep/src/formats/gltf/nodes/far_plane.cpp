@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "base/finite.h"
@@ -30,7 +31,9 @@ double orthographic_far_plane(const PreparedScene& prepared, std::size_t camera)
         const glm::dvec3 eye(world[n][3]);
         farthest = std::max(farthest, glm::length(glm::max(high - eye, eye - low)));
     }
-    return std::max({1.01 * farthest, 2 * lens.znear, lens.znear + 1});
+    // Within floats, as readers have it.
+    const double most = std::numeric_limits<float>::max();
+    return std::min(std::max({1.01 * farthest, 2 * lens.znear, lens.znear + 1}), most);
 }
 
 }  // namespace prep::detail
