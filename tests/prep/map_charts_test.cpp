@@ -63,7 +63,7 @@ TEST(MapCharts, TilesLeaveOtherChartsAlone) {
     add_quad(beside, {{{0, 0.1}, {3, 0.1}, {3, 0.4}, {0, 0.4}}});
     beside.push_back({{{0, 0.5}, {3, 0.5}, {0, 0.5}}});
     const auto wave = [](double cycles) {
-        return [=](const glm::dvec2& p) { return std::sin(2 * pi * waves * (p.x - 0.1) / 0.3); };
+        return [=](const glm::dvec2& p) { return std::sin(2 * pi * cycles * (p.x - 0.1) / 0.3); };
     };
     for (const auto& [cycles, passes] : {std::pair(2.0, true), std::pair(7.0, false)}) {
         const auto inside = wave(cycles);
@@ -493,7 +493,7 @@ TEST(MapCharts, ConcavePolygonsHaveOneScale) {
     for (const auto& [cycles, passes] : {std::pair(1.2, true), std::pair(2.6, false)}) {
         const double waves = cycles;
         const Image image = picture(size, size, [&](auto x, auto) {
-            return std::sin(2 * pi * cycles * double(wall_square) * (x + 0.5) / size);
+            return std::sin(2 * pi * waves * double(wall_square) * (x + 0.5) / size);
         });
         HeightMapOptions options = plain();
         options.sample_spacing = 0.2;  // of 2.5 cycles
