@@ -1,6 +1,8 @@
 // glTF documents written back: what is carried over, and what must not be.
 #include <gtest/gtest.h>
 
+#include <stdexcept>
+
 #include "gltf_source.h"
 #include "mesh_files.h"
 #include "prep/load.h"
@@ -21,6 +23,22 @@ GltfSource lone_triangle() {
     return d;
 }
 
+// Prepared with normals of its own, which splits vertices, and written back.
+test::GltfFile written_back(const GltfSource& d, const test::TempDir& dir,
+                            prep::PrepareOptions options = {}) {
+    d.write(dir / "a.glb");
+    auto scene = prep::load_scene(dir / "a.glb");
+    if (!scene) throw std::runtime_error(prep::to_string(scene.error()));
+    options.request.normals = prep::Request::Level::always;
+    const auto prepared = prep::prepare(*std::move(scene), options);
+    if (!prepared) throw std::runtime_error(prep::to_string(prepared.error()));
+    const auto saved = prep::save_scene(*prepared, dir / "b.glb");
+    if (!saved) throw std::runtime_error(prep::to_string(saved.error()));
+    test::GltfFile file(dir / "b.glb");
+    EXPECT_EQ(file.fault(), "");
+    return file;
+}
+
 // "3.0" is 3, also for what is carried over.
 TEST(GltfWrittenBack, IndicesWrittenAsFloatsAreKept) {
     GltfSource d = lone_triangle();
@@ -31,19 +49,9 @@ TEST(GltfWrittenBack, IndicesWrittenAsFloatsAreKept) {
     d.json["animations"] = {
         {{"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", "translation"}}}}}},
          {"samplers", {{{"input", double(times)}, {"output", double(moves)}}}}}};
-    const test::TempDir dir;
-    d.write(dir / "a.glb");
     EXPECT_NE(d.gltf().find("\"input\":" + std::to_string(times) + ".0"), std::string::npos);
-    auto scene = prep::load_scene(dir / "a.glb");
-    ASSERT_TRUE(scene) << test::error_of(scene);
-    prep::PrepareOptions options;
-    options.request.normals = prep::Request::Level::always;
-    const auto prepared = prep::prepare(*std::move(scene), options);
-    ASSERT_TRUE(prepared) << prep::to_string(prepared.error());
-    const auto saved = prep::save_scene(*prepared, dir / "b.glb");
-    ASSERT_TRUE(saved) << prep::to_string(saved.error());
-    const test::GltfFile file(dir / "b.glb");
-    EXPECT_EQ(file.fault(), "");
+    const test::TempDir dir;
+    const test::GltfFile file = written_back(d, dir);
     const auto& sampler = file.json["animations"][0]["samplers"][0];
     EXPECT_EQ(file.accessor(sampler["output"]).values, (std::vector<double>{0, 0, 0, 1, 2, 3}));
     EXPECT_EQ(file.view_bytes(file.json["images"][0]["bufferView"]).substr(0, 4), "\x89PNG");
@@ -76,16 +84,7 @@ TEST(GltfWrittenBack, MatricesByVertexKeepTheirColumns) {
         d.mesh(
             {{{"attributes", {{"POSITION", positions}, {"_TWIST", twist}}}, {"indices", indices}}});
         const test::TempDir dir;
-        d.write(dir / "a.glb");
-        auto scene = prep::load_scene(dir / "a.glb");
-        ASSERT_TRUE(scene) << test::error_of(scene);
-        prep::PrepareOptions options;
-        options.request.normals = prep::Request::Level::always;
-        const auto prepared = prep::prepare(*std::move(scene), options);
-        ASSERT_TRUE(prepared) << prep::to_string(prepared.error());
-        ASSERT_TRUE(prep::save_scene(*prepared, dir / "b.glb").has_value());
-        const test::GltfFile before(dir / "a.glb"), after(dir / "b.glb");
-        EXPECT_EQ(after.fault(), "");
+        const test::GltfFile after = written_back(d, dir), before(dir / "a.glb");
         ASSERT_EQ(after.attribute(0, 0, "POSITION").count(), 6u);
         const auto corners = after.triangles(0, 0), file_corners = before.triangles(0, 0);
         for (std::size_t c = 0; c < 6; ++c)
@@ -101,18 +100,12 @@ TEST(GltfWrittenBack, MatricesOfRefinedMeshesAreMatrices) {
     for (int v = 0; v < 3; ++v)
         for (int k = 0; k < 16; ++k) values.push_back(float(100 * v + k));
     d.mesh({{{"attributes", {{"POSITION", positions}, {"_FRAME", d.add_floats("MAT4", values)}}}}});
-    auto scene = d.read();
-    ASSERT_TRUE(scene) << test::error_of(scene);
     prep::PrepareOptions options;
     options.subdivide = true;
     options.subdivision.scheme = prep::SubdivisionScheme::loop;
     options.subdivision.level = 1;
-    const auto prepared = prep::prepare(*std::move(scene), options);
-    ASSERT_TRUE(prepared) << prep::to_string(prepared.error());
     const test::TempDir dir;
-    ASSERT_TRUE(prep::save_scene(*prepared, dir / "b.glb").has_value());
-    const test::GltfFile file(dir / "b.glb");
-    EXPECT_EQ(file.fault(), "");
+    const test::GltfFile file = written_back(d, dir, options);
     const test::GltfValues frames = file.attribute(0, 0, "_FRAME");
     EXPECT_EQ(frames.type, "MAT4");
     ASSERT_EQ(frames.count(), 6u);

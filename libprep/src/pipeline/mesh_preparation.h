@@ -124,8 +124,8 @@ class MeshPreparation {
     };
     std::optional<Baking> baking_;
     bool normals_made_ = false, tangents_made_ = false;  // all of the mesh
-    bool limit_normals_ =
-        false;  // of a surface that was subdivided or cut: nothing computes others
+    // Of a surface that was subdivided or cut: nothing computes others.
+    bool limit_normals_ = false;
     std::vector<CornerLayer<glm::vec3>> limit_morph_normals_;  // by target
     std::vector<bool> normal_replaced_;  // per corner; empty: none of the file's own
 };

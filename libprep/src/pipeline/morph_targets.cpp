@@ -37,6 +37,18 @@ std::vector<glm::vec3> differences(const VertexMesh& mesh, const CornerLayer<T>&
     return result;
 }
 
+// Of all targets; what several share counts once.
+std::uint64_t bytes_of_targets(const Mesh& mesh) {
+    std::unordered_set<const void*> seen;
+    std::uint64_t bytes = 0;
+    for (const MorphTarget& target : mesh.morph_targets)
+        for (const auto* runs : {&target.positions, &target.normals, &target.tangents})
+            for (const VertexDeltas& run : *runs)
+                if (run.values && seen.insert(run.values.get()).second)
+                    bytes += array_bytes(*run.values);
+    return bytes;
+}
+
 }  // namespace
 
 MorphShape morph_shape(const Mesh& mesh, const MorphTarget& target) {
@@ -92,22 +104,6 @@ CornerLayer<glm::vec3> morphed_normals(const Mesh& mesh, const std::vector<glm::
     }
     return result;
 }
-
-namespace {
-
-// Of all targets; what several share counts once.
-std::uint64_t bytes_of_targets(const Mesh& mesh) {
-    std::unordered_set<const void*> seen;
-    std::uint64_t bytes = 0;
-    for (const MorphTarget& target : mesh.morph_targets)
-        for (const auto* runs : {&target.positions, &target.normals, &target.tangents})
-            for (const VertexDeltas& run : *runs)
-                if (run.values && seen.insert(run.values.get()).second)
-                    bytes += array_bytes(*run.values);
-    return bytes;
-}
-
-}  // namespace
 
 Result<void> MeshPreparation::prepare_morph_targets() {
     if (!normals_made_ && !tangents_made_) return {};

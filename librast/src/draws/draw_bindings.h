@@ -17,8 +17,8 @@ struct Draw {
     std::uint32_t first_triangle = 0, triangle_count = 0;
 };
 
-using TextureSet = std::vector<std::shared_ptr<const MipTexture>>;  // by texture_slot(); null: not
-                                                                    // read, or not readable
+// By texture_slot(); null: not read, or not readable.
+using TextureSet = std::vector<std::shared_ptr<const MipTexture>>;
 
 // Where nothing is to be left out, neutral textures end a TextureSet: so far from its end.
 inline constexpr std::size_t white_map = 3, flat_map = 2, no_slopes = 1;

@@ -223,7 +223,7 @@ prep::Image checker() {
 void Renderer::load_texture(std::size_t slot) {
     const prep::Scene& scene = prepared_.scene;
     const std::size_t textures = scene.textures.size();
-    const bool colour = slot < textures, bump = slot >= 2 * textures;
+    const bool colour = slot < textures, bump = slot >= (texture_uses - 1) * textures;
     const prep::Texture& texture = scene.textures[slot % textures];
     KeptTexture& kept = kept_[slot];
     const TextureLevels levels =

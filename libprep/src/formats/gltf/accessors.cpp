@@ -272,9 +272,8 @@ Result<void> apply_sparse(const GltfDocument& d, const Json& sparse, const std::
     if (!values) return values.error();
     const std::size_t size = raw.element_size();
     std::vector<std::byte> changed(raw.bytes.begin(), raw.bytes.end());
-    for (std::size_t i = 0; i < targets->size(); ++i) {
+    for (std::size_t i = 0; i < targets->size(); ++i)
         std::memcpy(changed.data() + (*targets)[i] * size, values->data() + i * size, size);
-    }
     raw.bytes = std::move(changed);
     return {};
 }

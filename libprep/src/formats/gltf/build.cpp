@@ -533,6 +533,7 @@ class Builder {
     }
 
     void cameras() {
+        const FarPlanes far_planes(prepared_);
         for (std::size_t c = 0; c < scene_.cameras.size(); ++c) {
             const Camera& camera = scene_.cameras[c];
             Json out;
@@ -549,7 +550,7 @@ class Builder {
                 lens["xmag"] = camera.xmag != 0 ? camera.xmag : camera.ymag;
                 lens["ymag"] = camera.ymag;
                 lens["znear"] = camera.znear;
-                lens["zfar"] = orthographic_far_plane(prepared_, c);
+                lens["zfar"] = far_planes.of(c);
             }
             buffer_.push("cameras", std::move(out));
         }

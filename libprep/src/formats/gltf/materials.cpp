@@ -74,8 +74,8 @@ class MaterialReader {
             } else if (in.contains("bufferView")) {
                 const auto bytes = d_.view(*view);
                 if (!bytes) return bytes.error();
-                if (bytes->size() <= left) out.bytes.assign(bytes->begin(), bytes->end());
-                if (out.bytes.size() != bytes->size()) return too_many(pointer);
+                if (bytes->size() > left) return too_many(pointer);
+                out.bytes.assign(bytes->begin(), bytes->end());
             }
             if (out.bytes.size() > left) return too_many(pointer);
             left -= out.bytes.size();

@@ -3,33 +3,42 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <vector>
 
 #include "base/finite.h"
 
 namespace prep::detail {
+namespace {
 
-double orthographic_far_plane(const PreparedScene& prepared, std::size_t camera) {
-    const Scene& scene = prepared.scene;
-    const Camera& lens = scene.cameras[camera];
-    if (lens.zfar > lens.znear && std::isfinite(lens.zfar)) return lens.zfar;
-    const std::vector<glm::dmat4> world = world_transforms(scene);
-    glm::dvec3 low(HUGE_VAL), high(-HUGE_VAL);
-    for (std::size_t n = 0; n < scene.nodes.size(); ++n) {
-        if (scene.nodes[n].mesh == no_index) continue;
-        const VertexMesh& mesh = prepared.meshes[scene.nodes[n].mesh];
+bool has_far_plane(const Camera& lens) {
+    return lens.perspective || (lens.zfar > lens.znear && std::isfinite(lens.zfar));
+}
+
+}  // namespace
+
+FarPlanes::FarPlanes(const PreparedScene& prepared)
+    : scene_(prepared.scene), low_(HUGE_VAL), high_(-HUGE_VAL) {
+    if (std::all_of(scene_.cameras.begin(), scene_.cameras.end(), has_far_plane)) return;
+    world_ = world_transforms(scene_);
+    for (std::size_t n = 0; n < scene_.nodes.size(); ++n) {
+        if (scene_.nodes[n].mesh == no_index) continue;
+        const VertexMesh& mesh = prepared.meshes[scene_.nodes[n].mesh];
         for (const glm::vec3& p : mesh.positions) {
-            const glm::dvec3 at(world[n] * glm::dvec4(glm::dvec3(p) + mesh.origin, 1));
+            const glm::dvec3 at(world_[n] * glm::dvec4(glm::dvec3(p) + mesh.origin, 1));
             if (!is_finite(at)) continue;
-            low = glm::min(low, at);
-            high = glm::max(high, at);
+            low_ = glm::min(low_, at);
+            high_ = glm::max(high_, at);
         }
     }
+}
+
+double FarPlanes::of(std::size_t camera) const {
+    const Camera& lens = scene_.cameras[camera];
+    if (has_far_plane(lens)) return lens.zfar;
     double farthest = 0;
-    for (std::size_t n = 0; n < scene.nodes.size(); ++n) {
-        if (scene.nodes[n].camera != camera || !(low.x <= high.x)) continue;
-        const glm::dvec3 eye(world[n][3]);
-        farthest = std::max(farthest, glm::length(glm::max(high - eye, eye - low)));
+    for (std::size_t n = 0; n < scene_.nodes.size(); ++n) {
+        if (scene_.nodes[n].camera != camera || !(low_.x <= high_.x)) continue;
+        const glm::dvec3 eye(world_[n][3]);
+        farthest = std::max(farthest, glm::length(glm::max(high_ - eye, eye - low_)));
     }
     // Within floats, as readers have it.
     const double most = std::numeric_limits<float>::max();
