@@ -68,6 +68,25 @@ double uv_area(const Domain& domain, std::uint32_t fan, const CornerLayer<glm::v
     return area;
 }
 
+// The least cosine to their mean, about, at which tangents count as leaning to it.
+constexpr double least_lean = 0.05;
+
+// Whether n × τ, of directions and tangents that are linear over a triangle, stays longer than
+// least_lean: its Bézier coefficients lean to their mean.
+bool lean(const std::array<glm::dvec3, 3>& n, const std::array<glm::dvec3, 3>& tangents) {
+    std::array<glm::dvec3, 6> across;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const std::size_t next = (k + 1) % 3;
+        across[k] = glm::cross(n[k], tangents[k]);
+        across[3 + k] = 0.5 * (glm::cross(n[k], tangents[next]) + glm::cross(n[next], tangents[k]));
+    }
+    glm::dvec3 mean(0.0);
+    for (const glm::dvec3& b : across) mean += b;
+    mean = unit_or(mean, glm::dvec3(0.0));
+    return std::all_of(across.begin(), across.end(),
+                       [&](const glm::dvec3& b) { return glm::dot(b, mean) > least_lean; });
+}
+
 double largest_difference(const std::array<glm::dvec3, 3>& v) {
     return std::max({glm::length(v[0] - v[1]), glm::length(v[1] - v[2]), glm::length(v[2] - v[0])});
 }
@@ -107,28 +126,54 @@ Result<TangentFrames> TangentFrames::make(const Mesh& mesh, const Domain& domain
         const double sign = double(tangents.values[tangents.indices[corner]].w);
         frames.signs_[fan] = area > 0 ? -1 : area < 0 ? 1 : sign;
     }
-    frames.keep_from_cancelling(domain, base);
+    frames.keep_from_cancelling(domain, base, normals, threads);
     return frames;
 }
 
-void TangentFrames::keep_from_cancelling(const Domain& domain, const BaseSurface& base) {
-    constexpr double least_lean = 0.05;  // the mean's length, and cosines to it
+void TangentFrames::keep_from_cancelling(const Domain& domain, const BaseSurface& base,
+                                         const CornerLayer<glm::vec3>& normals, int threads) {
     constant_.assign(domain.fans(), 0);
+    std::vector<BasePoint> centres(domain.fans());
+    parallel_blocks(centres.size(), 1024, threads, [&](std::size_t begin, std::size_t end) {
+        std::vector<RootPoint> at;
+        for (std::size_t fan = begin; fan < end; ++fan)
+            at.push_back({domain.fan_roots[fan], {0, 0, 1}});
+        base.evaluate(at, std::span(centres).subspan(begin, end - begin));
+    });
+    const auto normal = [&](std::uint32_t c) {
+        return glm::dvec3(normals.values[normals.indices[c]]);
+    };
     for (std::uint32_t fan = 0; fan < domain.fans(); ++fan) {
+        const glm::dvec3& n = centres[fan].direction;
+        const auto each_root_leans = [&](const auto& tangent_of, const glm::dvec3& of_centre) {
+            for (std::uint32_t r = domain.fan_roots[fan]; r < domain.fan_roots[fan + 1]; ++r) {
+                const auto [a, b] = domain.roots[r].corners;
+                if (!lean({normal(a), normal(b), n}, {tangent_of(a), tangent_of(b), of_centre}))
+                    return false;
+            }
+            return true;
+        };
         const glm::dvec3 mean = centres_[fan];
         bool leans = glm::length(mean) > least_lean;
         for_fan_corners(domain, fan, [&](std::uint32_t c) {
             leans = leans && glm::dot(corners_[c], mean) > least_lean * glm::length(mean);
         });
-        if (leans) continue;
+        if (leans && each_root_leans([&](std::uint32_t c) { return corners_[c]; }, mean)) continue;
         constant_[fan] = 1;
-        const RootPoint centre{domain.fan_roots[fan], {0, 0, 1}};
-        BasePoint point;
-        base.evaluate({&centre, 1}, {&point, 1});
-        const glm::dvec3& n = point.direction;
         const glm::dvec3 level = mean - glm::dot(mean, n) * n;
-        const bool some = glm::length(level) > least_lean;
-        centres_[fan] = some ? glm::normalize(level) : any_perpendicular(n);
+        const glm::dvec3 first =
+            glm::length(level) > least_lean ? glm::normalize(level) : any_perpendicular(n);
+        // The nearest to it that no direction of the fan is along, where there is any.
+        constexpr int turns = 8;
+        centres_[fan] = first;
+        for (int k = 0; k < turns; ++k) {
+            const double angle = (k % 2 ? 1 : -1) * ((k + 1) / 2) * (3.14159265358979324 / turns);
+            const glm::dvec3 turned =
+                std::cos(angle) * first + std::sin(angle) * glm::cross(n, first);
+            if (!each_root_leans([&](std::uint32_t) { return turned; }, turned)) continue;
+            centres_[fan] = turned;
+            break;
+        }
     }
 }
 

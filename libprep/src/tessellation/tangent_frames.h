@@ -18,9 +18,10 @@
 //   |T − I T| ≤ |B − I B| + |n − I n| + ⅓ max |B − B'||n − n'|.
 // All of these are of second order in the triangle's size.
 //
-// Corners' tangents that cancel (charts without area take theirs from what they meet) would leave a
-// line where τ vanishes and the frame jumps, which no triangles are fine enough for. The fan of a
-// face whose tangents do not lean to their mean has one tangent; its neighbours have others, and
+// Corners' tangents that cancel (charts without area take theirs from what they meet), and tangents
+// that the surface's direction turns into within a face, would leave a place where n × τ vanishes
+// and the frame jumps, which no triangles are fine enough for. The fan of a face whose tangents do
+// not lean to their mean, or n × τ to its own, has one tangent; its neighbours have others, and
 // what that makes them disagree by is a gap like that of a seam.
 #pragma once
 
@@ -57,7 +58,8 @@ class TangentFrames {
                     const glm::dvec3& turn) const;
 
   private:
-    void keep_from_cancelling(const Domain& domain, const BaseSurface& base);
+    void keep_from_cancelling(const Domain& domain, const BaseSurface& base,
+                              const CornerLayer<glm::vec3>& normals, int threads);
     std::array<glm::dvec3, 3> tangents(const DomainRoot& root) const;
     std::vector<glm::dvec3> corners_;  // per corner of the cage
     std::vector<glm::dvec3> centres_;  // per fan
