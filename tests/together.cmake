@@ -30,7 +30,7 @@ set(tests_together
      real_gltf_files written_corpus"
     "prep gltf_extensions gltf_materials gltf_meshes gltf_morph gltf_scene_data unit_normals"
     "prep gltf_quantize gltf_written_materials"
-    "prep gltf_repeated_data gltf_scene gltf_written_back vertex_order"
+    "prep gltf_repeated_data gltf_scene gltf_targets gltf_written_back vertex_order"
     "prep material_mapping morph_targets"
     "prep map_charts tessellation_hard_cases"
     "prep tessellation_limit tessellation_polygons"

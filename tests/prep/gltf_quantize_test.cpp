@@ -216,7 +216,7 @@ TEST(GltfQuantize, WhatIsRoundedAlreadyStaysAsItIs) {
     pass("b.glb", "c.glb");
     const test::GltfFile b(dir / "b.glb"), c(dir / "c.glb");
     EXPECT_EQ(b.json["nodes"], c.json["nodes"]);  // no grid on top of the grid
-    for (const char* name : {"POSITION", "TEXCOORD_0"})
+    for (const char* name : {"POSITION", "NORMAL", "TANGENT", "TEXCOORD_0"})
         EXPECT_EQ(b.attribute(0, 0, name), c.attribute(0, 0, name)) << name;
 }
 

@@ -128,21 +128,26 @@ class Quantizer {
         if (raw->width != width) return {};
         const std::vector<float> floats = to_floats(*raw);
         std::vector<double> values(floats.begin(), floats.end());
-        const bool fits = row == uvs ? std::all_of(floats.begin(), floats.end(),
-                                                   [](float v) { return v >= 0.0f && v <= 1.0f; })
-                                     : make_directions(values, std::size_t(width));
-        if (!fits) {
-            keep(row, raw->count, row == uvs ? "outside 0 … 1" : "that are not finite");
-            return {};
-        }
         const int bits = bits_.*quantization_rows[row].bits;
         const StoredType type =
             row == uvs ? StoredType{bits <= 8 ? 5121 : 5123, true, bits <= 8 ? 255.0 : 65535.0}
                        : StoredType{bits <= 8 ? 5120 : 5122, true, bits <= 8 ? 127.0 : 32767.0};
         const double steps = row == uvs ? std::exp2(bits) - 1 : std::exp2(bits - 1) - 1;
+        const auto code = [&](double v) {
+            return std::int32_t(std::round(std::round(v * steps) * type.one / steps));
+        };
+        const bool fits =
+            row == uvs ? std::all_of(floats.begin(), floats.end(),
+                                     [](float v) { return v >= 0.0f && v <= 1.0f; })
+                       : make_directions(values, std::size_t(width), 1 / steps, [&](double v) {
+                             return float(code(v) / type.one) == float(v);
+                         });
+        if (!fits) {
+            keep(row, raw->count, row == uvs ? "outside 0 … 1" : "that are not finite");
+            return {};
+        }
         std::vector<std::int32_t> stored(values.size());
-        for (std::size_t i = 0; i < values.size(); ++i)
-            stored[i] = std::int32_t(std::round(std::round(values[i] * steps) * type.one / steps));
+        std::transform(values.begin(), values.end(), stored.begin(), code);
         measure(row, floats, stored, type.one, std::size_t(width));
         // Whole numbers of 16 or 8 bits from 0 to 1 are glTF's own for UVs.
         declared_ |= row != uvs;
@@ -150,14 +155,19 @@ class Quantizer {
         return {};
     }
 
-    // Lengths say nothing, and short vectors would keep few bits: unit ones. False where a value is
-    // not finite, or a tangent's sign is beyond 1.
-    static bool make_directions(std::vector<double>& values, std::size_t width) {
+    // Lengths say nothing, and short vectors would keep few bits: unit ones, but for those that
+    // were rounded in such steps before, which keep their codes. False where a value is not finite,
+    // or a tangent's sign is beyond 1.
+    template <class HasCode>
+    static bool make_directions(std::vector<double>& values, std::size_t width, double step,
+                                HasCode has_code) {
         for (std::size_t i = 0; i < values.size(); i += width) {
             const glm::dvec3 v(values[i], values[i + 1], values[i + 2]);
             const double length = glm::length(v);
             if (!std::isfinite(length) || (width == 4 && !(std::abs(values[i + 3]) <= 1)))
                 return false;
+            if (std::abs(length - 1) <= step && has_code(v.x) && has_code(v.y) && has_code(v.z))
+                continue;
             for (std::size_t k = 0; length > 0 && k < 3; ++k) values[i + k] /= length;
         }
         return true;
@@ -228,8 +238,14 @@ class Quantizer {
                 why = "with primitives that are written as they came";
         if (!box->finite) why = "that are not finite";
         const glm::dvec3 size = box->high - box->low;
-        const double extent = std::max({size.x, size.y, size.z});
-        const double steps = std::exp2(bits_.positions) - 1;
+        double extent = std::max({size.x, size.y, size.z}), diagonal = glm::length(size);
+        double steps = std::exp2(bits_.positions) - 1;
+        if (extent == 0) {  // all in one place: what moves them away says how large the mesh is
+            const auto moved = farthest_move(m);
+            if (!moved) return moved.error();
+            extent = diagonal = *moved;
+            steps = std::min(steps, 32767.0);
+        }
         // A float, as most programs keep it, and not too small for the last step.
         float step = extent > 0 ? float(extent / steps) : 1.0f;
         if (double(step) * steps < extent)
@@ -246,8 +262,25 @@ class Quantizer {
             return {};
         }
         for (Json& primitive : json_["meshes"][m]["primitives"])
-            if (auto done = on_grid(primitive, grid, glm::length(size)); !done) return done;
+            if (auto done = on_grid(primitive, grid, diagonal); !done) return done;
         return nodes_.place_grid(m, grid);
+    }
+
+    // The largest that a target moves anything along an axis. What is not finite is not looked at.
+    Result<double> farthest_move(std::size_t m) {
+        double farthest = 0;
+        for (const Json& primitive : json_["meshes"][m]["primitives"]) {
+            if (!primitive.contains("targets")) continue;
+            for (const Json& target : primitive["targets"]) {
+                const auto moves = target.find("POSITION");
+                if (moves == target.end()) continue;
+                const auto raw = document_.raw_accessor(moves->get<std::size_t>());
+                if (!raw) return raw.error();
+                for (const float v : to_floats(*raw))
+                    if (std::isfinite(v)) farthest = std::max(farthest, std::abs(double(v)));
+            }
+        }
+        return farthest;
     }
 
     // What floats cannot hold in steps of the grid: how far targets move, matrices of skins. Empty

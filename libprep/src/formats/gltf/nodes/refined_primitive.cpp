@@ -178,6 +178,9 @@ void write_refined_primitive(const PreparedScene& prepared, Index mesh,
                              std::vector<std::string>& notes) {
     RefinedPrimitive refined(prepared, mesh, used, data, json);
     const Json before = primitive["attributes"];
+    const auto tell = [&](const std::string& note) {
+        if (std::find(notes.begin(), notes.end(), note) == notes.end()) notes.push_back(note);
+    };
     Json attributes = Json::object();
     for (const auto& item : before.items()) {
         const std::string& name = item.key();
@@ -189,8 +192,7 @@ void write_refined_primitive(const PreparedScene& prepared, Index mesh,
             attributes[name] = *made;
             continue;
         }
-        const std::string note = "attribute " + name + " was left out of a subdivided mesh";
-        if (std::find(notes.begin(), notes.end(), note) == notes.end()) notes.push_back(note);
+        tell("attribute " + name + " was left out of a subdivided mesh");
     }
     if (before.contains("JOINTS_0"))
         for (std::size_t s = 0; s < refined.influence_sets(); ++s)
@@ -204,8 +206,13 @@ void write_refined_primitive(const PreparedScene& prepared, Index mesh,
     primitive["attributes"] = attributes;
     if (primitive.contains("targets")) {
         Json targets = Json::array();
-        for (std::size_t t = 0; t < primitive["targets"].size(); ++t)
+        for (std::size_t t = 0; t < primitive["targets"].size(); ++t) {
+            for (const auto& item : primitive["targets"][t].items())
+                if (item.key() != "POSITION" && item.key() != "NORMAL" && item.key() != "TANGENT")
+                    tell("what morph targets change of " + item.key() +
+                         " was left out of a subdivided mesh");
             targets.push_back(refined.target(t, attributes));
+        }
         primitive["targets"] = std::move(targets);
     }
     primitive["indices"] = data.add_indices(indices, used.size());
