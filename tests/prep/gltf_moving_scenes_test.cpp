@@ -233,6 +233,53 @@ TEST(PlaceScene, DocumentsThatComeFromGltfGetANodeAboveTheirRoots) {
     EXPECT_EQ(file.json["cameras"][0]["perspective"]["zfar"], 16);
 }
 
+// Lengths in the scene's unit, at rest and as they are animated; a sampler that something else
+// shares keeps its keys for that.
+TEST(PlaceScene, LengthsOfTheDocumentFollowWithTheirKeys) {
+    const test::TempDir dir;
+    test::GltfSource d = document({{{"nodes", {0, 1}}}});
+    d.json["extensionsUsed"] = {"KHR_materials_volume", "KHR_animation_pointer"};
+    d.json["materials"] = {
+        {{"extensions",
+          {{"KHR_materials_volume", {{"thicknessFactor", 0.5}, {"attenuationDistance", 3}}}}}}};
+    d.json["meshes"][0]["primitives"][0]["material"] = 0;
+    const std::size_t times = d.add_floats("SCALAR", {0, 1}), keys = d.add_floats("SCALAR", {4, 6});
+    Json channels = Json::array();
+    const std::string volume = "/materials/0/extensions/KHR_materials_volume/";
+    for (const std::string& pointer :
+         {std::string("/cameras/0/perspective/zfar"), volume + "thicknessFactor",
+          volume + "attenuationDistance", std::string("/cameras/0/perspective/yfov")})
+        channels.push_back(
+            {{"sampler", 0},
+             {"target",
+              {{"path", "pointer"},
+               {"extensions", {{"KHR_animation_pointer", {{"pointer", pointer}}}}}}}});
+    d.json["animations"] = {
+        {{"channels", channels}, {"samplers", {{{"input", times}, {"output", keys}}}}}};
+    d.write(dir / "in.glb");
+    auto scene = prep::load_scene(dir / "in.glb");
+    ASSERT_TRUE(scene) << prep::to_string(scene.error());
+    prep::place_scene(*scene, 10, prep::Axis::y);
+    auto prepared = prep::prepare(*std::move(scene));
+    ASSERT_TRUE(prepared);
+    const auto saved = prep::save_scene(*prepared, dir / "out.glb");
+    ASSERT_TRUE(saved) << prep::to_string(saved.error());
+    const test::GltfFile file(dir / "out.glb");
+    EXPECT_EQ(file.fault(), "");
+    const Json& stored = file.json["materials"][0]["extensions"]["KHR_materials_volume"];
+    EXPECT_EQ(stored["attenuationDistance"], 30);
+    EXPECT_EQ(stored["thicknessFactor"], 0.5);  // in the mesh's own unit
+    const Json& animation = file.json["animations"][0];
+    for (std::size_t c = 0; c < 4; ++c) {
+        const auto sampler = animation["channels"][c]["sampler"].get<std::size_t>();
+        const double scale = c == 0 || c == 2 ? 10 : 1;
+        EXPECT_EQ(file.accessor(animation["samplers"][sampler]["output"].get<std::size_t>()).values,
+                  (std::vector<double>{4 * scale, 6 * scale}))
+            << c;
+        EXPECT_EQ(animation["samplers"][sampler]["input"], animation["samplers"][0]["input"]);
+    }
+}
+
 // A mesh that no node has is no reason to leave the others where they were.
 TEST(PlaceScene, DocumentsWithUnusedMeshesAreScaledTooAndThoseWithoutScenesAreAnError) {
     const test::TempDir dir;

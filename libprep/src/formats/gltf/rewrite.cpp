@@ -53,7 +53,7 @@ class Rewriter {
         declare_compression(json_);
         embed_pictures(prepared_.scene.images, json_, appended_,
                        [&](const std::string& text) { note_once(text); });
-        if (auto done = place_document(prepared_.scene, document_, json_); !done)
+        if (auto done = place_document(prepared_.scene, document_, json_, appended_); !done)
             return std::move(done).error();
         note_non_finite_data(document_, json_, notes_);
         repair_document(document_, json_, appended_, notes_);

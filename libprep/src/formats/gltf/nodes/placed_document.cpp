@@ -1,6 +1,9 @@
 #include "formats/gltf/nodes/placed_document.h"
 
+#include <array>
 #include <set>
+#include <string>
+#include <string_view>
 
 namespace prep::detail {
 namespace {
@@ -21,9 +24,72 @@ Json node_of(const Node& node, Json children) {
     return out;
 }
 
+// What a pointer of KHR_animation_pointer is into where that is a length in the scene's unit.
+bool is_length(std::string_view pointer) {
+    struct Length {
+        std::string_view list, member;
+    };
+    constexpr std::string_view lights = "/extensions/KHR_lights_punctual/lights/";
+    constexpr std::array lengths{
+        Length{"/cameras/", "/perspective/znear"},
+        Length{"/cameras/", "/perspective/zfar"},
+        Length{"/cameras/", "/orthographic/znear"},
+        Length{"/cameras/", "/orthographic/zfar"},
+        Length{"/cameras/", "/orthographic/xmag"},
+        Length{"/cameras/", "/orthographic/ymag"},
+        Length{lights, "/range"},
+        Length{"/materials/", "/extensions/KHR_materials_volume/attenuationDistance"},
+    };
+    for (const Length& length : lengths) {
+        if (!pointer.starts_with(length.list) || !pointer.ends_with(length.member) ||
+            pointer.size() <= length.list.size() + length.member.size())
+            continue;
+        const std::string_view number = pointer.substr(
+            length.list.size(), pointer.size() - length.list.size() - length.member.size());
+        if (number.find_first_not_of("0123456789") == std::string_view::npos) return true;
+    }
+    return false;
+}
+
+// Keys of lengths, each channel's in a sampler of its own: others may share the one that it had.
+Result<void> scale_keys(const GltfDocument& document, double scale, Json& json,
+                        AppendedData& appended) {
+    if (!json.contains("animations")) return {};
+    for (Json& animation : json["animations"]) {
+        const auto channels = animation.find("channels"), samplers = animation.find("samplers");
+        if (channels == animation.end() || samplers == animation.end()) continue;
+        for (Json& channel : *channels) {
+            const auto target = channel.find("target");
+            if (target == channel.end()) continue;
+            const Json* const extension = extension_of(*target, "KHR_animation_pointer");
+            if (extension == nullptr || !extension->contains("pointer") ||
+                !(*extension)["pointer"].is_string() ||
+                !is_length((*extension)["pointer"].get<std::string>()))
+                continue;
+            const auto own = channel.value("sampler", samplers->size());
+            if (own >= samplers->size() || !(*samplers)[own].contains("output")) continue;
+            Json sampler = (*samplers)[own];
+            const auto keys = document.raw_accessor(sampler["output"].get<std::size_t>());
+            if (!keys) return keys.error();
+            std::vector<float> values = to_floats(*keys);
+            for (float& v : values) v = float(v * scale);
+            const std::size_t count = values.size();
+            sampler["output"] = appended.add_accessor(
+                Json{{"bufferView", appended.add_view(SharedBytes::of(std::move(values)), 0, 0)},
+                     {"componentType", 5126},
+                     {"count", count},
+                     {"type", "SCALAR"}});
+            channel["sampler"] = samplers->size();
+            samplers->push_back(std::move(sampler));
+        }
+    }
+    return {};
+}
+
 }  // namespace
 
-Result<void> place_document(const Scene& scene, const GltfDocument& document, Json& json) {
+Result<void> place_document(const Scene& scene, const GltfDocument& document, Json& json,
+                            AppendedData& appended) {
     const std::size_t own = json.contains("nodes") ? json["nodes"].size() : 0;
     if (scene.nodes.size() != own + 1 || !scene.nodes.back().trs) return {};
     const Node& above = scene.nodes.back();
@@ -59,7 +125,13 @@ Result<void> place_document(const Scene& scene, const GltfDocument& document, Js
     const auto lights = Json::json_pointer("/extensions/KHR_lights_punctual/lights");
     if (json.contains(lights))
         for (Json& light : json[lights]) scale_members(light, {"range"}, scale);
-    return {};
+    // How far light goes before a colour is left of it; how thick things are is in their own unit.
+    if (json.contains("materials"))
+        for (Json& material : json["materials"])
+            if (const auto volume = Json::json_pointer("/extensions/KHR_materials_volume");
+                material.contains(volume))
+                scale_members(material[volume], {"attenuationDistance"}, scale);
+    return scale_keys(document, scale, json, appended);
 }
 
 }  // namespace prep::detail
