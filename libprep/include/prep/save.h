@@ -62,6 +62,7 @@ struct QuantizationReport {
 };
 
 struct SaveOptions {
+    int threads = 0;      // 0: all cores; the result does not depend on it
     bool ascii = false;   // PLY and STL: text instead of binary
     bool replace = true;  // whether files that exist are replaced; else they are an error
     // Whether the output and files beside it (.mtl, .bin, images) may replace files that were read

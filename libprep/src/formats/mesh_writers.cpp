@@ -134,13 +134,16 @@ std::size_t unused_vertices(const VertexMesh& mesh, const Mesh& source) {
     return std::size_t(std::count(used.begin(), used.end(), false));
 }
 
-void flatten(const PreparedScene& prepared, const char* format, std::vector<std::string>& notes,
-             Flat& flat) {
+// Errors: limit (instances and all, more than indices of 32 bits tell apart).
+Result<void> flatten(const PreparedScene& prepared, const char* format,
+                     const std::filesystem::path& path, std::vector<std::string>& notes,
+                     Flat& flat) {
     const std::vector<glm::dmat4> world = world_transforms(prepared.scene);
     std::vector<Instance> instances;
     bool moved = false, normals = false, tangents = false, uvs = false, colors = false;
     std::set<Index> seen;
     std::size_t unused = 0;
+    std::uint64_t vertices = 0, corners = 0;
     for (std::size_t n = 0; n < prepared.scene.nodes.size(); ++n) {
         const Index m = prepared.scene.nodes[n].mesh;
         if (m == no_index) continue;
@@ -152,10 +155,15 @@ void flatten(const PreparedScene& prepared, const char* format, std::vector<std:
         uvs |= !mesh.uvs.empty();
         colors |= !mesh.colors.empty();
         flat.points += mesh.points.size();
+        vertices += mesh.vertex_count();
+        corners += std::max(mesh.corner_vertices.size(), mesh.indices.size());
         if (seen.insert(m).second) unused += unused_vertices(mesh, prepared.scene.meshes[m]);
         if (mesh.uvs.size() > 1)
             note_once(notes, fmt::format("{} holds one UV set: the others are left out", format));
     }
+    if (vertices >= no_index || corners >= no_index)
+        return Error{ErrorCode::limit, "more than 2^32 - 2 vertices or corners in one file",
+                     path.string()};
     if (instances.size() > 1)
         note_once(notes,
                   fmt::format("{} holds one mesh: {} were joined", format, instances.size()));
@@ -176,7 +184,7 @@ void flatten(const PreparedScene& prepared, const char* format, std::vector<std:
         flat.corner_vertices = mesh.corner_vertices;
         flat.triangles = mesh.indices;
         flat.lines = mesh.lines;
-        return;
+        return {};
     }
     Flat::Own& own = flat.own;
     for (const Instance& instance : instances)
@@ -191,6 +199,7 @@ void flatten(const PreparedScene& prepared, const char* format, std::vector<std:
     flat.corner_vertices = own.corner_vertices;
     flat.triangles = own.triangles;
     flat.lines = own.lines;
+    return {};
 }
 
 unsigned char encoded(float linear) {
@@ -204,12 +213,6 @@ void note_points(const Flat& flat, const char* format, std::vector<std::string>&
         note_once(notes, fmt::format("{} has no points beside faces or lines: {} written as "
                                      "vertices that nothing uses",
                                      format, flat.points));
-}
-
-Result<void> check_count(std::size_t count, const std::filesystem::path& path) {
-    if (count >= no_index)
-        return Error{ErrorCode::limit, "more than 2^32 - 2 corners in one file", path.string()};
-    return {};
 }
 
 // One value of a vertex or face after the other, in text or bytes.
@@ -271,13 +274,12 @@ WriteResult write_ply(const PreparedScene& prepared, const std::filesystem::path
                       const SaveOptions& options) {
     std::vector<std::string> notes;
     Flat flat;
-    flatten(prepared, "PLY", notes, flat);
-    note_points(flat, "PLY", notes);
-    if (auto done = check_count(flat.corner_vertices.size(), path); !done)
+    if (auto done = flatten(prepared, "PLY", path, notes, flat); !done)
         return std::move(done).error();
+    note_points(flat, "PLY", notes);
     if (flat.vertices() > 0x7fffffff)
         return Error{ErrorCode::limit, "PLY's vertex indices end at 2^31 - 1", path.string()};
-    TextBlocks out;
+    TextBlocks out(options.threads);
     std::string& header = out.text();
     header = fmt::format("ply\nformat {} 1.0\ncomment meshprep\nelement vertex {}\n",
                          options.ascii ? "ascii" : "binary_little_endian", flat.vertices());
@@ -362,7 +364,8 @@ WriteResult write_stl(const PreparedScene& prepared, const std::filesystem::path
                       const SaveOptions& options) {
     std::vector<std::string> notes;
     Flat flat;
-    flatten(prepared, "STL", notes, flat);
+    if (auto done = flatten(prepared, "STL", path, notes, flat); !done)
+        return std::move(done).error();
     if (!flat.uvs.empty()) note_once(notes, "STL holds no UVs: left out");
     if (!flat.colors.empty()) note_once(notes, "STL holds no colours: left out");
     if (flat.moved()) note_once(notes, "STL holds floats: coordinates were rounded to them");
@@ -373,8 +376,7 @@ WriteResult write_stl(const PreparedScene& prepared, const std::filesystem::path
     if (flat.points > 0)
         note_once(notes, fmt::format("STL holds no points: {} left out", flat.points));
     const std::size_t facets = flat.triangles.size() / 3;
-    if (auto done = check_count(facets, path); !done) return std::move(done).error();
-    TextBlocks out;
+    TextBlocks out(options.threads);
     if (options.ascii) {
         out.text() = "solid meshprep\n";
     } else {
@@ -415,10 +417,11 @@ WriteResult write_off(const PreparedScene& prepared, const std::filesystem::path
                       const SaveOptions& options) {
     std::vector<std::string> notes;
     Flat flat;
-    flatten(prepared, "OFF", notes, flat);
+    if (auto done = flatten(prepared, "OFF", path, notes, flat); !done)
+        return std::move(done).error();
     note_points(flat, "OFF", notes);
     if (!flat.tangents.empty()) note_once(notes, "OFF holds no tangents: left out");
-    TextBlocks out;
+    TextBlocks out(options.threads);
     out.text() = fmt::format("{}{}{}OFF\n{} {} 0\n", flat.uvs.empty() ? "" : "ST",
                              flat.colors.empty() ? "" : "C", flat.normals.empty() ? "" : "N",
                              flat.vertices(), flat.faces() + flat.lines.size() / 2);

@@ -95,7 +95,7 @@ const std::vector<Format>& formats() {
          is_obj,
          load_wavefront,
          write_obj,
-         {.notes_skins = true}},
+         {.materials = true}},
         {{"PLY", "PLY", {".ply"}, {".ply"}},
          is_ply,
          load_polygons,

@@ -19,7 +19,7 @@ struct FormatHolds {
     bool corner_values = true;    // values by corner; false: by split vertex
     bool uvs = true;
     bool float_colors = true;  // false: none, or integers
-    bool notes_skins = false;  // the writer says itself that it leaves skins out
+    bool materials = false;
 };
 
 struct Format {

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "base/finite.h"
+#include "formats/gltf/gltf.h"
 #include "formats/gltf/gltf_writer.h"
 #include "formats/registry.h"
 #include "prep/save.h"
@@ -70,11 +71,29 @@ void note_lost(const PreparedScene& prepared, const std::string& format, const F
     if (!custom.empty())
         notes.push_back(format + " holds no attributes of other names: " + custom.text() +
                         " left out");
+    if (holds.materials) {
+        NameList beyond;
+        for (const std::string& extension : extensions_beyond_materials(prepared.scene))
+            beyond.add(extension);
+        if (!beyond.empty())
+            notes.push_back(format + " holds nothing of these extensions of materials: " +
+                            beyond.text() + ": left out");
+    }
     if (const std::size_t targets = morph_target_count(prepared.scene); targets > 0)
         notes.push_back(format + " holds no morph targets: " + std::to_string(targets) +
                         " left out");
-    if (!holds.notes_skins && !prepared.scene.skins.empty())
-        notes.push_back(format + " holds no skins: left out");
+    std::string kinds;
+    const auto node_holds = [&](Index Node::*what) {
+        return std::any_of(prepared.scene.nodes.begin(), prepared.scene.nodes.end(),
+                           [&](const Node& node) { return node.*what != no_index; });
+    };
+    const auto add_kind = [&](const char* kind, bool is_there) {
+        if (is_there) kinds += (kinds.empty() ? "" : ", ") + std::string(kind);
+    };
+    add_kind("cameras", node_holds(&Node::camera));
+    add_kind("lights", node_holds(&Node::light));
+    add_kind("skins", !prepared.scene.skins.empty());
+    if (!kinds.empty()) notes.push_back(format + " holds no " + kinds + ": left out");
     if (const std::size_t count = prepared.scene.animations.size(); count > 0)
         notes.push_back(format + " holds no animations: " + std::to_string(count) + " left out");
 }

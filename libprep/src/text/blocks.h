@@ -15,6 +15,8 @@ namespace prep::detail {
 
 class TextBlocks {
   public:
+    explicit TextBlocks(int threads) : threads_(threads) {}  // 0: all cores
+
     // What is added here comes in order with the lines.
     std::string& text() { return open_; }
 
@@ -26,7 +28,7 @@ class TextBlocks {
         close();
         const std::size_t first = blocks_.size();
         blocks_.resize(first + (count + grain - 1) / grain);
-        parallel_blocks(count, grain, 0, [&](std::size_t begin, std::size_t end) {
+        parallel_blocks(count, grain, threads_, [&](std::size_t begin, std::size_t end) {
             Block& block = blocks_[first + begin / grain];
             block.text.reset(new char[room(begin, end)]);  // not set to zero: most stays untouched
             char* to = block.text.get();
@@ -51,6 +53,7 @@ class TextBlocks {
     }
 
   private:
+    const int threads_;
     struct Block {
         std::unique_ptr<char[]> text;
         std::size_t size = 0;

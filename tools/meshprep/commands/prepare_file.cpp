@@ -305,6 +305,7 @@ Outcome prepare_file(const Job& job, const PrepareCommand& command, int threads,
     show("writing");
     start = Clock::now();
     prep::SaveOptions save;
+    save.threads = threads;
     save.ascii = command.files.ascii;
     save.compression = command.compression;
     save.replace = command.files.overwrite;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <set>
 
+#include "formats/gltf/gltf.h"
 #include "formats/picture_search.h"
 #include "prep/files.h"
 
@@ -416,3 +417,27 @@ Result<void> read_gltf_materials(const GltfDocument& document, Scene& scene) {
 }
 
 }  // namespace prep::detail
+
+namespace prep {
+
+std::set<std::string> extensions_beyond_materials(const Scene& scene) {
+    static const std::set<std::string> held{"KHR_materials_anisotropy",
+                                            "KHR_materials_clearcoat",
+                                            "KHR_materials_emissive_strength",
+                                            "KHR_materials_ior",
+                                            "KHR_materials_pbrSpecularGlossiness",
+                                            "KHR_materials_sheen",
+                                            "KHR_materials_specular",
+                                            "KHR_materials_unlit"};
+    std::set<std::string> names;
+    const GltfDocument* const document = detail::gltf_document(scene);
+    if (!document || !document->json.contains("materials")) return names;
+    for (const detail::Json& material : document->json["materials"])
+        if (const auto list = material.find("extensions");
+            list != material.end() && list->is_object())
+            for (const auto& item : list->items())
+                if (!held.contains(item.key())) names.insert(item.key());
+    return names;
+}
+
+}  // namespace prep

@@ -1,0 +1,292 @@
+#include "formats/obj/mtl_writer.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "image/packed_channels.h"
+#include "image/picture_kind.h"
+#include "prep/image.h"
+
+namespace prep::detail {
+
+using Index = std::uint32_t;
+
+std::string path_from(const std::filesystem::path& output, const std::filesystem::path& file) {
+    std::error_code ec;
+    const std::filesystem::path name = std::filesystem::relative(
+        file, output.parent_path().empty() ? "." : output.parent_path(), ec);
+    return ec || name.empty() ? file.string() : name.generic_string();
+}
+
+std::string one_word(std::string name) {
+    std::replace_if(
+        name.begin(), name.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');
+    return name;
+}
+
+MtlWriter::MtlWriter(const Scene& scene, const std::filesystem::path& obj, FileSet& files,
+                     std::vector<std::string>& notes)
+    : scene_(scene), path_(obj), files_(files), notes_(notes) {
+    name_materials();
+    for (const Material& material : scene_.materials) {
+        Index set = no_index;
+        for (const MaterialMap& map : material_maps)
+            if (const TextureRef& ref = material.*map.ref;
+                ref && set == no_index && map.ref != &Material::occlusion_map)
+                set = ref.uv_set;
+        uv_sets_.push_back(set == no_index ? 0 : set);
+    }
+}
+
+void MtlWriter::note(const std::string& text) {
+    if (std::find(notes_.begin(), notes_.end(), text) == notes_.end()) notes_.push_back(text);
+}
+
+// OBJ tells materials apart by name alone.
+void MtlWriter::name_materials() {
+    std::unordered_set<std::string> taken;
+    for (const Material& material : scene_.materials)
+        if (!material.name.empty()) taken.insert(one_word(material.name));
+    std::unordered_set<std::string> used;
+    std::unordered_map<std::string, Index> numbers;  // by stem the first that may be free
+    for (Index m = 0; m < scene_.materials.size(); ++m) {
+        const std::string& own = scene_.materials[m].name;
+        std::string name = own.empty() ? fmt::format("material_{}", m) : one_word(own);
+        if (own.empty() ? taken.contains(name) : used.contains(name)) {
+            const std::string stem = name;
+            Index& k = numbers.try_emplace(stem, 2).first->second;
+            for (; taken.contains(name) || used.contains(name); ++k)
+                name = fmt::format("{}_{}", stem, k);
+            if (!own.empty()) note("OBJ tells materials apart by name: equal ones got a number");
+        }
+        used.insert(name);
+        names_.push_back(std::move(name));
+    }
+    for (Index k = 2; used.contains(no_material_); ++k) no_material_ = fmt::format("default_{}", k);
+}
+
+// Where a face without a material follows one that has any, in the order in which nodes are
+// written.
+bool MtlWriter::names_no_material() const {
+    bool any = false;
+    for (const Node& node : scene_.nodes) {
+        if (node.mesh == no_index) continue;
+        const Mesh& mesh = scene_.meshes[node.mesh];
+        if (mesh.face_materials.empty() && mesh.face_count() > 0 && any) return true;
+        for (const Index m : mesh.face_materials) {
+            if (m >= scene_.materials.size() && any) return true;
+            any |= m < scene_.materials.size();
+        }
+    }
+    return false;
+}
+
+Result<std::string> MtlWriter::text() {
+    std::string mtl = "# meshprep\n";
+    for (Index m = 0; m < scene_.materials.size(); ++m)
+        material(scene_.materials[m], names_[m], uv_sets_[m], mtl);
+    if (names_no_material()) material({}, no_material_, 0, mtl);
+    if (failure_) return std::move(*failure_);
+    return mtl;
+}
+
+void MtlWriter::material(const Material& in, const std::string& name, Index set, std::string& mtl) {
+    uv_set_ = set;
+    mtl += fmt::format("\nnewmtl {}\n", name);
+    const auto color = [&](const char* word, const glm::vec3& c) {
+        mtl += fmt::format("{} {} {} {}\n", word, c.r, c.g, c.b);
+    };
+    glm::vec3 specular = in.specular;
+    float shininess = in.shininess;
+    const bool physical = in.metallic_roughness && !in.unlit;
+    if (in.metallic_roughness && in.unlit) {
+        specular = glm::vec3(0.0f);  // its colour is all there is of it
+    } else if (physical) {
+        const BlinnPhong derived =
+            blinn_phong(glm::vec3(in.diffuse), in.metallic, in.roughness, in.reflectance);
+        specular = glm::min(derived.specular, glm::vec3(1.0f));  // all that MTL allows
+        shininess = derived.shininess;
+        note(
+            "metallic-roughness is written as Pr and Pm; Kd is the base colour, Ks and Ns "
+            "are for programs that do not read them");
+    }
+    color("Ka", in.ambient);
+    // With Pm the base colour, of metals too, as other programs write and read it.
+    color("Kd", glm::vec3(in.diffuse));
+    color("Ks", specular);
+    color("Ke", in.emissive);
+    // Opaque materials ignore their alpha.
+    const float opacity = in.alpha_mode == AlphaMode::opaque ? 1.0f : in.diffuse.a;
+    mtl += fmt::format("Ns {}\nd {}\nillum {}\n", shininess, opacity, in.unlit ? 0 : 2);
+    if (physical) physical_statements(in, mtl);
+    if (in.alpha_mode == AlphaMode::mask)
+        note("MTL has no alpha masks: what they cut out is drawn");
+    if (in.double_sided) note("MTL has no double-sided materials: left out");
+    map(mtl, "map_Kd", in.diffuse_map);
+    map(mtl, "map_Ks", in.specular_map);
+    map(mtl, "map_Ke", in.emissive_map);
+    map(mtl, "norm", in.normal_map);
+    map(mtl, "bump", in.bump_map);
+    displacement(in, mtl);
+    if (in.alpha_mode == AlphaMode::blend) opacity_map(in.diffuse_map, mtl);
+    if (in.occlusion_map) note("MTL has no occlusion maps: left out");
+}
+
+// base + gain · texel is (texel − midlevel) · scale.
+void MtlWriter::displacement(const Material& in, std::string& mtl) {
+    if (!in.displacement_map) return;
+    if (in.displacement_kind != DisplacementKind::height)
+        return note("MTL has no vector displacement: left out");
+    const double gain = double(in.displacement_scale);
+    const double base = -double(in.displacement_midlevel) * gain;
+    // Not −0.
+    const std::string range =
+        base == 0 && gain == 1 ? "" : fmt::format(" -mm {} {}", base == 0 ? 0.0 : base, gain);
+    map(mtl, "disp" + range, in.displacement_map);
+}
+
+void MtlWriter::physical_statements(const Material& in, std::string& mtl) {
+    const auto number = [&](const char* word, float value) {
+        mtl += fmt::format("{} {}\n", word, value);
+    };
+    number("Pr", in.roughness);
+    number("Pm", in.metallic);
+    const glm::vec3& f0 = in.reflectance;
+    if (f0.r != f0.g || f0.r != f0.b) note("MTL has one reflectance for all colours: the mean");
+    const double mean = (double(f0.r) + double(f0.g) + double(f0.b)) / 3;
+    // What an index of refraction reflects: ((n − 1)/(n + 1))².
+    if (f0 != glm::vec3(0.04f) && mean < 0.999) {
+        const double root = std::sqrt(std::max(mean, 0.0));
+        number("Ni", float((1 + root) / (1 - root)));
+    }
+    if (in.clearcoat > 0) {
+        number("Pc", in.clearcoat);
+        number("Pcr", in.clearcoat_roughness);
+    }
+    if (in.sheen != glm::vec3(0.0f))
+        mtl += fmt::format("Ps {} {} {}\n", in.sheen.r, in.sheen.g, in.sheen.b);
+    if (in.anisotropy > 0) {
+        number("aniso", in.anisotropy);
+        number("anisor", in.anisotropy_rotation / 6.2831853f);
+    }
+    if (!in.metallic_roughness_map) return;
+    // Programs read grey pictures there, one for each.
+    if (in.roughness > 0) grey_map(mtl, "map_Pr", in.metallic_roughness_map, 1, "roughness");
+    if (in.metallic > 0) grey_map(mtl, "map_Pm", in.metallic_roughness_map, 2, "metallic");
+}
+
+// A channel of the packed picture as a file of its own; what was put together is named again.
+void MtlWriter::grey_map(std::string& mtl, const char* word, const TextureRef& ref,
+                         std::uint32_t channel, const char* what) {
+    const ImageRef* image = image_of(ref);
+    if (!image) return;
+    if (!image->channels.empty()) {
+        if (channel >= image->channels.size()) return;
+        const PackedChannel& packed = image->channels[channel];
+        if (!packed.source) return;
+        if (packed.source->bytes.empty() && packed.channel == 0 && !packed.inverted)
+            return map_line(mtl, word, ref, path_from(path_, packed.source->path));
+    }
+    const Index index = scene_.textures[ref.texture].image;
+    const std::string file = fmt::format("{}_image{}_{}.png", path_.stem().string(), index, what);
+    if (!grey_files_.contains(file)) {
+        const auto decoded = load_image(*image);
+        const auto png = decoded ? encode_png(single_channel(*decoded, channel)) : decoded.error();
+        if (!png) {
+            note("the metallic-roughness picture '" + image->name + "' cannot be read: left out (" +
+                 png.error().text + ")");
+            return;
+        }
+        if (auto done = files_.add(path_.parent_path() / file, *png); !done && !failure_)
+            failure_ = std::move(done).error();
+        grey_files_.insert(file);
+    }
+    map_line(mtl, word, ref, file);
+}
+
+// The alpha of the colour's picture: the same file, or the one that it was put together from.
+void MtlWriter::opacity_map(const TextureRef& ref, std::string& mtl) {
+    const ImageRef* image = image_of(ref);
+    if (!image) return;
+    if (image->channels.size() < 4) {
+        // Of a picture without alpha, programs would take the brightness.
+        const auto decoded = load_image(*image);
+        if (decoded && decoded->channels % 2 == 0) map(mtl, "map_d", ref);
+        if (!decoded && decoded.error().code != ErrorCode::io)
+            note("whether '" + image->name + "' has alpha is unknown: " + decoded.error().text);
+        return;
+    }
+    const auto& opacity = image->channels[3].source;
+    if (!opacity) return;
+    // Numbers behind those of the scene's own pictures.
+    const Index number = Index(scene_.images.size()) + scene_.textures[ref.texture].image;
+    map_line(
+        mtl, "map_d", ref,
+        opacity->bytes.empty() ? path_from(path_, opacity->path) : embedded_file(*opacity, number));
+}
+
+const ImageRef* MtlWriter::image_of(const TextureRef& ref) {
+    if (!ref || ref.texture >= scene_.textures.size()) return nullptr;
+    if (ref.uv_set != uv_set_) {
+        note(
+            "OBJ holds one UV set: maps that read another than their material's first are "
+            "left out");
+        return nullptr;
+    }
+    const Index image = scene_.textures[ref.texture].image;
+    return image < scene_.images.size() ? &scene_.images[image] : nullptr;
+}
+
+void MtlWriter::map(std::string& mtl, const std::string& word, const TextureRef& ref) {
+    if (image_of(ref)) map_line(mtl, word, ref, image_file(scene_.textures[ref.texture].image));
+}
+
+void MtlWriter::map_line(std::string& mtl, const std::string& word, const TextureRef& ref,
+                         const std::string& file) {
+    if (file.empty()) return;
+    mtl += word;
+    if (ref.strength != 1) mtl += fmt::format(" -bm {}", ref.strength);
+    if (ref.scale != glm::vec2(1.0f)) mtl += fmt::format(" -s {} {} 1", ref.scale.x, ref.scale.y);
+    // v runs upwards there: 1 − v' = s · (1 − v) + o.
+    const float up = 1 - ref.scale.y - ref.offset.y;
+    if (ref.offset.x != 0 || up != 0) mtl += fmt::format(" -o {} {} 0", ref.offset.x, up);
+    const Texture& texture = scene_.textures[ref.texture];
+    if (texture.wrap_u == Wrap::clamp && texture.wrap_v == Wrap::clamp)
+        mtl += " -clamp on";
+    else if (texture.wrap_u != Wrap::repeat || texture.wrap_v != Wrap::repeat)
+        note("MTL repeats or clamps textures in both directions: others will repeat");
+    if (ref.rotation != 0) note("MTL has no texture rotation: left out");
+    mtl += fmt::format(" {}\n", file);
+}
+
+// The image's name relative to the output; embedded ones are written beside it.
+std::string MtlWriter::image_file(Index image) {
+    const ImageRef& ref = scene_.images[image];
+    // The colour of what was put together with an opacity.
+    if (!ref.channels.empty()) {
+        const auto& source = ref.channels[0].source;
+        if (!source) return "";
+        return source->bytes.empty() ? path_from(path_, source->path)
+                                     : embedded_file(*source, image);
+    }
+    if (ref.bytes.empty()) return path_from(path_, ref.path);
+    return embedded_file(ref, image);
+}
+
+std::string MtlWriter::embedded_file(const ImageRef& ref, Index image) {
+    const auto known = written_.find(image);
+    if (known != written_.end()) return known->second;
+    const std::string_view kind = picture_kind(ref.bytes);
+    const std::string file = fmt::format("{}_image{}{}", path_.stem().string(), image,
+                                         ref.path.has_extension() ? ref.path.extension().string()
+                                         : kind.empty()           ? ".jpg"
+                                                                  : "." + std::string(kind));
+    if (auto done = files_.add(path_.parent_path() / file, ref.bytes); !done && !failure_)
+        failure_ = std::move(done).error();
+    written_.emplace(image, file);
+    return file;
+}
+
+}  // namespace prep::detail

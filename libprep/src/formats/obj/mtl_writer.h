@@ -1,0 +1,72 @@
+// Materials as a library of Wavefront's MTL, and what OBJ files say of them.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <unordered_map>
+#include <unordered_set>
+#include <vector>
+
+#include "base/atomic_files.h"
+#include "prep/scene.h"
+
+namespace prep::detail {
+
+// As it is named from where the output stands.
+std::string path_from(const std::filesystem::path& output, const std::filesystem::path& file);
+
+// `name` without what would end the line.
+std::string one_word(std::string name);
+
+class MtlWriter {
+  public:
+    // Of the scene's materials, for the OBJ file `obj`. What is lost goes into `notes`, each loss
+    // once; pictures that are not files yet into `files`. All of them outlive it.
+    MtlWriter(const Scene& scene, const std::filesystem::path& obj, FileSet& files,
+              std::vector<std::string>& notes);
+
+    // Each material has a name of its own, no_index too: a file has no way back to none.
+    const std::string& name(std::uint32_t material) const {
+        return material < names_.size() ? names_[material] : no_material_;
+    }
+    // That of the material's faces: the one that its colour's map reads, or the first map that it
+    // has. An OBJ file has one for each corner.
+    std::uint32_t uv_set(std::uint32_t material) const {
+        return material < uv_sets_.size() ? uv_sets_[material] : 0;
+    }
+
+    // Errors: those of `files`.
+    Result<std::string> text();
+
+  private:
+    void note(const std::string& text);
+    void name_materials();
+    bool names_no_material() const;
+    void material(const Material& in, const std::string& name, std::uint32_t set, std::string& mtl);
+    void displacement(const Material& in, std::string& mtl);
+    void physical_statements(const Material& in, std::string& mtl);
+    void grey_map(std::string& mtl, const char* word, const TextureRef& ref, std::uint32_t channel,
+                  const char* what);
+    void opacity_map(const TextureRef& ref, std::string& mtl);
+    const ImageRef* image_of(const TextureRef& ref);
+    void map(std::string& mtl, const std::string& word, const TextureRef& ref);
+    void map_line(std::string& mtl, const std::string& word, const TextureRef& ref,
+                  const std::string& file);
+    std::string image_file(std::uint32_t image);
+    std::string embedded_file(const ImageRef& ref, std::uint32_t image);
+    const Scene& scene_;
+    const std::filesystem::path& path_;
+    FileSet& files_;
+    std::vector<std::string>& notes_;
+    std::vector<std::string> names_;
+    std::string no_material_ = "default";
+    std::vector<std::uint32_t> uv_sets_;  // by material
+    std::uint32_t uv_set_ = 0;            // of the material being written
+    std::optional<Error> failure_;
+    std::unordered_map<std::uint32_t, std::string> written_;  // pictures, by image
+    std::unordered_set<std::string> grey_files_;
+};
+
+}  // namespace prep::detail
