@@ -150,7 +150,7 @@ struct Mesh {
     std::vector<std::uint32_t> line_offsets{0};
     std::vector<std::uint32_t> line_vertices;
     std::vector<std::uint32_t> points;
-    // Colours of vertices that no face uses (point clouds): one per vertex, or empty.
+    // Colours of vertices that no face uses (of points and lines): one per vertex, or empty.
     std::vector<glm::vec4> vertex_colors;
     // Parts of lines or points with normals or UVs, for which there is no place here.
     std::uint32_t loose_parts_with_attributes = 0;

@@ -110,7 +110,9 @@ std::vector<fs::path> PictureSearch::sought_directories() const {
 }
 
 std::optional<fs::path> PictureSearch::locate(const std::string& name) {
-    if (name.empty() || name.find('\0') != std::string::npos) return std::nullopt;
+    constexpr std::size_t longest = 4096;  // no system has longer paths
+    if (name.empty() || name.size() > longest || name.find('\0') != std::string::npos)
+        return std::nullopt;
     const auto known = known_.find(name);
     if (known != known_.end()) return known->second;
     const auto search = [&]() -> std::optional<fs::path> {

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <unordered_map>
 
@@ -130,6 +131,15 @@ void remove_repeated_corners(Mesh& mesh, const Topology& topology,
     if (kept.size() < mesh.corner_count()) keep_corners(mesh, kept, std::move(offsets));
 }
 
+// Which cell of the tolerance's width has the coordinate. Beyond 2^62 cells its own grid is coarser
+// than the tolerance: there each float has a cell.
+std::int64_t cell_along(float x, double tolerance) {
+    const double cells = std::floor(double(x) / tolerance);
+    if (std::abs(cells) < 0x1p62) return std::int64_t(cells);
+    const auto beyond = (std::int64_t(1) << 62) + std::bit_cast<std::uint32_t>(std::abs(x));
+    return x < 0 ? -beyond : beyond;
+}
+
 }  // namespace
 
 RepairStep weld_vertices(Mesh& mesh, double tolerance, int threads) {
@@ -154,10 +164,9 @@ RepairStep weld_vertices(Mesh& mesh, double tolerance, int threads) {
                 target[v] = firsts.emplace(key, v).first->second;
             }
         } else {
-            // Beyond 2^62 cells a coordinate's own grid is coarser than the tolerance.
-            const glm::dvec3 scaled = glm::clamp(p / tolerance, -0x1p62, 0x1p62);
-            const Cell home{std::int64_t(std::floor(scaled.x)), std::int64_t(std::floor(scaled.y)),
-                            std::int64_t(std::floor(scaled.z))};
+            const glm::vec3& at = mesh.positions[v];
+            const Cell home{cell_along(at.x, tolerance), cell_along(at.y, tolerance),
+                            cell_along(at.z, tolerance)};
             Index best = no_index;
             for (int k = 0; k < 27; ++k) {
                 const Cell near{home[0] + k % 3 - 1, home[1] + k / 3 % 3 - 1, home[2] + k / 9 - 1};

@@ -112,8 +112,8 @@ class Pairing {
         std::vector<Index> forward, backward;
         std::vector<std::pair<Index, Index>> empty;  // forward, backward half-edge
         for (const std::uint64_t entry : run) {
-            const Index c = half_edge_of(entry), face = steps_.face(c);
-            if (!is_empty(face)) {
+            const Index c = half_edge_of(entry);
+            if (!is_empty_at(c)) {
                 (points_[c] == lower ? forward : backward).push_back(c);
             } else if (points_[c] == lower) {
                 Index back = c;
@@ -141,20 +141,20 @@ class Pairing {
             for (const Index c : *side) topology_.kinds[c] = kind;
     }
 
-    // Whether the face has but two points, visited there and back once.
-    bool is_empty(Index face) const {
-        const Index begin = steps_.begin(face), end = steps_.end(face);
-        int changes = 0;
-        Index a = points_[begin], b = a;
-        for (Index c = begin; c < end; ++c) {
-            const Index p = points_[c], q = points_[steps_.next(c)];
-            if (p != a) {
-                if (b == a) b = p;
-                if (p != b) return false;
-            }
-            changes += p != q;
-        }
-        return changes == 2;
+    // Whether the half-edge's face has but two points, visited there and back once. It ends at the
+    // third turn: walks from all half-edges of a face take time linear in its corners together.
+    bool is_empty_at(Index half_edge) const {
+        const Index a = points_[half_edge], b = points_[steps_.next(half_edge)];
+        int turns = 0;
+        Index c = half_edge;
+        do {
+            const Index next = steps_.next(c);
+            if (points_[next] != a && points_[next] != b) return false;
+            turns += points_[c] != points_[next];
+            if (turns > 2) return false;
+            c = next;
+        } while (c != half_edge);
+        return true;
     }
 
     Steps steps_;

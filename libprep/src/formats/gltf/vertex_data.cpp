@@ -132,9 +132,11 @@ Result<void> VertexData::finish(const std::string& pointer, Mesh& mesh, int thre
             budget_.spend(layers * (mesh.vertex_count() + mesh.corner_count()) * 4, pointer);
         !done)
         return done;
-    if (!colors_.empty() && mesh.corner_count() == 0 && !colors_[0].values.empty()) {
-        colors_[0].values.resize(mesh.vertex_count(), glm::vec4(1.0f));
+    const bool loose =
+        mesh.corner_count() == 0 || !mesh.line_vertices.empty() || !mesh.points.empty();
+    if (!colors_.empty() && loose && !colors_[0].values.empty()) {
         mesh.vertex_colors = colors_[0].values;
+        mesh.vertex_colors.resize(mesh.vertex_count(), glm::vec4(1.0f));
     }
     mesh.colors.resize(mesh.corner_count() > 0 ? colors_.size() : 0);
     mesh.uvs.resize(uvs_.size());

@@ -334,8 +334,7 @@ class Assembler {
             scene_.materials.emplace_back();
             scene_.materials.back().name = name;
             if (options_.read_materials && !missing_library_)
-                scene_.warnings.push_back("material '" + name +
-                                          "' is in no library: the default look is used");
+                warn_named("material '" + name + "' is in no library: the default look is used");
         }
         return it->second;
     }
@@ -372,8 +371,8 @@ class Assembler {
 
     void missing(const std::string& name) {
         missing_library_ = true;
-        scene_.warnings.push_back("material library '" + name +
-                                  "' cannot be read: its materials get the default look");
+        warn_named("material library '" + name +
+                   "' cannot be read: its materials get the default look");
     }
 
     static bool is_utf16(std::span<const std::byte> bytes) {
@@ -434,13 +433,18 @@ class Assembler {
         for (std::size_t b = 0; b < blocks_.size(); ++b)
             std::copy(blocks_[b].colors.begin(), blocks_[b].colors.end(),
                       values.begin() + std::ptrdiff_t(bases_[b].positions));
-        if (mesh_->corner_count() > 0) {
-            mesh_->colors.emplace_back();
-            mesh_->colors[0].indices = mesh_->corner_vertices;
-            mesh_->colors[0].values = std::move(values);
-        } else {
-            mesh_->vertex_colors = std::move(values);
-        }
+        const bool faces = mesh_->corner_count() > 0;
+        if (!faces || !mesh_->line_vertices.empty() || !mesh_->points.empty())
+            mesh_->vertex_colors = values;
+        if (!faces) return;
+        mesh_->colors.emplace_back();
+        mesh_->colors[0].indices = mesh_->corner_vertices;
+        mesh_->colors[0].values = std::move(values);
+    }
+
+    // A file of nonsense must not flood the report: a dozen of these, and how many more there are.
+    void warn_named(std::string text) {
+        if (++named_warnings_ <= most_named) scene_.warnings.push_back(std::move(text));
     }
 
     void warn(std::uint64_t count, std::size_t first_line, const std::string& text) {
@@ -450,6 +454,9 @@ class Assembler {
     }
 
     void warnings() {
+        if (named_warnings_ > most_named)
+            scene_.warnings.push_back("and " + std::to_string(named_warnings_ - most_named) +
+                                      " more materials or libraries like these");
         std::uint64_t shorts = 0, free_form = 0, unknown = 0, non_finite = 0;
         std::size_t short_line = 0, free_line = 0, unknown_line = 0, finite_line = 0;
         std::string word;
@@ -482,6 +489,8 @@ class Assembler {
     PictureSearch files_{options_.directory};
     std::set<std::string> libraries_read_;
     bool missing_library_ = false;
+    static constexpr std::size_t most_named = 12;
+    std::size_t named_warnings_ = 0;
 };
 
 // A zero byte in one of the first two characters, or the byte order mark that says it.

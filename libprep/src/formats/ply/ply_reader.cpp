@@ -396,8 +396,9 @@ class PlyParser {
             by_vertex(mesh.uvs.emplace_back(), vertices_.uvs);
         }
         materials(mesh);
+        if (vertices_.has_colors && (!faces || !mesh.line_vertices.empty()))
+            mesh.vertex_colors = vertices_.colors;
         if (vertices_.has_colors && faces) by_vertex(mesh.colors.emplace_back(), vertices_.colors);
-        if (vertices_.has_colors && !faces) mesh.vertex_colors = std::move(vertices_.colors);
         if (!faces && mesh.line_vertices.empty()) {
             mesh.points.resize(count);
             for (std::uint32_t v = 0; v < count; ++v) mesh.points[v] = v;

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <cctype>
 #include <cmath>
 #include <cstring>
 #include <string_view>
@@ -311,8 +312,10 @@ Result<Scene> parse_stl(std::span<const std::byte> bytes, const std::string& nam
     const std::string_view text = detail::without_byte_order_mark(
         {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
     const std::size_t begin = text.find_first_not_of(" \t\r\n");
-    const bool says_solid = begin != std::string_view::npos &&
-                            (text.substr(begin, 5) == "solid" || text.substr(begin, 5) == "SOLID");
+    const std::string_view word = text.substr(std::min(begin, text.size()), 5);
+    const bool says_solid =
+        std::equal(word.begin(), word.end(), std::begin("solid"), std::begin("solid") + 5,
+                   [](char a, char b) { return std::tolower(static_cast<unsigned char>(a)) == b; });
     // Text has no zero bytes; a binary header that begins with "solid" is followed by some.
     const bool text_like = says_solid && text.find('\0') == std::string_view::npos;
     if (bytes.size() >= header_size) {
