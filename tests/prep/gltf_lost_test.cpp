@@ -92,6 +92,56 @@ TEST(GltfLost, CamerasAndLightsAreTold) {
             << ending;
 }
 
+// A face's map reads the set that it read, though OBJ has one for each corner; a map that reads
+// another is left out. A face without a material stays one that the library says all of.
+TEST(GltfLost, FacesOfObjHaveTheUvsThatTheirMapsRead) {
+    test::GltfSource d;
+    Json triangle{{"attributes",
+                   {{"POSITION", d.add_positions(std::vector<float>{0, 0, 0, 1, 0, 0, 0, 1, 0})},
+                    {"TEXCOORD_0", d.add_floats("VEC2", {0, 0, 1, 0, 0, 1})},
+                    {"TEXCOORD_1", d.add_floats("VEC2", {0.25f, 0.5f, 0.5f, 0.5f, 0.5f, 0.25f})}}}};
+    Json plain = triangle, second = triangle;
+    plain["material"] = 0;
+    second["material"] = 1;
+    d.json["meshes"] = {{{"primitives", {plain, second, triangle}}}};
+    d.json["images"] = {{{"uri", "a.png"}}, {{"uri", "b.png"}}};
+    d.json["textures"] = {{{"source", 0}}, {{"source", 1}}};
+    const auto colour = [](int set) {
+        return Json{{"baseColorTexture", {{"index", 0}, {"texCoord", set}}}};
+    };
+    d.json["materials"] = {
+        {{"name", "plain"}, {"pbrMetallicRoughness", colour(0)}},
+        {{"name", "second"},
+         {"pbrMetallicRoughness", colour(1)},
+         {"normalTexture", {{"index", 1}, {"texCoord", 0}}},
+         {"extensions", {{"KHR_materials_transmission", {{"transmissionFactor", 1}}}}}}};
+    d.json["extensionsUsed"] = {"KHR_materials_transmission"};
+    d.json["nodes"] = {{{"mesh", 0}}};
+    const test::TempDir dir;
+    d.write(dir / "in.gltf");
+    auto scene = prep::load_scene(dir / "in.gltf");
+    ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
+    const auto notes = prep::save_scene(test::untouched(*std::move(scene)), dir / "out.obj");
+    ASSERT_TRUE(notes.has_value()) << prep::to_string(notes.error());
+    EXPECT_TRUE(told(*notes,
+                     "OBJ holds one UV set: maps that read another than their material's first "
+                     "are left out"));
+    EXPECT_TRUE(told(*notes,
+                     "OBJ holds nothing of these extensions of materials: "
+                     "KHR_materials_transmission: left out"));
+    EXPECT_EQ(test::file_text(dir / "out.mtl").find("b.png"), std::string::npos);
+    const auto again = prep::load_scene(dir / "out.obj");
+    ASSERT_TRUE(again.has_value()) << prep::to_string(again.error());
+    for (const std::string& warning : again->warnings)
+        EXPECT_EQ(warning.find("material"), std::string::npos) << warning;
+    const prep::Mesh& mesh = again->meshes[0];
+    ASSERT_EQ(mesh.face_count(), 3u);
+    for (std::size_t f = 0; f < 3; ++f) {
+        const glm::vec2 first = mesh.uvs[0].values[mesh.uvs[0].indices[mesh.face_offsets[f]]];
+        EXPECT_EQ(first, f == 1 ? glm::vec2(0.25f, 0.5f) : glm::vec2(0)) << f;
+    }
+}
+
 TEST(GltfLost, NothingIsToldOfWhatIsNotThere) {
     test::GltfSource d;
     d.json["meshes"] = {

@@ -197,6 +197,37 @@ TEST_F(ImageFiles, KeepToTheirRulesAndTheRightsOfOldFiles) {
     EXPECT_EQ(files(), 1u);
 }
 
+// Whole pictures and rows alike; nothing is left where the file would have been.
+TEST_F(ImageFiles, ShapesThatAFormatDoesNotHoldAreErrors) {
+    struct Case {
+        const char* name;
+        std::uint32_t width, channels;
+        prep::ErrorCode code;
+    };
+    using enum prep::ErrorCode;
+    for (const Case& c : std::initializer_list<Case>{{"a.webp", 4, 1, unsupported},
+                                                     {"a.webp", 4, 2, unsupported},
+                                                     {"a.webp", 16384, 3, limit},
+                                                     {"a.bmp", 4, 2, unsupported},
+                                                     {"a.ppm", 4, 2, unsupported},
+                                                     {"a.ppm", 4, 4, unsupported}}) {
+        SCOPED_TRACE(std::string(c.name) + " of " + std::to_string(c.channels));
+        prep::Image image;
+        image.width = c.width;
+        image.height = 1;
+        image.channels = c.channels;
+        image.pixels = values(std::size_t(c.width) * c.channels);
+        const auto saved = prep::save_image(dir_ / c.name, image);
+        ASSERT_FALSE(saved);
+        EXPECT_EQ(saved.error().code, c.code) << saved.error().text;
+        prep::ImageFiles out;
+        const auto opened = out.open(dir_ / c.name, layout(c.width, 1, c.channels));
+        ASSERT_FALSE(opened);
+        EXPECT_EQ(opened.error().code, c.code) << opened.error().text;
+    }
+    EXPECT_EQ(files(), 0u);
+}
+
 TEST_F(ImageFiles, BadPlacesAndLayoutsAreErrors) {
     prep::ImageFiles out;
     EXPECT_FALSE(out.open(dir_ / "none" / "a.png", layout(1, 1, 1)));

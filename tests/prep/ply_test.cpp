@@ -242,6 +242,34 @@ TEST(Ply, EdgesAndShortFaces) {
     EXPECT_EQ(scene->warnings[0], "test.ply: 1 faces with fewer than three corners were dropped");
 }
 
+TEST(Ply, LinesBesideFacesKeepTheColoursOfTheirVertices) {
+    const auto scene =
+        parse(header("ascii", "element vertex 5\n" + xyz +
+                                  "property uchar red\nproperty uchar green\nproperty uchar blue\n"
+                                  "element face 1\n" +
+                                  indices +
+                                  "element edge 1\nproperty int vertex1\nproperty int vertex2\n") +
+              "0 0 0 255 0 0\n1 0 0 255 0 0\n0 1 0 255 0 0\n5 0 0 0 255 0\n6 0 0 0 255 0\n"
+              "3 0 1 2\n3 4\n");
+    ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
+    ASSERT_EQ(scene->meshes[0].vertex_colors.size(), 5u);
+    const test::TempDir dir;
+    for (const char* name : {"a.ply", "a.obj"}) {
+        const auto saved = prep::save_scene(test::untouched(*scene), dir / name);
+        ASSERT_TRUE(saved) << prep::to_string(saved.error());
+        const auto again = prep::load_scene(dir / name);
+        ASSERT_TRUE(again) << prep::to_string(again.error());
+        const prep::Mesh& mesh = again->meshes[0];
+        ASSERT_EQ(mesh.line_vertices.size(), 2u) << name;
+        for (const std::uint32_t v : mesh.line_vertices) {
+            ASSERT_LT(v, mesh.vertex_colors.size()) << name;
+            EXPECT_EQ(mesh.vertex_colors[v], glm::vec4(0, 1, 0, 1)) << name;
+        }
+        for (const glm::vec4& c : mesh.colors[0].values)
+            EXPECT_TRUE(c == glm::vec4(0, 1, 0, 1) || c == glm::vec4(1, 0, 0, 1)) << name;
+    }
+}
+
 TEST(Ply, OfManyThatAreNotTakenTheNumberIsTold) {
     std::string head =
         "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"

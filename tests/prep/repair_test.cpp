@@ -122,6 +122,30 @@ TEST(Repair, WeldsWithinTheToleranceOnly) {
     EXPECT_EQ(mesh.corner_vertices, (std::vector<std::uint32_t>{0, 1, 2, 3, 1, 5, 6, 2, 3, 2, 8}));
 }
 
+// Below the grid of floats only what is equal is within it.
+TEST(Repair, TinyTolerancesWeldWhatIsEqual) {
+    Mesh mesh;
+    for (int k = 0; k < 30; ++k) {
+        const float x = float(k % 15) - 7;
+        mesh.positions.insert(mesh.positions.end(), {{x, 0, 0}, {x + 1, 0, 0}, {x, 1, 1e-20f}});
+        for (int c = 0; c < 3; ++c)
+            mesh.corner_vertices.push_back(std::uint32_t(mesh.corner_vertices.size()));
+        mesh.face_offsets.push_back(std::uint32_t(mesh.corner_vertices.size()));
+    }
+    RepairOptions exact;
+    exact.weld_tolerance = 0;
+    Mesh expected = mesh;
+    const prep::RepairStep step = only_step(expected, exact);
+    EXPECT_GT(step.changed, 45u);
+    for (const double tolerance : {1e-25, 1e-60, 5e-324}) {
+        Mesh welded = mesh;
+        RepairOptions options;
+        options.weld_tolerance = tolerance;
+        EXPECT_EQ(only_step(welded, options).changed, step.changed) << tolerance;
+        EXPECT_EQ(welded.corner_vertices, expected.corner_vertices) << tolerance;
+    }
+}
+
 TEST(Repair, DropsFacesThatRepeatAPoint) {
     Mesh mesh = cube();
     add_uvs(mesh);

@@ -86,6 +86,14 @@ TEST(Stl, LargeBinaryFilesAreTheSameForAnyThreads) {
     }
 }
 
+TEST(Stl, TextBeginsWithSolidInAnyCase) {
+    for (const char* word : {"solid", "Solid", "SOLID", "sOlId"}) {
+        const auto scene = parse(std::string(word) + " x\n" + facet + "end" + word + " x\n");
+        ASSERT_TRUE(scene.has_value()) << word << ": " << prep::to_string(scene.error());
+        EXPECT_EQ(scene->meshes[0].face_count(), 1u);
+    }
+}
+
 TEST(Stl, ABinaryFileMayBeginWithSolid) {
     EXPECT_EQ(parse(binary(1, 1, "solid made by a CAD system"))->meshes[0].face_count(), 1u);
     // Even with bytes after the last facet, or with a cut-short end.

@@ -416,4 +416,19 @@ TEST(Subdivide, FarFromZeroAsPreciseAsAtZero) {
         EXPECT_EQ(a->mesh.positions[v], b->mesh.positions[v]);
 }
 
+// A moved-from mesh has no face offsets, not even the first.
+TEST(Subdivide, MeshesWithoutFacesAreLikeThoseThatWereMovedFrom) {
+    prep::Mesh without = shapes::cube();
+    without.face_offsets = {0};
+    without.corner_vertices.clear();
+    prep::Mesh moved = without;
+    moved.face_offsets.clear();
+    const auto a = prep::subdivide(without), b = prep::subdivide(moved);
+    ASSERT_EQ(a.has_value(), b.has_value());
+    if (a) {
+        EXPECT_EQ(b->mesh.face_count(), 0u);
+        EXPECT_EQ(a->mesh.positions, b->mesh.positions);
+    }
+}
+
 }  // namespace

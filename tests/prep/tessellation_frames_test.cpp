@@ -5,7 +5,9 @@
 #include <gtest/gtest.h>
 
 #include "prep/displacement/tessellate.h"
+#include "prep/load.h"
 #include "prep/subdivide.h"
+#include "shared_data.h"
 #include "tessellation_checks.h"
 
 namespace prep {
@@ -457,6 +459,33 @@ TEST(TessellationFrames, TangentsThatCancelHaveAnEnd) {
         ASSERT_TRUE(made) << by_length << " " << to_string(made.error());
         EXPECT_LE(made->certificate.measured, made->certificate.proved);
         EXPECT_GT(made->certificate.largest_shared_gap, 0.05);
+    }
+}
+
+// Faces whose direction turns so far that it meets the tangent between the corners, though these
+// have tangents that lean to one another: some of spot's.
+TEST(TessellationFrames, DirectionsThatTurnIntoTheTangentHaveAnEnd) {
+    MESHPREP_REQUIRE_SHARED(shared);
+    auto scene = load_scene(shared / "corpus/spot_control_mesh.obj");
+    ASSERT_TRUE(scene) << to_string(scene.error());
+    Image image;
+    image.width = image.height = 16;
+    image.channels = 3;
+    for (int y = 0; y < 16; ++y)
+        for (int x = 0; x < 16; ++x)
+            for (const double v : {0.3 + 0.1 * std::cos(0.4 * x), 0.2 * std::sin(0.4 * y), 0.1})
+                image.pixels.push_back(float(v));
+    VectorMapOptions options = in_frame(VectorAxes::tangent_bitangent_normal);
+    options.map.scale = 0.1;
+    for (const bool limit : {false, true}) {
+        TessellateOptions how = moved_by(image, options, nullptr);
+        if (limit) how.scheme = SubdivisionScheme::catmark;
+        how.chord_error = 0.02;
+        how.triangle_limit = 30'000;
+        const auto made = tessellate(scene->meshes[0], how);
+        ASSERT_TRUE(made) << to_string(made.error());
+        EXPECT_LE(made->certificate.proved_refinable, 0.02);
+        EXPECT_LE(made->certificate.measured, made->certificate.proved);
     }
 }
 

@@ -92,6 +92,11 @@ LimitSurface LimitSurface::of(detail::ChannelSurface&& surface, const Mesh& cage
 }
 
 Result<LimitSurface> LimitSurface::make(const Mesh& cage, const SubdivideOptions& options) {
+    if (cage.face_offsets.empty()) {  // one that was moved from
+        Mesh without_faces = cage;
+        without_faces.face_offsets = {0};
+        return make(without_faces, options);
+    }
     const Result<SurfaceCage> positions = position_cage(cage, options);
     if (!positions) return positions.error();
     std::vector<double> numbers;

@@ -164,7 +164,9 @@ Result<Displacement> DisplacementMaps::read(const ImageRef& image, const Reading
 
 Result<void> DisplacementMaps::add(const ImageRef& image, const Reading& as, const Surface& surface,
                                    OfMesh& to) {
-    const std::string name = image.path.empty() ? image.name : image.path.filename().string();
+    const std::string name = !image.path.empty()   ? image.path.filename().string()
+                             : !image.name.empty() ? image.name
+                                                   : "an embedded picture";
     if (auto checked = check_uvs(surface.mesh, as.material, as.uv_set, name); !checked)
         return checked.error();
     auto made = read(image, as, name, surface, to);

@@ -437,6 +437,11 @@ void Subdivision::morph_targets(const TargetDeltas& targets,
 }  // namespace detail
 
 Result<SubdividedMesh> subdivide(const Mesh& cage, const SubdivideOptions& options) {
+    if (cage.face_offsets.empty()) {  // one that was moved from
+        Mesh without_faces = cage;
+        without_faces.face_offsets = {0};
+        return subdivide(without_faces, options);
+    }
     return detail::Subdivision(cage, options).run();
 }
 

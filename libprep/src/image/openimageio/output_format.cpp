@@ -1,9 +1,12 @@
 #include "image/openimageio/output_format.h"
 
+#include <algorithm>
 #include <cctype>
 #include <fstream>
+#include <string_view>
 
 #include "completeness.h"
+#include "prep/image.h"
 
 namespace prep::detail {
 
@@ -19,6 +22,34 @@ Result<std::unique_ptr<OIIO::ImageOutput>> output_for(const std::filesystem::pat
                      path.string()};
     }
     return output;
+}
+
+Result<void> check_shape(const std::string& ending, std::uint32_t width, std::uint32_t height,
+                         std::size_t channels, const std::string& place) {
+    struct Shape {
+        std::string_view ending, channels;
+        std::uint32_t largest;
+    };
+    constexpr std::uint32_t any = max_image_extent;
+    constexpr Shape shapes[] = {{".webp", "3 or 4", 16383}, {".hdr", "3", any},
+                                {".bmp", "1, 3 or 4", any}, {".ppm", "1 or 3", any},
+                                {".pnm", "1 or 3", any},    {".pgm", "1 or 3", any}};
+    for (const Shape& shape : shapes) {
+        if (shape.ending != ending) continue;
+        if (shape.channels.find(std::to_string(channels)) == std::string_view::npos)
+            return Error{ErrorCode::unsupported,
+                         "files of the ending '" + ending + "' have " +
+                             std::string(shape.channels) + " channels, not " +
+                             std::to_string(channels) + "; use .png or .exr",
+                         place};
+        if (std::max(width, height) > shape.largest)
+            return Error{ErrorCode::limit,
+                         "files of the ending '" + ending + "' have at most " +
+                             std::to_string(shape.largest) +
+                             " pixels in one direction; use .png or .exr",
+                         place};
+    }
+    return {};
 }
 
 bool takes_proxies(const OIIO::ImageOutput& output, const std::string& ending) {

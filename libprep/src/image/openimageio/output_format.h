@@ -3,6 +3,7 @@
 
 #include <OpenImageIO/imageio.h>
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -15,6 +16,12 @@ namespace prep::detail {
 // case. Errors: unsupported (an OpenImageIO without that writer).
 Result<std::unique_ptr<OIIO::ImageOutput>> output_for(const std::filesystem::path& path,
                                                       std::string& ending);
+
+// Whether files of the ending hold pictures of that shape. Some writers only find out with the
+// first row, and that of WebP (OpenImageIO 2.4) leaves its memory in ruins then. Errors:
+// unsupported (the channels), limit (the size).
+Result<void> check_shape(const std::string& ending, std::uint32_t width, std::uint32_t height,
+                         std::size_t channels, const std::string& place);
 
 // Whether it can be given a file of ours, or memory, in place of a name. That of TIFF says so and
 // gets it wrong (OpenImageIO 2.4).

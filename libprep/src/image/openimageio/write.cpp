@@ -98,6 +98,10 @@ Result<std::vector<std::byte>> encode_by_ending(const std::filesystem::path& pat
     auto made = detail::output_for(path, ending);
     if (!made) return made.error();
     std::unique_ptr<oiio::ImageOutput> output = *std::move(made);
+    if (auto checked =
+            detail::check_shape(ending, image.width, image.height, image.channels, place);
+        !checked)
+        return checked.error();
     if (detail::takes_proxies(*output, ending))
         return encode("memory" + ending, image, type, place);
     std::error_code error;

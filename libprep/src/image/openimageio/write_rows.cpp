@@ -113,6 +113,10 @@ Result<std::unique_ptr<RowWriter>> open_checked(const std::filesystem::path& pat
         (!layout.integer.empty() && !output->supports("channelformats")))
         return Error{ErrorCode::unsupported,
                      "files of the ending '" + ending + "' hold no such channels; use .exr", place};
+    if (auto shape =
+            check_shape(ending, layout.width, layout.height, layout.channels.size(), place);
+        !shape)
+        return shape.error();
     std::unique_ptr<CheckedFile> checked;
     if (takes_proxies(*output, ending)) {
         checked = std::make_unique<CheckedFile>(file.string());
