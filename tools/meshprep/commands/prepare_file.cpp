@@ -334,7 +334,10 @@ Outcome prepare_file(const Job& job, const PrepareCommand& command, int threads,
                         "the format does not hold all there is, and --strict was given; the "
                         "file is there",
                         job.output.string()};
-    if (!stream) out.gltf_after = count_gltf_file(job.output);
+    // What went into a pipe cannot be looked at: opening it would wait for another writer.
+    std::error_code ec;
+    if (!stream && std::filesystem::is_regular_file(job.output, ec))
+        out.gltf_after = count_gltf_file(job.output);
     out.bytes_after = out.bytes.size();
     for (const std::filesystem::path& file : out.written) out.bytes_after += bytes_of(file);
     // In place the input is what was written by now.
