@@ -1,7 +1,9 @@
 #include "meshprep/files/manifest.h"
 
 #include <algorithm>
+#include <string_view>
 
+#include "meshprep/files/json_depth.h"
 #include "meshprep/files/sha256.h"
 #include "prep/files.h"
 #include "prep/version.h"
@@ -15,6 +17,7 @@ using prep::ErrorCode;
 using prep::Result;
 
 constexpr int format_version = 1;
+constexpr int deepest_manifest = 64;  // values of findings are the ninth at most
 
 Json to_json(const std::vector<HashedFile>& files) {
     Json list = Json::array();
@@ -53,8 +56,9 @@ bool as_it_was(const HashedFile& file) {
 
 // Null where it is none.
 Json manifest_of(const std::vector<std::byte>& bytes) {
-    const auto* const text = reinterpret_cast<const char*>(bytes.data());
-    Json json = Json::parse(text, text + bytes.size(), nullptr, false);
+    const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    if (is_nested_deeper(text, deepest_manifest)) return {};
+    Json json = Json::parse(text.begin(), text.end(), nullptr, false);
     if (!json.is_object() || !json.contains("manifest") || !json.contains("files")) return {};
     return json;
 }
@@ -82,8 +86,9 @@ Result<void> Manifest::read(const std::filesystem::path& path) {
                      "this is no manifest of meshprep, or a damaged one; remove it or name another",
                      path.string()};
     // Another version or other settings may make other files of the same inputs.
+    const auto settings = json.find("settings");
     if (json["manifest"] != format_version || text_of(json, "version") != prep::version() ||
-        json.value("settings", Json()) != to_json(settings_) || !json["files"].is_array())
+        settings == json.end() || *settings != to_json(settings_) || !json["files"].is_array())
         return {};
     for (const Json& file : json["files"]) {
         if (!file.is_object() || text_of(file, "status") != "ok") continue;
@@ -92,8 +97,9 @@ Result<void> Manifest::read(const std::filesystem::path& path) {
         entry.job.output = text_of(file, "output");
         entry.sources = files_of(file, "sources");
         entry.outputs = files_of(file, "outputs");
-        entry.complete = file.value("complete", Json(false)) == true;
-        entry.said = file.value("said", Json::object());
+        const auto complete = file.find("complete"), said = file.find("said");
+        entry.complete = complete != file.end() && *complete == true;
+        if (said != file.end()) entry.said = *said;
         set(std::move(entry));
     }
     return {};
