@@ -308,4 +308,28 @@ TEST(World, WithoutHardLinksOutputsAreReplacedAllTheSame) {
     }
 }
 
+// The watcher of signals is a thread, too.
+TEST(World, FilesAreDoneByTheThreadsThereAre) {
+    const World world;
+    std::vector<std::string> words{"prepare"};
+    for (const char* const name : {"a", "b", "c"}) {
+        const fs::path copy = fs::path(world.input()).parent_path() / (name + std::string(".obj"));
+        fs::copy_file(world.input(), copy);
+        words.push_back(copy.string());
+    }
+    words.insert(words.end(), {"-o", world.out().string() + "/", "--threads", "1"});
+    world.set({});
+    ASSERT_EQ(world.run(words, {}).exit_code, 0);
+    const Files whole = files_in(world.out());
+    ASSERT_EQ(names_of(whole), (std::vector<std::string>{"a.glb", "b.glb", "c.glb"}));
+    words.insert(words.end(), {"--jobs", "3"});
+    for (int threads = 0; threads <= 4; ++threads) {
+        world.set({});
+        const test::Ran ran = world.run(words, {{"WORLD_THREADS", std::to_string(threads)}});
+        EXPECT_EQ(ran.exit_code, 0) << threads << ": " << ran.err;
+        EXPECT_EQ(ran.err, "") << threads;
+        EXPECT_EQ(files_in(world.out()), whole) << threads;
+    }
+}
+
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <exception>
 #include <new>
 
 #include "meshprep/commands/generate.h"
@@ -139,6 +140,8 @@ int run(int argc, const char* const* argv, std::ostream& out, std::ostream& err,
             code = subcommand->run(console);
         } catch (const std::bad_alloc&) {
             console.error("out of memory; nothing was half written");
+        } catch (const std::exception& e) {
+            console.error(std::string("the system refused: ") + e.what());
         }
     }
     out.flush();

@@ -7,11 +7,13 @@
 //   WORLD_CLOSE=n    the n-th close of a file that was written fails (EIO), as on network disks
 //   WORLD_RENAME=n   the n-th rename fails (EIO)
 //   WORLD_LINKS=0    there are no hard links (EPERM)
+//   WORLD_THREADS=n  room for n threads beside the first, ended ones too (EAGAIN)
 //   WORLD_AT=what:n, WORLD_SIGNAL=s   before the n-th write, rename, link or unlink the process
 //                    gets the signal s. The write never returns: it is for the process to end. The
 //                    others go on once the signal has been taken, and so do all with WORLD_GO_ON=1.
 #include <dlfcn.h>
 #include <fcntl.h>
+#include <pthread.h>
 #include <signal.h>
 #include <sys/uio.h>
 #include <unistd.h>
@@ -62,7 +64,7 @@ void wait_ms(long ms) {
     ::nanosleep(&time, nullptr);
 }
 
-std::atomic<long> writes{0}, renames{0}, links{0}, unlinks{0}, closes{0}, used{0};
+std::atomic<long> writes{0}, renames{0}, links{0}, unlinks{0}, closes{0}, used{0}, threads{0};
 
 void signal_at(const char* what, std::atomic<long>& count) {
     const long now = ++count;
@@ -204,6 +206,13 @@ int link(const char* from, const char* to) noexcept {
 int unlink(const char* path) noexcept {
     if (concerned(path)) signal_at("unlink", unlinks);
     return next<int(const char*)>("unlink")(path);
+}
+
+int pthread_create(pthread_t* thread, const pthread_attr_t* attributes, void* (*run)(void*),
+                   void* argument) noexcept {
+    if (*setting("WORLD_THREADS") && ++threads > number("WORLD_THREADS")) return EAGAIN;
+    return next<int(pthread_t*, const pthread_attr_t*, void* (*)(void*), void*)>("pthread_create")(
+        thread, attributes, run, argument);
 }
 
 FILE* fopen(const char* path, const char* mode) {
