@@ -5,6 +5,7 @@
 #include <signal.h>
 #include <sys/stat.h>
 #include <unistd.h>
+#include <zlib.h>
 
 #include <map>
 
@@ -55,7 +56,7 @@ class World {
     }
     test::Ran run(const std::vector<std::string>& arguments, const Variables& troubles,
                   const std::optional<unsigned>& user = {},
-                  const std::vector<int>& ignored = {}) const {
+                  const std::vector<int>& ignored = {}, const fs::path& in = "/dev/null") const {
         const char* options = std::getenv("ASAN_OPTIONS");
         Variables variables{
             {"LD_PRELOAD", (in_ / "faults.so").string()},
@@ -68,6 +69,7 @@ class World {
         circumstances.environment = variables;
         circumstances.user = user;
         circumstances.ignored_signals = ignored;
+        circumstances.in = in;
         return test::run_command(arguments, circumstances);
     }
 
@@ -241,6 +243,48 @@ TEST(World, AnErrorOnClosingIsTold) {
             EXPECT_NE(ran.err.find("Input/output error"), std::string::npos) << ran.err;
             EXPECT_EQ(files_in(world.out()), old);
         }
+}
+
+// A zip file of one entry that is not packed, from PKWARE's description.
+std::string stored_zip(const std::string& name, const std::string& text) {
+    const auto little = [](std::uint64_t value, int bytes) {
+        std::string out;
+        for (int k = 0; k < bytes; ++k) out += char(value >> 8 * k & 255);
+        return out;
+    };
+    const auto size = std::uint32_t(text.size()), length = std::uint32_t(name.size());
+    const auto crc =
+        std::uint32_t(::crc32(0, reinterpret_cast<const Bytef*>(text.data()), uInt(size)));
+    const std::string common = little(20, 2) + little(0, 8) + little(crc, 4) + little(size, 4) +
+                               little(size, 4) + little(length, 2) + little(0, 2);
+    const std::string entry = little(0x02014b50, 4) + little(20, 2) + common + little(0, 2 * 3) +
+                              little(0, 4) + little(0, 4) + name;
+    const std::string file = little(0x04034b50, 4) + common + name + text;
+    return file + entry + little(0x06054b50, 4) + little(0, 4) + little(1, 2) + little(1, 2) +
+           little(std::uint32_t(entry.size()), 4) + little(std::uint32_t(file.size()), 4) +
+           little(0, 2);
+}
+
+TEST(World, AnErrorOnClosingWhatIsReadByWayOfAFileIsTold) {
+    const World world;
+    const fs::path in = fs::path(world.input()).parent_path();
+    const std::string obj = file_text(world.input());
+    gzFile packed = ::gzopen((in / "p.obj.gz").c_str(), "wb");
+    ASSERT_EQ(::gzwrite(packed, obj.data(), unsigned(obj.size())), int(obj.size()));
+    ASSERT_EQ(::gzclose(packed), Z_OK);
+    write_text(in / "p.zip", stored_zip("p.obj", obj));
+    for (const char* const name : {"p.obj.gz", "p.zip", "-"}) {
+        const std::string input = *name == '-' ? "-" : (in / name).string();
+        const auto run = [&](const Variables& more) {
+            Variables troubles{{"TMPDIR", world.out().string()}};
+            troubles.insert(troubles.end(), more.begin(), more.end());
+            return world.run({"inspect", input}, troubles, {}, {}, world.input());
+        };
+        EXPECT_EQ(run({}).exit_code, 0) << name;
+        const test::Ran ran = run({{"WORLD_CLOSE", "1"}});
+        EXPECT_EQ(ran.exit_code, 1) << name;
+        EXPECT_NE(ran.err.find("Input/output error"), std::string::npos) << name << ran.err;
+    }
 }
 
 // A triangle with a texture that stands in the file, for formats that write it as a file of its

@@ -9,6 +9,7 @@
 #include <cstring>
 #include <limits>
 #include <optional>
+#include <utility>
 
 #include "prep/files.h"
 
@@ -52,6 +53,10 @@ class NewFile {
             bytes = bytes.subspan(std::size_t(n));
         }
         return {};
+    }
+    // File systems of networks may say only now that something was not written.
+    Result<void> close() {
+        return ::close(std::exchange(fd_, -1)) == 0 ? Result<void>() : failure();
     }
 
   private:
@@ -219,7 +224,7 @@ class Zip {
             if (*end != Inflater::End::complete) return damaged(e);
         }
         if (count != e.size || crc != e.crc) return damaged(e);
-        return {};
+        return file.close();
     }
 
   private:
@@ -296,6 +301,7 @@ Result<std::uint64_t> unpack_gzip(const fs::path& archive, const fs::path& to,
                          archive.string()};
         if (count == 0) break;
     }
+    if (Result<void> closed = file.close(); !closed) return closed.error();
     const bool padding =
         std::all_of(in.begin(), in.end(), [](std::byte b) { return b == std::byte{0}; });
     return padding ? 0 : std::uint64_t(in.size());

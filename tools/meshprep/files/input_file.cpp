@@ -11,6 +11,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <utility>
 
 #include "meshprep/files/archive.h"
 #include "meshprep/files/file_list.h"
@@ -59,13 +60,14 @@ bool in_a_name(char c) {
 
 // All that comes from `from`, which `place` names. What never ends would fill the disk.
 Result<void> spool(int from, const std::string& place, const fs::path& to, std::uint64_t most) {
-    const int fd = ::open(to.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
+    constexpr const char* not_kept = "cannot be kept in the directory for temporary files: ";
+    int fd = ::open(to.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
     const auto failed = [&](const char* what) {
         const Error error{ErrorCode::io, std::string(what) + std::strerror(errno), place};
         if (fd >= 0) ::close(fd);
         return error;
     };
-    if (fd < 0) return failed("cannot be kept in the directory for temporary files: ");
+    if (fd < 0) return failed(not_kept);
     std::vector<char> buffer(std::size_t(1) << 20);
     std::uint64_t all = 0;
     for (;;) {
@@ -83,11 +85,12 @@ Result<void> spool(int from, const std::string& place, const fs::path& to, std::
         for (ssize_t done = 0; done < got;) {
             const ssize_t n = ::write(fd, buffer.data() + done, std::size_t(got - done));
             if (n < 0 && errno == EINTR) continue;
-            if (n <= 0) return failed("cannot be kept in the directory for temporary files: ");
+            if (n <= 0) return failed(not_kept);
             done += n;
         }
     }
-    ::close(fd);
+    // File systems of networks may say only now that something was not written.
+    if (::close(std::exchange(fd, -1)) != 0) return failed(not_kept);
     return {};
 }
 
