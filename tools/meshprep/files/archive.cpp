@@ -83,21 +83,20 @@ class Inflater {
     // `most` bytes and is counted in `count`.
     template <class Put>
     Result<End> run(Bytes& in, std::uint64_t most, std::uint64_t& count, const Put& put) {
-        std::vector<std::byte> buffer(std::size_t(256) << 10);
         if (!good_ || ::inflateReset(&stream_) != Z_OK) return End::damaged;
         for (;;) {
             const auto piece =
                 std::min<std::size_t>(in.size(), std::numeric_limits<uInt>::max() / 2);
             stream_.next_in = reinterpret_cast<Bytef*>(const_cast<std::byte*>(in.data()));
             stream_.avail_in = uInt(piece);
-            stream_.next_out = reinterpret_cast<Bytef*>(buffer.data());
-            stream_.avail_out = uInt(buffer.size());
+            stream_.next_out = reinterpret_cast<Bytef*>(buffer_.data());
+            stream_.avail_out = uInt(buffer_.size());
             const int state = ::inflate(&stream_, Z_NO_FLUSH);
             in = in.subspan(piece - stream_.avail_in);
-            const std::size_t got = buffer.size() - stream_.avail_out;
+            const std::size_t got = buffer_.size() - stream_.avail_out;
             if (got > most - count) return End::too_large;
             count += got;
-            if (Result<void> done = put(Bytes(buffer.data(), got)); !done) return done.error();
+            if (Result<void> done = put(Bytes(buffer_.data(), got)); !done) return done.error();
             if (state == Z_STREAM_END) return End::complete;
             if (state == Z_BUF_ERROR || (state == Z_OK && in.empty() && got == 0))
                 return End::cut_short;
@@ -108,6 +107,7 @@ class Inflater {
   private:
     z_stream stream_{};
     bool good_ = false;
+    std::vector<std::byte> buffer_ = std::vector<std::byte>(std::size_t(256) << 10);
 };
 
 std::uint32_t u16(Bytes b, std::size_t at) {
@@ -287,8 +287,8 @@ Result<std::uint64_t> unpack_gzip(const fs::path& archive, const fs::path& to,
     if (Result<void> opened = file.open(to); !opened) return opened.error();
     std::uint64_t count = 0;
     Inflater inflater(16 + MAX_WBITS);
-    // Members stand in a row; zeros that pad the last one are nothing.
-    while (!in.empty() && (count == 0 || is_gzip(in))) {
+    // Members stand in a row, and some may be empty; zeros that pad the last one are nothing.
+    while (is_gzip(in)) {
         const Result<Inflater::End> end =
             inflater.run(in, most, count, [&](Bytes piece) { return file.write(piece); });
         if (!end) return end.error();
@@ -299,7 +299,6 @@ Result<std::uint64_t> unpack_gzip(const fs::path& archive, const fs::path& to,
         if (*end == Inflater::End::damaged)
             return Error{ErrorCode::syntax, "the gzip file is damaged; fetch it again",
                          archive.string()};
-        if (count == 0) break;
     }
     if (Result<void> closed = file.close(); !closed) return closed.error();
     const bool padding =
