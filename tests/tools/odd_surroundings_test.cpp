@@ -49,4 +49,34 @@ TEST(Surroundings, WhatIsWrittenIntoAPipeIsNotReadAgain) {
     EXPECT_EQ(got, file_text(dir / "file.glb"));
 }
 
+// The command is started where a directory was; absolute paths need none.
+TEST(Surroundings, AWorkingDirectoryThatIsGoneIsNoEnd) {
+    const TempDir dir;
+    write_text(dir / "cube.obj", test::cube_obj());
+    const auto run = [&](const std::vector<std::string>& words) {
+        fs::create_directory(dir / "gone");
+        std::vector<std::string> all{
+            "-c", "cd \"$0\" && rmdir \"$0\" && exec \"$@\"", (dir / "gone").string(),
+            test::command_path().string()};
+        all.insert(all.end(), words.begin(), words.end());
+        return test::run_program("/bin/sh", all);
+    };
+    const std::string in = (dir / "cube.obj").string(), out = (dir / "cube.glb").string();
+    test::Ran ran = run({"prepare", in, "-o", out});
+    EXPECT_EQ(ran.exit_code, 0) << ran.err;
+    EXPECT_EQ(run({"inspect", out}).exit_code, 0);
+    // Relative ones lead nowhere.
+    for (const std::vector<std::string>& words :
+         {std::vector<std::string>{"prepare", "cube.obj", "-o", "cube.glb"},
+          {"prepare", in, "-o", "out/"},
+          {"prepare", in, "-o", out, "--manifest", "made.json"},
+          {"prepare", "-", "-o", "cube.glb"},
+          {"render", in, "-o", "cube.png"},
+          {"validate", in, "-o", "."}}) {
+        ran = run(words);
+        EXPECT_EQ(ran.exit_code, 1) << words.back();
+        EXPECT_NE(ran.err.find("meshprep: error: "), std::string::npos) << words.back() << ran.err;
+    }
+}
+
 }  // namespace

@@ -307,7 +307,10 @@ Result<void> require_file(const fs::path& path) {
 fs::path identity(const fs::path& path) {
     std::error_code ec;
     const fs::path canonical = fs::weakly_canonical(path, ec);
-    return ec ? fs::absolute(path).lexically_normal() : canonical;
+    if (!ec) return canonical;
+    // Without a working directory, which somebody may have removed, a path is what it says.
+    const fs::path full = fs::absolute(path, ec);
+    return (ec ? path : full).lexically_normal();
 }
 
 std::vector<fs::path> read_beside(const prep::Scene& scene) {
@@ -353,7 +356,8 @@ Result<void> require_unread(const std::vector<fs::path>& inputs, std::size_t num
 }
 
 bool is_of_descriptors(const fs::path& folder) {
-    const fs::path full = fs::absolute(folder).lexically_normal();
+    std::error_code ec;
+    const fs::path full = fs::absolute(folder, ec).lexically_normal();
     auto part = full.begin();
     if (part == full.end() || ++part == full.end()) return false;
     return *part == "proc" || full == "/dev" || full == "/dev/fd";
