@@ -55,9 +55,8 @@ TEST(Surroundings, AWorkingDirectoryThatIsGoneIsNoEnd) {
     write_text(dir / "cube.obj", test::cube_obj());
     const auto run = [&](const std::vector<std::string>& words) {
         fs::create_directory(dir / "gone");
-        std::vector<std::string> all{
-            "-c", "cd \"$0\" && rmdir \"$0\" && exec \"$@\"", (dir / "gone").string(),
-            test::command_path().string()};
+        std::vector<std::string> all{"-c", "cd \"$0\" && rmdir \"$0\" && exec \"$@\"",
+                                     (dir / "gone").string(), test::command_path().string()};
         all.insert(all.end(), words.begin(), words.end());
         return test::run_program("/bin/sh", all);
     };
@@ -77,6 +76,42 @@ TEST(Surroundings, AWorkingDirectoryThatIsGoneIsNoEnd) {
         EXPECT_EQ(ran.exit_code, 1) << words.back();
         EXPECT_NE(ran.err.find("meshprep: error: "), std::string::npos) << words.back() << ran.err;
     }
+}
+
+// Names that a program of ours does not choose: they are no lists.
+TEST(Surroundings, NamesInBracketsAreNames) {
+    const TempDir dir;
+    fs::create_directories(dir / "[assets]");
+    write_text(dir / "[assets]/cube.obj", test::cube_obj());
+    write_text(dir / "[a,b]", test::cube_obj());
+    test::GltfText wheels;
+    for (const char* const name : {"a", "[Wheel]", "Wheel"})
+        wheels.add({name, {0, 0, 0, 1, 0, 0, 0, 1, 0}, {}, {}, {}, {0, 1, 2}, "", ""});
+    write_text(dir / "wheels.gltf", wheels.text());
+    const auto run = [&](std::vector<std::string> words) {
+        words.insert(words.begin(), {"-c", "cd \"$0\" && exec \"$@\"", dir.path().string(),
+                                     test::command_path().string()});
+        return test::run_program("/bin/sh", words);
+    };
+    test::Ran ran = run({"prepare", "[assets]", "-o", "out"});
+    EXPECT_EQ(ran.exit_code, 0) << ran.err;
+    EXPECT_TRUE(fs::exists(dir / "out/cube.glb"));
+    ran = run({"inspect", "--json", "[a,b]", "--input-format", "obj"});
+    EXPECT_EQ(ran.exit_code, 0) << ran.err;
+    EXPECT_EQ(ran.json()["files"].size(), 1u);
+    ran = run({"inspect", "--json", "--input-format", "obj", "--", "[a,b]"});
+    EXPECT_EQ(ran.json()["files"].size(), 1u) << ran.err;
+    EXPECT_EQ(run({"inspect", "--texture-dir", "[assets]", "wheels.gltf"}).exit_code, 0);
+    ran = run({"validate", "wheels.gltf", "-o", "sheets", "--panel", "64", "--mesh", "[Wheel]",
+               "--json"});
+    EXPECT_EQ(ran.exit_code, 0) << ran.err;
+    ASSERT_EQ(ran.json()["files"][0]["sheets"].size(), 1u) << ran.out;
+    EXPECT_NE(ran.json()["files"][0]["numbers"][0]["sheet"].get<std::string>().find("'[Wheel]'"),
+              std::string::npos)
+        << ran.out;
+    // As a value of its own it is an output's name.
+    EXPECT_EQ(run({"prepare", "wheels.gltf", "-o", "[c]/"}).exit_code, 0);
+    EXPECT_TRUE(fs::exists(dir / "[c]/wheels.glb"));
 }
 
 }  // namespace
