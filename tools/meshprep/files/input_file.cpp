@@ -176,6 +176,7 @@ Result<InputFile> InputFile::open(const fs::path& named, const std::string& form
     } else if (!format.empty() && lower_ending(named) != format) {
         done = input.link_with_siblings(named, named.stem().string() + "." + format);
     }
+    input.label_directories();
     if (!done) return input.relabelled(done.error());
     // Some readers name a file without its directory. What has no ending may be any word.
     if (input.path_ != named && input.path_.has_extension()) {
@@ -195,6 +196,15 @@ Result<fs::path> InputFile::directory() {
         place_ = *place;
     }
     return place_;
+}
+
+// Whatever else lies in directories of random names is the input's: what a file names and nobody
+// has is said, and written, the same way in every run.
+void InputFile::label_directories() {
+    if (!directory_) return;
+    for (fs::path at : {place_, shared_ ? shared_->parent_path() : place_})
+        for (int up = 0; up < 3; ++up, at = at.parent_path())
+            labels_.emplace_back(at.string(), place());
 }
 
 // Beside what is in the private directory, links to what lies beside the file, and above it to what
@@ -416,10 +426,17 @@ Error InputFile::relabelled(Error error) const {
     return {error.code, relabelled(std::move(error.text)), std::move(place)};
 }
 
+fs::path InputFile::settled(const fs::path& file) const {
+    fs::path shown = relabelled(file.string());
+    std::error_code ec;
+    return !fs::exists(file, ec) || fs::equivalent(file, shown, ec) ? shown : file;
+}
+
 void InputFile::settle(prep::Scene& scene) const {
     if (!directory_) return;
     scene.source = named_;
     for (std::string& text : scene.warnings) text = relabelled(std::move(text));
+    for (std::string& text : scene.remarks) text = relabelled(std::move(text));
     scene.warnings.insert(scene.warnings.begin(), warnings_.begin(), warnings_.end());
     // Pictures that are put together share their sources.
     std::map<const prep::ImageRef*, std::shared_ptr<const prep::ImageRef>> embedded;
@@ -436,13 +453,18 @@ void InputFile::settle(prep::Scene& scene) const {
             }
             channel.source = known;
         }
-        if (!image.bytes.empty() || !passing(image.path)) return;
-        // Where it cannot be read it is missing as it would be elsewhere.
-        if (auto bytes = prep::read_file(image.path)) image.bytes = *std::move(bytes);
-        if (image.name.empty()) image.name = image.path.filename().string();
+        if (image.path.empty()) return;
+        if (image.bytes.empty() && passing(image.path)) {
+            // Where it cannot be read it is missing as it would be elsewhere.
+            if (auto bytes = prep::read_file(image.path)) image.bytes = *std::move(bytes);
+            if (image.name.empty()) image.name = image.path.filename().string();
+        }
+        image.path =
+            image.bytes.empty() ? settled(image.path) : fs::path(relabelled(image.path.string()));
     };
     for (prep::ImageRef& image : scene.images) embed(embed, image);
     std::erase_if(scene.libraries, [this](const fs::path& path) { return passing(path); });
+    for (fs::path& library : scene.libraries) library = settled(library);
 }
 
 }  // namespace meshprep
