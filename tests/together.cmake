@@ -57,7 +57,7 @@ set(tests_together
      validate_counts"
     "tools loaded_libraries tessellation_errors validate_report"
     "tools cost_pages gate_json"
-    "tools odd_surroundings resumed_batches")
+    "tools odd_surroundings option_effects resumed_batches")
 
 # In no line, besides those whose libraries and definitions are their own: what replaces a function of
 # the whole program (operator new, time), and what scripts and pages run by its name.

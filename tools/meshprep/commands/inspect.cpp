@@ -294,6 +294,7 @@ Json inspect_file(std::size_t number, const InspectCommand& command, SiblingLink
     const prep::SceneCheck check = prep::check(*scene, {command.common.threads});
     for (const std::string& text : scene->warnings)
         console.warning(command.common, said_of(path, text));
+    warned = !scene->warnings.empty();
     const SceneConventions conventions = scene_conventions(*scene, command.common.threads);
     print_file(path, *scene, check, conventions, gltf, command, console);
     for (const prep::Finding& f : check.findings) warned |= f.severity != prep::Severity::info;
