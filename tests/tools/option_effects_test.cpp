@@ -32,4 +32,32 @@ TEST(OptionEffects, StrictInspectionFailsOnWarningsOfTheReader) {
     EXPECT_EQ(run_here({"inspect", sound, "--strict"}).exit_code, 0);
 }
 
+TEST(OptionEffects, AListOfLaddersWritesNoFiles) {
+    const TempDir dir;
+    for (const char* const option : {"-o", "--csv", "--svg", "--png"}) {
+        const std::string to = (dir / "out.html").string();
+        const test::Ran ran = run_here({"cost", "--list", option, to});
+        EXPECT_EQ(ran.exit_code, 2) << option;
+        EXPECT_NE(ran.err.find("--list: measures nothing; it takes no -o"), std::string::npos)
+            << ran.err;
+        EXPECT_EQ(ran.out, "") << option;
+    }
+    EXPECT_EQ(run_here({"cost", "--list"}).exit_code, 0);
+}
+
+// What requires an extension that nobody knows is described all the same.
+TEST(OptionEffects, InspectionTakesNoLeaveForExtensions) {
+    const TempDir dir;
+    const std::string file = (dir / "a.gltf").string();
+    test::GltfText gltf;
+    gltf.add({"a", {0, 0, 0, 1, 0, 0, 0, 1, 0}, {}, {}, {}, {0, 1, 2}, "", ""});
+    write_text(file, gltf.text(R"("extensionsUsed":["VENDOR_new"],)"
+                               R"("extensionsRequired":["VENDOR_new"])"));
+    const std::string out = (dir / "a.glb").string();
+    EXPECT_EQ(run_here({"prepare", file, "-o", out}).exit_code, 1);
+    EXPECT_EQ(run_here({"prepare", file, "-o", out, "--allow-extension", "all"}).exit_code, 0);
+    EXPECT_EQ(run_here({"inspect", file}).exit_code, 0);
+    EXPECT_EQ(run_here({"inspect", file, "--allow-extension", "all"}).exit_code, 2);
+}
+
 }  // namespace

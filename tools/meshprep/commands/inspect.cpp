@@ -347,7 +347,7 @@ void define(OptionSet& options, InspectCommand& c) {
     options.flag("--strict", c.strict, "Exit 1 when there is a warning or worse");
     options.number("--places", c.places, 0, 8, "N", "Places shown per finding (default 4)");
     add_input_options(options, c.common);
-    add_loading_options(options, c.common.load);
+    add_reading_options(options, c.common.load);
     add_common_options(options, c.common);
     add_json_lines_option(options, c.common);
     options.examples(
