@@ -73,4 +73,17 @@ TEST_F(Resumed, AManifestThatIsNestedDeeplyIsNone) {
     }
 }
 
+// What stands there and is what would be written is no conflict.
+TEST_F(Resumed, WithoutOverwritingWhatIsDoneIsSkipped) {
+    ASSERT_EQ(run({"--no-overwrite"}), "ok");
+    const std::string first = file_text(dir_ / "made.json");
+    EXPECT_EQ(run({"--no-overwrite"}), "skipped");
+    EXPECT_EQ(file_text(dir_ / "made.json"), first);
+    write_text(dir_ / "a.obj", test::sphere_obj(8, 4));
+    const std::string old = file_text(dir_ / "out/a.glb");
+    EXPECT_EQ(run({"--no-overwrite"}, 1), "failed");
+    EXPECT_EQ(file_text(dir_ / "out/a.glb"), old);
+    EXPECT_EQ(run(), "ok");
+}
+
 }  // namespace

@@ -163,7 +163,7 @@ void find_conflicts(JobList& list, const JobRequest& request) {
     std::set<fs::path> inputs, streams;
     Identities identities;
     for (const Job& job : list.jobs) inputs.insert(identities.of(job.input));
-    const auto conflict = [&](const Job& job) -> std::optional<Error> {
+    const auto conflict = [&](Job& job) -> std::optional<Error> {
         if (request.in_place) {
             if (is_packed(job.input) || is_stream(job.input))
                 return Error{
@@ -197,7 +197,8 @@ void find_conflicts(JobList& list, const JobRequest& request) {
         if (fs::is_directory(job.output, ec))
             return Error{ErrorCode::io, "a directory is in the way of this output file",
                          job.output.string()};
-        if (!request.overwrite && fs::exists(job.output, ec))
+        job.output_stands = !request.overwrite && fs::exists(job.output, ec);
+        if (job.output_stands)
             return Error{ErrorCode::io,
                          "the output exists, and --no-overwrite was given; leave that out, or give "
                          "another name",
