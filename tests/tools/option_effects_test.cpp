@@ -60,4 +60,42 @@ TEST(OptionEffects, InspectionTakesNoLeaveForExtensions) {
     EXPECT_EQ(run_here({"inspect", file, "--allow-extension", "all"}).exit_code, 2);
 }
 
+// What is printed can be typed, and gives the same bytes.
+TEST(OptionEffects, TheSameAgainIsACommandThatRuns) {
+    const TempDir dir;
+    const std::string in = (dir / "cube.obj").string(), picture = (dir / "a.png").string();
+    write_text(in, test::cube_obj());
+    const std::vector<std::vector<std::string>> lines{
+        {"prepare", in, "-o", "-", "--format", "ply", "--budget-ms", "100000"},
+        {"prepare", in, "-o", (dir / "out/").string(), "--format", "ply", "--no-overwrite",
+         "--budget-ms", "100000"},
+        {"render", in, "-o", picture, "--size", "32x32", "--no-overwrite", "--image-error", "255"},
+        {"prepare", in, "--in-place", "--budget-ms", "100000"}};
+    for (const std::vector<std::string>& words : lines) {
+        const std::string before = file_text(in);
+        const test::Ran ran = test::run_command(words);
+        ASSERT_EQ(ran.exit_code, 0) << ran.err;
+        const auto results = [&] {
+            std::string bytes;
+            for (const fs::path& file : {dir / "out/cube.ply", dir / "a.png", dir / "cube.obj"})
+                bytes += file_text(file) + "|";
+            return bytes;
+        };
+        const std::string written = results();
+        // What is said goes where the bytes do not.
+        const std::string said = ran.out + ran.err, label = "the same again: meshprep ";
+        const std::size_t at = said.find(label), end = said.find('\n', at);
+        ASSERT_NE(at, std::string::npos) << said;
+        const std::string again = "'" + test::command_path().string() + "' " +
+                                  said.substr(at + label.size(), end - at - label.size());
+        write_text(in, before);
+        const test::Ran same = test::run_program("/bin/sh", {"-c", again});
+        EXPECT_EQ(same.exit_code, 0) << again << same.err;
+        EXPECT_EQ(results(), written) << again;
+        if (words[3] == "-") {
+            EXPECT_EQ(same.out, ran.out) << again;
+        }
+    }
+}
+
 }  // namespace
