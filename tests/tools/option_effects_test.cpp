@@ -98,4 +98,42 @@ TEST(OptionEffects, TheSameAgainIsACommandThatRuns) {
     }
 }
 
+TEST(OptionEffects, WhatIsNotDrawnIsSaidInSentences) {
+    const TempDir dir;
+    const std::string picture = (dir / "a.png").string();
+    const auto said = [&](const std::string& name, const std::string& text) {
+        write_text(dir / name, text);
+        const test::Ran ran =
+            run_here({"render", (dir / name).string(), "-o", picture, "--size", "8x8"});
+        EXPECT_EQ(ran.exit_code, 0) << ran.err;
+        return ran.err;
+    };
+    const auto has = [](const std::string& text, const std::string& part) {
+        return text.find("warning: " + part) != std::string::npos;
+    };
+    const std::string lines = said("lines.obj", test::cube_obj() + "l 1 2 3\n");
+    EXPECT_TRUE(has(lines, "2 line segments are not drawn, only")) << lines;
+    const std::string point = said("point.obj", test::cube_obj() + "p 1\n");
+    EXPECT_TRUE(has(point, "1 point is not drawn, only")) << point;
+    test::GltfText gltf;
+    for (int n = 0; n < 3; ++n)
+        gltf.add({"a",
+                  {0, 0, 0, 1, 0, 0, 0, 1, 0},
+                  {},
+                  {0, 0, 1, 0, 0, 1},
+                  {},
+                  {0, 1, 2},
+                  "\"material\":0",
+                  "\"skin\":0"});
+    const std::string skinned =
+        said("skinned.gltf",
+             gltf.text(
+                 R"("skins":[{"joints":[0]}],"textures":[{"source":0}],"images":[{"uri":"x.png"}],)"
+                 R"("materials":[{"name":"m","extensions":{"KHR_materials_anisotropy":)"
+                 R"({"anisotropyStrength":0.5,"anisotropyTexture":{"index":0}}}}],)"
+                 R"("extensionsUsed":["KHR_materials_anisotropy"])"));
+    EXPECT_TRUE(has(skinned, "3 skinned meshes are drawn as modelled")) << skinned;
+    EXPECT_TRUE(has(skinned, "material 'm' has an anisotropy map")) << skinned;
+}
+
 }  // namespace
