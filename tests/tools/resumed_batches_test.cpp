@@ -5,6 +5,8 @@
 
 #include "command_runner.h"
 #include "meshprep/files/json_depth.h"
+#include "meshprep/files/read_watch.h"
+#include "prep/image.h"
 
 namespace {
 
@@ -27,7 +29,7 @@ class Resumed : public ::testing::Test {
     Resumed() { write_text(dir_ / "a.obj", test::cube_obj()); }
     std::string at(const std::string& name) const { return (dir_ / name).string(); }
     std::vector<std::string> words(const std::vector<std::string>& more = {}) const {
-        std::vector<std::string> list{"prepare",  at("a.obj"),          "-o",    at("out/"),
+        std::vector<std::string> list{"prepare",    at("a.obj"),     "-o",     at("out/"),
                                       "--manifest", at("made.json"), "--json", "--skip-unchanged"};
         list.insert(list.end(), more.begin(), more.end());
         return list;
@@ -84,6 +86,50 @@ TEST_F(Resumed, WithoutOverwritingWhatIsDoneIsSkipped) {
     EXPECT_EQ(run({"--no-overwrite"}, 1), "failed");
     EXPECT_EQ(file_text(dir_ / "out/a.glb"), old);
     EXPECT_EQ(run(), "ok");
+}
+
+// In the order of docs: beside the model, in its picture folders, in those beside it, in the
+// directories that the user names.
+TEST_F(Resumed, APictureThatAppearsAtAnEarlierPlaceIsRead) {
+    const auto picture = [](float shade) {
+        return prep::Image{2, 2, 3, std::vector<float>(12, shade)};
+    };
+    fs::create_directories(dir_ / "first");
+    fs::create_directories(dir_ / "second");
+    fs::create_directories(dir_ / "textures");
+    write_text(dir_ / "a.mtl", "newmtl m\nmap_Kd tex.png\n");
+    write_text(dir_ / "a.obj", "mtllib a.mtl\nusemtl m\n" + test::textured_cube_obj());
+    ASSERT_TRUE(prep::save_image(dir_ / "second/tex.png", picture(0)));
+    const std::vector<std::string> places{"--texture-dir", at("first"), "--texture-dir",
+                                          at("second")};
+    EXPECT_EQ(run(places), "ok");
+    EXPECT_EQ(run(places), "skipped");
+    float shade = 0;
+    for (const char* const earlier : {"first/tex.png", "textures/tex.png", "tex.png"}) {
+        const std::string before = file_text(dir_ / "out/a.glb");
+        ASSERT_TRUE(prep::save_image(dir_ / earlier, picture(shade += 0.25f)));
+        EXPECT_EQ(run(places), "ok") << earlier;
+        EXPECT_NE(file_text(dir_ / "out/a.glb"), before) << earlier;
+        EXPECT_EQ(run(places), "skipped") << earlier;
+    }
+}
+
+TEST_F(Resumed, ChangesAreSeenBySizeAndTime) {
+    const fs::path file = dir_ / "a.obj", other = dir_ / "b.obj";
+    write_text(other, "b");
+    const meshprep::ReadWatch watch(file);
+    EXPECT_TRUE(watch.unchanged(file));
+    EXPECT_TRUE(watch.unchanged(other));
+    EXPECT_FALSE(watch.unchanged(dir_ / "none"));
+    // Of the input its size tells; of others the time of the change, once the clock has moved on.
+    write_text(file, file_text(file) + "#");
+    EXPECT_FALSE(watch.unchanged(file));
+    bool seen = false;
+    for (int n = 0; n < 1000000 && !seen; ++n) {
+        write_text(other, "c");
+        seen = !watch.unchanged(other);
+    }
+    EXPECT_TRUE(seen);
 }
 
 }  // namespace

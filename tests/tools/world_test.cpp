@@ -55,8 +55,8 @@ class World {
         return {"prepare", input(), "-o", (out() / name).string()};
     }
     test::Ran run(const std::vector<std::string>& arguments, const Variables& troubles,
-                  const std::optional<unsigned>& user = {},
-                  const std::vector<int>& ignored = {}, const fs::path& in = "/dev/null") const {
+                  const std::optional<unsigned>& user = {}, const std::vector<int>& ignored = {},
+                  const fs::path& in = "/dev/null") const {
         const char* options = std::getenv("ASAN_OPTIONS");
         Variables variables{
             {"LD_PRELOAD", (in_ / "faults.so").string()},
@@ -374,6 +374,42 @@ TEST(World, FilesAreDoneByTheThreadsThereAre) {
         EXPECT_EQ(ran.err, "") << threads;
         EXPECT_EQ(files_in(world.out()), whole) << threads;
     }
+}
+
+// Whenever the edit comes, before the input is loaded or hashed or in between: the next run makes
+// of it what a first run would.
+TEST(World, WhatIsEditedWhileItIsReadIsDoneAgain) {
+    const World world;
+    const fs::path in = world.input();
+    const std::string original = file_text(in);
+    std::vector<std::string> words = world.prepare("a.glb");
+    const fs::path manifest = in.parent_path() / "made.json";
+    words.insert(words.end(), {"--manifest", manifest.string(), "--skip-unchanged"});
+    world.set({});
+    ASSERT_EQ(world.run(words, {}).exit_code, 0);
+    const Files plain = files_in(world.out());
+    int edits = 0, between = 0;
+    std::string edited;
+    for (bool more = true; more; ++edits) {
+        fs::remove(manifest);
+        world.set({});
+        write_text(in, original);
+        ASSERT_EQ(world
+                      .run(words, {{"WORLD_EDIT", in.string()},
+                                   {"WORLD_EDIT_AT", std::to_string(edits + 1)}})
+                      .exit_code,
+                  0);
+        more = file_text(in) != original;
+        if (!more) break;
+        between += files_in(world.out()) == plain;
+        ASSERT_EQ(world.run(words, {}).exit_code, 0);
+        const std::string now = files_in(world.out()).at("a.glb");
+        EXPECT_NE(now, plain.at("a.glb")) << edits;
+        if (edited.empty()) edited = now;
+        EXPECT_EQ(now, edited) << edits;
+    }
+    EXPECT_GE(edits, 2);
+    EXPECT_GE(between, 1);
 }
 
 }  // namespace

@@ -262,6 +262,7 @@ ManifestEntry manifest_entry(const Outcome& o, const PrepareCommand& command) {
     entry.job = o.job;
     entry.job.error = o.error;
     entry.sources = o.sources;
+    entry.absent.assign(o.absent.begin(), o.absent.end());
     // What is beyond what was asked of it is not done: the next run fails by it as well.
     entry.complete = o.complete && o.met();
     if (o.error) return entry;

@@ -50,6 +50,20 @@ std::vector<HashedFile> files_of(const Json& json, const char* key) {
     return files;
 }
 
+std::vector<std::string> texts_of(const Json& json, const char* key) {
+    std::vector<std::string> texts;
+    const auto list = json.find(key);
+    if (list == json.end() || !list->is_array()) return texts;
+    for (const Json& text : *list)
+        if (text.is_string()) texts.push_back(text.get<std::string>());
+    return texts;
+}
+
+bool is_there(const std::string& path) {
+    std::error_code ec;
+    return std::filesystem::exists(path, ec);
+}
+
 bool as_it_was(const HashedFile& file) {
     return file.sha256 && hashed(file.path).sha256 == file.sha256;
 }
@@ -96,6 +110,7 @@ Result<void> Manifest::read(const std::filesystem::path& path) {
         entry.job.input = text_of(file, "input");
         entry.job.output = text_of(file, "output");
         entry.sources = files_of(file, "sources");
+        entry.absent = texts_of(file, "absent");
         entry.outputs = files_of(file, "outputs");
         const auto complete = file.find("complete"), said = file.find("said");
         entry.complete = complete != file.end() && *complete == true;
@@ -112,7 +127,8 @@ std::optional<ManifestEntry> Manifest::finished(const Job& job) const {
     const bool good = !entry.job.error && entry.complete && !entry.sources.empty() &&
                       !entry.outputs.empty() &&
                       std::all_of(entry.sources.begin(), entry.sources.end(), as_it_was) &&
-                      std::all_of(entry.outputs.begin(), entry.outputs.end(), as_it_was);
+                      std::all_of(entry.outputs.begin(), entry.outputs.end(), as_it_was) &&
+                      std::none_of(entry.absent.begin(), entry.absent.end(), is_there);
     return good ? std::optional(entry) : std::nullopt;
 }
 
@@ -149,6 +165,7 @@ Result<void> Manifest::write(const std::filesystem::path& path) const {
                              {"text", entry.job.error->text},
                              {"place", entry.job.error->place}};
         file["sources"] = to_json(entry.sources);
+        if (!entry.absent.empty()) file["absent"] = entry.absent;
         file["outputs"] = to_json(entry.outputs);
         file["complete"] = entry.complete;
         file["said"] = entry.said;
