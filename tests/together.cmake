@@ -56,7 +56,8 @@ set(tests_together
     "tools render_values report_panels spared_files subdivide_options subdivided_files tangents validate
      validate_counts"
     "tools loaded_libraries tessellation_errors validate_report"
-    "tools cost_pages gate_json")
+    "tools cost_pages gate_json"
+    "tools odd_surroundings option_effects resumed_batches")
 
 # In no line, besides those whose libraries and definitions are their own: what replaces a function of
 # the whole program (operator new, time), and what scripts and pages run by its name.

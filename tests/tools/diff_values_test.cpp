@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <random>
 
 #include "command_runner.h"
 #include "prep/image.h"
+#include "steps.h"
 
 namespace {
 
@@ -282,6 +284,93 @@ TEST(DiffMeshes, OfTrianglesAtOnePlaceTheUvsDecide) {
     EXPECT_EQ(found["compared"], 6);
     EXPECT_EQ(found["degrees"]["largest"], 0.0);
     EXPECT_EQ(found["unmatched_triangles"], 1);
+}
+
+// Many triangles at one place, each with normals that lean alike and UVs on a lattice, where some
+// are equal and some equally far.
+struct Stacked {
+    int uvs[6];
+    double degrees;
+};
+
+std::string save_stacked(const TempDir& dir, const std::string& name,
+                         const std::vector<Stacked>& triangles, double off = 0) {
+    // One more, so that the files differ in their order.
+    std::string text = name == "a.obj" ? "v 5 0 0\nv 6 0 0\nv 5 1 0\nvn 0 0 1\nf 1//1 2//1 3//1\n"
+                                       : "v 0 0 0\nv 0 0 0\nv 0 0 0\nvn 0 0 1\n";
+    text += "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+    char line[200];
+    for (const Stacked& t : triangles) {
+        const double angle = t.degrees * pi / 180;
+        const int* const uv = t.uvs;
+        std::snprintf(line, sizeof line,
+                      "vt %.9g %d\nvt %d %d\nvt %d %d\nvn %.17g 0 %.17g\n"
+                      "f 4/-3/-1 5/-2/-1 6/-1/-1\n",
+                      uv[0] + off, uv[1], uv[2], uv[3], uv[4], uv[5], std::sin(angle),
+                      std::cos(angle));
+        text += line;
+    }
+    write_text(dir / name, text);
+    return (dir / name).string();
+}
+
+std::vector<Stacked> stacked(int count, int lattice, std::uint32_t seed) {
+    std::mt19937 random(seed);
+    std::vector<Stacked> triangles(std::size_t(count), Stacked{});
+    for (Stacked& t : triangles) {
+        for (int& uv : t.uvs) uv = int(random() % std::uint32_t(lattice));
+        t.degrees = double(random() % 9000) / 100;
+    }
+    return triangles;
+}
+
+// In the order of the first file each takes the nearest that is left, of equally near ones the
+// first.
+TEST(DiffMeshes, OfManyTrianglesAtOnePlaceEachTakesTheNearestThatIsLeft) {
+    const TempDir dir;
+    for (const int lattice : {1, 2, 4, 1000}) {
+        const std::vector<Stacked> a = stacked(120, lattice, 1), b = stacked(90, lattice, 2);
+        std::vector<Stacked> left = b;
+        double sum = 0;
+        for (const Stacked& t : a) {
+            if (left.empty()) break;
+            const auto far = [&t](const Stacked& other) {
+                int squares = 0;
+                for (int k = 0; k < 6; ++k)
+                    squares += (t.uvs[k] - other.uvs[k]) * (t.uvs[k] - other.uvs[k]);
+                return squares;
+            };
+            const auto best = std::min_element(
+                left.begin(), left.end(),
+                [&](const Stacked& x, const Stacked& y) { return far(x) < far(y); });
+            sum += std::abs(t.degrees - best->degrees);
+            left.erase(best);
+        }
+        const json found = part(run_here(
+            {"diff", save_stacked(dir, "a.obj", a), save_stacked(dir, "b.obj", b), "--json"}));
+        EXPECT_EQ(found["compared"], 270) << lattice;
+        EXPECT_EQ(found["unmatched_triangles"], 31) << lattice;
+        EXPECT_NEAR(found["degrees"]["mean"].get<double>(), sum / 90, 1e-4) << lattice;
+    }
+}
+
+TEST(DiffMeshes, TrianglesAtOnePlaceAreNotAllLookedAtForEach) {
+    const TempDir dir;
+    constexpr int count = 20000;
+    // None with UVs that tell them apart; those of one file alone; all, a little off in one file.
+    for (const auto& [a, b] : {std::pair(1, 1), std::pair(1, 2), std::pair(1000000, 1000000)}) {
+        std::vector<Stacked> left = stacked(count, a, 3);
+        std::vector<Stacked> right = a == b ? left : stacked(count, b, 4);
+        std::reverse(right.begin(), right.end());
+        const std::string in_a = save_stacked(dir, "a.obj", left);
+        const std::string in_b = save_stacked(dir, "b.obj", right, a > 1 ? 0.25 : 0);
+        const std::uint64_t steps = test::steps_of([&] {
+            const json found = part(run_here({"diff", in_a, in_b, "--json"}));
+            EXPECT_EQ(found["compared"], 3 * count);
+        });
+        EXPECT_GT(steps, std::uint64_t(count));
+        EXPECT_LT(steps, std::uint64_t(100 * count)) << a << " " << b;
+    }
 }
 
 // 35 triangles, corner i leans by i degrees: 105 angles, 0° to 104°.

@@ -234,6 +234,59 @@ TEST_F(Input, PackedFilesFindPicturesWhereTheUnpackedOnesDo) {
     EXPECT_EQ(ran.err.find("tmp/run"), std::string::npos) << ran.err;
 }
 
+// Directories for what is unpacked have another name in every run; what is written has not.
+TEST_F(Input, PicturesThatAreMissingAreNamedAlikeInEveryRun) {
+    write_text(dir_ / "t.mtl",
+               "newmtl a\nmap_Kd tex.png\nmap_Ks ../up.png\nmap_Ke ../../far.png\n"
+               "map_Bump broken.png\n");
+    write_text(dir_ / "broken.png", "no picture");
+    const std::string obj =
+        "mtllib t.mtl\nusemtl a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\n"
+        "f 1/1 2/2 3/3\n";
+    write_text(dir_ / "t.obj", obj);
+    write_text(dir_ / "t.obj.gz", gzip(obj));
+    ZipText zip;
+    for (const char* const name : {"t.mtl", "broken.png"}) zip.add(name, file_text(dir_ / name));
+    zip.add("t.obj", obj);
+    write_text(dir_ / "t.zip", zip.text());
+    fs::create_directory(dir_ / "private");
+    const test::Circumstances around{.environment = {{"TMPDIR", at("private")}},
+                                     .in = dir_ / "t.obj"};
+    for (const char* const ending : {"glb", "gltf", "obj"})
+        for (const char* const name : {"t.obj.gz", "t.zip", "-"}) {
+            const std::string input = *name == '-' ? "-" : at(name);
+            std::vector<std::string> outputs, said;
+            for (int run = 0; run < 2; ++run) {
+                const fs::path out = dir_ / "out";
+                fs::remove_all(out);
+                const test::Ran ran =
+                    run_command({"prepare", input, "-o", (out / "o.").string() + ending}, around);
+                EXPECT_EQ(ran.exit_code, 0) << ran.err;
+                std::string bytes;
+                for (const auto& file : fs::directory_iterator(out))
+                    bytes += file.path().filename().string() + file_text(file.path());
+                outputs.push_back(bytes);
+                said.push_back(ran.err);
+                for (const std::string& text : {bytes, ran.err, ran.out})
+                    EXPECT_EQ(text.find("/private/"), std::string::npos) << name << text;
+            }
+            EXPECT_EQ(outputs[0], outputs[1]) << name << ending;
+            EXPECT_EQ(said[0], said[1]) << name << ending;
+        }
+    for (const char* const name : {"t.obj.gz", "t.zip", "-"}) {
+        const test::Ran ran = run_command(
+            {"render", *name == '-' ? "-" : at(name), "-o", at("t.png"), "--size", "8x8"}, around);
+        EXPECT_EQ(ran.exit_code, 0) << ran.err;
+        // Beside standard input there are no libraries that would name pictures.
+        EXPECT_EQ(ran.err.find("texture left out") == std::string::npos, *name == '-') << ran.err;
+        EXPECT_EQ(ran.err.find("/private/"), std::string::npos) << ran.err;
+    }
+    // What lies beside the packed file is named where it lies.
+    const test::Ran ran =
+        run_command({"render", at("t.obj.gz"), "-o", at("t.png"), "--size", "8x8"}, around);
+    EXPECT_NE(ran.err.find(at("tex.png")), std::string::npos) << ran.err;
+}
+
 // One directory of links for all packed files of a folder, not one each.
 TEST_F(Input, PackedFilesOfAFolderShareTheLinksToTheirSiblings) {
     const TempDir dir;

@@ -314,6 +314,21 @@ TEST_F(OddInputs, EmptyOnesSaySoHoweverTheyArePacked) {
     EXPECT_EQ(error_of("empty.gz"), "the file that is packed in it is empty");
 }
 
+// As gzip itself reads them: what is packed in pieces may begin with an empty one.
+TEST_F(OddInputs, EmptyMembersOfAGzipFileAreNothing) {
+    const std::string empty = gzip(""), half = triangle.substr(0, 20), rest = triangle.substr(20);
+    for (const std::string& packed :
+         {empty + gzip(triangle), empty + empty + gzip(half) + empty + gzip(rest) + empty}) {
+        write_text(dir_ / "t.obj.gz", packed);
+        const test::Ran ran = run_here({"inspect", at("t.obj.gz"), "--json"});
+        EXPECT_EQ(ran.exit_code, 0) << ran.err;
+        EXPECT_EQ(ran.json()["files"][0]["counts"]["triangles"], 1);
+        EXPECT_TRUE(ran.json()["files"][0]["warnings"].empty()) << ran.out;
+    }
+    write_text(dir_ / "t.obj.gz", empty + empty);
+    EXPECT_EQ(error_of("t.obj.gz"), "the file that is packed in it is empty");
+}
+
 TEST_F(OddInputs, WhatFollowsAFileIsTold) {
     write_text(dir_ / "a.obj.gz", gzip(triangle) + "rubbish");
     write_text(dir_ / "b.obj.gz", gzip(triangle) + std::string(7, '\0'));

@@ -5,6 +5,7 @@
 #include <signal.h>
 #include <sys/stat.h>
 #include <unistd.h>
+#include <zlib.h>
 
 #include <map>
 
@@ -54,8 +55,8 @@ class World {
         return {"prepare", input(), "-o", (out() / name).string()};
     }
     test::Ran run(const std::vector<std::string>& arguments, const Variables& troubles,
-                  const std::optional<unsigned>& user = {},
-                  const std::vector<int>& ignored = {}) const {
+                  const std::optional<unsigned>& user = {}, const std::vector<int>& ignored = {},
+                  const fs::path& in = "/dev/null") const {
         const char* options = std::getenv("ASAN_OPTIONS");
         Variables variables{
             {"LD_PRELOAD", (in_ / "faults.so").string()},
@@ -68,6 +69,7 @@ class World {
         circumstances.environment = variables;
         circumstances.user = user;
         circumstances.ignored_signals = ignored;
+        circumstances.in = in;
         return test::run_command(arguments, circumstances);
     }
 
@@ -243,6 +245,48 @@ TEST(World, AnErrorOnClosingIsTold) {
         }
 }
 
+// A zip file of one entry that is not packed, from PKWARE's description.
+std::string stored_zip(const std::string& name, const std::string& text) {
+    const auto little = [](std::uint64_t value, int bytes) {
+        std::string out;
+        for (int k = 0; k < bytes; ++k) out += char(value >> 8 * k & 255);
+        return out;
+    };
+    const auto size = std::uint32_t(text.size()), length = std::uint32_t(name.size());
+    const auto crc =
+        std::uint32_t(::crc32(0, reinterpret_cast<const Bytef*>(text.data()), uInt(size)));
+    const std::string common = little(20, 2) + little(0, 8) + little(crc, 4) + little(size, 4) +
+                               little(size, 4) + little(length, 2) + little(0, 2);
+    const std::string entry = little(0x02014b50, 4) + little(20, 2) + common + little(0, 2 * 3) +
+                              little(0, 4) + little(0, 4) + name;
+    const std::string file = little(0x04034b50, 4) + common + name + text;
+    return file + entry + little(0x06054b50, 4) + little(0, 4) + little(1, 2) + little(1, 2) +
+           little(std::uint32_t(entry.size()), 4) + little(std::uint32_t(file.size()), 4) +
+           little(0, 2);
+}
+
+TEST(World, AnErrorOnClosingWhatIsReadByWayOfAFileIsTold) {
+    const World world;
+    const fs::path in = fs::path(world.input()).parent_path();
+    const std::string obj = file_text(world.input());
+    gzFile packed = ::gzopen((in / "p.obj.gz").c_str(), "wb");
+    ASSERT_EQ(::gzwrite(packed, obj.data(), unsigned(obj.size())), int(obj.size()));
+    ASSERT_EQ(::gzclose(packed), Z_OK);
+    write_text(in / "p.zip", stored_zip("p.obj", obj));
+    for (const char* const name : {"p.obj.gz", "p.zip", "-"}) {
+        const std::string input = *name == '-' ? "-" : (in / name).string();
+        const auto run = [&](const Variables& more) {
+            Variables troubles{{"TMPDIR", world.out().string()}};
+            troubles.insert(troubles.end(), more.begin(), more.end());
+            return world.run({"inspect", input}, troubles, {}, {}, world.input());
+        };
+        EXPECT_EQ(run({}).exit_code, 0) << name;
+        const test::Ran ran = run({{"WORLD_CLOSE", "1"}});
+        EXPECT_EQ(ran.exit_code, 1) << name;
+        EXPECT_NE(ran.err.find("Input/output error"), std::string::npos) << name << ran.err;
+    }
+}
+
 // A triangle with a texture that stands in the file, for formats that write it as a file of its
 // own.
 const char* const textured = R"({"asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}],
@@ -306,6 +350,66 @@ TEST(World, WithoutHardLinksOutputsAreReplacedAllTheSame) {
         EXPECT_EQ(ran.exit_code, 0) << ran.err;
         EXPECT_EQ(files_in(world.out()), fresh);
     }
+}
+
+// The watcher of signals is a thread, too.
+TEST(World, FilesAreDoneByTheThreadsThereAre) {
+    const World world;
+    std::vector<std::string> words{"prepare"};
+    for (const char* const name : {"a", "b", "c"}) {
+        const fs::path copy = fs::path(world.input()).parent_path() / (name + std::string(".obj"));
+        fs::copy_file(world.input(), copy);
+        words.push_back(copy.string());
+    }
+    words.insert(words.end(), {"-o", world.out().string() + "/", "--threads", "1"});
+    world.set({});
+    ASSERT_EQ(world.run(words, {}).exit_code, 0);
+    const Files whole = files_in(world.out());
+    ASSERT_EQ(names_of(whole), (std::vector<std::string>{"a.glb", "b.glb", "c.glb"}));
+    words.insert(words.end(), {"--jobs", "3"});
+    for (int threads = 0; threads <= 4; ++threads) {
+        world.set({});
+        const test::Ran ran = world.run(words, {{"WORLD_THREADS", std::to_string(threads)}});
+        EXPECT_EQ(ran.exit_code, 0) << threads << ": " << ran.err;
+        EXPECT_EQ(ran.err, "") << threads;
+        EXPECT_EQ(files_in(world.out()), whole) << threads;
+    }
+}
+
+// Whenever the edit comes, before the input is loaded or hashed or in between: the next run makes
+// of it what a first run would.
+TEST(World, WhatIsEditedWhileItIsReadIsDoneAgain) {
+    const World world;
+    const fs::path in = world.input();
+    const std::string original = file_text(in);
+    std::vector<std::string> words = world.prepare("a.glb");
+    const fs::path manifest = in.parent_path() / "made.json";
+    words.insert(words.end(), {"--manifest", manifest.string(), "--skip-unchanged"});
+    world.set({});
+    ASSERT_EQ(world.run(words, {}).exit_code, 0);
+    const Files plain = files_in(world.out());
+    int edits = 0, between = 0;
+    std::string edited;
+    for (bool more = true; more; ++edits) {
+        fs::remove(manifest);
+        world.set({});
+        write_text(in, original);
+        ASSERT_EQ(world
+                      .run(words, {{"WORLD_EDIT", in.string()},
+                                   {"WORLD_EDIT_AT", std::to_string(edits + 1)}})
+                      .exit_code,
+                  0);
+        more = file_text(in) != original;
+        if (!more) break;
+        between += files_in(world.out()) == plain;
+        ASSERT_EQ(world.run(words, {}).exit_code, 0);
+        const std::string now = files_in(world.out()).at("a.glb");
+        EXPECT_NE(now, plain.at("a.glb")) << edits;
+        if (edited.empty()) edited = now;
+        EXPECT_EQ(now, edited) << edits;
+    }
+    EXPECT_GE(edits, 2);
+    EXPECT_GE(between, 1);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <exception>
 #include <new>
 
 #include "meshprep/commands/generate.h"
@@ -76,6 +77,18 @@ Words with_files_after_dashes(Words words) {
     return words;
 }
 
+// CLI11 2.1 takes a file "[a,b]" for a list of two. What is no option's value is a file.
+Words with_bracketed_files(Words words, const CommandTables& tables) {
+    const CommandTable* const table = tables.find(words[0]);
+    if (table == nullptr) return words;
+    for (std::size_t n = 1; n < words.size(); ++n) {
+        if (!words[n].starts_with('[') || !words[n].ends_with(']')) continue;
+        const OptionRow* const before = table->find(words[n - 1]);
+        if (before == nullptr || before->type.empty()) words[n] = "./" + words[n];
+    }
+    return words;
+}
+
 // The subcommand that was parsed; null where all was said in parsing: help, the version, a usage
 // error.
 const Subcommand* parse(Words words, const std::vector<Subcommand>& known, std::ostream& out,
@@ -106,7 +119,7 @@ const Subcommand* parse(Words words, const std::vector<Subcommand>& known, std::
         exit_code = refuse(error, tables, words, out, err);
         return nullptr;
     }
-    words = with_files_after_dashes(std::move(words));
+    words = with_bracketed_files(with_files_after_dashes(std::move(words)), tables);
     try {
         app.parse(Words(words.rbegin(), words.rend()));
         for (const Subcommand& subcommand : known)
@@ -139,6 +152,8 @@ int run(int argc, const char* const* argv, std::ostream& out, std::ostream& err,
             code = subcommand->run(console);
         } catch (const std::bad_alloc&) {
             console.error("out of memory; nothing was half written");
+        } catch (const std::exception& e) {
+            console.error(std::string("the system refused: ") + e.what());
         }
     }
     out.flush();

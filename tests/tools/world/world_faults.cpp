@@ -7,18 +7,24 @@
 //   WORLD_CLOSE=n    the n-th close of a file that was written fails (EIO), as on network disks
 //   WORLD_RENAME=n   the n-th rename fails (EIO)
 //   WORLD_LINKS=0    there are no hard links (EPERM)
-//   WORLD_AT=what:n, WORLD_SIGNAL=s   before the n-th write, rename, link or unlink the process
+//   WORLD_THREADS=n  room for n threads beside the first, ended ones too (EAGAIN)
+//   WORLD_EDIT=file, WORLD_EDIT_AT=n   before its n-th opening for reading a line is added to the
+//   file WORLD_AT=what:n, WORLD_SIGNAL=s   before the n-th write, rename, link or unlink the
+//   process
 //                    gets the signal s. The write never returns: it is for the process to end. The
 //                    others go on once the signal has been taken, and so do all with WORLD_GO_ON=1.
 #include <dlfcn.h>
 #include <fcntl.h>
+#include <pthread.h>
 #include <signal.h>
+#include <sys/syscall.h>
 #include <sys/uio.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
 #include <cerrno>
+#include <cstdarg>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
@@ -62,7 +68,17 @@ void wait_ms(long ms) {
     ::nanosleep(&time, nullptr);
 }
 
-std::atomic<long> writes{0}, renames{0}, links{0}, unlinks{0}, closes{0}, used{0};
+std::atomic<long> writes{0}, renames{0}, links{0}, unlinks{0}, closes{0}, used{0}, threads{0},
+    openings{0};
+
+void edit_at(const char* path) {
+    if (std::strcmp(path, setting("WORLD_EDIT")) != 0 || ++openings != number("WORLD_EDIT_AT"))
+        return;
+    const int file = int(::syscall(SYS_openat, AT_FDCWD, path, O_WRONLY | O_APPEND | O_CLOEXEC));
+    const char line[] = "v 0 0 9\nf 1 2 -1\n";
+    (void)!::syscall(SYS_write, file, line, sizeof line - 1);
+    ::syscall(SYS_close, file);
+}
 
 void signal_at(const char* what, std::atomic<long>& count) {
     const long now = ++count;
@@ -133,6 +149,7 @@ int cookie_close(void* cookie) {
 }
 
 FILE* open_stream(const char* name, const char* path, const char* mode) {
+    if (mode[0] == 'r') edit_at(path);
     if (!concerned(path) || mode[0] != 'w') return next<decltype(::fopen)>(name)(path, mode);
     const int file = ::open(path, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
     if (file < 0) return nullptr;
@@ -179,6 +196,15 @@ int close(int file) {
     return -1;
 }
 
+int open(const char* path, int flags, ...) {
+    va_list more;
+    va_start(more, flags);
+    const unsigned mode = (flags & O_CREAT) != 0 ? va_arg(more, unsigned) : 0;
+    va_end(more);
+    if ((flags & O_ACCMODE) == O_RDONLY) edit_at(path);
+    return next<int(const char*, int, ...)>("open")(path, flags, mode);
+}
+
 int rename(const char* from, const char* to) noexcept {
     if (concerned(to)) {
         signal_at("rename", renames);
@@ -204,6 +230,13 @@ int link(const char* from, const char* to) noexcept {
 int unlink(const char* path) noexcept {
     if (concerned(path)) signal_at("unlink", unlinks);
     return next<int(const char*)>("unlink")(path);
+}
+
+int pthread_create(pthread_t* thread, const pthread_attr_t* attributes, void* (*run)(void*),
+                   void* argument) noexcept {
+    if (*setting("WORLD_THREADS") && ++threads > number("WORLD_THREADS")) return EAGAIN;
+    return next<int(pthread_t*, const pthread_attr_t*, void* (*)(void*), void*)>("pthread_create")(
+        thread, attributes, run, argument);
 }
 
 FILE* fopen(const char* path, const char* mode) {

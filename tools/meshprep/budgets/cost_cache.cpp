@@ -5,6 +5,7 @@
 #include <string_view>
 #include <system_error>
 
+#include "meshprep/files/json_depth.h"
 #include "prep/files.h"
 
 namespace meshprep {
@@ -16,17 +17,6 @@ constexpr int cache_layout = 1;
 constexpr std::size_t most_entries = 16;
 constexpr std::uintmax_t most_cache_bytes = std::uintmax_t(1) << 20;
 constexpr int most_depth = 8;  // entries' costs are the fifth
-
-// Brackets inside of texts count too: names have few.
-bool is_nested_deeply(std::string_view text) {
-    int depth = 0;
-    for (const char c : text) {
-        if (c == '[' || c == '{') ++depth;
-        if (c == ']' || c == '}') --depth;
-        if (depth > most_depth) return true;
-    }
-    return false;
-}
 
 // Names of processors are free text: JSON holds UTF-8 only.
 std::string printable_ascii(std::string text) {
@@ -59,8 +49,7 @@ Json entries_in(const fs::path& file) {
     const auto bytes = prep::read_file(file);
     if (!bytes) return Json::array();
     const std::string_view text(reinterpret_cast<const char*>(bytes->data()), bytes->size());
-    // Copying and writing recurse: what is nested deeply would overflow the stack.
-    if (is_nested_deeply(text)) return Json::array();
+    if (is_nested_deeper(text, most_depth)) return Json::array();
     const Json json = Json::parse(text.begin(), text.end(), nullptr, false);
     if (!json.is_object() || json.value("layout", Json()) != cache_layout) return Json::array();
     const auto entries = json.find("entries");

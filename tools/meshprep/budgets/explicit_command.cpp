@@ -16,8 +16,8 @@ std::string shell_word(const std::string& text) {
 std::string explicit_command(const std::string& subcommand, const std::filesystem::path& input,
                              const std::filesystem::path& output, const Settings& settings,
                              const std::string& chosen) {
-    std::string text = "meshprep " + subcommand + " " + shell_word(input.string()) + " -o " +
-                       shell_word(output.string());
+    std::string text = "meshprep " + subcommand + " " + shell_word(input.string());
+    if (!output.empty()) text += " -o " + shell_word(output.string());
     for (const auto& [name, values] : settings)
         for (const std::string& value : values)
             text += " " + (value == "true" ? name : shell_word(name + "=" + value));

@@ -1,18 +1,21 @@
 // Several files at once, and what is said of them in the order in which they were named.
 #pragma once
 
+#include <algorithm>
 #include <condition_variable>
 #include <cstddef>
 #include <mutex>
 #include <optional>
+#include <system_error>
 #include <thread>
 #include <vector>
 
 namespace meshprep {
 
-// make(i) for each i below `count`, on `workers` threads at once (1: on this one); use(result) on
-// this thread, in order, each as soon as it and those before it are there. `make` does not throw.
-// No worker is more than 4·workers files ahead of what was used: results wait in memory.
+// make(i) for each i below `count`, on `workers` threads at once (1: on this one), or as many as
+// the system has to give; use(result) on this thread, in order, each as soon as it and those before
+// it are there. `make` does not throw. No worker is more than 4·workers files ahead of what was
+// used: results wait in memory.
 template <class Make, class Use>
 void in_order(std::size_t count, std::size_t workers, const Make& make, const Use& use) {
     if (workers <= 1 || count <= 1) {
@@ -51,8 +54,17 @@ void in_order(std::size_t count, std::size_t workers, const Make& make, const Us
     };
     std::vector<std::jthread> threads;
     const Ending ending{mutex, changed, next, count};
-    for (std::size_t n = 0; n < workers && n < count; ++n) threads.emplace_back(work);
+    threads.reserve(std::min(workers, count));
+    try {
+        while (threads.size() < std::min(workers, count)) threads.emplace_back(work);
+    } catch (const std::system_error&) {
+        // The limit of threads is reached: those there are do it, or else this one.
+    }
     for (std::size_t i = 0; i < count; ++i) {
+        if (threads.empty()) {
+            use(make(i));
+            continue;
+        }
         std::unique_lock lock(mutex);
         changed.wait(lock, [&] { return made[i].has_value(); });
         Made result = *std::move(made[i]);

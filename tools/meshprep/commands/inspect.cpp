@@ -294,6 +294,7 @@ Json inspect_file(std::size_t number, const InspectCommand& command, SiblingLink
     const prep::SceneCheck check = prep::check(*scene, {command.common.threads});
     for (const std::string& text : scene->warnings)
         console.warning(command.common, said_of(path, text));
+    warned = !scene->warnings.empty();
     const SceneConventions conventions = scene_conventions(*scene, command.common.threads);
     print_file(path, *scene, check, conventions, gltf, command, console);
     for (const prep::Finding& f : check.findings) warned |= f.severity != prep::Severity::info;
@@ -346,7 +347,7 @@ void define(OptionSet& options, InspectCommand& c) {
     options.flag("--strict", c.strict, "Exit 1 when there is a warning or worse");
     options.number("--places", c.places, 0, 8, "N", "Places shown per finding (default 4)");
     add_input_options(options, c.common);
-    add_loading_options(options, c.common.load);
+    add_reading_options(options, c.common.load);
     add_common_options(options, c.common);
     add_json_lines_option(options, c.common);
     options.examples(

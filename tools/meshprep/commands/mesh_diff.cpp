@@ -4,8 +4,12 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <map>
+#include <memory>
+#include <utility>
 
+#include "base/step_count.h"
 #include "prep/triangulate.h"
 
 namespace meshprep {
@@ -86,15 +90,149 @@ std::pair<Key, int> key_of(const Triangle& t) {
     return {best, turn};
 }
 
-double uv_distance(const Triangle& a, int turn_a, const Triangle& b, int turn_b) {
+// The triangle's UVs in the order of its key. −0 becomes 0.
+using Uvs = std::array<float, 6>;
+Uvs uvs_of(const Triangle& t, int turn) {
+    Uvs uvs;
+    for (std::size_t i = 0; i < 3; ++i) {
+        const glm::vec2 uv = t[(i + std::size_t(turn)) % 3].uv + 0.0f;
+        uvs[2 * i] = uv.x;
+        uvs[2 * i + 1] = uv.y;
+    }
+    return uvs;
+}
+
+bool is_finite(const Uvs& uvs) {
+    return std::all_of(uvs.begin(), uvs.end(), [](float x) { return std::isfinite(x); });
+}
+
+// Squared; no less than any of its terms, rounding included.
+double uv_distance(const Uvs& a, const Uvs& b) {
     double sum = 0;
-    for (int i = 0; i < 3; ++i) {
-        const glm::dvec2 d(a[static_cast<std::size_t>((i + turn_a) % 3)].uv -
-                           b[static_cast<std::size_t>((i + turn_b) % 3)].uv);
+    for (std::size_t k = 0; k < a.size(); k += 2) {
+        const glm::dvec2 d(a[k] - b[k], a[k + 1] - b[k + 1]);
         sum += glm::dot(d, d);
     }
-    return std::isfinite(sum) ? sum : 1e300;
+    return sum;
 }
+
+struct CoincidentMember {
+    Uvs uvs;
+    std::uint32_t triangle;
+    int turn;
+};
+
+constexpr std::size_t no_member = std::size_t(-1);
+
+// The members of finite UVs, equal ones together, from which the nearest is taken.
+class UvRuns {
+  public:
+    explicit UvRuns(const std::vector<CoincidentMember>& members)
+        : taken_(members.size()), run_of_(members.size(), no_member) {
+        std::map<Uvs, std::vector<std::size_t>> by_uvs;
+        for (std::size_t m = 0; m < members.size(); ++m)
+            if (is_finite(members[m].uvs)) by_uvs[members[m].uvs].push_back(m);
+        for (auto& [uvs, list] : by_uvs) {
+            const std::size_t at = runs_.size();
+            for (const std::size_t m : list) run_of_[m] = at;
+            runs_.push_back({uvs, std::move(list), 0, at - 1, at + 1});
+        }
+    }
+
+    bool is_taken(std::size_t member) const { return taken_[member]; }
+    // The first of its run that is left.
+    void take(std::size_t member) {
+        taken_[member] = true;
+        if (run_of_[member] != no_member) ++runs_[run_of_[member]].taken;
+    }
+
+    // None where nothing is left, or nothing at a finite distance.
+    std::size_t nearest(const Uvs& uvs) {
+        const auto from = std::lower_bound(runs_.begin(), runs_.end(), uvs,
+                                           [](const Run& r, const Uvs& u) { return r.uvs < u; });
+        const auto start = std::size_t(from - runs_.begin());
+        std::size_t best = no_member, steps = 1;
+        double best_distance = std::numeric_limits<double>::infinity();
+        // Whether to go on to those that are farther by their first value.
+        const auto look_at = [&](std::size_t run) {
+            ++steps;
+            const double u = runs_[run].uvs[0] - uvs[0];
+            if (u * u > best_distance) return false;
+            const double d = uv_distance(runs_[run].uvs, uvs);
+            if (d < best_distance ||
+                (d == best_distance && best != no_member && first(run) < first(best))) {
+                best = run;
+                best_distance = d;
+            }
+            return true;
+        };
+        // One on either side in turn: what is near is found before what is far. Equal ones come
+        // first, and nothing else is as near.
+        std::size_t up = open_from<&Run::after>(start);
+        std::size_t down = open_from<&Run::before>(start - 1);
+        while (best_distance > 0 && (up < runs_.size() || down < runs_.size())) {
+            if (up < runs_.size()) up = look_at(up) ? open_from<&Run::after>(up + 1) : runs_.size();
+            if (best_distance > 0 && down < runs_.size())
+                down = look_at(down) ? open_from<&Run::before>(down - 1) : runs_.size();
+        }
+        prep::detail::count_steps(steps);
+        return best == no_member ? no_member : first(best);
+    }
+
+  private:
+    struct Run {
+        Uvs uvs;
+        std::vector<std::size_t> members;  // in order
+        std::size_t taken = 0;
+        std::size_t before = 0, after = 0;  // where to go on if all are taken
+    };
+
+    std::size_t first(std::size_t run) const { return runs_[run].members[runs_[run].taken]; }
+
+    // The next run from `at` on, on one side, of which something is left; none of them where there
+    // is none. The way there is shortened for the next time.
+    template <std::size_t Run::*next>
+    std::size_t open_from(std::size_t at) {
+        std::size_t end = at;
+        while (end < runs_.size() && runs_[end].taken == runs_[end].members.size())
+            end = runs_[end].*next;
+        while (at != end) at = std::exchange(runs_[at].*next, end);
+        return end;
+    }
+
+    std::vector<bool> taken_;          // by member
+    std::vector<std::size_t> run_of_;  // by member; none: not finite
+    std::vector<Run> runs_;            // by UVs
+};
+
+// Triangles of the second file at one place, of which each is taken once: the one with the nearest
+// UVs, the first of equally near ones. Those that are not finite are farther than all others.
+// Taking one looks at all UVs whose first value is no farther than the nearest.
+class Coincident {
+  public:
+    void add(std::uint32_t triangle, int turn, const Triangle& t) {
+        members_.push_back({uvs_of(t, turn), triangle, turn});
+    }
+
+    // None where all are taken.
+    const CoincidentMember* take(const Uvs& uvs) {
+        if (members_.size() == 1) return first_++ == 0 ? &members_[0] : nullptr;
+        if (!runs_) runs_ = std::make_unique<UvRuns>(members_);
+        std::size_t member = is_finite(uvs) ? runs_->nearest(uvs) : no_member;
+        if (member == no_member) {
+            while (first_ < members_.size() && runs_->is_taken(first_)) ++first_;
+            if (first_ == members_.size()) return nullptr;
+            member = first_;
+        }
+        runs_->take(member);
+        return &members_[member];
+    }
+
+  private:
+    std::vector<CoincidentMember> members_;
+    std::size_t first_ = 0;  // all before are taken
+    std::unique_ptr<UvRuns> runs_;
+};
 
 class Comparer {
   public:
@@ -191,36 +329,26 @@ prep::Result<AttributeDiff> diff_attribute(const prep::Scene& a, const prep::Sce
             for (std::size_t i = 0; i < 3; ++i) comparer.compare(left[t][i], right[t][i]);
         return comparer.finish(true, 0);
     }
-    std::map<Key, std::vector<std::pair<std::uint32_t, int>>> by_key;
+    std::map<Key, Coincident> by_key;
     for (std::uint32_t t = 0; t < right.size(); ++t) {
         const auto [key, turn] = key_of(right[t]);
-        by_key[key].emplace_back(t, turn);
+        by_key[key].add(t, turn, right[t]);
     }
     std::uint64_t unmatched = 0, matched = 0;
     for (const Triangle& triangle : left) {
         const auto [key, turn] = key_of(triangle);
         const auto found = by_key.find(key);
-        if (found == by_key.end() || found->second.empty()) {
+        const CoincidentMember* const partner =
+            found == by_key.end() ? nullptr : found->second.take(uvs_of(triangle, turn));
+        if (partner == nullptr) {
             ++unmatched;
             continue;
         }
-        // Of several triangles at one place, the one with the nearest UVs; the first on a tie.
-        auto& list = found->second;
-        std::size_t best = 0;
-        double best_distance = uv_distance(triangle, turn, right[list[0].first], list[0].second);
-        for (std::size_t k = 1; k < list.size(); ++k) {
-            const double d = uv_distance(triangle, turn, right[list[k].first], list[k].second);
-            if (d < best_distance) {
-                best = k;
-                best_distance = d;
-            }
-        }
-        const auto [other, other_turn] = list[best];
-        list.erase(list.begin() + static_cast<std::ptrdiff_t>(best));
         ++matched;
         for (int i = 0; i < 3; ++i)
-            comparer.compare(triangle[static_cast<std::size_t>((i + turn) % 3)],
-                             right[other][static_cast<std::size_t>((i + other_turn) % 3)]);
+            comparer.compare(
+                triangle[static_cast<std::size_t>((i + turn) % 3)],
+                right[partner->triangle][static_cast<std::size_t>((i + partner->turn) % 3)]);
     }
     unmatched += right.size() - matched;
     return comparer.finish(false, unmatched);

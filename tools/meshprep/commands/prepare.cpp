@@ -93,8 +93,9 @@ class Batch {
         Outcome outcome;
         outcome.job = job;
         try {
+            const bool may_be_done = !job.error || job.output_stands;
             const auto done =
-                !job.error && command_.skip_unchanged ? earlier_.finished(job) : std::nullopt;
+                may_be_done && command_.skip_unchanged ? earlier_.finished(job) : std::nullopt;
             if (done) {
                 outcome.skipped = true;
                 std::vector<std::filesystem::path> files;

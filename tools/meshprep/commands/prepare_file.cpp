@@ -3,12 +3,16 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
+#include <string_view>
 
 #include "base/process_memory.h"
+#include "formats/picture_search.h"
 #include "meshprep/budgets/prepare_budget.h"
 #include "meshprep/commands/prepare_report.h"
 #include "meshprep/commands/render_views.h"
 #include "meshprep/files/file_sizes.h"
+#include "meshprep/files/read_watch.h"
 #include "meshprep/output/load_options.h"
 #include "prep/files.h"
 #include "prep/load.h"
@@ -45,30 +49,68 @@ std::optional<prep::Error> at_odds_with_libraries(const prep::PreparedScene& pre
                        file.string()};
 }
 
+// Where a picture would have been found before it was found at `file`: it was absent there, and
+// what appears there takes its place. The order is that of formats/picture_search.h; `folder` is
+// the model's, and as the name in the model is not known, the part below the directory stands for
+// it.
+void note_passed_over(const std::filesystem::path& file, const std::filesystem::path& folder,
+                      const std::vector<std::filesystem::path>& texture_directories, Outcome& out) {
+    namespace fs = std::filesystem;
+    std::vector<fs::path> sought{folder / "."};
+    for (const char* const above : {".", ".."})
+        for (const std::string_view name : prep::detail::picture_folders)
+            sought.push_back(folder / above / name);
+    sought.insert(sought.end(), texture_directories.begin(), texture_directories.end());
+    for (fs::path& directory : sought) directory = directory.lexically_normal();
+    std::error_code ec;
+    for (std::size_t at = 1; at < sought.size(); ++at) {
+        const fs::path name = file.lexically_normal().lexically_relative(sought[at]);
+        if (name.empty() || *name.begin() == ".." || name == ".") continue;
+        for (std::size_t before = 0; before < at; ++before)
+            if (const fs::path passed = sought[before] / name; !fs::exists(passed, ec))
+                out.absent.insert(passed.string());
+    }
+}
+
 // Files that were read for the scene, with their hashes; one that was named and not found makes the
-// result one that may change, and so does a pipe, which nobody can look at again.
-void note_sources(const InputFile& input, const prep::Scene& scene,
-                  const prep::DisplaceOptions& displacement, Outcome& out) {
+// result one that may change, and so does a pipe, which nobody can look at again, and a file that
+// was changed since reading began, unless it is one of those written.
+void note_sources(const InputFile& input, const prep::Scene& scene, const PrepareCommand& command,
+                  const ReadWatch& watch, Outcome& out) {
+    const prep::DisplaceOptions& displacement = command.prepare.displacement;
+    std::set<std::filesystem::path> written;
+    for (const std::filesystem::path& file : out.written) written.insert(identity(file));
+    const auto add = [&](const std::filesystem::path& file) {
+        out.sources.push_back(hashed(file));
+        out.complete &= out.sources.back().sha256.has_value() &&
+                        (watch.unchanged(file) || written.count(identity(file)) != 0);
+    };
     std::vector<std::filesystem::path> files;
+    std::set<std::filesystem::path> folders{
+        std::filesystem::path(input.relabelled(input.path().string())).parent_path()};
+    for (const std::filesystem::path& library : scene.libraries)
+        folders.insert(std::filesystem::path(input.relabelled(library.string())).parent_path());
     for (const std::filesystem::path& library : scene.libraries)
         if (!input.passing(library)) files.push_back(library);
     for (const prep::ImageRef& image : scene.images) {
         for (const std::filesystem::path& file : prep::files_of(image))
-            if (!input.passing(file)) files.push_back(file);
+            if (!input.passing(file)) {
+                files.push_back(file);
+                for (const std::filesystem::path& folder : folders)
+                    note_passed_over(input.relabelled(file.string()), folder,
+                                     command.common.load.texture_directories, out);
+            }
         out.complete &= !image.path.empty() || !image.bytes.empty() || !image.channels.empty();
     }
     for (const std::string& text : scene.warnings)
         out.complete &= text.find("cannot be read") == std::string::npos;
     if (displacement.map) files.push_back(displacement.map->path);
     if (const auto source = input.source())
-        out.sources.push_back(hashed(*source));
+        add(*source);
     else
         out.complete = false;
-    for (const std::filesystem::path& file : files) {
-        // Beside an unpacked file are links to what lies beside the packed one.
-        out.sources.push_back(hashed(input.relabelled(file.string())));
-        out.complete &= out.sources.back().sha256.has_value();
-    }
+    // Beside an unpacked file are links to what lies beside the packed one.
+    for (const std::filesystem::path& file : files) add(input.relabelled(file.string()));
 }
 
 // Lengths are floats where they are written, and wherever they are read.
@@ -205,6 +247,7 @@ Outcome prepare_file(const Job& job, const PrepareCommand& command, int threads,
         memory = now;
         return use;
     };
+    const ReadWatch watch(job.input);
     const prep::Result<InputFile> input =
         InputFile::open(job.input, command.common.input_format, &links);
     if (!input) {
@@ -226,7 +269,7 @@ Outcome prepare_file(const Job& job, const PrepareCommand& command, int threads,
         return out;
     }
     if (!command.manifest.empty() && !command.files.in_place)
-        note_sources(*input, *scene, command.prepare.displacement, out);
+        note_sources(*input, *scene, command, watch, out);
     out.bytes_before = bytes_of(input->path(), *scene);
     sources.add(job, *input, *scene);
     input->settle(*scene);
@@ -335,12 +378,15 @@ Outcome prepare_file(const Job& job, const PrepareCommand& command, int threads,
                         "the format does not hold all there is, and --strict was given; the "
                         "file is there",
                         job.output.string()};
-    if (!stream) out.gltf_after = count_gltf_file(job.output);
+    // What went into a pipe cannot be looked at: opening it would wait for another writer.
+    std::error_code ec;
+    if (!stream && std::filesystem::is_regular_file(job.output, ec))
+        out.gltf_after = count_gltf_file(job.output);
     out.bytes_after = out.bytes.size();
     for (const std::filesystem::path& file : out.written) out.bytes_after += bytes_of(file);
     // In place the input is what was written by now.
     if (!command.manifest.empty() && command.files.in_place)
-        note_sources(*input, prepared->scene, command.prepare.displacement, out);
+        note_sources(*input, prepared->scene, command, watch, out);
     return out;
 }
 

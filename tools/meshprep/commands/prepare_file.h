@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -58,6 +59,7 @@ struct Outcome {
     std::optional<prep::Error> error;
     bool skipped = false;  // an earlier run's output is what this one's would be
     std::vector<HashedFile> sources;
+    std::set<std::string> absent;  // files that would be read in place of some of them
     std::vector<std::filesystem::path> written;
     bool complete = true;  // all that the input names was found
     std::string bytes;     // for standard output

@@ -169,7 +169,10 @@ Json requirements_json(const prep::PreparedScene& prepared,
 
 std::string again_text(const Outcome& o, const PrepareCommand& command) {
     Settings settings = command.settings;
-    settings.erase("--format");
+    // The ending of a file says it, and standard output has none.
+    if (!is_standard_stream(o.job.output)) settings.erase("--format");
+    const std::filesystem::path output =
+        command.files.in_place ? std::filesystem::path() : o.job.output;
     std::string chosen;
     if (o.certificate) {
         for (const char* name : {"--quantize", "--normal-error", "--tangent-error"})
@@ -180,7 +183,7 @@ std::string again_text(const Outcome& o, const PrepareCommand& command) {
         for (const char* name : {"--budget-ms", "--subdivide"}) settings.erase(name);
         chosen += (chosen.empty() ? "" : " ") + o.times->chosen.setting;
     }
-    return explicit_command("prepare", o.job.input, o.job.output, settings, chosen);
+    return explicit_command("prepare", o.job.input, output, settings, chosen);
 }
 
 std::string unmet_text(const Outcome& o) {
@@ -259,6 +262,7 @@ ManifestEntry manifest_entry(const Outcome& o, const PrepareCommand& command) {
     entry.job = o.job;
     entry.job.error = o.error;
     entry.sources = o.sources;
+    entry.absent.assign(o.absent.begin(), o.absent.end());
     // What is beyond what was asked of it is not done: the next run fails by it as well.
     entry.complete = o.complete && o.met();
     if (o.error) return entry;

@@ -117,8 +117,8 @@ void define_render(OptionSet& options, RenderCommand& c) {
     add_pixel_error_option(options, c.prepare);
     add_loading_options(options, c.common.load);
     add_common_options(options, c.common);
-    options.keep_settings(c.settings,
-                          {"--output", "--image-error", "--budget-ms", "--no-cache", "--explain"});
+    options.keep_settings(c.settings, {"--output", "--image-error", "--budget-ms", "--no-cache",
+                                       "--explain", "--no-overwrite"});
     options.examples(
         "  meshprep render spot.obj -o spot.png --shading phong --camera 40,15\n"
         "  meshprep render room.json -o room.png --explain\n"

@@ -9,6 +9,7 @@
 #include <cstring>
 #include <limits>
 #include <optional>
+#include <utility>
 
 #include "prep/files.h"
 
@@ -53,6 +54,10 @@ class NewFile {
         }
         return {};
     }
+    // File systems of networks may say only now that something was not written.
+    Result<void> close() {
+        return ::close(std::exchange(fd_, -1)) == 0 ? Result<void>() : failure();
+    }
 
   private:
     Result<void> failure() const {
@@ -78,21 +83,20 @@ class Inflater {
     // `most` bytes and is counted in `count`.
     template <class Put>
     Result<End> run(Bytes& in, std::uint64_t most, std::uint64_t& count, const Put& put) {
-        std::vector<std::byte> buffer(std::size_t(256) << 10);
         if (!good_ || ::inflateReset(&stream_) != Z_OK) return End::damaged;
         for (;;) {
             const auto piece =
                 std::min<std::size_t>(in.size(), std::numeric_limits<uInt>::max() / 2);
             stream_.next_in = reinterpret_cast<Bytef*>(const_cast<std::byte*>(in.data()));
             stream_.avail_in = uInt(piece);
-            stream_.next_out = reinterpret_cast<Bytef*>(buffer.data());
-            stream_.avail_out = uInt(buffer.size());
+            stream_.next_out = reinterpret_cast<Bytef*>(buffer_.data());
+            stream_.avail_out = uInt(buffer_.size());
             const int state = ::inflate(&stream_, Z_NO_FLUSH);
             in = in.subspan(piece - stream_.avail_in);
-            const std::size_t got = buffer.size() - stream_.avail_out;
+            const std::size_t got = buffer_.size() - stream_.avail_out;
             if (got > most - count) return End::too_large;
             count += got;
-            if (Result<void> done = put(Bytes(buffer.data(), got)); !done) return done.error();
+            if (Result<void> done = put(Bytes(buffer_.data(), got)); !done) return done.error();
             if (state == Z_STREAM_END) return End::complete;
             if (state == Z_BUF_ERROR || (state == Z_OK && in.empty() && got == 0))
                 return End::cut_short;
@@ -103,6 +107,7 @@ class Inflater {
   private:
     z_stream stream_{};
     bool good_ = false;
+    std::vector<std::byte> buffer_ = std::vector<std::byte>(std::size_t(256) << 10);
 };
 
 std::uint32_t u16(Bytes b, std::size_t at) {
@@ -219,7 +224,7 @@ class Zip {
             if (*end != Inflater::End::complete) return damaged(e);
         }
         if (count != e.size || crc != e.crc) return damaged(e);
-        return {};
+        return file.close();
     }
 
   private:
@@ -282,8 +287,8 @@ Result<std::uint64_t> unpack_gzip(const fs::path& archive, const fs::path& to,
     if (Result<void> opened = file.open(to); !opened) return opened.error();
     std::uint64_t count = 0;
     Inflater inflater(16 + MAX_WBITS);
-    // Members stand in a row; zeros that pad the last one are nothing.
-    while (!in.empty() && (count == 0 || is_gzip(in))) {
+    // Members stand in a row, and some may be empty; zeros that pad the last one are nothing.
+    while (is_gzip(in)) {
         const Result<Inflater::End> end =
             inflater.run(in, most, count, [&](Bytes piece) { return file.write(piece); });
         if (!end) return end.error();
@@ -294,8 +299,8 @@ Result<std::uint64_t> unpack_gzip(const fs::path& archive, const fs::path& to,
         if (*end == Inflater::End::damaged)
             return Error{ErrorCode::syntax, "the gzip file is damaged; fetch it again",
                          archive.string()};
-        if (count == 0) break;
     }
+    if (Result<void> closed = file.close(); !closed) return closed.error();
     const bool padding =
         std::all_of(in.begin(), in.end(), [](std::byte b) { return b == std::byte{0}; });
     return padding ? 0 : std::uint64_t(in.size());

@@ -163,7 +163,7 @@ void find_conflicts(JobList& list, const JobRequest& request) {
     std::set<fs::path> inputs, streams;
     Identities identities;
     for (const Job& job : list.jobs) inputs.insert(identities.of(job.input));
-    const auto conflict = [&](const Job& job) -> std::optional<Error> {
+    const auto conflict = [&](Job& job) -> std::optional<Error> {
         if (request.in_place) {
             if (is_packed(job.input) || is_stream(job.input))
                 return Error{
@@ -197,7 +197,8 @@ void find_conflicts(JobList& list, const JobRequest& request) {
         if (fs::is_directory(job.output, ec))
             return Error{ErrorCode::io, "a directory is in the way of this output file",
                          job.output.string()};
-        if (!request.overwrite && fs::exists(job.output, ec))
+        job.output_stands = !request.overwrite && fs::exists(job.output, ec);
+        if (job.output_stands)
             return Error{ErrorCode::io,
                          "the output exists, and --no-overwrite was given; leave that out, or give "
                          "another name",
@@ -307,7 +308,10 @@ Result<void> require_file(const fs::path& path) {
 fs::path identity(const fs::path& path) {
     std::error_code ec;
     const fs::path canonical = fs::weakly_canonical(path, ec);
-    return ec ? fs::absolute(path).lexically_normal() : canonical;
+    if (!ec) return canonical;
+    // Without a working directory, which somebody may have removed, a path is what it says.
+    const fs::path full = fs::absolute(path, ec);
+    return (ec ? path : full).lexically_normal();
 }
 
 std::vector<fs::path> read_beside(const prep::Scene& scene) {
@@ -353,7 +357,8 @@ Result<void> require_unread(const std::vector<fs::path>& inputs, std::size_t num
 }
 
 bool is_of_descriptors(const fs::path& folder) {
-    const fs::path full = fs::absolute(folder).lexically_normal();
+    std::error_code ec;
+    const fs::path full = fs::absolute(folder, ec).lexically_normal();
     auto part = full.begin();
     if (part == full.end() || ++part == full.end()) return false;
     return *part == "proc" || full == "/dev" || full == "/dev/fd";

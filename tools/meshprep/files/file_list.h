@@ -32,6 +32,7 @@ struct Job {
     std::filesystem::path input, output;
     std::string format;                     // the output's ending
     std::optional<prep::Error> error = {};  // found before anything was read: it is not done
+    bool output_stands = false;  // that is the error: no harm where the output is what it would be
 };
 
 struct JobList {

@@ -11,6 +11,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <utility>
 
 #include "meshprep/files/archive.h"
 #include "meshprep/files/file_list.h"
@@ -59,13 +60,14 @@ bool in_a_name(char c) {
 
 // All that comes from `from`, which `place` names. What never ends would fill the disk.
 Result<void> spool(int from, const std::string& place, const fs::path& to, std::uint64_t most) {
-    const int fd = ::open(to.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
+    constexpr const char* not_kept = "cannot be kept in the directory for temporary files: ";
+    int fd = ::open(to.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
     const auto failed = [&](const char* what) {
         const Error error{ErrorCode::io, std::string(what) + std::strerror(errno), place};
         if (fd >= 0) ::close(fd);
         return error;
     };
-    if (fd < 0) return failed("cannot be kept in the directory for temporary files: ");
+    if (fd < 0) return failed(not_kept);
     std::vector<char> buffer(std::size_t(1) << 20);
     std::uint64_t all = 0;
     for (;;) {
@@ -83,11 +85,12 @@ Result<void> spool(int from, const std::string& place, const fs::path& to, std::
         for (ssize_t done = 0; done < got;) {
             const ssize_t n = ::write(fd, buffer.data() + done, std::size_t(got - done));
             if (n < 0 && errno == EINTR) continue;
-            if (n <= 0) return failed("cannot be kept in the directory for temporary files: ");
+            if (n <= 0) return failed(not_kept);
             done += n;
         }
     }
-    ::close(fd);
+    // File systems of networks may say only now that something was not written.
+    if (::close(std::exchange(fd, -1)) != 0) return failed(not_kept);
     return {};
 }
 
@@ -173,6 +176,7 @@ Result<InputFile> InputFile::open(const fs::path& named, const std::string& form
     } else if (!format.empty() && lower_ending(named) != format) {
         done = input.link_with_siblings(named, named.stem().string() + "." + format);
     }
+    input.label_directories();
     if (!done) return input.relabelled(done.error());
     // Some readers name a file without its directory. What has no ending may be any word.
     if (input.path_ != named && input.path_.has_extension()) {
@@ -192,6 +196,15 @@ Result<fs::path> InputFile::directory() {
         place_ = *place;
     }
     return place_;
+}
+
+// Whatever else lies in directories of random names is the input's: what a file names and nobody
+// has is said, and written, the same way in every run.
+void InputFile::label_directories() {
+    if (!directory_) return;
+    for (fs::path at : {place_, shared_ ? shared_->parent_path() : place_})
+        for (int up = 0; up < 3; ++up, at = at.parent_path())
+            labels_.emplace_back(at.string(), place());
 }
 
 // Beside what is in the private directory, links to what lies beside the file, and above it to what
@@ -413,10 +426,17 @@ Error InputFile::relabelled(Error error) const {
     return {error.code, relabelled(std::move(error.text)), std::move(place)};
 }
 
+fs::path InputFile::settled(const fs::path& file) const {
+    fs::path shown = relabelled(file.string());
+    std::error_code ec;
+    return !fs::exists(file, ec) || fs::equivalent(file, shown, ec) ? shown : file;
+}
+
 void InputFile::settle(prep::Scene& scene) const {
     if (!directory_) return;
     scene.source = named_;
     for (std::string& text : scene.warnings) text = relabelled(std::move(text));
+    for (std::string& text : scene.remarks) text = relabelled(std::move(text));
     scene.warnings.insert(scene.warnings.begin(), warnings_.begin(), warnings_.end());
     // Pictures that are put together share their sources.
     std::map<const prep::ImageRef*, std::shared_ptr<const prep::ImageRef>> embedded;
@@ -433,13 +453,18 @@ void InputFile::settle(prep::Scene& scene) const {
             }
             channel.source = known;
         }
-        if (!image.bytes.empty() || !passing(image.path)) return;
-        // Where it cannot be read it is missing as it would be elsewhere.
-        if (auto bytes = prep::read_file(image.path)) image.bytes = *std::move(bytes);
-        if (image.name.empty()) image.name = image.path.filename().string();
+        if (image.path.empty()) return;
+        if (image.bytes.empty() && passing(image.path)) {
+            // Where it cannot be read it is missing as it would be elsewhere.
+            if (auto bytes = prep::read_file(image.path)) image.bytes = *std::move(bytes);
+            if (image.name.empty()) image.name = image.path.filename().string();
+        }
+        image.path =
+            image.bytes.empty() ? settled(image.path) : fs::path(relabelled(image.path.string()));
     };
     for (prep::ImageRef& image : scene.images) embed(embed, image);
     std::erase_if(scene.libraries, [this](const fs::path& path) { return passing(path); });
+    for (fs::path& library : scene.libraries) library = settled(library);
 }
 
 }  // namespace meshprep

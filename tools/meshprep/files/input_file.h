@@ -62,8 +62,8 @@ class InputFile {
     // Texts that name the file that was loaded name what the user gave.
     std::string relabelled(std::string text) const;
     prep::Error relabelled(prep::Error error) const;
-    // The scene outlives the unpacked files: pictures among them are taken into memory, texts name
-    // what the user gave.
+    // The scene outlives the unpacked files: pictures among them are taken into memory, texts and
+    // paths, of what is missing too, name what the user gave and what lies beside it.
     void settle(prep::Scene& scene) const;
 
   private:
@@ -77,6 +77,9 @@ class InputFile {
     prep::Result<void> unpack_gzip_file(const std::filesystem::path& data,
                                         const std::string& format, SiblingLinks* links);
     std::string place() const;
+    void label_directories();
+    // The path that a file has beside what the user named; its own where that is another file.
+    std::filesystem::path settled(const std::filesystem::path& file) const;
     prep::Result<void> choose_mesh(const std::vector<std::string>& names);
     prep::Result<std::filesystem::path> directory();
 

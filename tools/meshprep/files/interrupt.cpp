@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <atomic>
+#include <system_error>
 #include <thread>
 
 #include "meshprep/files/private_directory.h"
@@ -28,14 +29,19 @@ void watch_interrupts() {
         any = true;
     }
     if (!any || pthread_sigmask(SIG_BLOCK, &signals, nullptr) != 0) return;
-    std::thread([signals] {
-        int number = 0;
-        if (sigwait(&signals, &number) != 0) return;
-        interrupted = true;
-        prep::discard_unfinished_files();
-        remove_private_directories();
-        ::_exit(128 + number);
-    }).detach();
+    try {
+        std::thread([signals] {
+            int number = 0;
+            if (sigwait(&signals, &number) != 0) return;
+            interrupted = true;
+            prep::discard_unfinished_files();
+            remove_private_directories();
+            ::_exit(128 + number);
+        }).detach();
+    } catch (const std::system_error&) {
+        // No thread is to be had: signals end the process at once, whatever it leaves behind.
+        pthread_sigmask(SIG_UNBLOCK, &signals, nullptr);
+    }
 }
 
 void yield_to_interrupt() {

@@ -1,7 +1,9 @@
 #include "meshprep/files/manifest.h"
 
 #include <algorithm>
+#include <string_view>
 
+#include "meshprep/files/json_depth.h"
 #include "meshprep/files/sha256.h"
 #include "prep/files.h"
 #include "prep/version.h"
@@ -15,6 +17,7 @@ using prep::ErrorCode;
 using prep::Result;
 
 constexpr int format_version = 1;
+constexpr int deepest_manifest = 64;  // values of findings are the ninth at most
 
 Json to_json(const std::vector<HashedFile>& files) {
     Json list = Json::array();
@@ -47,14 +50,29 @@ std::vector<HashedFile> files_of(const Json& json, const char* key) {
     return files;
 }
 
+std::vector<std::string> texts_of(const Json& json, const char* key) {
+    std::vector<std::string> texts;
+    const auto list = json.find(key);
+    if (list == json.end() || !list->is_array()) return texts;
+    for (const Json& text : *list)
+        if (text.is_string()) texts.push_back(text.get<std::string>());
+    return texts;
+}
+
+bool is_there(const std::string& path) {
+    std::error_code ec;
+    return std::filesystem::exists(path, ec);
+}
+
 bool as_it_was(const HashedFile& file) {
     return file.sha256 && hashed(file.path).sha256 == file.sha256;
 }
 
 // Null where it is none.
 Json manifest_of(const std::vector<std::byte>& bytes) {
-    const auto* const text = reinterpret_cast<const char*>(bytes.data());
-    Json json = Json::parse(text, text + bytes.size(), nullptr, false);
+    const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    if (is_nested_deeper(text, deepest_manifest)) return {};
+    Json json = Json::parse(text.begin(), text.end(), nullptr, false);
     if (!json.is_object() || !json.contains("manifest") || !json.contains("files")) return {};
     return json;
 }
@@ -82,8 +100,9 @@ Result<void> Manifest::read(const std::filesystem::path& path) {
                      "this is no manifest of meshprep, or a damaged one; remove it or name another",
                      path.string()};
     // Another version or other settings may make other files of the same inputs.
+    const auto settings = json.find("settings");
     if (json["manifest"] != format_version || text_of(json, "version") != prep::version() ||
-        json.value("settings", Json()) != to_json(settings_) || !json["files"].is_array())
+        settings == json.end() || *settings != to_json(settings_) || !json["files"].is_array())
         return {};
     for (const Json& file : json["files"]) {
         if (!file.is_object() || text_of(file, "status") != "ok") continue;
@@ -91,9 +110,11 @@ Result<void> Manifest::read(const std::filesystem::path& path) {
         entry.job.input = text_of(file, "input");
         entry.job.output = text_of(file, "output");
         entry.sources = files_of(file, "sources");
+        entry.absent = texts_of(file, "absent");
         entry.outputs = files_of(file, "outputs");
-        entry.complete = file.value("complete", Json(false)) == true;
-        entry.said = file.value("said", Json::object());
+        const auto complete = file.find("complete"), said = file.find("said");
+        entry.complete = complete != file.end() && *complete == true;
+        if (said != file.end()) entry.said = *said;
         set(std::move(entry));
     }
     return {};
@@ -106,7 +127,8 @@ std::optional<ManifestEntry> Manifest::finished(const Job& job) const {
     const bool good = !entry.job.error && entry.complete && !entry.sources.empty() &&
                       !entry.outputs.empty() &&
                       std::all_of(entry.sources.begin(), entry.sources.end(), as_it_was) &&
-                      std::all_of(entry.outputs.begin(), entry.outputs.end(), as_it_was);
+                      std::all_of(entry.outputs.begin(), entry.outputs.end(), as_it_was) &&
+                      std::none_of(entry.absent.begin(), entry.absent.end(), is_there);
     return good ? std::optional(entry) : std::nullopt;
 }
 
@@ -143,6 +165,7 @@ Result<void> Manifest::write(const std::filesystem::path& path) const {
                              {"text", entry.job.error->text},
                              {"place", entry.job.error->place}};
         file["sources"] = to_json(entry.sources);
+        if (!entry.absent.empty()) file["absent"] = entry.absent;
         file["outputs"] = to_json(entry.outputs);
         file["complete"] = entry.complete;
         file["said"] = entry.said;

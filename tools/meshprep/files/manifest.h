@@ -27,9 +27,10 @@ HashedFile hashed(const std::filesystem::path& path);
 struct ManifestEntry {
     Job job;                          // with the error of one that failed
     std::vector<HashedFile> sources;  // the input first, then what was read with it
+    std::vector<std::string> absent;  // files that would be read in place of sources
     std::vector<HashedFile> outputs;
-    bool complete =
-        true;  // false: something that the input names was not found, or an error is unmet
+    bool complete = true;  // false: something that the input names was not found, or changed while
+                           // it was read, or an error is unmet
     nlohmann::ordered_json said = nlohmann::ordered_json::object();  // findings, warnings, notes
 };
 
@@ -45,7 +46,7 @@ class Manifest {
     prep::Result<void> read(const std::filesystem::path& path);
 
     // The job's entry, if doing it again would change nothing: every source and every output is
-    // byte for byte what it was.
+    // byte for byte what it was, and nothing has appeared that would be read instead.
     std::optional<ManifestEntry> finished(const Job& job) const;
 
     void set(ManifestEntry entry);

@@ -142,11 +142,13 @@ Option OptionSet::paths(const std::string& name, std::vector<std::filesystem::pa
     return Option(grouped(app_.add_option(name, to, help)->type_name(type)->check(not_empty())));
 }
 
+// CLI11 takes "[a,b]" for a list where an option may have several values at once.
 Option OptionSet::texts(const std::string& name, std::vector<std::string>& to,
                         const std::string& type, const std::string& help) {
     return Option(grouped(app_.add_option(name, to, help)
                               ->type_name(type)
                               ->expected(1)
+                              ->allow_extra_args(false)
                               ->take_all()
                               ->check(not_empty())));
 }
@@ -202,6 +204,7 @@ Option OptionSet::values(const std::string& name, const std::string& type,
     return Option(grouped(app_.add_option_function<std::vector<std::string>>(name, each, help)
                               ->type_name(type)
                               ->expected(1)
+                              ->allow_extra_args(false)
                               ->take_all()
                               ->check(not_empty())));
 }

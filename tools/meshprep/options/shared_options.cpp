@@ -225,7 +225,7 @@ void add_input_options(OptionSet& options, CommonOptions& common) {
         "where the first bytes do not tell");
 }
 
-void add_loading_options(OptionSet& options, prep::LoadOptions& load) {
+void add_reading_options(OptionSet& options, prep::LoadOptions& load) {
     options.group("Reading");
     options.values(
         "--texture-dir", "DIR",
@@ -239,6 +239,10 @@ void add_loading_options(OptionSet& options, prep::LoadOptions& load) {
     options.named("--transparency", load.transparency,
                   "Files whose materials are all wholly transparent: auto (default) makes them "
                   "opaque, with a warning; file: as it says");
+}
+
+void add_loading_options(OptionSet& options, prep::LoadOptions& load) {
+    add_reading_options(options, load);
     options.texts(
         "--allow-extension", load.allowed_extensions, "NAME|all",
         "Carry this glTF extension though a file requires it and it is not known or may no "

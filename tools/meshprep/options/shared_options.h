@@ -13,7 +13,9 @@ void add_common_options(OptionSet& options, CommonOptions& common);
 // For subcommands that read meshes, and for those of them that read several.
 void add_input_options(OptionSet& options, CommonOptions& common);
 void add_json_lines_option(OptionSet& options, CommonOptions& common);
-// How files are read; `threads` is left to CommonOptions.
+// How files are read; `threads` is left to CommonOptions. The second for subcommands that have to
+// make something of all that is in a file, not just to describe it.
+void add_reading_options(OptionSet& options, prep::LoadOptions& load);
 void add_loading_options(OptionSet& options, prep::LoadOptions& load);
 // Subdivision, displacement and tessellation; add_preparation_options() adds them.
 void add_surface_options(OptionSet& options, prep::PrepareOptions& prepare);

@@ -4,11 +4,17 @@
 
 #include <algorithm>
 #include <set>
+#include <string_view>
 
 #include "meshprep/output/step_costs.h"
 
 namespace meshprep {
 namespace {
+
+std::string with_article(const std::string& noun) {
+    const bool vowel = std::string_view("aeiou").find(noun[0]) != std::string_view::npos;
+    return (vowel ? "an " : "a ") + noun;
+}
 
 Json cost_json(const StepCost& cost) {
     Json json = {{"count", cost.count}, {"of", cost.of}, {"bytes", cost.bytes}};
@@ -182,17 +188,19 @@ std::vector<std::string> not_drawn(const prep::PreparedScene& prepared) {
             out.push_back(name + " is drawn opaque: nothing is blended");
         for (const prep::MaterialMap& map : prep::material_maps)
             if (map.use == prep::MapUse::not_drawn && material.*map.ref)
-                out.push_back(name + " has a " + map.name + " map, which is not drawn");
+                out.push_back(name + " has " + with_article(map.name) + " map, which is not drawn");
     }
     if (skinned > 0)
-        out.push_back(count_of(skinned, "skinned mesh") +
+        out.push_back(count_of(skinned, "skinned mesh", "skinned meshes") +
                       (skinned == 1 ? " is drawn" : " are drawn") + " as modelled, not posed");
     if (const std::size_t targets = prep::morph_target_count(prepared.scene); targets > 0)
         out.push_back("morph targets are not applied: " + std::to_string(targets) +
                       ", whatever their weights");
     if (lines + points > 0)
-        out.push_back(count_of(lines, "line segment") + " and " + count_of(points, "point") +
-                      " are not drawn, only triangles are");
+        out.push_back((lines > 0 ? count_of(lines, "line segment") : "") +
+                      (lines > 0 && points > 0 ? " and " : "") +
+                      (points > 0 ? count_of(points, "point") : "") +
+                      (lines + points == 1 ? " is" : " are") + " not drawn, only triangles are");
     return out;
 }
 
