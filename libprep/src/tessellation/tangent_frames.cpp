@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "base/parallel.h"
 #include "prep/tangents.h"
@@ -68,24 +69,77 @@ double uv_area(const Domain& domain, std::uint32_t fan, const CornerLayer<glm::v
     return area;
 }
 
-// The least cosine to their mean, about, at which tangents count as leaning to it.
+// The least cosine to their mean, about, at which tangents count as leaning to it, and the least
+// length of n × τ.
 constexpr double least_lean = 0.05;
 
-// Whether n × τ, of directions and tangents that are linear over a triangle, stays longer than
-// least_lean: its Bézier coefficients lean to their mean.
-bool lean(const std::array<glm::dvec3, 3>& n, const std::array<glm::dvec3, 3>& tangents) {
+// Whether vectors have components of at least `least` along their mean.
+bool lean(std::span<const glm::dvec3> vectors, double least) {
+    glm::dvec3 mean(0.0);
+    for (const glm::dvec3& v : vectors) mean += v;
+    mean = unit_or(mean, glm::dvec3(0.0));
+    return std::all_of(vectors.begin(), vectors.end(),
+                       [&](const glm::dvec3& v) { return glm::dot(v, mean) > least; });
+}
+
+// n × τ of directions and tangents that are linear over a triangle: its Bézier coefficients.
+std::array<glm::dvec3, 6> across_triangle(const std::array<glm::dvec3, 3>& n,
+                                          const std::array<glm::dvec3, 3>& tangents) {
     std::array<glm::dvec3, 6> across;
     for (std::size_t k = 0; k < 3; ++k) {
         const std::size_t next = (k + 1) % 3;
         across[k] = glm::cross(n[k], tangents[k]);
         across[3 + k] = 0.5 * (glm::cross(n[k], tangents[next]) + glm::cross(n[next], tangents[k]));
     }
-    glm::dvec3 mean(0.0);
-    for (const glm::dvec3& b : across) mean += b;
-    mean = unit_or(mean, glm::dvec3(0.0));
-    return std::all_of(across.begin(), across.end(),
-                       [&](const glm::dvec3& b) { return glm::dot(b, mean) > least_lean; });
+    return across;
 }
+
+// The surface's directions over the roots of a fan, at the points of a grid.
+class FanDirections {
+  public:
+    FanDirections(const Domain& domain, std::uint32_t fan, const BaseSurface& base) {
+        for (std::uint32_t r = domain.fan_roots[fan]; r < domain.fan_roots[fan + 1]; ++r)
+            for (int j = 0; j <= steps; ++j)
+                for (int i = 0; i + j <= steps; ++i)
+                    at_.push_back({r, glm::dvec3(steps - i - j, i, j) / double(steps)});
+        points_.resize(at_.size());
+        base.evaluate(at_, points_);
+    }
+
+    // Whether n × τ has a direction everywhere: in each cell of the grid those at its corners lean
+    // to their mean. tangents(root) are those at the root's corners.
+    template <class Tangents>
+    bool are_across(const Tangents& tangents) const {
+        std::vector<glm::dvec3> across;
+        for (std::size_t k = 0; k < at_.size(); ++k) {
+            const auto [a, b, c] = tangents(at_[k].root);
+            const glm::dvec3& w = at_[k].weights;
+            across.push_back(glm::cross(points_[k].direction, w.x * a + w.y * b + w.z * c));
+        }
+        constexpr std::size_t of_root = (steps + 1) * (steps + 2) / 2;
+        for (std::size_t root = 0; root < across.size(); root += of_root) {
+            std::size_t row = root;
+            for (std::size_t j = 0; j < steps; ++j) {
+                const std::size_t length = steps + 1 - j, above = row + length;
+                for (std::size_t i = 0; i + 1 < length; ++i) {
+                    const glm::dvec3 &p = across[row + i], &q = across[row + i + 1],
+                                     &r = across[above + i];
+                    if (!lean(std::array{p, q, r}, least_lean)) return false;
+                    if (i + 2 < length &&
+                        !lean(std::array{q, across[above + i + 1], r}, least_lean))
+                        return false;
+                }
+                row = above;
+            }
+        }
+        return true;
+    }
+
+  private:
+    static constexpr int steps = 8;
+    std::vector<RootPoint> at_;
+    std::vector<BasePoint> points_;
+};
 
 double largest_difference(const std::array<glm::dvec3, 3>& v) {
     return std::max({glm::length(v[0] - v[1]), glm::length(v[1] - v[2]), glm::length(v[2] - v[0])});
@@ -145,34 +199,38 @@ void TangentFrames::keep_from_cancelling(const Domain& domain, const BaseSurface
     };
     for (std::uint32_t fan = 0; fan < domain.fans(); ++fan) {
         const glm::dvec3& n = centres[fan].direction;
-        const auto each_root_leans = [&](const auto& tangent_of, const glm::dvec3& of_centre) {
-            for (std::uint32_t r = domain.fan_roots[fan]; r < domain.fan_roots[fan + 1]; ++r) {
-                const auto [a, b] = domain.roots[r].corners;
-                if (!lean({normal(a), normal(b), n}, {tangent_of(a), tangent_of(b), of_centre}))
-                    return false;
-            }
-            return true;
-        };
         const glm::dvec3 mean = centres_[fan];
         bool leans = glm::length(mean) > least_lean;
         for_fan_corners(domain, fan, [&](std::uint32_t c) {
             leans = leans && glm::dot(corners_[c], mean) > least_lean * glm::length(mean);
         });
-        if (leans && each_root_leans([&](std::uint32_t c) { return corners_[c]; }, mean)) continue;
+        // Most faces are far from it, and need no closer look.
+        constexpr double well = 0.5;
+        bool leans_well = leans;
+        for (std::uint32_t r = domain.fan_roots[fan]; r < domain.fan_roots[fan + 1]; ++r) {
+            const auto [a, b] = domain.roots[r].corners;
+            leans_well = leans_well && lean(across_triangle({normal(a), normal(b), n},
+                                                            {corners_[a], corners_[b], mean}),
+                                            well);
+        }
+        if (leans_well) continue;
+        const FanDirections directions(domain, fan, base);
+        const auto stays_across = [&] {
+            return directions.are_across(
+                [&](std::uint32_t root) { return tangents(domain.roots[root]); });
+        };
+        if (leans && stays_across()) continue;
         constant_[fan] = 1;
         const glm::dvec3 level = mean - glm::dot(mean, n) * n;
         const glm::dvec3 first =
             glm::length(level) > least_lean ? glm::normalize(level) : any_perpendicular(n);
         // The nearest to it that no direction of the fan is along, where there is any.
         constexpr int turns = 8;
-        centres_[fan] = first;
         for (int k = 0; k < turns; ++k) {
             const double angle = (k % 2 ? 1 : -1) * ((k + 1) / 2) * (3.14159265358979324 / turns);
-            const glm::dvec3 turned =
-                std::cos(angle) * first + std::sin(angle) * glm::cross(n, first);
-            if (!each_root_leans([&](std::uint32_t) { return turned; }, turned)) continue;
-            centres_[fan] = turned;
-            break;
+            centres_[fan] = std::cos(angle) * first + std::sin(angle) * glm::cross(n, first);
+            if (stays_across()) break;
+            centres_[fan] = first;
         }
     }
 }
