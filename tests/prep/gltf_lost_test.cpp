@@ -142,6 +142,43 @@ TEST(GltfLost, FacesOfObjHaveTheUvsThatTheirMapsRead) {
     }
 }
 
+// Heights keep to the points, which are written where the node puts them.
+TEST(GltfLost, HeightsOfObjAreScaledAsThePointsAre) {
+    prep::Scene scene;
+    scene.meshes.emplace_back();
+    prep::Mesh& mesh = scene.meshes[0];
+    mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    mesh.corner_vertices = {0, 1, 2};
+    mesh.face_offsets = {0, 3};
+    mesh.face_materials = {0};
+    scene.images.emplace_back();
+    scene.images[0].path = "h.png";
+    scene.textures.push_back({.image = 0});
+    prep::Material material;
+    material.name = "m";
+    material.displacement_map.texture = 0;
+    material.displacement_scale = 0.25f;
+    material.displacement_midlevel = 0.5f;
+    scene.materials = {material};
+    for (const glm::dvec3& scale : {glm::dvec3(10), glm::dvec3(10, 10, 5)}) {
+        scene.nodes.clear();
+        scene.nodes.emplace_back();
+        scene.nodes[0].mesh = 0;
+        scene.nodes[0].trs.emplace();
+        scene.nodes[0].trs->scale = scale;
+        scene.nodes[0].transform = scene.nodes[0].trs->matrix();
+        const test::TempDir dir;
+        const auto notes = prep::save_scene(test::untouched(scene), dir / "a.obj");
+        ASSERT_TRUE(notes) << prep::to_string(notes.error());
+        EXPECT_NE(test::file_text(dir / "a.mtl").find("disp -mm -1.25 2.5 "), std::string::npos)
+            << test::file_text(dir / "a.mtl");
+        EXPECT_EQ(told(*notes,
+                       "MTL has one scale of heights for a material: where nodes scale it "
+                       "differently, it is that of the first"),
+                  scale.z == 5);
+    }
+}
+
 TEST(GltfLost, NothingIsToldOfWhatIsNotThere) {
     test::GltfSource d;
     d.json["meshes"] = {

@@ -75,7 +75,7 @@ constexpr auto names_of(NoiseKind) {
         {{"perlin", NoiseKind::perlin}, {"simplex", NoiseKind::simplex}});
 }
 
-// Noise in the mesh's own space: Σ gainⁱ noise(frequency · lacunarityⁱ · p), i below `octaves`,
+// Noise in the mesh's own space: Σ gainⁱ noiseᵢ(frequency · lacunarityⁱ · p), i below `octaves`,
 // minus midlevel, times scale.
 struct NoiseOptions {
     NoiseKind kind = NoiseKind::perlin;

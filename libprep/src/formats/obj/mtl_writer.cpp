@@ -40,6 +40,30 @@ MtlWriter::MtlWriter(const Scene& scene, const std::filesystem::path& obj, FileS
     }
 }
 
+// Heights are in the mesh's own unit, and its points are written where nodes put them.
+double MtlWriter::height_scale(const Material& of) {
+    const auto number = Index(&of - scene_.materials.data());
+    const std::vector<glm::dmat4> world = world_transforms(scene_);
+    double scale = 0;
+    bool differ = false;
+    for (std::size_t n = 0; n < scene_.nodes.size(); ++n) {
+        if (scene_.nodes[n].mesh == no_index) continue;
+        const std::vector<Index>& used = scene_.meshes[scene_.nodes[n].mesh].face_materials;
+        if (std::find(used.begin(), used.end(), number) == used.end()) continue;
+        const glm::dmat3 linear(world[n]);
+        for (int axis = 0; axis < 3; ++axis) {
+            const double along = glm::length(linear[axis]);
+            differ |= scale > 0 && std::abs(along - scale) > 1e-6 * scale;
+            if (scale == 0) scale = along;
+        }
+    }
+    if (differ)
+        note(
+            "MTL has one scale of heights for a material: where nodes scale it differently, it is "
+            "that of the first");
+    return scale > 0 ? scale : 1;
+}
+
 void MtlWriter::note(const std::string& text) {
     if (std::find(notes_.begin(), notes_.end(), text) == notes_.end()) notes_.push_back(text);
 }
@@ -139,7 +163,7 @@ void MtlWriter::displacement(const Material& in, std::string& mtl) {
     if (!in.displacement_map) return;
     if (in.displacement_kind != DisplacementKind::height)
         return note("MTL has no vector displacement: left out");
-    const double gain = double(in.displacement_scale);
+    const double gain = double(in.displacement_scale) * height_scale(in);
     const double base = -double(in.displacement_midlevel) * gain;
     // Not −0.
     const std::string range =

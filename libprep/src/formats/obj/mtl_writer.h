@@ -45,6 +45,7 @@ class MtlWriter {
     void name_materials();
     bool names_no_material() const;
     void material(const Material& in, const std::string& name, std::uint32_t set, std::string& mtl);
+    double height_scale(const Material& of);
     void displacement(const Material& in, std::string& mtl);
     void physical_statements(const Material& in, std::string& mtl);
     void grey_map(std::string& mtl, const char* word, const TextureRef& ref, std::uint32_t channel,
