@@ -208,7 +208,8 @@ void write_refined_primitive(const PreparedScene& prepared, Index mesh,
         Json targets = Json::array();
         for (std::size_t t = 0; t < primitive["targets"].size(); ++t) {
             for (const auto& item : primitive["targets"][t].items())
-                if (item.key() != "POSITION" && item.key() != "NORMAL" && item.key() != "TANGENT")
+                if (item.key() != "POSITION" && item.key() != "NORMAL" && item.key() != "TANGENT" &&
+                    !is_left_out(prepared, mesh, item.key()))
                     tell("what morph targets change of " + item.key() +
                          " was left out of a subdivided mesh");
             targets.push_back(refined.target(t, attributes));
