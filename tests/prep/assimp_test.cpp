@@ -77,6 +77,16 @@ TEST(Assimp, ColladaQuadWithMaterialAndTransform) {
     EXPECT_TRUE(moved);
 }
 
+TEST(Assimp, TransformsThatAreNotFiniteAreAnErrorThatNamesTheNode) {
+    const test::TempDir dir;
+    std::string text = collada;
+    text.replace(text.find("1 2 3</translate>"), 1, "nan");
+    const auto scene = load(dir, "quad.dae", text);
+    ASSERT_FALSE(scene.has_value());
+    EXPECT_EQ(prep::to_string(scene.error()),
+              (dir / "quad.dae").string() + ": the transform of node 'n' is not finite");
+}
+
 // Two triangles of one geometry with a material each, a camera and a spot light.
 const char* const furnished = R"(<?xml version="1.0"?>
 <COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">

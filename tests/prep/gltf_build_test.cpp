@@ -405,6 +405,33 @@ TEST(GltfBuild, OrthographicCamerasWithoutAFarPlaneSeeAllThatIsDrawn) {
     EXPECT_GT(far_of(empty), 0.5);
 }
 
+// JSON has no way to write them.
+TEST(GltfBuild, NumbersOfScenesThatAreNotFiniteAreAnErrorWithTheirPlace) {
+    for (const char* name : {"a.glb", "a.gltf"}) {
+        prep::Scene scene;
+        scene.cameras.emplace_back();
+        scene.nodes.emplace_back();
+        scene.nodes[0].camera = 0;
+        const test::TempDir dir;
+        const auto error_now = [&] {
+            const auto saved = prep::save_scene(test::untouched(scene), dir / name);
+            return saved ? "" : prep::to_string(saved.error());
+        };
+        EXPECT_EQ(error_now(), "");
+        std::filesystem::remove(dir / name);
+        scene.nodes[0].transform[3][1] = inf;
+        EXPECT_EQ(error_now(), (dir / name).string() +
+                                   ": the number at /nodes/0/matrix/13 is not finite, and glTF "
+                                   "holds no such");
+        scene.nodes[0].transform = glm::dmat4(1.0);
+        scene.cameras[0].yfov = nan;
+        EXPECT_EQ(error_now(), (dir / name).string() +
+                                   ": the number at /cameras/0/perspective/yfov is not finite, "
+                                   "and glTF holds no such");
+        EXPECT_FALSE(std::filesystem::exists(dir / name));
+    }
+}
+
 TEST(GltfBuild, TheBinaryIsNamedByAUri) {
     const test::TempDir dir;
     const std::string name = "a b#%c\303\244";  // ä in UTF-8

@@ -135,6 +135,40 @@ TEST(GltfWrittenBack, MeshesThatAreNotTheDocumentsAreAnError) {
     }
 }
 
+// The document has nodes of its own: what a program does to the scene's would be lost.
+TEST(GltfWrittenBack, NodesThatAreNotTheDocumentsAreAnError) {
+    GltfSource d = lone_triangle();
+    const test::TempDir dir;
+    d.write(dir / "a.glb");
+    const auto error_after = [&](const auto& edit) -> std::string {
+        auto scene = prep::load_scene(dir / "a.glb");
+        if (!scene) return prep::to_string(scene.error());
+        edit(*scene);
+        const auto prepared = prep::prepare(*std::move(scene));
+        if (!prepared) return prep::to_string(prepared.error());
+        const auto saved = prep::save_scene(*prepared, dir / "b.glb");
+        return saved ? "" : prep::to_string(saved.error());
+    };
+    const std::string told = "the scene's nodes are not those of its document any more";
+    EXPECT_EQ(error_after([](prep::Scene& s) { prep::place_scene(s, 2, prep::Axis::z); }), "");
+    EXPECT_NE(error_after([](prep::Scene& s) { s.nodes[0].transform[3][0] = 5; }).find(told),
+              std::string::npos);
+    EXPECT_NE(error_after([](prep::Scene& s) { s.nodes.emplace_back(); }).find(told),
+              std::string::npos);
+    EXPECT_NE(error_after([](prep::Scene& s) { s.nodes[0].mesh = prep::no_index; }).find(told),
+              std::string::npos);
+    EXPECT_EQ(error_after([](prep::Scene& s) {
+                  s.nodes[0].transform[3][0] = 5;
+                  s.nodes[0].trs.reset();
+                  s.retained_file.reset();
+                  for (prep::Mesh& m : s.meshes) m.tied_to_file = false;
+              }),
+              "");
+    const auto moved = prep::load_scene(dir / "b.glb");
+    ASSERT_TRUE(moved) << prep::to_string(moved.error());
+    EXPECT_EQ(moved->nodes[0].transform[3][0], 5);
+}
+
 TEST(GltfWrittenBack, EndingsInCapitalsAreTheSameFormat) {
     auto scene = lone_triangle().read();
     ASSERT_TRUE(scene) << test::error_of(scene);

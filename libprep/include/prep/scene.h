@@ -160,7 +160,12 @@ struct Scene {
     std::vector<Animation> animations;
     std::uint32_t active_camera = no_index;  // a node
     Placement placement;
-    std::shared_ptr<const RetainedFile> retained_file;  // none: no writer needs it
+    // The document that the scene was read from (glTF). Where it is there, glTF is written by
+    // changing it: geometry that prepare() made anew, what place_scene() did. Nodes and meshes that
+    // were edited, added or taken away are an error then; edits of positions, materials, cameras,
+    // lights, skins and animations are not written. A program that edits those resets the pointer,
+    // and the file is written from the scene alone. None: other writers need none.
+    std::shared_ptr<const RetainedFile> retained_file;
     std::uint64_t source_bytes = 0;  // of the file and its buffers, where a limit depends on it
     std::vector<std::string>
         warnings;  // odd but usable: what the loader met and what it made of it

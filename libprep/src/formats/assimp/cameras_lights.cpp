@@ -98,7 +98,8 @@ class CameraAndLightImport {
             const double half = std::tan(double(in.mHorizontalFOV) / 2);
             const double aspect = in.mAspect > 0 ? double(in.mAspect) : 4.0 / 3.0;
             if (half > 0) out.yfov = 2 * std::atan(half / aspect);
-            if (in.mClipPlaneNear > 0) out.znear = in.mClipPlaneNear;
+            if (in.mClipPlaneNear > 0 && std::isfinite(in.mClipPlaneNear))
+                out.znear = in.mClipPlaneNear;
             out.zfar = std::isfinite(in.mClipPlaneFar) ? in.mClipPlaneFar : 0;
         }
         out.xmag *= import_.scene.placement.file_unit;

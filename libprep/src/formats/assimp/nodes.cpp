@@ -2,6 +2,7 @@
 #include <cmath>
 #include <string_view>
 
+#include "base/finite.h"
 #include "formats/assimp/import.h"
 
 namespace prep::detail {
@@ -178,6 +179,12 @@ Result<void> import_nodes(AssimpImport& import) {
             ErrorCode::limit,
             "the scene graph is nested more than " + std::to_string(max_depth) + " nodes deep",
             import.path.string()};
+    for (const Node& node : import.scene.nodes)
+        for (int c = 0; c < 4; ++c)
+            if (!is_finite(node.transform[c]))
+                return Error{ErrorCode::invalid,
+                             "the transform of node '" + node.name + "' is not finite",
+                             import.path.string()};
     return {};
 }
 

@@ -81,6 +81,7 @@ class GltfDocument final : public RetainedFile {
     std::vector<std::filesystem::path> texture_directories;
     std::string name;
     std::vector<std::vector<detail::GltfPrimitive>> primitives;  // per mesh
+    std::vector<Node> nodes;                                     // as they were read
 
     // "name#/pointer" for messages.
     std::string place(const std::string& pointer) const { return name + "#" + pointer; }

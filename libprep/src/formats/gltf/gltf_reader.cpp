@@ -48,6 +48,7 @@ class SceneReader {
         if (auto done = animations(); !done) return std::move(done).error();
         if (auto done = active_scene(); !done) return std::move(done).error();
         scene_.name = d_.name;
+        document_->nodes = scene_.nodes;
         scene_.retained_file = document_;
         scene_.source_bytes = d_.input_bytes;
         return std::move(scene_);

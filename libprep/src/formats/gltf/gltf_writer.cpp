@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "base/atomic_files.h"
 #include "formats/gltf/build.h"
 #include "formats/gltf/compression/compress.h"
@@ -73,6 +76,22 @@ Result<void> check_same_meshes(const Scene& scene, const GltfDocument& document)
                  document.name};
 }
 
+// Likewise of nodes, but for the one above them all that place_scene() adds.
+Result<void> check_same_nodes(const Scene& scene, const GltfDocument& document) {
+    const auto same = [](const Node& a, const Node& b) {
+        return a.transform == b.transform && a.mesh == b.mesh && a.camera == b.camera &&
+               a.light == b.light && a.skin == b.skin && a.name == b.name;
+    };
+    const bool placed = scene.placement.scale != 1 || scene.placement.up != Axis::y;
+    if (scene.nodes.size() == document.nodes.size() + std::size_t(placed) &&
+        std::equal(document.nodes.begin(), document.nodes.end(), scene.nodes.begin(), same))
+        return {};
+    return Error{ErrorCode::invalid,
+                 "the scene's nodes are not those of its document any more: without "
+                 "Scene::retained_file it is written anew",
+                 document.name};
+}
+
 Result<Encoded> encode(const PreparedScene& prepared, const SaveOptions& options,
                        std::vector<std::string>& notes) {
     Encoded out;
@@ -82,6 +101,8 @@ Result<Encoded> encode(const PreparedScene& prepared, const SaveOptions& options
     const Compression compression = options.compression;
     if (const GltfDocument* const document = gltf_document(prepared.scene)) {
         if (auto done = check_same_meshes(prepared.scene, *document); !done)
+            return std::move(done).error();
+        if (auto done = check_same_nodes(prepared.scene, *document); !done)
             return std::move(done).error();
         auto rewritten = rewrite_gltf(prepared, rounds ? Compression::none : compression, notes);
         if (!rewritten) return std::move(rewritten).error();
@@ -121,7 +142,27 @@ Result<Encoded> encode(const PreparedScene& prepared, const SaveOptions& options
     return out;
 }
 
-std::string text_of(const Json& document, int indent) {
+// Where the first number stands that JSON has no way to write; empty: there is none. The document
+// is nested no deeper than what is read.
+std::string non_finite_place(const Json& value) {
+    if (value.is_object()) {
+        for (auto member = value.begin(); member != value.end(); ++member)
+            if (std::string place = non_finite_place(*member); !place.empty())
+                return "/" + member.key() + (place == "/" ? "" : place);
+    } else if (value.is_array()) {
+        for (std::size_t i = 0; i < value.size(); ++i)
+            if (std::string place = non_finite_place(value[i]); !place.empty())
+                return "/" + std::to_string(i) + (place == "/" ? "" : place);
+    } else if (value.is_number_float() && !std::isfinite(value.get<double>())) {
+        return "/";
+    }
+    return "";
+}
+
+Result<std::string> text_of(const Json& document, int indent) {
+    if (std::string place = non_finite_place(document); !place.empty())
+        return Error{ErrorCode::invalid,
+                     "the number at " + place + " is not finite, and glTF holds no such", ""};
     return document.dump(indent, ' ', false, Json::error_handler_t::replace);
 }
 
@@ -139,8 +180,10 @@ WriteResult write_separate(const PreparedScene& prepared, const std::filesystem:
         if (auto done = files.add(bin, encoded->binary.parts()); !done)
             return std::move(done).error();
     }
-    const std::string json = text_of(encoded->document, 2) + '\n';
-    if (auto done = files.add(path, std::as_bytes(std::span(json))); !done)
+    auto json = text_of(encoded->document, 2);
+    if (!json) return std::move(json).error();
+    *json += '\n';
+    if (auto done = files.add(path, std::as_bytes(std::span(*json))); !done)
         return std::move(done).error();
     if (auto done = files.commit(); !done) return std::move(done).error();
     return notes;
@@ -162,7 +205,9 @@ Result<GlbFile> encode_glb(const PreparedScene& prepared, std::vector<std::strin
     if (!encoded->binary.empty())
         encoded->document["buffers"] = buffers_of(encoded->binary.size(), encoded->fallback_bytes);
     out.binary = std::move(encoded->binary);
-    out.json = text_of(encoded->document, -1);
+    auto json = text_of(encoded->document, -1);
+    if (!json) return std::move(json).error();
+    out.json = *std::move(json);
     while (out.json.size() % 4 != 0) out.json += ' ';
     const std::uint64_t total =
         12 + 8 + out.json.size() + (out.binary.empty() ? 0 : 8 + out.binary.size());
@@ -180,20 +225,30 @@ Result<GlbFile> encode_glb(const PreparedScene& prepared, std::vector<std::strin
     return out;
 }
 
-WriteResult write_gltf(const PreparedScene& prepared, const std::filesystem::path& path,
-                       const SaveOptions& options) {
-    if (lower_ending(path) == ".gltf") return write_separate(prepared, path, options);
+namespace {
+
+WriteResult write_together(const PreparedScene& prepared, const std::filesystem::path& path,
+                           const SaveOptions& options) {
     std::vector<std::string> notes;
     const auto glb = encode_glb(prepared, notes, options);
-    if (!glb) {
-        Error error = glb.error();
-        if (error.place.empty()) error.place = path.string();
-        return error;
-    }
+    if (!glb) return glb.error();
     FileSet files(rules_for(prepared, path, options));
     if (auto done = files.add(path, glb->parts()); !done) return std::move(done).error();
     if (auto done = files.commit(); !done) return std::move(done).error();
     return notes;
+}
+
+}  // namespace
+
+WriteResult write_gltf(const PreparedScene& prepared, const std::filesystem::path& path,
+                       const SaveOptions& options) {
+    const bool separate = lower_ending(path) == ".gltf";
+    auto notes = separate ? write_separate(prepared, path, options)
+                          : write_together(prepared, path, options);
+    if (notes || !notes.error().place.empty()) return notes;
+    Error error = std::move(notes).error();
+    error.place = path.string();
+    return error;
 }
 
 }  // namespace prep::detail
