@@ -109,13 +109,17 @@ TEST(GltfLost, FacesOfObjHaveTheUvsThatTheirMapsRead) {
     const auto colour = [](int set) {
         return Json{{"baseColorTexture", {{"index", 0}, {"texCoord", set}}}};
     };
-    d.json["materials"] = {
-        {{"name", "plain"}, {"pbrMetallicRoughness", colour(0)}},
-        {{"name", "second"},
-         {"pbrMetallicRoughness", colour(1)},
-         {"normalTexture", {{"index", 1}, {"texCoord", 0}}},
-         {"extensions", {{"KHR_materials_transmission", {{"transmissionFactor", 1}}}}}}};
-    d.json["extensionsUsed"] = {"KHR_materials_transmission"};
+    d.json["materials"] = {{{"name", "plain"}, {"pbrMetallicRoughness", colour(0)}},
+                           {{"name", "second"},
+                            {"pbrMetallicRoughness", colour(1)},
+                            {"normalTexture", {{"index", 1}, {"texCoord", 0}}},
+                            {"extensions",
+                             {{"KHR_materials_transmission", {{"transmissionFactor", 1}}},
+                              {"KHR_materials_sheen", {{"sheenRoughnessFactor", 0.5}}},
+                              {"KHR_materials_clearcoat",
+                               {{"clearcoatFactor", 1}, {"clearcoatTexture", {{"index", 1}}}}}}}}};
+    d.json["extensionsUsed"] = {"KHR_materials_transmission", "KHR_materials_sheen",
+                                "KHR_materials_clearcoat"};
     d.json["nodes"] = {{{"mesh", 0}}};
     const test::TempDir dir;
     d.write(dir / "in.gltf");
@@ -128,7 +132,7 @@ TEST(GltfLost, FacesOfObjHaveTheUvsThatTheirMapsRead) {
                      "are left out"));
     EXPECT_TRUE(told(*notes,
                      "OBJ holds nothing of these extensions of materials: "
-                     "KHR_materials_transmission: left out"));
+                     "KHR_materials_transmission, maps of KHR_materials_clearcoat: left out"));
     EXPECT_EQ(test::file_text(dir / "out.mtl").find("b.png"), std::string::npos);
     const auto again = prep::load_scene(dir / "out.obj");
     ASSERT_TRUE(again.has_value()) << prep::to_string(again.error());

@@ -189,6 +189,21 @@ TEST(GltfPrimitives, PointCloudsHaveTheirColoursByVertexWhiteWhereThereAreNone) 
               (std::vector<glm::vec4>{{1, 0, 0.25f, 1}, {0, 0.5f, 1, 1}, {1, 1, 1, 1}}));
 }
 
+TEST(GltfPrimitives, VerticesOfPrimitivesBeforeAndAfterTheOneWithColoursAreWhite) {
+    GltfMaker maker;
+    const std::size_t colors = maker.accessor(Floats{1, 0, 0.25f, 0, 0.5f, 1}, "VEC3");
+    const std::size_t a = add_positions(maker, 1), b = add_positions(maker, 2, 5);
+    const std::size_t c = add_positions(maker, 1, 9);
+    maker.mesh({{{"attributes", {{"POSITION", a}}}, {"mode", 0}},
+                {{"attributes", {{"POSITION", b}, {"COLOR_0", colors}}}, {"mode", 1}},
+                {{"attributes", {{"POSITION", c}}}, {"mode", 0}}});
+    const auto scene = maker.read();
+    ASSERT_TRUE(scene) << test::error_of(scene);
+    EXPECT_EQ(
+        scene->meshes[0].vertex_colors,
+        (std::vector<glm::vec4>{{1, 1, 1, 1}, {1, 0, 0.25f, 1}, {0, 0.5f, 1, 1}, {1, 1, 1, 1}}));
+}
+
 TEST(GltfPrimitives, TangentsAndElevenUvSetsKeepTheirNumbers) {
     GltfMaker maker;
     Json attributes{

@@ -429,14 +429,28 @@ std::set<std::string> extensions_beyond_materials(const Scene& scene) {
                                             "KHR_materials_sheen",
                                             "KHR_materials_specular",
                                             "KHR_materials_unlit"};
+    // Of these the numbers alone are.
+    static const std::set<std::string> without_maps{
+        "KHR_materials_anisotropy", "KHR_materials_clearcoat", "KHR_materials_sheen",
+        "KHR_materials_specular"};
+    const auto has_map = [](const detail::Json& extension) {
+        for (const auto& member : extension.items())
+            if (member.key().ends_with("Texture")) return true;
+        return false;
+    };
     std::set<std::string> names;
     const GltfDocument* const document = detail::gltf_document(scene);
     if (!document || !document->json.contains("materials")) return names;
-    for (const detail::Json& material : document->json["materials"])
-        if (const auto list = material.find("extensions");
-            list != material.end() && list->is_object())
-            for (const auto& item : list->items())
-                if (!held.contains(item.key())) names.insert(item.key());
+    for (const detail::Json& material : document->json["materials"]) {
+        const auto list = material.find("extensions");
+        if (list == material.end() || !list->is_object()) continue;
+        for (const auto& item : list->items()) {
+            if (!held.contains(item.key()))
+                names.insert(item.key());
+            else if (without_maps.contains(item.key()) && has_map(item.value()))
+                names.insert("maps of " + item.key());
+        }
+    }
     return names;
 }
 

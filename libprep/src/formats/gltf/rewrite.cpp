@@ -48,6 +48,7 @@ class Rewriter {
             if (auto done = mesh(m); !done) return std::move(done).error();
         drop_used_heights(prepared_, json_);
         write_residual_maps(prepared_, appended_, json_);
+        lost_.note(notes_);
         if (dropped_triangles_ > 0) notes_.push_back(non_finite_note(dropped_triangles_));
         if (!keeps_meshopt_) remove_meshopt();
         declare_compression(json_);
@@ -230,7 +231,7 @@ class Rewriter {
             note_once("feature IDs of refined primitives were left out");
         }
         write_refined_primitive(prepared_, m, used, indices, tangents, appended_, json_, out,
-                                notes_);
+                                lost_);
         const std::vector<Index> no_old(used.size(), no_index);
         adapt_extensions(
             document_, out, {no_old, indices},
@@ -568,6 +569,7 @@ class Rewriter {
     const bool keeps_draco_, keeps_meshopt_;
     CompressionPlan plan_;
     std::vector<std::string>& notes_;
+    RefinedLosses lost_;
     std::uint64_t dropped_triangles_ = 0;
     Json json_;
     bool positions_finite_ = true;  // of the mesh at hand

@@ -136,7 +136,10 @@ Result<void> VertexData::finish(const std::string& pointer, Mesh& mesh, int thre
         mesh.corner_count() == 0 || !mesh.line_vertices.empty() || !mesh.points.empty();
     if (!colors_.empty() && loose && !colors_[0].values.empty()) {
         mesh.vertex_colors = colors_[0].values;
-        mesh.vertex_colors.resize(mesh.vertex_count(), glm::vec4(1.0f));
+        mesh.vertex_colors.resize(mesh.vertex_count());
+        const std::vector<bool>& has = colors_[0].has;
+        for (std::size_t v = 0; v < mesh.vertex_colors.size(); ++v)
+            if (v >= has.size() || !has[v]) mesh.vertex_colors[v] = glm::vec4(1.0f);
     }
     mesh.colors.resize(mesh.corner_count() > 0 ? colors_.size() : 0);
     mesh.uvs.resize(uvs_.size());

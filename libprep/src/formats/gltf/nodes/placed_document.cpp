@@ -4,6 +4,7 @@
 #include <set>
 #include <string>
 #include <string_view>
+#include <unordered_map>
 
 namespace prep::detail {
 namespace {
@@ -51,40 +52,74 @@ bool is_length(std::string_view pointer) {
     return false;
 }
 
-// Keys of lengths, each channel's in a sampler of its own: others may share the one that it had.
-Result<void> scale_keys(const GltfDocument& document, double scale, Json& json,
-                        AppendedData& appended) {
-    if (!json.contains("animations")) return {};
-    for (Json& animation : json["animations"]) {
-        const auto channels = animation.find("channels"), samplers = animation.find("samplers");
-        if (channels == animation.end() || samplers == animation.end()) continue;
-        for (Json& channel : *channels) {
-            const auto target = channel.find("target");
-            if (target == channel.end()) continue;
-            const Json* const extension = extension_of(*target, "KHR_animation_pointer");
-            if (extension == nullptr || !extension->contains("pointer") ||
-                !(*extension)["pointer"].is_string() ||
-                !is_length((*extension)["pointer"].get<std::string>()))
-                continue;
-            const auto own = channel.value("sampler", samplers->size());
-            if (own >= samplers->size() || !(*samplers)[own].contains("output")) continue;
-            Json sampler = (*samplers)[own];
-            const auto keys = document.raw_accessor(sampler["output"].get<std::size_t>());
-            if (!keys) return keys.error();
-            std::vector<float> values = to_floats(*keys);
-            for (float& v : values) v = float(v * scale);
-            const std::size_t count = values.size();
-            sampler["output"] = appended.add_accessor(
-                Json{{"bufferView", appended.add_view(SharedBytes::of(std::move(values)), 0, 0)},
-                     {"componentType", 5126},
-                     {"count", count},
-                     {"type", "SCALAR"}});
-            channel["sampler"] = samplers->size();
-            samplers->push_back(std::move(sampler));
+// Keys of lengths. A sampler may move other things as well: scaled ones are new, one for each, and
+// samplers of the same keys share what was made of them.
+class KeyScaling {
+  public:
+    KeyScaling(const GltfDocument& document, double scale, Json& json, AppendedData& appended)
+        : document_(document), scale_(scale), json_(json), appended_(appended) {}
+
+    Result<void> run() {
+        if (!json_.contains("animations")) return {};
+        for (Json& animation : json_["animations"]) {
+            const auto channels = animation.find("channels"), samplers = animation.find("samplers");
+            if (channels == animation.end() || samplers == animation.end()) continue;
+            std::unordered_map<std::size_t, std::size_t> scaled;  // samplers, by the one before
+            for (Json& channel : *channels) {
+                const auto target = channel.find("target");
+                if (target == channel.end()) continue;
+                const Json* const extension = extension_of(*target, "KHR_animation_pointer");
+                if (extension == nullptr || !extension->contains("pointer") ||
+                    !(*extension)["pointer"].is_string() ||
+                    !is_length((*extension)["pointer"].get<std::string>()))
+                    continue;
+                const auto own = channel.value("sampler", samplers->size());
+                if (own >= samplers->size() || !(*samplers)[own].contains("output")) continue;
+                const auto [at, fresh] = scaled.try_emplace(own, samplers->size());
+                channel["sampler"] = at->second;
+                if (!fresh) continue;
+                Json sampler = (*samplers)[own];
+                const auto keys = scaled_keys(sampler["output"].get<std::size_t>());
+                if (!keys) return keys.error();
+                sampler["output"] = *keys;
+                samplers->push_back(std::move(sampler));
+            }
         }
+        return {};
     }
-    return {};
-}
+
+  private:
+    // The accessor of what became of another's numbers.
+    Result<std::size_t> scaled_keys(std::size_t accessor) {
+        const auto known = keys_.find(accessor);
+        if (known != keys_.end()) return known->second;
+        const auto keys = document_.raw_accessor(accessor);
+        if (!keys) return keys.error();
+        std::vector<float> values = to_floats(*keys);
+        for (float& v : values) v = float(v * scale_);
+        const std::size_t count = values.size();
+        bytes_ += count * sizeof(float);
+        if (bytes_ > decoded_limit(document_.input_bytes))
+            return Error{ErrorCode::limit,
+                         "scaled keys of animations would fill " +
+                             std::to_string(decoded_limit(document_.input_bytes) >> 20) + " MiB",
+                         document_.place("/animations")};
+        const std::size_t made = appended_.add_accessor(
+            Json{{"bufferView", appended_.add_view(SharedBytes::of(std::move(values)), 0, 0)},
+                 {"componentType", 5126},
+                 {"count", count},
+                 {"type", "SCALAR"}});
+        keys_.emplace(accessor, made);
+        return made;
+    }
+
+    const GltfDocument& document_;
+    double scale_;
+    Json& json_;
+    AppendedData& appended_;
+    std::unordered_map<std::size_t, std::size_t> keys_;  // accessors, by the one before
+    std::uint64_t bytes_ = 0;                            // that they take
+};
 
 }  // namespace
 
@@ -131,7 +166,7 @@ Result<void> place_document(const Scene& scene, const GltfDocument& document, Js
             if (const auto volume = Json::json_pointer("/extensions/KHR_materials_volume");
                 material.contains(volume))
                 scale_members(material[volume], {"attenuationDistance"}, scale);
-    return scale_keys(document, scale, json, appended);
+    return KeyScaling(document, scale, json, appended).run();
 }
 
 }  // namespace prep::detail

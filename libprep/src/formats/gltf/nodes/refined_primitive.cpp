@@ -172,15 +172,20 @@ bool is_left_out(const PreparedScene& prepared, std::size_t mesh, const std::str
            set_number(semantic, "COLOR_");
 }
 
+void RefinedLosses::note(std::vector<std::string>& notes) const {
+    if (!attributes.empty())
+        notes.push_back("left out of subdivided meshes: attributes " + attributes.text());
+    if (!of_targets.empty())
+        notes.push_back("left out of subdivided meshes: what morph targets change of " +
+                        of_targets.text());
+}
+
 void write_refined_primitive(const PreparedScene& prepared, Index mesh,
                              const std::vector<Index>& used, std::span<const Index> indices,
                              bool with_tangents, AppendedData& data, Json& json, Json& primitive,
-                             std::vector<std::string>& notes) {
+                             RefinedLosses& lost) {
     RefinedPrimitive refined(prepared, mesh, used, data, json);
     const Json before = primitive["attributes"];
-    const auto tell = [&](const std::string& note) {
-        if (std::find(notes.begin(), notes.end(), note) == notes.end()) notes.push_back(note);
-    };
     Json attributes = Json::object();
     for (const auto& item : before.items()) {
         const std::string& name = item.key();
@@ -192,7 +197,7 @@ void write_refined_primitive(const PreparedScene& prepared, Index mesh,
             attributes[name] = *made;
             continue;
         }
-        tell("attribute " + name + " was left out of a subdivided mesh");
+        lost.attributes.add(name);
     }
     if (before.contains("JOINTS_0"))
         for (std::size_t s = 0; s < refined.influence_sets(); ++s)
@@ -210,8 +215,7 @@ void write_refined_primitive(const PreparedScene& prepared, Index mesh,
             for (const auto& item : primitive["targets"][t].items())
                 if (item.key() != "POSITION" && item.key() != "NORMAL" && item.key() != "TANGENT" &&
                     !is_left_out(prepared, mesh, item.key()))
-                    tell("what morph targets change of " + item.key() +
-                         " was left out of a subdivided mesh");
+                    lost.of_targets.add(item.key());
             targets.push_back(refined.target(t, attributes));
         }
         primitive["targets"] = std::move(targets);

@@ -9,6 +9,7 @@
 
 #include "formats/gltf/appended_data.h"
 #include "prep/prepared_scene.h"
+#include "text/name_list.h"
 
 namespace prep::detail {
 
@@ -16,14 +17,18 @@ namespace prep::detail {
 // and tangents are written where the mesh has them.)
 bool is_left_out(const PreparedScene& prepared, std::size_t mesh, const std::string& semantic);
 
+// Attributes that refined meshes do not carry.
+struct RefinedLosses {
+    NameList attributes, of_targets;
+    void note(std::vector<std::string>& notes) const;
+};
+
 // Replaces attributes, targets and indices of `primitive`. `used` are the vertices of the mesh that
-// it has, ascending; `indices` are into these. Notes attributes that the refined mesh does not
-// carry.
+// it has, ascending; `indices` are into these.
 void write_refined_primitive(const PreparedScene& prepared, std::uint32_t mesh,
                              const std::vector<std::uint32_t>& used,
                              std::span<const std::uint32_t> indices, bool with_tangents,
-                             AppendedData& data, Json& json, Json& primitive,
-                             std::vector<std::string>& notes);
+                             AppendedData& data, Json& json, Json& primitive, RefinedLosses& lost);
 
 // Takes height maps that have displaced the positions out of the materials' extras: a reader must
 // not do it again.
