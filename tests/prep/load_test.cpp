@@ -70,6 +70,10 @@ TEST(LoadScene, UnknownEndingsAreReadByTheirFirstBytes) {
             EXPECT_EQ(scene->meshes[0].face_count(), 1u);
         }
     }
+    std::string loud = stl;
+    loud.replace(loud.find("solid"), 5, "SoLID");
+    test::write_text(dir / "loud.dat", loud);
+    EXPECT_TRUE(prep::load_scene(dir / "loud.dat"));
     test::write_text(dir / "x.dat", "neither this nor that");
     EXPECT_EQ(error_of(dir / "x.dat"),
               "unknown file type '.dat': GLB, glTF, OBJ, PLY, STL, OFF, OM, JSON scenes and the "

@@ -57,7 +57,32 @@ TEST(OpenMeshFile, ReadsDoublesAndFloats) {
         EXPECT_EQ(m.normals.values[0], glm::vec3(0, 0, 1));
         ASSERT_EQ(m.uvs.size(), 1u);
         EXPECT_EQ(m.uvs[0].values[3], glm::vec2(0.375f, 0.75f));
+        // The bytes 1, 2, 3 in sRGB, on its straight part.
+        ASSERT_EQ(m.colors.size(), 1u);
+        EXPECT_EQ(m.colors[0].indices, m.corner_vertices);
+        for (int k = 0; k < 3; ++k)
+            EXPECT_FLOAT_EQ(m.colors[0].values[7][k], float((k + 1) / 255.0 / 12.92));
+        EXPECT_EQ(m.colors[0].values[7].a, 1.0f);
+        EXPECT_TRUE(scene->warnings.empty()) << scene->warnings[0];
     }
+}
+
+TEST(OpenMeshFile, ChunksThatAreNotTakenAreNamed) {
+    const std::string text = sample("floats.om");
+    const auto chunk = [](unsigned entity, unsigned type, unsigned dim, bool named) {
+        const unsigned head = unsigned(named) << 1 | entity << 2 | type << 5 | (dim - 1) << 11;
+        return std::string{char(head & 255), char(head >> 8)};
+    };
+    using namespace std::string_literals;
+    const std::string of_faces = chunk(2, 4, 3, false) + std::string(5 * 3, 'f');
+    const std::string with_alpha = chunk(0, 4, 4, false) + std::string(8 * 4, 'a');
+    const std::string custom = chunk(0, 6, 1, true) + "\4\0heat"s + "\10\0\0\0"s + "12345678";
+    const auto scene = parse(text.substr(0, text.size() - 2) + of_faces + with_alpha + custom +
+                             text.substr(text.size() - 2));
+    ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
+    ASSERT_EQ(scene->warnings.size(), 1u);
+    EXPECT_EQ(scene->warnings[0],
+              "test.om: what was not taken: faces' colours, vertices' colours, heat");
 }
 
 TEST(OpenMeshFile, EveryTruncationIsAnError) {

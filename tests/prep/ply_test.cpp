@@ -254,7 +254,7 @@ TEST(Ply, LinesBesideFacesKeepTheColoursOfTheirVertices) {
     ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
     ASSERT_EQ(scene->meshes[0].vertex_colors.size(), 5u);
     const test::TempDir dir;
-    for (const char* name : {"a.ply", "a.obj"}) {
+    for (const char* name : {"a.ply", "a.obj", "a.off"}) {
         const auto saved = prep::save_scene(test::untouched(*scene), dir / name);
         ASSERT_TRUE(saved) << prep::to_string(saved.error());
         const auto again = prep::load_scene(dir / name);
@@ -479,11 +479,21 @@ TEST(Ply, LinesMayHoldMoreThanTheHeaderNames) {
     EXPECT_EQ(scene->warnings, std::vector<std::string>{
                                    "t.ply: 2 lines have more values than the header names: what "
                                    "is beyond was left out"});
-    // With other numbers of lines than elements the values alone count, as ever.
+    // So it is where lines follow the last element, and where one goes on in the next line.
+    const auto longer =
+        test::parsed(prep::parse_ply,
+                     header + "0 0 0 7\n1 0 0 7\n0 1 0 7\n3 0 1 2 7\n3 2 1 0 7\nend 4\n", "t.ply");
+    ASSERT_TRUE(longer) << test::error_of(longer);
+    EXPECT_EQ(longer->meshes[0].corner_vertices, scene->meshes[0].corner_vertices);
+    EXPECT_EQ(longer->meshes[0].positions[2], glm::vec3(0, 1, 0));
+    EXPECT_EQ(longer->warnings, std::vector<std::string>{
+                                    "t.ply: 5 lines have more values than the header names: what "
+                                    "is beyond was left out"});
     const auto spread = test::parsed(prep::parse_ply,
                                      header + "0 0 0\n1 0 0\n0 1 0\n3\n0 1 2\n3\n2 1 0\n", "t.ply");
     ASSERT_TRUE(spread) << test::error_of(spread);
     EXPECT_EQ(spread->meshes[0].corner_vertices, scene->meshes[0].corner_vertices);
+    // With fewer lines than elements the values alone count.
     const auto dense =
         test::parsed(prep::parse_ply, header + "0 0 0 1 0 0 0 1 0\n3 0 1 2 3 2 1 0\n", "t.ply");
     ASSERT_TRUE(dense) << test::error_of(dense);

@@ -342,6 +342,24 @@ TEST(Split, FlatPoleOfHundredThousandFacesTakesLinearTime) {
     EXPECT_GT(out.vertex_count(), 200'000u);  // neighbours share a normal by rounding at times
 }
 
+TEST(Split, FacesOfManyMaterialsOrPartsOnTheSameVerticesTakeLinearTime) {
+    constexpr std::uint32_t count = 20'000;
+    for (const bool parts : {false, true}) {
+        Mesh mesh;
+        mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+        for (std::uint32_t f = 0; f < count; ++f) {
+            mesh.corner_vertices.insert(mesh.corner_vertices.end(), {0, 1, 2});
+            mesh.face_offsets.push_back(3 * f + 3);
+            (parts ? mesh.face_parts : mesh.face_materials).push_back(f);
+        }
+        VertexMesh out;
+        const std::uint64_t steps = test::steps_of([&] { out = split_of(mesh); });
+        EXPECT_EQ(out.vertex_count(), 3 * count);
+        EXPECT_GT(steps, 0u);
+        EXPECT_LE(steps, 10 * std::uint64_t(count));
+    }
+}
+
 TEST(Split, ThreadsChangeNothing) {
     Mesh mesh = shapes::torus(300, 200);
     std::mt19937_64 random(51);

@@ -5,12 +5,14 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <optional>
 
 #include "corner_soup.h"
 #include "prep/load.h"
 #include "prep/prepare.h"
 #include "shapes.h"
 #include "shared_data.h"
+#include "steps.h"
 
 namespace {
 
@@ -222,6 +224,26 @@ TEST(TangentFallback, MissingNormalsGetAFrameAboutZ) {
     for (std::uint32_t c = 0; c < 9; ++c) {
         expect_fallback(out, c, TangentFault::no_normal, TangentSource::gradient);
         expect_direction(out.tangents[c], {1, 0, 0}, 1);
+    }
+}
+
+// Each corner asks its polygon for a direction, which is found once for all of them.
+TEST(TangentFallback, PolygonsAreLookedThroughOnce) {
+    constexpr int count = 20'000;
+    CornerSoup soup;
+    for (int k = 0; k < count; ++k) {
+        const double angle = 2 * 3.14159265358979 * k / count;
+        const glm::vec2 at(std::cos(angle), std::sin(angle));
+        soup.add(glm::vec3(at, 0), glm::vec3(0.0f), at);
+    }
+    soup.end_face();
+    std::optional<Outcome> out;
+    const std::uint64_t steps = test::steps_of([&] { out = make(soup); });
+    EXPECT_GE(steps, std::uint64_t(count));
+    EXPECT_LE(steps, 20 * std::uint64_t(count));
+    for (std::uint32_t c = 0; c < count; c += 997) {
+        expect_fallback(*out, c, TangentFault::no_normal, TangentSource::gradient);
+        expect_direction(out->tangents[c], {1, 0, 0}, 1);
     }
 }
 

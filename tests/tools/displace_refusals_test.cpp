@@ -90,8 +90,8 @@ TEST_F(DisplaceRefusals, MistakesAreUsageErrors) {
     }
 }
 
-// Material libraries stay as they are there: they would ask for the displacement once more, and
-// hold no residual map.
+// Material libraries stay as they are there: they would ask for the displacement once more, or at
+// the old scale, and hold no residual map.
 TEST_F(DisplaceRefusals, InPlaceObjIsNotMovedByWhatAsksForItAgain) {
     white("up.exr");
     write_text(dir_ / "a.mtl", "newmtl raised\ndisp up.exr\n");
@@ -100,7 +100,8 @@ TEST_F(DisplaceRefusals, InPlaceObjIsNotMovedByWhatAsksForItAgain) {
     write_text(file, text);
     for (const std::vector<std::string>& options :
          {std::vector<std::string>{"--displace", "materials"},
-          std::vector<std::string>{"--displace", "noise", "--residual-normal-map", "8"}}) {
+          std::vector<std::string>{"--displace", "noise", "--residual-normal-map", "8"},
+          std::vector<std::string>{"--scale", "2"}}) {
         std::vector<std::string> words{"prepare", file, "--in-place"};
         words.insert(words.end(), options.begin(), options.end());
         const test::Ran ran = run_here(words);

@@ -71,7 +71,7 @@ bool is_ply(std::string_view head) {
     return without_byte_order_mark(head).starts_with("ply");
 }
 bool is_stl(std::string_view head) {
-    return without_byte_order_mark(head).starts_with("solid");
+    return says_solid(without_byte_order_mark(head));
 }
 bool is_off(std::string_view head) {
     const std::string_view first = head.substr(0, head.find_first_of(" \r\n"));

@@ -38,9 +38,12 @@ std::optional<prep::Error> at_odds_with_libraries(const prep::PreparedScene& pre
         count_displacement_maps(prepared.scene) < before ||
         std::any_of(prepared.findings.begin(), prepared.findings.end(),
                     [](const prep::Finding& f) { return f.kind == "displacement-map-kept"; });
+    const bool scaled =
+        prepared.scene.placement.scale != 1 && count_displacement_maps(prepared.scene) > 0;
     const char* const odd = !prepared.residual_maps.empty()
                                 ? "would not hold the residual normal map"
                             : displaced ? "would go on asking for the displacement that was made"
+                            : scaled    ? "would not hold the heights at the new scale"
                                         : nullptr;
     if (!odd) return std::nullopt;
     return prep::Error{prep::ErrorCode::unsupported,

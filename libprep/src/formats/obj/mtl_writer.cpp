@@ -26,6 +26,16 @@ std::string one_word(std::string name) {
     return name;
 }
 
+namespace {
+
+// Whether MTL says anything of such a map.
+bool has_statement(MapKind kind) {
+    return kind != MapKind::occlusion && kind != MapKind::layer_normal &&
+           kind != MapKind::anisotropy;
+}
+
+}  // namespace
+
 MtlWriter::MtlWriter(const Scene& scene, const std::filesystem::path& obj, FileSet& files,
                      std::vector<std::string>& notes)
     : scene_(scene), path_(obj), files_(files), notes_(notes) {
@@ -34,34 +44,47 @@ MtlWriter::MtlWriter(const Scene& scene, const std::filesystem::path& obj, FileS
         Index set = no_index;
         for (const MaterialMap& map : material_maps)
             if (const TextureRef& ref = material.*map.ref;
-                ref && set == no_index && map.ref != &Material::occlusion_map)
+                ref && set == no_index && has_statement(map.kind))
                 set = ref.uv_set;
         uv_sets_.push_back(set == no_index ? 0 : set);
     }
 }
 
 // Heights are in the mesh's own unit, and its points are written where nodes put them.
-double MtlWriter::height_scale(const Material& of) {
-    const auto number = Index(&of - scene_.materials.data());
+void MtlWriter::find_height_scales() {
+    const auto merge = [](HeightScale& to, double along) {
+        to.differs |= to.first > 0 && std::abs(along - to.first) > 1e-6 * to.first;
+        if (to.first == 0) to.first = along;
+    };
     const std::vector<glm::dmat4> world = world_transforms(scene_);
-    double scale = 0;
-    bool differ = false;
+    std::vector<HeightScale> of_meshes(scene_.meshes.size());
+    std::vector<bool> has_node(scene_.meshes.size(), false);
+    std::vector<Index> in_order;  // meshes, by the first node that has them
     for (std::size_t n = 0; n < scene_.nodes.size(); ++n) {
-        if (scene_.nodes[n].mesh == no_index) continue;
-        const std::vector<Index>& used = scene_.meshes[scene_.nodes[n].mesh].face_materials;
-        if (std::find(used.begin(), used.end(), number) == used.end()) continue;
+        const Index mesh = scene_.nodes[n].mesh;
+        if (mesh == no_index) continue;
+        if (!has_node[mesh]) in_order.push_back(mesh);
+        has_node[mesh] = true;
         const glm::dmat3 linear(world[n]);
-        for (int axis = 0; axis < 3; ++axis) {
-            const double along = glm::length(linear[axis]);
-            differ |= scale > 0 && std::abs(along - scale) > 1e-6 * scale;
-            if (scale == 0) scale = along;
-        }
+        for (int axis = 0; axis < 3; ++axis) merge(of_meshes[mesh], glm::length(linear[axis]));
     }
-    if (differ)
+    height_scales_.resize(scene_.materials.size());
+    for (const Index mesh : in_order)
+        for (const Index m : scene_.meshes[mesh].face_materials) {
+            if (m >= height_scales_.size()) continue;
+            if (of_meshes[mesh].first > 0) merge(height_scales_[m], of_meshes[mesh].first);
+            height_scales_[m].differs |= of_meshes[mesh].differs;
+        }
+}
+
+double MtlWriter::height_scale(const Material& of) {
+    if (height_scales_.empty()) find_height_scales();
+    const HeightScale& scale = height_scales_[std::size_t(&of - scene_.materials.data())];
+    if (scale.differs)
         note(
             "MTL has one scale of heights for a material: where nodes scale it differently, it is "
             "that of the first");
-    return scale > 0 ? scale : 1;
+    return scale.first > 0 ? scale.first : 1;
 }
 
 void MtlWriter::note(const std::string& text) {

@@ -45,6 +45,7 @@ class MtlWriter {
     void name_materials();
     bool names_no_material() const;
     void material(const Material& in, const std::string& name, std::uint32_t set, std::string& mtl);
+    void find_height_scales();
     double height_scale(const Material& of);
     void displacement(const Material& in, std::string& mtl);
     void physical_statements(const Material& in, std::string& mtl);
@@ -64,7 +65,13 @@ class MtlWriter {
     std::vector<std::string> names_;
     std::string no_material_ = "default";
     std::vector<std::uint32_t> uv_sets_;  // by material
-    std::uint32_t uv_set_ = 0;            // of the material being written
+    // Of the nodes that have a material's faces: 0 where none has.
+    struct HeightScale {
+        double first = 0;
+        bool differs = false;
+    };
+    std::vector<HeightScale> height_scales_;  // by material, once they are asked for
+    std::uint32_t uv_set_ = 0;                // of the material being written
     std::optional<Error> failure_;
     std::unordered_map<std::uint32_t, std::string> written_;  // pictures, by image
     std::unordered_set<std::string> grey_files_;

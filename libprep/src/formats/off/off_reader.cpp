@@ -232,10 +232,8 @@ class OffParser {
     }
 
     void colors(Mesh& mesh) {
-        if (mesh.corner_count() == 0) {
-            mesh.vertex_colors = std::move(colors_);
-            return;
-        }
+        if (mesh.corner_count() == 0 || !mesh.line_vertices.empty()) mesh.vertex_colors = colors_;
+        if (mesh.corner_count() == 0) return;
         mesh.colors.emplace_back();
         mesh.colors[0].values = std::move(colors_);
         mesh.colors[0].indices = mesh.corner_vertices;

@@ -17,12 +17,46 @@ enum Type {
     topology = 7
 };
 
+const char* name_of_entity(unsigned entity) {
+    switch (entity) {
+        case vertices:
+            return "vertices' ";
+        case faces:
+            return "faces' ";
+        case edges:
+            return "edges' ";
+        case halfedges:
+            return "half-edges' ";
+        default:
+            return "the mesh's ";
+    }
+}
+
+const char* name_of_type(unsigned type) {
+    switch (type) {
+        case positions:
+            return "positions";
+        case normals:
+            return "normals";
+        case texcoords:
+            return "texture coordinates";
+        case status:
+            return "status";
+        case color:
+            return "colours";
+        case topology:
+            return "connectivity";
+        default:
+            return "property";
+    }
+}
+
 class Walker {
   public:
     Walker(std::span<const std::byte> bytes, const std::string& name)
         : bytes_(bytes), name_(name) {}
 
-    Result<std::string> run() {
+    Result<CheckedOm> run() {
         if (bytes_.size() < 16) return fail("the file is shorter than an OM header");
         if (byte(0) != 'O' || byte(1) != 'M')
             return fail("expected \"OM\" at the beginning: not an OM file");
@@ -51,14 +85,17 @@ class Walker {
             if ((head >> 2 & 7) == sentinel) {
                 if (auto done = complete(); !done) return std::move(done).error();
                 keep(begin, at_);
-                return std::move(kept_);
+                return CheckedOm{std::move(kept_), std::move(left_out_)};
             }
             kind_ = Kind::other;
             if (auto done = chunk(head); !done) {
                 at_ = begin;
                 return fail(std::move(done).error().text);
             }
-            if (kind_ == Kind::mesh) keep(begin, at_);
+            if (kind_ == Kind::mesh)
+                keep(begin, at_);
+            else
+                left_out_.add(chunk_name_);
         }
         return fail("the file ends without its last chunk: it is cut short");
     }
@@ -83,7 +120,8 @@ class Walker {
     // asking whether they are there.
     Error before_positions() const {
         return fail(
-            "vertices' normals, texture coordinates or connectivity before their positions");
+            "vertices' normals, texture coordinates, colours or connectivity before their "
+            "positions");
     }
 
     Result<void> complete() const {
@@ -102,7 +140,10 @@ class Walker {
             if (left() < 2) return fail("a chunk's name is cut short");
             const std::size_t length = std::size_t(byte(at_)) | std::size_t(byte(at_ + 1)) << 8;
             if (length > 256 || left() - 2 < length) return fail("a chunk's name is cut short");
+            chunk_name_.assign(reinterpret_cast<const char*>(bytes_.data()) + at_ + 2, length);
             at_ += 2 + length;
+        } else {
+            chunk_name_ = std::string(name_of_entity(entity)) + name_of_type(type);
         }
         std::uint64_t count = 0;
         switch (entity) {
@@ -153,6 +194,10 @@ class Walker {
             if (type == color && (dim < 3 || dim > 4)) return fail("colours of an unknown kind");
             size = count * (type == color ? dim : 1) *
                    (type == color && floats ? std::uint64_t(4) << bits : std::uint64_t(1) << bits);
+            if (type == color && entity == vertices && !named && dim == 3 && !floats && bits == 0) {
+                if (!have_positions_) return before_positions();
+                kind_ = Kind::mesh;
+            }
         } else {
             return fail("a chunk of an unknown type");
         }
@@ -203,6 +248,8 @@ class Walker {
     std::span<const std::byte> bytes_;
     const std::string& name_;
     std::string kept_;
+    NameList left_out_;
+    std::string chunk_name_;   // of the chunk being read
     Kind kind_ = Kind::other;  // of the chunk being read
     std::size_t at_ = 0;
     std::uint64_t vertices_ = 0, faces_ = 0, edges_ = 0;
@@ -212,7 +259,7 @@ class Walker {
 
 }  // namespace
 
-Result<std::string> checked_om(std::span<const std::byte> bytes, const std::string& name) {
+Result<CheckedOm> checked_om(std::span<const std::byte> bytes, const std::string& name) {
     return Walker(bytes, name).run();
 }
 

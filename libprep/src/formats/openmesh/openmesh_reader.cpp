@@ -3,6 +3,7 @@
 #include <exception>
 #include <sstream>
 
+#include "base/srgb.h"
 #include "formats/openmesh/om_structure.h"
 #include "formats/reader_backend.h"
 #include "prep/mesh.h"
@@ -65,6 +66,15 @@ Mesh convert(HalfEdgeMesh& from, const std::string& name, const OpenMesh::IO::Op
         }
         layer.indices = mesh.corner_vertices;
     }
+    if (has.vertex_has_color()) {
+        auto& layer = mesh.colors.emplace_back();
+        for (const auto v : from.vertices()) {
+            const auto& c = from.color(v);
+            const auto linear = [](int byte) { return float(srgb_to_linear(byte / 255.0)); };
+            layer.values.push_back({linear(c[0]), linear(c[1]), linear(c[2]), 1});
+        }
+        layer.indices = mesh.corner_vertices;
+    }
     return mesh;
 }
 
@@ -78,10 +88,12 @@ Result<Scene> read_om(std::span<const std::byte> bytes, const std::filesystem::p
         HalfEdgeMesh mesh;
         mesh.request_vertex_normals();
         mesh.request_vertex_texcoords2D();
+        mesh.request_vertex_colors();
         OpenMesh::IO::Options options;
         options += OpenMesh::IO::Options::VertexNormal;
         options += OpenMesh::IO::Options::VertexTexCoord;
-        std::istringstream stream(*std::move(checked));
+        options += OpenMesh::IO::Options::VertexColor;
+        std::istringstream stream(std::move(checked->bytes));
         // OpenMesh reports trouble on its own streams; a library stays silent.
         omlog().disable();
         omerr().disable();
@@ -98,6 +110,8 @@ Result<Scene> read_om(std::span<const std::byte> bytes, const std::filesystem::p
         Scene scene;
         scene.name = name;
         scene.meshes.push_back(convert(mesh, path.stem().string(), options));
+        if (!checked->left_out.empty())
+            scene.warnings.push_back(name + ": what was not taken: " + checked->left_out.text());
         instance_unused_meshes(scene);
         return scene;
     } catch (const std::exception& e) {

@@ -58,8 +58,8 @@ class PlyValues {
     }
 
     // Text with a line for each element, as the format has it: what a line holds beyond the
-    // properties that the header names is passed over. Files with several elements on a line are
-    // read value by value.
+    // properties that the header names is passed over. An element may go on in the next line, and
+    // lines may follow the last; files with several elements on a line are read value by value.
     void expect_lines(double elements) {
         if (encoding_ != PlyEncoding::ascii) return;
         const char* data = reinterpret_cast<const char*>(bytes_.data());
@@ -71,7 +71,7 @@ class PlyValues {
             lines += std::any_of(data + at, data + next, [](char c) { return !is_space(c); });
             at = next;
         }
-        by_line_ = lines == elements;
+        by_line_ = lines >= elements;
     }
     void end_element() {
         if (!by_line_) return;

@@ -4,11 +4,18 @@
 #include <cstddef>
 #include <span>
 #include <string>
+#include <string_view>
 
 #include "prep/result.h"
 #include "prep/scene.h"
 
 namespace prep {
+namespace detail {
+
+// Whether the first word is "solid", in any case: of text, and of many binary files too.
+bool says_solid(std::string_view text);
+
+}  // namespace detail
 
 // ASCII (several solids, each a part) and binary, told apart by the size that a binary header
 // announces: many binary files begin with "solid". Facet normals are not read: they follow from the

@@ -308,14 +308,19 @@ Result<Scene> parse_stl(std::span<const std::byte> bytes, const std::string& nam
     return parse_stl(bytes, name, 0);
 }
 
+bool detail::says_solid(std::string_view text) {
+    constexpr std::string_view solid = "solid";
+    const std::size_t begin = text.find_first_not_of(" \t\r\n");
+    const std::string_view word = text.substr(std::min(begin, text.size()), solid.size());
+    return std::equal(word.begin(), word.end(), solid.begin(), solid.end(), [](char a, char b) {
+        return std::tolower(static_cast<unsigned char>(a)) == b;
+    });
+}
+
 Result<Scene> parse_stl(std::span<const std::byte> bytes, const std::string& name, int threads) {
     const std::string_view text = detail::without_byte_order_mark(
         {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
-    const std::size_t begin = text.find_first_not_of(" \t\r\n");
-    const std::string_view word = text.substr(std::min(begin, text.size()), 5);
-    const bool says_solid =
-        std::equal(word.begin(), word.end(), std::begin("solid"), std::begin("solid") + 5,
-                   [](char a, char b) { return std::tolower(static_cast<unsigned char>(a)) == b; });
+    const bool says_solid = detail::says_solid(text);
     // Text has no zero bytes; a binary header that begins with "solid" is followed by some.
     const bool text_like = says_solid && text.find('\0') == std::string_view::npos;
     if (bytes.size() >= header_size) {
