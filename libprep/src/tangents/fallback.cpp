@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "base/finite.h"
+#include "base/step_count.h"
 
 namespace prep::detail {
 namespace {
@@ -212,6 +213,13 @@ class Fallbacks {
         return std::nullopt;
     }
 
+    void look_at(Index face) {
+        const Index begin = read_.in.face_offsets[face], end = read_.in.face_offsets[face + 1];
+        face_ = {.number = face, .gradient = face_gradient(read_, begin, end), .sign = {}};
+        face_.sign = face_sign(face_.gradient, begin, end);
+        count_steps(end - begin);
+    }
+
     void replace(Index face, CornerTangents::Fallback& fallback) {
         const Index corner = fallback.corner;
         const glm::dvec3 n = normal(corner).value_or(glm::dvec3(0, 0, 1));
@@ -221,9 +229,9 @@ class Fallbacks {
                        value.w))
                 return;
         }
-        const Index begin = read_.in.face_offsets[face], end = read_.in.face_offsets[face + 1];
-        const FaceGradient gradient = face_gradient(read_, begin, end);
-        const std::optional<float> wanted = face_sign(gradient, begin, end);
+        if (face != face_.number) look_at(face);
+        const FaceGradient& gradient = face_.gradient;
+        const std::optional<float> wanted = face_.sign;
 
         const Place& at = *find(place(corner));
         if (!wanted) search([&] { return at.good[0] != at.good[1]; });
@@ -257,6 +265,12 @@ class Fallbacks {
     const FallbackInput& in_;
     const CornerReader& read_;
     CornerTangents& out_;
+    // The face of the last fallback: a polygon's corners have it in common.
+    struct {
+        Index number = no_index;
+        FaceGradient gradient;
+        std::optional<float> sign;
+    } face_;
     std::vector<Place> places_;
     std::vector<std::uint8_t> wanted_;  // by position: is it one of these?
     Index next_corner_ = 0;             // where the search goes on, and the next fault there

@@ -203,7 +203,10 @@ class Attributes {
         for (const auto& l : uvs_) l.hash(c, h);
         for (const auto& l : tangents_) l.hash(c, h);
         for (const auto& l : colors_) l.hash(c, h);
-        if (file_vertices_) h = (h ^ file_vertices_[c]) * 0x9e3779b97f4a7c15u;
+        const auto add = [&h](Index i) { h = (h ^ i) * 0x9e3779b97f4a7c15u, h ^= h >> 29; };
+        if (file_vertices_) add(file_vertices_[c]);
+        if (parts_apart_) add(mesh_.face_parts[face_of(c)]);
+        if (materials_apart_) add(mesh_.face_materials[face_of(c)]);
         return h;
     }
 
