@@ -357,9 +357,14 @@ TEST(DiffMeshes, OfManyTrianglesAtOnePlaceEachTakesTheNearestThatIsLeft) {
 TEST(DiffMeshes, TrianglesAtOnePlaceAreNotAllLookedAtForEach) {
     const TempDir dir;
     constexpr int count = 20000;
-    // None with UVs that tell them apart; those of one file alone; all, a little off in one file.
-    for (const auto& [a, b] : {std::pair(1, 1), std::pair(1, 2), std::pair(1000000, 1000000)}) {
+    // None with UVs that tell them apart; those of one file alone; all, a little off in one file;
+    // all by another of their six values than the first.
+    for (const auto& [a, b, first_differs] :
+         {std::tuple(1, 1, true), std::tuple(1, 2, true), std::tuple(1000000, 1000000, true),
+          std::tuple(1000000, 1000000, false)}) {
         std::vector<Stacked> left = stacked(count, a, 3);
+        for (Stacked& t : left)
+            if (!first_differs) t.uvs[0] = 0;
         std::vector<Stacked> right = a == b ? left : stacked(count, b, 4);
         std::reverse(right.begin(), right.end());
         const std::string in_a = save_stacked(dir, "a.obj", left);

@@ -42,6 +42,14 @@ TEST(OptionEffects, AListOfLaddersWritesNoFiles) {
             << ran.err;
         EXPECT_EQ(ran.out, "") << option;
     }
+    for (const std::vector<std::string>& unused : {std::vector<std::string>{"x.obj"},
+                                                   {"--rounds", "5"},
+                                                   {"--seconds", "3"},
+                                                   {"--threads", "1"}}) {
+        std::vector<std::string> words{"cost", "--list"};
+        words.insert(words.end(), unused.begin(), unused.end());
+        EXPECT_EQ(run_here(words).exit_code, 2) << unused[0];
+    }
     EXPECT_EQ(run_here({"cost", "--list"}).exit_code, 0);
 }
 

@@ -77,6 +77,7 @@ TEST_F(Resumed, AManifestThatIsNestedDeeplyIsNone) {
 
 // What stands there and is what would be written is no conflict.
 TEST_F(Resumed, WithoutOverwritingWhatIsDoneIsSkipped) {
+    const std::string before = file_text(dir_ / "a.obj");
     ASSERT_EQ(run({"--no-overwrite"}), "ok");
     const std::string first = file_text(dir_ / "made.json");
     EXPECT_EQ(run({"--no-overwrite"}), "skipped");
@@ -85,6 +86,10 @@ TEST_F(Resumed, WithoutOverwritingWhatIsDoneIsSkipped) {
     const std::string old = file_text(dir_ / "out/a.glb");
     EXPECT_EQ(run({"--no-overwrite"}, 1), "failed");
     EXPECT_EQ(file_text(dir_ / "out/a.glb"), old);
+    // The failure has touched nothing, what is known of the file included.
+    write_text(dir_ / "a.obj", before);
+    EXPECT_EQ(run({"--no-overwrite"}), "skipped");
+    write_text(dir_ / "a.obj", test::sphere_obj(8, 4));
     EXPECT_EQ(run(), "ok");
 }
 

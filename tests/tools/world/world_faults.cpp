@@ -8,11 +8,12 @@
 //   WORLD_RENAME=n   the n-th rename fails (EIO)
 //   WORLD_LINKS=0    there are no hard links (EPERM)
 //   WORLD_THREADS=n  room for n threads beside the first, ended ones too (EAGAIN)
-//   WORLD_EDIT=file, WORLD_EDIT_AT=n   before its n-th opening for reading a line is added to the
-//   file WORLD_AT=what:n, WORLD_SIGNAL=s   before the n-th write, rename, link or unlink the
-//   process
-//                    gets the signal s. The write never returns: it is for the process to end. The
-//                    others go on once the signal has been taken, and so do all with WORLD_GO_ON=1.
+//   WORLD_EDIT=file, WORLD_EDIT_AT=n
+//                    before its n-th opening for reading a line is added to the file
+//   WORLD_AT=what:n, WORLD_SIGNAL=s
+//                    before the n-th write, rename, link or unlink the process gets the signal s.
+//                    The write never returns: it is for the process to end. The others go on once
+//                    the signal has been taken, and so do all with WORLD_GO_ON=1.
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <pthread.h>

@@ -424,6 +424,9 @@ void check(const CostCommand& c) {
         usage_error("--from", "measures nothing; it takes no files, no --ladder and no --list");
     if (!c.from.empty() && (c.rounds > 0 || c.seconds || c.common.threads > 0))
         usage_error("--from", "measures nothing; it takes no --rounds, --seconds or --threads");
+    if (c.list && (!c.inputs.empty() || c.rounds > 0 || c.seconds || c.common.threads > 0))
+        usage_error("--list",
+                    "measures nothing; it takes no files, --rounds, --seconds or --threads");
     if (c.list && !all_outputs(c, {""}).empty())
         usage_error("--list", "measures nothing; it takes no -o, --csv, --svg or --png");
     if (c.list || c.inputs.empty()) return;

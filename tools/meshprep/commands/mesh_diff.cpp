@@ -129,7 +129,9 @@ class UvRuns {
   public:
     explicit UvRuns(const std::vector<CoincidentMember>& members)
         : taken_(members.size()), run_of_(members.size(), no_member) {
-        std::map<Uvs, std::vector<std::size_t>> by_uvs;
+        axis_ = most_varied(members);
+        const auto before = [this](const Uvs& a, const Uvs& b) { return is_before(a, b); };
+        std::map<Uvs, std::vector<std::size_t>, decltype(before)> by_uvs(before);
         for (std::size_t m = 0; m < members.size(); ++m)
             if (is_finite(members[m].uvs)) by_uvs[members[m].uvs].push_back(m);
         for (auto& [uvs, list] : by_uvs) {
@@ -148,16 +150,17 @@ class UvRuns {
 
     // None where nothing is left, or nothing at a finite distance.
     std::size_t nearest(const Uvs& uvs) {
-        const auto from = std::lower_bound(runs_.begin(), runs_.end(), uvs,
-                                           [](const Run& r, const Uvs& u) { return r.uvs < u; });
+        const auto from =
+            std::lower_bound(runs_.begin(), runs_.end(), uvs,
+                             [this](const Run& r, const Uvs& u) { return is_before(r.uvs, u); });
         const auto start = std::size_t(from - runs_.begin());
         std::size_t best = no_member, steps = 1;
         double best_distance = std::numeric_limits<double>::infinity();
-        // Whether to go on to those that are farther by their first value.
+        // Whether to go on to those that are farther along the axis.
         const auto look_at = [&](std::size_t run) {
             ++steps;
-            const double u = runs_[run].uvs[0] - uvs[0];
-            if (u * u > best_distance) return false;
+            const double along = runs_[run].uvs[axis_] - uvs[axis_];
+            if (along * along > best_distance) return false;
             const double d = uv_distance(runs_[run].uvs, uvs);
             if (d < best_distance ||
                 (d == best_distance && best != no_member && first(run) < first(best))) {
@@ -187,6 +190,27 @@ class UvRuns {
         std::size_t before = 0, after = 0;  // where to go on if all are taken
     };
 
+    // The one of their six values that has the most different ones.
+    static std::size_t most_varied(const std::vector<CoincidentMember>& members) {
+        std::size_t axis = 0, most = 0;
+        std::vector<float> values;
+        for (std::size_t k = 0; k < std::tuple_size_v<Uvs>; ++k) {
+            values.clear();
+            for (const CoincidentMember& m : members)
+                if (is_finite(m.uvs)) values.push_back(m.uvs[k]);
+            std::sort(values.begin(), values.end());
+            const auto different =
+                std::size_t(std::unique(values.begin(), values.end()) - values.begin());
+            if (different > most) axis = k;
+            most = std::max(most, different);
+        }
+        return axis;
+    }
+
+    bool is_before(const Uvs& a, const Uvs& b) const {
+        return a[axis_] != b[axis_] ? a[axis_] < b[axis_] : a < b;
+    }
+
     std::size_t first(std::size_t run) const { return runs_[run].members[runs_[run].taken]; }
 
     // The next run from `at` on, on one side, of which something is left; none of them where there
@@ -202,12 +226,13 @@ class UvRuns {
 
     std::vector<bool> taken_;          // by member
     std::vector<std::size_t> run_of_;  // by member; none: not finite
-    std::vector<Run> runs_;            // by UVs
+    std::size_t axis_ = 0;             // of UVs, along which runs are sorted
+    std::vector<Run> runs_;
 };
 
 // Triangles of the second file at one place, of which each is taken once: the one with the nearest
 // UVs, the first of equally near ones. Those that are not finite are farther than all others.
-// Taking one looks at all UVs whose first value is no farther than the nearest.
+// Taking one looks at all UVs that are no farther than the nearest by the value that varies most.
 class Coincident {
   public:
     void add(std::uint32_t triangle, int turn, const Triangle& t) {

@@ -149,6 +149,9 @@ class Batch {
         warned_ += outcome.warning_count() > 0;
         if (records_.wanted()) records_.add(outcome_json(outcome, command_));
         if (command_.manifest.empty() || outcome.skipped) return;
+        // The file that stands in the way is the one that an earlier run made: what was said of it
+        // is still so.
+        if (outcome.error && outcome.job.output_stands && earlier_.has_done(outcome.job)) return;
         manifest_.set(manifest_entry(outcome, command_));
         // A run that is ended later has lost a few seconds' work, not all of it.
         constexpr double milliseconds_between = 5000;

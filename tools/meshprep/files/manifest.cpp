@@ -132,6 +132,11 @@ std::optional<ManifestEntry> Manifest::finished(const Job& job) const {
     return good ? std::optional(entry) : std::nullopt;
 }
 
+bool Manifest::has_done(const Job& job) const {
+    const auto found = entries_.find({job.input.string(), job.output.string()});
+    return found != entries_.end() && !found->second.job.error && found->second.complete;
+}
+
 void Manifest::set(ManifestEntry entry) {
     Key key{entry.job.input.string(), entry.job.output.string()};
     const auto [place, fresh] = entries_.insert_or_assign(key, std::move(entry));

@@ -49,6 +49,9 @@ class Manifest {
     // byte for byte what it was, and nothing has appeared that would be read instead.
     std::optional<ManifestEntry> finished(const Job& job) const;
 
+    // Whether there is an entry of the job that was done.
+    bool has_done(const Job& job) const;
+
     void set(ManifestEntry entry);
 
     // Complete or not at all. Errors: io, invalid (the name is that of an output in it).
