@@ -77,6 +77,38 @@ TEST(Assimp, ColladaQuadWithMaterialAndTransform) {
     EXPECT_TRUE(moved);
 }
 
+// Assimp counts the UV sets that are there, and leaves the file's numbers in its materials.
+TEST(Assimp, MapsOfTheOnlyUvSetHaveItWhateverItsNumber) {
+    const test::TempDir dir;
+    std::string text = collada;
+    text.replace(text.find(" set=\"0\""), 8, " set=\"1\"");
+    text.replace(text.find("input_set=\"0\""), 13, "input_set=\"1\"");
+    // It takes the number that is in the name.
+    text.replace(text.find("texcoord=\"UV\""), 13, "texcoord=\"CHANNEL1\"");
+    text.replace(text.find("semantic=\"UV\""), 13, "semantic=\"CHANNEL1\"");
+    const auto scene = load(dir, "quad.dae", text);
+    ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
+    ASSERT_EQ(scene->meshes[0].uvs.size(), 1u);
+    const auto& map = scene->materials[scene->meshes[0].face_materials[0]].diffuse_map;
+    ASSERT_TRUE(bool(map));
+    EXPECT_EQ(map.uv_set, 0u);
+    EXPECT_TRUE(std::any_of(scene->warnings.begin(), scene->warnings.end(), [](const auto& w) {
+        return w.find("its only one is taken") != std::string::npos;
+    }));
+}
+
+TEST(Assimp, MotionWithoutAMeshIsRead) {
+    const test::TempDir dir;
+    const auto scene = load(dir, "walk.bvh",
+                            "HIERARCHY\nROOT Hips\n{\nOFFSET 0 0 0\n"
+                            "CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation "
+                            "Yrotation\nEnd Site\n{\nOFFSET 0 1 0\n}\n}\nMOTION\n"
+                            "Frames: 2\nFrame Time: 0.5\n0 0 0 0 0 0\n1 2 3 0 0 0\n");
+    ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
+    EXPECT_TRUE(scene->meshes.empty());
+    EXPECT_EQ(scene->animations.size(), 1u);
+}
+
 TEST(Assimp, TransformsThatAreNotFiniteAreAnErrorThatNamesTheNode) {
     const test::TempDir dir;
     std::string text = collada;

@@ -342,6 +342,19 @@ TEST(GltfBuild, LightsKeepTheirKindColourRangeAndCones) {
     EXPECT_EQ(light_of(4), 2);
 }
 
+TEST(GltfBuild, ConesOfAQuarterTurnAreNoWiderThanThat) {
+    prep::Scene scene;
+    scene.lights.emplace_back();
+    scene.lights[0].kind = prep::LightKind::spot;
+    scene.lights[0].outer_cone = float(std::acos(-1.0) / 2);  // the nearest float, which is above
+    scene.nodes.emplace_back();
+    scene.nodes[0].light = 0;
+    const Saved out = saved(scene);
+    const Json& spot = out.file.json["extensions"]["KHR_lights_punctual"]["lights"][0]["spot"];
+    EXPECT_LE(spot["outerConeAngle"].get<double>(), std::acos(-1.0) / 2);
+    EXPECT_GT(spot["outerConeAngle"].get<double>(), std::acos(-1.0) / 2 - 1e-6);
+}
+
 TEST(GltfBuild, CamerasKeepTheirLens) {
     prep::Scene scene = scene_of(mesh_of({0, 1, 2}, 3));
     scene.cameras.resize(3);

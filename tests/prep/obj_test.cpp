@@ -150,6 +150,18 @@ TEST(Obj, SubdivisionTags) {
     EXPECT_EQ(tags.interpolate_boundary, 2);
 }
 
+TEST(Obj, VertexColoursOfBytesAreTakenForThoseOfOne) {
+    for (const bool bytes : {true, false}) {
+        const std::string text = std::string("v 0 0 0 51 0 255\nv 1 0 0 0 ") +
+                                 (bytes ? "102" : "102.5") + " 1\nv 0 1 0 0 0 0\nf 1 2 3\n";
+        const auto scene = parse(text);
+        ASSERT_TRUE(scene) << prep::to_string(scene.error());
+        const auto& values = scene->meshes[0].colors[0].values;
+        EXPECT_EQ(values[0], bytes ? glm::vec4(0.2f, 0, 1, 1) : glm::vec4(51, 0, 255, 1));
+        EXPECT_EQ(scene->warnings.size(), bytes ? 1u : 0u);
+    }
+}
+
 TEST(Obj, VertexColoursFollowTheCorners) {
     const auto scene = parse("v 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 0 1 0 0 0 1\nf 1 2 3\n");
     ASSERT_TRUE(scene.has_value());

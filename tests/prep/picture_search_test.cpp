@@ -105,6 +105,7 @@ TEST(PictureSearch, GuessesStayInsideTheirDirectories) {
     EXPECT_EQ(place.found("secret.png"), "");
     EXPECT_EQ(place.found("C:\\..\\secret.png"), "");
     EXPECT_EQ(place.found("textures/../../secret.png"), "../secret.png");  // as it stands
+    EXPECT_EQ(place.found("./.././other/C.png"), "../Other/c.png");
     EXPECT_EQ(place.found("..\\secret.png"), "../secret.png");
     EXPECT_EQ(place.found("..\\other\\C.png"), "../Other/c.png");
     EXPECT_EQ(place.found("top.png", {"textures"}), "");

@@ -129,9 +129,9 @@ std::optional<fs::path> PictureSearch::locate(const std::string& name) {
             std::vector<std::string> parts = inner_parts(spelling);
             std::string_view rest = spelling;
             fs::path base = directory_;
-            while (rest.starts_with("../")) {
-                base /= "..";
-                rest.remove_prefix(3);
+            for (; rest.starts_with("../") || rest.starts_with("./");) {
+                if (rest.starts_with("../")) base /= "..";
+                rest.remove_prefix(rest.find('/') + 1);
             }
             if (base != directory_)
                 if (auto path = in_any_case(base, inner_parts(std::string(rest)))) return path;

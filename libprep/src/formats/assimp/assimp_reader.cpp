@@ -7,6 +7,8 @@
 #include <assimp/Importer.hpp>
 #include <exception>
 #include <fstream>
+#include <memory>
+#include <string_view>
 
 #include "formats/assimp/import.h"
 #include "formats/assimp/utf16.h"
@@ -23,6 +25,7 @@ Result<Scene> read_scene(const aiScene& from, const std::filesystem::path& path,
     import.scene.name = path.filename().string();
     import_materials(import, options);
     if (auto done = import_meshes(import); !done) return std::move(done).error();
+    settle_uv_sets(import);
     if (auto done = import_nodes(import); !done) return std::move(done).error();
     import_units(import);
     import_skins(import);
@@ -58,6 +61,18 @@ std::optional<std::string> text_of_utf16_file(const std::filesystem::path& path)
     return bytes ? utf8_of_utf16(*bytes) : std::nullopt;
 }
 
+std::unique_ptr<Assimp::Importer> make_importer(std::vector<std::filesystem::path>& read) {
+    auto importer = std::make_unique<Assimp::Importer>();
+    importer->SetIOHandler(new NotingFiles(read));  // it deletes it
+    // Pivots come as nodes of their own, which are resolved here: without them, Assimp animates
+    // nodes that it does not make. No meshes of bones where the file has none.
+    importer->SetPropertyBool(AI_CONFIG_IMPORT_FBX_PRESERVE_PIVOTS, true);
+    importer->SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);
+    // A player's legs are one file: the trunk and the head are others.
+    importer->SetPropertyBool(AI_CONFIG_IMPORT_MD3_HANDLE_MULTIPART, false);
+    return importer;
+}
+
 }  // namespace
 
 bool assimp_knows(const std::string& extension) {
@@ -68,23 +83,29 @@ bool assimp_knows(const std::string& extension) {
 Result<Scene> read_with_assimp(const std::filesystem::path& path, const LoadOptions& options) {
     try {
         std::vector<std::filesystem::path> others;
-        Assimp::Importer importer;
-        importer.SetIOHandler(new NotingFiles(others));  // it deletes it
-        // Pivots come as nodes of their own, which are resolved here: without them, Assimp animates
-        // nodes that it does not make. No meshes of bones where the file has none.
-        importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_PRESERVE_PIVOTS, true);
-        importer.SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);
+        std::unique_ptr<Assimp::Importer> importer = make_importer(others);
         // Only what keeps the file as it is: no joining, no triangulation, no generated normals,
-        // no limit to the number of weights.
-        constexpr unsigned steps = aiProcess_ValidateDataStructure;
+        // no limit to the number of weights. Where a material says that its pictures lie around the
+        // mesh like a sphere, a cylinder or a plane, UVs say so.
+        constexpr unsigned validated = aiProcess_ValidateDataStructure,
+                           steps = aiProcess_GenUVCoords;
         const std::optional<std::string> converted = text_of_utf16_file(path);
-        const aiScene* scene =
-            converted ? importer.ReadFileFromMemory(
-                            converted->data(), converted->size(), steps,
-                            path.extension().string().c_str() + (path.has_extension() ? 1 : 0))
-                      : importer.ReadFile(path.string(), steps);
+        const std::string ending = path.extension().string();
+        const auto read_by = [&](unsigned how) {
+            return converted ? importer->ReadFileFromMemory(converted->data(), converted->size(),
+                                                            how, ending.c_str() + !ending.empty())
+                             : importer->ReadFile(path.string(), how);
+        };
+        const aiScene* scene = read_by(validated | steps);
+        // Motion alone (BVH) is no error, but for Assimp's validation. Its reader of BVH goes on
+        // where it ended, so that another has to begin.
+        if (!scene && std::string_view(importer->GetErrorString()).find("mNumMeshes is 0") !=
+                          std::string_view::npos) {
+            importer = make_importer(others);
+            scene = read_by(steps);
+        }
         if (!scene || !scene->mRootNode)
-            return Error{ErrorCode::syntax, std::string("Assimp: ") + importer.GetErrorString(),
+            return Error{ErrorCode::syntax, std::string("Assimp: ") + importer->GetErrorString(),
                          path.string()};
         auto read = read_scene(*scene, path, options);
         std::error_code ec;

@@ -2,6 +2,7 @@
 // order is that of read_scene() in assimp_reader.cpp.
 #pragma once
 
+#include <assimp/commonMetaData.h>
 #include <assimp/scene.h>
 
 #include <filesystem>
@@ -9,6 +10,7 @@
 #include <map>
 #include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "formats/assimp/counted_names.h"
@@ -51,6 +53,12 @@ struct AssimpImport {
     Scene scene;
     AssimpNodes nodes;
 
+    // By which of Assimp's readers.
+    bool is_by(std::string_view reader) const {
+        aiString name;
+        return from.mMetaData && from.mMetaData->Get(AI_METADATA_SOURCE_FORMAT, name) &&
+               std::string_view(name.data, name.length).find(reader) != std::string_view::npos;
+    }
     // "3 keys …", "1 key …" in the scene's warnings; nothing for a count of 0.
     void warn(std::uint64_t count, const char* one, const char* many, const std::string& rest) {
         add(count, one, many, rest, scene.warnings);
@@ -95,6 +103,8 @@ bool is_pivot(const aiString& name);
 
 // One material for each of Assimp's, in their order, with its textures and pictures.
 void import_materials(AssimpImport& import, const LoadOptions& options);
+// Once meshes are there: maps of a UV set that no mesh of theirs has take the only one.
+void settle_uv_sets(AssimpImport& import);
 // Errors: invalid (indices out of range).
 Result<void> import_meshes(AssimpImport& import);
 // Errors: limit (nesting).

@@ -408,7 +408,8 @@ class MaterialReader {
     }
 
     Index image_of(const std::string& file) {
-        if (file.empty()) return no_index;  // MD5 names none so
+        // MD5 names none so, and Assimp what MD2 has not.
+        if (file.empty() || file == "$texture_dummy.bmp") return no_index;
         const auto [it, added] = images_.emplace(file, Index(scene_.images.size()));
         if (!added) return it->second;
         ImageRef image;
@@ -445,6 +446,25 @@ class MaterialReader {
 
 void import_materials(AssimpImport& import, const LoadOptions& options) {
     MaterialReader(import, options).run();
+}
+
+// Assimp leaves out sets that a file numbers and has not, and keeps the numbers in the materials.
+void settle_uv_sets(AssimpImport& import) {
+    Scene& scene = import.scene;
+    std::vector<std::size_t> sets(scene.materials.size(), 0);
+    for (const Mesh& mesh : scene.meshes)
+        if (!mesh.face_materials.empty() && mesh.face_materials[0] < sets.size())
+            sets[mesh.face_materials[0]] = std::max(sets[mesh.face_materials[0]], mesh.uvs.size());
+    std::uint64_t moved = 0;
+    for (std::size_t m = 0; m < sets.size(); ++m)
+        for (const MaterialMap& map : material_maps)
+            if (TextureRef& ref = scene.materials[m].*map.ref;
+                ref && ref.uv_set > 0 && sets[m] == 1) {
+                ref.uv_set = 0;
+                ++moved;
+            }
+    import.warn(moved, "map", "maps",
+                "of a UV set that the mesh has under another number: its only one is taken");
 }
 
 }  // namespace prep::detail

@@ -1,6 +1,7 @@
 // Meshes as they are, and their morph targets: nothing joined, nothing triangulated.
 #include <cmath>
 
+#include "base/srgb.h"
 #include "formats/assimp/import.h"
 
 namespace prep::detail {
@@ -54,8 +55,10 @@ class MeshImport {
                     {in.mTextureCoords[s][v].x, float(1.0 - double(in.mTextureCoords[s][v].y))});
             layer.indices = out.corner_vertices;
         }
-        for (unsigned s = 0; out.corner_count() > 0 && s < color_sets(in); ++s)
+        for (unsigned s = 0; out.corner_count() > 0 && s < color_sets(in); ++s) {
             out.colors.push_back({colors(in, s), out.corner_vertices});
+            if (import_.is_by("Blender")) scale_bytes(out.colors.back().values);
+        }
         for (unsigned t = 0; t < in.mNumAnimMeshes; ++t) target(in, *in.mAnimMeshes[t], out);
         // What moves by vertex stays as it is: equal positions are one point for adjacency only.
         out.indexed_by_vertex = !out.morph_targets.empty() || in.mNumBones > 0;
@@ -100,6 +103,20 @@ class MeshImport {
             values.push_back({c.r, c.g, c.b, c.a});
         }
         return values;
+    }
+    // Blender's older files: bytes, which Assimp 5.2 gives as signed ones.
+    static void scale_bytes(std::vector<glm::vec4>& colors) {
+        bool beyond = false;
+        for (const glm::vec4& c : colors)
+            for (int k = 0; k < 4; ++k) {
+                if (!(c[k] >= -128 && c[k] <= 127 && c[k] == std::floor(c[k]))) return;
+                beyond |= c[k] < 0 || c[k] > 1;
+            }
+        for (glm::vec4& c : colors)
+            for (int k = 0; beyond && k < 4; ++k) {
+                const double byte = c[k] < 0 ? double(c[k]) + 256 : double(c[k]);
+                c[k] = float(k < 3 ? srgb_to_linear(byte / 255) : byte / 255);
+            }
     }
 
     // Lines and points have colours here, and those only where no face has them.

@@ -1,7 +1,6 @@
 // Metres. FBX counts in UnitScaleFactor centimetres, which Assimp tells and leaves to its caller;
-// what Collada says of its unit is in the root node's transform already.
-#include <assimp/commonMetaData.h>
-
+// what Collada says of its unit is in the root node's transform already. Blender's files have z up,
+// which it leaves so as well.
 #include <cmath>
 #include <cstdlib>
 
@@ -44,11 +43,18 @@ glm::dmat4 axes_of(const aiMetadata& said, int& up) {
 void import_units(AssimpImport& import) {
     const aiMetadata* said = import.from.mMetaData;
     Scene& scene = import.scene;
-    if (!said || scene.nodes.empty()) return;
+    if (scene.nodes.empty()) return;
     Placement& placement = scene.placement;
+    if (import.is_by("Blender")) {
+        placement.file_unit_source = "Blender, z up";
+        const glm::dmat4 turn(glm::dvec4(1, 0, 0, 0), glm::dvec4(0, 0, -1, 0),
+                              glm::dvec4(0, 1, 0, 0), glm::dvec4(0, 0, 0, 1));
+        scene.nodes[0].transform = turn * scene.nodes[0].transform;
+        return;
+    }
+    if (!said) return;
     float number = 0;
     double precise = 0;
-    aiString reader;
     if (said->Get("UnitScaleFactor", precise) || said->Get("UnitScaleFactor", number)) {
         // A float's own digits: 2.54 is an inch, 2.5399999618 is not.
         const double centimetres =
@@ -65,8 +71,7 @@ void import_units(AssimpImport& import) {
         for (int c = 0; c < 3; ++c) metres[c] *= placement.file_unit;
         if (up != 1) placement.file_unit_source += up == 0 ? ", x up" : ", z up";
         scene.nodes[0].transform = metres * scene.nodes[0].transform;
-    } else if (said->Get(AI_METADATA_SOURCE_FORMAT, reader) &&
-               text(reader).find("Collada") != std::string::npos) {
+    } else if (import.is_by("Collada")) {
         const double unit = glm::length(glm::dvec3(scene.nodes[0].transform[0]));
         if (!(unit > 0) || !std::isfinite(unit) || std::abs(unit - 1) < 1e-5) return;
         placement.file_unit = unit;

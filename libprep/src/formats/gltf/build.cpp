@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numbers>
 #include <set>
 
 #include "base/finite.h"
@@ -517,9 +518,11 @@ class Builder {
                      {"intensity", std::max(light.intensity, 0.0f) * brightest}};
             if (!light.name.empty()) out["name"] = light.name;
             if (light.range > 0 && light.kind != LightKind::directional) out["range"] = light.range;
+            // The nearest float to a quarter turn, the widest there is, lies above it.
+            const float widest = std::nextafter(float(std::numbers::pi / 2), 0.0f);
             if (light.kind == LightKind::spot)
                 out["spot"] = {{"innerConeAngle", light.inner_cone},
-                               {"outerConeAngle", light.outer_cone}};
+                               {"outerConeAngle", std::min(light.outer_cone, widest)}};
             light_index_[l] = Index(list.size());
             list.push_back(std::move(out));
         }

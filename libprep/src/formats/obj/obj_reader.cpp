@@ -425,6 +425,17 @@ class Assembler {
         return {};
     }
 
+    // Some programs' colours of vertices; others have none above 1, or such as are no bytes.
+    static bool are_bytes(const std::vector<glm::vec4>& colors) {
+        bool above = false;
+        for (const glm::vec4& c : colors)
+            for (int k = 0; k < 3; ++k) {
+                if (!(c[k] >= 0 && c[k] <= 255 && c[k] == std::floor(c[k]))) return false;
+                above |= c[k] > 1;
+            }
+        return above;
+    }
+
     void colors() {
         const bool any = std::any_of(blocks_.begin(), blocks_.end(),
                                      [](const ObjBlock& b) { return !b.colors.empty(); });
@@ -433,6 +444,11 @@ class Assembler {
         for (std::size_t b = 0; b < blocks_.size(); ++b)
             std::copy(blocks_[b].colors.begin(), blocks_[b].colors.end(),
                       values.begin() + std::ptrdiff_t(bases_[b].positions));
+        if (are_bytes(values)) {
+            for (glm::vec4& c : values) c = glm::vec4(glm::vec3(c) / 255.0f, c.a);
+            scene_.warnings.push_back(options_.name +
+                                      ": the colours are of 0 to 255: taken for that of 1");
+        }
         const bool faces = mesh_->corner_count() > 0;
         if (!faces || !mesh_->line_vertices.empty() || !mesh_->points.empty())
             mesh_->vertex_colors = values;
