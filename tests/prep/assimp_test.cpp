@@ -97,6 +97,24 @@ TEST(Assimp, MapsOfTheOnlyUvSetHaveItWhateverItsNumber) {
     }));
 }
 
+// NFF says of spheres' pictures that they lie around them; where, no vertex says.
+TEST(Assimp, PicturesThatLieAroundAMeshHaveUvs) {
+    const test::TempDir dir;
+    const auto scene = load(dir, "earth.nff", "f 1 1 1 0.5 0.5 40 0 1 earth.png\ns 0 0 0 2\n");
+    ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
+    const prep::Mesh& mesh = scene->meshes[0];
+    ASSERT_EQ(mesh.uvs.size(), 1u);
+    EXPECT_TRUE(bool(scene->materials[mesh.face_materials[0]].diffuse_map));
+    // Latitude: along the axis of the poles v goes with the height, evenly by its angle.
+    double least = 1, most = 0;
+    for (const glm::vec2& uv : mesh.uvs[0].values) {
+        least = std::min(least, double(uv.y));
+        most = std::max(most, double(uv.y));
+    }
+    EXPECT_NEAR(least, 0, 0.05);
+    EXPECT_NEAR(most, 1, 0.05);
+}
+
 TEST(Assimp, MotionWithoutAMeshIsRead) {
     const test::TempDir dir;
     const auto scene = load(dir, "walk.bvh",

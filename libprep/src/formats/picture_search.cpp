@@ -129,7 +129,7 @@ std::optional<fs::path> PictureSearch::locate(const std::string& name) {
             std::vector<std::string> parts = inner_parts(spelling);
             std::string_view rest = spelling;
             fs::path base = directory_;
-            for (; rest.starts_with("../") || rest.starts_with("./");) {
+            while (rest.starts_with("../") || rest.starts_with("./")) {
                 if (rest.starts_with("../")) base /= "..";
                 rest.remove_prefix(rest.find('/') + 1);
             }

@@ -141,7 +141,7 @@ class CameraAndLightImport {
             out.inner_cone = in.mAngleInnerCone / 2;
             out.outer_cone = in.mAngleOuterCone / 2;
             // A quarter turn is the widest that there is, and the inner cone lies within.
-            const float widest = std::nextafter(float(std::numbers::pi / 2), 0.0f);
+            const float widest = float(std::numbers::pi / 2);
             if (!(out.outer_cone > 0 && out.outer_cone <= widest)) out.outer_cone = widest;
             if (!(out.inner_cone >= 0 && out.inner_cone < out.outer_cone))
                 out.inner_cone = 0.999f * out.outer_cone;

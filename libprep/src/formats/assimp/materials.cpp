@@ -449,6 +449,7 @@ void import_materials(AssimpImport& import, const LoadOptions& options) {
 }
 
 // Assimp leaves out sets that a file numbers and has not, and keeps the numbers in the materials.
+// A mesh has one material there.
 void settle_uv_sets(AssimpImport& import) {
     Scene& scene = import.scene;
     std::vector<std::size_t> sets(scene.materials.size(), 0);

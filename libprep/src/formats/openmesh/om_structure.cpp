@@ -17,38 +17,13 @@ enum Type {
     topology = 7
 };
 
-const char* name_of_entity(unsigned entity) {
-    switch (entity) {
-        case vertices:
-            return "vertices' ";
-        case faces:
-            return "faces' ";
-        case edges:
-            return "edges' ";
-        case halfedges:
-            return "half-edges' ";
-        default:
-            return "the mesh's ";
-    }
-}
-
-const char* name_of_type(unsigned type) {
-    switch (type) {
-        case positions:
-            return "positions";
-        case normals:
-            return "normals";
-        case texcoords:
-            return "texture coordinates";
-        case status:
-            return "status";
-        case color:
-            return "colours";
-        case topology:
-            return "connectivity";
-        default:
-            return "property";
-    }
+// Of the chunk with this head, which is a known one and has no name of its own.
+std::string chunk_name(unsigned head) {
+    static constexpr const char* entities[] = {"vertices'", "the mesh's", "faces'",      "",
+                                               "edges'",    "",           "half-edges'", ""};
+    static constexpr const char* types[16] = {
+        "positions", "normals", "texture coordinates", "status", "colours", "", "property"};
+    return std::string(entities[head >> 2 & 7]) + ' ' + types[head >> 5 & 15];
 }
 
 class Walker {
@@ -95,7 +70,7 @@ class Walker {
             if (kind_ == Kind::mesh)
                 keep(begin, at_);
             else
-                left_out_.add(chunk_name_);
+                left_out_.add(own_name_.empty() ? chunk_name(head) : own_name_);
         }
         return fail("the file ends without its last chunk: it is cut short");
     }
@@ -136,14 +111,13 @@ class Walker {
         const unsigned bits = head >> 14 & 3;
         const bool floats = head >> 10 & 1;
         const bool named = head >> 1 & 1;
+        own_name_.clear();
         if (named) {  // 16-bit length and characters
             if (left() < 2) return fail("a chunk's name is cut short");
             const std::size_t length = std::size_t(byte(at_)) | std::size_t(byte(at_ + 1)) << 8;
             if (length > 256 || left() - 2 < length) return fail("a chunk's name is cut short");
-            chunk_name_.assign(reinterpret_cast<const char*>(bytes_.data()) + at_ + 2, length);
+            own_name_.assign(reinterpret_cast<const char*>(bytes_.data()) + at_ + 2, length);
             at_ += 2 + length;
-        } else {
-            chunk_name_ = std::string(name_of_entity(entity)) + name_of_type(type);
         }
         std::uint64_t count = 0;
         switch (entity) {
@@ -249,7 +223,7 @@ class Walker {
     const std::string& name_;
     std::string kept_;
     NameList left_out_;
-    std::string chunk_name_;   // of the chunk being read
+    std::string own_name_;     // of the chunk being read
     Kind kind_ = Kind::other;  // of the chunk being read
     std::size_t at_ = 0;
     std::uint64_t vertices_ = 0, faces_ = 0, edges_ = 0;
