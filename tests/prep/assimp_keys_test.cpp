@@ -8,6 +8,7 @@
 #include "formats/assimp/key_tracks.h"
 #include "formats/assimp/pivot_motion.h"
 #include "formats/assimp/trs.h"
+#include "formats/assimp/md5_numbers.h"
 #include "formats/assimp/utf16.h"
 
 namespace {
@@ -158,6 +159,27 @@ TEST(AssimpUtf16, BothOrdersPairsAndHalves) {
     EXPECT_EQ(text({'<', '?', 'x'}), std::nullopt);
     EXPECT_EQ(text({}), std::nullopt);
     EXPECT_EQ(text({0xff, 0xfe}), "");
+}
+
+TEST(AssimpMd5Numbers, BeyondWhatTheFileHoldsAreToldByLine) {
+    const auto told = [](const std::string& text) {
+        const auto excess = prep::detail::md5_excess(text);
+        return excess ? std::to_string(excess->line) + ": " + excess->statement : std::string();
+    };
+    const std::string head = "MD5Version 10\r\nmesh {\r\n", tail = " 0 0 0\n}\n";
+    for (const char* word : {"vert", "tri", "weight"}) {
+        EXPECT_EQ(told(head + word + " 0" + tail + " \t" + word + "\t20" + tail), "");
+        for (const char* number : {"4294967295", "8589934591", "99999999999999999999999", "80"})
+            EXPECT_EQ(told(head + word + " 0" + tail + " \t" + word + " \t" + number + tail),
+                      std::string("5: ") + word + ' ' + number);
+    }
+    EXPECT_EQ(told(head + "numtris 4294967295"), "3: numtris 4294967295");
+    EXPECT_EQ(told(head + "shader 4294967295\rtriangle 4294967295\rtri\rtri x"), "");
+    // As many as bytes are no excess.
+    EXPECT_EQ(told("tri 6 "), "");
+    EXPECT_EQ(told("tri 7 "), "1: tri 7");
+    EXPECT_EQ(told("\r\r\n\ntri 99"), "4: tri 99");
+    EXPECT_EQ(told(""), "");
 }
 
 // One triangle under `root`, with bones of the given names and weights.

@@ -1,6 +1,7 @@
 #include <assimp/DefaultIOSystem.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
+#include <strings.h>
 
 #include <algorithm>
 #include <array>
@@ -11,6 +12,7 @@
 #include <string_view>
 
 #include "formats/assimp/import.h"
+#include "formats/assimp/md5_numbers.h"
 #include "formats/assimp/utf16.h"
 #include "formats/reader_backend.h"
 #include "prep/files.h"
@@ -61,6 +63,20 @@ std::optional<std::string> text_of_utf16_file(const std::filesystem::path& path)
     return bytes ? utf8_of_utf16(*bytes) : std::nullopt;
 }
 
+// Numbers that Assimp does not survive.
+Result<void> check_md5_numbers(const std::filesystem::path& path) {
+    if (::strcasecmp(path.extension().c_str(), ".md5mesh") != 0) return {};
+    const auto bytes = read_file(path);
+    if (!bytes) return bytes.error();
+    const auto excess =
+        md5_excess({reinterpret_cast<const char*>(bytes->data()), bytes->size()});
+    if (!excess) return {};
+    return Error{ErrorCode::invalid,
+                 "'" + excess->statement + "' is beyond what a file of " +
+                     std::to_string(bytes->size()) + " bytes can hold",
+                 path.string() + ':' + std::to_string(excess->line)};
+}
+
 std::unique_ptr<Assimp::Importer> make_importer(std::vector<std::filesystem::path>& read) {
     auto importer = std::make_unique<Assimp::Importer>();
     importer->SetIOHandler(new NotingFiles(read));  // it deletes it
@@ -81,6 +97,7 @@ bool assimp_knows(const std::string& extension) {
 }
 
 Result<Scene> read_with_assimp(const std::filesystem::path& path, const LoadOptions& options) {
+    if (auto checked = check_md5_numbers(path); !checked) return std::move(checked).error();
     try {
         std::vector<std::filesystem::path> others;
         std::unique_ptr<Assimp::Importer> importer = make_importer(others);
