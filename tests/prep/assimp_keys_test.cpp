@@ -6,9 +6,9 @@
 
 #include "formats/assimp/import.h"
 #include "formats/assimp/key_tracks.h"
+#include "formats/assimp/md5_numbers.h"
 #include "formats/assimp/pivot_motion.h"
 #include "formats/assimp/trs.h"
-#include "formats/assimp/md5_numbers.h"
 #include "formats/assimp/utf16.h"
 
 namespace {
