@@ -4,6 +4,7 @@
 
 #include "limit_cages.h"
 #include "prep/displacement/tessellate.h"
+#include "tessellation/limit/cone_kernels.h"
 #include "tessellation/tessellation.h"
 
 namespace prep {
@@ -367,6 +368,90 @@ TEST(TessellationLimit, WhatIsLeftAroundAVertexIsBounded) {
     }
     EXPECT_GT(tips[SubdivisionScheme::catmark], 100u);
     EXPECT_GT(tips[SubdivisionScheme::loop], 100u);
+}
+
+// Patches that bend a little, lie apart, and one of which folds back.
+std::array<detail::BezierPatch, detail::patches_at_once> random_patches(std::mt19937& random) {
+    std::uniform_real_distribution<double> part(-1, 1);
+    std::array<detail::BezierPatch, detail::patches_at_once> patches;
+    for (std::size_t p = 0; p < patches.size(); ++p) {
+        const double bend = p == 3 ? 3 : 0.02 * double(p + 1);
+        const glm::dvec3 to(part(random), part(random), 0);
+        for (std::size_t c = 0; c < 16; ++c) {
+            const glm::dvec3 off(part(random), part(random), part(random));
+            patches[p].p[c] = to + glm::dvec3(c % 4, c / 4, 0) + bend * off;
+        }
+    }
+    return patches;
+}
+
+double cone_of(const detail::BezierPatch& patch, const glm::dvec3& e) {
+    const detail::NormalNet net = detail::normal_net(patch);
+    double widest = 0;
+    for (const glm::dvec3& n : net.n) {
+        const double by_e = glm::dot(n, e);
+        if (!(by_e - net.error > 0)) return std::numeric_limits<double>::infinity();
+        widest = std::max(widest, (glm::length(n - by_e * e) + net.error) / (by_e - net.error));
+    }
+    return widest;
+}
+
+TEST(TessellationLimit, ConesAreThoseOfEachPatchForEveryInstructionSet) {
+    constexpr std::size_t at_once = detail::patches_at_once;
+    std::mt19937 random(19);
+    std::uniform_real_distribution<double> part(-0.3, 0.3);
+    const auto direction = [&] {
+        return glm::normalize(glm::dvec3(part(random), part(random), 1));
+    };
+    std::size_t unbounded = 0;
+    for (int round = 0; round < 50; ++round) {
+        const auto patches = random_patches(random);
+        std::array<glm::dvec3, 3> normals;
+        std::array<glm::dvec3, at_once> axes;
+        for (glm::dvec3& n : normals) n = direction();
+        for (glm::dvec3& e : axes) e = direction();
+        std::array<double, 48 * at_once> points;
+        std::array<double, 3 * at_once> by_axis;
+        for (std::size_t p = 0; p < at_once; ++p)
+            for (std::size_t d = 0; d < 3; ++d) {
+                by_axis[d * at_once + p] = axes[p][int(d)];
+                for (std::size_t c = 0; c < 16; ++c)
+                    points[(3 * c + d) * at_once + p] = patches[p].p[c][int(d)];
+            }
+        for (const SimdLevel simd :
+             {SimdLevel::scalar, SimdLevel::sse4, SimdLevel::avx2, SimdLevel::avx512}) {
+            const std::size_t count = 1 + std::size_t(round) % at_once;
+            std::array<double, 4 * at_once> widest{};
+            detail::bezier_cones(points.data(), by_axis.data(), &normals[0].x, count, widest.data(),
+                                 simd);
+            for (std::size_t p = 0; p < count; ++p) {
+                EXPECT_EQ(widest[p], cone_of(patches[p], axes[p])) << round << ' ' << p;
+                unbounded += std::isinf(widest[p]);
+                for (std::size_t k = 0; k < 3; ++k)
+                    EXPECT_EQ(widest[(k + 1) * at_once + p], cone_of(patches[p], normals[k]));
+            }
+        }
+    }
+    EXPECT_GT(unbounded, 0u);
+}
+
+TEST(TessellationLimit, ConesOfRingsAreTheSameForEveryInstructionSet) {
+    std::set<SubdivisionScheme> schemes;
+    for (const Cage& cage : cages()) {
+        const auto surface = channel_surface(cage);
+        ASSERT_TRUE(surface);
+        const detail::RingCones plain(*surface, 1, SimdLevel::scalar);
+        for (const SimdLevel simd : {SimdLevel::sse4, SimdLevel::avx2, SimdLevel::avx512}) {
+            const detail::RingCones cones(*surface, 1, simd);
+            for (std::uint32_t r = 0; r < surface->tree.rings.size(); ++r)
+                for (std::uint32_t j = 0; j < surface->tree.rings[r].shape.sectors; ++j)
+                    for (int k = detail::tip_levels; k < 50; ++k) {
+                        ASSERT_EQ(cones.from_level(r, j, k), plain.from_level(r, j, k));
+                        schemes.insert(cage.scheme);
+                    }
+        }
+    }
+    EXPECT_GE(schemes.size(), 2u);
 }
 
 // Also where three of Loop's triangles meet, and where a crease has one face on a side: there

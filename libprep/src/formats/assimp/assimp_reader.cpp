@@ -68,8 +68,7 @@ Result<void> check_md5_numbers(const std::filesystem::path& path) {
     if (::strcasecmp(path.extension().c_str(), ".md5mesh") != 0) return {};
     const auto bytes = read_file(path);
     if (!bytes) return bytes.error();
-    const auto excess =
-        md5_excess({reinterpret_cast<const char*>(bytes->data()), bytes->size()});
+    const auto excess = md5_excess({reinterpret_cast<const char*>(bytes->data()), bytes->size()});
     if (!excess) return {};
     return Error{ErrorCode::invalid,
                  "'" + excess->statement + "' is beyond what a file of " +

@@ -32,8 +32,8 @@ std::optional<Md5Excess> md5_excess(std::string_view text) {
         std::uint64_t value = 0;
         const auto [stop, failure] =
             std::from_chars(number.data(), number.data() + number.size(), value);
-        const bool beyond = failure == std::errc::result_out_of_range ||
-                            (failure == std::errc() && value > most);
+        const bool beyond =
+            failure == std::errc::result_out_of_range || (failure == std::errc() && value > most);
         if (beyond)
             return Md5Excess{line, std::string(word) + ' ' + std::string(number.data(), stop)};
     }

@@ -2,21 +2,19 @@
 
 #include <cmath>
 
+#include "tessellation/limit/normal_net.h"
+
 namespace prep::detail {
 namespace {
 
 std::array<double, 4> polar(double a, double b, double c) {
-    // P0 = f(−2,−1,0), P1 = f(−1,0,1), P2 = f(0,1,2), P3 = f(1,2,3).
-    std::array<double, 4> weights{};
-    for (std::size_t k = 0; k < 4; ++k) {
-        const auto p = [&](std::size_t i) { return i == k ? 1.0 : 0.0; };
-        const auto mix = [](double x, double y, double t) { return (1 - t) * x + t * y; };
-        const double q0 = mix(p(0), p(1), (a + 2) / 3);
-        const double q1 = mix(p(1), p(2), (a + 1) / 3);
-        const double q2 = mix(p(2), p(3), a / 3);
-        weights[k] = mix(mix(q0, q1, (b + 1) / 2), mix(q1, q2, b / 2), c);
-    }
-    return weights;
+    // P0 = f(−2,−1,0), P1 = f(−1,0,1), P2 = f(0,1,2), P3 = f(1,2,3): mixed by a in threes, by b in
+    // twos, and by c.
+    const double a0 = (a + 2) / 3, a1 = (a + 1) / 3, a2 = a / 3;
+    const double b0 = (b + 1) / 2, b1 = b / 2;
+    return {(1 - c) * ((1 - b0) * (1 - a0)),
+            (1 - c) * ((1 - b0) * a0 + b0 * (1 - a1)) + c * ((1 - b1) * (1 - a1)),
+            (1 - c) * (b0 * a1) + c * ((1 - b1) * a1 + b1 * (1 - a2)), c * (b1 * a2)};
 }
 
 }  // namespace
@@ -66,34 +64,21 @@ std::array<double, 3> second_derivative_bounds(const BezierPatch& patch) {
 }
 
 NormalNet normal_net(const BezierPatch& patch) {
-    static constexpr double two[3] = {1, 2, 1}, three[4] = {1, 3, 3, 1};
-    static constexpr double five[6] = {1, 0.2, 0.1, 0.1, 0.2, 1};  // one over the binomials
     NormalNet net;
-    net.n.fill(glm::dvec3(0.0));
-    std::array<glm::dvec3, 12> across;  // derivatives by v, of degree 3 × 2, times binomials
+    bicubic_normal_net(patch.p.data(), net.n.data());
     double size = 0, most_u = 0, most_v = 0;
     for (const glm::dvec3& at : patch.p)
         size = std::max({size, std::abs(at.x), std::abs(at.y), std::abs(at.z)});
-    for (std::size_t l = 0; l < 3; ++l)
-        for (std::size_t k = 0; k < 4; ++k) {
-            const glm::dvec3 d = 3.0 * (patch.p[4 * (l + 1) + k] - patch.p[4 * l + k]);
-            most_v = std::max(most_v, glm::dot(d, d));
-            across[4 * l + k] = two[l] * three[k] * d;
-        }
+    const auto widen = [](double& most, const glm::dvec3& d) {
+        most = std::max(most, glm::dot(d, d));
+    };
     for (std::size_t j = 0; j < 4; ++j)
         for (std::size_t i = 0; i < 3; ++i) {
-            const glm::dvec3 along = 3.0 * (patch.p[4 * j + i + 1] - patch.p[4 * j + i]);
-            most_u = std::max(most_u, glm::dot(along, along));
-            const glm::dvec3 u = two[i] * three[j] * along;
-            for (std::size_t l = 0; l < 3; ++l)
-                for (std::size_t k = 0; k < 4; ++k)
-                    net.n[6 * (j + l) + i + k] += glm::cross(u, across[4 * l + k]);
+            widen(most_u, 3.0 * (patch.p[4 * j + i + 1] - patch.p[4 * j + i]));
+            widen(most_v, 3.0 * (patch.p[4 * (i + 1) + j] - patch.p[4 * i + j]));
         }
-    for (std::size_t j = 0; j < 6; ++j)
-        for (std::size_t i = 0; i < 6; ++i) net.n[6 * j + i] *= five[i] * five[j];
-    // Differences of points err by roundings of their size, products by some of theirs.
     const double lengths = std::sqrt(most_u) + std::sqrt(most_v);
-    net.error = lengths * (size * 0x1p-46 + lengths * 0x1p-48);
+    net.error = lengths * (size * net_error_by_size + lengths * net_error_by_length);
     return net;
 }
 

@@ -45,6 +45,8 @@ struct NormalNet {
     double error = 0;
 };
 NormalNet normal_net(const BezierPatch& patch);
+// Differences of points err by roundings of their size, products of derivatives by some of theirs.
+inline constexpr double net_error_by_size = 0x1p-46, net_error_by_length = 0x1p-48;
 
 // First derivatives in the box's middle, by the box's size.
 std::array<glm::dvec3, 2> middle_derivatives(const BezierPatch& patch);

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <span>
 
-#include "base/parallel.h"
+#include "tessellation/limit/cone_kernels.h"
 #include "tessellation/polygon_surface.h"
 
 namespace prep::detail {
@@ -166,8 +166,7 @@ double cone_about(const Net& net, const glm::dvec3& e, double error) {
         if (!(along > 0)) return no_bound;
         widest = std::max(widest, across / along);
     }
-    const double length = std::hypot(1.0, widest);
-    return std::min(no_bound, widest / length * std::sqrt(2 / (1 + 1 / length)));
+    return chord_of_tangent(widest);
 }
 
 double farthest(const glm::dvec3& from, const std::array<glm::dvec3, 3>& to) {
@@ -182,33 +181,78 @@ glm::dvec3 axis_of(const Patch& patch, const glm::dvec3& otherwise) {
     return unit_or(glm::cross(middle[0], middle[1]), otherwise);
 }
 
-// Of first order: how far the normal turns within the patch, and between it and the corners; or
+// Of first order: how far the normal turns within each patch, and between it and the corners; or
 // directly how far it is from each of those, as |n − I n| is no more than the largest |n − n(v)|.
-// What is not above `enough` need not be the less of the two.
-template <class Patch>
-double cone_deviation(const Patch& patch, const LimitTriangle& triangle, double enough) {
-    const glm::dvec3 e = axis_of(patch, triangle.normals[0]);
-    const auto net = normal_net(patch);
-    const double about_axis = cone_about(net, e, net.error) + farthest(e, triangle.normals);
-    double from_corners = enough;
-    for (const glm::dvec3& normal : triangle.normals) {
-        if (about_axis <= from_corners) return about_axis;
-        from_corners = std::max(from_corners, cone_about(net, normal, net.error));
+class ConeDeviation {
+  public:
+    explicit ConeDeviation(const LimitTriangle& triangle) : triangle_(triangle) {
+        for (std::size_t k = 0; k < 3; ++k)
+            for (int d = 0; d < 3; ++d) normals_[3 * k + std::size_t(d)] = triangle.normals[k][d];
     }
-    return std::min(from_corners, about_axis);
-}
+
+    void add(const BezierPatch& patch) {
+        axes_[held_] = axis_of(patch, triangle_.normals[0]);
+        for (std::size_t d = 0; d < 3; ++d) {
+            const int at = int(d);
+            for (std::size_t c = 0; c < 16; ++c)
+                points_[(3 * c + d) * patches_at_once + held_] = patch.p[c][at];
+            by_axis_[d * patches_at_once + held_] = axes_[held_][at];
+        }
+        if (++held_ == patches_at_once) take();
+    }
+    void add(const QuarticPatch& patch) {
+        const glm::dvec3 e = axis_of(patch, triangle_.normals[0]);
+        const auto net = normal_net(patch);
+        take(e, cone_about(net, e, net.error),
+             [&](std::size_t k) { return cone_about(net, triangle_.normals[k], net.error); });
+    }
+    double largest() {
+        take();
+        return most_;
+    }
+
+  private:
+    // What is not above the largest one yet need not be the less of the two.
+    template <class Cone>
+    void take(const glm::dvec3& axis, double cone, const Cone& about_corner) {
+        const double about_axis = cone + farthest(axis, triangle_.normals);
+        double from_corners = most_;
+        for (std::size_t k = 0; k < 3 && about_axis > from_corners; ++k)
+            from_corners = std::max(from_corners, about_corner(k));
+        most_ = std::max(most_, std::min(from_corners, about_axis));
+    }
+    void take() {
+        if (held_ == 0) return;
+        std::array<double, 4 * patches_at_once> widest;
+        bezier_cones(points_.data(), by_axis_.data(), normals_.data(), held_, widest.data(),
+                     SimdLevel::automatic);
+        for (std::size_t p = 0; p < held_; ++p)
+            take(axes_[p], chord_of_tangent(widest[p]), [&](std::size_t k) {
+                return chord_of_tangent(widest[(k + 1) * patches_at_once + p]);
+            });
+        held_ = 0;
+    }
+
+    const LimitTriangle& triangle_;
+    double most_ = 0;
+    std::size_t held_ = 0;
+    std::array<double, 9> normals_;
+    std::array<glm::dvec3, patches_at_once> axes_;
+    std::array<double, 3 * patches_at_once> by_axis_{};
+    std::array<double, 48 * patches_at_once> points_{};
+};
 
 BaseDeviation at_vertex(const ChannelSurface& surface, const RingCones* cones,
                         const LimitTriangle& triangle, const LimitPieces& pieces) {
     BaseDeviation most;
     const LinearMap linear(triangle);
+    ConeDeviation direction(triangle);
     pieces.for_each_patch([&](const auto& patch) {
         if (is_apart(patch.box, triangle)) return;
         most.position = hull_deviation(patch, triangle, linear, most.position);
-        if (cones)
-            most.direction =
-                std::max(most.direction, cone_deviation(patch, triangle, most.direction));
+        if (cones) direction.add(patch);
     });
+    most.direction = direction.largest();
     for (const LimitTip& tip : pieces.tips) {
         if (is_apart(tip.box, triangle)) continue;
         const glm::dvec3 middle = linear(0.5 * (tip.box.low + tip.box.high));
@@ -227,54 +271,6 @@ BaseDeviation at_vertex(const ChannelSurface& surface, const RingCones* cones,
 }
 
 }  // namespace
-
-RingCones::RingCones(const ChannelSurface& surface, int threads) {
-    std::size_t sectors = 0;
-    for (const Ring& ring : surface.tree.rings) {
-        first_.push_back(sectors);
-        sectors += ring.shape.sectors;
-    }
-    cones_.resize(sectors * std::size_t(levels));
-    parallel_blocks(first_.size(), 16, threads, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t r = begin; r < end; ++r) {
-            const Ring& ring = surface.tree.rings[r];
-            const glm::dvec3 normal = surface.rings.normal(std::uint32_t(r)).normal;
-            float* const cones = cones_.data() + first_[r] * std::size_t(levels);
-            RingLevels walked;
-            walked.start(ring, 3, surface.rings.level(surface.tree, std::uint32_t(r), 0));
-            // Without a margin: where rings grow thin, level by level, roundings are in the end as
-            // large as they are wide, here and in what evaluation takes for the normal. After the
-            // deepest level that is the vertex' own.
-            for (int k = 0; k < ring.shape.deepest_level(); ++k) {
-                const double* const rings = walked.level(k);
-                const double* const next = walked.after();
-                for (std::uint32_t j = 0; j < ring.shape.sectors; ++j) {
-                    double most = 0;
-                    const auto widen = [&](const auto& patches) {
-                        for (const auto& patch : patches)
-                            most = std::max(most, cone_about(normal_net(patch), normal, 0));
-                    };
-                    if (ring.shape.triangles)
-                        widen(ring_level_triangles(ring.shape, rings, next, j, k));
-                    else
-                        widen(ring_level_patches(ring.shape, rings, next, j, k));
-                    cones[std::size_t(j) * levels + std::size_t(k)] =
-                        std::nextafter(float(most), std::numeric_limits<float>::infinity());
-                }
-            }
-            for (std::uint32_t j = 0; j < ring.shape.sectors; ++j)
-                for (int k = levels - 1; k > 0; --k) {
-                    float* const cone = cones + std::size_t(j) * levels + std::size_t(k);
-                    cone[-1] = std::max(cone[-1], cone[0]);
-                }
-        }
-    });
-}
-
-double RingCones::from_level(std::uint32_t ring, std::uint32_t sector, int k) const {
-    if (k >= levels) return 0;
-    return double(cones_[(first_[ring] + sector) * std::size_t(levels) + std::size_t(k)]);
-}
 
 // Of the root's parameters: the square (i, j) of 2^level each way, or of those of a triangle its
 // half at (i, j), or the other one.
@@ -404,12 +400,11 @@ BaseDeviation limit_deviation(const ChannelSurface& surface, const RingCones* co
     // Beside an extraordinary vertex the second derivatives are as large at every scale.
     constexpr double worth_a_second_look = 0.01;
     if (cones && most.direction > worth_a_second_look) {
-        double by_cones = 0;
+        ConeDeviation by_cones(triangle);
         pieces.for_each_patch([&](const auto& patch) {
-            if (!is_apart(patch.box, triangle))
-                by_cones = std::max(by_cones, cone_deviation(patch, triangle, by_cones));
+            if (!is_apart(patch.box, triangle)) by_cones.add(patch);
         });
-        most.direction = std::min(most.direction, by_cones);
+        most.direction = std::min(most.direction, by_cones.largest());
     }
     return most;
 }

@@ -37,22 +37,10 @@
 
 #include "tessellation/limit/hull_deviation.h"
 #include "tessellation/limit/limit_pieces.h"
+#include "tessellation/limit/ring_cones.h"
 #include "tessellation/surface.h"
 
 namespace prep::detail {
-
-// Largest |n − limit normal| over a ring's sector from level k of its rings on.
-class RingCones {
-  public:
-    RingCones() = default;
-    RingCones(const ChannelSurface& surface, int threads);
-    double from_level(std::uint32_t ring, std::uint32_t sector, int k) const;
-
-  private:
-    static constexpr int levels = 50;
-    std::vector<std::size_t> first_;  // per ring
-    std::vector<float> cones_;        // per sector `levels`
-};
 
 // `cones` null: the direction's deviation is not asked for, and 0.
 BaseDeviation limit_deviation(const ChannelSurface& surface, const RingCones* cones,

@@ -191,24 +191,6 @@ class Collector {
 
 }  // namespace
 
-std::array<BezierPatch, 3> ring_level_patches(const RingShape& shape, const double* rings,
-                                              const double* next, std::uint32_t sector, int k) {
-    std::array<BezierPatch, 3> patches;
-    const CubicWeights whole = bezier_weights(0, 1);
-    const double half = std::ldexp(0.5, -k);
-    for (int q = 1; q < 4; ++q) {
-        const int qa = q & 1, qb = q >> 1;
-        std::array<double, 48> numbers;
-        ring_patch(shape, 3, rings, next, sector, qa, qb, numbers.data());
-        Points p;
-        for (std::size_t c = 0; c < 16; ++c) p[c] = vector_at(numbers.data() + 3 * c);
-        const glm::dvec2 low = half * glm::dvec2(qa, qb);
-        patches[std::size_t(q - 1)] = {
-            transformed(p, whole, whole), {low, low + half}, glm::dvec3(0.0)};
-    }
-    return patches;
-}
-
 void collect_pieces(const ChannelSurface& surface, std::uint32_t root, const ParameterBox& box,
                     LimitPieces& pieces) {
     pieces.clear();

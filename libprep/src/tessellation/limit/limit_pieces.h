@@ -55,13 +55,6 @@ void collect_pieces(const ChannelSurface& surface, std::uint32_t root,
                     const ParameterTriangle& triangle, const ParameterAxes& axes,
                     LimitPieces& pieces);
 
-// The three patches of level k of a ring's sector, over (a, b) of the sector's face from 0 to 1,
-// relative to the ring's centre. `rings` and `next` are levels k and k + 1.
-std::array<BezierPatch, 3> ring_level_patches(const RingShape& shape, const double* rings,
-                                              const double* next, std::uint32_t sector, int k);
-std::array<QuarticPatch, 3> ring_level_triangles(const RingShape& shape, const double* rings,
-                                                 const double* next, std::uint32_t sector, int k);
-
 // Levels of a sector's ring in turn: those that are stored, then refined ones; as far as a part of
 // the sector needs them.
 class RingWalk {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "limit_surface/loop_patch.h"
+#include "tessellation/limit/normal_net.h"
 
 namespace prep::detail {
 namespace {
@@ -107,28 +108,15 @@ std::array<double, 3> second_derivative_bounds(const QuarticPatch& patch) {
 }
 
 QuarticNormalNet normal_net(const QuarticPatch& patch) {
-    // The binomials 3!/(i! j! k!) and 6!/(i! j! k!), row by row.
-    static constexpr double of_three[10] = {1, 3, 3, 1, 3, 6, 3, 3, 3, 1};
-    static constexpr double of_six[28] = {1,  6,  15, 20, 15, 6,  1,  6,  30, 60, 60, 30, 6, 15,
-                                          60, 90, 60, 15, 20, 60, 60, 20, 15, 30, 15, 6,  6, 1};
     const AxisSteps steps(patch);
     QuarticNormalNet net;
     net.by_u = steps.u;
     net.by_v = steps.v;
     net.reach = steps.reach;
-    net.n.fill(glm::dvec3(0.0));
     const TriangleNet<3> by_u = blossom<4>(patch.p, steps.u);
-    TriangleNet<3> by_v = blossom<4>(patch.p, steps.v);
+    const TriangleNet<3> by_v = blossom<4>(patch.p, steps.v);
+    quartic_normal_net(by_u.data(), by_v.data(), net.n.data());
     const double lengths = 4 * (longest(by_u) + longest(by_v));
-    for (std::size_t k = 0; k < 10; ++k) by_v[k] *= of_three[k];
-    for (std::size_t j = 0, k = 0; j <= 3; ++j)
-        for (std::size_t i = 0; i + j <= 3; ++i, ++k) {
-            const glm::dvec3 u = of_three[k] * 16.0 * by_u[k];
-            for (std::size_t m = 0, l = 0; m <= 3; ++m)
-                for (std::size_t h = 0; h + m <= 3; ++h, ++l)
-                    net.n[triangle_point(6, i + h, j + m)] += glm::cross(u, by_v[l]);
-        }
-    for (std::size_t k = 0; k < 28; ++k) net.n[k] /= of_six[k];
     // Of a derivative, and of products of them.
     const double error = 4 * net.reach * (patch.error + 4 * half_ulp * size_of(patch.p));
     net.error = lengths * (error + lengths * 0x1p-48);

@@ -144,21 +144,6 @@ class TriangleCollector {
 
 }  // namespace
 
-std::array<QuarticPatch, 3> ring_level_triangles(const RingShape& shape, const double* rings,
-                                                 const double* next, std::uint32_t sector, int k) {
-    std::array<QuarticPatch, 3> patches;
-    const double half = std::ldexp(0.5, -k);
-    for (int part = 1; part < 4; ++part) {
-        const ParameterTriangle own = triangle_of(part_frame({0, 0, 1, 0, 0, 1}, half, part), half);
-        patches[std::size_t(part - 1)] = {
-            quartic_points(controls_of(shape, rings, next, sector, part)),
-            own,
-            box_of(own),
-            {{half, 0}, {0, half}}};
-    }
-    return patches;
-}
-
 void collect_pieces(const ChannelSurface& surface, std::uint32_t root,
                     const ParameterTriangle& triangle, const ParameterAxes& axes,
                     LimitPieces& pieces) {
