@@ -21,6 +21,7 @@
 #include "prep/formats.h"
 #include "prep/image.h"
 #include "prep/load.h"
+#include "sanitized.h"
 #include "shared_data.h"
 
 namespace {
@@ -120,7 +121,7 @@ TEST(ContainedMutations, TheCallerOutlivesThemAll) {
     std::vector<std::string> texts;
     for (const fs::path& file : files) texts.push_back(test::file_text(file));
     const std::size_t first = number_from("MESHPREP_MUTATIONS_FIRST", 0),
-                      count = number_from("MESHPREP_MUTATIONS", 300);
+                      count = number_from("MESHPREP_MUTATIONS", test::sanitized ? 100 : 300);
 
     prep::ReaderProcessOptions limits;
     limits.seconds = 5;

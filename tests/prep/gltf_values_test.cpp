@@ -12,6 +12,7 @@
 #include "mesh_files.h"
 #include "npm_tools.h"
 #include "pipeline/morph_targets.h"
+#include "sanitized.h"
 #include "shared_data.h"
 
 namespace {
@@ -516,6 +517,8 @@ TEST(GltfValues, TheCorpusIsReadAsAnotherProgramReadsIt) {
     }
     std::sort(files.begin(), files.end());
     EXPECT_GE(files.size(), 14u);
+    if (test::sanitized)
+        std::erase_if(files, [](const fs::path& file) { return fs::file_size(file) > 3'000'000; });
     const test::TempDir dir;
     // One has indices at an odd byte, which the other program refuses.
     EXPECT_GE(compare(node_modules, files, dir.path()) + 1, files.size());

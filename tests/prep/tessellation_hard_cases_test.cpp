@@ -161,7 +161,7 @@ TEST(TessellationHardCases, EveryCaseGivesAMeshOrAnError) {
     std::vector<hard_cases::Case> cases;
     std::size_t number = 0;
     for (auto& measured : hard_cases::measured())
-        if (number++ % (::test::sanitized ? 16 : 4) == 0) cases.push_back(std::move(measured));
+        if (number++ % (::test::sanitized ? 48 : 4) == 0) cases.push_back(std::move(measured));
     for (auto& odd : hard_cases::odd()) cases.push_back(std::move(odd));
     for (const auto& hard_case : cases) {
         if (hard_case.mesh.face_count() > 250) continue;
@@ -180,7 +180,7 @@ TEST(TessellationHardCases, EveryCaseGivesAMeshOrAnError) {
                     options.chord_error = 0.02 * size;
                 options.displacements = {{std::make_shared<Waves>(1, 3, 2), 0.05 * size, 0, 0}};
                 options.triangle_limit = 30000;
-                options.samples = 500;
+                options.samples = ::test::sanitized ? 100 : 500;
                 const auto made = tessellate(mesh, options);
                 if (!made) {
                     ++refused;

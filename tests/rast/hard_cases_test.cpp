@@ -36,7 +36,9 @@ std::vector<Case> all_cases() {
 
 template <class Check>
 void for_all(const Check& check) {
+    std::size_t number = 0;
     for (const Case& c : all_cases()) {
+        if (test::sanitized && number++ % 3 != 0) continue;
         SCOPED_TRACE(c.axis + " " + std::to_string(c.value));
         check(c);
     }

@@ -7,6 +7,7 @@
 
 #include "command_runner.h"
 #include "prep/version.h"
+#include "sanitized.h"
 
 namespace {
 
@@ -276,7 +277,9 @@ class TypedLines : public ::testing::Test {
 TEST_F(TypedLines, AreAnsweredWithWhatIsWrongWhereAndWhatToDo) {
     const std::vector<std::string> names = dir_.names();
     EXPECT_GE(std::size(typed_lines), 40u);
+    std::size_t number = 0;
     for (const TypedLine& line : typed_lines) {
+        if (test::sanitized && number++ % 3 != 0) continue;
         std::istringstream text(line.typed);
         std::vector<std::string> words;
         for (std::string word; text >> word;) words.push_back(word);

@@ -10,6 +10,7 @@
 #include <map>
 
 #include "command_runner.h"
+#include "sanitized.h"
 
 namespace {
 
@@ -133,7 +134,7 @@ TEST(World, AnInterruptAmongRenamesLeavesAllFilesNewOrAllOld) {
             const Files fresh = files_in(world.out());
             ASSERT_EQ(names_of(fresh), output.files);
             for (const std::string what : {"link", "rename", "unlink"})
-                for (std::size_t n = 1; n <= output.files.size(); ++n) {
+                for (std::size_t n = 1; n <= output.files.size(); n += test::sanitized ? 2 : 1) {
                     SCOPED_TRACE(output.name + ", " + what + " " + std::to_string(n));
                     const Files old = world.set(exist ? output.files : none);
                     const test::Ran ran = world.run(world.prepare(output.name),
@@ -194,8 +195,10 @@ TEST(World, AFullDiskIsToldAndLeavesTheOldFiles) {
               Outputs{"a.glb", {"a.glb"}}, Outputs{"a.ply", {"a.ply"}}, Outputs{"a.stl", {"a.stl"}},
               Outputs{"a.off", {"a.off"}}}) {
             SCOPED_TRACE(output.name + ", " + as(user));
-            expect_full_disk_is_told(world, world.prepare(output.name), output.files,
-                                     "No space left on device", {0, 0.3, 0.7}, user);
+            expect_full_disk_is_told(
+                world, world.prepare(output.name), output.files, "No space left on device",
+                test::sanitized ? std::vector<double>{0.7} : std::vector<double>{0, 0.3, 0.7},
+                user);
             if (user) break;
         }
 }
@@ -318,7 +321,8 @@ TEST(World, AFailedRenameUndoesTheEarlierOnes) {
     for (const auto& user : test::users())
         for (const Case& c : cases) {
             for (const auto& exist : c.old)
-                for (const char* links : {"1", "0"})
+                for (const char* links : {"1", "0"}) {
+                    if (test::sanitized && user && *links == '1') continue;
                     for (std::size_t n = 1; n <= c.files.size(); ++n) {
                         std::string trace = "rename " + std::to_string(n) + ", links " + links +
                                             ", " + as(user) + ", old:";
@@ -332,6 +336,7 @@ TEST(World, AFailedRenameUndoesTheEarlierOnes) {
                         EXPECT_NE(ran.err.find("Input/output error"), std::string::npos) << ran.err;
                         EXPECT_EQ(files_in(world.out()), old);
                     }
+                }
             world.set({});
             EXPECT_EQ(world.run(c.arguments, {}, user).exit_code, 0);
             EXPECT_EQ(names_of(files_in(world.out())), c.files);
