@@ -3,8 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
 #include <limits>
+#include <random>
 
+#include "formats/gltf/nodes/sheared_matrix.h"
+#include "gltf_motion.h"
 #include "mesh_files.h"
 #include "prep/save.h"
 #include "written_gltf.h"
@@ -235,9 +239,8 @@ TEST(GltfBuild, NodesKeepTheirTree) {
     scene.nodes[0].mesh = 0;
     scene.nodes[1].parent = 3;
     scene.nodes[1].mesh = 1;
-    for (int c = 0; c < 4; ++c)
-        for (int r = 0; r < 4; ++r) scene.nodes[1].transform[c][r] = 0.1 * (4 * c + r);
-    scene.nodes[1].transform[3][3] = 1;
+    const std::vector<double> matrix{0.6, 0.8, 0, 0, -2.4, 1.8, 0, 0, 0, 0, -0.1, 0, 7, 8, 9, 1};
+    std::copy(matrix.begin(), matrix.end(), &scene.nodes[1].transform[0][0]);
     scene.nodes[2].parent = 0;
     scene.nodes[2].camera = 1;
     scene.nodes[3].name = "second root";
@@ -256,10 +259,82 @@ TEST(GltfBuild, NodesKeepTheirTree) {
     EXPECT_EQ(nodes[3], (Json{{"name", "second root"}, {"children", {1}}}));
     EXPECT_EQ(nodes[4], Json::object());
     EXPECT_EQ(nodes[1]["mesh"], 0);
-    ASSERT_EQ(nodes[1]["matrix"].size(), 16u);
-    for (std::size_t i = 0; i < 15; ++i)  // column by column
-        EXPECT_EQ(nodes[1]["matrix"][i].get<double>(), 0.1 * double(i));
-    EXPECT_EQ(nodes[1]["matrix"][15], 1);
+    EXPECT_EQ(nodes[1]["matrix"].get<Numbers>(), matrix);
+}
+
+glm::dmat4 random_matrix(std::mt19937_64& random, int kind) {
+    std::normal_distribution<double> number(0, 1);
+    glm::dmat4 m(1.0);
+    for (int c = 0; c < 4; ++c)
+        for (int r = 0; r < 3; ++r) m[c][r] = number(random);
+    const auto flatten = [&](int column, int like) { m[column] = number(random) * m[like]; };
+    if (kind == 1) flatten(2, 0);
+    if (kind == 2) flatten(0, 2), flatten(1, 2);
+    if (kind == 3) m[1] = glm::dvec4(0.0);
+    if (kind == 4) m = glm::dmat4(glm::dmat3(0.0));
+    if (kind == 5) m[1] = m[0] + 1e-5 * m[1];
+    if (kind == 6 || kind == 7)
+        for (int c = 0; c < 3; ++c) m[c] *= kind == 6 ? 1e-150 : 1e150;
+    return m;
+}
+
+// glTF's nodes have neither shear nor, as matrices, no thickness.
+TEST(GltfBuild, ShearedNodesAreANodeWithinAnother) {
+    std::mt19937_64 random(5);
+    for (int n = 0; n < 400; ++n) {
+        SCOPED_TRACE(n);
+        const glm::dmat4 m = random_matrix(random, n % 8);
+        const auto two = prep::detail::as_two_nodes(m);
+        ASSERT_TRUE(two);
+        EXPECT_EQ(two->second.scale, glm::dvec3(1.0));
+        EXPECT_EQ(two->second.translation, glm::dvec3(0.0));
+        const glm::dmat4 product = two->first.matrix() * two->second.matrix();
+        double size = 0;
+        for (int c = 0; c < 3; ++c)
+            for (int r = 0; r < 3; ++r) size = std::max(size, std::abs(m[c][r]));
+        for (int c = 0; c < 4; ++c)
+            for (int r = 0; r < 4; ++r)
+                EXPECT_NEAR(product[c][r], m[c][r], c == 3 ? 0 : 4e-15 * size) << c << r;
+    }
+    glm::dmat4 turned = glm::rotate(glm::dmat4(1.0), 1.0, glm::dvec3(1, 2, 3));
+    turned[0] *= -4, turned[2] *= 1e-3;
+    EXPECT_FALSE(prep::detail::as_two_nodes(turned));
+    EXPECT_FALSE(prep::detail::as_two_nodes(glm::dmat4(glm::mat4(turned))));  // rounded to floats
+    EXPECT_FALSE(prep::detail::as_two_nodes(glm::dmat4(std::nan(""))));
+}
+
+TEST(GltfBuild, WhatIsInShearedNodesStaysInItsPlace) {
+    std::mt19937_64 random(6);
+    prep::Scene scene = scene_of(mesh_of({0, 1, 2}, 3));
+    scene.cameras.resize(1);
+    scene.nodes.assign(5, {});
+    scene.nodes[0].name = "sheared";
+    scene.nodes[0].mesh = 0;
+    scene.nodes[1].parent = 0;
+    scene.nodes[2].parent = 1;
+    scene.nodes[2].camera = 0;
+    scene.nodes[3].parent = 2;
+    scene.nodes[3].mesh = 0;
+    scene.nodes[4].mesh = 0;
+    for (const int n : {0, 2, 3, 4})
+        scene.nodes[std::size_t(n)].transform = random_matrix(random, 0);
+    scene.nodes[4].transform[2] = glm::dvec4(0.0);  // flat
+    std::vector<glm::dmat4> expected;
+    for (const prep::Node& node : scene.nodes)
+        expected.push_back(node.parent == prep::no_index ? node.transform
+                                                         : expected[node.parent] * node.transform);
+    const Saved out = saved(scene);
+    const Json& nodes = out.file.json["nodes"];
+    ASSERT_EQ(nodes.size(), 9u);
+    EXPECT_EQ(nodes[0]["name"], "sheared");
+    EXPECT_EQ(nodes[0]["mesh"], 0);
+    EXPECT_EQ(nodes[2]["camera"], 0);
+    for (const Json& node : nodes) EXPECT_FALSE(node.contains("matrix"));
+    const auto world = test::GltfMotion(out.file).world(-1, 0);
+    for (std::size_t n = 0; n < 5; ++n)
+        for (int c = 0; c < 4; ++c)
+            for (int r = 0; r < 4; ++r)
+                EXPECT_NEAR(world[n][c][r], expected[n][c][r], 1e-13) << n << c << r;
 }
 
 // Positions are floats about an origin that floats cannot hold: nodes carry it in doubles.

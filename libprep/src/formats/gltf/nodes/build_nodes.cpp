@@ -6,6 +6,8 @@
 #include <set>
 #include <tuple>
 
+#include "formats/gltf/nodes/sheared_matrix.h"
+
 namespace prep::detail {
 namespace {
 
@@ -40,17 +42,17 @@ class NodeBuilder {
             notes_.push_back(std::to_string(count) + ' ' + (count == 1 ? one : many) + ' ' + rest);
     }
 
+    static void numbers(const Trs& t, Json& out) {
+        if (t.translation != glm::dvec3(0.0)) out["translation"] = array3(t.translation);
+        if (t.rotation != glm::dquat(1, 0, 0, 0))
+            out["rotation"] = {t.rotation.x, t.rotation.y, t.rotation.z, t.rotation.w};
+        if (t.scale != glm::dvec3(1.0)) out["scale"] = array3(t.scale);
+    }
+
     // As numbers that move, where the node has them so; else its matrix.
-    void transform(const Node& node, bool moves, Json& out) const {
+    static void transform(const Node& node, bool moves, Json& out) {
         if (node.transform == glm::dmat4(1.0) && !moves) return;
-        if (node.trs) {
-            const Trs& t = *node.trs;
-            if (t.translation != glm::dvec3(0.0)) out["translation"] = array3(t.translation);
-            if (t.rotation != glm::dquat(1, 0, 0, 0))
-                out["rotation"] = {t.rotation.x, t.rotation.y, t.rotation.z, t.rotation.w};
-            if (t.scale != glm::dvec3(1.0)) out["scale"] = array3(t.scale);
-            return;
-        }
+        if (node.trs) return numbers(*node.trs, out);
         Json matrix = Json::array();
         for (int c = 0; c < 4; ++c)
             for (int r = 0; r < 4; ++r) matrix.push_back(node.transform[c][r]);
@@ -62,19 +64,31 @@ class NodeBuilder {
         mesh_nodes_.assign(count, no_index);
         Json roots = Json::array();
         std::vector<Json> children(count, Json::array());
+        std::vector<Json> more;      // behind the scene's own
+        std::map<Index, Trs> turns;  // what is left to nodes within one of those
         for (Index n = 0; n < count; ++n) {
-            if (scene_.nodes[n].parent == no_index)
-                roots.push_back(n);
-            else
-                children[scene_.nodes[n].parent].push_back(n);
+            const Node& node = scene_.nodes[n];
+            Json& siblings = node.parent == no_index ? roots : children[node.parent];
+            const auto two = node.trs ? std::nullopt : as_two_nodes(node.transform);
+            if (!two) {
+                siblings.push_back(n);
+                continue;
+            }
+            siblings.push_back(count + more.size());
+            Json around{{"children", {n}}};
+            numbers(two->first, around);
+            more.push_back(std::move(around));
+            turns.emplace(n, two->second);
         }
-        std::vector<Json> offset_nodes;
         for (Index n = 0; n < count; ++n) {
             const Node& node = scene_.nodes[n];
             const bool moves = animated_.contains(n);
             Json out = Json::object();
             if (!node.name.empty()) out["name"] = node.name;
-            transform(node, moves, out);
+            if (const auto turn = turns.find(n); turn != turns.end())
+                numbers(turn->second, out);
+            else
+                transform(node, moves, out);
             if (node.camera != no_index) out["camera"] = node.camera;
             if (node.light != no_index && written_.lights[node.light] != no_index)
                 out["extensions"]["KHR_lights_punctual"]["light"] = written_.lights[node.light];
@@ -95,15 +109,15 @@ class NodeBuilder {
                     out["mesh"] = mesh;
                     mesh_nodes_[n] = n;
                 } else {
-                    mesh_nodes_[n] = Index(count + offset_nodes.size());
-                    children[n].push_back(count + offset_nodes.size());
-                    offset_nodes.push_back(Json{{"translation", array3(origin)}, {"mesh", mesh}});
+                    mesh_nodes_[n] = Index(count + more.size());
+                    children[n].push_back(count + more.size());
+                    more.push_back(Json{{"translation", array3(origin)}, {"mesh", mesh}});
                 }
             }
             if (!children[n].empty()) out["children"] = children[n];
             buffer_.push("nodes", std::move(out));
         }
-        for (Json& node : offset_nodes) buffer_.push("nodes", std::move(node));
+        for (Json& node : more) buffer_.push("nodes", std::move(node));
         document_["scene"] = 0;
         Json out_scene = Json::object();
         if (!roots.empty()) out_scene["nodes"] = std::move(roots);
