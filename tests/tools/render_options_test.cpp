@@ -507,6 +507,37 @@ TEST(RenderReport, HasTheWarningsOfReading) {
         std::vector<std::string>{"--max-anisotropy is of --filter anisotropic and ewa alone"});
 }
 
+TEST(RenderReport, EmptyPicturesHaveTheirReason) {
+    const TempDir dir;
+    write_text(dir / "a.obj",
+               "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 -9\nv 0 1e-4 -9\nv 1e-4 0 -9\nf 1 2 3\nf 4 5 6\n");
+    write_text(dir / "one.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    const auto warnings = [&](const std::string& name, std::vector<std::string> more) {
+        std::vector<std::string> words = {
+            "render", (dir / name).string(), "-o", (dir / "a.png").string(), "--size", "16x16",
+            "--json"};
+        words.insert(words.end(), more.begin(), more.end());
+        const test::Ran ran = run_here(words);
+        EXPECT_EQ(ran.exit_code, 0) << ran.err;
+        return ran.json()["warnings"].get<std::vector<std::string>>();
+    };
+    using Texts = std::vector<std::string>;
+    EXPECT_EQ(warnings("one.obj", {"--camera", "0,0"}), Texts{});
+    EXPECT_EQ(warnings("one.obj", {"--camera", "180,0"}),
+              Texts{"the picture is empty: its triangle is seen from behind (--cull none draws "
+                    "both sides)"});
+    EXPECT_EQ(warnings("one.obj", {"--camera", "180,0", "--cull", "none"}), Texts{});
+    EXPECT_EQ(warnings("one.obj", {"--camera", "0,0", "--cull", "front"}),
+              Texts{"the picture is empty: its triangle is seen from the front, which --cull front "
+                    "leaves out"});
+    EXPECT_EQ(warnings("one.obj", {"--look-from", "0,0,1", "--look-at", "0,0,2"}),
+              Texts{"the picture is empty: its triangle is outside of it or behind the camera"});
+    EXPECT_EQ(warnings("a.obj",
+                       {"--look-from", "0.2,0.2,-4", "--look-at", "0.2,0.2,0", "--cull", "back"}),
+              Texts{"the picture is empty: 1 triangle is seen from behind (--cull none draws both "
+                    "sides), 1 triangle is outside of it or behind the camera"});
+}
+
 TEST(RenderUsage, WrongNumbersAreUsageErrors) {
     const TempDir dir;
     write_text(dir / "c.obj", test::cube_obj());

@@ -115,12 +115,12 @@ const std::vector<Format>& formats() {
         {{"JSON scene", "JSON scenes", {".json"}, {}, false}, nullptr, load_json, nullptr, {}},
         // What people keep beside meshes is not listed: a file that is named is read whatever
         // Assimp claims, a directory is read for these alone. `.mesh` is Ogre's, Medit's and
-        // others'.
+        // others'; `.wrl` Assimp 5.2 claims without reading it.
         {{"Assimp",
           "the formats of Assimp (FBX, DAE, 3DS, …)",
-          {".fbx", ".dae", ".3ds", ".blend",   ".lwo", ".ac",   ".x",       ".ase",
-           ".dxf", ".3mf", ".b3d", ".md5mesh", ".lws", ".ms3d", ".cob",     ".smd",
-           ".wrl", ".x3d", ".amf", ".bvh",     ".ifc", ".md2",  ".mesh.xml"},
+          {".fbx", ".dae", ".3ds", ".blend",   ".lwo", ".ac",      ".x",   ".ase",
+           ".dxf", ".3mf", ".b3d", ".md5mesh", ".lws", ".ms3d",    ".cob", ".smd",
+           ".x3d", ".amf", ".bvh", ".ifc",     ".md2", ".mesh.xml"},
           {}},
          nullptr,
          load_other,

@@ -43,5 +43,7 @@ void explain(const rast::RenderPlan& plan, const prep::PreparedScene& prepared,
 
 // What the scene has and no picture shows.
 std::vector<std::string> not_drawn(const prep::PreparedScene& prepared);
+// Why there is nothing to be seen where all triangles were left out.
+std::optional<std::string> why_empty(const rast::Counters& counters, prep::Cull cull);
 
 }  // namespace meshprep
