@@ -2,10 +2,12 @@
 #include <OpenImageIO/imageio.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cmath>
 #include <cstring>
 #include <fstream>
+#include <limits>
 #include <memory>
 #include <string_view>
 
@@ -141,12 +143,41 @@ void straighten(const oiio::ImageInput& input, Image& image) {
     }
 }
 
-// OpenImageIO multiplies by 1/255 or 1/65535 in floats: the last bit of a third of the values is
-// not that of the quotient, and a level of 8 bits is not that of the same value in 16.
-void make_exact(Image& image) {
-    if (image.integer_bits == 0) return;
-    const float top = image.integer_bits == 8 ? 255.0f : 65535.0f;
-    for (float& v : image.pixels) v = std::nearbyint(v * top) / top;
+// All channels' values as the file has them, which OpenImageIO 2.4 reads into their place where no
+// type is asked for; else by way of 64 MB, however small the picture.
+template <class Value>
+bool read_own(oiio::ImageInput& input, const Image& image, void* to) {
+    const oiio::ImageSpec& spec = input.spec();
+    const oiio::TypeDesc type(oiio::BaseTypeFromC<Value>::value);
+    const bool own = spec.format == type && spec.channelformats.empty();
+    return input.read_image(0, 0, 0, int(image.channels), own ? oiio::TypeDesc::UNKNOWN : type, to);
+}
+
+// Levels of 8 or 16 bits as quotients by the largest one. (OpenImageIO multiplies by 1/255 or
+// 1/65535 in floats: the last bit of a third of the values is another, and a level of 8 bits is not
+// that of the same value in 16.)
+template <class Level>
+bool read_levels(oiio::ImageInput& input, Image& image) {
+    // They are read into the end of the floats' memory: float i ends before level i + 1 begins.
+    const std::size_t count = image.pixels.size();
+    std::byte* const levels =
+        reinterpret_cast<std::byte*>(image.pixels.data()) + count * (sizeof(float) - sizeof(Level));
+    if (!read_own<Level>(input, image, levels)) return false;
+    constexpr std::size_t at_once = 4096;
+    std::array<Level, at_once> block;
+    for (std::size_t begin = 0; begin < count; begin += at_once) {
+        const std::size_t size = std::min(at_once, count - begin);
+        std::memcpy(block.data(), levels + begin * sizeof(Level), size * sizeof(Level));
+        for (std::size_t k = 0; k < size; ++k)
+            image.pixels[begin + k] = float(block[k]) / float(std::numeric_limits<Level>::max());
+    }
+    return true;
+}
+
+bool read_values(oiio::ImageInput& input, Image& image) {
+    if (image.integer_bits == 8) return read_levels<std::uint8_t>(input, image);
+    if (image.integer_bits == 16) return read_levels<std::uint16_t>(input, image);
+    return read_own<float>(input, image, image.pixels.data());
 }
 
 // What the file does not hold of its picture is 0; what it holds beyond it is left out.
@@ -221,12 +252,9 @@ Result<Image> read(oiio::ImageInput& input, ImageChannels channels, std::uint64_
     if (spec.format == oiio::TypeDesc::UINT8) image.integer_bits = 8;
     if (spec.format == oiio::TypeDesc::UINT16) image.integer_bits = 16;
     image.pixels.resize(std::size_t(image.width) * image.height * image.channels);
-    if (!input.read_image(0, 0, 0, int(image.channels), oiio::TypeDesc::FLOAT,
-                          image.pixels.data())) {
+    if (!read_values(input, image))
         return Error{ErrorCode::syntax,
                      "the image cannot be decoded: " + reason_of(input.geterror()), place};
-    }
-    make_exact(image);
     straighten(input, image);
     if (!read_integers(input, image))
         return Error{ErrorCode::syntax,
