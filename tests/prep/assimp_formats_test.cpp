@@ -137,6 +137,48 @@ TEST(AssimpFormats, TrianglesAndUvsOfFbxDaeAnd3dsAreThoseThatWereExported) {
     }
 }
 
+// A surface of a quad for each of `surfaces`: flags and material.
+std::string ac3d(const std::vector<std::pair<std::string, int>>& surfaces, const char* end) {
+    std::string text = "AC3Db\n";
+    for (const char* name : {"\"one\"", "\"the other\"", "bare", "\"\""})
+        text += "MATERIAL " + std::string(name) +
+                " rgb 1 0 0  amb 1 1 1  emis 0 0 0  spec 0 0 0  shi 64  trans 0\n";
+    text +=
+        "OBJECT world\nkids 1\nOBJECT poly\nname \"q\"\nnumvert 4\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n";
+    text += "numsurf " + std::to_string(surfaces.size()) + "\n";
+    for (const auto& [flags, material] : surfaces)
+        text += "SURF " + flags + "\nmat " + std::to_string(material) +
+                "\nrefs 4\n0 0 0\n1 1 0\n2 1 1\n3 0 1\n";
+    text += "kids 0\n";
+    std::string out;
+    for (const char c : text) c == '\n' ? out += end : out += c;
+    return out;
+}
+
+// 0x10 is smooth, 0x20 seen from both sides.
+TEST(AssimpFormats, SidesOfAc3dSurfacesAreTheirMaterials) {
+    const test::TempDir dir;
+    using Sides = std::map<std::string, bool>;
+    const auto sides = [&](const std::vector<std::pair<std::string, int>>& surfaces,
+                           const char* end = "\n") {
+        test::write_text(dir / "a.ac", ac3d(surfaces, end));
+        const auto scene = prep::load_scene(dir / "a.ac");
+        EXPECT_TRUE(scene.has_value()) << prep::to_string(scene.error());
+        Sides out;
+        if (scene)
+            for (const prep::Material& material : scene->materials)
+                out[material.name] = material.double_sided;
+        return out;
+    };
+    for (const char* end : {"\n", "\r\n"}) {
+        EXPECT_EQ(sides({{"0x10", 0}, {"0x30", 1}}, end),
+                  (Sides{{"one", false}, {"the other", true}}));
+        EXPECT_EQ(sides({{"0X20", 0}, {"0x00", 1}, {"0X10", 0}}, end),
+                  (Sides{{"one", true}, {"the other", false}}));
+    }
+    EXPECT_EQ(sides({{"0x10", 0}, {"0x10", 1}}), (Sides{{"one", false}, {"the other", false}}));
+}
+
 // The package says which version it is, not its headers.
 TEST(Dependencies, NameTheAssimpThatIsLoaded) {
     const std::string loaded = std::to_string(aiGetVersionMajor()) + "." +

@@ -26,6 +26,7 @@ Result<Scene> read_scene(const aiScene& from, const std::filesystem::path& path,
     AssimpImport import{from, path, {}, {}};
     import.scene.name = path.filename().string();
     import_materials(import, options);
+    import_sides(import);
     if (auto done = import_meshes(import); !done) return std::move(done).error();
     settle_uv_sets(import);
     if (auto done = import_nodes(import); !done) return std::move(done).error();

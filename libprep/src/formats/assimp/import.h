@@ -103,6 +103,8 @@ bool is_pivot(const aiString& name);
 
 // One material for each of Assimp's, in their order, with its textures and pictures.
 void import_materials(AssimpImport& import, const LoadOptions& options);
+// Sides of AC3D's surfaces, which Assimp does not tell, as their materials' (ac3d_surfaces.h).
+void import_sides(AssimpImport& import);
 // Once meshes are there: maps of a UV set that no mesh of theirs has take the only one.
 void settle_uv_sets(AssimpImport& import);
 // Errors: invalid (indices out of range).

@@ -1,0 +1,72 @@
+#include "formats/assimp/ac3d_surfaces.h"
+
+#include <algorithm>
+#include <charconv>
+#include <vector>
+
+#include "formats/assimp/import.h"
+#include "prep/files.h"
+
+namespace prep::detail {
+namespace {
+
+constexpr std::string_view blanks = " \t";
+
+std::string_view next_word(std::string_view& line) {
+    line.remove_prefix(std::min(line.find_first_not_of(blanks), line.size()));
+    const std::string_view word = line.substr(0, line.find_first_of(blanks));
+    line.remove_prefix(word.size());
+    return word;
+}
+
+// In quotation marks, or a word without.
+std::string_view name_in(std::string_view line) {
+    line.remove_prefix(std::min(line.find_first_not_of(blanks), line.size()));
+    if (!line.starts_with('"')) return next_word(line);
+    line.remove_prefix(1);
+    return line.substr(0, line.find('"'));
+}
+
+std::size_t number_in(std::string_view word, int base) {
+    std::size_t value = 0;
+    return std::from_chars(word.data(), word.data() + word.size(), value, base).ec == std::errc()
+               ? value
+               : 0;
+}
+
+}  // namespace
+
+std::set<std::string> two_sided_ac3d_materials(std::string_view text) {
+    constexpr std::size_t two_sided = 0x20;
+    std::vector<std::string_view> names;
+    std::set<std::string> found;
+    bool both = false;  // of the surface that the lines are in
+    while (!text.empty()) {
+        std::string_view line = text.substr(0, text.find_first_of("\r\n"));
+        text.remove_prefix(std::min(line.size() + 1, text.size()));
+        const std::string_view word = next_word(line);
+        if (word == "MATERIAL") {
+            names.push_back(name_in(line));
+        } else if (word == "SURF") {
+            std::string_view flags = next_word(line);
+            if (flags.starts_with("0x") || flags.starts_with("0X")) flags.remove_prefix(2);
+            both = (number_in(flags, 16) & two_sided) != 0;
+        } else if (word == "mat" && both) {
+            const std::size_t material = number_in(next_word(line), 10);
+            if (material < names.size()) found.emplace(names[material]);
+        }
+    }
+    return found;
+}
+
+void import_sides(AssimpImport& import) {
+    if (!import.is_by("AC3D")) return;
+    const auto bytes = read_file(import.path);
+    if (!bytes) return;
+    const auto names =
+        two_sided_ac3d_materials({reinterpret_cast<const char*>(bytes->data()), bytes->size()});
+    for (Material& material : import.scene.materials)
+        if (names.contains(material.name)) material.double_sided = true;
+}
+
+}  // namespace prep::detail
