@@ -174,6 +174,15 @@ TEST(AssimpMd5Numbers, BeyondWhatTheFileHoldsAreToldByLine) {
                       std::string("5: ") + word + ' ' + number);
     }
     EXPECT_EQ(told(head + "numtris 4294967295"), "3: numtris 4294967295");
+    // The other integers of a statement.
+    EXPECT_EQ(told(head + "tri 0 0 99 2\n"), "3: tri 0 0 99");
+    EXPECT_EQ(told(head + "vert 0 ( 99 99.5 ) 1 99\n"), "3: vert 0 99 99.5 1 99");
+    EXPECT_EQ(told(head + "weight 0 99 1 ( 99 99 99 )\n"), "3: weight 0 99");
+    EXPECT_EQ(told(head + "vert 0 ( 999 999 ) 1 9\nweight 0 9 999 ( 999 999 999 )\n"), "");
+    // Wherever Assimp begins a statement, and not in names or remarks.
+    EXPECT_EQ(told("mesh { tri 99 0 1 2"), "1: tri 99");
+    EXPECT_EQ(told("shader \"x\"\ftri 99 0 1 2"), "1: tri 99");
+    EXPECT_EQ(told("shader \"tri 99 0 0 0\" // tri 99\ntri 0 0 0 0\n"), "");
     EXPECT_EQ(told(head + "shader 4294967295\rtriangle 4294967295\rtri\rtri x"), "");
     // As many as bytes are no excess.
     EXPECT_EQ(told("tri 6 "), "");

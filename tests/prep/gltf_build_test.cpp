@@ -278,29 +278,48 @@ glm::dmat4 random_matrix(std::mt19937_64& random, int kind) {
     return m;
 }
 
+void expect_near(const glm::dmat4& a, const glm::dmat4& b, double bound) {
+    for (int c = 0; c < 4; ++c)
+        for (int r = 0; r < 4; ++r) EXPECT_NEAR(a[c][r], b[c][r], c == 3 ? 0 : bound) << c << r;
+}
+
 // glTF's nodes have neither shear nor, as matrices, no thickness.
 TEST(GltfBuild, ShearedNodesAreANodeWithinAnother) {
     std::mt19937_64 random(5);
     for (int n = 0; n < 400; ++n) {
         SCOPED_TRACE(n);
         const glm::dmat4 m = random_matrix(random, n % 8);
-        const auto two = prep::detail::as_two_nodes(m);
-        ASSERT_TRUE(two);
-        EXPECT_EQ(two->second.scale, glm::dvec3(1.0));
-        EXPECT_EQ(two->second.translation, glm::dvec3(0.0));
-        const glm::dmat4 product = two->first.matrix() * two->second.matrix();
+        EXPECT_FALSE(prep::detail::is_scaled_rotation(m));
+        const auto [outer, inner] = prep::detail::as_two_nodes(m);
+        EXPECT_EQ(inner.scale, glm::dvec3(1.0));
+        EXPECT_EQ(inner.translation, glm::dvec3(0.0));
         double size = 0;
         for (int c = 0; c < 3; ++c)
             for (int r = 0; r < 3; ++r) size = std::max(size, std::abs(m[c][r]));
-        for (int c = 0; c < 4; ++c)
-            for (int r = 0; r < 4; ++r)
-                EXPECT_NEAR(product[c][r], m[c][r], c == 3 ? 0 : 4e-15 * size) << c << r;
+        expect_near(outer.matrix() * inner.matrix(), m, 4e-15 * size);
     }
+    EXPECT_FALSE(prep::detail::is_scaled_rotation(glm::dmat4(std::nan(""))));
+}
+
+TEST(GltfBuild, LargeMatricesAreNumbers) {
     glm::dmat4 turned = glm::rotate(glm::dmat4(1.0), 1.0, glm::dvec3(1, 2, 3));
     turned[0] *= -4, turned[2] *= 1e-3;
-    EXPECT_FALSE(prep::detail::as_two_nodes(turned));
-    EXPECT_FALSE(prep::detail::as_two_nodes(glm::dmat4(glm::mat4(turned))));  // rounded to floats
-    EXPECT_FALSE(prep::detail::as_two_nodes(glm::dmat4(std::nan(""))));
+    for (const double scale : {1e-6, 1.0, 1e6}) {
+        glm::dmat4 m = glm::scale(turned, glm::dvec3(scale));
+        m[3] = glm::dvec4(1, 2, 3, 1);
+        for (const glm::dmat4& one : {m, glm::dmat4(glm::mat4(m))}) {  // rounded to floats
+            EXPECT_TRUE(prep::detail::is_scaled_rotation(one));
+            expect_near(prep::detail::as_numbers(one).matrix(), one,
+                        (one == m ? 4e-15 : 1e-6) * scale);
+        }
+        prep::Scene scene = scene_of(mesh_of({0, 1, 2}, 3));
+        scene.nodes[0].transform = m;
+        const Saved out = saved(scene);
+        const Json& node = out.file.json["nodes"][0];
+        EXPECT_EQ(node.contains("matrix"), scale <= 1);
+        EXPECT_EQ(node.contains("scale"), scale > 1);
+        expect_near(test::GltfMotion(out.file).world(-1, 0)[0], m, 4e-15 * scale);
+    }
 }
 
 TEST(GltfBuild, WhatIsInShearedNodesStaysInItsPlace) {

@@ -155,6 +155,15 @@ TEST(GltfWrittenBack, NodesThatAreNotTheDocumentsAreAnError) {
               std::string::npos);
     EXPECT_NE(error_after([](prep::Scene& s) { s.nodes.emplace_back(); }).find(told),
               std::string::npos);
+    EXPECT_NE(error_after([](prep::Scene& s) {
+                  s.nodes[0].trs = prep::Trs{{1, 0, 0}, {}, {}};
+              }).find(told),
+              std::string::npos);
+    EXPECT_NE(error_after([](prep::Scene& s) {
+                  prep::place_scene(s, 2, prep::Axis::y);
+                  s.nodes[0].parent = prep::no_index;
+              }).find(told),
+              std::string::npos);
     EXPECT_NE(error_after([](prep::Scene& s) { s.nodes[0].mesh = prep::no_index; }).find(told),
               std::string::npos);
     EXPECT_EQ(error_after([](prep::Scene& s) {

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <cstring>
+#include <limits>
 #include <string>
 
 #include "image_folder.h"
@@ -56,6 +57,85 @@ TEST_F(ImageValues, FloatsAreLinearLightAndKeepTheirValuesInEveryFormat) {
         EXPECT_EQ(image->pixels, values) << name;
         EXPECT_TRUE(image->floating) << name;
         EXPECT_FALSE(image->srgb) << name;
+    }
+}
+
+// Tiles of 16 × 16, those at the right and below in part; any channels beyond three have no
+// meaning of their own. `level(x, y, c)`.
+template <class Level, class Levels>
+std::string tiled_tiff(std::uint32_t width, std::uint32_t height, std::uint16_t channels,
+                       const Levels& level) {
+    constexpr std::uint32_t side = 16;
+    const std::uint32_t across = (width + side - 1) / side, down = (height + side - 1) / side;
+    const std::uint32_t tiles = across * down, bytes = side * side * channels * sizeof(Level);
+    struct Field {
+        std::uint16_t tag, type;
+        std::uint32_t count, value;
+    };
+    const std::uint32_t after = 8 + 2 + 13 * 12 + 4, lists = after + 2 * channels;
+    const std::uint32_t texels = lists + 8 * tiles;
+    std::vector<Field> fields = {{256, 3, 1, width},
+                                 {257, 3, 1, height},
+                                 {258, 3, channels, after},
+                                 {259, 3, 1, 1},
+                                 {262, 3, 1, 2},
+                                 {277, 3, 1, channels},
+                                 {284, 3, 1, 1},
+                                 {322, 3, 1, side},
+                                 {323, 3, 1, side},
+                                 {324, 4, tiles, lists},
+                                 {325, 4, tiles, lists + 4 * tiles},
+                                 {339, 3, 1, 1}};
+    // The last place is of what further channels are, or of nothing.
+    if (channels > 3) fields.insert(fields.end() - 1, {338, 3, channels - 3u, 0});
+    std::string out("II*\0\x08\0\0\0", 8);
+    out += raw<std::uint16_t>({std::uint16_t(fields.size())});
+    for (const Field& f : fields)
+        out += raw<std::uint16_t>({f.tag, f.type}) + raw<std::uint32_t>({f.count, f.value});
+    out.resize(after, '\0');
+    out += raw(std::vector<std::uint16_t>(channels, std::uint16_t(8 * sizeof(Level))));
+    for (std::uint32_t t = 0; t < tiles; ++t) out += raw<std::uint32_t>({texels + t * bytes});
+    for (std::uint32_t t = 0; t < tiles; ++t) out += raw<std::uint32_t>({bytes});
+    for (std::uint32_t t = 0; t < tiles; ++t) {
+        std::vector<Level> values;
+        for (std::uint32_t k = 0; k < side * side * channels; ++k) {
+            const std::uint32_t x = t % across * side + k / channels % side;
+            const std::uint32_t y = t / across * side + k / channels / side;
+            values.push_back(x < width && y < height ? level(x, y, k % channels) : Level(77));
+        }
+        out += raw(values);
+    }
+    return out;
+}
+
+template <class Level>
+void expect_levels_of_tiles(const std::filesystem::path& path, std::uint16_t channels) {
+    constexpr std::uint32_t width = 85, height = 67;  // more values than are made floats at once
+    const auto level = [](std::uint32_t x, std::uint32_t y, std::uint32_t c) {
+        return Level(x * 7919 + y * 104729 + c * 31337);
+    };
+    test::write_text(path, tiled_tiff<Level>(width, height, channels, level));
+    for (const auto wanted : {prep::ImageChannels::color, prep::ImageChannels::all}) {
+        const auto image = prep::load_image(path, wanted);
+        ASSERT_TRUE(image) << to_string(image.error());
+        const std::uint32_t count =
+            wanted == prep::ImageChannels::all ? channels : std::min<std::uint32_t>(channels, 4);
+        ASSERT_EQ(image->channels, count);
+        ASSERT_EQ(image->pixels.size(), std::size_t(width) * height * count);
+        std::size_t differ = 0, at = 0;
+        for (std::uint32_t y = 0; y < height; ++y)
+            for (std::uint32_t x = 0; x < width; ++x)
+                for (std::uint32_t c = 0; c < count; ++c)
+                    differ += image->pixels[at++] !=
+                              float(level(x, y, c)) / float(std::numeric_limits<Level>::max());
+        EXPECT_EQ(differ, 0u) << channels << " channels, " << count << " of them";
+    }
+}
+
+TEST_F(ImageValues, LevelsOfTilesAndOfChannelsBeyondColoursAreExact) {
+    for (const auto channels : {std::uint16_t(3), std::uint16_t(5)}) {
+        expect_levels_of_tiles<std::uint8_t>(dir_ / "a.tif", channels);
+        expect_levels_of_tiles<std::uint16_t>(dir_ / "b.tif", channels);
     }
 }
 

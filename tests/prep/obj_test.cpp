@@ -160,6 +160,12 @@ TEST(Obj, VertexColoursOfBytesAreTakenForThoseOfOne) {
         EXPECT_EQ(values[0], bytes ? glm::vec4(0.2f, 0, 1, 1) : glm::vec4(51, 0, 255, 1));
         EXPECT_EQ(scene->warnings.size(), bytes ? 1u : 0u);
     }
+    // One without a colour is white in either case.
+    const auto some =
+        parse("v 9 0 0\nv 0 0 0 255 0 0\nv 1 0 0\nv 0 1 0 0 51 0\nf 2 3 4\nf 1 2 3\n");
+    ASSERT_TRUE(some) << prep::to_string(some.error());
+    EXPECT_EQ(some->meshes[0].colors[0].values,
+              (std::vector<glm::vec4>{glm::vec4(1), {1, 0, 0, 1}, glm::vec4(1), {0, 0.2f, 0, 1}}));
 }
 
 TEST(Obj, VertexColoursFollowTheCorners) {

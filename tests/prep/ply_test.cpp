@@ -493,6 +493,15 @@ TEST(Ply, LinesMayHoldMoreThanTheHeaderNames) {
                                      header + "0 0 0\n1 0 0\n0 1 0\n3\n0 1 2\n3\n2 1 0\n", "t.ply");
     ASSERT_TRUE(spread) << test::error_of(spread);
     EXPECT_EQ(spread->meshes[0].corner_vertices, scene->meshes[0].corner_vertices);
+    // Also where lines of several elements and elements of several lines are as many as elements.
+    for (const char* text : {"0 0 0 1 0 0\n0 1 0\n3\n0 1 2\n3\n2 1 0\n",
+                             "0\n0\n0\n1\n0\n0\n0\n1\n0\n3 0 1 2 3 2 1 0\n"}) {
+        const auto mixed = test::parsed(prep::parse_ply, header + text, "t.ply");
+        ASSERT_TRUE(mixed) << test::error_of(mixed);
+        EXPECT_EQ(mixed->meshes[0].positions, scene->meshes[0].positions);
+        EXPECT_EQ(mixed->meshes[0].corner_vertices, scene->meshes[0].corner_vertices);
+        EXPECT_TRUE(mixed->warnings.empty());
+    }
     // With fewer lines than elements the values alone count.
     const auto dense =
         test::parsed(prep::parse_ply, header + "0 0 0 1 0 0 0 1 0\n3 0 1 2 3 2 1 0\n", "t.ply");

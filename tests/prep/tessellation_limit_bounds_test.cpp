@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "limit_cages.h"
+#include "limit_surface/loop_patch.h"
 #include "prep/displacement/tessellate.h"
 #include "tessellation/limit/cone_kernels.h"
 #include "tessellation/tessellation.h"
@@ -385,15 +386,20 @@ std::array<detail::BezierPatch, detail::patches_at_once> random_patches(std::mt1
     return patches;
 }
 
-double cone_of(const detail::BezierPatch& patch, const glm::dvec3& e) {
-    const detail::NormalNet net = detail::normal_net(patch);
+template <class Net>
+double widest_tangent(const Net& net, const glm::dvec3& e, double error) {
     double widest = 0;
-    for (const glm::dvec3& n : net.n) {
+    for (const glm::dvec3& n : net) {
         const double by_e = glm::dot(n, e);
-        if (!(by_e - net.error > 0)) return std::numeric_limits<double>::infinity();
-        widest = std::max(widest, (glm::length(n - by_e * e) + net.error) / (by_e - net.error));
+        if (!(by_e - error > 0)) return std::numeric_limits<double>::infinity();
+        widest = std::max(widest, (glm::length(n - by_e * e) + error) / (by_e - error));
     }
     return widest;
+}
+
+double cone_of(const detail::BezierPatch& patch, const glm::dvec3& e) {
+    const detail::NormalNet net = detail::normal_net(patch);
+    return widest_tangent(net.n, e, net.error);
 }
 
 TEST(TessellationLimit, ConesAreThoseOfEachPatchForEveryInstructionSet) {
@@ -433,6 +439,46 @@ TEST(TessellationLimit, ConesAreThoseOfEachPatchForEveryInstructionSet) {
         }
     }
     EXPECT_GT(unbounded, 0u);
+}
+
+// Of control points: by way of the patch's Bézier points, without a margin.
+TEST(TessellationLimit, ConesOfControlPointsAreThoseOfTheirPatches) {
+    constexpr std::size_t at_once = detail::patches_at_once;
+    std::mt19937 random(23);
+    std::uniform_real_distribution<double> part(-0.3, 0.3);
+    const detail::CubicWeights whole = detail::bezier_weights(0, 1);
+    const auto& loop = detail::loop_bezier_weights();
+    for (int round = 0; round < 50; ++round) {
+        const glm::dvec3 e = glm::normalize(glm::dvec3(part(random), part(random), 1));
+        const auto patches = random_patches(random);
+        std::array<double, 48 * at_once> controls{};
+        std::array<double, at_once> widest{};
+        for (std::size_t p = 0; p < at_once; ++p)
+            for (std::size_t c = 0; c < 16; ++c)
+                for (std::size_t d = 0; d < 3; ++d)
+                    controls[(3 * c + d) * at_once + p] = patches[p].p[c][int(d)];
+        detail::bicubic_cones(controls.data(), whole[0].data(), &e.x, widest.data(),
+                              SimdLevel::automatic);
+        for (std::size_t p = 0; p < at_once; ++p) {
+            const detail::BezierPatch patch{
+                detail::transformed(patches[p].p, whole, whole), {}, {}};
+            EXPECT_EQ(widest[p], widest_tangent(detail::normal_net(patch).n, e, 0)) << p;
+        }
+        detail::quartic_cones(controls.data(), loop[0].data(), &e.x, widest.data(),
+                              SimdLevel::automatic);
+        for (std::size_t p = 0; p < at_once; ++p) {
+            std::array<glm::dvec3, 12> points;
+            std::copy_n(patches[p].p.begin(), 12, points.begin());
+            detail::QuarticPatch patch;
+            patch.p = detail::quartic_points(points);
+            patch.corners = {glm::dvec2(0, 0), glm::dvec2(1, 0), glm::dvec2(0, 1)};
+            const double expected = widest_tangent(detail::normal_net(patch).n, e, 0);
+            if (std::isinf(expected))
+                EXPECT_EQ(widest[p], expected) << p;
+            else
+                EXPECT_NEAR(widest[p], expected, 1e-12 * expected) << p;
+        }
+    }
 }
 
 TEST(TessellationLimit, ConesOfRingsAreTheSameForEveryInstructionSet) {

@@ -512,9 +512,10 @@ TEST(RenderReport, EmptyPicturesHaveTheirReason) {
     write_text(dir / "a.obj",
                "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 -9\nv 0 1e-4 -9\nv 1e-4 0 -9\nf 1 2 3\nf 4 5 6\n");
     write_text(dir / "one.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
-    const auto warnings = [&](const std::string& name, std::vector<std::string> more) {
+    const auto warnings = [&](const std::string& name, std::vector<std::string> more,
+                              const char* size = "16x16") {
         std::vector<std::string> words = {
-            "render", (dir / name).string(), "-o", (dir / "a.png").string(), "--size", "16x16",
+            "render", (dir / name).string(), "-o", (dir / "a.png").string(), "--size", size,
             "--json"};
         words.insert(words.end(), more.begin(), more.end());
         const test::Ran ran = run_here(words);
@@ -536,6 +537,11 @@ TEST(RenderReport, EmptyPicturesHaveTheirReason) {
                        {"--look-from", "0.2,0.2,-4", "--look-at", "0.2,0.2,0", "--cull", "back"}),
               Texts{"the picture is empty: 1 triangle is seen from behind (--cull none draws both "
                     "sides), 1 triangle is outside of it or behind the camera"});
+    // Bands count the same triangles once more.
+    EXPECT_EQ(
+        warnings("one.obj", {"--camera", "180,0", "--band-memory", "1"}, "2000x2000"),
+        Texts{"the picture is empty: its triangles are seen from behind (--cull none draws both "
+              "sides)"});
 }
 
 TEST(RenderUsage, WrongNumbersAreUsageErrors) {

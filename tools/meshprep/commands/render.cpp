@@ -306,7 +306,7 @@ Result<Json> render_file(const RenderCommand& command, Console& console) {
         if (const std::uint64_t broken = drawn->frame.counters.non_finite; broken > 0)
             warnings.push_back(count_of(broken, "triangle") +
                                " with positions that are not finite or beyond all range left out");
-        if (const auto why = why_empty(drawn->frame.counters, request.cull))
+        if (const auto why = why_empty(drawn->frame.counters, plan->triangles, request.cull))
             warnings.push_back(*why);
         if (command.wishes.has("max_anisotropy") &&
             request.filter != prep::TextureFilter::anisotropic &&

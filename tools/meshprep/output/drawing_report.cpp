@@ -204,7 +204,8 @@ std::vector<std::string> not_drawn(const prep::PreparedScene& prepared) {
     return out;
 }
 
-std::optional<std::string> why_empty(const rast::Counters& counters, prep::Cull cull) {
+std::optional<std::string> why_empty(const rast::Counters& counters, std::uint64_t triangles,
+                                     prep::Cull cull) {
     const std::string culled = cull == prep::Cull::front
                                    ? "seen from the front, which --cull front leaves out"
                                    : "seen from behind (--cull none draws both sides)";
@@ -214,16 +215,22 @@ std::optional<std::string> why_empty(const rast::Counters& counters, prep::Cull 
         {counters.degenerate, "without an area in it"},
         {counters.between_samples, "too small to cover a pixel's centre"},
         {counters.non_finite, "at no point of space"}};
+    // Drawn in bands, each counts them.
+    const bool counts = counters.triangles == triangles;
     std::uint64_t left_out = 0;
     std::string text;
     for (const auto& [count, reason] : reasons) {
         left_out += count;
         if (count == 0) continue;
-        const std::string many =
-            count == counters.triangles
-                ? (count == 1 ? "its triangle" : "all " + count_of(count, "triangle"))
-                : count_of(count, "triangle");
-        text += (text.empty() ? "" : ", ") + many + (count == 1 ? " is " : " are ") + reason;
+        const std::string of = count_of(count, "triangle");
+        if (counts)
+            text += (text.empty() ? "" : ", ") +
+                    (count < triangles ? of
+                     : count == 1      ? "its triangle"
+                                       : "all " + of) +
+                    (count == 1 ? " is " : " are ") + reason;
+        else
+            text += (text.empty() ? "its triangles are " : ", or ") + reason;
     }
     if (left_out == 0 || left_out < counters.triangles) return std::nullopt;
     return "the picture is empty: " + text;

@@ -43,7 +43,8 @@ void explain(const rast::RenderPlan& plan, const prep::PreparedScene& prepared,
 
 // What the scene has and no picture shows.
 std::vector<std::string> not_drawn(const prep::PreparedScene& prepared);
-// Why there is nothing to be seen where all triangles were left out.
-std::optional<std::string> why_empty(const rast::Counters& counters, prep::Cull cull);
+// Why there is nothing to be seen where all of the scene's `triangles` were left out.
+std::optional<std::string> why_empty(const rast::Counters& counters, std::uint64_t triangles,
+                                     prep::Cull cull);
 
 }  // namespace meshprep

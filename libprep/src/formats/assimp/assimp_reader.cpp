@@ -64,7 +64,7 @@ std::optional<std::string> text_of_utf16_file(const std::filesystem::path& path)
     return bytes ? utf8_of_utf16(*bytes) : std::nullopt;
 }
 
-// Numbers that Assimp does not survive.
+// Numbers that Assimp does not survive, as far as they are beyond the file.
 Result<void> check_md5_numbers(const std::filesystem::path& path) {
     if (::strcasecmp(path.extension().c_str(), ".md5mesh") != 0) return {};
     const auto bytes = read_file(path);

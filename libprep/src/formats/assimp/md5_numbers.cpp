@@ -8,34 +8,79 @@
 namespace prep::detail {
 namespace {
 
-constexpr std::array<std::string_view, 8> numbered = {
-    "vert", "tri", "weight", "numverts", "numtris", "numweights", "numJoints", "numMeshes"};
+// Words with their places; what stands in quotation marks or behind "//" is none of them.
+class Md5Words {
+  public:
+    explicit Md5Words(std::string_view text) : text_(text) {}
 
-std::string_view without_blanks(std::string_view line) {
-    const std::size_t first = line.find_first_not_of(" \t\f\v");
-    return first == std::string_view::npos ? std::string_view() : line.substr(first);
+    // Empty at the end.
+    std::string_view next() {
+        while (at_ < text_.size()) {
+            const char c = text_[at_];
+            if (c == '"') {
+                at_ = std::min(text_.find_first_of("\"\r\n", at_ + 1), text_.size());
+                at_ += at_ < text_.size() && text_[at_] == '"';
+            } else if (text_.substr(at_).starts_with("//")) {
+                at_ = std::min(text_.find_first_of("\r\n", at_), text_.size());
+            } else if (apart.find(c) != std::string_view::npos) {
+                line_ += c == '\n' || (c == '\r' && !text_.substr(at_ + 1).starts_with('\n'));
+                ++at_;
+            } else {
+                const std::size_t begin = at_;
+                at_ = std::min(text_.find_first_of(ends, at_), text_.size());
+                return text_.substr(begin, at_ - begin);
+            }
+        }
+        return {};
+    }
+    std::size_t line() const { return line_; }
+
+  private:
+    static constexpr std::string_view ends{"\" \t\r\n\f\v\0{}()", 12};
+    static constexpr std::string_view apart = ends.substr(1);
+    std::string_view text_;
+    std::size_t at_ = 0, line_ = 1;
+};
+
+// What a statement's numbers are: integers, and other ones that are passed over.
+struct Statement {
+    std::string_view word, numbers;
+};
+constexpr std::array<Statement, 8> statements{{{"vert", "i..ii"},
+                                               {"tri", "iiii"},
+                                               {"weight", "ii"},
+                                               {"numverts", "i"},
+                                               {"numtris", "i"},
+                                               {"numweights", "i"},
+                                               {"numJoints", "i"},
+                                               {"numMeshes", "i"}}};
+
+bool is_beyond(std::string_view number, std::uint64_t most) {
+    std::uint64_t value = 0;
+    const auto [end, failure] =
+        std::from_chars(number.data(), number.data() + number.size(), value);
+    return failure == std::errc::result_out_of_range || (failure == std::errc() && value > most);
 }
 
 }  // namespace
 
 std::optional<Md5Excess> md5_excess(std::string_view text) {
-    const std::size_t most = text.size();
-    for (std::size_t line = 1; !text.empty(); ++line) {
-        const std::size_t end = std::min(text.find_first_of("\r\n"), text.size());
-        const std::string_view statement = without_blanks(text.substr(0, end));
-        const bool two = end + 1 < text.size() && text[end] == '\r' && text[end + 1] == '\n';
-        text.remove_prefix(std::min(end + 1 + two, text.size()));
-
-        const std::string_view word = statement.substr(0, statement.find_first_of(" \t\f\v"));
-        if (std::find(numbered.begin(), numbered.end(), word) == numbered.end()) continue;
-        const std::string_view number = without_blanks(statement.substr(word.size()));
-        std::uint64_t value = 0;
-        const auto [stop, failure] =
-            std::from_chars(number.data(), number.data() + number.size(), value);
-        const bool beyond =
-            failure == std::errc::result_out_of_range || (failure == std::errc() && value > most);
-        if (beyond)
-            return Md5Excess{line, std::string(word) + ' ' + std::string(number.data(), stop)};
+    Md5Words words(text);
+    std::string said;          // of the statement that the words are in
+    std::string_view numbers;  // that are to come
+    for (std::string_view word = words.next(); !word.empty(); word = words.next()) {
+        const auto statement = std::find_if(statements.begin(), statements.end(),
+                                            [&](const Statement& s) { return s.word == word; });
+        if (statement != statements.end()) {
+            said = word;
+            numbers = statement->numbers;
+        } else if (!numbers.empty()) {
+            said += ' ';
+            said += word;
+            if (numbers.front() == 'i' && is_beyond(word, text.size()))
+                return Md5Excess{words.line(), std::move(said)};
+            numbers.remove_prefix(1);
+        }
     }
     return std::nullopt;
 }

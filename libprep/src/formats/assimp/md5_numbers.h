@@ -9,12 +9,13 @@ namespace prep::detail {
 
 struct Md5Excess {
     std::size_t line = 1;
-    std::string statement;  // "tri 4294967295"
+    std::string statement;  // as far as that number: "tri 4294967295"
 };
 
-// The first statement (`vert`, `tri`, `weight` and the counts of them, of joints and of meshes)
-// whose number is beyond what a file of as many bytes can hold: Assimp takes it modulo 2^32, adds
-// 1, and writes outside the list where that is 0.
+// The first statement (`vert`, `tri`, `weight`; the counts of them, of joints and of meshes) with
+// an integer beyond what a file of as many bytes can hold. Assimp takes its number modulo 2^32,
+// adds 1, and writes outside the list where that is 0; what others of them name it does not look up
+// in range.
 std::optional<Md5Excess> md5_excess(std::string_view text);
 
 }  // namespace prep::detail

@@ -76,13 +76,20 @@ Result<void> check_same_meshes(const Scene& scene, const GltfDocument& document)
                  document.name};
 }
 
+bool same_numbers(const std::optional<Trs>& a, const std::optional<Trs>& b) {
+    if (!a || !b) return a.has_value() == b.has_value();
+    return a->translation == b->translation && a->rotation == b->rotation && a->scale == b->scale;
+}
+
 // Likewise of nodes, but for the one above them all that place_scene() adds.
 Result<void> check_same_nodes(const Scene& scene, const GltfDocument& document) {
-    const auto same = [](const Node& a, const Node& b) {
-        return a.transform == b.transform && a.mesh == b.mesh && a.camera == b.camera &&
-               a.light == b.light && a.skin == b.skin && a.name == b.name;
-    };
     const bool placed = scene.placement.scale != 1 || scene.placement.up != Axis::y;
+    const auto above = placed ? std::uint32_t(document.nodes.size()) : no_index;
+    const auto same = [&](const Node& a, const Node& b) {
+        return b.parent == (a.parent == no_index ? above : a.parent) &&
+               a.transform == b.transform && same_numbers(a.trs, b.trs) && a.mesh == b.mesh &&
+               a.camera == b.camera && a.light == b.light && a.skin == b.skin && a.name == b.name;
+    };
     if (scene.nodes.size() == document.nodes.size() + std::size_t(placed) &&
         std::equal(document.nodes.begin(), document.nodes.end(), scene.nodes.begin(), same))
         return {};

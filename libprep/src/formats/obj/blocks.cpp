@@ -119,7 +119,7 @@ class BlockParser {
         if (!usual_numbers(p, x)) return false;
         at = p;
         add_position({x[0], x[1], x[2]});
-        if (!block_.colors.empty()) block_.colors.push_back(glm::vec4(1.0f));
+        if (!block_.colors.empty()) block_.colors.push_back(no_color);
         return true;
     }
 
@@ -297,10 +297,10 @@ class BlockParser {
         add_position(p);
         if (count >= 6) {
             const double* c = x + (count == 7 ? 4 : 3);
-            block_.colors.resize(block_.positions.size() - 1, glm::vec4(1.0f));
+            block_.colors.resize(block_.positions.size() - 1, no_color);
             block_.colors.push_back(glm::vec4(glm::vec3(glm::dvec3(c[0], c[1], c[2])), 1.0f));
         } else if (!block_.colors.empty()) {
-            block_.colors.push_back(glm::vec4(1.0f));
+            block_.colors.push_back(no_color);
         }
     }
 

@@ -56,10 +56,12 @@ struct ObjElements {
     std::uint32_t line_of_corner(std::size_t corner) const;
 };
 
+inline constexpr glm::vec4 no_color{1, 1, 1, 0};  // those that are stated have an alpha of 1
+
 struct ObjBlock {
     std::vector<glm::vec3> positions;  // about the origin that parsing was given
     PositionBounds bounds;             // of the coordinates as written
-    std::vector<glm::vec4> colors;     // empty, or one per position (white where it has none)
+    std::vector<glm::vec4> colors;     // empty, or one per position: no_color where it has none
     std::vector<glm::vec2> uvs;
     std::vector<glm::vec3> normals;
     ObjElements faces, polylines, points;

@@ -429,7 +429,7 @@ class Assembler {
     static bool are_bytes(const std::vector<glm::vec4>& colors) {
         bool above = false;
         for (const glm::vec4& c : colors)
-            for (int k = 0; k < 3; ++k) {
+            for (int k = 0; k < 3 && c != no_color; ++k) {
                 if (!(c[k] >= 0 && c[k] <= 255 && c[k] == std::floor(c[k]))) return false;
                 above |= c[k] > 1;
             }
@@ -440,15 +440,17 @@ class Assembler {
         const bool any = std::any_of(blocks_.begin(), blocks_.end(),
                                      [](const ObjBlock& b) { return !b.colors.empty(); });
         if (!any) return;
-        std::vector<glm::vec4> values(bases_.back().positions, glm::vec4(1.0f));
+        std::vector<glm::vec4> values(bases_.back().positions, no_color);
         for (std::size_t b = 0; b < blocks_.size(); ++b)
             std::copy(blocks_[b].colors.begin(), blocks_[b].colors.end(),
                       values.begin() + std::ptrdiff_t(bases_[b].positions));
         if (are_bytes(values)) {
-            for (glm::vec4& c : values) c = glm::vec4(glm::vec3(c) / 255.0f, c.a);
+            for (glm::vec4& c : values)
+                if (c != no_color) c = glm::vec4(glm::vec3(c) / 255.0f, c.a);
             scene_.warnings.push_back(options_.name +
                                       ": the colours are of 0 to 255: taken for that of 1");
         }
+        for (glm::vec4& c : values) c.a = 1;
         const bool faces = mesh_->corner_count() > 0;
         if (!faces || !mesh_->line_vertices.empty() || !mesh_->points.empty())
             mesh_->vertex_colors = values;

@@ -23,9 +23,11 @@ using namespace detail;
 
 class PlyParser {
   public:
+    // `by_line`: text with a line for each element is read so (PlyValues::expect_lines).
     PlyParser(std::span<const std::byte> bytes, const std::string& name, PlyHeader header,
-              PictureSearch* pictures, int threads)
-        : name_(name),
+              PictureSearch* pictures, int threads, bool by_line)
+        : by_line_(by_line),
+          name_(name),
           pictures_(pictures),
           threads_(threads),
           header_(std::move(header)),
@@ -39,7 +41,7 @@ class PlyParser {
         double elements = 0;
         for (const PlyElement& element : header_.elements)
             if (!element.properties.empty()) elements += double(element.count);
-        values_.expect_lines(elements);
+        if (by_line_) values_.expect_lines(elements);
         for (const PlyElement& element : header_.elements) {
             if (auto done = check_room(element); !done) return std::move(done).error();
             Result<void> done = element.name == "vertex"      ? vertices(element)
@@ -51,6 +53,7 @@ class PlyParser {
         }
         return finish(mesh);
     }
+    bool has_passed_over_values() const { return values_.long_lines() > 0; }
 
   private:
     Error fail(const std::string& what, ErrorCode code = ErrorCode::syntax) const {
@@ -424,6 +427,7 @@ class PlyParser {
         return std::move(scene_);
     }
 
+    bool by_line_;
     const std::string& name_;
     PictureSearch* pictures_;
     int threads_;
@@ -463,7 +467,14 @@ Result<Scene> parse_ply(std::span<const std::byte> bytes, const std::string& nam
     }
     auto header = read_ply_header(bytes, name);
     if (!header) return std::move(header).error();
-    return PlyParser(bytes, name, *std::move(header), pictures, threads).run();
+    PlyParser by_line(bytes, name, *header, pictures, threads, true);
+    Result<Scene> scene = by_line.run();
+    if (scene || !by_line.has_passed_over_values()) return scene;
+    // Of several elements on a line and one on several lines there can be as many lines as
+    // elements.
+    Result<Scene> by_value =
+        PlyParser(bytes, name, *std::move(header), pictures, threads, false).run();
+    return by_value ? std::move(by_value) : std::move(scene);
 }
 
 }  // namespace prep

@@ -59,7 +59,7 @@ class PlyValues {
 
     // Text with a line for each element, as the format has it: what a line holds beyond the
     // properties that the header names is passed over. An element may go on in the next line, and
-    // lines may follow the last; files with several elements on a line are read value by value.
+    // lines may follow the last; with fewer lines than elements they are read value by value.
     void expect_lines(double elements) {
         if (encoding_ != PlyEncoding::ascii) return;
         const char* data = reinterpret_cast<const char*>(bytes_.data());

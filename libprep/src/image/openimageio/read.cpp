@@ -143,7 +143,7 @@ void straighten(const oiio::ImageInput& input, Image& image) {
     }
 }
 
-// All channels' values as the file has them, which OpenImageIO 2.4 reads into their place where no
+// The channels' values as the file has them, which OpenImageIO 2.4 reads into their place where no
 // type is asked for; else by way of 64 MB, however small the picture.
 template <class Value>
 bool read_own(oiio::ImageInput& input, const Image& image, void* to) {

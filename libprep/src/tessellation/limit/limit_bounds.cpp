@@ -246,13 +246,14 @@ BaseDeviation at_vertex(const ChannelSurface& surface, const RingCones* cones,
                         const LimitTriangle& triangle, const LimitPieces& pieces) {
     BaseDeviation most;
     const LinearMap linear(triangle);
-    ConeDeviation direction(triangle);
+    std::optional<ConeDeviation> direction;
+    if (cones) direction.emplace(triangle);
     pieces.for_each_patch([&](const auto& patch) {
         if (is_apart(patch.box, triangle)) return;
         most.position = hull_deviation(patch, triangle, linear, most.position);
-        if (cones) direction.add(patch);
+        if (direction) direction->add(patch);
     });
-    most.direction = direction.largest();
+    if (direction) most.direction = direction->largest();
     for (const LimitTip& tip : pieces.tips) {
         if (is_apart(tip.box, triangle)) continue;
         const glm::dvec3 middle = linear(0.5 * (tip.box.low + tip.box.high));

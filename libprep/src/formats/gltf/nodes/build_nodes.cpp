@@ -49,14 +49,31 @@ class NodeBuilder {
         if (t.scale != glm::dvec3(1.0)) out["scale"] = array3(t.scale);
     }
 
-    // As numbers that move, where the node has them so; else its matrix.
+    // As numbers that move, where the node has them so or moves; else its matrix.
     static void transform(const Node& node, bool moves, Json& out) {
         if (node.transform == glm::dmat4(1.0) && !moves) return;
         if (node.trs) return numbers(*node.trs, out);
+        if (moves || largest(node.transform) > largest_matrix)
+            return numbers(as_numbers(node.transform), out);
         Json matrix = Json::array();
         for (int c = 0; c < 4; ++c)
             for (int r = 0; r < 4; ++r) matrix.push_back(node.transform[c][r]);
         out["matrix"] = std::move(matrix);
+    }
+
+    // The format's validator compares matrices with what they are made of by roundings of floats,
+    // whatever their size.
+    static constexpr double largest_matrix = 100;
+    static double largest(const glm::dmat4& matrix) {
+        double most = 0;
+        for (int c = 0; c < 3; ++c)
+            for (int r = 0; r < 3; ++r) most = std::max(most, std::abs(matrix[c][r]));
+        return most;
+    }
+    // Shear cannot move: what moves is taken for its nearest numbers.
+    bool needs_two(Index n) const {
+        const Node& node = scene_.nodes[n];
+        return !node.trs && !animated_.contains(n) && !is_scaled_rotation(node.transform);
     }
 
     void nodes() {
@@ -69,16 +86,16 @@ class NodeBuilder {
         for (Index n = 0; n < count; ++n) {
             const Node& node = scene_.nodes[n];
             Json& siblings = node.parent == no_index ? roots : children[node.parent];
-            const auto two = node.trs ? std::nullopt : as_two_nodes(node.transform);
-            if (!two) {
+            if (!needs_two(n)) {
                 siblings.push_back(n);
                 continue;
             }
+            const auto [outer, inner] = as_two_nodes(node.transform);
             siblings.push_back(count + more.size());
             Json around{{"children", {n}}};
-            numbers(two->first, around);
+            numbers(outer, around);
             more.push_back(std::move(around));
-            turns.emplace(n, two->second);
+            turns.emplace(n, inner);
         }
         for (Index n = 0; n < count; ++n) {
             const Node& node = scene_.nodes[n];

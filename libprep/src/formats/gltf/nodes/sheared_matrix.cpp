@@ -1,25 +1,11 @@
 #include "formats/gltf/nodes/sheared_matrix.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <glm/gtc/quaternion.hpp>
 
 namespace prep::detail {
 namespace {
-
-// Off a right angle by no more than matrices of floats are. The format's validator compares
-// numbers as they are, not beside their size.
-bool is_at_right_angles(const glm::dmat3& axes) {
-    for (int a = 0; a < 3; ++a) {
-        const glm::dvec3 &p = axes[a], &q = axes[(a + 1) % 3];
-        const double length = glm::length(p), other = glm::length(q);
-        if (std::abs(glm::dot(p, q)) >
-            std::min(1e-6 * length * other, 1e-4 * std::min(length, other)))
-            return false;
-    }
-    return true;
-}
 
 // Turns the columns of `a` about one another until they are at right angles; `v` turns with them
 // (Hestenes 1958).
@@ -46,38 +32,31 @@ void orthogonalize(glm::dmat3& a, glm::dmat3& v) {
     }
 }
 
+// A unit vector at a right angle to one.
+glm::dvec3 across(const glm::dvec3& unit) {
+    const glm::dvec3 size = glm::abs(unit);
+    glm::dvec3 axis(0.0);
+    axis[size.x <= size.y && size.x <= size.z ? 0 : size.y <= size.z ? 1 : 2] = 1;
+    return glm::normalize(axis - unit * glm::dot(axis, unit));
+}
+
 // Unit vectors along the columns, and what is missing to a rotation; their lengths in `scale`, one
 // of them negative where the matrix mirrors.
 glm::dmat3 rotation_of(const glm::dmat3& columns, glm::dvec3& scale) {
-    const double largest =
-        std::max({glm::length(columns[0]), glm::length(columns[1]), glm::length(columns[2])});
-    glm::dmat3 unit(1.0);
-    std::array<bool, 3> known{};
+    double largest = 0;
+    for (int c = 0; c < 3; ++c) largest = std::max(largest, glm::length(columns[c]));
+    glm::dmat3 unit(0.0);
     for (int c = 0; c < 3; ++c) {
         scale[c] = glm::length(columns[c]);
-        if (!(scale[c] > 1e-15 * largest)) {
-            scale[c] = 0;
-            continue;
-        }
-        unit[c] = columns[c] / scale[c];
-        known[std::size_t(c)] = true;
+        if (!(scale[c] > 1e-15 * largest)) scale[c] = 0;
+        if (scale[c] != 0) unit[c] = columns[c] / scale[c];
     }
     for (int c = 0; c < 3; ++c) {
-        if (known[std::size_t(c)]) continue;
-        const int a = (c + 1) % 3, b = (c + 2) % 3;
-        if (!known[std::size_t(a)] || !known[std::size_t(b)]) {
-            // Across one that is known, or any.
-            const glm::dvec3 other = known[std::size_t(a)]   ? unit[a]
-                                     : known[std::size_t(b)] ? unit[b]
-                                                             : glm::dvec3(0.0);
-            const glm::dvec3 small = glm::abs(other);
-            glm::dvec3 axis(0.0);
-            axis[small.x <= small.y && small.x <= small.z ? 0 : small.y <= small.z ? 1 : 2] = 1;
-            unit[c] = glm::normalize(axis - other * glm::dot(axis, other));
-        } else {
-            unit[c] = glm::cross(unit[a], unit[b]);
-        }
-        known[std::size_t(c)] = true;
+        if (scale[c] != 0) continue;
+        // Zero where it is not known yet either.
+        const glm::dvec3 &a = unit[(c + 1) % 3], &b = unit[(c + 2) % 3];
+        const glm::dvec3 both = glm::cross(a, b);
+        unit[c] = both != glm::dvec3(0.0) ? glm::normalize(both) : across(a + b);
     }
     if (glm::determinant(unit) < 0) {
         unit[0] = -unit[0];
@@ -88,16 +67,34 @@ glm::dmat3 rotation_of(const glm::dmat3& columns, glm::dvec3& scale) {
 
 }  // namespace
 
-std::optional<std::pair<Trs, Trs>> as_two_nodes(const glm::dmat4& matrix) {
-    const glm::dmat3 linear(matrix);
+bool is_scaled_rotation(const glm::dmat4& matrix) {
+    constexpr double roundings = 1e-6;
+    const glm::dmat3 axes(matrix);
+    for (int a = 0; a < 3; ++a) {
+        const glm::dvec3 &p = axes[a], &q = axes[(a + 1) % 3];
+        const double lengths = glm::length(p) * glm::length(q);
+        if (!(std::abs(glm::dot(p, q)) <= roundings * lengths)) return false;
+    }
+    return glm::determinant(axes) != 0;
+}
+
+Trs as_numbers(const glm::dmat4& matrix) {
+    Trs trs;
+    trs.translation = glm::dvec3(matrix[3]);
+    glm::dmat3 axes = rotation_of(glm::dmat3(matrix), trs.scale);
+    axes[1] -= axes[0] * glm::dot(axes[0], axes[1]);
+    const double length = glm::length(axes[1]);
+    axes[1] = length > 0 ? axes[1] / length : across(axes[0]);
+    axes[2] = glm::cross(axes[0], axes[1]);
+    trs.rotation = glm::normalize(glm::quat_cast(axes));
+    return trs;
+}
+
+std::pair<Trs, Trs> as_two_nodes(const glm::dmat4& matrix) {
     double size = 0;
     for (int c = 0; c < 3; ++c)
-        for (int r = 0; r < 3; ++r) {
-            if (!std::isfinite(linear[c][r])) return std::nullopt;  // an error of the scene's own
-            size = std::max(size, std::abs(linear[c][r]));
-        }
-    if (size > 0 && glm::determinant(linear) != 0 && is_at_right_angles(linear))
-        return std::nullopt;
+        for (int r = 0; r < 3; ++r) size = std::max(size, std::abs(matrix[c][r]));
+    const glm::dmat3 linear(matrix);
     glm::dmat3 axes = size > 0 ? linear / size : linear, v(1.0);
     orthogonalize(axes, v);
     Trs outer, inner;
@@ -105,7 +102,7 @@ std::optional<std::pair<Trs, Trs>> as_two_nodes(const glm::dmat4& matrix) {
     outer.rotation = glm::normalize(glm::quat_cast(rotation_of(axes, outer.scale)));
     outer.scale *= size;
     inner.rotation = glm::normalize(glm::quat_cast(glm::transpose(v)));
-    return std::pair(outer, inner);
+    return {outer, inner};
 }
 
 }  // namespace prep::detail

@@ -3,16 +3,21 @@
 #pragma once
 
 #include <glm/glm.hpp>
-#include <optional>
 #include <utility>
 
 #include "prep/scene.h"
 
 namespace prep::detail {
 
-// A matrix whose axes are not at right angles, or that is flat, as a node's transform and that of a
-// node in it, which only turns: U S Vᵀ, the singular value decomposition of its linear part. Empty:
-// a node can have the matrix.
-std::optional<std::pair<Trs, Trs>> as_two_nodes(const glm::dmat4& matrix);
+// The linear part's axes stand at right angles, up to the roundings of matrices of floats, and none
+// of them has no length.
+bool is_scaled_rotation(const glm::dmat4& matrix);
+
+// Of such a matrix, its numbers; of another one the nearest, along its own first axes.
+Trs as_numbers(const glm::dmat4& matrix);
+
+// Of any finite matrix: a node's transform and that of a node in it, which only turns. U S Vᵀ, the
+// singular value decomposition of the linear part.
+std::pair<Trs, Trs> as_two_nodes(const glm::dmat4& matrix);
 
 }  // namespace prep::detail
