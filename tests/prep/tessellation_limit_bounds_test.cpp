@@ -6,6 +6,7 @@
 #include "limit_surface/loop_patch.h"
 #include "prep/displacement/tessellate.h"
 #include "tessellation/limit/cone_kernels.h"
+#include "tessellation/polygon_surface.h"
 #include "tessellation/tessellation.h"
 
 namespace prep {
@@ -498,6 +499,68 @@ TEST(TessellationLimit, ConesOfRingsAreTheSameForEveryInstructionSet) {
         }
     }
     EXPECT_GE(schemes.size(), 2u);
+}
+
+double farthest(const glm::dvec3& from, const std::array<glm::dvec3, 3>& to) {
+    return std::max(
+        {glm::length(from - to[0]), glm::length(from - to[1]), glm::length(from - to[2])});
+}
+
+// Of the patches in a triangle the one whose normals may be farthest from the corners'.
+TEST(TessellationLimit, DirectionsAtVerticesAreThoseOfTheirPatchesCones) {
+    std::size_t compared = 0;
+    for (const Cage& cage : cages()) {
+        if (cage.scheme != SubdivisionScheme::catmark) continue;
+        const auto surface = channel_surface(cage);
+        ASSERT_TRUE(surface);
+        const detail::RingCones cones(*surface, 1);
+        detail::PatchEvaluator evaluator(surface->pieces(), SimdLevel::automatic);
+        detail::LimitPieces pieces;
+        const auto compare = [&](std::uint32_t root, const glm::dvec2& corner) {
+            const glm::dvec2 to = 0.125 * (1.0 - 2.0 * corner);
+            detail::LimitTriangle triangle;
+            triangle.root = root;
+            triangle.parameters = {corner, corner + glm::dvec2(to.x, 0),
+                                   corner + glm::dvec2(0, to.y)};
+            for (std::size_t k = 0; k < 3; ++k) {
+                const glm::dvec2 at = triangle.parameters[k] + 0.03 * to;
+                glm::dvec3 du, dv;
+                evaluator.point(root, at.x, at.y, &triangle.positions[k].x, &du.x, &dv.x);
+                triangle.normals[k] = glm::normalize(glm::cross(du, dv));
+            }
+            detail::collect_pieces(*surface, root, detail::box_of(triangle.parameters), pieces);
+            if (pieces.tips.empty()) return;
+            double expected = 0;
+            for (const detail::BezierPatch& patch : pieces.patches) {
+                if (detail::is_apart(patch.box, triangle)) continue;
+                const auto net = detail::normal_net(patch);
+                const auto middle = detail::middle_derivatives(patch);
+                const auto about = [&](const glm::dvec3& e) {
+                    return detail::chord_of_tangent(widest_tangent(net.n, e, net.error));
+                };
+                const glm::dvec3 e =
+                    detail::unit_or(glm::cross(middle[0], middle[1]), triangle.normals[0]);
+                double from_corners = 0;
+                for (const glm::dvec3& normal : triangle.normals)
+                    from_corners = std::max(from_corners, about(normal));
+                expected = std::max(
+                    expected, std::min(from_corners, about(e) + farthest(e, triangle.normals)));
+            }
+            for (const detail::LimitTip& tip : pieces.tips)
+                if (!detail::is_apart(tip.box, triangle))
+                    expected = std::max(
+                        expected,
+                        cones.from_level(tip.ring, tip.sector, tip.level) +
+                            farthest(surface->rings.normal(tip.ring).normal, triangle.normals));
+            EXPECT_EQ(detail::limit_deviation(*surface, &cones, triangle).direction,
+                      std::min(expected, 2.0));
+            ++compared;
+        };
+        for (std::uint32_t root = 0; root < surface->tree.roots.size(); ++root)
+            for (const glm::dvec2 corner : {glm::dvec2(0, 0), {1, 0}, {0, 1}, {1, 1}})
+                compare(root, corner);
+    }
+    EXPECT_GT(compared, 100u);
 }
 
 // Also where three of Loop's triangles meet, and where a crease has one face on a side: there
