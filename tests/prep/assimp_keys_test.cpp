@@ -8,8 +8,8 @@
 #include "formats/assimp/key_tracks.h"
 #include "formats/assimp/md5_numbers.h"
 #include "formats/assimp/pivot_motion.h"
-#include "formats/assimp/trs.h"
 #include "formats/assimp/utf16.h"
+#include "model/trs.h"
 
 namespace {
 

@@ -10,6 +10,7 @@
 #include "formats/gltf/nodes/sheared_matrix.h"
 #include "gltf_motion.h"
 #include "mesh_files.h"
+#include "model/trs.h"
 #include "prep/save.h"
 #include "written_gltf.h"
 
@@ -309,8 +310,7 @@ TEST(GltfBuild, LargeMatricesAreNumbers) {
         m[3] = glm::dvec4(1, 2, 3, 1);
         for (const glm::dmat4& one : {m, glm::dmat4(glm::mat4(m))}) {  // rounded to floats
             EXPECT_TRUE(prep::detail::is_scaled_rotation(one));
-            expect_near(prep::detail::as_numbers(one).matrix(), one,
-                        (one == m ? 4e-15 : 1e-6) * scale);
+            expect_near(prep::detail::trs_of(one).matrix(), one, (one == m ? 4e-15 : 1e-6) * scale);
         }
         prep::Scene scene = scene_of(mesh_of({0, 1, 2}, 3));
         scene.nodes[0].transform = m;

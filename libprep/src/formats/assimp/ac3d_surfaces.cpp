@@ -6,25 +6,18 @@
 
 #include "formats/assimp/import.h"
 #include "prep/files.h"
+#include "text/scan.h"
 
 namespace prep::detail {
 namespace {
 
-constexpr std::string_view blanks = " \t";
-
-std::string_view next_word(std::string_view& line) {
-    line.remove_prefix(std::min(line.find_first_not_of(blanks), line.size()));
-    const std::string_view word = line.substr(0, line.find_first_of(blanks));
-    line.remove_prefix(word.size());
-    return word;
-}
-
 // In quotation marks, or a word without.
-std::string_view name_in(std::string_view line) {
-    line.remove_prefix(std::min(line.find_first_not_of(blanks), line.size()));
-    if (!line.starts_with('"')) return next_word(line);
-    line.remove_prefix(1);
-    return line.substr(0, line.find('"'));
+std::string_view name_in(LineScanner& line) {
+    line.skip_blanks();
+    if (line.peek() != '"') return line.word();
+    line.advance();
+    const std::string_view rest = line.rest();
+    return rest.substr(0, rest.find('"'));
 }
 
 std::size_t number_in(std::string_view word, int base) {
@@ -42,17 +35,18 @@ std::set<std::string> two_sided_ac3d_materials(std::string_view text) {
     std::set<std::string> found;
     bool both = false;  // of the surface that the lines are in
     while (!text.empty()) {
-        std::string_view line = text.substr(0, text.find_first_of("\r\n"));
-        text.remove_prefix(std::min(line.size() + 1, text.size()));
-        const std::string_view word = next_word(line);
+        const std::size_t end = std::min(text.find_first_of("\r\n"), text.size());
+        LineScanner line(text.substr(0, end));
+        text.remove_prefix(std::min(end + 1, text.size()));
+        const std::string_view word = line.word();
         if (word == "MATERIAL") {
             names.push_back(name_in(line));
         } else if (word == "SURF") {
-            std::string_view flags = next_word(line);
+            std::string_view flags = line.word();
             if (flags.starts_with("0x") || flags.starts_with("0X")) flags.remove_prefix(2);
             both = (number_in(flags, 16) & two_sided) != 0;
         } else if (word == "mat" && both) {
-            const std::size_t material = number_in(next_word(line), 10);
+            const std::size_t material = number_in(line.word(), 10);
             if (material < names.size()) found.emplace(names[material]);
         }
     }

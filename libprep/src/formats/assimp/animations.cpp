@@ -6,7 +6,7 @@
 #include "formats/assimp/import.h"
 #include "formats/assimp/key_tracks.h"
 #include "formats/assimp/pivot_motion.h"
-#include "formats/assimp/trs.h"
+#include "model/trs.h"
 
 namespace prep::detail {
 namespace {

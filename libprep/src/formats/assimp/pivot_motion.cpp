@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "formats/assimp/trs.h"
+#include "model/trs.h"
 
 namespace prep::detail {
 namespace {

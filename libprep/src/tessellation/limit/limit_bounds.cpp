@@ -155,14 +155,14 @@ void NormalCurvature::widen(const Patch& patch, const glm::dvec3& e) {
     vv_ = std::max(vv_, derivative(by.vv, by.pure * factor.y * factor.y).across);
 }
 
-// Largest |n − e|; `error`: what roundings may have moved the net's points by. Directions within
-// less than a right angle of e are a convex cone, so that the net's widest is wider than all.
-template <class Net>
-double cone_about(const Net& net, const glm::dvec3& e, double error) {
+// Largest |n − e|. Directions within less than a right angle of e are a convex cone, so that the
+// net's widest is wider than all.
+double cone_about(const QuarticNormalNet& net, const glm::dvec3& e) {
     double widest = 0;  // tangent of the angle to e
     for (const glm::dvec3& x : net.n) {
         const double by_e = glm::dot(x, e);
-        const double along = by_e - error, across = glm::length(x - by_e * e) + error;
+        const double along = by_e - net.error;
+        const double across = glm::length(x - by_e * e) + net.error;
         if (!(along > 0)) return no_bound;
         widest = std::max(widest, across / along);
     }
@@ -185,10 +185,7 @@ glm::dvec3 axis_of(const Patch& patch, const glm::dvec3& otherwise) {
 // directly how far it is from each of those, as |n − I n| is no more than the largest |n − n(v)|.
 class ConeDeviation {
   public:
-    explicit ConeDeviation(const LimitTriangle& triangle) : triangle_(triangle) {
-        for (std::size_t k = 0; k < 3; ++k)
-            for (int d = 0; d < 3; ++d) normals_[3 * k + std::size_t(d)] = triangle.normals[k][d];
-    }
+    explicit ConeDeviation(const LimitTriangle& triangle) : triangle_(triangle) {}
 
     void add(const BezierPatch& patch) {
         axes_[held_] = axis_of(patch, triangle_.normals[0]);
@@ -203,8 +200,8 @@ class ConeDeviation {
     void add(const QuarticPatch& patch) {
         const glm::dvec3 e = axis_of(patch, triangle_.normals[0]);
         const auto net = normal_net(patch);
-        take(e, cone_about(net, e, net.error),
-             [&](std::size_t k) { return cone_about(net, triangle_.normals[k], net.error); });
+        take(e, cone_about(net, e),
+             [&](std::size_t k) { return cone_about(net, triangle_.normals[k]); });
     }
     double largest() {
         take();
@@ -224,7 +221,7 @@ class ConeDeviation {
     void take() {
         if (held_ == 0) return;
         std::array<double, 4 * patches_at_once> widest;
-        bezier_cones(points_.data(), by_axis_.data(), normals_.data(), held_, widest.data(),
+        bezier_cones(points_.data(), by_axis_.data(), &triangle_.normals[0].x, held_, widest.data(),
                      SimdLevel::automatic);
         for (std::size_t p = 0; p < held_; ++p)
             take(axes_[p], chord_of_tangent(widest[p]), [&](std::size_t k) {
@@ -236,7 +233,6 @@ class ConeDeviation {
     const LimitTriangle& triangle_;
     double most_ = 0;
     std::size_t held_ = 0;
-    std::array<double, 9> normals_;
     std::array<glm::dvec3, patches_at_once> axes_;
     std::array<double, 3 * patches_at_once> by_axis_{};
     std::array<double, 48 * patches_at_once> points_{};

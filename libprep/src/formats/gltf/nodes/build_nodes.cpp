@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "formats/gltf/nodes/sheared_matrix.h"
+#include "model/trs.h"
 
 namespace prep::detail {
 namespace {
@@ -54,7 +55,7 @@ class NodeBuilder {
         if (node.transform == glm::dmat4(1.0) && !moves) return;
         if (node.trs) return numbers(*node.trs, out);
         if (moves || largest(node.transform) > largest_matrix)
-            return numbers(as_numbers(node.transform), out);
+            return numbers(trs_of(node.transform), out);
         Json matrix = Json::array();
         for (int c = 0; c < 4; ++c)
             for (int r = 0; r < 4; ++r) matrix.push_back(node.transform[c][r]);

@@ -78,18 +78,6 @@ bool is_scaled_rotation(const glm::dmat4& matrix) {
     return glm::determinant(axes) != 0;
 }
 
-Trs as_numbers(const glm::dmat4& matrix) {
-    Trs trs;
-    trs.translation = glm::dvec3(matrix[3]);
-    glm::dmat3 axes = rotation_of(glm::dmat3(matrix), trs.scale);
-    axes[1] -= axes[0] * glm::dot(axes[0], axes[1]);
-    const double length = glm::length(axes[1]);
-    axes[1] = length > 0 ? axes[1] / length : across(axes[0]);
-    axes[2] = glm::cross(axes[0], axes[1]);
-    trs.rotation = glm::normalize(glm::quat_cast(axes));
-    return trs;
-}
-
 std::pair<Trs, Trs> as_two_nodes(const glm::dmat4& matrix) {
     double size = 0;
     for (int c = 0; c < 3; ++c)

@@ -13,9 +13,6 @@ namespace prep::detail {
 // of them has no length.
 bool is_scaled_rotation(const glm::dmat4& matrix);
 
-// Of such a matrix, its numbers; of another one the nearest, along its own first axes.
-Trs as_numbers(const glm::dmat4& matrix);
-
 // Of any finite matrix: a node's transform and that of a node in it, which only turns. U S Vᵀ, the
 // singular value decomposition of the linear part.
 std::pair<Trs, Trs> as_two_nodes(const glm::dmat4& matrix);

@@ -1,4 +1,4 @@
-#include "formats/assimp/trs.h"
+#include "model/trs.h"
 
 #include <algorithm>
 #include <cmath>
