@@ -18,7 +18,7 @@ namespace {
 using meshprep::LargeBlocks;
 
 // The C library's own allocator has those below.
-constexpr std::size_t large = std::size_t{1} << 18;
+constexpr std::size_t large = std::size_t{1} << 16;
 constexpr std::size_t range = std::size_t{1} << 40;
 constexpr std::size_t kept_gaps = std::size_t{512} << 20;
 // Without a range, from here on blocks are of huge pages each: below four pages what is lost at the
@@ -32,7 +32,7 @@ LargeBlocks& blocks() {
         auto* const made = new (place) LargeBlocks(range, kept_gaps);
         // Blocks of middle size stay with the program, too: the C library would give each back.
         if (made->is_ready()) {
-            mallopt(M_MMAP_THRESHOLD, int(2 * large));
+            mallopt(M_MMAP_THRESHOLD, int(8 * large));
             mallopt(M_TRIM_THRESHOLD, int(kept_gaps));
         }
         return made;

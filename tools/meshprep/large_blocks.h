@@ -38,7 +38,7 @@ class LargeBlocks {
     using Address = std::uintptr_t;
 
     // What blocks are rounded to.
-    static constexpr std::size_t piece = std::size_t{1} << 16;
+    static constexpr std::size_t piece = std::size_t{1} << 14;
     static constexpr std::size_t huge_page = std::size_t{1} << 21;
 
     // `range`: address space alone; memory is asked for as blocks need it. `kept_gaps`: bytes of

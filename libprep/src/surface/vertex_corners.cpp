@@ -4,6 +4,7 @@
 #include <bit>
 
 #include "base/parallel.h"
+#include "base/scratch_buffer.h"
 #include "surface/block_places.h"
 
 namespace prep::detail {
@@ -50,8 +51,15 @@ class LocalSort {
         for (const Block& block : blocks_) ranges += block.last - block.first;
         // A closed surface comes back to its first vertices: one range may be all of them.
         if (ranges > 4 * result.offsets.size()) return false;
+        // One array for all blocks' lists: large enough for large pages where each alone is not.
+        ScratchBuffer<Index> all_counts(ranges);
+        std::size_t counts_before = 0;
+        for (Block& block : blocks_) {
+            block.counts = {all_counts.data() + counts_before, block.last - block.first};
+            counts_before += block.counts.size();
+        }
         by_block([&](Block& block, std::size_t begin, std::size_t end) {
-            block.counts.assign(block.last - block.first, 0);
+            std::fill(block.counts.begin(), block.counts.end(), 0);
             Index* const counts = block.counts.data();
             const Index first = block.first;
             for (std::size_t c = begin; c < end; ++c) ++counts[vertices_[c] - first];
@@ -64,7 +72,7 @@ class LocalSort {
             result.offsets[v + 1] += result.offsets[v];
         // From counts to the place of each block's first corner at a vertex.
         std::vector<Index> places(result.offsets.begin(), result.offsets.end() - 1);
-        for (Block& block : blocks_)
+        for (const Block& block : blocks_)
             for (std::size_t i = 0; i < block.counts.size(); ++i) {
                 const Index count = block.counts[i];
                 block.counts[i] = places[block.first + i];
@@ -82,7 +90,7 @@ class LocalSort {
   private:
     struct Block {
         Index first = 0, last = 0;  // vertices
-        std::vector<Index> counts;
+        std::span<Index> counts;
     };
     template <class Body>
     void by_block(const Body& body) {
