@@ -69,13 +69,52 @@ TEST(Off, IntegerColoursAreBytesEvenBesideFractionalUvs) {
     EXPECT_EQ(scene->meshes[0].uvs[0].values[2], glm::vec2(0.5f));
 }
 
-TEST(Off, SegmentsPointCloudsAndFaceColours) {
-    const auto scene = parse("OFF\n3 3 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2 255 0 0\n2 0 1\n1 2\n");
+TEST(Off, FacesKeepTheirColoursAtAllTheirCorners) {
+    const auto scene = parse(
+        "OFF\n4 5 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2\n4 0 1 2 3 0 188 255 51\n2 0 1\n"
+        "3 0 1 3 0.25 0.5 1.0 # three\n3 1 2 3 0.5 0.5 0.5 0.75\n");
+    ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
+    EXPECT_EQ(scene->warnings, std::vector<std::string>{});
+    const prep::Mesh& mesh = scene->meshes[0];
+    ASSERT_EQ(mesh.face_count(), 4u);
+    ASSERT_EQ(mesh.colors.size(), 1u);
+    // 188 of 255 by IEC 61966-2-1; alpha is no light.
+    const glm::vec4 expected[] = {
+        {1, 1, 1, 1}, {0, 0.5028865f, 1, 0.2f}, {0.25f, 0.5f, 1, 1}, {0.5f, 0.5f, 0.5f, 0.75f}};
+    for (std::size_t f = 0; f < 4; ++f)
+        for (std::uint32_t c = mesh.face_offsets[f]; c < mesh.face_offsets[f + 1]; ++c)
+            for (int k = 0; k < 4; ++k)
+                EXPECT_NEAR(mesh.colors[0].values[mesh.colors[0].indices[c]][k], expected[f][k],
+                            1e-6)
+                    << f;
+}
+
+TEST(Off, ColoursThatHaveNoPlaceAreTold) {
+    const std::string points = "0 0 0\n1 0 0\n0 1 0\n";
+    const std::vector<std::string> told{
+        "test.off: colours that are numbers of a list, or of lines, were skipped"};
+    for (const char* face : {"3 0 1 2 7\n", "3 0 1 2 7 8\n", "2 0 1 255 0 0\n"}) {
+        const auto scene = parse("OFF\n3 1 0\n" + points + face);
+        ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
+        EXPECT_EQ(scene->warnings, told) << face;
+        EXPECT_TRUE(scene->meshes[0].colors.empty()) << face;
+    }
+    const auto both =
+        parse("COFF\n3 1 0\n0 0 0 0 255 0\n1 0 0 0 255 0\n0 1 0 0 255 0\n3 0 1 2 255 0 0\n");
+    ASSERT_TRUE(both.has_value()) << prep::to_string(both.error());
+    EXPECT_EQ(both->meshes[0].colors[0].values, std::vector<glm::vec4>(3, glm::vec4(0, 1, 0, 1)));
+    EXPECT_EQ(both->warnings,
+              std::vector<std::string>{
+                  "test.off: colours of faces were skipped: vertices have their own"});
+}
+
+TEST(Off, SegmentsAndPointClouds) {
+    const auto scene = parse("OFF\n3 3 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n2 0 1\n1 2\n");
     ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
     EXPECT_EQ(scene->meshes[0].line_vertices, (std::vector<std::uint32_t>{0, 1}));
-    EXPECT_EQ(scene->warnings, (std::vector<std::string>{
-                                   "test.off: 1 faces with fewer than two corners were dropped",
-                                   "test.off: colours of faces were skipped"}));
+    EXPECT_EQ(
+        scene->warnings,
+        (std::vector<std::string>{"test.off: 1 faces with fewer than two corners were dropped"}));
     const auto cloud = parse("NOFF\n2 0 0\n0 0 0 0 0 1\n1 0 0 0 0 1\n");
     ASSERT_TRUE(cloud.has_value());
     EXPECT_EQ(cloud->meshes[0].points, (std::vector<std::uint32_t>{0, 1}));

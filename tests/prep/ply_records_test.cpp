@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <string>
 #include <vector>
@@ -228,6 +229,35 @@ TEST(PlyRecords, StripsBeforeFacesHaveTheFirstPicture) {
         EXPECT_EQ(mesh.face_materials[1], 0u);
         for (std::uint32_t f = 0; f < 10; ++f)
             EXPECT_EQ(mesh.face_materials[f + 2], f % 5 == 2 ? 1u : 0u) << f;
+    }
+}
+
+TEST(PlyRecords, ColoursOfFacesAreWhatTextSays) {
+    for (const bool odd : {false, true}) {
+        File file = strip(3, false, false, false);
+        file.face_properties +=
+            "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty ushort "
+            "alpha\n";
+        for (int f = 0; f < count; ++f)
+            for (const Value& value : {Value{"uchar", double(f % 256)}, Value{"uchar", 7.0},
+                                       Value{"uchar", 255.0}, Value{"ushort", double(f)}})
+                file.faces[std::size_t(f)].push_back(value);
+        if (odd) {
+            Record& face = file.faces[4100];
+            face[0].value = 4;
+            face.insert(face.begin() + 1, {"uint", 8});
+        }
+        expect_same_as_text(file, odd ? "one by one " : "records ");
+        const auto scene = parse(file.bytes(true));
+        ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
+        const prep::Mesh& mesh = scene->meshes[0];
+        ASSERT_EQ(mesh.colors.size(), 1u);
+        const std::uint32_t corner = mesh.face_offsets[5001];
+        const glm::vec4 color = mesh.colors[0].values[mesh.colors[0].indices[corner]];
+        // IEC 61966-2-1 of 5001 % 256 = 137.
+        EXPECT_NEAR(color.r, std::pow((137 / 255.0 + 0.055) / 1.055, 2.4), 1e-6);
+        EXPECT_EQ(color.b, 1.0f);
+        EXPECT_FLOAT_EQ(color.a, 5001 / 65535.0f);
     }
 }
 

@@ -10,8 +10,9 @@
 
 namespace prep {
 
-// OFF with the prefixes ST, C, N and 4 (text); binary OFF is unsupported. Face colours are skipped.
-// One mesh and one node; `name` and errors as in parse_ply().
+// OFF with the prefixes ST, C, N and 4 (text); binary OFF is unsupported. Colours of faces are
+// those of their corners where vertices have none. One mesh and one node; `name` and errors as in
+// parse_ply().
 Result<Scene> parse_off(std::span<const std::byte> bytes, const std::string& name);
 
 }  // namespace prep

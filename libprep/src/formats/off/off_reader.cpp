@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "base/srgb.h"
+#include "formats/face_colors.h"
 #include "formats/off/off.h"
 #include "prep/mesh.h"
 #include "text/line_ends.h"
@@ -129,7 +130,7 @@ class OffParser {
                 normals_.push_back(glm::vec3(n));
             }
             if (!good) return fail("expected coordinates", line);
-            if (header_.c) color(scan);
+            if (header_.c) (void)color(scan, header_.st ? 2 : 0, colors_.emplace_back());
             glm::dvec2 uv(0.0);
             if (header_.st && !scan.at_end()) {
                 if (!scan.number(uv.x) || !scan.number(uv.y))
@@ -142,11 +143,16 @@ class OffParser {
         return {};
     }
 
-    void color(LineScanner& scan) {
-        // Three or four numbers, then the two of ST: all integers are 0 … 255, others 0 … 1.
+    static int words_left(LineScanner scan) {
         int words = 0;
-        for (LineScanner probe = scan; !probe.at_end(); probe.word()) ++words;
-        const int most = std::clamp(words - (header_.st ? 2 : 0), 0, 4);
+        for (; !scan.at_end(); scan.word()) ++words;
+        return words;
+    }
+
+    // Three or four numbers before the last `others`: all integers are 0 … 255, others 0 … 1.
+    // Says how many there were; what there is not is 1.
+    static int color(LineScanner& scan, int others, glm::vec4& to) {
+        const int most = std::clamp(words_left(scan) - others, 0, 4);
         double c[4] = {1, 1, 1, 1};
         int count = 0;
         bool integers = true;
@@ -159,12 +165,14 @@ class OffParser {
         }
         for (int k = 0; integers && k < count; ++k)
             c[k] = k < 3 ? detail::srgb_to_linear(c[k] / 255) : c[k] / 255;
-        colors_.push_back(glm::vec4(glm::dvec4(c[0], c[1], c[2], c[3])));
+        to = glm::vec4(glm::dvec4(c[0], c[1], c[2], c[3]));
+        return count;
     }
 
     Result<void> faces(Mesh& mesh) {
         std::string_view line;
-        bool face_colors = false;
+        std::vector<glm::vec4> colors_of_faces;  // empty, or of the faces up to the last with one
+        bool passed_over = false;
         std::uint64_t short_faces = 0;
         for (std::int64_t f = 0; f < header_.faces; ++f) {
             if (!lines_.next(line))
@@ -189,7 +197,12 @@ class OffParser {
                                 line, ErrorCode::invalid);
                 mesh.corner_vertices.push_back(std::uint32_t(v));
             }
-            face_colors |= !scan.at_end();
+            // One number alone would be an index into a list that is not in the file.
+            glm::vec4 face_color(1.0f);
+            const bool more = !scan.at_end();
+            const bool colored =
+                more && !header_.c && corners >= 3 && color(scan, 0, face_color) >= 3;
+            passed_over |= more && !colored;
             if (mesh.corner_vertices.size() >= no_index)
                 return fail("more than 2^32 - 2 corners", "", ErrorCode::limit);
             if (corners == 2) {
@@ -202,12 +215,21 @@ class OffParser {
                 mesh.corner_vertices.resize(first);
                 continue;
             }
+            if (colored) {
+                colors_of_faces.resize(mesh.face_count(), glm::vec4(1.0f));
+                colors_of_faces.push_back(face_color);
+            }
             mesh.face_offsets.push_back(std::uint32_t(mesh.corner_vertices.size()));
         }
         if (short_faces)
             scene_.warnings.push_back(name_ + ": " + std::to_string(short_faces) +
                                       " faces with fewer than two corners were dropped");
-        if (face_colors) scene_.warnings.push_back(name_ + ": colours of faces were skipped");
+        if (passed_over)
+            scene_.warnings.push_back(
+                name_ + (header_.c ? ": colours of faces were skipped: vertices have their own"
+                                   : ": colours that are numbers of a list, or of lines, were "
+                                     "skipped"));
+        if (!colors_of_faces.empty()) detail::set_face_colors(mesh, std::move(colors_of_faces));
         if (mesh.face_count() == 0) {  // nothing to hang normals and UVs on
             if ((header_.n || header_.st) && !mesh.positions.empty())
                 scene_.warnings.push_back(name_ + ": " +

@@ -23,10 +23,11 @@ class PictureSearch;
 
 // ASCII and both binary orders. Vertex properties x y z, nx ny nz, red green blue alpha (integers
 // are sRGB-encoded 0 … max, floats linear 0 … 1), s t / u v / texture_u texture_v; face lists
-// vertex_indices / vertex_index, per-corner "texcoord" lists, "texnumber"; tristrips; edges; other
-// elements and properties are skipped. A file without faces is a point cloud. Each "comment
-// TextureFile NAME", as MeshLab and others write it, is a material with that picture for its
-// colour; texnumber says which of them a face has, the first is the default.
+// vertex_indices / vertex_index, per-corner "texcoord" lists, "texnumber", red green blue alpha of
+// faces where vertices have no colours; tristrips; edges; other elements and properties are
+// skipped. A file without faces is a point cloud. Each "comment TextureFile NAME", as MeshLab and
+// others write it, is a material with that picture for its colour; texnumber says which of them a
+// face has, the first is the default.
 //
 // One mesh and one node. `name` is for messages. Errors: syntax, invalid (an index out of range),
 // unsupported, limit; place = "name:line" in text and "name, byte N" in binary files.

@@ -6,8 +6,10 @@
 #include <optional>
 
 #include "base/parallel.h"
+#include "formats/face_colors.h"
 #include "formats/picture_search.h"
 #include "formats/ply/ply.h"
+#include "formats/ply/ply_colors.h"
 #include "formats/ply/ply_header.h"
 #include "formats/ply/ply_records.h"
 #include "formats/ply/ply_values.h"
@@ -107,6 +109,13 @@ class PlyParser {
         return {};
     }
 
+    bool vertices_have_colors() const {
+        return std::any_of(header_.elements.begin(), header_.elements.end(),
+                           [](const PlyElement& element) {
+                               return element.name == "vertex" && PlyColors(element).any();
+                           });
+    }
+
     static bool lists_corners(const PlyProperty& p) {
         return p.list && (p.name == "vertex_indices" || p.name == "vertex_index");
     }
@@ -115,17 +124,30 @@ class PlyParser {
         std::vector<double> texcoords;
         if (std::count_if(element.properties.begin(), element.properties.end(), lists_corners) > 1)
             return fail("faces with two lists of corners, vertex_index and vertex_indices");
-        for (const PlyProperty& p : element.properties)
-            if (!lists_corners(p) && !lists_uvs(p) && !names_texture(p)) leave(element, p);
+        // One colour has room: of files with both that of the vertices, which is finer.
+        const PlyColors colors = vertices_have_colors() ? PlyColors() : PlyColors(element);
+        for (std::size_t i = 0; i < element.properties.size(); ++i) {
+            const PlyProperty& p = element.properties[i];
+            if (!lists_corners(p) && !lists_uvs(p) && !names_texture(p) && !colors.channel(i))
+                leave(element, p);
+        }
+        // Strips before them are white.
+        if (colors.any()) face_colors_.resize(mesh.face_count(), glm::vec4(1.0f));
         // Strips before them have the first picture.
         if (!header_.textures.empty()) mesh.face_materials.resize(mesh.face_count(), 0);
-        if (face_records(element, mesh)) return {};
+        if (face_records(element, colors, mesh)) return {};
         for (std::uint64_t f = 0; f < element.count; ++f) {
             const std::size_t first = mesh.corner_vertices.size();
             bool have_corners = false;
             double texture = 0;
             texcoords.clear();
-            for (const PlyProperty& p : element.properties) {
+            PlyColors::Row color{};
+            for (std::size_t i = 0; i < element.properties.size(); ++i) {
+                const PlyProperty& p = element.properties[i];
+                if (const std::optional<int> channel = colors.channel(i)) {
+                    if (!values_.next(p.type, color[*channel])) return cut_short(element, f);
+                    continue;
+                }
                 const bool corners = lists_corners(p);
                 const bool coordinates = lists_uvs(p);
                 if (names_texture(p)) {
@@ -152,6 +174,7 @@ class PlyParser {
             if (!have_corners) return fail("faces without a list of vertex_indices");
             values_.end_element();
             close_face(first, texcoords, mesh);
+            if (colors.any()) face_colors_.resize(mesh.face_count(), colors.linear(color));
             if (header_.textures.empty()) continue;
             mesh.face_materials.resize(mesh.face_count(), material_of(texture));
         }
@@ -161,12 +184,15 @@ class PlyParser {
     // Faces of a binary file that all have as many corners as the first, all at once. False, and
     // nothing is taken, where that is not so, or where an index is none: value by value, faces()
     // says which.
-    bool face_records(const PlyElement& element, Mesh& mesh) {
+    bool face_records(const PlyElement& element, const PlyColors& colors, Mesh& mesh) {
         const auto records = PlyRecords::of(element, header_.encoding, values_.rest());
         if (!records) return false;
         std::optional<std::size_t> corners, uvs, texture;
+        std::vector<std::pair<std::size_t, int>> channels;  // property and place in the row
         for (std::size_t p = 0; p < element.properties.size(); ++p) {
             const PlyProperty& property = element.properties[p];
+            if (const std::optional<int> channel = colors.channel(p))
+                channels.push_back({p, *channel});
             std::optional<std::size_t>* const found = lists_corners(property)   ? &corners
                                                       : lists_uvs(property)     ? &uvs
                                                       : names_texture(property) ? &texture
@@ -189,6 +215,7 @@ class PlyParser {
             corner_uvs_.resize(first_uv + n * element.count);
         }
         if (!header_.textures.empty()) mesh.face_materials.resize(first_face + element.count, 0);
+        if (colors.any()) face_colors_.resize(first_face + element.count);
         std::atomic<bool> good = true;
         constexpr std::size_t block = 4096;
         parallel_blocks(element.count, block, threads_, [&](std::size_t begin, std::size_t end) {
@@ -210,7 +237,14 @@ class PlyParser {
             }
             for (std::size_t f = begin; f < end; ++f)
                 mesh.face_offsets[first_face + f + 1] = std::uint32_t(first + n * (f + 1));
-            std::vector<double> values(uvs || texture ? count : 0);
+            std::vector<PlyColors::Row> rows(channels.empty() ? 0 : count);
+            std::vector<double> values(uvs || texture || !rows.empty() ? count : 0);
+            for (const auto& [property, place] : channels) {
+                records->read(property, 0, begin, end, values.data());
+                for (std::size_t i = 0; i < count; ++i) rows[i][place] = values[i];
+            }
+            for (std::size_t i = 0; i < rows.size(); ++i)
+                face_colors_[first_face + begin + i] = colors.linear(rows[i]);
             for (std::size_t k = 0; uvs && k < 2 * n; ++k) {
                 records->read(*uvs, k, begin, end, values.data());
                 for (std::size_t i = 0; i < count; ++i) {
@@ -236,6 +270,7 @@ class PlyParser {
             corner_uvs_.resize(first_uv);
         }
         if (!header_.textures.empty()) mesh.face_materials.resize(first_face);
+        if (colors.any()) face_colors_.resize(first_face);
         return false;
     }
 
@@ -402,6 +437,7 @@ class PlyParser {
         if (vertices_.has_colors && (!faces || !mesh.line_vertices.empty()))
             mesh.vertex_colors = vertices_.colors;
         if (vertices_.has_colors && faces) by_vertex(mesh.colors.emplace_back(), vertices_.colors);
+        if (!face_colors_.empty()) set_face_colors(mesh, std::move(face_colors_));
         if (!faces && mesh.line_vertices.empty()) {
             mesh.points.resize(count);
             for (std::uint32_t v = 0; v < count; ++v) mesh.points[v] = v;
@@ -438,6 +474,7 @@ class PlyParser {
     PlyVertices vertices_;
     std::vector<glm::vec2> corner_uvs_;
     std::vector<std::uint32_t> corner_uv_indices_;
+    std::vector<glm::vec4> face_colors_;  // empty, or of all faces up to the last with colours
     std::uint64_t short_faces_ = 0;
     NameList not_taken_;  // "element property"
 };

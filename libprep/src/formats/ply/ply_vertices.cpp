@@ -1,79 +1,32 @@
 #include "formats/ply/ply_vertices.h"
 
-#include <algorithm>
 #include <atomic>
 #include <utility>
 
 #include "base/parallel.h"
-#include "base/srgb.h"
 #include "formats/ply/ply_records.h"
 #include "prep/mesh.h"
 
 namespace prep::detail {
-namespace {
-
-double largest_of(PlyType type) {
-    switch (type) {
-        case PlyType::i8:
-            return 127;
-        case PlyType::u8:
-            return 255;
-        case PlyType::i16:
-            return 32767;
-        case PlyType::u16:
-            return 65535;
-        case PlyType::i32:
-            return 2147483647.0;
-        case PlyType::u32:
-            return 4294967295.0;
-        default:
-            return 1;
-    }
-}
-
-float linear(double x, PlyType type) {
-    if (type == PlyType::f32 || type == PlyType::f64) return float(x);
-    return float(srgb_to_linear(std::clamp(x / largest_of(type), 0.0, 1.0)));
-}
-
-}  // namespace
 
 std::optional<PlyVertices::Slot> PlyVertices::slot_of(const std::string& name) {
-    static const std::pair<const char*, Slot> names[] = {{"x", px},
-                                                         {"y", py},
-                                                         {"z", pz},
-                                                         {"nx", nx},
-                                                         {"ny", ny},
-                                                         {"nz", nz},
-                                                         {"red", red},
-                                                         {"green", green},
-                                                         {"blue", blue},
-                                                         {"alpha", alpha},
-                                                         {"r", red},
-                                                         {"g", green},
-                                                         {"b", blue},
-                                                         {"a", alpha},
-                                                         {"diffuse_red", red},
-                                                         {"diffuse_green", green},
-                                                         {"diffuse_blue", blue},
-                                                         {"s", tu},
-                                                         {"t", tv},
-                                                         {"u", tu},
-                                                         {"v", tv},
-                                                         {"texture_u", tu},
-                                                         {"texture_v", tv},
-                                                         {"tx", tx},
-                                                         {"ty", ty},
-                                                         {"tz", tz},
-                                                         {"tw", tw}};
+    static const std::pair<const char*, Slot> names[] = {
+        {"x", px},  {"y", py},  {"z", pz},  {"nx", nx}, {"ny", ny},        {"nz", nz},
+        {"s", tu},  {"t", tv},  {"u", tu},  {"v", tv},  {"texture_u", tu}, {"texture_v", tv},
+        {"tx", tx}, {"ty", ty}, {"tz", tz}, {"tw", tw}};
     for (const auto& [text, slot] : names)
         if (name == text) return slot;
     return std::nullopt;
 }
 
 bool PlyVertices::choose(const PlyElement& element) {
-    for (const PlyProperty& p : element.properties) {
-        slots_.push_back(p.list ? std::nullopt : slot_of(p.name));
+    colors_ = PlyColors(element);
+    for (std::size_t i = 0; i < element.properties.size(); ++i) {
+        const PlyProperty& p = element.properties[i];
+        const std::optional<int> channel = colors_.channel(i);
+        slots_.push_back(channel  ? std::optional(Slot(red + *channel))
+                         : p.list ? std::nullopt
+                                  : slot_of(p.name));
         // Of several that mean the same the first counts.
         if (slots_.back() && has_[*slots_.back()]) slots_.back().reset();
         if (!slots_.back()) continue;
@@ -82,23 +35,17 @@ bool PlyVertices::choose(const PlyElement& element) {
     }
     if (!has_[px] || !has_[py] || !has_[pz]) return false;
     has_normals = has_[nx] && has_[ny] && has_[nz];
-    has_colors = has_[red] && has_[green] && has_[blue];
+    has_colors = colors_.any();
     has_uvs = has_[tu] && has_[tv];
     has_tangents = has_normals && has_[tx] && has_[ty] && has_[tz] && has_[tw];
     for (std::optional<Slot>& slot : slots_) {
         const bool taken =
-            slot && (*slot <= pz || (*slot <= nz && has_normals) ||
-                     (*slot >= red && *slot <= alpha && has_colors) ||
-                     (*slot >= tu && *slot <= tv && has_uvs) || (*slot >= tx && has_tangents));
+            slot &&
+            (*slot <= pz || (*slot <= nz && has_normals) || (*slot >= red && *slot <= alpha) ||
+             (*slot >= tu && *slot <= tv && has_uvs) || (*slot >= tx && has_tangents));
         if (!taken) slot.reset();
     }
     return true;
-}
-
-PlyVertices::Row PlyVertices::empty_row() const {
-    Row row{};
-    if (!has_[alpha]) row[alpha] = 1;
-    return row;
 }
 
 void PlyVertices::make_room(std::size_t count) {
@@ -119,11 +66,7 @@ void PlyVertices::set(std::size_t vertex, const Row& row) {
     if (has_uvs) uvs[vertex] = {float(row[tu]), float(1.0 - row[tv])};
     if (has_tangents)
         tangents[vertex] = {float(row[tx]), float(row[ty]), float(row[tz]), float(row[tw])};
-    if (has_colors) {
-        const double a = has_[alpha] ? row[alpha] / largest_of(types_[alpha]) : 1;
-        colors[vertex] = {linear(row[red], types_[red]), linear(row[green], types_[green]),
-                          linear(row[blue], types_[blue]), float(a)};
-    }
+    if (has_colors) colors[vertex] = colors_.linear({row[red], row[green], row[blue], row[alpha]});
 }
 
 bool PlyVertices::read_records(const PlyElement& element, PlyEncoding encoding, int threads,
@@ -147,7 +90,7 @@ bool PlyVertices::read_records(const PlyElement& element, PlyEncoding encoding, 
         std::vector<double> columns(taken.size() * count);
         for (std::size_t k = 0; k < taken.size(); ++k)
             records->read(taken[k].first, 0, begin, end, columns.data() + k * count);
-        Row row = empty_row();
+        Row row{};
         for (std::size_t i = 0; i < count; ++i) {
             for (std::size_t k = 0; k < taken.size(); ++k)
                 row[taken[k].second] = columns[k * count + i];
@@ -165,7 +108,7 @@ std::uint64_t PlyVertices::read(const PlyElement& element, PlyEncoding encoding,
     float_positions_ = {};
     make_room(element.count);
     for (std::uint64_t i = 0; i < element.count; ++i) {
-        Row row = empty_row();
+        Row row{};
         for (std::size_t p = 0; p < slots_.size(); ++p)
             if (!(slots_[p] ? values.next(element.properties[p].type, row[*slots_[p]])
                             : values.skip(element.properties[p])))

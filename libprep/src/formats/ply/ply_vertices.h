@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/unfilled_vector.h"
+#include "formats/ply/ply_colors.h"
 #include "formats/ply/ply_header.h"
 #include "formats/ply/ply_values.h"
 
@@ -61,13 +62,13 @@ class PlyVertices {
     using Row = std::array<double, slot_count>;
 
     static std::optional<Slot> slot_of(const std::string& name);
-    Row empty_row() const;
     void make_room(std::size_t count);
     void set(std::size_t vertex, const Row& row);
     bool read_records(const PlyElement& element, PlyEncoding encoding, int threads,
                       PlyValues& values);
 
     std::size_t count_ = 0;
+    PlyColors colors_;
     std::vector<std::optional<Slot>> slots_;  // by property; of those that are taken
     std::array<bool, slot_count> has_{};
     std::array<PlyType, slot_count> types_{};
