@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <string>
 
 #include "mesh_files.h"
@@ -248,6 +249,37 @@ TEST(Obj, SameResultForAnyThreadCountAcrossBlocks) {
         EXPECT_EQ(many->meshes[0].face_smoothing, one->meshes[0].face_smoothing);
         EXPECT_EQ(many->meshes[0].face_parts, one->meshes[0].face_parts);
     }
+}
+
+// "# exported to C:\\" is a comment to its end, and no more.
+TEST(Obj, CommentsTakeNoOtherLine) {
+    const auto scene = parse(
+        "# made by C:\\out\\\nv 0 0 0\nv 1 0 0\n  # and C:\\\r\nv 0 1 0\nf 1 \\\n2 3\n");
+    ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
+    EXPECT_EQ(scene->meshes[0].vertex_count(), 3u);
+    EXPECT_EQ(scene->meshes[0].face_count(), 1u);
+}
+
+// As Microsoft's library writes what is no number; a comment may follow a number at once.
+TEST(Obj, WhatIsNoNumberIsNotAComment) {
+    const auto read = parse("v 1.#QNAN 0 -1.#IND\nv 1 0 -1.#INF00\nv 3 4 5.#I say\nf 1 2 3\n");
+    ASSERT_TRUE(read.has_value()) << prep::to_string(read.error());
+    const auto& p = read->meshes[0].positions;
+    EXPECT_TRUE(std::isnan(p[0].x) && p[0].y == 0 && std::isnan(p[0].z));
+    EXPECT_EQ(p[1].z, -std::numeric_limits<float>::infinity());
+    EXPECT_EQ(p[2], glm::vec3(3, 4, 5));
+}
+
+TEST(Obj, VerticesAloneAreAPointCloud) {
+    const auto scene = parse("v 1 2 3 1 0 0\nv 4 5 6 0 1 0\nvn 0 0 1\n");
+    ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
+    EXPECT_EQ(scene->meshes[0].points, (std::vector<std::uint32_t>{0, 1}));
+    EXPECT_EQ(scene->meshes[0].vertex_colors[1], glm::vec4(0, 1, 0, 1));
+    ASSERT_EQ(scene->warnings.size(), 1u);
+    EXPECT_NE(scene->warnings[0].find("normals of points were not taken"), std::string::npos);
+    // Not those that something else is made of.
+    for (const char* of : {"l 1 2\n", "p 1\n", "f 1 2\n", "curv 0 1 1 2\n"})
+        EXPECT_LT(parse("v 1 2 3\nv 4 5 6\n" + std::string(of))->meshes[0].points.size(), 2u) << of;
 }
 
 TEST(Mtl, ReadsColoursMapsAndOptions) {

@@ -111,8 +111,10 @@ TEST(OddFiles, AreNothingWithoutFacesLinesOrPoints) {
     EXPECT_EQ(said("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"), "fine");
     EXPECT_EQ(said("v 0 0 0\nv 1 0 0\nl 1 2\n"), "fine");
     EXPECT_EQ(said("v 0 0 0\np 1\n"), "fine");
-    EXPECT_EQ(said("v 0 0 0\nv 1 0 0\n"),
-              "no faces, lines or points are in the file; found 2 vertices");
+    EXPECT_EQ(said("v 0 0 0\nv 1 0 0\n"), "fine");  // a point cloud
+    EXPECT_NE(said("v 0 0 0\nv 1 0 0\nf 1 2\n").find("found 2 vertices"), std::string::npos);
+    EXPECT_NE(said("v 0 0 0\nv 1 0 0\ncurv 0 1 1 2\nend\n").find("found 2 vertices"),
+              std::string::npos);
     EXPECT_EQ(said("hello\nthere\n"),
               "no faces, lines or points are in the file; found nothing; the reader says: t.obj:1: "
               "unknown statement 'hello' was skipped (2 in all)");

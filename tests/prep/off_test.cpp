@@ -108,6 +108,14 @@ TEST(Off, ColoursThatHaveNoPlaceAreTold) {
                   "test.off: colours of faces were skipped: vertices have their own"});
 }
 
+TEST(Off, ValuesBehindThoseOfVerticesAreTold) {
+    const auto scene =
+        parse("OFF\n3 1 0\n0 0 0 255 0 0\n1 0 0 255 0 0\n0 1 0 255 0 0\n3 0 1 2\n");
+    ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
+    ASSERT_EQ(scene->warnings.size(), 1u);
+    EXPECT_NE(scene->warnings[0].find("colours are of COFF files"), std::string::npos);
+}
+
 TEST(Off, SegmentsAndPointClouds) {
     const auto scene = parse("OFF\n3 3 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n2 0 1\n1 2\n");
     ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());

@@ -2,8 +2,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
+#include <map>
 
 #include "mesh_files.h"
 #include "prep/load.h"
@@ -196,6 +198,100 @@ TEST(PrepareSubdivide, GltfDocumentsKeepWhatElseIsInThem) {
             for (const glm::vec3& n : to.normals.values) ASSERT_NEAR(glm::length(n), 1, 1e-5);
         }
     }
+}
+
+// A cube of two materials, as OBJ has it and as the GLB of it, which has a primitive each and repeats
+// the points between them.
+class CubeOfTwoPrimitives : public ::testing::Test {
+  protected:
+    static prep::Scene as_polygons() {
+        prep::Mesh cube = shapes::cube();
+        cube.face_materials = {0, 0, 1, 1, 1, 1};
+        prep::Scene scene = scene_of(std::move(cube));
+        scene.materials.resize(2);
+        return scene;
+    }
+    // Written, and read again.
+    prep::Scene in_a_file(const prep::PreparedScene& prepared) const {
+        const auto written = prep::save_scene(prepared, folder_ / "cube.glb");
+        EXPECT_TRUE(written) << written.error().text;
+        auto read = prep::load_scene(folder_ / "cube.glb");
+        EXPECT_TRUE(read) << read.error().text;
+        return *std::move(read);
+    }
+    prep::Scene as_document() const { return in_a_file(*prep::prepare(as_polygons())); }
+
+    // Of the triangles as others read them: welded by bits.
+    static void expect_closed_and_inside(const prep::Scene& scene, float radius) {
+        std::map<std::array<float, 3>, std::uint32_t> points;
+        std::map<std::pair<std::uint32_t, std::uint32_t>, int> sides;
+        std::size_t triangles = 0;
+        const prep::Mesh& mesh = scene.meshes[0];
+        for (std::size_t f = 0; f < mesh.face_count(); ++f, ++triangles)
+            for (std::uint32_t c = mesh.face_offsets[f]; c < mesh.face_offsets[f + 1]; ++c) {
+                const auto number = [&](std::uint32_t corner) {
+                    const glm::vec3& p = mesh.positions[mesh.corner_vertices[corner]];
+                    EXPECT_LE(glm::length(p), radius);
+                    return points
+                        .try_emplace({p.x, p.y, p.z}, static_cast<std::uint32_t>(points.size()))
+                        .first->second;
+                };
+                const std::uint32_t end = mesh.face_offsets[f + 1];
+                ++sides[{number(c), number(c + 1 < end ? c + 1 : mesh.face_offsets[f])}];
+            }
+        for (const auto& [side, n] : sides) {
+            ASSERT_EQ(n, 1);
+            ASSERT_TRUE(sides.contains({side.second, side.first}));
+        }
+        EXPECT_EQ(points.size() + triangles, sides.size() / 2 + 2);
+    }
+
+  private:
+    test::TempDir folder_;
+};
+
+TEST_F(CubeOfTwoPrimitives, StaysClosedWhereItIsSubdividedOrDisplaced) {
+    ASSERT_EQ(as_document().meshes[0].parts.size(), 2U);
+    for (const auto scheme : {prep::SubdivisionScheme::catmark, prep::SubdivisionScheme::loop})
+        for (const bool displaced : {false, true}) {
+            prep::PrepareOptions options = catmark();
+            options.subdivision.scheme = scheme;
+            if (displaced) {
+                options.displacement.noise.emplace().scale = 0.05;
+                options.tessellate = true;
+                options.tessellation.max_triangles = 500;
+            }
+            const auto prepared = prep::prepare(as_document(), options);
+            ASSERT_TRUE(prepared) << prepared.error().text;
+            const prep::Scene written = in_a_file(*prepared);
+            EXPECT_EQ(written.meshes[0].parts.size(), 2U);
+            // The corners are at √3, and on no limit surface.
+            expect_closed_and_inside(written, 1.4F);
+            const auto polygons = prep::prepare(as_polygons(), options);
+            EXPECT_EQ(written.meshes[0].face_count(), polygons->meshes[0].triangle_count());
+        }
+}
+
+// Where only one of the primitives has skin weights, the other's points, which come first, have
+// none to move them by.
+TEST_F(CubeOfTwoPrimitives, PointsBetweenPrimitivesHaveTheWeightsOfOne) {
+    prep::Scene scene = as_document();
+    prep::Mesh& mesh = scene.meshes[0];
+    prep::SkinInfluences& set = mesh.skin_influences.emplace_back();
+    set.joints.assign(mesh.vertex_count(), glm::u16vec4(0));
+    set.weights.assign(mesh.vertex_count(), glm::vec4(0.0F));
+    for (std::size_t f = 0; f < mesh.face_count(); ++f)
+        for (std::uint32_t c = mesh.face_offsets[f]; c < mesh.face_offsets[f + 1]; ++c)
+            if (mesh.face_parts[f] == 1) set.weights[mesh.corner_vertices[c]].x = 1;
+    const auto prepared = prep::prepare(std::move(scene), catmark(1));
+    ASSERT_TRUE(prepared) << prepared.error().text;
+    const prep::Mesh& refined = prepared->scene.meshes[0];
+    for (std::size_t f = 0; f < refined.face_count(); ++f)
+        for (std::uint32_t c = refined.face_offsets[f]; c < refined.face_offsets[f + 1]; ++c)
+            if (refined.face_parts[f] == 1) {
+                const std::uint32_t v = refined.file_vertex(refined.corner_vertices[c]);
+                EXPECT_NEAR(refined.skin_influences[0].weights[v].x, 1, 1e-6);
+            }
 }
 
 }  // namespace

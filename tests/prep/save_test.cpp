@@ -333,6 +333,58 @@ TEST(Save, StlIsTheSameTheSecondTime) {
         }
 }
 
+// What would be an empty file is none.
+TEST(Save, NothingIsWrittenWhereNothingWouldBeInIt) {
+    const test::TempDir dir;
+    prep::Scene unseen = triangle();
+    unseen.nodes.clear();
+    for (const char* name : {"a.obj", "a.ply", "a.stl", "a.off"}) {
+        const auto saved = prep::save_scene(test::untouched(unseen), dir / name);
+        ASSERT_FALSE(saved) << name;
+        EXPECT_NE(saved.error().text.find("shows no mesh"), std::string::npos);
+    }
+    EXPECT_TRUE(prep::save_scene(test::untouched(unseen), dir / "a.glb"));
+    for (const char* text : {"v 0 0 0\nv 1 0 0\nl 1 2\n", "v 0 0 0\np 1\n"}) {
+        const auto saved = prep::save_scene(test::untouched(parse(text)), dir / "a.stl");
+        ASSERT_FALSE(saved) << text;
+        EXPECT_NE(saved.error().text.find("STL holds triangles alone"), std::string::npos);
+    }
+    EXPECT_EQ(dir.names(), std::vector<std::string>{"a.glb"});
+}
+
+TEST(Save, RoundingIsTold) {
+    const test::TempDir dir;
+    for (const double along : {2.0, 1e-9}) {
+        prep::Scene scene = triangle();
+        scene.nodes[0].transform[3].x = along;
+        const auto notes = prep::save_scene(test::untouched(scene), dir / "a.stl");
+        ASSERT_TRUE(notes) << prep::to_string(notes.error());
+        const bool told = std::any_of(notes->begin(), notes->end(), [](const std::string& note) {
+            return note.find("rounded") != std::string::npos;
+        });
+        EXPECT_EQ(told, along != 2.0);
+    }
+}
+
+TEST(Save, ColoursThatAreNoBytesAreTold) {
+    const test::TempDir dir;
+    for (const float red : {0.5f, 2.0f, -1.0f, std::numeric_limits<float>::quiet_NaN()}) {
+        prep::Scene scene = triangle();
+        auto& colors = scene.meshes[0].colors.emplace_back();
+        colors.values = {glm::vec4(red, 0, 1, 1)};
+        colors.indices = {0, 0, 0};
+        const auto notes = prep::save_scene(test::untouched(scene), dir / "a.ply");
+        ASSERT_TRUE(notes) << prep::to_string(notes.error());
+        EXPECT_EQ(std::count(notes->begin(), notes->end(),
+                             "vertex colours outside 0 … 1 were clamped"),
+                  red == 0.5f ? 0 : 1);
+        const auto read = prep::load_scene(dir / "a.ply");
+        ASSERT_TRUE(read) << prep::to_string(read.error());
+        const float found = read->meshes[0].colors[0].values[0].r;
+        EXPECT_NEAR(found, red > 1 ? 1 : red > 0 ? red : 0, 0.004) << red;
+    }
+}
+
 // Groups are names: they cut no vertex and make no primitive. Two triangles that share an edge,
 // each in a group of its own, and a third of another material.
 TEST(Save, GroupsBecomeNeitherVerticesNorPrimitives) {

@@ -1,9 +1,13 @@
 // Height maps in tessellation: the smallest detail is found, what lies between charts is not read.
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <numbers>
+#include <random>
 
 #include "prep/displacement/tessellate.h"
+#include "prep/image.h"
+#include "prep/prepare.h"
 #include "tessellation_checks.h"
 
 namespace prep {
@@ -245,6 +249,59 @@ TEST(TessellationMaps, BadMapsAreErrors) {
     image.pixels[5] = NAN;
     EXPECT_EQ(height_function(image, as_stored()).error().code, ErrorCode::invalid);
     EXPECT_EQ(height_function(Image{}, as_stored()).error().code, ErrorCode::invalid);
+}
+
+// A chart goes on where the material changes, if the other has the same map: texels beyond the
+// border are no gutter.
+TEST(TessellationMaps, OnePictureOfTwoMaterialsIsOneMap) {
+    std::mt19937 random(5);
+    Image image = flat_map(8);
+    for (float& texel : image.pixels) texel = std::uniform_real_distribution<float>(0, 1)(random);
+    const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "one_map.exr";
+    ASSERT_TRUE(save_image(file, image, PixelType::f32));
+    Scene scene;
+    Mesh& mesh = scene.meshes.emplace_back();
+    CornerLayer<glm::vec2>& uvs = mesh.uvs.emplace_back();
+    constexpr std::uint32_t n = 4;
+    for (std::uint32_t j = 0; j <= n; ++j)
+        for (std::uint32_t i = 0; i <= n; ++i) {
+            mesh.positions.emplace_back(float(i) / n, float(j) / n, 0);
+            uvs.values.emplace_back(float(i) / n, float(j) / n);
+        }
+    for (std::uint32_t j = 0; j < n; ++j)
+        for (std::uint32_t i = 0; i < n; ++i) {
+            const std::uint32_t v = j * (n + 1) + i;
+            add_face(mesh, {v, v + 1, v + n + 2, v + n + 1});
+            mesh.face_materials.push_back(i < n / 2 ? 0 : 1);
+        }
+    uvs.indices = mesh.corner_vertices;
+    scene.images.emplace_back().path = file;
+    scene.textures.emplace_back().image = 0;
+    scene.textures[0].wrap_u = scene.textures[0].wrap_v = Wrap::clamp;
+    scene.materials.resize(2);
+    for (Material& material : scene.materials) {
+        material.displacement_map = {.texture = 0};
+        material.displacement_scale = 0.2F;
+        material.displacement_midlevel = 0;
+    }
+    instance_unused_meshes(scene);
+    PrepareOptions options;
+    options.tessellate = true;
+    options.tessellation.chord_error = 0.01;
+    options.displacement.from_materials = true;
+    const auto made = prepare(scene, options);
+    ASSERT_TRUE(made) << to_string(made.error());
+    EXPECT_GT(made->meshes[0].vertex_count(), 50U);
+    for (const glm::vec3& p : made->meshes[0].positions)
+        EXPECT_NEAR(p.z, 0.2 * bilinear(image, glm::dvec2(p)), 1e-6);
+    // One that is read otherwise is a map of its own: it ends at the border.
+    scene.materials[1].displacement_scale = 0.1F;
+    const auto apart = prepare(scene, options);
+    ASSERT_TRUE(apart) << to_string(apart.error());
+    for (const glm::vec3& p : apart->meshes[0].positions)
+        if (std::abs(p.x - 0.5F) > 0.13F)
+            EXPECT_NEAR(p.z, (p.x < 0.5F ? 0.2 : 0.1) * bilinear(image, glm::dvec2(p)), 1e-6);
+    std::filesystem::remove(file);
 }
 
 }  // namespace

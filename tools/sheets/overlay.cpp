@@ -9,13 +9,19 @@ rast::Projected Overlay::projected(const glm::dvec3& point) const {
     return rast::project(shot_.view, shot_.size, shot_.size, point);
 }
 
+bool Overlay::is_within(double x, double y) const {
+    const auto samples = static_cast<double>(shot_.samples);
+    return x >= 0 && y >= 0 && x * samples < static_cast<double>(shot_.frame.width) &&
+           y * samples < static_cast<double>(shot_.frame.height);
+}
+
 bool Overlay::visible_at(double x, double y, double depth) const {
+    if (!is_within(x, y)) return false;
     const auto samples = static_cast<double>(shot_.samples);
     const auto cx = static_cast<std::int64_t>(std::floor(x * samples));
     const auto cy = static_cast<std::int64_t>(std::floor(y * samples));
     const auto width = static_cast<std::int64_t>(shot_.frame.width);
     const auto height = static_cast<std::int64_t>(shot_.frame.height);
-    if (cx < 0 || cy < 0 || cx >= width || cy >= height) return false;
     constexpr double tolerance = 0.002;
     for (std::int64_t j = std::max<std::int64_t>(cy - 1, 0); j <= std::min(cy + 1, height - 1); ++j)
         for (std::int64_t i = std::max<std::int64_t>(cx - 1, 0); i <= std::min(cx + 1, width - 1);

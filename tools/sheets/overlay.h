@@ -16,6 +16,7 @@ class Overlay {
     explicit Overlay(const Shot& shot) : shot_(shot) {}
 
     void segment(const glm::dvec3& a, const glm::dvec3& b, Color color, double line_width);
+    bool is_within(double x, double y) const;  // of the picture, in pixels
     // Whether the surface at this point is what the eye sees there.
     bool visible(const glm::dvec3& point) const;
     rast::Projected projected(const glm::dvec3& point) const;  // in pixels of the picture

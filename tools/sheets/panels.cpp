@@ -253,7 +253,7 @@ class PanelDrawing {
             for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v) {
                 const glm::dvec3 p = to_world(n, glm::dvec3(mesh.positions[v]) + mesh.origin);
                 const rast::Projected at = overlay.projected(p);
-                if (!at.visible) continue;
+                if (!at.visible || !overlay.is_within(at.x, at.y)) continue;
                 const auto key = std::make_pair(static_cast<std::int64_t>(std::floor(at.x / cell)),
                                                 static_cast<std::int64_t>(std::floor(at.y / cell)));
                 const auto there = cells.find(key);

@@ -13,7 +13,8 @@ namespace prep {
 // The whole file. Errors: io, limit (over 2^40 bytes).
 Result<std::vector<std::byte>> read_file(const std::filesystem::path& path);
 
-// Writes to a temporary name beside `path`, then renames: complete or not at all.
+// Writes to a temporary name beside `path`, then renames: complete or not at all. Links are
+// followed; a pipe or a device is written in place. Errors: io.
 Result<void> write_file(const std::filesystem::path& path, std::span<const std::byte> bytes);
 
 // For a process that is told to end: waits for files that are just getting their names, then

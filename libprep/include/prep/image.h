@@ -67,6 +67,10 @@ Result<Image> decode_image(std::span<const std::byte> bytes, const std::string& 
 // From the path or the embedded bytes, as the reference's own options say.
 Result<Image> load_image(const ImageRef& ref);
 
+// Loads the library that reads and writes pictures ahead of the first one, which it takes longer
+// than a small picture does. Errors: io.
+Result<void> load_image_library();
+
 enum class PixelType : std::uint8_t { u8, u16, f16, f32 };
 
 // Whether files of this name's ending are pictures. What is in a file, its bytes say.

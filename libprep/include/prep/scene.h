@@ -90,9 +90,8 @@ struct Trs {
 
 struct Node {
     std::string name;
-    std::uint32_t parent =
-        no_index;               // always an earlier or later node, never cyclic (loaders check)
-    glm::dmat4 transform{1.0};  // to the parent
+    std::uint32_t parent = no_index;  // any other node; without cycles (loaders check)
+    glm::dmat4 transform{1.0};        // to the parent
     // Where the file gives the transform so: `transform` is its matrix. Empty: a matrix of its own.
     std::optional<Trs> trs;
     std::uint32_t mesh = no_index, camera = no_index, light = no_index, skin = no_index;

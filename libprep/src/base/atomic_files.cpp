@@ -97,6 +97,7 @@ FileSet::~FileSet() {
 }
 
 void FileSet::drop_last() {
+    names_.erase(files_.back().name);
     const std::string& staged = files_.back().staged;
     if (!staged.empty()) {
         ::unlink(staged.c_str());
@@ -156,13 +157,11 @@ Result<FileSet::Target> FileSet::target_of(const std::filesystem::path& path) co
     Target target;
     target.file.path = behind_links(path);
     std::error_code unknown;
-    const std::filesystem::path full = std::filesystem::weakly_canonical(target.file.path, unknown);
-    for (const File& other : files_)
-        if (other.path == target.file.path ||
-            (!unknown && std::filesystem::weakly_canonical(other.path, unknown) == full))
-            return Error{ErrorCode::invalid,
-                         "two outputs would have this name; give one of them another",
-                         path.string()};
+    target.file.name = std::filesystem::weakly_canonical(target.file.path, unknown).string();
+    if (unknown) target.file.name = target.file.path.string();
+    if (names_.contains(target.file.name))
+        return Error{ErrorCode::invalid,
+                     "two outputs would have this name; give one of them another", path.string()};
     struct stat old {};
     const bool exists = ::stat(path.c_str(), &old) == 0;
     if (std::optional<Error> refused = refusal(path, exists)) return std::move(*refused);
@@ -193,7 +192,7 @@ Result<void> FileSet::add(const std::filesystem::path& path,
     if (file.in_place) {
         for (const auto& part : parts)
             file.direct.insert(file.direct.end(), part.begin(), part.end());
-        files_.push_back(std::move(file));
+        keep(std::move(file));
         return {};
     }
     const Result<int> created = create(file, file.path);
@@ -213,8 +212,13 @@ Result<void> FileSet::add(const std::filesystem::path& path,
         Staged::instance().remove(file.staged);
         return io_error("cannot write the file", why, path);
     }
-    files_.push_back(std::move(file));
+    keep(std::move(file));
     return {};
+}
+
+void FileSet::keep(File file) {
+    names_.insert(file.name);
+    files_.push_back(std::move(file));
 }
 
 Result<std::filesystem::path> FileSet::stage(const std::filesystem::path& path) {
@@ -227,19 +231,31 @@ Result<std::filesystem::path> FileSet::stage(const std::filesystem::path& path) 
         file, file.in_place ? std::filesystem::temp_directory_path(ignored) / "staged" : file.path);
     if (!created) return created.error();
     ::close(*created);
-    files_.push_back(std::move(file));
+    keep(std::move(file));
     return std::filesystem::path(files_.back().staged);
 }
 
-void FileSet::undo(std::size_t renamed) {
+// The old file under its name again. What is to be said where that fails: it stays where it is.
+std::string FileSet::put_back(File& file) {
+    if (file.backup.empty()) return {};
+    if (std::rename(file.backup.c_str(), file.path.c_str()) != 0)
+        return "; the file that was there cannot be put back: it is now '" + file.backup + "'";
+    ::unlink(file.backup.c_str());  // rename() does nothing where both are links to one file
+    file.backup.clear();
+    return {};
+}
+
+std::string FileSet::undo(std::size_t renamed) {
+    std::string told;
     while (renamed-- > 0) {
         File& file = files_[renamed];
         if (file.in_place) continue;
         if (file.backup.empty())
             ::unlink(file.path.c_str());
         else
-            std::rename(file.backup.c_str(), file.path.c_str());
+            told += put_back(file);
     }
+    return told;
 }
 
 Result<void> FileSet::commit() {
@@ -256,13 +272,18 @@ Result<void> FileSet::commit() {
         const std::string first = files_.empty() ? std::string() : files_[0].path.string();
         return Error{ErrorCode::io, "cannot write the file: the process was told to end", first};
     }
-    for (std::size_t i = 0; i < files_.size(); ++i) {
+    const auto fail = [&](std::size_t i, const char* what, int why, const std::string& told) {
+        Error error = io_error(what, why, files_[i].path);
+        error.text += told + undo(i);
+        return error;
+    };
+    std::size_t last = files_.size();
+    while (last > 0 && files_[last - 1].in_place) --last;
+    for (std::size_t i = 0; i < last; ++i) {
         File& file = files_[i];
         if (file.in_place) continue;
         // The last rename needs no way back: it is the last that can fail.
-        bool more = false;
-        for (std::size_t j = i + 1; j < files_.size(); ++j) more |= !files_[j].in_place;
-        if (more) {
+        if (i + 1 < last) {
             file.backup = unused_name(file.path, "old");
             if (::link(file.path.c_str(), file.backup.c_str()) != 0) {
                 // File systems without hard links: the old file steps aside. ENOENT: there is none.
@@ -271,24 +292,21 @@ Result<void> FileSet::commit() {
                 } else if (std::rename(file.path.c_str(), file.backup.c_str()) != 0) {
                     const int why = errno;
                     file.backup.clear();
-                    undo(i);
-                    return io_error("cannot set the old file aside", why, file.path);
+                    return fail(i, "cannot set the old file aside", why, {});
                 }
             }
         }
         if (std::rename(file.staged.c_str(), file.path.c_str()) != 0) {
             const int why = errno;
-            // Nothing where two names are links to one file.
-            if (!file.backup.empty()) std::rename(file.backup.c_str(), file.path.c_str());
-            if (!file.backup.empty()) ::unlink(file.backup.c_str());
-            undo(i);
-            return io_error("cannot write the file", why, file.path);
+            return fail(i, "cannot write the file", why, put_back(file));
         }
         Staged::instance().remove(file.staged);
         file.staged.clear();
     }
-    for (const File& file : files_)
+    for (const File& file : files_) {
         if (!file.backup.empty()) ::unlink(file.backup.c_str());
+        if (rules_.written && !file.in_place) rules_.written->push_back(file.path);
+    }
     renaming.unlock();  // a pipe may keep us waiting
     for (const File& file : files_) {
         if (!file.in_place) continue;
@@ -298,9 +316,8 @@ Result<void> FileSet::commit() {
         const int why = errno;
         ::close(fd);
         if (!good) return io_error("cannot write the file", why, file.path);
+        if (rules_.written) rules_.written->push_back(file.path);
     }
-    if (rules_.written)
-        for (const File& file : files_) rules_.written->push_back(file.path);
     return {};
 }
 

@@ -7,6 +7,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <unordered_set>
 #include <vector>
 
 #include "prep/result.h"
@@ -20,13 +21,14 @@ struct FileSetRules {
     std::filesystem::path target = {};
     // Asked of files that exist; those it is true for are no one's to replace, `target` as well.
     std::function<bool(const std::filesystem::path&)> spared = {};
-    std::vector<std::filesystem::path>* written = nullptr;  // commit() fills it, in their order
+    // commit() fills it with what is written, in their order, pipes and devices last.
+    std::vector<std::filesystem::path>* written = nullptr;
 };
 
 // Files are staged under temporary names beside their targets, then renamed by commit(). What was
 // not committed is removed again by the destructor; a commit that fails half way puts the old files
 // back. Links are followed: what they point to is replaced. Targets that are no regular files
-// (devices, pipes) are written in place, by commit(), last.
+// (devices, pipes) are written in place, by commit(), last: there is no way back from them.
 class FileSet {
   public:
     FileSet() = default;
@@ -45,12 +47,15 @@ class FileSet {
     // time of commit() becomes `path`. Errors: io.
     Result<std::filesystem::path> stage(const std::filesystem::path& path);
     void drop_last();  // as if it had never been added
-    // Errors: io; then no target has changed.
+    // Errors: io; then no target has changed, unless it was a device or a pipe that failed: regular
+    // files have been written then. An old file that cannot be put back stays under a name that the
+    // error tells.
     Result<void> commit();
 
   private:
     struct File {
         std::filesystem::path path;
+        std::string name;            // of the file itself, however the path is written
         std::string staged, backup;  // empty where there is none
         std::vector<std::byte> direct;
         bool in_place = false;
@@ -60,10 +65,13 @@ class FileSet {
     Result<Target> target_of(const std::filesystem::path& path) const;
     Result<int> create(File& file, const std::filesystem::path& near) const;
     std::optional<Error> refusal(const std::filesystem::path& path, bool exists) const;
-    void undo(std::size_t renamed);
+    void keep(File file);
+    static std::string put_back(File& file);
+    std::string undo(std::size_t renamed);
 
     FileSetRules rules_;
     std::vector<File> files_;
+    std::unordered_set<std::string> names_;
 };
 
 }  // namespace prep::detail

@@ -77,9 +77,10 @@ void check_vertices(CheckContext& context) {
                 "the vertex is drawn as a point");
     context.add("repeated-position", Severity::info, PlaceKind::vertex, std::move(repeated),
                 "an earlier vertex has the same position");
-    context.add("far-from-origin", Severity::warning, PlaceKind::vertex, std::move(farthest),
-                "so far from zero that rounding to float moved vertices by more than 1/65536 of "
-                "the extent");
+    context.add(
+        "far-from-origin", Severity::warning, PlaceKind::vertex, std::move(farthest),
+        "so far from zero that rounding to floats may move vertices by more than 1/65536 of "
+        "the extent");
     if (mesh.face_count() == 0 && summary.line_segments == 0 && mesh.points.empty()) {
         Places whole;
         whole.count = 1;

@@ -1,12 +1,11 @@
 #include "contained/pictures.h"
 
-#include <unistd.h>
-
 #include <array>
 #include <cstdlib>
 #include <fstream>
 #include <map>
 
+#include "base/own_directory.h"
 #include "contained/reader_process.h"
 #include "image/image_library.h"
 #include "image/packed_channels.h"
@@ -20,27 +19,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using namespace detail;
-
-// A directory of ours alone, for a picture that has no file; gone again with what is in it.
-class OwnDirectory {
-  public:
-    OwnDirectory() {
-        std::error_code ec;
-        const fs::path temporary = fs::temp_directory_path(ec);
-        std::string name = (temporary / "meshprep-image-XXXXXX").string();
-        if (!ec && ::mkdtemp(name.data())) path_ = name;
-    }
-    ~OwnDirectory() {
-        std::error_code ec;
-        if (!path_.empty()) fs::remove_all(path_, ec);
-    }
-    OwnDirectory(const OwnDirectory&) = delete;
-    OwnDirectory& operator=(const OwnDirectory&) = delete;
-    const fs::path& path() const { return path_; }
-
-  private:
-    fs::path path_;
-};
 
 using Sources = std::map<const ImageRef*, std::shared_ptr<const ImageRef>>;
 
@@ -102,10 +80,8 @@ Result<Image> decode_image(std::span<const std::byte> bytes, const std::string& 
                            const ImageOptions& options) {
     const std::string ending = lower_ending(name);
     const std::string_view kind = picture_kind(bytes);
-    constexpr unsigned char ktx2[] = {0xab, 'K', 'T', 'X', ' ', '2', '0', 0xbb};
-    const bool is_ktx2 =
-        bytes.size() >= sizeof ktx2 && std::memcmp(bytes.data(), ktx2, sizeof ktx2) == 0;
-    if (!options.reader_process || bytes.empty() || is_ktx2 || (kind.empty() && ending.empty()))
+    if (!options.reader_process || bytes.empty() || is_ktx2(bytes) ||
+        (kind.empty() && ending.empty()))
         return decode_picture(bytes, name);
     if (const std::string_view tried = tried_picture(bytes, ending); !tried.empty()) {
         auto image = decode_picture(bytes, name, tried);
@@ -113,10 +89,9 @@ Result<Image> decode_image(std::span<const std::byte> bytes, const std::string& 
     }
     // Several decoders take files alone, and the reader's process writes none.
     const OwnDirectory directory;
+    if (directory.path().empty()) return no_own_directory(name);
     const fs::path file =
         directory.path() / ("picture" + (kind.empty() ? ending : "." + std::string(kind)));
-    if (directory.path().empty())
-        return Error{ErrorCode::io, "there is no directory for temporary files; set TMPDIR", name};
     if (auto written = write_file(file, bytes); !written) return written.error();
     ImageOptions under_its_name = options;
     if (options.reader_log)

@@ -202,9 +202,20 @@ Result<void> flatten(const PreparedScene& prepared, const char* format,
     return {};
 }
 
+// 0 to 1; 0 for what is no number.
+double clamped(float x) {
+    return x > 0 ? std::min(double(x), 1.0) : 0.0;
+}
+
 unsigned char encoded(float linear) {
-    const double x = std::clamp(double(linear), 0.0, 1.0);
-    return static_cast<unsigned char>(std::lround(linear_to_srgb(x) * 255));
+    return static_cast<unsigned char>(std::lround(linear_to_srgb(clamped(linear)) * 255));
+}
+
+void note_clamped_colors(const Flat& flat, std::vector<std::string>& notes) {
+    const bool all_fit = std::all_of(
+        flat.colors.begin(), flat.colors.end(),
+        [](const glm::vec4& c) { return c == glm::clamp(c, glm::vec4(0.0f), glm::vec4(1.0f)); });
+    if (!all_fit) note_once(notes, "vertex colours outside 0 … 1 were clamped");
 }
 
 // A vertex that nothing else uses is a point in a file without faces and segments only.
@@ -277,6 +288,7 @@ WriteResult write_ply(const PreparedScene& prepared, const std::filesystem::path
     if (auto done = flatten(prepared, "PLY", path, notes, flat); !done)
         return std::move(done).error();
     note_points(flat, "PLY", notes);
+    note_clamped_colors(flat, notes);
     if (flat.vertices() > 0x7fffffff)
         return Error{ErrorCode::limit, "PLY's vertex indices end at 2^31 - 1", path.string()};
     TextBlocks out(options.threads);
@@ -335,8 +347,7 @@ WriteResult write_ply(const PreparedScene& prepared, const std::filesystem::path
         }
         if (!flat.colors.empty()) {
             for (int k = 0; k < 3; ++k) to.put(encoded(flat.colors[v][k]));
-            const float alpha = std::clamp(flat.colors[v].a, 0.0f, 1.0f);
-            to.put(static_cast<unsigned char>(std::lround(double(alpha) * 255)));
+            to.put(static_cast<unsigned char>(std::lround(clamped(flat.colors[v].a) * 255)));
         }
         return to.end();
     });
@@ -368,7 +379,16 @@ WriteResult write_stl(const PreparedScene& prepared, const std::filesystem::path
         return std::move(done).error();
     if (!flat.uvs.empty()) note_once(notes, "STL holds no UVs: left out");
     if (!flat.colors.empty()) note_once(notes, "STL holds no colours: left out");
-    if (flat.moved()) note_once(notes, "STL holds floats: coordinates were rounded to them");
+    if (flat.triangles.empty() && (!flat.lines.empty() || flat.points > 0))
+        return Error{ErrorCode::unsupported,
+                     "STL holds triangles alone, and there are only lines or points: write .ply, "
+                     ".obj, .glb or .gltf",
+                     path.string()};
+    const auto is_rounded = [&](std::uint32_t v) {
+        return glm::dvec3(glm::vec3(flat.position(v))) != flat.position(v);
+    };
+    if (flat.moved() && std::any_of(flat.triangles.begin(), flat.triangles.end(), is_rounded))
+        note_once(notes, "STL holds floats: coordinates were rounded to them");
     if (!flat.normals.empty())
         note_once(notes, "STL holds facet normals only: vertex normals left out");
     if (!flat.tangents.empty()) note_once(notes, "STL holds no tangents: left out");

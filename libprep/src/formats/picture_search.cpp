@@ -3,17 +3,13 @@
 #include <algorithm>
 #include <cctype>
 
+#include "text/lower_case.h"
 #include "text/percent_encoding.h"
 
 namespace prep::detail {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string lower(std::string text) {
-    for (char& c : text) c = char(std::tolower(static_cast<unsigned char>(c)));
-    return text;
-}
 
 bool is_file(const fs::path& path) {
     std::error_code ec;
@@ -32,7 +28,7 @@ std::string portable(std::string name) {
     while (!name.empty() && around(name.back())) name.pop_back();
     while (!name.empty() && around(name.front())) name.erase(0, 1);
     std::replace(name.begin(), name.end(), '\\', '/');
-    if (lower(name.substr(0, 7)) == "file://") name.erase(0, 7);
+    if (lower_case(name.substr(0, 7)) == "file://") name.erase(0, 7);
     const std::size_t drive = name.starts_with('/') ? 1 : 0;
     if (name.size() > drive + 1 && name[drive + 1] == ':' &&
         std::isalpha(static_cast<unsigned char>(name[drive])))
@@ -85,10 +81,10 @@ std::optional<fs::path> PictureSearch::in_any_case(const fs::path& base,
         };
         fs::path next = path / parts[p];
         if (!fits(next)) {
-            const std::string wanted = lower(parts[p]);
+            const std::string wanted = lower_case(parts[p]);
             bool found = false;
             for (const std::string& entry : entries(path)) {
-                if (lower(entry) != wanted || !fits(path / entry)) continue;
+                if (lower_case(entry) != wanted || !fits(path / entry)) continue;
                 next = path / entry;
                 found = true;
                 break;
@@ -141,10 +137,10 @@ std::optional<fs::path> PictureSearch::locate(const std::string& name) {
                     fs::path there = place;
                     // The folders themselves may be in capitals: "Textures".
                     if (!fs::is_directory(there.empty() ? fs::path(".") : there, ec)) {
-                        const std::string folder = lower(place.filename().string());
+                        const std::string folder = lower_case(place.filename().string());
                         const auto& all = entries(place.parent_path());
                         const auto it = std::find_if(all.begin(), all.end(), [&](const auto& e) {
-                            return lower(e) == folder;
+                            return lower_case(e) == folder;
                         });
                         if (it == all.end()) continue;
                         there = place.parent_path() / *it;

@@ -14,6 +14,7 @@
 #include "prep/files.h"
 #include "prep/scene_json.h"
 #include "text/line_ends.h"
+#include "text/lower_case.h"
 
 namespace prep {
 namespace detail {
@@ -166,12 +167,6 @@ std::string format_titles(bool written) {
 
 }  // namespace detail
 
-static std::string lower(const std::filesystem::path& path) {
-    std::string lowered = path.string();
-    for (char& c : lowered) c = char(std::tolower(static_cast<unsigned char>(c)));
-    return lowered;
-}
-
 const std::vector<FileFormat>& file_formats() {
     static const std::vector<FileFormat> files = [] {
         std::vector<FileFormat> list;
@@ -183,7 +178,7 @@ const std::vector<FileFormat>& file_formats() {
 
 const FileFormat* file_format(const std::filesystem::path& path) {
     // Ogre's text has an ending of two parts.
-    const std::string name = lower(path.filename());
+    const std::string name = detail::lower_case(path.filename().string());
     for (const FileFormat& format : file_formats())
         for (const std::string_view ending : format.endings)
             if (name.size() > ending.size() && name.ends_with(ending)) return &format;
@@ -196,7 +191,7 @@ const FileFormat* file_format_of_bytes(std::string_view bytes) {
 }
 
 std::string lower_ending(const std::filesystem::path& path) {
-    return lower(path.extension());
+    return detail::lower_case(path.extension().string());
 }
 
 }  // namespace prep

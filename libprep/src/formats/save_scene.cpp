@@ -160,6 +160,14 @@ Result<std::vector<std::string>> save_scene(const PreparedScene& prepared,
                      "the compression " + std::string(name_of(options.compression)) +
                          " is one of glTF files: write .glb or .gltf, or leave it out",
                      path.string()};
+    const auto& nodes = prepared.scene.nodes;
+    if (!format->holds.everything && !prepared.scene.meshes.empty() &&
+        std::none_of(nodes.begin(), nodes.end(),
+                     [](const Node& node) { return node.mesh != no_index; }))
+        return Error{ErrorCode::invalid,
+                     "the file's scene shows no mesh: nothing would be in the output; glTF files "
+                     "keep what no node shows",
+                     path.string()};
     if (!format->holds.triangle_order && detail::is_reordered(prepared))
         return Error{ErrorCode::unsupported,
                      std::string(format->file.name) +

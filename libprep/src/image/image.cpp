@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "image/image_library.h"
+#include "image/picture_kind.h"
 #include "libraries/companion_library.h"
 #include "libraries/macro_text.h"
 #include "prep/files.h"
@@ -43,6 +44,11 @@ const Result<const ImageBackend*>& detail::image_backend() {
     return opened;
 }
 
+Result<void> load_image_library() {
+    const auto& images = detail::image_backend();
+    return images ? Result<void>() : images.error();
+}
+
 Result<Image> detail::load_picture(const std::filesystem::path& path, ImageChannels channels,
                                    std::string_view format) {
     const auto& images = detail::image_backend();
@@ -51,8 +57,7 @@ Result<Image> detail::load_picture(const std::filesystem::path& path, ImageChann
 
 Result<Image> detail::decode_picture(std::span<const std::byte> bytes, const std::string& name,
                                      std::string_view format) {
-    constexpr unsigned char ktx2[] = {0xab, 'K', 'T', 'X', ' ', '2', '0', 0xbb};
-    if (bytes.size() >= sizeof ktx2 && std::memcmp(bytes.data(), ktx2, sizeof ktx2) == 0)
+    if (is_ktx2(bytes))
         return Error{ErrorCode::unsupported, "KTX2 pictures (Basis Universal) are not decoded",
                      name};
     const auto& images = detail::image_backend();

@@ -35,6 +35,11 @@ inline std::string_view picture_kind(std::span<const std::byte> bytes) {
     return {};
 }
 
+// Basis Universal, which nothing here decodes.
+inline bool is_ktx2(std::span<const std::byte> bytes) {
+    return starts_with(bytes, "\xabKTX 20\xbb");
+}
+
 // The ending of a format whose decoder may run in the caller's process; empty: it must not.
 // `ending`: that of the picture's name in lower case, with its dot.
 inline std::string_view tried_picture(std::span<const std::byte> head, std::string_view ending) {

@@ -115,26 +115,26 @@ struct PatchTree {
 // A triangle within a root's parameters: its first corner at (x, y), a step along its first edge
 // (ax, ay), along its last one (bx, by). Steps are those of the lattice: their determinant is 1.
 template <class T>
-struct TriangleFrame {
+struct LatticeFrame {
     T x, y, ax, ay, bx, by;
 
     // `n`: steps of a side.
-    TriangleFrame at_corner(std::uint32_t c, T n) const {
+    LatticeFrame at_corner(std::uint32_t c, T n) const {
         if (c == 0) return *this;
         if (c == 1) return {x + n * ax, y + n * ay, bx - ax, by - ay, -ax, -ay};
         return {x + n * bx, y + n * by, -bx, -by, ax - bx, ay - by};
     }
-    TriangleFrame moved(T a, T b) const {
+    LatticeFrame moved(T a, T b) const {
         return {x + a * ax + b * bx, y + a * ay + b * by, ax, ay, bx, by};
     }
-    TriangleFrame inverted() const { return {x, y, -ax, -ay, -bx, -by}; }
+    LatticeFrame inverted() const { return {x, y, -ax, -ay, -bx, -by}; }
 };
 
 // Child c of a split face, the children from `first` on in `cage.levels[level]`, by the frame of
 // the face and half the steps of its side. The middle one's is that of its own first corner.
 template <class T>
-TriangleFrame<T> child_frame(const RefinedCage& cage, std::uint32_t level, std::uint32_t first,
-                             std::uint32_t c, const TriangleFrame<T>& frame, T half) {
+LatticeFrame<T> child_frame(const RefinedCage& cage, std::uint32_t level, std::uint32_t first,
+                            std::uint32_t c, const LatticeFrame<T>& frame, T half) {
     if (c < 3) return frame.moved(c == 1 ? half : T(0), c == 2 ? half : T(0));
     const auto& vertices = cage.levels[level].corner_vertices;
     // Where the middle one's third corner is: the one at the middle of the face's second edge.

@@ -10,7 +10,7 @@ namespace prep::detail {
 namespace {
 
 template <class T>
-using Frame = TriangleFrame<T>;
+using Frame = LatticeFrame<T>;
 
 // Derivatives by the root's parameters out of those by the piece's, in place; the determinant of
 // the steps is 1.

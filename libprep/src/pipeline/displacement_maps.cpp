@@ -13,15 +13,13 @@ namespace {
 
 using Index = std::uint32_t;
 
-Index material_of(const Mesh& mesh, std::size_t face) {
-    return mesh.face_materials.empty() ? no_index : mesh.face_materials[face];
-}
-
-// Every face with this material (every face: no_index) has UVs in the set.
-Result<void> check_uvs(const Mesh& mesh, Index material, Index uv_set, const std::string& picture) {
+// Every one of the faces has UVs in the set.
+Result<void> check_uvs(const ChartFaces& faces, const std::string& picture) {
+    const Mesh& mesh = *faces.mesh;
+    const std::size_t uv_set = faces.uv_set;
     const bool has_set = uv_set < mesh.uvs.size() && !mesh.uvs[uv_set].empty();
     for (std::size_t f = 0; f < mesh.face_count(); ++f) {
-        if (material != no_index && material_of(mesh, f) != material) continue;
+        if (!faces.has(f)) continue;
         for (Index c = mesh.face_offsets[f]; c < mesh.face_offsets[f + 1]; ++c)
             if (!has_set || mesh.uvs[uv_set].indices[c] == no_index)
                 return Error{ErrorCode::invalid,
@@ -74,6 +72,19 @@ std::shared_ptr<const VectorFunction> function_of(const VectorMap& map, const Ch
 
 }  // namespace
 
+ChartFaces DisplacementMaps::Reading::faces(const Surface& surface) const {
+    return {&surface.mesh, uv_set, materials, surface.is_limit};
+}
+
+bool DisplacementMaps::Reading::is_read_as(const Reading& other) const {
+    const TextureRef &a = map.placement, &b = other.map.placement;
+    return kind == other.kind && uv_set == other.uv_set && map.channel == other.map.channel &&
+           map.filter == other.map.filter && map.wrap_u == other.map.wrap_u &&
+           map.wrap_v == other.map.wrap_v && map.scale == other.map.scale &&
+           map.midlevel == other.map.midlevel && a.offset == b.offset && a.scale == b.scale &&
+           a.rotation == b.rotation;
+}
+
 Result<const Image*> DisplacementMaps::picture(const ImageRef& ref) {
     std::unique_ptr<const Image>& known = pictures_[&ref];
     if (!known) {
@@ -105,7 +116,7 @@ Result<DisplacementMaps::Surface> DisplacementMaps::surface(
 template <class Map, class Function>
 Result<Function> DisplacementMaps::function(const Map& map, const Reading& as,
                                             const Surface& surface, OfMesh& to, Function& as_read) {
-    const ChartFaces faces{&surface.mesh, as.uv_set, as.material, surface.is_limit};
+    const ChartFaces faces = as.faces(surface);
     const auto of = [&](const Map& read) { return function_of(read, faces, threads_); };
     if (!(options_.band_limit > 0)) {
         to.changes.push_back(0);
@@ -127,20 +138,20 @@ Result<Displacement> DisplacementMaps::read(const ImageRef& image, const Reading
         return error;
     };
     if (as.kind == DisplacementKind::height) {
-        if (!maps_.contains(as.material)) {
+        if (!maps_.contains(as.key())) {
             const auto pixels = picture(image);
             if (!pixels) return pixels.error();
             auto map = HeightMap::make(**pixels, as.map);
             if (!map) return named(std::move(map).error());
-            maps_.emplace(as.material, *std::move(map));
+            maps_.emplace(as.key(), *std::move(map));
         }
-        const HeightMap& map = maps_.at(as.material);
+        const HeightMap& map = maps_.at(as.key());
         to.quantisations.push_back(map.quantisation());
         auto height = function(map, as, surface, to, as_read.height);
         if (!height) return named(std::move(height).error());
         made.height = *std::move(height);
     } else {
-        if (!vector_maps_.contains(as.material)) {
+        if (!vector_maps_.contains(as.key())) {
             const auto pixels = picture(image);
             if (!pixels) return pixels.error();
             VectorMapOptions options{.map = as.map, .axes = VectorAxes::object};
@@ -149,9 +160,9 @@ Result<Displacement> DisplacementMaps::read(const ImageRef& image, const Reading
             if (as.default_midlevel && (*pixels)->integer_bits == 0) options.map.midlevel = 0;
             auto map = VectorMap::make(**pixels, options);
             if (!map) return named(std::move(map).error());
-            vector_maps_.emplace(as.material, *std::move(map));
+            vector_maps_.emplace(as.key(), *std::move(map));
         }
-        const VectorMap& map = vector_maps_.at(as.material);
+        const VectorMap& map = vector_maps_.at(as.key());
         to.quantisations.push_back(map.quantisation());
         auto vector = function(map, as, surface, to, as_read.vector);
         if (!vector) return named(std::move(vector).error());
@@ -167,8 +178,7 @@ Result<void> DisplacementMaps::add(const ImageRef& image, const Reading& as, con
     const std::string name = !image.path.empty()   ? image.path.filename().string()
                              : !image.name.empty() ? image.name
                                                    : "an embedded picture";
-    if (auto checked = check_uvs(surface.mesh, as.material, as.uv_set, name); !checked)
-        return checked.error();
+    if (auto checked = check_uvs(as.faces(surface), name); !checked) return checked.error();
     auto made = read(image, as, name, surface, to);
     if (!made) return std::move(made).error();
     to.names.push_back(name);
@@ -234,6 +244,7 @@ Result<DisplacementMaps::OfMesh> DisplacementMaps::of(const Scene& scene, const 
     std::vector<bool> used(scene.materials.size(), false);
     for (const Index m : mesh.face_materials)
         if (m < used.size()) used[m] = true;
+    std::vector<std::pair<const ImageRef*, Reading>> groups;
     for (Index m = 0; m < scene.materials.size(); ++m) {
         const Material& material = scene.materials[m];
         const TextureRef& ref = material.displacement_map;
@@ -246,15 +257,26 @@ Result<DisplacementMaps::OfMesh> DisplacementMaps::of(const Scene& scene, const 
         of_material.placement = ref;
         of_material.scale *= double(material.displacement_scale) * double(ref.strength);
         of_material.midlevel = options_.midlevel.value_or(double(material.displacement_midlevel));
-        out.material_displacements[m] = Index(out.displacements.size());
-        auto added = add(scene.images[texture.image],
-                         {.kind = material.displacement_kind,
-                          .map = of_material,
-                          .uv_set = ref.uv_set,
-                          .material = m},
-                         *surface, out);
-        if (!added) return added.error();
+        const Reading as{.kind = material.displacement_kind,
+                         .map = of_material,
+                         .uv_set = ref.uv_set,
+                         .materials = {m}};
+        // One picture that is read alike is one surface's, however many materials have it: what is
+        // beyond a border is no gutter.
+        const ImageRef* const image = &scene.images[texture.image];
+        auto group = std::find_if(groups.begin(), groups.end(), [&](const auto& known) {
+            return known.first == image && known.second.is_read_as(as);
+        });
+        if (group == groups.end())
+            groups.emplace_back(image, as);
+        else
+            group->second.materials.push_back(m);
         used_.insert(m);
+    }
+    for (const auto& [image, as] : groups) {
+        for (const Index m : as.materials)
+            out.material_displacements[m] = Index(out.displacements.size());
+        if (auto added = add(*image, as, *surface, out); !added) return added.error();
     }
     if (out.displacements.empty()) out.material_displacements.clear();
     return out;

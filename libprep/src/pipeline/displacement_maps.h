@@ -14,6 +14,7 @@
 #include "prep/displacement/tessellate.h"
 #include "prep/prepare.h"
 #include "prep/scene.h"
+#include "tessellation/height_functions.h"
 
 namespace prep::detail {
 
@@ -45,19 +46,23 @@ class DisplacementMaps {
 
   private:
     Result<const Image*> picture(const ImageRef& ref);
-    // What a map is read as, and where.
-    struct Reading {
-        DisplacementKind kind = DisplacementKind::height;
-        HeightMapOptions map;
-        std::uint32_t uv_set = 0;
-        std::uint32_t material = no_index;  // whose faces; no_index: all
-        bool default_midlevel = false;      // nobody said it
-    };
     // A mesh, and of a limit surface its areas over the faces where a band limit needs them.
     struct Surface {
         const Mesh& mesh;
         bool is_limit = false;
         std::vector<double> face_areas;
+    };
+    // What a map is read as, and where.
+    struct Reading {
+        DisplacementKind kind = DisplacementKind::height;
+        HeightMapOptions map;
+        std::uint32_t uv_set = 0;
+        std::vector<std::uint32_t> materials = {};  // whose faces; empty: all
+        bool default_midlevel = false;              // nobody said it
+
+        ChartFaces faces(const Surface& surface) const;
+        std::uint32_t key() const { return materials.empty() ? no_index : materials.front(); }
+        bool is_read_as(const Reading& other) const;  // whatever its faces
     };
     Result<Surface> surface(const Mesh& mesh, const SubdivideOptions* subdivision) const;
     Result<void> add(const ImageRef& image, const Reading& as, const Surface& surface, OfMesh& to);
@@ -73,7 +78,7 @@ class DisplacementMaps {
     int threads_;
     std::set<std::uint32_t> used_;  // materials
     std::map<const ImageRef*, std::unique_ptr<const Image>> pictures_;
-    // By material; no_index: the options'.
+    // By Reading::key(): materials' own readings do not change.
     std::map<std::uint32_t, HeightMap> maps_;
     std::map<std::uint32_t, VectorMap> vector_maps_;
 };

@@ -54,13 +54,17 @@ Result<void> MeshPreparation::prepare_normals() {
                                      : "the normals of the limit surface stand");
         return {};
     }
-    if (!need_.normals.needed) {
+    // The file's own go into the output, whatever reads them there.
+    const bool stay = !mesh_.normals.empty() && need_.provided.normals &&
+                      options_.request.normals != Request::Level::never;
+    if (!need_.normals.needed && !stay) {
         skip_normals(need_.normals.reason);
         return {};
     }
     NormalReview review;
     unsigned replace = 0xff;
-    std::string reason = need_.normals.reason;
+    std::string reason =
+        need_.normals.needed ? need_.normals.reason : "the file's own are replaced";
     if (options_.normals != Authored::replace && !mesh_.normals.empty()) {
         const MeshView view(mesh_);
         if (options_.normals == Authored::repair) {
@@ -69,13 +73,16 @@ Result<void> MeshPreparation::prepare_normals() {
                 [&] { return face_normals(view, options_.normal.precision, options_.threads); });
         }
         review = review_normals(view, geometry_.faces ? &*geometry_.faces : nullptr);
+        if (!need_.normals.needed) review.missing = 0;
         report_review(review);
-        replace = normal_missing | normal_non_finite | normal_zero;
+        replace = normal_non_finite | normal_zero;
+        if (need_.normals.needed) replace |= normal_missing;
         if (options_.normals == Authored::repair) replace |= normal_non_unit | normal_flipped;
         bool any = false;
         for (const std::uint8_t f : review.faults) any |= (f & replace) != 0;
         if (!any) {
-            skip_normals("the file's own normals are kept");
+            skip_normals(need_.normals.needed ? "the file's own normals are kept"
+                                              : need_.normals.reason);
             return {};
         }
         reason = "some authored normals are missing or bad";

@@ -284,8 +284,5 @@ std::string mesh_subject(std::uint32_t mesh) {
 std::string node_subject(std::uint32_t node) {
     return "/nodes/" + std::to_string(node);
 }
-std::string texture_subject(std::uint32_t texture) {
-    return "/textures/" + std::to_string(texture);
-}
 
 }  // namespace prep

@@ -8,6 +8,7 @@
 #include "normals/authored_normals.h"
 #include "pipeline/mesh_preparation.h"
 #include "prep/subdivide.h"
+#include "repair/repair_steps.h"
 #include "surface/recover_quads.h"
 
 namespace prep::detail {
@@ -59,10 +60,8 @@ Result<void> MeshPreparation::crease_hard_edges() {
 // A file that repeats points at seams would come apart there.
 Result<void> MeshPreparation::weld_cage(const std::string& reason) {
     if (geometry_.shared || !is_welded()) return {};
-    const auto welded = log_.run("weld", reason, [&] {
-        return repair(mesh_, {.weld_tolerance = 0}, index_, options_.threads);
-    });
-    if (!welded) return welded.error();
+    log_.run("weld", reason,
+             [&] { return weld_vertices(mesh_, 0, options_.threads, WeldParts::together); });
     geometry_.shared = true;
     return {};
 }

@@ -47,7 +47,11 @@ std::uint32_t copy_vertex(Mesh& mesh, std::uint32_t vertex);
 // Which topology the steps see: exactly equal positions are one point.
 Topology repair_topology(const Mesh& mesh, int threads);
 
-RepairStep weld_vertices(Mesh& mesh, double tolerance, int threads);
+// Parts of a document that is written back share no vertices. For a cage they do: its surface is
+// one, whatever its parts, and each part gets vertices of its own when it is split.
+enum class WeldParts : std::uint8_t { apart, together };
+RepairStep weld_vertices(Mesh& mesh, double tolerance, int threads,
+                         WeldParts parts = WeldParts::apart);
 RepairStep remove_degenerate_faces(Mesh& mesh, int threads);
 RepairStep remove_duplicate_faces(Mesh& mesh, int threads);
 RepairStep split_non_manifold_edges(Mesh& mesh, int threads);

@@ -71,7 +71,7 @@ Domain domain_of(const ChartFaces& faces, int threads) {
     return make_domain(*faces.mesh, {}, !faces.of_cage, threads);
 }
 
-// Triangles of UVs of the faces that have a material: as fans of the domain lie over them.
+// Triangles of UVs of the faces: as fans of the domain lie over them.
 class Charts {
   public:
     Charts(const ChartFaces& faces, const Domain& domain)
@@ -79,9 +79,7 @@ class Charts {
         std::vector<std::uint32_t> corners;
         for (std::uint32_t fan = 0; fan < domain.fans(); ++fan) {
             const std::uint32_t face = domain.roots[domain.fan_roots[fan]].face;
-            if (faces.material != no_index &&
-                (mesh_.face_materials.empty() || mesh_.face_materials[face] != faces.material))
-                continue;
+            if (!faces.has(face)) continue;
             corners.clear();
             for_fan_corners(domain, fan, [&](std::uint32_t c) { corners.push_back(c); });
             add(face, corners);

@@ -1,6 +1,7 @@
 // Height maps as functions that tessellation reads.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -15,8 +16,14 @@ namespace prep::detail {
 struct ChartFaces {
     const Mesh* mesh = nullptr;  // null: it is read anywhere
     std::size_t uv_set = 0;
-    std::uint32_t material = no_index;  // of the faces; no_index: all
+    std::span<const std::uint32_t> materials = {};  // of the faces; empty: all
     bool of_cage = false;  // a limit surface lies over them, else they are its polygons
+
+    bool has(std::size_t face) const {
+        return materials.empty() || (!mesh->face_materials.empty() &&
+                                     std::find(materials.begin(), materials.end(),
+                                               mesh->face_materials[face]) != materials.end());
+    }
 };
 
 // The map, confined to the UVs of the faces, as fans of the domain lie over them.

@@ -1,9 +1,8 @@
 #include "text/json_schema.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <iterator>
 #include <memory>
 #include <set>
@@ -13,11 +12,7 @@ namespace {
 
 std::string shortest(double value) {
     char text[32];
-    for (int digits = 1; digits <= 17; ++digits) {
-        std::snprintf(text, sizeof text, "%.*g", digits, value);
-        if (std::strtod(text, nullptr) == value) break;
-    }
-    return text;
+    return {text, std::to_chars(text, text + sizeof text, value).ptr};
 }
 
 std::string range_text(double least, double greatest) {

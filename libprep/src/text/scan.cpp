@@ -14,9 +14,20 @@ bool LineScanner::number(double& value) {
     if (begin != end_ && *begin == '+') ++begin;
     const auto [after, error] = fast_float::from_chars(begin, end_, value);
     if (error != std::errc{} || after == begin) return false;
-    if (after != end_ && !is_blank(*after)) return false;
+    const bool ends = after == end_ || is_blank(*after);
+    if (!ends && !names_no_number({after, std::size_t(end_ - after)})) return false;
     at_ = after;
+    if (ends) return true;
+    const std::string_view what = word();
+    value = std::copysign(what.starts_with("#INF") ? std::numeric_limits<double>::infinity()
+                                                   : std::numeric_limits<double>::quiet_NaN(),
+                          value);
     return true;
+}
+
+bool names_no_number(std::string_view text) {
+    return text.starts_with("#QNAN") || text.starts_with("#SNAN") || text.starts_with("#IND") ||
+           text.starts_with("#INF");
 }
 
 std::string before_comment(const std::string& text) {

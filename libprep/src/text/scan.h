@@ -44,7 +44,8 @@ class LineScanner {
         return text;
     }
 
-    // A decimal number, "nan" and "inf" included; it must end at a blank or the line's end.
+    // A decimal number, "nan" and "inf" included, and "1.#QNAN", "-1.#IND", "1.#INF"; it must end
+    // at a blank or the line's end.
     bool number(double& value);
 
     // A decimal integer; it may be followed by anything. Out of the range of 64 bits is false.
@@ -61,6 +62,10 @@ class LineScanner {
     const char* at_;
     const char* end_;
 };
+
+// Whether it begins as what stands behind "1." where Microsoft's library has written what is no
+// number: "#QNAN", "#SNAN", "#IND" or "#INF".
+bool names_no_number(std::string_view text);
 
 // What stands before a # after a blank, without that blank; the whole where there is none.
 std::string before_comment(const std::string& text);

@@ -32,8 +32,8 @@ struct LightInstance {
     glm::dvec3 direction{0, 0, -1};  // world, unit, the way the light travels; directional and spot
     glm::vec3 color{1.0f};           // linear, times intensity
     float range = 0;                 // 0: no limit
-    float inner_cone = 0, outer_cone = 0.785398163f;
-    std::uint32_t node = prep::no_index;  // of the scene that it stands at
+    float inner_cone = 0, outer_cone = 0.785398163f;  // spot: radians from the direction
+    std::uint32_t node = prep::no_index;              // of the scene that it stands at
 };
 
 // The box of everything that is drawn, in world space; nothing when there is no finite position.
@@ -47,7 +47,7 @@ std::optional<Bounds> world_bounds(const prep::PreparedScene& scene);
 struct OrbitOptions {
     double azimuth_degrees = 30, elevation_degrees = 20;  // 0, 0: from +Z, looking along −Z
     double distance = 0;  // from the centre of the box; 0: as near as all of the box fits in
-    double yfov = 0.6;
+    double yfov = 0.6;    // radians, from bottom to top
     double aspect = 4.0 / 3.0;
 };
 // A perspective view of the whole scene. An empty scene gives a view of the origin from distance 1.
@@ -56,7 +56,7 @@ View orbit_view(const prep::PreparedScene& scene, const OrbitOptions& options = 
 struct LookAtOptions {
     glm::dvec3 eye{0, 0, 1}, target{0.0};  // world
     glm::dvec3 up{0, 1, 0};                // along or against the gaze: another axis is taken
-    double yfov = 0.6;
+    double yfov = 0.6;                     // radians, from bottom to top
 };
 // A perspective view from one place towards another, with a near plane as far as the scene allows
 // (never nearer than 1/10,000 of the way to its farthest corner). The eye upon the target: looks

@@ -36,10 +36,14 @@ prep::Result<FoundExposure> find_exposure(SceneRenderer& renderer, const prep::P
     Frame frame;
     if (auto drawn = renderer.render(*small, frame); !drawn) return drawn.error();
     std::vector<float> luminance;
-    for (const glm::vec4& c : frame.color)
-        if (c.a > 0) luminance.push_back(0.2126f * c.r + 0.7152f * c.g + 0.0722f * c.b);
     FoundExposure found;
-    found.pixels = luminance.size();
+    for (const glm::vec4& c : frame.color) {
+        if (!(c.a > 0)) continue;
+        ++found.pixels;
+        // Textures of floats may hold what is no number: of no rank.
+        const float y = 0.2126f * c.r + 0.7152f * c.g + 0.0722f * c.b;
+        if (std::isfinite(y)) luminance.push_back(y);
+    }
     if (luminance.empty()) return found;
     const auto rank = std::ptrdiff_t((1 - highlights) * double(luminance.size() - 1));
     std::nth_element(luminance.begin(), luminance.begin() + rank, luminance.end());

@@ -70,6 +70,21 @@ prep::Result<Frame> SceneRenderer::render_bands(const RenderPlan& plan, const Ba
     return all;
 }
 
+// Linear, 0 to 1. What is behind the scene is not lit, and so not mapped: it is what was asked for
+// wherever it is seen.
+static glm::vec3 displayed(const glm::vec4& color, const prep::RenderChoices& choices) {
+    glm::vec3 shown = glm::vec3(color) * choices.exposure;
+    if (choices.tone_map != ToneMap::reinhard) return shown;
+    const float share = glm::clamp(color.a, 0.0f, 1.0f);
+    const glm::vec3 behind = (1 - share) * choices.background * choices.exposure;
+    for (int k = 0; k < 3; ++k) {
+        // Of the surfaces in the pixel.
+        const float x = share > 0 ? (shown[k] - behind[k]) / share : 0.0f;
+        shown[k] = (x > 0 ? x / (1 + x) : x) * share + behind[k];
+    }
+    return shown;
+}
+
 prep::Image to_srgb(const Frame& frame, const prep::RenderChoices& choices, int threads) {
     prep::Image image;
     image.width = frame.width;
@@ -82,18 +97,15 @@ prep::Image to_srgb(const Frame& frame, const prep::RenderChoices& choices, int 
                                   [&](std::size_t begin, std::size_t end) {
                                       for (std::size_t i = begin; i < end; ++i) {
                                           float* const out = image.pixels.data() + 3 * i;
-                                          const glm::vec3 color(frame.color[i]);
+                                          const glm::vec4& color = frame.color[i];
                                           // What is behind the scene is one color in most pictures.
-                                          if (i > begin && color == glm::vec3(frame.color[i - 1])) {
+                                          if (i > begin && color == frame.color[i - 1]) {
                                               std::copy_n(out - 3, 3, out);
                                               continue;
                                           }
-                                          for (int k = 0; k < 3; ++k) {
-                                              float x = color[k] * choices.exposure;
-                                              if (choices.tone_map == ToneMap::reinhard && x > 0)
-                                                  x = x / (1 + x);
-                                              out[k] = linear_to_srgb(x);
-                                          }
+                                          const glm::vec3 shown = displayed(color, choices);
+                                          for (int k = 0; k < 3; ++k)
+                                              out[k] = linear_to_srgb(shown[k]);
                                       }
                                   });
     return image;

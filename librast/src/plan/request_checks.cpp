@@ -1,7 +1,7 @@
 #include "plan/request_checks.h"
 
+#include <charconv>
 #include <cmath>
-#include <cstdio>
 #include <string>
 
 #include "geometry/tile.h"
@@ -21,8 +21,10 @@ Error too_many(const char* of_what, std::uint64_t most, std::uint64_t found) {
 
 std::string text_of(double value) {
     char text[32];
-    std::snprintf(text, sizeof text, "%g", value);
-    return text;
+    constexpr int digits = 6;
+    const auto end =
+        std::to_chars(text, text + sizeof text, value, std::chars_format::general, digits);
+    return {text, end.ptr};
 }
 
 // Rotation and translation, as closely as matrices of floats have them.

@@ -31,7 +31,8 @@ TextureLevels levels_for(TextureFilter filter, prep::MipFilter mip = prep::MipFi
 // as one that magnifies to the nearest texel and minifies smoothly.
 TextureFilter filter_for(TextureFilter asked, const prep::Texture& sampler);
 
-// The whole texel of a coordinate of any size (beyond 2^40 texels the rest is lost, and NaN is 0).
+// The whole texel of a coordinate of any size (0 beyond 10^12 texels, where floats have no parts of
+// one, and of NaN).
 inline std::int64_t whole_texel(float x) {
     return std::abs(x) < 1e12f ? std::int64_t(std::floor(x)) : 0;
 }

@@ -179,14 +179,6 @@ std::vector<Point2> standard_places(int samples) {
     return out;
 }
 
-std::vector<Point2> grid_places(int side) {
-    std::vector<Point2> out;
-    for (int j = 0; j < side; ++j)
-        for (int i = 0; i < side; ++i)
-            out.emplace_back((Real(i) + Real(0.5)) / side, (Real(j) + Real(0.5)) / side);
-    return out;
-}
-
 Pixels box_means(const Pixels& fine, std::uint32_t factor) {
     Pixels out{fine.width / factor, fine.height / factor, fine.channels, {}};
     for (std::uint32_t y = 0; y < out.height; ++y)

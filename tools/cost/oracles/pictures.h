@@ -29,9 +29,8 @@ Pixels coverage_at(std::span<const Triangle2> triangles, std::uint32_t width, st
                    std::span<const Point2> places);
 
 // Places of 1, 2, 4, 8 and 16 samples as graphics interfaces state them ("standard sample
-// locations", Vulkan 1.3; the same in Direct3D 11.3), and of side × side evenly spaced ones.
+// locations", Vulkan 1.3; the same in Direct3D 11.3).
 std::vector<Point2> standard_places(int samples);
-std::vector<Point2> grid_places(int side);
 
 // The means of `factor` × `factor` pixels each, in long double; sizes are multiples of it.
 Pixels box_means(const Pixels& fine, std::uint32_t factor);

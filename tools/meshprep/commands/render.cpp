@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include "meshprep/budgets/explicit_command.h"
@@ -164,217 +165,290 @@ void say_certificate(const CommonOptions& common, const ImageCertificate& c,
                                   c.asked, c.chosen.levels));
 }
 
-Result<Json> render_file(const RenderCommand& command, Console& console) {
-    const CommonOptions& common = command.common;
-    console.progress(common, command.input.string() + " … reading");
-    Clock::time_point start = Clock::now();
-    const Result<InputFile> input = InputFile::open(command.input, common.input_format);
-    if (!input) return input.error();
-    const bool scene_file = lower_ending(input->path()) == "json";
-    Result<prep::JsonScene> loaded = load_json_scene(input->path(), load_options(common, console));
-    if (!loaded) return input->relabelled(loaded.error());
-    if (!scene_file)
-        if (const Result<void> some = prep::require_geometry(loaded->scene); !some)
-            return input->relabelled(some.error());
-    input->settle(loaded->scene);
-    const double read_ms = milliseconds_since(start);
-    const std::vector<std::string> read_warnings = loaded->scene.warnings;
-    for (const std::string& text : read_warnings)
-        console.warning(common, said_of(command.input, text));
+// A run of the command; a step after the other.
+class Rendering {
+  public:
+    Rendering(const RenderCommand& command, Console& console)
+        : command_(command), common_(command.common), console_(console) {}
 
-    rast::RenderRequest request = request_of(command, loaded->picture);
-    if (!scene_file && !command.wishes.has("background")) request.background = file_background;
-    const double aspect = static_cast<double>(request.width) / request.height;
-    const ViewChoices choices{command, command.turntable, loaded->orbit};
-
-    console.progress(common, command.input.string() + " … preparing");
-    start = Clock::now();
-    prep::PrepareOptions options =
-        prepare_options(command.prepare, load_options(common, console), common.threads);
-    std::vector<rast::View> screens;
-    if (options.tessellation.pixel_error) {
-        Result<std::vector<rast::View>> known = screen_views(choices, loaded->scene, aspect);
-        if (!known) return input->relabelled(known.error());
-        screens = *std::move(known);
-        options.tessellation.screens = screen_metrics(screens, request.width, request.height);
+    Result<Json> run() {
+        for (const auto step : {&Rendering::read, &Rendering::prepare, &Rendering::choose_sampling,
+                                &Rendering::draw_views})
+            if (const Result<void> done = (this->*step)(); !done) return done.error();
+        report();
+        return std::move(json_);
     }
-    const Result<prep::PreparedScene> prepared = prep::prepare(std::move(loaded->scene), options);
-    if (!prepared) return input->relabelled(prepared.error());
-    const double prepare_ms = milliseconds_since(start);
 
-    const Result<std::vector<std::optional<rast::View>>> views =
-        screens.empty() ? views_of(choices, *prepared, aspect)
-                        : drawn_views(screens, choices, *prepared, aspect);
-    if (!views) return views.error();
+  private:
+    void show(const std::string& what) {
+        console_.progress(common_, command_.input.string() + " … " + what);
+    }
 
-    rast::SceneRenderer renderer(*prepared);  // keeps textures between pictures
-    const bool own_lights = !scene_file && command.lights.empty() && has_lights(prepared->scene);
-    const bool find = request.exposure == prep::automatic_exposure ||
-                      (own_lights && !command.wishes.has("exposure"));
-    std::optional<rast::FoundExposure> found;
-    const auto find_exposure = [&]() -> Result<void> {
-        if (!find) {
-            rast::expose(request, request.exposure);
+    Result<void> read() {
+        show("reading");
+        const Clock::time_point start = Clock::now();
+        Result<InputFile> input = InputFile::open(command_.input, common_.input_format);
+        if (!input) return input.error();
+        input_.emplace(*std::move(input));
+        scene_file_ = lower_ending(input_->path()) == "json";
+        Result<prep::JsonScene> loaded =
+            load_json_scene(input_->path(), load_options(common_, console_));
+        if (!loaded) return input_->relabelled(loaded.error());
+        if (!scene_file_)
+            if (const Result<void> some = prep::require_geometry(loaded->scene); !some)
+                return input_->relabelled(some.error());
+        input_->settle(loaded->scene);
+        loaded_.emplace(*std::move(loaded));
+        read_ms_ = milliseconds_since(start);
+        json_["input"] = command_.input.string();
+        json_["output"] = command_.output.string();
+        json_["outputs"] = Json::array();
+        json_["warnings"] = loaded_->scene.warnings;
+        for (const std::string& text : loaded_->scene.warnings)
+            console_.warning(common_, said_of(command_.input, text));
+        return {};
+    }
+
+    Result<void> prepare() {
+        request_ = request_of(command_, loaded_->picture);
+        if (!scene_file_ && !command_.wishes.has("background"))
+            request_.background = file_background;
+        const double aspect = static_cast<double>(request_.width) / request_.height;
+        const ViewChoices choices{command_, command_.turntable, loaded_->orbit};
+
+        show("preparing");
+        const Clock::time_point start = Clock::now();
+        prep::PrepareOptions options =
+            prepare_options(command_.prepare, load_options(common_, console_), common_.threads);
+        std::vector<rast::View> screens;
+        if (options.tessellation.pixel_error) {
+            Result<std::vector<rast::View>> known = screen_views(choices, loaded_->scene, aspect);
+            if (!known) return input_->relabelled(known.error());
+            screens = *std::move(known);
+            options.tessellation.screens = screen_metrics(screens, request_.width, request_.height);
+        }
+        Result<prep::PreparedScene> prepared = prep::prepare(std::move(loaded_->scene), options);
+        if (!prepared) return input_->relabelled(prepared.error());
+        prepared_.emplace(*std::move(prepared));
+        prepare_ms_ = milliseconds_since(start);
+
+        Result<std::vector<std::optional<rast::View>>> views =
+            screens.empty() ? views_of(choices, *prepared_, aspect)
+                            : drawn_views(screens, choices, *prepared_, aspect);
+        if (!views) return views.error();
+        views_ = *std::move(views);
+        renderer_.emplace(*prepared_);
+        return {};
+    }
+
+    Result<rast::RenderPlan> plan_for(const rast::RenderRequest& request, std::size_t view) const {
+        return plan_of(command_, *prepared_, request, views_[view]);
+    }
+
+    Result<void> find_exposure() {
+        const bool own_lights =
+            !scene_file_ && command_.lights.empty() && has_lights(prepared_->scene);
+        if (request_.exposure != prep::automatic_exposure &&
+            (!own_lights || command_.wishes.has("exposure"))) {
+            rast::expose(request_, request_.exposure);
             return {};
         }
-        const Result<rast::RenderPlan> plan = plan_of(command, *prepared, request, views->front());
+        const Result<rast::RenderPlan> plan = plan_for(request_, 0);
         if (!plan) return plan.error();
         const Result<rast::FoundExposure> exposure =
-            rast::find_exposure(renderer, *prepared, plan->request);
+            rast::find_exposure(*renderer_, *prepared_, plan->request);
         if (!exposure) return exposure.error();
-        found = *exposure;
-        rast::expose(request, found->exposure);
+        exposure_ = *exposure;
+        rast::expose(request_, exposure_->exposure);
         return {};
-    };
-    // Exposure and sampling are found with all lights: what may be left out is told apart from
-    // them.
-    const float allowed = std::exchange(request.allow_error, 0.0f);
-    std::optional<ImageCertificate> certificate;
-    std::optional<SamplingTimes> times;
-    if (command.image_error || command.budget_ms) {
-        console.progress(common, command.input.string() + " … measuring");
-        const rast::RenderRequest plain = request;
-        request.coverage = prep::Coverage::samples;
-        request.samples = request.supersample = 1;
-        if (const Result<void> exposed = find_exposure(); !exposed) return exposed.error();
-        const auto plan_for = [&](const rast::RenderRequest& r, std::size_t view) {
-            return plan_of(command, *prepared, r, (*views)[view]);
-        };
-        SamplingRung rung;
-        if (command.image_error) {
-            Result<ImageCertificate> chosen =
-                choose_sampling(renderer, request, views->size(), plan_for, *command.image_error);
-            if (!chosen) return chosen.error();
-            certificate = *std::move(chosen);
-            rung = certificate->chosen.rung;
-        } else {
-            Result<SamplingTimes> chosen =
-                sampling_within(renderer, request, views->size(), plan_for, *command.budget_ms,
-                                command.cost_cache, common, console);
-            if (!chosen) return chosen.error();
-            times = *std::move(chosen);
-            rung = times->rung;
-        }
-        // From here on as if the command line had said it.
-        request = plain;
-        request.coverage = prep::Coverage::samples;
-        request.samples = rung.samples;
-        request.supersample = rung.supersample;
     }
-    if (const Result<void> exposed = find_exposure(); !exposed) return exposed.error();
-    request.allow_error = allowed;
-    request.timed = command.explain;
 
-    OutputOptions outputs;
-    outputs.buffers = command.buffers;
-    outputs.choices = request;
-    outputs.threads = common.threads;
-    OutputDirectories directories;
-    for (const std::filesystem::path& file : {command.output, command.buffer_file})
-        if (const Result<void> made = directories.make_for(file); !made) return made.error();
-    prep::ImageFiles files({command.overwrite, files_read(command, *prepared)});
-    Json json;
-    json["input"] = command.input.string();
-    json["output"] = command.output.string();
-    json["outputs"] = Json::array();
-    json["warnings"] = read_warnings;
-    double render_ms = 0, write_ms = 0;
-    const auto count = std::uint32_t(views->size());
-    for (std::uint32_t n = 0; n < count; ++n) {
-        Result<rast::RenderPlan> plan = plan_of(command, *prepared, request, (*views)[n]);
+    // And the exposure. Both with all lights: what may be left out is told apart from them.
+    Result<void> choose_sampling() {
+        const float allowed = std::exchange(request_.allow_error, 0.0f);
+        if (command_.image_error || command_.budget_ms) {
+            show("measuring");
+            const rast::RenderRequest plain = request_;
+            request_.coverage = prep::Coverage::samples;
+            request_.samples = request_.supersample = 1;
+            if (const Result<void> exposed = find_exposure(); !exposed) return exposed.error();
+            const auto plans = [&](const rast::RenderRequest& request, std::size_t view) {
+                return plan_for(request, view);
+            };
+            SamplingRung rung;
+            if (command_.image_error) {
+                Result<ImageCertificate> chosen = meshprep::choose_sampling(
+                    *renderer_, request_, views_.size(), plans, *command_.image_error);
+                if (!chosen) return chosen.error();
+                certificate_ = *std::move(chosen);
+                rung = certificate_->chosen.rung;
+            } else {
+                // The first picture that is read or written waits for it: that is no drawing.
+                if (const Result<void> loaded = prep::load_image_library(); !loaded)
+                    return loaded.error();
+                Result<SamplingTimes> chosen =
+                    sampling_within(*renderer_, request_, views_.size(), plans, *command_.budget_ms,
+                                    command_.cost_cache, common_, console_);
+                if (!chosen) return chosen.error();
+                times_ = *std::move(chosen);
+                rung = times_->rung;
+            }
+            // From here on as if the command line had said it.
+            request_ = plain;
+            request_.coverage = prep::Coverage::samples;
+            request_.samples = rung.samples;
+            request_.supersample = rung.supersample;
+        }
+        if (const Result<void> exposed = find_exposure(); !exposed) return exposed.error();
+        request_.allow_error = allowed;
+        request_.timed = command_.explain;
+        return {};
+    }
+
+    Result<void> draw_views() {
+        OutputOptions outputs;
+        outputs.buffers = command_.buffers;
+        outputs.choices = request_;
+        outputs.threads = common_.threads;
+        OutputDirectories directories;
+        for (const std::filesystem::path& file : {command_.output, command_.buffer_file})
+            if (const Result<void> made = directories.make_for(file); !made) return made.error();
+        prep::ImageFiles files({command_.overwrite, files_read(command_, *prepared_)});
+        for (std::size_t view = 0; view < views_.size(); ++view)
+            if (const Result<void> done = draw_view(view, outputs, files); !done)
+                return done.error();
+        const Clock::time_point committing = Clock::now();
+        if (const Result<void> saved = files.commit(); !saved) return saved.error();
+        write_ms_ += milliseconds_since(committing);
+        return {};
+    }
+
+    Result<void> draw_view(std::size_t view, OutputOptions& outputs, prep::ImageFiles& files) {
+        Result<rast::RenderPlan> plan = plan_for(request_, view);
         if (!plan) return plan.error();
-        if (!request.texel_facts) {
-            request.texel_facts = renderer.texel_facts(*plan);
-            if (request.texel_facts) plan = plan_of(command, *prepared, request, (*views)[n]);
+        if (!request_.texel_facts) {
+            request_.texel_facts = renderer_->texel_facts(*plan);
+            if (request_.texel_facts) plan = plan_for(request_, view);
             if (!plan) return plan.error();
         }
-        console.progress(common, command.input.string() + " … drawing" +
-                                     (count > 1 ? fmt::format(" {}/{}", n + 1, count) : ""));
-        const bool sequence = command.turntable > 0;
-        outputs.picture = sequence ? sequence_name(command.output, n, count) : command.output;
-        outputs.buffer_file = sequence && !command.buffer_file.empty()
-                                  ? sequence_name(command.buffer_file, n, count)
-                                  : command.buffer_file;
-        const Result<Drawn> drawn = draw(renderer, *plan, files, outputs);
+        const auto count = static_cast<std::uint32_t>(views_.size());
+        const auto n = static_cast<std::uint32_t>(view);
+        show("drawing" + (count > 1 ? fmt::format(" {}/{}", n + 1, count) : ""));
+        const bool sequence = command_.turntable > 0;
+        outputs.picture = sequence ? sequence_name(command_.output, n, count) : command_.output;
+        outputs.buffer_file = sequence && !command_.buffer_file.empty()
+                                  ? sequence_name(command_.buffer_file, n, count)
+                                  : command_.buffer_file;
+        const Result<Drawn> drawn = draw(*renderer_, *plan, files, outputs);
         if (!drawn) return drawn.error();
-        render_ms += drawn->draw_ms;
-        write_ms += drawn->write_ms;
+        render_ms_ += drawn->draw_ms;
+        write_ms_ += drawn->write_ms;
         for (const std::filesystem::path& path : drawn->paths)
-            json["outputs"].push_back(path.string());
-        if (n > 0) continue;
-        std::vector<std::string> warnings = not_drawn(*prepared);
-        if (const std::uint64_t broken = drawn->frame.counters.non_finite; broken > 0)
-            warnings.push_back(count_of(broken, "triangle") +
+            json_["outputs"].push_back(path.string());
+        if (view == 0) warn_of_settings(outputs.picture);
+        warn_of_picture(*drawn, *plan, view == 0 ? "" : outputs.picture.filename().string() + ": ");
+        if (view > 0) return {};
+        json_["plan"] = plan_json(*plan, *prepared_, command_.explain ? &*drawn : nullptr);
+        json_["counters"] = counters_json(drawn->frame.counters);
+        if (command_.explain) explain(*plan, *prepared_, drawn->frame, common_, console_);
+        return {};
+    }
+
+    void warn(const std::string& text) {
+        console_.warning(common_, text);
+        json_["warnings"].push_back(text);
+    }
+
+    void warn_of_settings(const std::filesystem::path& picture) {
+        for (const std::string& text : not_drawn(*prepared_)) warn(text);
+        if (command_.wishes.has("max_anisotropy") &&
+            request_.filter != prep::TextureFilter::anisotropic &&
+            request_.filter != prep::TextureFilter::ewa)
+            warn("--max-anisotropy is of --filter anisotropic and ewa alone");
+        if (request_.tone_map == prep::ToneMap::reinhard && keeps_float(picture))
+            warn("the scene's tone_map is for pictures of 8 bits: linear light is kept in '" +
+                 picture.filename().string() + "'");
+    }
+
+    // Of several pictures the first that a warning is of has it; figures in it are that one's.
+    void warn_of_picture(const Drawn& drawn, const rast::RenderPlan& plan,
+                         const std::string& picture) {
+        const auto once = [&](const std::string& kind, const std::string& text) {
+            if (warned_of_.insert(kind).second) warn(picture + text);
+        };
+        if (const std::uint64_t broken = drawn.frame.counters.non_finite; broken > 0)
+            once("broken", count_of(broken, "triangle") +
                                " with positions that are not finite or beyond all range left out");
-        if (const auto why = why_empty(drawn->frame.counters, plan->triangles, request.cull))
-            warnings.push_back(*why);
-        if (command.wishes.has("max_anisotropy") &&
-            request.filter != prep::TextureFilter::anisotropic &&
-            request.filter != prep::TextureFilter::ewa)
-            warnings.push_back("--max-anisotropy is of --filter anisotropic and ewa alone");
-        if (request.tone_map == prep::ToneMap::reinhard && keeps_float(outputs.picture))
-            warnings.push_back(
-                "the scene's tone_map is for pictures of 8 bits: linear light is "
-                "kept in '" +
-                outputs.picture.filename().string() + "'");
-        warnings.insert(warnings.end(), drawn->frame.warnings.begin(), drawn->frame.warnings.end());
-        if (const auto black = drawn->black.warning(*prepared)) warnings.push_back(*black);
-        for (const std::string& text : warnings) {
-            console.warning(common, text);
-            json["warnings"].push_back(text);
+        if (const auto why = why_empty(drawn.frame.counters, plan.triangles, request_.cull))
+            once("empty", *why);
+        for (const std::string& text : drawn.frame.warnings) once(text, text);
+        if (const auto black = drawn.black.warning(*prepared_)) once("black", *black);
+    }
+
+    void report() {
+        const Json& plan = json_["plan"];
+        const Json& outputs = json_["outputs"];
+        const auto first = outputs[0].get<std::string>();
+        console_.result(
+            common_, fmt::format("{} → {}  {}×{}, {}, {}; read {}, prepare {}, draw {}, write {}",
+                                 command_.input.string(),
+                                 !command_.format.empty() ? "-"
+                                 : outputs.size() == 1
+                                     ? first
+                                     : fmt::format("{} and {} more", first, outputs.size() - 1),
+                                 request_.crop ? request_.crop->width : request_.width,
+                                 request_.crop ? request_.crop->height : request_.height,
+                                 plan["shading"].get<std::string>(),
+                                 count_of(plan["triangles"].get<std::uint64_t>(), "triangle"),
+                                 duration(read_ms_), duration(prepare_ms_), duration(render_ms_),
+                                 duration(write_ms_)));
+        if (exposure_) {
+            if (exposure_->exposure != 1)
+                console_.result(common_,
+                                fmt::format("  exposure {} was found: the brightest surfaces had "
+                                            "{:.3g} times white (--exposure sets another)",
+                                            exposure_->exposure, exposure_->bright));
+            json_["exposure"] = {{"value", exposure_->exposure}, {"bright", exposure_->bright}};
         }
-        const rast::Counters& counters = drawn->frame.counters;
-        const rast::Frame& frame = drawn->frame;
-        json["plan"] = plan_json(*plan, *prepared, command.explain ? &*drawn : nullptr);
-        json["counters"] = counters_json(counters);
-        if (command.explain) explain(*plan, *prepared, frame, common, console);
+        // What goes to standard output was written to a file that is gone then.
+        const std::filesystem::path given = command_.format.empty() ? command_.output : "-";
+        if (certificate_) {
+            const std::string again =
+                explicit_command("render", command_.input, given, command_.settings,
+                                 certificate_->chosen.rung.words());
+            json_["certificate"] = to_json(*certificate_, again);
+            say_certificate(common_, *certificate_, again, console_);
+        }
+        if (times_) {
+            times_->taken = render_ms_ + times_->pilot.first;
+            const std::string again = explicit_command("render", command_.input, given,
+                                                       command_.settings, times_->chosen.setting);
+            json_["budget"] = to_json(*times_, again);
+            say_time(common_, *times_, drawing_work, again, console_);
+        }
+        json_["milliseconds"] = {{"read", read_ms_},
+                                 {"prepare", prepare_ms_},
+                                 {"render", render_ms_},
+                                 {"write", write_ms_}};
     }
-    const Clock::time_point committing = Clock::now();
-    if (const Result<void> saved = files.commit(); !saved) return saved.error();
-    write_ms += milliseconds_since(committing);
-    const Json& plan = json["plan"];
-    const std::size_t written = json["outputs"].size();
-    console.result(
-        common,
-        fmt::format(
-            "{} → {}  {}×{}, {}, {}; read {}, prepare {}, draw {}, write {}",
-            command.input.string(),
-            !command.format.empty() ? "-"
-            : written == 1
-                ? json["outputs"][0].get<std::string>()
-                : fmt::format("{} and {} more", json["outputs"][0].get<std::string>(), written - 1),
-            request.crop ? request.crop->width : request.width,
-            request.crop ? request.crop->height : request.height,
-            plan["shading"].get<std::string>(),
-            count_of(plan["triangles"].get<std::uint64_t>(), "triangle"), duration(read_ms),
-            duration(prepare_ms), duration(render_ms), duration(write_ms)));
-    if (found) {
-        if (found->exposure != 1)
-            console.result(common,
-                           fmt::format("  exposure {} was found: the brightest surfaces had {:.3g} "
-                                       "times white (--exposure sets another)",
-                                       found->exposure, found->bright));
-        json["exposure"] = {{"value", found->exposure}, {"bright", found->bright}};
-    }
-    // What goes to standard output was written to a file that is gone then.
-    const std::filesystem::path given = command.format.empty() ? command.output : "-";
-    if (certificate) {
-        const std::string again = explicit_command("render", command.input, given, command.settings,
-                                                   certificate->chosen.rung.words());
-        json["certificate"] = to_json(*certificate, again);
-        say_certificate(common, *certificate, again, console);
-    }
-    if (times) {
-        times->taken = render_ms + times->pilot.first;
-        const std::string again = explicit_command("render", command.input, given, command.settings,
-                                                   times->chosen.setting);
-        json["budget"] = to_json(*times, again);
-        say_time(common, *times, drawing_work, again, console);
-    }
-    json["milliseconds"] = {
-        {"read", read_ms}, {"prepare", prepare_ms}, {"render", render_ms}, {"write", write_ms}};
-    return json;
-}
+
+    const RenderCommand& command_;
+    const CommonOptions& common_;
+    Console& console_;
+    std::optional<InputFile> input_;
+    bool scene_file_ = false;
+    std::optional<prep::JsonScene> loaded_;
+    rast::RenderRequest request_;
+    std::optional<prep::PreparedScene> prepared_;
+    std::vector<std::optional<rast::View>> views_;
+    std::optional<rast::SceneRenderer> renderer_;  // keeps textures between pictures
+    std::optional<rast::FoundExposure> exposure_;
+    std::optional<ImageCertificate> certificate_;
+    std::optional<SamplingTimes> times_;
+    std::set<std::string> warned_of_;
+    double read_ms_ = 0, prepare_ms_ = 0, render_ms_ = 0, write_ms_ = 0;
+    Json json_;
+};
 
 // By way of a file: what writes pictures wants a name.
 Result<Json> render_to_output(const RenderCommand& command, Console& console) {
@@ -383,7 +457,7 @@ Result<Json> render_to_output(const RenderCommand& command, Console& console) {
     if (!directory) return directory.error();
     RenderCommand to_file = command;
     to_file.output = directory->path() / ("stdout." + command.format);
-    Result<Json> done = render_file(to_file, console);
+    Result<Json> done = Rendering(to_file, console).run();
     if (!done) return done;
     const Result<std::vector<std::byte>> bytes = prep::read_file(to_file.output);
     if (!bytes) return bytes.error();
@@ -397,7 +471,7 @@ int run(const RenderCommand& command, Console& console) {
     const Result<Json> done = !sound ? Result<Json>(sound.error())
                               : is_standard_stream(command.output)
                                   ? render_to_output(command, console)
-                                  : render_file(command, console);
+                                  : Rendering(command, console).run();
     if (done)
         document.update(*done);
     else

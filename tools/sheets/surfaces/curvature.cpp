@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <numeric>
 
@@ -10,9 +11,11 @@ namespace {
 
 // Vertices that a UV seam keeps apart: the lowest of one place and normal.
 std::vector<std::uint32_t> joined_vertices(const prep::VertexMesh& mesh) {
+    // By bits, of which what is no number has some as well; 0 and -0 are one place.
+    const auto bits = [](float x) { return std::bit_cast<std::uint32_t>(x + 0.0f); };
     const auto key = [&](std::uint32_t v) {
         const glm::vec3 &p = mesh.positions[v], &n = mesh.normals[v];
-        return std::array{p.x, p.y, p.z, n.x, n.y, n.z};
+        return std::array{bits(p.x), bits(p.y), bits(p.z), bits(n.x), bits(n.y), bits(n.z)};
     };
     std::vector<std::uint32_t> order(mesh.vertex_count()), joined(order.size());
     std::iota(order.begin(), order.end(), 0U);

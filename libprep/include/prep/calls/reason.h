@@ -67,6 +67,5 @@ std::string material_subject(std::uint32_t material);  // no_index: the default 
 std::string map_subject(std::uint32_t material, const MaterialMap& map);
 std::string mesh_subject(std::uint32_t mesh);
 std::string node_subject(std::uint32_t node);
-std::string texture_subject(std::uint32_t texture);
 
 }  // namespace prep

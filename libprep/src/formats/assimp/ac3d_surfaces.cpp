@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <optional>
 #include <vector>
 
 #include "formats/assimp/import.h"
@@ -20,11 +21,10 @@ std::string_view name_in(LineScanner& line) {
     return rest.substr(0, rest.find('"'));
 }
 
-std::size_t number_in(std::string_view word, int base) {
+std::optional<std::size_t> number_in(std::string_view word, int base) {
     std::size_t value = 0;
-    return std::from_chars(word.data(), word.data() + word.size(), value, base).ec == std::errc()
-               ? value
-               : 0;
+    const auto end = std::from_chars(word.data(), word.data() + word.size(), value, base);
+    return end.ec == std::errc() ? std::optional(value) : std::nullopt;
 }
 
 }  // namespace
@@ -44,10 +44,10 @@ std::set<std::string> two_sided_ac3d_materials(std::string_view text) {
         } else if (word == "SURF") {
             std::string_view flags = line.word();
             if (flags.starts_with("0x") || flags.starts_with("0X")) flags.remove_prefix(2);
-            both = (number_in(flags, 16) & two_sided) != 0;
+            both = (number_in(flags, 16).value_or(0) & two_sided) != 0;
         } else if (word == "mat" && both) {
-            const std::size_t material = number_in(line.word(), 10);
-            if (material < names.size()) found.emplace(names[material]);
+            const std::optional<std::size_t> material = number_in(line.word(), 10);
+            if (material && *material < names.size()) found.emplace(names[*material]);
         }
     }
     return found;

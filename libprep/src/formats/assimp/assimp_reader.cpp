@@ -64,16 +64,26 @@ std::optional<std::string> text_of_utf16_file(const std::filesystem::path& path)
     return bytes ? utf8_of_utf16(*bytes) : std::nullopt;
 }
 
-// Numbers that Assimp does not survive, as far as they are beyond the file.
-Result<void> check_md5_numbers(const std::filesystem::path& path) {
+// Numbers that Assimp does not survive, as far as they are beyond the file. `converted`: the text
+// that Assimp is given in place of the file's.
+Result<void> check_md5_numbers(const std::filesystem::path& path,
+                               const std::optional<std::string>& converted) {
     if (::strcasecmp(path.extension().c_str(), ".md5mesh") != 0) return {};
-    const auto bytes = read_file(path);
-    if (!bytes) return bytes.error();
-    const auto excess = md5_excess({reinterpret_cast<const char*>(bytes->data()), bytes->size()});
+    std::vector<std::byte> bytes;
+    std::string_view text;
+    if (converted) {
+        text = *converted;
+    } else {
+        auto read = read_file(path);
+        if (!read) return read.error();
+        bytes = *std::move(read);
+        text = {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+    }
+    const auto excess = md5_excess(text);
     if (!excess) return {};
     return Error{ErrorCode::invalid,
                  "'" + excess->statement + "' is beyond what a file of " +
-                     std::to_string(bytes->size()) + " bytes can hold",
+                     std::to_string(text.size()) + " bytes can hold",
                  path.string() + ':' + std::to_string(excess->line)};
 }
 
@@ -97,7 +107,9 @@ bool assimp_knows(const std::string& extension) {
 }
 
 Result<Scene> read_with_assimp(const std::filesystem::path& path, const LoadOptions& options) {
-    if (auto checked = check_md5_numbers(path); !checked) return std::move(checked).error();
+    const std::optional<std::string> converted = text_of_utf16_file(path);
+    if (auto checked = check_md5_numbers(path, converted); !checked)
+        return std::move(checked).error();
     try {
         std::vector<std::filesystem::path> others;
         std::unique_ptr<Assimp::Importer> importer = make_importer(others);
@@ -106,7 +118,6 @@ Result<Scene> read_with_assimp(const std::filesystem::path& path, const LoadOpti
         // mesh like a sphere, a cylinder or a plane, UVs say so.
         constexpr unsigned validated = aiProcess_ValidateDataStructure,
                            steps = aiProcess_GenUVCoords;
-        const std::optional<std::string> converted = text_of_utf16_file(path);
         const std::string ending = path.extension().string();
         const auto read_by = [&](unsigned how) {
             return converted ? importer->ReadFileFromMemory(converted->data(), converted->size(),

@@ -1,8 +1,8 @@
 // Metres. FBX counts in UnitScaleFactor centimetres, which Assimp tells and leaves to its caller;
 // what Collada says of its unit is in the root node's transform already. Blender's files have z up,
-// which it leaves so as well.
+// which it leaves so as well; those of 3DS and of Quake's kin it turns.
+#include <charconv>
 #include <cmath>
-#include <cstdlib>
 
 #include "formats/assimp/import.h"
 #include "text/numbers.h"
@@ -13,6 +13,14 @@ namespace {
 std::string short_text(double number) {
     char digits[max_number_text];
     return {digits, write_float(digits, float(number))};
+}
+
+// 2.54 is an inch, 2.5399999618 is not.
+double by_own_digits(float number) {
+    char digits[max_number_text];
+    double value = 0;
+    std::from_chars(digits, write_float(digits, number), value);
+    return value;
 }
 
 // FBX says which of the file's axes point right, up and to the front: those are x, y and z here.
@@ -52,13 +60,17 @@ void import_units(AssimpImport& import) {
         scene.nodes[0].transform = turn * scene.nodes[0].transform;
         return;
     }
+    // Their readers have turned the root.
+    static constexpr std::pair<std::string_view, const char*> with_z_up[] = {
+        {"3DS", "3DS"}, {"MD5", "MD5"}, {"Quake", "Quake"}};
+    for (const auto& [reader, name] : with_z_up)
+        if (import.is_by(reader) && glm::dvec3(scene.nodes[0].transform[2]) == glm::dvec3(0, 1, 0))
+            placement.file_unit_source = std::string(name) + ", z up";
     if (!said) return;
     float number = 0;
     double precise = 0;
     if (said->Get("UnitScaleFactor", precise) || said->Get("UnitScaleFactor", number)) {
-        // A float's own digits: 2.54 is an inch, 2.5399999618 is not.
-        const double centimetres =
-            precise != 0 ? precise : std::strtod(short_text(double(number)).c_str(), nullptr);
+        const double centimetres = precise != 0 ? precise : by_own_digits(number);
         if (!(centimetres > 0) || !std::isfinite(centimetres)) {
             scene.warnings.emplace_back(
                 "the file's UnitScaleFactor is no number over 0: its unit is taken for a metre");

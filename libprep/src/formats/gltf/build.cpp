@@ -17,6 +17,7 @@
 #include "prep/files.h"
 #include "prep/image.h"
 #include "text/name_list.h"
+#include "text/utf8.h"
 
 namespace prep::detail {
 namespace {
@@ -145,7 +146,7 @@ class Builder {
                 continue;
             }
             Json out{{"primitives", std::move(primitives)}};
-            if (!scene_.meshes[m].name.empty()) out["name"] = scene_.meshes[m].name;
+            if (!scene_.meshes[m].name.empty()) out["name"] = as_utf8(scene_.meshes[m].name);
             add_target_members(scene_.meshes[m], out);
             mesh_index_[m] = Index(buffer_.push("meshes", std::move(out)));
         }
@@ -353,7 +354,7 @@ class Builder {
         } else {
             const std::size_t view = buffer_.add_view(bytes, 0);
             Json out{{"bufferView", view}, {"mimeType", mime}};
-            if (!ref.name.empty()) out["name"] = ref.name;
+            if (!ref.name.empty()) out["name"] = as_utf8(ref.name);
             result = Index(buffer_.push("images", std::move(out)));
         }
         image_map_.emplace(std::pair(image, green), result);
@@ -399,7 +400,7 @@ class Builder {
                 if (ref->uv_set >= variant.uv_sets) *ref = {};
             const auto unit = [](float x) { return std::clamp(x, 0.0f, 1.0f); };
             Json out, pbr;
-            if (!m.name.empty()) out["name"] = m.name;
+            if (!m.name.empty()) out["name"] = as_utf8(m.name);
             pbr["baseColorFactor"] = {unit(m.diffuse.r), unit(m.diffuse.g), unit(m.diffuse.b),
                                       unit(m.diffuse.a)};
             pbr["metallicFactor"] = m.metallic_roughness ? unit(m.metallic) : 0.0f;
@@ -516,7 +517,7 @@ class Builder {
                                                                    : "spot"},
                      {"color", array3(glm::clamp(light.color / brightest, 0.0f, 1.0f))},
                      {"intensity", std::max(light.intensity, 0.0f) * brightest}};
-            if (!light.name.empty()) out["name"] = light.name;
+            if (!light.name.empty()) out["name"] = as_utf8(light.name);
             if (light.range > 0 && light.kind != LightKind::directional) out["range"] = light.range;
             // The nearest float to a quarter turn, the widest there is, lies above it.
             const float widest = std::nextafter(float(std::numbers::pi / 2), 0.0f);
@@ -540,7 +541,7 @@ class Builder {
         for (std::size_t c = 0; c < scene_.cameras.size(); ++c) {
             const Camera& camera = scene_.cameras[c];
             Json out;
-            if (!camera.name.empty()) out["name"] = camera.name;
+            if (!camera.name.empty()) out["name"] = as_utf8(camera.name);
             out["type"] = camera.perspective ? "perspective" : "orthographic";
             Json& lens = out[camera.perspective ? "perspective" : "orthographic"];
             if (camera.perspective) {

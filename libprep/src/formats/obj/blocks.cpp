@@ -187,13 +187,19 @@ class BlockParser {
         const char* line_end = find_line_end(at, end);
         const char* last = line_end;
         if (last != at && last[-1] == '\r') --last;
-        if (last != at && last[-1] == '\\') {
+        if (last != at && last[-1] == '\\' && !is_comment(at, last)) {
             const char* next = join_continued(at, end);
             statement(joined_.data(), joined_.data() + joined_.size());
             return next;
         }
         statement(at, last);
         return line_end == end ? end : line_end + 1;
+    }
+
+    // A path at its end ("# exported to C:\\") joins no line.
+    static bool is_comment(const char* at, const char* end) {
+        while (at != end && is_blank(*at)) ++at;
+        return at != end && *at == '#';
     }
 
     static const char* find_line_end(const char* at, const char* end) {
@@ -235,11 +241,19 @@ class BlockParser {
         numbers(word.substr(0, word.find('#')), begin, end);
     }
 
-    // A comment runs from # to the end of any line. Only names go to the end of their line with
-    // every #: exporters write such ("Material #25"), and the reader of names looks for the one
-    // without the comment where that with it is unknown.
+    static const char* comment_begin(const char* begin, const char* end) {
+        const char* at = std::find(begin, end, '#');
+        while (at != end && at != begin && at[-1] == '.' &&
+               names_no_number({at, std::size_t(end - at)}))
+            at = std::find(at + 1, end, '#');
+        return at;
+    }
+
+    // A comment runs from # to the end of any line, but for that of "1.#QNAN". Only names go to the
+    // end of their line with every #: exporters write such ("Material #25"), and the reader of
+    // names looks for the one without the comment where that with it is unknown.
     void numbers(std::string_view word, const char* begin, const char* end) {
-        LineScanner scan(begin, std::find(begin, end, '#'));
+        LineScanner scan(begin, comment_begin(begin, end));
         scan.word();
         if (word == "v") return position(scan, begin, end);
         if (word == "vt") return texture(scan, begin, end);

@@ -11,6 +11,7 @@
 #include "formats/picture_search.h"
 #include "image/packed_refs.h"
 #include "text/line_ends.h"
+#include "text/lower_case.h"
 #include "text/name_list.h"
 #include "text/scan.h"
 
@@ -18,18 +19,13 @@ namespace prep {
 namespace {
 
 using detail::LineScanner;
+using detail::lower_case;
 using detail::NameList;
-
-std::string lower(std::string_view text) {
-    std::string out(text);
-    for (char& c : out) c = char(std::tolower(static_cast<unsigned char>(c)));
-    return out;
-}
 
 // File names that say "normal map": bump statements often carry one, because MTL has no statement
 // of its own for it.
 bool names_normal_map(const std::string& file) {
-    const std::string stem = lower(std::filesystem::path(file).stem().string());
+    const std::string stem = lower_case(std::filesystem::path(file).stem().string());
     static constexpr std::string_view endings[] = {
         "_nm",  "_nm_tangent", "_normal", "_normals",   "_n",
         "_nrm", "_norm",       "-normal", "_normalmap", "normalmap"};
@@ -68,7 +64,7 @@ class MtlParser {
 
     void statement(std::string_view line) {
         LineScanner scan(line);
-        const std::string word = lower(scan.word());
+        const std::string word = lower_case(scan.word());
         if (word.empty() || word[0] == '#') return;
         // A comment runs from # to the end of any line, but names go to the end of theirs with
         // every #, as in OBJ.
@@ -374,7 +370,7 @@ class MtlParser {
         glm::dvec2 up(0.0);
         for (;;) {
             LineScanner probe = scan;
-            const std::string option = lower(probe.word());
+            const std::string option = lower_case(probe.word());
             const int arguments = option_arguments(option);
             if (arguments < 0) break;
             scan = probe;
@@ -391,7 +387,7 @@ class MtlParser {
                     else
                         good = false;
                 } else {
-                    const std::string word = lower(next.word());
+                    const std::string word = lower_case(next.word());
                     if (option == "-clamp" && word == "on")
                         texture.wrap_u = texture.wrap_v = Wrap::clamp;
                     if (changes_values(option, word)) options_not_taken_.add(option);

@@ -20,13 +20,12 @@ std::string path_from(const std::filesystem::path& output, const std::filesystem
     return ec || name.empty() ? file.string() : name.generic_string();
 }
 
-std::string one_word(std::string name) {
-    std::replace_if(
-        name.begin(), name.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');
-    return name;
-}
-
 namespace {
+
+bool is_absolute_name(const std::string& name) {
+    const bool drive = name.size() > 2 && name[1] == ':' && name[2] == '/';
+    return drive || name.starts_with('/');
+}
 
 // Whether MTL says anything of such a map.
 bool has_statement(MapKind kind) {
@@ -38,7 +37,11 @@ bool has_statement(MapKind kind) {
 
 MtlWriter::MtlWriter(const Scene& scene, const std::filesystem::path& obj, FileSet& files,
                      std::vector<std::string>& notes)
-    : scene_(scene), path_(obj), files_(files), notes_(notes) {
+    : scene_(scene),
+      path_(obj),
+      stem_(statement_name(obj.stem().string())),
+      files_(files),
+      notes_(notes) {
     name_materials();
     for (const Material& material : scene_.materials) {
         Index set = no_index;
@@ -93,25 +96,20 @@ void MtlWriter::note(const std::string& text) {
 
 // OBJ tells materials apart by name alone.
 void MtlWriter::name_materials() {
-    std::unordered_set<std::string> taken;
-    for (const Material& material : scene_.materials)
-        if (!material.name.empty()) taken.insert(one_word(material.name));
-    std::unordered_set<std::string> used;
-    std::unordered_map<std::string, Index> numbers;  // by stem the first that may be free
-    for (Index m = 0; m < scene_.materials.size(); ++m) {
-        const std::string& own = scene_.materials[m].name;
-        std::string name = own.empty() ? fmt::format("material_{}", m) : one_word(own);
-        if (own.empty() ? taken.contains(name) : used.contains(name)) {
-            const std::string stem = name;
-            Index& k = numbers.try_emplace(stem, 2).first->second;
-            for (; taken.contains(name) || used.contains(name); ++k)
-                name = fmt::format("{}_{}", stem, k);
-            if (!own.empty()) note("OBJ tells materials apart by name: equal ones got a number");
-        }
-        used.insert(name);
-        names_.push_back(std::move(name));
+    std::vector<std::string> own;
+    UniqueNames names;
+    for (const Material& material : scene_.materials) {
+        own.push_back(statement_name(material.name));
+        if (own.back() != material.name) note(changed_names);
+        if (!own.back().empty()) names.keep_free(own.back());
     }
-    for (Index k = 2; used.contains(no_material_); ++k) no_material_ = fmt::format("default_{}", k);
+    for (Index m = 0; m < own.size(); ++m) {
+        const bool named = !own[m].empty();
+        names_.push_back(names.unique(named ? own[m] : fmt::format("material_{}", m), named));
+        if (named && names_.back() != own[m])
+            note("OBJ tells materials apart by name: equal ones got a number");
+    }
+    no_material_ = names.unique(no_material_, false);
 }
 
 // Where a face without a material follows one that has any, in the order in which nodes are
@@ -234,10 +232,10 @@ void MtlWriter::grey_map(std::string& mtl, const char* word, const TextureRef& r
         const PackedChannel& packed = image->channels[channel];
         if (!packed.source) return;
         if (packed.source->bytes.empty() && packed.channel == 0 && !packed.inverted)
-            return map_line(mtl, word, ref, path_from(path_, packed.source->path));
+            return map_line(mtl, word, ref, file_name(*packed.source));
     }
     const Index index = scene_.textures[ref.texture].image;
-    const std::string file = fmt::format("{}_image{}_{}.png", path_.stem().string(), index, what);
+    const std::string file = fmt::format("{}_image{}_{}.png", stem_, index, what);
     if (!grey_files_.contains(file)) {
         const auto decoded = load_image(*image);
         const auto png = decoded ? encode_png(single_channel(*decoded, channel)) : decoded.error();
@@ -269,9 +267,8 @@ void MtlWriter::opacity_map(const TextureRef& ref, std::string& mtl) {
     if (!opacity) return;
     // Numbers behind those of the scene's own pictures.
     const Index number = Index(scene_.images.size()) + scene_.textures[ref.texture].image;
-    map_line(
-        mtl, "map_d", ref,
-        opacity->bytes.empty() ? path_from(path_, opacity->path) : embedded_file(*opacity, number));
+    map_line(mtl, "map_d", ref,
+             opacity->bytes.empty() ? file_name(*opacity) : embedded_file(*opacity, number));
 }
 
 const ImageRef* MtlWriter::image_of(const TextureRef& ref) {
@@ -315,18 +312,25 @@ std::string MtlWriter::image_file(Index image) {
     if (!ref.channels.empty()) {
         const auto& source = ref.channels[0].source;
         if (!source) return "";
-        return source->bytes.empty() ? path_from(path_, source->path)
-                                     : embedded_file(*source, image);
+        return source->bytes.empty() ? file_name(*source) : embedded_file(*source, image);
     }
-    if (ref.bytes.empty()) return path_from(path_, ref.path);
+    if (ref.bytes.empty()) return file_name(ref);
     return embedded_file(ref, image);
+}
+
+// A picture that is not there has no place beside the output, if its file said one on another
+// machine.
+std::string MtlWriter::file_name(const ImageRef& image) const {
+    std::error_code ec;
+    if (is_absolute_name(image.name) && !std::filesystem::exists(image.path, ec)) return image.name;
+    return path_from(path_, image.path);
 }
 
 std::string MtlWriter::embedded_file(const ImageRef& ref, Index image) {
     const auto known = written_.find(image);
     if (known != written_.end()) return known->second;
     const std::string_view kind = picture_kind(ref.bytes);
-    const std::string file = fmt::format("{}_image{}{}", path_.stem().string(), image,
+    const std::string file = fmt::format("{}_image{}{}", stem_, image,
                                          ref.path.has_extension() ? ref.path.extension().string()
                                          : kind.empty()           ? ".jpg"
                                                                   : "." + std::string(kind));

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/atomic_files.h"
+#include "formats/obj/statement_names.h"
 #include "prep/scene.h"
 
 namespace prep::detail {
@@ -17,8 +18,10 @@ namespace prep::detail {
 // As it is named from where the output stands.
 std::string path_from(const std::filesystem::path& output, const std::filesystem::path& file);
 
-// `name` without what would end the line.
-std::string one_word(std::string name);
+// The note of names that statement_name() changed.
+inline constexpr const char* changed_names =
+    "OBJ ends names with their line: blanks around them were left out, line ends and a last '\\' "
+    "replaced";
 
 class MtlWriter {
   public:
@@ -37,6 +40,9 @@ class MtlWriter {
         return material < uv_sets_.size() ? uv_sets_[material] : 0;
     }
 
+    // Of the library, beside the OBJ file.
+    std::string library_name() const { return stem_ + ".mtl"; }
+
     // Errors: those of `files`.
     Result<std::string> text();
 
@@ -53,6 +59,7 @@ class MtlWriter {
                   const char* what);
     void opacity_map(const TextureRef& ref, std::string& mtl);
     const ImageRef* image_of(const TextureRef& ref);
+    std::string file_name(const ImageRef& image) const;
     void map(std::string& mtl, const std::string& word, const TextureRef& ref);
     void map_line(std::string& mtl, const std::string& word, const TextureRef& ref,
                   const std::string& file);
@@ -60,6 +67,7 @@ class MtlWriter {
     std::string embedded_file(const ImageRef& ref, std::uint32_t image);
     const Scene& scene_;
     const std::filesystem::path& path_;
+    const std::string stem_;  // of the files beside the OBJ file
     FileSet& files_;
     std::vector<std::string>& notes_;
     std::vector<std::string> names_;

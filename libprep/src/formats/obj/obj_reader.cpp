@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <numeric>
 #include <optional>
 #include <set>
 #include <unordered_map>
@@ -241,7 +242,27 @@ class Assembler {
                 }
             }
         }
+        if (is_cloud()) {
+            mesh_->points.resize(total);
+            std::iota(mesh_->points.begin(), mesh_->points.end(), Index(0));
+            const bool uvs = bases_.back().uvs > 0, normals = bases_.back().normals > 0;
+            if (uvs || normals)
+                scene_.warnings.push_back(options_.name + ": " +
+                                          (uvs && normals ? "normals and UVs"
+                                           : normals      ? "normals"
+                                                          : "UVs") +
+                                          " of points were not taken: only faces have them here");
+        }
         return {};
+    }
+
+    // Vertices alone, as scanners' programs write them: not those of curves or of broken faces.
+    bool is_cloud() const {
+        return mesh_->corner_vertices.empty() && mesh_->line_vertices.empty() &&
+               mesh_->points.empty() &&
+               std::all_of(blocks_.begin(), blocks_.end(), [](const ObjBlock& block) {
+                   return block.free_form == 0 && block.short_faces == 0;
+               });
     }
 
     // usemtl, s, o and g hold from their line to the next of their kind, across blocks.

@@ -57,13 +57,13 @@ class ObjWriter {
             if (m == no_index) continue;
             instanced |= seen[m];
             seen[m] = true;
+            if (meshes_ > 1) name_object(scene_.meshes[m], scene_.nodes[n]);
             write_mesh(scene_.meshes[m], world[n]);
         }
         if (instanced) note("OBJ has no instances: meshes used twice are written twice");
         if (!mtl.empty()) {
-            std::filesystem::path mtl_path = path_;
-            mtl_path.replace_extension(".mtl");
-            if (auto done = files_.add(mtl_path, std::as_bytes(std::span(mtl))); !done)
+            const std::filesystem::path library = path_.parent_path() / materials_.library_name();
+            if (auto done = files_.add(library, std::as_bytes(std::span(mtl))); !done)
                 return std::move(done).error();
         }
         if (auto done = files_.add(path_, text_.parts()); !done) return std::move(done).error();
@@ -76,6 +76,16 @@ class ObjWriter {
 
     void note(const std::string& text) {
         if (std::find(notes_.begin(), notes_.end(), text) == notes_.end()) notes_.push_back(text);
+    }
+
+    // Of several meshes each is an object, and each time that it is there.
+    void name_object(const Mesh& mesh, const Node& node) {
+        std::string name = statement_name(mesh.name);
+        if (name != mesh.name) note(changed_names);
+        if (name.empty()) name = statement_name(node.name);
+        mesh_object_ = object_names_.unique(name.empty() ? "mesh" : name, false);
+        if (!name.empty() && mesh_object_ != name)
+            note("OBJ tells objects apart by name: equal ones got a number");
     }
 
     void write_mesh(const Mesh& mesh, const glm::dmat4& world) {
@@ -235,12 +245,12 @@ class ObjWriter {
         }
     }
 
-    // What the reader joins as "object/group" is taken apart again. Of several meshes each is an
-    // object.
+    // What the reader joins as "object/group" is taken apart again.
     void part(const Mesh& mesh, Index p) {
-        std::string object, group = p < mesh.parts.size() ? one_word(mesh.parts[p]) : "";
+        std::string object, group = p < mesh.parts.size() ? statement_name(mesh.parts[p]) : "";
+        if (p < mesh.parts.size() && group != mesh.parts[p]) note(changed_names);
         if (meshes_ > 1) {
-            object = mesh.name.empty() ? "mesh" : one_word(mesh.name);
+            object = mesh_object_;
         } else {
             const std::size_t slash = group.find('/');
             object = group.substr(0, slash);
@@ -305,7 +315,7 @@ class ObjWriter {
     // Written in place, a mesh goes on using the libraries it was read with, which say more than
     // what would be written again.
     std::vector<std::string> libraries() const {
-        if (!keep_libraries_) return {path_.stem().string() + ".mtl"};
+        if (!keep_libraries_) return {materials_.library_name()};
         std::vector<std::string> names;
         for (const std::filesystem::path& library : scene_.libraries)
             names.push_back(path_from(path_, library));
@@ -321,6 +331,8 @@ class ObjWriter {
     MtlWriter materials_;
     // The state that the lines written so far leave a reader in.
     std::string object_, group_;
+    std::string mesh_object_;  // of the mesh being written, where there are several
+    UniqueNames object_names_;
     Index material_ = no_index, smoothing_ = 0;
     std::size_t meshes_ = 0;
     bool mirrored_ = false;  // the mesh being written

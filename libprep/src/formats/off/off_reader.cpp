@@ -112,6 +112,7 @@ class OffParser {
         std::vector<glm::dvec3> positions;
         positions.reserve(std::size_t(header_.vertices));
         std::string_view line;
+        bool beyond = false;
         for (std::int64_t v = 0; v < header_.vertices; ++v) {
             if (!lines_.next(line))
                 return fail("the file ends after " + std::to_string(v) + " of " +
@@ -137,8 +138,14 @@ class OffParser {
                     return fail("expected texture coordinates", line);
             }
             if (header_.st) uvs_.push_back({float(uv.x), float(1.0 - uv.y)});
+            beyond |= !scan.at_end();
             positions.push_back(p);
         }
+        if (beyond)
+            scene_.warnings.push_back(
+                name_ +
+                ": what stands behind the values of vertices was left out: colours are of "
+                "COFF files, normals of NOFF, UVs of STOFF");
         set_positions(mesh, positions);
         return {};
     }

@@ -332,6 +332,7 @@ class PlyParser {
             return;
         }
         mesh.face_offsets.push_back(std::uint32_t(mesh.corner_vertices.size()));
+        faces_without_uvs_ += !texcoords.empty() && texcoords.size() != 2 * corners;
         if (texcoords.size() == 2 * corners) {
             corner_uv_indices_.resize(first, no_index);
             for (std::size_t k = 0; k < corners; ++k) {
@@ -376,6 +377,8 @@ class PlyParser {
     }
 
     Result<void> edges(const PlyElement& element, Mesh& mesh) {
+        for (const PlyProperty& p : element.properties)
+            if (p.list || (p.name != "vertex1" && p.name != "vertex2")) leave(element, p);
         for (std::uint64_t i = 0; i < element.count; ++i) {
             double ends[2] = {-1, -1};
             for (const PlyProperty& p : element.properties) {
@@ -456,6 +459,15 @@ class PlyParser {
         if (!not_taken_.empty())
             scene_.warnings.push_back(name_ +
                                       ": properties that were not taken: " + not_taken_.text());
+        if (faces_without_uvs_ > 0)
+            scene_.warnings.push_back(name_ + ": " + std::to_string(faces_without_uvs_) +
+                                      (faces_without_uvs_ == 1 ? " face has" : " faces have") +
+                                      " a texcoord list of another length than two a corner: left "
+                                      "out");
+        if (const std::size_t more = values_.left_over(); more > 0)
+            scene_.warnings.push_back(name_ + ": " + std::to_string(more) +
+                                      (more == 1 ? " byte" : " bytes") +
+                                      " after the last element were left out");
         if (short_faces_)
             scene_.warnings.push_back(name_ + ": " + std::to_string(short_faces_) +
                                       " faces with fewer than three corners were dropped");
@@ -475,7 +487,7 @@ class PlyParser {
     std::vector<glm::vec2> corner_uvs_;
     std::vector<std::uint32_t> corner_uv_indices_;
     std::vector<glm::vec4> face_colors_;  // empty, or of all faces up to the last with colours
-    std::uint64_t short_faces_ = 0;
+    std::uint64_t short_faces_ = 0, faces_without_uvs_ = 0;
     NameList not_taken_;  // "element property"
 };
 

@@ -81,6 +81,14 @@ class PlyValues {
         long_lines_ += more;
     }
     std::uint64_t long_lines() const { return long_lines_; }
+    // Of what follows the last value that was read, but for blanks and line ends around it.
+    std::size_t left_over() const {
+        const auto* data = reinterpret_cast<const char*>(bytes_.data());
+        std::size_t begin = at_, end = bytes_.size();
+        while (begin < end && is_space(data[begin])) ++begin;
+        while (begin < end && is_space(data[end - 1])) --end;
+        return end - begin;
+    }
 
   private:
     static bool is_space(char c) { return is_blank(c) || c == '\n'; }

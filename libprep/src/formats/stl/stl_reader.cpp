@@ -10,6 +10,7 @@
 #include "formats/stl/stl.h"
 #include "prep/mesh.h"
 #include "text/line_ends.h"
+#include "text/lower_case.h"
 #include "text/scan.h"
 
 namespace prep {
@@ -118,7 +119,8 @@ class Words {
             for (; facet_ < text_.size(); ++facet_) {
                 const bool alone = (facet_ == 0 || is_space(text_[facet_ - 1])) &&
                                    (facet_ + 5 >= text_.size() || is_space(text_[facet_ + 5]));
-                if (alone && lower(text_.substr(facet_, 5)) == "facet" && begins_facet(facet_ + 5))
+                if (alone && lower_case(text_.substr(facet_, 5)) == "facet" &&
+                    begins_facet(facet_ + 5))
                     break;
             }
         }
@@ -129,18 +131,13 @@ class Words {
         while (after < text_.size() && is_space(text_[after])) ++after;
         std::size_t end = after;
         while (end < text_.size() && !is_space(text_[end])) ++end;
-        const std::string next = lower(text_.substr(after, end - after));
+        const std::string next = lower_case(text_.substr(after, end - after));
         return next == "normal" || next == "outer" || next == "vertex";
     }
     std::size_t at() const { return at_; }
     void go_to(std::size_t at) { at_ = at; }
 
     static bool is_space(char c) { return c == '\n' || detail::is_blank(c); }
-    static std::string lower(std::string_view word) {
-        std::string out;
-        for (const char c : word.substr(0, 16)) out += char(c >= 'A' && c <= 'Z' ? c + 32 : c);
-        return out;
-    }
 
   private:
     // Both places are kept: a file may be one line, with very many solids in it.
@@ -165,7 +162,7 @@ class AsciiParser {
         for (;;) {
             const std::string_view word = words_.next();
             if (word.empty()) break;
-            const std::string key = Words::lower(word);
+            const std::string key = lower_case(word);
             if (auto done = statement(key); !done) return std::move(done).error();
             skip_to_keyword();
         }
@@ -208,7 +205,7 @@ class AsciiParser {
         for (;;) {
             const std::string_view word = words_.next();
             if (word.empty()) return;
-            if (words_.first_of_line() || is_keyword(Words::lower(word))) return words_.back();
+            if (words_.first_of_line() || is_keyword(lower_case(word))) return words_.back();
         }
     }
 
@@ -247,7 +244,7 @@ class AsciiParser {
             return {};
         }
         while (words_.at() < facet) {
-            const std::string key = Words::lower(words_.next());
+            const std::string key = lower_case(words_.next());
             if (key == "solid" || key == "facet") {
                 words_.back();
                 break;
@@ -258,7 +255,7 @@ class AsciiParser {
 
     Result<void> normal() {  // the corners say it better
         for (int k = 0; k < 3; ++k)
-            if (is_keyword(Words::lower(words_.next()))) {
+            if (is_keyword(lower_case(words_.next()))) {
                 words_.back();
                 break;
             }
@@ -312,9 +309,8 @@ bool detail::says_solid(std::string_view text) {
     constexpr std::string_view solid = "solid";
     const std::size_t begin = text.find_first_not_of(" \t\r\n");
     const std::string_view word = text.substr(std::min(begin, text.size()), solid.size());
-    return std::equal(word.begin(), word.end(), solid.begin(), solid.end(), [](char a, char b) {
-        return std::tolower(static_cast<unsigned char>(a)) == b;
-    });
+    return std::equal(word.begin(), word.end(), solid.begin(), solid.end(),
+                      [](char a, char b) { return lower_case(a) == b; });
 }
 
 Result<Scene> parse_stl(std::span<const std::byte> bytes, const std::string& name, int threads) {

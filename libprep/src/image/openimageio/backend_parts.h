@@ -13,9 +13,6 @@
 
 namespace prep::detail {
 
-// "stem.PID-COUNT" + ending, not used by any other call of this process.
-std::string unique_name(const std::string& stem, const std::string& ending);
-
 // As ImageBackend has them.
 Result<Image> read_picture_file(const std::filesystem::path& path, ImageChannels channels,
                                 std::string_view format);

@@ -7,13 +7,13 @@
 
 #include "completeness.h"
 #include "prep/image.h"
+#include "text/lower_case.h"
 
 namespace prep::detail {
 
 Result<std::unique_ptr<OIIO::ImageOutput>> output_for(const std::filesystem::path& path,
                                                       std::string& ending) {
-    ending = path.extension().string();
-    for (char& c : ending) c = char(std::tolower(static_cast<unsigned char>(c)));
+    ending = lower_case(path.extension().string());
     auto output = OIIO::ImageOutput::create("memory" + ending);
     if (!output) {
         (void)OIIO::geterror();

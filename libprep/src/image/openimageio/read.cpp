@@ -11,6 +11,7 @@
 #include <memory>
 #include <string_view>
 
+#include "base/own_directory.h"
 #include "image/openimageio/backend_parts.h"
 #include "image/openimageio/completeness.h"
 #include "image/picture_kind.h"
@@ -324,12 +325,11 @@ Result<Image> decode(std::span<const std::byte> bytes, const std::string& name,
                      name};
     if (!input->supports("ioproxy")) {
         // A few readers only take files.
-        const auto file =
-            std::filesystem::temp_directory_path() / detail::unique_name("meshprep-image", ending);
+        const detail::OwnDirectory own;
+        if (own.path().empty()) return detail::no_own_directory(name);
+        const std::filesystem::path file = own.path() / ("picture" + ending);
         if (auto written = write_file(file, bytes); !written) return written.error();
         auto image = detail::read_picture_file(file, ImageChannels::color, format);
-        std::error_code ignored;
-        std::filesystem::remove(file, ignored);
         if (!image) image.error().place = name;
         return image;
     }

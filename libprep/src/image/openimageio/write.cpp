@@ -1,9 +1,7 @@
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
-#include <unistd.h>
 
-#include <atomic>
-
+#include "base/own_directory.h"
 #include "image/openimageio/backend_parts.h"
 #include "image/openimageio/encode_image.h"
 #include "image/openimageio/output_format.h"
@@ -104,26 +102,19 @@ Result<std::vector<std::byte>> encode_by_ending(const std::filesystem::path& pat
         return checked.error();
     if (detail::takes_proxies(*output, ending))
         return encode("memory" + ending, image, type, place);
-    std::error_code error;
-    const auto temporary =
-        std::filesystem::temp_directory_path(error) / detail::unique_name("meshprep", ending);
+    const detail::OwnDirectory own;
+    if (own.path().empty()) return detail::no_own_directory(place);
+    const std::filesystem::path temporary = own.path() / ("picture" + ending);
     const bool written = output->open(temporary.string(), spec_of(image, type, ending)) &&
                          write_pixels(*output, image, type) && output->close();
     const Result<void> whole = written ? detail::check_written(temporary, place)
                                        : Result<void>(failed(output->geterror(), place));
-    auto bytes = whole ? read_file(temporary) : Result<std::vector<std::byte>>(whole.error());
-    std::filesystem::remove(temporary, error);
-    return bytes;
+    return whole ? read_file(temporary) : Result<std::vector<std::byte>>(whole.error());
 }
 
 }  // namespace
 
 namespace detail {
-
-std::string unique_name(const std::string& stem, const std::string& ending) {
-    static std::atomic<unsigned> counter{0};
-    return stem + "." + std::to_string(::getpid()) + "-" + std::to_string(counter++) + ending;
-}
 
 Result<std::vector<std::byte>> encode_image(const std::filesystem::path& path, const Image& image,
                                             PixelType type) {

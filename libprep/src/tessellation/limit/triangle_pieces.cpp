@@ -8,7 +8,7 @@ namespace prep::detail {
 namespace {
 
 using LoopControls = std::array<glm::dvec3, 12>;
-using Frame = TriangleFrame<double>;
+using Frame = LatticeFrame<double>;
 
 double doubled_area(const ParameterTriangle& t) {
     return std::abs(cross_of(t[1] - t[0], t[2] - t[0]));

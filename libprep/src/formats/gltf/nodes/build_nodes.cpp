@@ -8,6 +8,7 @@
 
 #include "formats/gltf/nodes/sheared_matrix.h"
 #include "model/trs.h"
+#include "text/utf8.h"
 
 namespace prep::detail {
 namespace {
@@ -102,7 +103,7 @@ class NodeBuilder {
             const Node& node = scene_.nodes[n];
             const bool moves = animated_.contains(n);
             Json out = Json::object();
-            if (!node.name.empty()) out["name"] = node.name;
+            if (!node.name.empty()) out["name"] = as_utf8(node.name);
             if (const auto turn = turns.find(n); turn != turns.end())
                 numbers(turn->second, out);
             else
@@ -139,7 +140,7 @@ class NodeBuilder {
         document_["scene"] = 0;
         Json out_scene = Json::object();
         if (!roots.empty()) out_scene["nodes"] = std::move(roots);
-        if (!scene_.name.empty()) out_scene["name"] = scene_.name;
+        if (!scene_.name.empty()) out_scene["name"] = as_utf8(scene_.name);
         buffer_.push("scenes", std::move(out_scene));
     }
 
@@ -158,7 +159,7 @@ class NodeBuilder {
             ++lost_skins_;
         } else {
             Json out;
-            if (!skin.name.empty()) out["name"] = skin.name;
+            if (!skin.name.empty()) out["name"] = as_utf8(skin.name);
             out["joints"] = skin.joints;
             std::vector<glm::mat4> matrices;
             for (std::size_t j = 0; j < skin.joints.size(); ++j) {
@@ -236,7 +237,7 @@ class NodeBuilder {
             }
             if (channels.empty()) continue;
             Json out;
-            if (!animation.name.empty()) out["name"] = animation.name;
+            if (!animation.name.empty()) out["name"] = as_utf8(animation.name);
             out["channels"] = std::move(channels);
             out["samplers"] = std::move(samplers);
             buffer_.push("animations", std::move(out));
