@@ -9,7 +9,9 @@
 #include "formats/assimp/md5_numbers.h"
 #include "formats/assimp/pivot_motion.h"
 #include "formats/assimp/utf16.h"
+#include "mesh_files.h"
 #include "model/trs.h"
+#include "prep/load.h"
 
 namespace {
 
@@ -145,6 +147,20 @@ TEST(AssimpTrs, MatricesComeBack) {
     glm::dmat4 sheared(1.0);
     sheared[1][0] = 0.5;
     EXPECT_GT(shear_of(sheared, trs_of(sheared)), 0.1);
+}
+
+// Assimp is given the text that it becomes, and that is what is looked at.
+TEST(AssimpUtf16, NumbersOfMd5AreThoseOfTheText) {
+    const test::TempDir dir;
+    std::string bytes = "\xff\xfe";
+    for (const char c : std::string("MD5Version 10\nmesh {\nnumtris 1\ntri 4294967295 0 0 0\n}\n"))
+        bytes += {c, '\0'};
+    test::write_text(dir / "a.md5mesh", bytes);
+    const auto read = prep::load_scene(dir / "a.md5mesh");
+    ASSERT_FALSE(read);
+    EXPECT_NE(read.error().text.find("'tri 4294967295' is beyond what a file of"),
+              std::string::npos)
+        << read.error().text;
 }
 
 TEST(AssimpUtf16, BothOrdersPairsAndHalves) {

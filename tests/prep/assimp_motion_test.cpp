@@ -194,6 +194,7 @@ TEST(AssimpRealFiles, SimpleCubeMd5mesh) {
     expect_same_motion(test::AssimpMotion(path), converted);
     ASSERT_EQ(converted.list("skins").size(), 1u);
     EXPECT_EQ(converted.list("skins")[0]["joints"].size(), 2u);
+    EXPECT_EQ(converted.loaded.placement.file_unit_source, "MD5, z up");
 }
 
 // Where a camera or light of this name stands and looks: −Z of its node in the written file.

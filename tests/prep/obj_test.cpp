@@ -253,8 +253,8 @@ TEST(Obj, SameResultForAnyThreadCountAcrossBlocks) {
 
 // "# exported to C:\\" is a comment to its end, and no more.
 TEST(Obj, CommentsTakeNoOtherLine) {
-    const auto scene = parse(
-        "# made by C:\\out\\\nv 0 0 0\nv 1 0 0\n  # and C:\\\r\nv 0 1 0\nf 1 \\\n2 3\n");
+    const auto scene =
+        parse("# made by C:\\out\\\nv 0 0 0\nv 1 0 0\n  # and C:\\\r\nv 0 1 0\nf 1 \\\n2 3\n");
     ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
     EXPECT_EQ(scene->meshes[0].vertex_count(), 3u);
     EXPECT_EQ(scene->meshes[0].face_count(), 1u);

@@ -109,8 +109,7 @@ TEST(Off, ColoursThatHaveNoPlaceAreTold) {
 }
 
 TEST(Off, ValuesBehindThoseOfVerticesAreTold) {
-    const auto scene =
-        parse("OFF\n3 1 0\n0 0 0 255 0 0\n1 0 0 255 0 0\n0 1 0 255 0 0\n3 0 1 2\n");
+    const auto scene = parse("OFF\n3 1 0\n0 0 0 255 0 0\n1 0 0 255 0 0\n0 1 0 255 0 0\n3 0 1 2\n");
     ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
     ASSERT_EQ(scene->warnings.size(), 1u);
     EXPECT_NE(scene->warnings[0].find("colours are of COFF files"), std::string::npos);

@@ -80,15 +80,15 @@ TEST(Ply, WhatIsNotTakenIsTold) {
         EXPECT_TRUE(scene) << prep::to_string(scene.error());
         return scene->warnings;
     };
-    EXPECT_EQ(warnings("element edge 1\nproperty int vertex1\nproperty int vertex2\n" +
-                           color_bytes,
+    EXPECT_EQ(warnings("element edge 1\nproperty int vertex1\nproperty int vertex2\n" + color_bytes,
                        "0 1 255 0 0\n"),
               std::vector<std::string>{"test.ply: properties that were not taken: edge red, edge "
                                        "green, edge blue"});
-    EXPECT_EQ(warnings("element face 1\n" + indices + "property list uchar float texcoord\n",
-                       "3 0 1 2 4 0 0 1 0\n"),
-              std::vector<std::string>{"test.ply: 1 face has a texcoord list of another length than "
-                                       "two a corner: left out"});
+    EXPECT_EQ(
+        warnings("element face 1\n" + indices + "property list uchar float texcoord\n",
+                 "3 0 1 2 4 0 0 1 0\n"),
+        std::vector<std::string>{"test.ply: 1 face has a texcoord list of another length than "
+                                 "two a corner: left out"});
     EXPECT_EQ(warnings("element face 1\n" + indices, "3 0 1 2\n\n"), std::vector<std::string>{});
     EXPECT_EQ(warnings("element face 1\n" + indices, "3 0 1 2\n3 0 1 2\n"),
               std::vector<std::string>{"test.ply: 7 bytes after the last element were left out"});

@@ -200,8 +200,8 @@ TEST(PrepareSubdivide, GltfDocumentsKeepWhatElseIsInThem) {
     }
 }
 
-// A cube of two materials, as OBJ has it and as the GLB of it, which has a primitive each and repeats
-// the points between them.
+// A cube of two materials, as OBJ has it and as the GLB of it, which has a primitive each and
+// repeats the points between them.
 class CubeOfTwoPrimitives : public ::testing::Test {
   protected:
     static prep::Scene as_polygons() {

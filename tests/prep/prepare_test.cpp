@@ -145,6 +145,48 @@ TEST(Prepare, KeepReplacesOnlyNormalsThatAreNone) {
     EXPECT_EQ(layer.values[layer.indices[7]], glm::vec3(0, 0, -1));  // kept though it is flipped
 }
 
+// Nothing is lit, but the normals of the file are written all the same.
+TEST(Prepare, NormalsThatNothingReadsAreStillNormals) {
+    prep::Mesh mesh = cube();
+    const float nan = std::numeric_limits<float>::quiet_NaN();
+    mesh.normals.values = {{0, 0, -1}, {0, 0, 0}, {nan, 0, 0}};
+    mesh.normals.indices.assign(24, 0);
+    prep::Scene scene = scene_of(mesh);
+    scene.materials.emplace_back().unlit = true;
+    scene.meshes[0].face_materials.assign(6, 0);
+    const auto kept = prep::prepare(scene);
+    ASSERT_TRUE(kept.has_value());
+    EXPECT_EQ(stage(*kept, "normals").reason.find("the file's own normals"), std::string::npos);
+    EXPECT_EQ(kept->scene.meshes[0].normals.values, mesh.normals.values);  // nobody looks at them
+    scene.meshes[0].normals.indices[4] = 1;
+    scene.meshes[0].normals.indices[5] = 2;
+    scene.meshes[0].normals.indices[6] = prep::no_index;
+    const auto mended = prep::prepare(scene);
+    ASSERT_TRUE(mended.has_value());
+    EXPECT_EQ(count(*mended, "zero-normal"), 1u);
+    EXPECT_EQ(count(*mended, "non-finite-normal"), 1u);
+    EXPECT_EQ(count(*mended, "missing-normal"), 0u);  // nothing asks for one
+    const auto& layer = mended->scene.meshes[0].normals;
+    for (const std::uint32_t c : {4u, 5u})
+        EXPECT_EQ(layer.values[layer.indices[c]], glm::vec3(0, 0, 1));
+    EXPECT_EQ(layer.indices[6], prep::no_index);
+    prep::PrepareOptions options;
+    options.normals = prep::Authored::replace;
+    const auto replaced = prep::prepare(scene, options);
+    ASSERT_TRUE(replaced.has_value());
+    const auto& made = replaced->scene.meshes[0].normals;
+    for (std::uint32_t c = 4; c < 8; ++c)
+        EXPECT_EQ(made.values[made.indices[c]], glm::vec3(0, 0, 1));
+    // A picture that does not read them has no use for a look at them.
+    options.normals = prep::Authored::keep;
+    options.request.consumer.exact = true;
+    options.document_stays = false;
+    const auto drawn = prep::prepare(scene, options);
+    ASSERT_TRUE(drawn.has_value());
+    EXPECT_EQ(count(*drawn, "zero-normal"), 0u);
+    EXPECT_TRUE(drawn->meshes[0].normals.empty());
+}
+
 TEST(Prepare, RepairReplacesFlippedNormalsToo) {
     prep::Mesh mesh = cube();
     mesh.normals.values = {{0, 0, -1}};

@@ -375,9 +375,9 @@ TEST(Save, ColoursThatAreNoBytesAreTold) {
         colors.indices = {0, 0, 0};
         const auto notes = prep::save_scene(test::untouched(scene), dir / "a.ply");
         ASSERT_TRUE(notes) << prep::to_string(notes.error());
-        EXPECT_EQ(std::count(notes->begin(), notes->end(),
-                             "vertex colours outside 0 … 1 were clamped"),
-                  red == 0.5f ? 0 : 1);
+        EXPECT_EQ(
+            std::count(notes->begin(), notes->end(), "vertex colours outside 0 … 1 were clamped"),
+            red == 0.5f ? 0 : 1);
         const auto read = prep::load_scene(dir / "a.ply");
         ASSERT_TRUE(read) << prep::to_string(read.error());
         const float found = read->meshes[0].colors[0].values[0].r;

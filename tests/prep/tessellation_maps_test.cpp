@@ -299,8 +299,9 @@ TEST(TessellationMaps, OnePictureOfTwoMaterialsIsOneMap) {
     const auto apart = prepare(scene, options);
     ASSERT_TRUE(apart) << to_string(apart.error());
     for (const glm::vec3& p : apart->meshes[0].positions)
-        if (std::abs(p.x - 0.5F) > 0.13F)
+        if (std::abs(p.x - 0.5F) > 0.13F) {
             EXPECT_NEAR(p.z, (p.x < 0.5F ? 0.2 : 0.1) * bilinear(image, glm::dvec2(p)), 1e-6);
+        }
     std::filesystem::remove(file);
 }
 

@@ -297,6 +297,28 @@ TEST(Tessellation, ConstantMapAtMidlevelMovesNothing) {
     }
 }
 
+// Told before a minute and gigabytes are spent on it.
+TEST(Tessellation, EdgesThatCannotBeAreRefusedAtOnce) {
+    TessellateOptions options;
+    for (const double edge : {1e-9, 1e-5}) {
+        options.edge_length = edge;
+        const auto refused = tessellate(unit_quad(), options);
+        ASSERT_FALSE(refused) << edge;
+        EXPECT_EQ(refused.error().code, ErrorCode::limit);
+        EXPECT_NE(refused.error().text.find(edge == 1e-9 ? "finer than floats" : "takes more than"),
+                  std::string::npos)
+            << refused.error().text;
+    }
+    // As many as it would take are enough.
+    options.edge_length = 0.01;
+    options.triangle_limit = 200'000;
+    EXPECT_TRUE(tessellate(unit_quad(), options));
+    // A budget ends it in any case.
+    options.edge_length = 1e-9;
+    options.max_triangles = 100;
+    EXPECT_TRUE(tessellate(unit_quad(), options));
+}
+
 TEST(Tessellation, BudgetIsUsedUpAndAsGoodAsAnErrorOfThatSize) {
     std::mt19937 random(9);
     Mesh mesh = torus(6, 5);

@@ -2,8 +2,10 @@
 #include "rast/exposure.h"
 
 #include <cmath>
+#include <limits>
 
 #include "reference_shading.h"
+#include "shapes.h"
 
 namespace {
 
@@ -62,6 +64,27 @@ TEST(Exposure, LeavesPicturesAloneThatNeedNone) {
     away.view = test::look_at({0, 0, 4}, {0, 0, 8}, 1);
     EXPECT_EQ(found(scene, away).pixels, 0u);
     EXPECT_EQ(found(scene, away).exposure, 1);
+}
+
+// A third of the pixels is no number: it has no rank among the others.
+TEST(Exposure, LeavesOutWhatIsNoNumber) {
+    prep::Scene scene;
+    scene.meshes.push_back(shapes::grid(3, 1));
+    scene.meshes[0].face_materials = {0, 1, 0};
+    for (const float albedo : {0.5f, std::numeric_limits<float>::quiet_NaN()}) {
+        prep::Material& material = scene.materials.emplace_back();
+        material.diffuse = {albedo, albedo, albedo, 1};
+        material.specular = glm::vec3(0.0f);
+    }
+    prep::instance_unused_meshes(scene);
+    const auto prepared = prep::prepare(std::move(scene));
+    ASSERT_TRUE(prepared);
+    rast::RenderRequest request = request_under(100);
+    request.view = test::look_at({1.5, 0.5, 4}, {1.5, 0.5, 0}, 0.9);
+    const rast::FoundExposure at = found(*prepared, request);
+    EXPECT_NEAR(at.bright, 50, 1e-3);
+    EXPECT_NEAR(at.exposure * 50, 0.8, 0.8 * 0.006);
+    EXPECT_GT(at.pixels, 1000u);
 }
 
 TEST(Exposure, IsOneOfThePictureWhateverPartOrBufferIsAskedFor) {

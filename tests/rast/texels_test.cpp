@@ -7,6 +7,7 @@
 #include <random>
 
 #include "kernels/kernels.h"
+#include "rast/exposure.h"
 #include "rast/render.h"
 #include "shading/color.h"
 #include "shading/portable_math.h"
@@ -175,6 +176,28 @@ TEST(Srgb, PicturesAreEncodedAndToneMappedOnlyWhenAsked) {
     tone.tone_map = prep::ToneMap::off;
     EXPECT_NEAR(rast::to_srgb(frame, tone).pixels[0], 1.055 * std::pow(0.125, 1 / 2.4) - 0.055,
                 1e-6);
+}
+
+// The first pixel is behind the scene, of the second surfaces have a half.
+TEST(Srgb, WhatIsBehindTheSceneIsNotToneMapped) {
+    const auto encoded = [](double x) { return 1.055 * std::pow(x, 1 / 2.4) - 0.055; };
+    const glm::vec3 background(0.25f, 0.5f, 1.0f);
+    prep::RenderChoices choices;
+    choices.tone_map = prep::ToneMap::reinhard;
+    choices.background = background;
+    rast::expose(choices, 0.5f);
+    rast::Frame frame;
+    frame.width = 2;
+    frame.height = 1;
+    frame.color = {glm::vec4(choices.background, 0),
+                   glm::vec4(0.5f * choices.background + 0.5f * glm::vec3(4.0f), 0.5f)};
+    const prep::Image shown = rast::to_srgb(frame, choices);
+    for (glm::length_t k = 0; k < 3; ++k) {
+        EXPECT_NEAR(shown.pixels[std::size_t(k)], encoded(background[k]), 1e-6);
+        // 4 · 0.5 is shown as 2/3.
+        EXPECT_NEAR(shown.pixels[3 + std::size_t(k)], encoded(0.5 * background[k] + 0.5 * 2 / 3),
+                    1e-6);
+    }
 }
 
 // Neighbours that are alike, that differ in one channel, and that are no numbers.

@@ -544,6 +544,22 @@ TEST(RenderReport, EmptyPicturesHaveTheirReason) {
               "sides)"});
 }
 
+TEST(RenderReport, EachPictureOfATurntableIsLookedAt) {
+    const TempDir dir;
+    write_text(dir / "one.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    const test::Ran ran =
+        run_here({"render", (dir / "one.obj").string(), "-o", (dir / "t.png").string(), "--size",
+                  "16x16", "--camera", "0,0", "--turntable", "8", "--json"});
+    ASSERT_EQ(ran.exit_code, 0) << ran.err;
+    const auto outputs = ran.json()["outputs"].get<std::vector<std::string>>();
+    const auto warnings = ran.json()["warnings"].get<std::vector<std::string>>();
+    ASSERT_EQ(outputs.size(), 8u);
+    // Five of them show its back or its edge: told once, by the first.
+    ASSERT_EQ(warnings.size(), 1u);
+    const std::string third = std::filesystem::path(outputs[2]).filename().string();
+    EXPECT_TRUE(warnings[0].starts_with(third + ": the picture is empty: ")) << warnings[0];
+}
+
 TEST(RenderUsage, WrongNumbersAreUsageErrors) {
     const TempDir dir;
     write_text(dir / "c.obj", test::cube_obj());

@@ -266,11 +266,13 @@ void MeshPreparation::report_certificate(const TessellationCertificate& c,
                                 c.triangles, *options.max_triangles),
                     PlaceKind::face);
     const std::string proved = proved_of(c);
-    add_finding("budget-reached", Severity::info, c.over_budget, {},
-                fmt::format("triangles miss the error that was asked: {} triangles were reached "
-                            "before; {} proved",
-                            c.triangles, proved),
-                PlaceKind::face);
+    add_finding(
+        "budget-reached", Severity::info, c.over_budget, {},
+        fmt::format("triangles {}: {} triangles were reached before; {} proved",
+                    options.chord_error || options.pixel_error ? "miss the error that was asked"
+                                                               : "have longer edges than asked",
+                    c.triangles, proved),
+        PlaceKind::face);
     add_finding("unresolved-error", Severity::warning, c.unresolved,
                 c.worst_triangle == no_index ? std::vector<std::uint32_t>{}
                                              : std::vector<std::uint32_t>{c.worst_triangle},

@@ -7,6 +7,7 @@
 #include "base/finite.h"
 #include "base/outward.h"
 #include "base/parallel.h"
+#include "tessellation/height_functions.h"
 #include "tessellation/limit/limit_base.h"
 #include "tessellation/polygon_surface.h"
 #include "tessellation/tessellation.h"
@@ -86,6 +87,32 @@ Result<void> check_mesh(const Mesh& cage) {
     return {};
 }
 
+// Before a minute is spent on what cannot be: the area of the cage over that of the largest
+// triangle with such edges. A limit surface may have less than its cage.
+Result<void> check_edge_length(const Mesh& cage, const TessellateOptions& options) {
+    if (!options.edge_length || options.max_triangles) return {};
+    constexpr double float_steps = 0x1p-22, least_share = 1.0 / 64;
+    const double edge = *options.edge_length;
+    double largest = 0, area = 0;
+    for (const glm::vec3& p : cage.positions)
+        for (int k = 0; k < 3; ++k) largest = std::max(largest, double(std::abs(p[k])));
+    if (edge < float_steps * largest)
+        return Error{ErrorCode::limit,
+                     fmt::format("an edge length of {:.3g} is finer than floats of the mesh's size "
+                                 "hold: ask for at least {:.3g}",
+                                 edge, 1.01 * float_steps * largest),
+                     place_of(cage)};
+    for (const double of_face : fan_areas(cage)) area += of_face;
+    if (options.scheme) area *= least_share;
+    const double triangles = area / (std::sqrt(3.0) / 4 * edge * edge);
+    if (!(triangles > double(options.triangle_limit))) return {};
+    return Error{ErrorCode::limit,
+                 fmt::format("an edge length of {:.3g} takes more than {:.2g} triangles, beyond "
+                             "the limit of {}: allow longer edges, or set a maximum of triangles",
+                             edge, triangles, options.triangle_limit),
+                 place_of(cage)};
+}
+
 void certify(const TessellateOptions& options, const Domain& domain, const Refinement& refinement,
              TessellationCertificate& certificate) {
     certificate.asked = options.chord_error;
@@ -153,6 +180,7 @@ Result<TessellatedMesh> tessellate(const Mesh& cage, const Domain& domain, const
                                    const TessellationHooks& hooks) {
     if (Result<void> checked = check_options(cage, options); !checked) return checked.error();
     if (Result<void> checked = check_mesh(cage); !checked) return checked.error();
+    if (Result<void> checked = check_edge_length(cage, options); !checked) return checked.error();
     // Half-edges and corners are numbered with 32 bits.
     TessellateOptions limited = options;
     limited.triangle_limit = std::min<std::uint64_t>(options.triangle_limit, (no_index - 1) / 3);
