@@ -205,8 +205,15 @@ TEST(PrepareSubdivide, GltfDocumentsKeepWhatElseIsInThem) {
 class CubeOfTwoPrimitives : public ::testing::Test {
   protected:
     static prep::Scene as_polygons() {
-        prep::Mesh cube = shapes::cube();
-        cube.face_materials = {0, 0, 1, 1, 1, 1};
+        const prep::Mesh quads = shapes::cube();
+        shapes::Faces triangles;
+        for (std::size_t c = 0; c < quads.corner_count(); c += 4) {
+            const auto* v = &quads.corner_vertices[c];
+            triangles.insert(triangles.end(), {{v[0], v[1], v[2]}, {v[0], v[2], v[3]}});
+        }
+        prep::Mesh cube = shapes::mesh_of(quads.positions, triangles);
+        cube.face_materials.assign(12, 1);
+        std::fill_n(cube.face_materials.begin(), 4, 0);
         prep::Scene scene = scene_of(std::move(cube));
         scene.materials.resize(2);
         return scene;

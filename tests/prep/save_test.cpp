@@ -199,14 +199,16 @@ TEST(Save, NotesSayWhatBecomesOfPointsAndUnusedVertices) {
     };
     const std::string three = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
     using Notes = std::vector<std::string>;
-    EXPECT_EQ(notes(three, "a.ply"), Notes{"3 vertices that no face, line or point uses left out"});
+    EXPECT_EQ(notes(three + "curv 0 1 1 2\nend\n", "a.ply"),
+              Notes{"3 vertices that no face, line or point uses left out"});
     EXPECT_EQ(notes(three + "p 1 3\n", "a.ply"),
               Notes{"1 vertex that no face, line or point uses left out"});
     const auto again = prep::load_scene(dir / "a.ply");
     ASSERT_TRUE(again.has_value());
     EXPECT_EQ(again->meshes[0].positions, (std::vector<glm::vec3>{{0, 0, 0}, {0, 1, 0}}));
     EXPECT_EQ(again->meshes[0].points.size(), 2u);
-    EXPECT_EQ(notes(three + "p 1 2 3\n", "a.stl"), Notes{"STL holds no points: 3 left out"});
+    EXPECT_EQ(notes(three + "f 1 2 3\np 1 2 3\n", "a.stl"),
+              Notes{"STL holds no points: 3 left out"});
     EXPECT_EQ(notes(three + "v 5 5 5\nf 1 2 3\np 4\n", "a.off"),
               Notes{"OFF has no points beside faces or lines: 1 written as vertices that nothing "
                     "uses"});

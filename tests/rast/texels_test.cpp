@@ -160,7 +160,8 @@ TEST(Srgb, PicturesAreEncodedAndToneMappedOnlyWhenAsked) {
     rast::Frame frame;
     frame.width = 3;
     frame.height = 1;
-    frame.color = {glm::vec4(0.5f), glm::vec4(4.0f), glm::vec4(-1.0f)};
+    for (const float level : {0.5f, 4.0f, -1.0f})
+        frame.color.emplace_back(level, level, level, 1.0f);
     const prep::Image plain = rast::to_srgb(frame);
     EXPECT_NEAR(plain.pixels[0], 0.735357, 1e-5);
     EXPECT_EQ(plain.pixels[3], 1);

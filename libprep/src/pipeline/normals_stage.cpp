@@ -61,13 +61,16 @@ Result<void> MeshPreparation::prepare_normals() {
         skip_normals(need_.normals.reason);
         return {};
     }
+    // Of those that no picture reads only what is no direction is mended.
+    const bool only_kept = !need_.normals.needed && options_.request.consumer.exact;
+    const Authored authored = only_kept ? Authored::keep : options_.normals;
     NormalReview review;
     unsigned replace = 0xff;
     std::string reason =
         need_.normals.needed ? need_.normals.reason : "the file's own are replaced";
-    if (options_.normals != Authored::replace && !mesh_.normals.empty()) {
+    if (authored != Authored::replace && !mesh_.normals.empty()) {
         const MeshView view(mesh_);
-        if (options_.normals == Authored::repair) {
+        if (authored == Authored::repair) {
             geometry_.faces = log_.run(
                 "face normals", "authored normals are held against them",
                 [&] { return face_normals(view, options_.normal.precision, options_.threads); });
@@ -77,7 +80,7 @@ Result<void> MeshPreparation::prepare_normals() {
         report_review(review);
         replace = normal_non_finite | normal_zero;
         if (need_.normals.needed) replace |= normal_missing;
-        if (options_.normals == Authored::repair) replace |= normal_non_unit | normal_flipped;
+        if (authored == Authored::repair) replace |= normal_non_unit | normal_flipped;
         bool any = false;
         for (const std::uint8_t f : review.faults) any |= (f & replace) != 0;
         if (!any) {
