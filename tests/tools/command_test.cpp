@@ -303,6 +303,36 @@ TEST(Prepare, CountsBeforeAndAfterAreThoseOfTheFiles) {
     EXPECT_EQ(written->meshes[0].face_count(), 12u);
 }
 
+// What has no nodes holds a mesh twice that two of them show.
+TEST(Prepare, CountsAreThoseOfFlattenedFiles) {
+    const TempDir dir;
+    write_text(dir / "cube.obj", "mtllib cube.mtl\nusemtl a\n" + test::cube_obj());
+    write_text(dir / "cube.mtl", "newmtl a\nKd 1 0 0\n");
+    ASSERT_EQ(
+        run_command({"prepare", (dir / "cube.obj").string(), "-o", (dir / "cube.gltf").string()})
+            .exit_code,
+        0);
+    nlohmann::json document = nlohmann::json::parse(test::file_text(dir / "cube.gltf"));
+    document["nodes"].push_back({{"mesh", 0}, {"translation", {5, 0, 0}}});
+    document["scenes"][0]["nodes"].push_back(document["nodes"].size() - 1);
+    write_text(dir / "two.gltf", document.dump());
+    for (const char* ending : {"obj", "ply", "stl", "gltf"}) {
+        const auto out = dir / (std::string("out.") + ending);
+        const test::Ran ran =
+            run_command({"prepare", (dir / "two.gltf").string(), "-o", out.string(), "--json"});
+        ASSERT_EQ(ran.exit_code, 0) << ran.err;
+        const nlohmann::json after = ran.json()["files"][0]["after"];
+        const auto read = prep::load_scene(out);
+        ASSERT_TRUE(read) << ending;
+        EXPECT_EQ(after["triangles"], std::string(ending) == "gltf" ? 12 : 24) << ending;
+        std::size_t triangles = 0;
+        for (const prep::Mesh& mesh : read->meshes)
+            triangles += mesh.corner_count() - 2 * mesh.face_count();
+        EXPECT_EQ(after["triangles"], triangles) << ending;
+        EXPECT_EQ(after["materials"], read->materials.size()) << ending;
+    }
+}
+
 TEST(Prepare, TellsTheBytesReadAndWritten) {
     const TempDir dir;
     write_text(dir / "cube.obj", "mtllib cube.mtl\n" + test::cube_obj());

@@ -324,7 +324,7 @@ Outcome prepare_file(const Job& job, const PrepareCommand& command, int threads,
         out.error = input->relabelled(prepared.error());
         return out;
     }
-    out.after = count_prepared(*prepared);
+    out.after = count_prepared(*prepared, format);
     out.splits = prepared->splits;
     out.stages = prepared->stages;
     out.findings = prepared->findings;

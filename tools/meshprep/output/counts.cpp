@@ -93,13 +93,19 @@ Counts count_parts(const prep::Scene& scene) {
     return counts;
 }
 
-Counts count_prepared(const prep::PreparedScene& prepared) {
+Counts count_prepared(const prep::PreparedScene& prepared, const std::string& format) {
+    const bool has_nodes = format == "glb" || format == "gltf";
+    const bool has_materials = has_nodes || format == "obj";
+    std::vector<std::uint64_t> times(prepared.meshes.size(), has_nodes ? 1 : 0);
+    for (const prep::Node& node : prepared.scene.nodes)
+        if (!has_nodes && node.mesh != prep::no_index) ++times[node.mesh];
     std::uint64_t vertices = 0, triangles = 0, lines = 0, points = 0;
-    for (const prep::VertexMesh& mesh : prepared.meshes) {
-        vertices += mesh.vertex_count();
-        triangles += mesh.triangle_count();
-        lines += mesh.lines.size() / 2;
-        points += mesh.points.size();
+    for (std::size_t m = 0; m < times.size(); ++m) {
+        const prep::VertexMesh& mesh = prepared.meshes[m];
+        vertices += times[m] * mesh.vertex_count();
+        triangles += times[m] * mesh.triangle_count();
+        lines += times[m] * (mesh.lines.size() / 2);
+        points += times[m] * mesh.points.size();
     }
     Counts counts;
     add(counts, "meshes", prepared.meshes.size());
@@ -107,8 +113,8 @@ Counts count_prepared(const prep::PreparedScene& prepared) {
     add(counts, "triangles", triangles);
     if (lines > 0) add(counts, "line segments", lines);
     if (points > 0) add(counts, "points", points);
-    add(counts, "materials", prepared.scene.materials.size());
-    add(counts, "textures", prepared.scene.textures.size());
+    add(counts, "materials", has_materials ? prepared.scene.materials.size() : 0);
+    add(counts, "textures", has_materials ? prepared.scene.textures.size() : 0);
     return counts;
 }
 

@@ -24,8 +24,10 @@ Counts count_scene(const prep::Scene& scene);
 // What stands beside meshes, as far as there is any: morph targets, skins, animations and their
 // channels, cameras, lights.
 Counts count_parts(const prep::Scene& scene);
-// The prepared meshes: vertices after splitting, triangles.
-Counts count_prepared(const prep::PreparedScene& prepared);
+// The prepared meshes: vertices after splitting, triangles. `format`: an ending in lower case,
+// without its dot. What has no nodes holds a mesh as often as they show it; materials and textures
+// are those of glTF and OBJ.
+Counts count_prepared(const prep::PreparedScene& prepared, const std::string& format);
 
 // What a glTF or GLB file's own JSON says (nodes, skins, animations, morph targets, cameras,
 // lights, extensions, …), independent of this project's loader; empty for other files and for JSON

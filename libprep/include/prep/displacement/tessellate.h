@@ -193,9 +193,9 @@ struct TessellatedMesh {
 // Errors: nothing asked for, an option that is not a positive number, a pixel error without a
 // screen (invalid) or with more than 4096 that can decide (limit); positions or UVs that are not
 // finite, faces without the UVs that their displacement reads (invalid, with the face); an error or
-// an edge length finer than floats of that size can hold, heights beyond floats (limit); morph targets or skins
-// (unsupported: they would not fit the new points); more triangles than triangle_limit (limit);
-// those of LimitSurface. An empty mesh gives an empty mesh.
+// an edge length finer than floats of that size can hold, heights beyond floats (limit); morph
+// targets or skins (unsupported: they would not fit the new points); more triangles than
+// triangle_limit (limit); those of LimitSurface. An empty mesh gives an empty mesh.
 // O(triangles), O(log) times that with max_triangles. Lines and points are left out.
 Result<TessellatedMesh> tessellate(const Mesh& cage, const TessellateOptions& options);
 
