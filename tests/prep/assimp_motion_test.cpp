@@ -194,7 +194,8 @@ TEST(AssimpRealFiles, SimpleCubeMd5mesh) {
     expect_same_motion(test::AssimpMotion(path), converted);
     ASSERT_EQ(converted.list("skins").size(), 1u);
     EXPECT_EQ(converted.list("skins")[0]["joints"].size(), 2u);
-    EXPECT_EQ(converted.loaded.placement.file_unit_source, "MD5, z up");
+    const auto& remarks = converted.loaded.remarks;
+    EXPECT_EQ(std::count(remarks.begin(), remarks.end(), "MD5 files have z up: turned to y"), 1);
 }
 
 // Where a camera or light of this name stands and looks: −Z of its node in the written file.

@@ -82,7 +82,7 @@ TEST(ObjNames, MaterialsStayApart) {
 
 TEST(ObjNames, EachMeshThatIsThereIsAnObject) {
     prep::Scene scene;
-    scene.meshes = {triangle(""), triangle("b\\"), triangle("c"), triangle("c")};
+    scene.meshes = {triangle(""), triangle("b\\"), triangle("c"), triangle("c"), triangle("c_2")};
     prep::instance_unused_meshes(scene);
     for (prep::Node& node : scene.nodes)
         if (node.mesh == 0) node.name = "of the node";
@@ -92,10 +92,10 @@ TEST(ObjNames, EachMeshThatIsThereIsAnObject) {
     scene.nodes.push_back(again);
     const Written written = as_obj(scene);
     const prep::Mesh& read = written.scene.meshes[0];
-    ASSERT_EQ(read.face_count(), 5u);
+    ASSERT_EQ(read.face_count(), 6u);
     Strings objects;
     for (const std::uint32_t p : read.face_parts) objects.push_back(read.parts[p]);
-    EXPECT_EQ(objects, (Strings{"of the node", "b_", "c", "c_2", "c_3"}));
+    EXPECT_EQ(objects, (Strings{"of the node", "b_", "c", "c_3", "c_2", "c_4"}));
     EXPECT_TRUE(is_noted(written, "OBJ tells objects apart by name"));
 }
 

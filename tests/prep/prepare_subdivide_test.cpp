@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 #include <map>
+#include <set>
 
 #include "mesh_files.h"
 #include "prep/load.h"
@@ -277,6 +278,50 @@ TEST_F(CubeOfTwoPrimitives, StaysClosedWhereItIsSubdividedOrDisplaced) {
             const auto polygons = prep::prepare(as_polygons(), options);
             EXPECT_EQ(written.meshes[0].face_count(), polygons->meshes[0].triangle_count());
         }
+}
+
+// Linings, the same faces turned over, and decals are surfaces of their own: the cube below is what
+// it is without them.
+TEST_F(CubeOfTwoPrimitives, IsNotJoinedToWhatLiesOnIt) {
+    const auto points_of = [](const prep::Scene& scene, std::uint32_t part) {
+        std::set<std::array<float, 3>> points;
+        const prep::Mesh& mesh = scene.meshes[0];
+        for (std::size_t f = 0; f < mesh.face_count(); ++f)
+            for (std::uint32_t c = mesh.face_offsets[f]; c < mesh.face_offsets[f + 1]; ++c)
+                if (mesh.face_parts[f] == part) {
+                    const glm::vec3& p = mesh.positions[mesh.corner_vertices[c]];
+                    points.insert({p.x, p.y, p.z});
+                }
+        return points;
+    };
+    prep::Scene alone = as_polygons();
+    alone.meshes[0].face_materials.assign(12, 0);
+    prep::PrepareOptions options = catmark(1);
+    options.subdivision.scheme = prep::SubdivisionScheme::loop;
+    const auto refined = prep::prepare(in_a_file(*prep::prepare(alone)), options);
+    ASSERT_TRUE(refined) << refined.error().text;
+    const std::set<std::array<float, 3>> expected = points_of(in_a_file(*refined), 0);
+    for (const std::size_t faces : {std::size_t(12), std::size_t(2), std::size_t(1)}) {
+        prep::Scene covered = alone;
+        prep::Mesh& mesh = covered.meshes[0];
+        for (std::size_t f = 0; f < faces; ++f) {
+            for (const std::size_t c : {3 * f, 3 * f + 2, 3 * f + 1}) {
+                mesh.positions.push_back(mesh.positions[mesh.corner_vertices[c]]);
+                mesh.corner_vertices.push_back(std::uint32_t(mesh.positions.size() - 1));
+            }
+            mesh.face_offsets.push_back(std::uint32_t(mesh.corner_vertices.size()));
+            mesh.face_materials.push_back(1);
+        }
+        const auto prepared = prep::prepare(in_a_file(*prep::prepare(covered)), options);
+        ASSERT_TRUE(prepared) << prepared.error().text;
+        const prep::Scene written = in_a_file(*prepared);
+        EXPECT_EQ(points_of(written, 0), expected) << faces;
+        EXPECT_GT(count(*prepared, "parts-apart"), 0U);
+        if (faces == 12) {
+            EXPECT_EQ(points_of(written, 1).size(), expected.size());  // rounded otherwise
+        }
+    }
+    EXPECT_EQ(count(*prep::prepare(as_document(), options), "parts-apart"), 0U);
 }
 
 // Where only one of the primitives has skin weights, the other's points, which come first, have

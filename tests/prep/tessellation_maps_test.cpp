@@ -8,6 +8,7 @@
 #include "prep/displacement/tessellate.h"
 #include "prep/image.h"
 #include "prep/prepare.h"
+#include "temporary_files.h"
 #include "tessellation_checks.h"
 
 namespace prep {
@@ -257,7 +258,8 @@ TEST(TessellationMaps, OnePictureOfTwoMaterialsIsOneMap) {
     std::mt19937 random(5);
     Image image = flat_map(8);
     for (float& texel : image.pixels) texel = std::uniform_real_distribution<float>(0, 1)(random);
-    const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "one_map.exr";
+    const ::test::TempDir dir;
+    const std::filesystem::path file = dir / "one_map.exr";
     ASSERT_TRUE(save_image(file, image, PixelType::f32));
     Scene scene;
     Mesh& mesh = scene.meshes.emplace_back();
@@ -302,7 +304,6 @@ TEST(TessellationMaps, OnePictureOfTwoMaterialsIsOneMap) {
         if (std::abs(p.x - 0.5F) > 0.13F) {
             EXPECT_NEAR(p.z, (p.x < 0.5F ? 0.2 : 0.1) * bilinear(image, glm::dvec2(p)), 1e-6);
         }
-    std::filesystem::remove(file);
 }
 
 }  // namespace

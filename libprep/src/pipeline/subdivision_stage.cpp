@@ -60,8 +60,14 @@ Result<void> MeshPreparation::crease_hard_edges() {
 // A file that repeats points at seams would come apart there.
 Result<void> MeshPreparation::weld_cage(const std::string& reason) {
     if (geometry_.shared || !is_welded()) return {};
-    log_.run("weld", reason,
-             [&] { return weld_vertices(mesh_, 0, options_.threads, WeldParts::together); });
+    const std::uint64_t apart = log_.run("weld", reason, [&] {
+        weld_vertices(mesh_, 0, options_.threads);
+        return join_parts(mesh_, options_.threads);
+    });
+    add_finding("parts-apart", Severity::info, apart, {},
+                "points of primitives that lie on each other stay apart: more than two faces would "
+                "meet in an edge",
+                PlaceKind::vertex);
     geometry_.shared = true;
     return {};
 }

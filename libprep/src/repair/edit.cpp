@@ -33,6 +33,27 @@ void number_corner_file_vertices(Mesh& mesh) {
         mesh.corner_file_vertices.push_back(in_file.empty() ? v : in_file[v]);
 }
 
+std::vector<Index> parts_of_vertices(const Mesh& mesh) {
+    std::vector<Index> parts(mesh.vertex_count(), 0);
+    if (mesh.face_parts.empty() || !mesh.tied_to_file) return parts;
+    for (Index f = 0; f < mesh.face_count(); ++f)
+        for (Index c = mesh.face_offsets[f]; c < mesh.face_offsets[f + 1]; ++c)
+            parts[mesh.corner_vertices[c]] = mesh.face_parts[f];
+    return parts;
+}
+
+void put_in_place(Mesh& mesh, const std::vector<Index>& target) {
+    number_corner_file_vertices(mesh);
+    for (auto* users : {&mesh.corner_vertices, &mesh.line_vertices, &mesh.points})
+        for (Index& v : *users) v = target[v];
+    for (glm::uvec2& m : mesh.hard_marks) m = {target[m.x], target[m.y]};
+    for (EdgeMark& m : mesh.subdivision.creases) {
+        m.v0 = target[m.v0];
+        m.v1 = target[m.v1];
+    }
+    for (VertexMark& m : mesh.subdivision.corners) m.vertex = target[m.vertex];
+}
+
 void keep_corners(Mesh& mesh, const std::vector<Index>& kept, std::vector<Index> face_offsets) {
     const auto gather = [&kept](std::vector<Index>& per_corner) {
         if (per_corner.empty()) return;

@@ -26,17 +26,6 @@ struct CellHash {
     }
 };
 
-// The part of the file that a vertex belongs to: parts of glTF that is written back are primitives,
-// which share none. Others are names, which cut no vertex.
-std::vector<Index> parts_of_vertices(const Mesh& mesh) {
-    std::vector<Index> parts(mesh.vertex_count(), 0);
-    if (mesh.face_parts.empty() || !mesh.tied_to_file) return parts;
-    for (Index f = 0; f < mesh.face_count(); ++f)
-        for (Index c = mesh.face_offsets[f]; c < mesh.face_offsets[f + 1]; ++c)
-            parts[mesh.corner_vertices[c]] = mesh.face_parts[f];
-    return parts;
-}
-
 // A vertex put into an edge of a face.
 struct Insertion {
     Index before;  // corner of the face that the new one precedes
@@ -140,33 +129,14 @@ std::int64_t cell_along(float x, double tolerance) {
     return x < 0 ? -beyond : beyond;
 }
 
-// Where the vertex that stays is of a part without skin weights, those of another are its own.
-void take_influences(Mesh& mesh, const std::vector<Index>& target) {
-    const auto has_any = [&](Index file_vertex) {
-        return std::any_of(
-            mesh.skin_influences.begin(), mesh.skin_influences.end(),
-            [&](const SkinInfluences& set) { return set.weights[file_vertex] != glm::vec4(0.0f); });
-    };
-    for (Index v = 0; v < target.size() && !mesh.skin_influences.empty(); ++v) {
-        const Index to = mesh.file_vertex(target[v]), from = mesh.file_vertex(v);
-        if (to == from || has_any(to) || !has_any(from)) continue;
-        for (SkinInfluences& set : mesh.skin_influences) {
-            set.joints[to] = set.joints[from];
-            set.weights[to] = set.weights[from];
-        }
-    }
-}
-
 }  // namespace
 
-RepairStep weld_vertices(Mesh& mesh, double tolerance, int threads, WeldParts welded) {
+RepairStep weld_vertices(Mesh& mesh, double tolerance, int threads) {
     RepairStep step;
     step.step = "weld";
     step.place_kind = PlaceKind::vertex;
     step.text = "vertices were welded to an earlier one within the tolerance";
-    const std::vector<Index> parts = welded == WeldParts::together
-                                         ? std::vector<Index>(mesh.vertex_count(), 0)
-                                         : parts_of_vertices(mesh);
+    const std::vector<Index> parts = parts_of_vertices(mesh);
     const std::vector<Index> equal = weld_exact(mesh.positions, threads);
     std::vector<Index> target(mesh.vertex_count());
     std::unordered_map<Cell, std::vector<Index>, CellHash> cells;
@@ -206,16 +176,7 @@ RepairStep weld_vertices(Mesh& mesh, double tolerance, int threads, WeldParts we
     step.changed = moved.count;
     step.places = std::move(moved.first);
     if (step.changed == 0) return step;
-    number_corner_file_vertices(mesh);
-    if (welded == WeldParts::together) take_influences(mesh, target);
-    for (auto* users : {&mesh.corner_vertices, &mesh.line_vertices, &mesh.points})
-        for (Index& v : *users) v = target[v];
-    for (glm::uvec2& m : mesh.hard_marks) m = {target[m.x], target[m.y]};
-    for (EdgeMark& m : mesh.subdivision.creases) {
-        m.v0 = target[m.v0];
-        m.v1 = target[m.v1];
-    }
-    for (VertexMark& m : mesh.subdivision.corners) m.vertex = target[m.vertex];
+    put_in_place(mesh, target);
     return step;
 }
 

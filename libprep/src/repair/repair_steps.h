@@ -47,11 +47,20 @@ std::uint32_t copy_vertex(Mesh& mesh, std::uint32_t vertex);
 // Which topology the steps see: exactly equal positions are one point.
 Topology repair_topology(const Mesh& mesh, int threads);
 
-// Parts of a document that is written back share no vertices. For a cage they do: its surface is
-// one, whatever its parts, and each part gets vertices of its own when it is split.
-enum class WeldParts : std::uint8_t { apart, together };
-RepairStep weld_vertices(Mesh& mesh, double tolerance, int threads,
-                         WeldParts parts = WeldParts::apart);
+// The part of the file that a vertex belongs to: parts of glTF that is written back are primitives,
+// which share none. Others are names, which cut no vertex.
+std::vector<std::uint32_t> parts_of_vertices(const Mesh& mesh);
+
+// Whatever uses a vertex uses target[vertex] from now on.
+void put_in_place(Mesh& mesh, const std::vector<std::uint32_t>& target);
+
+RepairStep weld_vertices(Mesh& mesh, double tolerance, int threads);
+// After it: vertices that several parts have at one position become one, for the surface of a cage
+// goes on from part to part; each gets vertices of its own again when it is split. Where parts lie
+// on each other (linings, decals), so that an edge would have more than two faces or a face would
+// be there twice, their points stay apart: says how many. Positions and deltas of morph targets are
+// those of the first part, skin weights those of the first that has any.
+std::uint64_t join_parts(Mesh& mesh, int threads);
 RepairStep remove_degenerate_faces(Mesh& mesh, int threads);
 RepairStep remove_duplicate_faces(Mesh& mesh, int threads);
 RepairStep split_non_manifold_edges(Mesh& mesh, int threads);

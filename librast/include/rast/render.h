@@ -342,7 +342,9 @@ class SceneRenderer {
 };
 
 // sRGB-encoded picture, three channels, by the exposure and the tone map of `choices`; colours
-// above 1 are clipped. `threads` 0: all cores; the picture does not depend on it.
+// above 1 are clipped. A tone map reads the background that the frame was drawn with, exposed
+// (expose()), and alpha as the share of surfaces in a pixel. `threads` 0: all cores; the picture
+// does not depend on it.
 prep::Image to_srgb(const Frame& frame, const prep::RenderChoices& choices = {}, int threads = 0);
 
 }  // namespace rast

@@ -70,8 +70,8 @@ prep::Result<Frame> SceneRenderer::render_bands(const RenderPlan& plan, const Ba
     return all;
 }
 
-// Linear, 0 to 1. What is behind the scene is not lit, and so not mapped: it is what was asked for
-// wherever it is seen.
+// Linear. What is behind the scene is not lit, and so not mapped: it is what was asked for wherever
+// it is seen.
 static glm::vec3 displayed(const glm::vec4& color, const prep::RenderChoices& choices) {
     glm::vec3 shown = glm::vec3(color) * choices.exposure;
     if (choices.tone_map != ToneMap::reinhard) return shown;

@@ -1,6 +1,6 @@
 // Metres. FBX counts in UnitScaleFactor centimetres, which Assimp tells and leaves to its caller;
 // what Collada says of its unit is in the root node's transform already. Blender's files have z up,
-// which it leaves so as well; those of 3DS and of Quake's kin it turns.
+// which it leaves so as well; those of 3DS and of Quake's kin it turns itself.
 #include <charconv>
 #include <cmath>
 
@@ -64,8 +64,11 @@ void import_units(AssimpImport& import) {
     static constexpr std::pair<std::string_view, const char*> with_z_up[] = {
         {"3DS", "3DS"}, {"MD5", "MD5"}, {"Quake", "Quake"}};
     for (const auto& [reader, name] : with_z_up)
-        if (import.is_by(reader) && glm::dvec3(scene.nodes[0].transform[2]) == glm::dvec3(0, 1, 0))
-            placement.file_unit_source = std::string(name) + ", z up";
+        if (const glm::dvec3 z(scene.nodes[0].transform[2]);
+            import.is_by(reader) && z.y > 0 && z.x == 0 && z.z == 0)
+            scene.remarks.push_back(
+                std::string(name) + " files have z up: turned to y" +
+                (z.y == 1 ? "" : ", and lengths multiplied by " + short_text(z.y)));
     if (!said) return;
     float number = 0;
     double precise = 0;

@@ -50,7 +50,12 @@ class ObjWriter {
         }
         const std::vector<glm::dmat4> world = world_transforms(scene_);
         bool instanced = false;
-        for (const Node& node : scene_.nodes) meshes_ += node.mesh != no_index;
+        for (const Node& node : scene_.nodes) {
+            if (node.mesh == no_index) continue;
+            ++meshes_;
+            const std::string name = statement_name(scene_.meshes[node.mesh].name);
+            if (!name.empty()) object_names_.keep_free(name);
+        }
         std::vector<bool> seen(scene_.meshes.size(), false);
         for (std::size_t n = 0; n < scene_.nodes.size(); ++n) {
             const Index m = scene_.nodes[n].mesh;
@@ -83,7 +88,8 @@ class ObjWriter {
         std::string name = statement_name(mesh.name);
         if (name != mesh.name) note(changed_names);
         if (name.empty()) name = statement_name(node.name);
-        mesh_object_ = object_names_.unique(name.empty() ? "mesh" : name, false);
+        const bool own = !name.empty() && name == statement_name(mesh.name);
+        mesh_object_ = object_names_.unique(name.empty() ? "mesh" : name, own);
         if (!name.empty() && mesh_object_ != name)
             note("OBJ tells objects apart by name: equal ones got a number");
     }

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "model/vertex_deltas.h"
+#include "text/utf8.h"
 
 namespace prep::detail {
 namespace {
@@ -181,7 +182,7 @@ void add_target_members(const Mesh& mesh, Json& out) {
     Json weights = Json::array(), names = Json::array();
     for (const MorphTarget& target : mesh.morph_targets) {
         weights.push_back(target.weight);
-        names.push_back(target.name);
+        names.push_back(as_utf8(target.name));
         named |= !target.name.empty();
     }
     out["weights"] = std::move(weights);
