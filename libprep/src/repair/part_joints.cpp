@@ -105,9 +105,9 @@ class PartJoints {
             bool whole = true;
             for (std::size_t k = 0; k < corners.size(); ++k) {
                 const Index a = corners[k], b = corners[(k + 1) % corners.size()];
-                if (!points.contains(a))
+                if (!is_shared_[a] || !points.contains(a))
                     whole = false;
-                else if (points.contains(b))
+                else if (is_shared_[b] && points.contains(b))
                     ++part.edges[edge_key(a, b)];
             }
             std::sort(corners.begin(), corners.end());
