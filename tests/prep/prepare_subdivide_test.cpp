@@ -324,6 +324,38 @@ TEST_F(CubeOfTwoPrimitives, IsNotJoinedToWhatLiesOnIt) {
     EXPECT_EQ(count(*prep::prepare(as_document(), options), "parts-apart"), 0U);
 }
 
+// A sheet and its lining: their borders have two faces, and still are none of a pillow. A decal
+// that is cut along the other diagonal repeats no face.
+TEST_F(CubeOfTwoPrimitives, LinedSheetsAndDecalsCutOtherwiseStayApart) {
+    const std::vector<glm::vec3> square{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+    for (const bool lining : {true, false}) {
+        std::vector<glm::vec3> positions = square;
+        positions.insert(positions.end(), square.begin(), square.end());
+        const shapes::Faces faces = lining
+                                        ? shapes::Faces{{0, 1, 2}, {0, 2, 3}, {4, 6, 5}, {4, 7, 6}}
+                                        : shapes::Faces{{0, 1, 2}, {0, 2, 3}, {4, 5, 7}, {5, 6, 7}};
+        prep::Mesh mesh = shapes::mesh_of(positions, faces);
+        if (!lining) {  // the sheet goes on around it
+            for (const glm::vec2 p : {glm::vec2(0.5F, -1), {2, 0.5F}, {0.5F, 2}, {-1, 0.5F}})
+                mesh.positions.emplace_back(p.x, p.y, 0.0F);
+            for (std::uint32_t k = 0; k < 4; ++k) {
+                for (const std::uint32_t v : {(k + 1) % 4, k, 8 + k})
+                    mesh.corner_vertices.push_back(v);
+                mesh.face_offsets.push_back(std::uint32_t(mesh.corner_vertices.size()));
+            }
+        }
+        mesh.face_materials.assign(mesh.face_count(), 0);
+        mesh.face_materials[2] = mesh.face_materials[3] = 1;
+        prep::Scene scene = scene_of(std::move(mesh));
+        scene.materials.resize(2);
+        prep::PrepareOptions options = catmark(1);
+        options.subdivision.scheme = prep::SubdivisionScheme::loop;
+        const auto prepared = prep::prepare(in_a_file(*prep::prepare(scene)), options);
+        ASSERT_TRUE(prepared) << prepared.error().text;
+        EXPECT_EQ(count(*prepared, "parts-apart"), 4U) << lining;
+    }
+}
+
 // Where only one of the primitives has skin weights, the other's points, which come first, have
 // none to move them by.
 TEST_F(CubeOfTwoPrimitives, PointsBetweenPrimitivesHaveTheWeightsOfOne) {
