@@ -18,11 +18,6 @@ namespace prep::detail {
 // As it is named from where the output stands.
 std::string path_from(const std::filesystem::path& output, const std::filesystem::path& file);
 
-// The note of names that statement_name() changed.
-inline constexpr const char* changed_names =
-    "OBJ ends names with their line: blanks around them were left out, line ends and a last '\\' "
-    "replaced";
-
 class MtlWriter {
   public:
     // Of the scene's materials, for the OBJ file `obj`. What is lost goes into `notes`, each loss

@@ -5,6 +5,7 @@
 #include <unordered_map>
 
 #include "base/parallel.h"
+#include "formats/loose_points.h"
 #include "formats/obj/blocks.h"
 #include "formats/obj/obj.h"
 #include "formats/obj/tags.h"
@@ -247,11 +248,7 @@ class Assembler {
             std::iota(mesh_->points.begin(), mesh_->points.end(), Index(0));
             const bool uvs = bases_.back().uvs > 0, normals = bases_.back().normals > 0;
             if (uvs || normals)
-                scene_.warnings.push_back(options_.name + ": " +
-                                          (uvs && normals ? "normals and UVs"
-                                           : normals      ? "normals"
-                                                          : "UVs") +
-                                          " of points were not taken: only faces have them here");
+                scene_.warnings.push_back(options_.name + values_of_points_left_out(normals, uvs));
         }
         return {};
     }

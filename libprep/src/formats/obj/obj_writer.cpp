@@ -87,8 +87,8 @@ class ObjWriter {
     void name_object(const Mesh& mesh, const Node& node) {
         std::string name = statement_name(mesh.name);
         if (name != mesh.name) note(changed_names);
-        if (name.empty()) name = statement_name(node.name);
-        const bool own = !name.empty() && name == statement_name(mesh.name);
+        const bool own = !name.empty();
+        if (!own) name = statement_name(node.name);
         mesh_object_ = object_names_.unique(name.empty() ? "mesh" : name, own);
         if (!name.empty() && mesh_object_ != name)
             note("OBJ tells objects apart by name: equal ones got a number");

@@ -12,6 +12,10 @@ namespace prep::detail {
 // `name` in one line, without blanks around it, which readers leave out, and with '_' for a '\' at
 // its end, which would join the next line. May be empty.
 std::string statement_name(std::string name);
+// The note of names that it changed.
+inline constexpr const char* changed_names =
+    "OBJ ends names with their line: blanks around them were left out, line ends and a last '\\' "
+    "replaced";
 
 // Gives each a name of its own: the second "a" is "a_2".
 class UniqueNames {

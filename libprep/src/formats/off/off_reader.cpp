@@ -2,6 +2,7 @@
 
 #include "base/srgb.h"
 #include "formats/face_colors.h"
+#include "formats/loose_points.h"
 #include "formats/off/off.h"
 #include "prep/mesh.h"
 #include "text/line_ends.h"
@@ -239,11 +240,8 @@ class OffParser {
         if (!colors_of_faces.empty()) detail::set_face_colors(mesh, std::move(colors_of_faces));
         if (mesh.face_count() == 0) {  // nothing to hang normals and UVs on
             if ((header_.n || header_.st) && !mesh.positions.empty())
-                scene_.warnings.push_back(name_ + ": " +
-                                          (header_.n && header_.st ? "normals and UVs"
-                                           : header_.n             ? "normals"
-                                                                   : "UVs") +
-                                          " of points were not taken: only faces have them here");
+                scene_.warnings.push_back(name_ +
+                                          detail::values_of_points_left_out(header_.n, header_.st));
             if (mesh.line_vertices.empty())
                 for (std::uint32_t v = 0; v < mesh.positions.size(); ++v) mesh.points.push_back(v);
             return {};

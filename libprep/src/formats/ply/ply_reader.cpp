@@ -7,6 +7,7 @@
 
 #include "base/parallel.h"
 #include "formats/face_colors.h"
+#include "formats/loose_points.h"
 #include "formats/picture_search.h"
 #include "formats/ply/ply.h"
 #include "formats/ply/ply_colors.h"
@@ -446,12 +447,8 @@ class PlyParser {
             for (std::uint32_t v = 0; v < count; ++v) mesh.points[v] = v;
         }
         if (!faces && (vertices_.has_normals || vertices_.has_uvs) && count > 0)
-            scene_.warnings.push_back(name_ + ": " +
-                                      (vertices_.has_normals && vertices_.has_uvs
-                                           ? "normals and UVs"
-                                       : vertices_.has_normals ? "normals"
-                                                               : "UVs") +
-                                      " of points were not taken: only faces have them here");
+            scene_.warnings.push_back(
+                name_ + values_of_points_left_out(vertices_.has_normals, vertices_.has_uvs));
         if (const std::uint64_t lines = values_.long_lines(); lines > 0)
             scene_.warnings.push_back(
                 name_ + ": " + std::to_string(lines) + (lines == 1 ? " line has" : " lines have") +
