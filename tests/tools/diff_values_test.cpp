@@ -191,6 +191,27 @@ TEST(DiffUsage, WhatCannotBeComparedExitsOneAndSaysWhy) {
     }
 }
 
+// What one of them has alone is no difference of angles, and is told.
+TEST(DiffUsage, WhatOneFileHasAloneIsToldAsNotCompared) {
+    const TempDir dir;
+    const std::string lean = (dir / "lean.obj").string(), glb = (dir / "full.glb").string();
+    write_text(lean,
+               "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nvn 0 0 1\n"
+               "f 1/1/1 2/2/1 3/3/1\n");
+    ASSERT_EQ(run_here({"prepare", lean, "-o", glb, "--tangents", "mikktspace"}).exit_code, 0);
+    const std::string told =
+        glb + " has tangents, and " + lean + " has none: they are not compared";
+    for (const auto& [a, b] : {std::pair(lean, glb), {glb, lean}}) {
+        const test::Ran ran = run_here({"diff", a, b});
+        EXPECT_EQ(ran.exit_code, 0);
+        EXPECT_NE(ran.err.find(told), std::string::npos) << ran.err;
+        EXPECT_NE(ran.out.find("normals: 3 corners compared"), std::string::npos) << ran.out;
+        EXPECT_EQ(run_here({"diff", a, b, "--normals"}).err, "");  // asked for
+    }
+    EXPECT_EQ(run_here({"diff", glb, glb}).err, "");
+    EXPECT_EQ(run_here({"diff", lean, lean}).err, "");
+}
+
 // Triangles apart from each other along x, each with its own normals: angles from +z, by corner.
 struct Leaning {
     int place = 0;

@@ -189,4 +189,51 @@ TEST_F(PrepareWords, PrecisionIsThatOfTheArithmetic) {
     EXPECT_FALSE(by("fast") == by("accurate"));
 }
 
+// An option about normals that were not made is in no output: the file's own were kept, or its
+// smoothing groups decided. Three faces of a cube's corner, which turn by 90°.
+TEST_F(PrepareWords, ThatChangeNothingAreWarnedOf) {
+    const std::string points = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n";
+    const std::string vn = "vn 0.6 0 0.8\n";
+    const std::string bare = points + "f 1 2 3\nf 1 3 4\nf 1 4 2\n";
+    const std::string own = points + vn + "f 1//1 2//1 3//1\nf 1//1 3//1 4//1\nf 1//1 4//1 2//1\n";
+    const std::string grouped = points + "s 1\nf 1 2 3\nf 1 3 4\nf 1 4 2\n";
+    const std::string both =
+        points + vn + "s 1\nf 1//1 2//1 3//1\nf 1//1 3//1 4//1\nf 1//1 4//1 2//1\n";
+    // Another mesh that the angle decides.
+    const std::string mixed = own + "o other\nv 5 0 0\nv 6 0 0\nv 5 1 0\nf 5 6 7\n";
+    using Words = std::vector<std::string>;
+    const auto warnings = [&](const std::string& obj, const Words& options) {
+        test::write_text(dir_ / "a.obj", obj);
+        Words words = {"prepare", (dir_ / "a.obj").string(), "-o", (dir_ / "a.glb").string(),
+                       "--json"};
+        words.insert(words.end(), options.begin(), options.end());
+        const test::Ran ran = run_here(words);
+        EXPECT_EQ(ran.exit_code, 0) << ran.err;
+        return ran.json()["files"][0]["warnings"].get<Words>();
+    };
+    const Words kept = {
+        "--hard-angle, --weight changed nothing, as the file's own normals are kept: --normals "
+        "replace computes new ones"};
+    const Words by_groups = {
+        "--hard-angle changed nothing, as the file's smoothing groups decide: --smoothing-groups "
+        "off leaves it to the angle"};
+    const Words angle = {"--hard-angle", "40"}, two = {"--hard-angle", "40", "--weight", "angle"};
+    const auto with = [](Words words, const Words& more) {
+        words.insert(words.end(), more.begin(), more.end());
+        return words;
+    };
+    EXPECT_EQ(warnings(own, two), kept);
+    EXPECT_EQ(warnings(grouped, two), by_groups);
+    EXPECT_EQ(warnings(both, two), kept);
+    EXPECT_EQ(warnings(both, with(two, {"--normals", "replace"})), by_groups);
+    // What did change something, and what was not asked for.
+    EXPECT_EQ(warnings(bare, two), Words());
+    EXPECT_EQ(warnings(own, {}), Words());
+    EXPECT_EQ(warnings(grouped, {"--weight", "angle"}), Words());
+    EXPECT_EQ(warnings(own, with(two, {"--normals", "replace"})), Words());
+    EXPECT_EQ(warnings(grouped, with(angle, {"--smoothing-groups", "off"})), Words());
+    EXPECT_EQ(warnings(mixed, angle), Words());
+    EXPECT_EQ(warnings(both, with(angle, {"--subdivide", "catmark:1"})), Words());
+}
+
 }  // namespace

@@ -17,7 +17,12 @@ namespace {
 
 using Words = std::vector<std::string>;
 
-void define(CLI::App& app, const std::vector<Subcommand>& known) {
+// With the options of the subcommand `only` where there is one of that name: those of all take as
+// long as a small mesh does.
+void define(CLI::App& app, const std::vector<Subcommand>& known, const std::string& only) {
+    const bool one = std::any_of(known.begin(), known.end(), [&](const Subcommand& subcommand) {
+        return subcommand.name == only;
+    });
     app.require_subcommand(1);
     app.get_formatter()->column_width(36);
     app.set_version_flag(
@@ -27,8 +32,16 @@ void define(CLI::App& app, const std::vector<Subcommand>& known) {
                ".\nFiles out: " + output_endings_text() + ".");
     for (const Subcommand& subcommand : known) {
         OptionSet options(*app.add_subcommand(subcommand.name, subcommand.summary));
-        subcommand.define(options);
+        if (!one || subcommand.name == only) subcommand.define(options);
     }
+}
+
+// Of all subcommands: what a usage error may have to tell of another.
+CommandTables all_tables() {
+    const std::vector<Subcommand> known = subcommands();
+    CLI::App app("", "meshprep");
+    define(app, known, "");
+    return tables_of(app);
 }
 
 bool asks_for_json(const Words& words) {
@@ -97,13 +110,13 @@ const Subcommand* parse(Words words, const std::vector<Subcommand>& known, std::
         "meshprep gets meshes ready for shading and proves, by pictures and by numbers, that they "
         "are.",
         "meshprep");
-    define(app, known);
+    words = without_help_word(std::move(words));
+    define(app, known, words.empty() ? "" : words[0]);
     exit_code = exit_usage;
     if (words.empty()) {
         err << app.help();
         return nullptr;
     }
-    words = without_help_word(std::move(words));
     const CommandTables tables = tables_of(app);
     if (words[0] == "--generate") {
         exit_code = generate(Words(words.begin() + 1, words.end()), tables, err);
@@ -132,7 +145,7 @@ const Subcommand* parse(Words words, const std::vector<Subcommand>& known, std::
             (void)app.exit(error, out, err);
             exit_code = exit_done;
         } else {
-            exit_code = refuse(explain(error, tables, words), tables, words, out, err);
+            exit_code = refuse(explain(error, all_tables(), words), tables, words, out, err);
         }
     }
     return nullptr;

@@ -183,10 +183,14 @@ report::Page picture_page(const DiffCommand& command, const prep::Image& a, cons
     return page;
 }
 
+const char* name_of(Attribute attribute) {
+    return attribute == Attribute::tangents ? "tangents" : "normals";
+}
+
 Verdict report_attribute(const DiffCommand& command, const AttributeDiff& d, Console& console) {
     const auto say = [&](const std::string& line) { console.result(command.common, line); };
     const bool tangents = d.attribute == Attribute::tangents;
-    const char* name = tangents ? "tangents" : "normals";
+    const char* const name = name_of(d.attribute);
     say(fmt::format("{}: {} corners compared{}", name, with_commas(d.compared),
                     d.same_order ? "" : ", triangles matched by position"));
     if (d.unmatched > 0)
@@ -352,13 +356,21 @@ Result<Verdict> diff_meshes(const DiffCommand& command, Console& console) {
     if (command.normals) attributes.push_back(Attribute::normals);
     if (command.tangents) attributes.push_back(Attribute::tangents);
     if (attributes.empty()) {
-        for (const Attribute attribute : {Attribute::normals, Attribute::tangents})
-            if (has_attribute(*a, attribute) && has_attribute(*b, attribute))
-                attributes.push_back(attribute);
+        for (const Attribute attribute : {Attribute::normals, Attribute::tangents}) {
+            const bool in_a = has_attribute(*a, attribute), in_b = has_attribute(*b, attribute);
+            if (in_a && in_b) attributes.push_back(attribute);
+            if (in_a != in_b)
+                console.warning(
+                    command.common,
+                    fmt::format("{} has {}, and {} has none: they are not compared",
+                                (in_a ? command.a : command.b).string(), name_of(attribute),
+                                (in_a ? command.b : command.a).string()));
+        }
         if (attributes.empty())
             return Error{
                 ErrorCode::invalid,
-                "there is nothing to compare: the files share neither normals nor tangents",
+                "there is nothing to compare: the files share neither normals nor tangents; "
+                "--views 6 or --gate compares all that they are",
                 command.a.string()};
     }
     Verdict all;
@@ -421,13 +433,16 @@ void define(OptionSet& options, DiffCommand& c) {
     options.path("a", c.a, "A", "A mesh file or a picture; - for a mesh on standard input")
         .required();
     options.path("b", c.b, "B", "Another of the same kind").required();
-    options.flag("--tangents", c.tangents, "Compare tangents: angles and signs");
+    options.flag("--tangents", c.tangents,
+                 "Compare tangents: angles and signs (default: normals and tangents that both "
+                 "have)");
     options.flag("--normals", c.normals, "Compare normals: angles");
     options.path("--heat-map", c.heat_map, "IMAGE", "Pictures: write where they differ");
     options.not_negative(
         "--tolerance", c.tolerance, "T",
         "Exit 1 when the largest angle (degrees) or the pictures' RMSE is above this, or "
-        "a tangent's sign or an ID differs, or a value is infinite in one picture alone");
+        "a tangent's sign or an ID differs, a triangle has no partner, a direction is none, or a "
+        "value is infinite in one picture alone");
     options.flag("--flip", c.flip, "Pictures: how different they look, by LDR-FLIP");
     options.path("--gate", c.gate, "GATE.json",
                  "Compare all that meshes are, or pictures, by these limits: exit 1 beyond one");

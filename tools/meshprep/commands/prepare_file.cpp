@@ -13,6 +13,7 @@
 #include "meshprep/commands/render_views.h"
 #include "meshprep/files/file_sizes.h"
 #include "meshprep/files/read_watch.h"
+#include "meshprep/options/option_table.h"
 #include "meshprep/output/load_options.h"
 #include "prep/files.h"
 #include "prep/load.h"
@@ -208,6 +209,40 @@ prep::Result<prep::PreparedScene> prepared_in_time(prep::Scene scene,
     return std::move(within->prepared);
 }
 
+// Options about new normals where none were made, and an angle where smoothing groups decided: what
+// was asked for is not in the output.
+void warn_of_unused_options(const prep::PreparedScene& prepared, const PrepareCommand& command,
+                            Outcome& out) {
+    const auto normals = std::find_if(prepared.stages.begin(), prepared.stages.end(),
+                                      [](const auto& stage) { return stage.stage == "normals"; });
+    const bool made = normals != prepared.stages.end() && normals->run;
+    bool kept = false, grouped = false, by_angle = false;
+    for (std::size_t m = 0; m < prepared.scene.meshes.size(); ++m) {
+        const prep::Mesh& mesh = prepared.scene.meshes[m];
+        if (prepared.subdivided[m] || prepared.tessellated[m]) return;  // their cage's edges
+        if (mesh.normals.empty()) continue;
+        const bool groups =
+            command.prepare.hard_edges.smoothing_groups && !mesh.face_smoothing.empty();
+        (!prepared.normals_made[m] ? kept : groups ? grouped : by_angle) = true;
+    }
+    std::vector<std::string> unused;
+    for (const char* name : {"--hard-angle", "--smoothing-groups", "--hard-borders", "--weight"})
+        if (command.settings.count(name) > 0) unused.emplace_back(name);
+    if (!made && kept && !unused.empty())
+        out.warnings.push_back(joined(unused, ", ") +
+                               " changed nothing, as the file's own normals are kept: --normals "
+                               "replace computes new ones");
+    const auto tangents = command.settings.find("--tangents");
+    if (tangents != command.settings.end() && tangents->second.back().starts_with("mikktspace") &&
+        std::all_of(prepared.scene.meshes.begin(), prepared.scene.meshes.end(),
+                    [](const prep::Mesh& mesh) { return mesh.tangents.empty(); }))
+        out.warnings.push_back("--tangents made none, as no mesh has UVs");
+    if (grouped && !by_angle && command.settings.count("--hard-angle") > 0)
+        out.warnings.push_back(
+            "--hard-angle changed nothing, as the file's smoothing groups decide: "
+            "--smoothing-groups off leaves it to the angle");
+}
+
 // With what a scene file says of its picture, where the command line says nothing.
 prep::Result<prep::Scene> load_with_picture(const std::filesystem::path& path,
                                             const prep::LoadOptions& options,
@@ -328,6 +363,7 @@ Outcome prepare_file(const Job& job, const PrepareCommand& command, int threads,
     out.splits = prepared->splits;
     out.stages = prepared->stages;
     out.findings = prepared->findings;
+    warn_of_unused_options(*prepared, command, out);
     out.repairs = prepared->repairs;
     out.tessellated = prepared->tessellated;
     out.orders = prepared->orders;

@@ -102,7 +102,8 @@ void define_render(OptionSet& options, RenderCommand& c) {
         "Instead of the file's lights: a directional one from this direction, in degrees seen "
         "from the camera (0,0 a headlight; 90,0 from the right); may be repeated");
     options.number("--ambient", c.ambient, 0, 100, "I",
-                   "Ambient light beside --light (default 0.1)");
+                   "Ambient light beside --light (default 0.1); without --light it replaces the "
+                   "file's");
     options.flag("--no-textures", c.textures, "Material colours only", false);
     options.flag("--explain", c.explain,
                  "Print the plan: each step, run or skipped, why, and what it cost");
