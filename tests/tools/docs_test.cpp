@@ -171,7 +171,7 @@ TEST(Documentation, FormatsOfTheReadmeAreReadAndWritten) {
         }
     }
     EXPECT_EQ(written, 6u);  // OBJ, glTF, GLB, PLY, STL, OFF
-    EXPECT_EQ(refused, 4u);  // OM, FBX, DAE, 3DS
+    EXPECT_EQ(refused, 6u);  // OM, VRM, JSON, FBX, DAE, 3DS
 }
 
 TEST(Documentation, ReadmeListsTheSubcommandsInTheirOrder) {
