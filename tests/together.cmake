@@ -7,14 +7,16 @@
 # it does not run. About 120 kB of sources a line keep a compiler within a gigabyte.
 set(tests_together
     "prep arithmetic check corner_normals file_bytes gltf_large"
-    "prep face_normals hard_edges"
+    "prep face_normals hard_edges vertex_normals gltf_compression"
     "prep assimp authored_tangents check_values compressed_files exact_cases formats gltf_bounds
      image_files load mesh_cases number_text picture_search"
+    "prep assimp_formats assimp_keys assimp_lost limit_surface_oracle one_definition
+     scene_json_values subdivide_face_varying"
     "prep gltf_corpus image_values invariance ply_records render_choices requirements result samples
      simd stability tangent_conventions tangents_fallback"
     "prep gltf_lost prepare_reports repair_page repair_values save subdivision_oracle tangents_golden
-     tangents_options tangents_reference written_values"
-    "prep ordered_files scene scene_json_defaults scene_shapes tangents_npm"
+     tangents_options tangents_pole tangents_reference written_values"
+    "prep one_picture ordered_files scene scene_json_defaults scene_shapes tangents_npm"
     "prep bilinear_deviation chart_filter large_vector tessellation_campaign tessellation_closed_faces
      tessellation_closed_form tessellation_economy tessellation_limit_bounds"
     "prep height_filters tessellation_frames tessellation_triangle_bounds"
@@ -22,16 +24,16 @@ set(tests_together
     "prep tessellation_screens tessellation_sources"
     "prep contained_mutations gltf_mend gltf_repair gltf_values mtl obj_names odd_files prepare_subdivide
      recover_quads repair_holes"
-    "prep image_damage obj_values repair scene_bytes"
+    "prep image_damage obj_values off openmesh ply ply_colors repair scene_bytes"
     "prep crease_fans obj prepare source_corners subdivide_attributes triangulate weld"
     "prep split stl tangents_cases tangents_identity topology"
-    "prep gltf_accessors gltf_container"
+    "prep assimp_motion contained height_map limit_surface subdivide"
+    "prep gltf_accessors gltf_compression_odd gltf_container gltf_rewrite_cases scene_json"
     "prep gltf_build gltf_conformance gltf_moving_scenes gltf_rewrite gltf_skins materials_corpus
      real_gltf_files written_corpus"
     "prep gltf_extensions gltf_materials gltf_meshes gltf_morph gltf_scene_data unit_normals"
-    "prep gltf_quantize gltf_written_materials"
+    "prep gltf_quantize gltf_written_materials material_mapping morph_targets"
     "prep gltf_repeated_data gltf_scene gltf_targets gltf_written_back vertex_order"
-    "prep material_mapping morph_targets"
     "prep map_charts tessellation_hard_cases"
     "prep tessellation_limit tessellation_polygons"
     "rast alpha_cutoff area_coverage blending bounded_skips bump_maps camera crossing depth derivatives
@@ -39,9 +41,9 @@ set(tests_together
     "rast interpolation lights material_spheres mip_levels offset pixel_edges raster_batch
      scene_renderer shade_stages skip_margins skip_table"
     "rast materials part_times plan_reads shading skips tangent_lighting texel_facts texels"
-    "rast plan_reasons texture_placement view"
+    "rast frame_passes plan plan_limits plan_reasons texture_placement thin_textures view visibility"
     "rast anti_aliasing rendering"
-    "rast bands hard_cases hazards partial_pixels texture texture_instructions"
+    "rast bands hard_cases hazards partial_pixels texture texture_instructions triangulation"
     "tools batch command cost_command cost_measure residual_map"
     "tools budget_ms console corpus cost_fitted_normals cost_flip cost_grids cost_ladders diff
      displacement_views docs optimize silhouettes"
@@ -55,11 +57,11 @@ set(tests_together
      selftest shell_files source_rules streams"
     "tools render_values report_panels spared_files subdivide_options subdivided_files tangents validate
      validate_counts"
-    "tools loaded_libraries tessellation_errors validate_report"
-    "tools cost_pages gate_json"
-    "tools odd_surroundings option_effects resumed_batches")
+    "tools cost_oracles displaced_files loaded_libraries odd_surroundings option_effects placement
+     resumed_batches tessellation_errors validate_report"
+    "tools contained cost_pages gate_json input_file odd_inputs typed_lines world")
 
-# In no line, besides those whose libraries and definitions are their own: what replaces a function of
-# the whole program (operator new, time), and what scripts and pages run by its name.
+# In no line: what replaces a function of the whole program (operator new, time), what scripts and
+# pages run by its name, and CGAL's headers, which no other test reads.
 set(tests_alone prep_image prep_tangents_memory rast_coverage rast_random_scenes tools_cost_faults
-    tools_large_blocks)
+    tools_large_blocks tools_surface_distance)

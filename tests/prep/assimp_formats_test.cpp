@@ -61,27 +61,28 @@ struct Corner {
     glm::dvec3 position;
     glm::dvec2 uv;
 };
-using Triangle = std::array<Corner, 3>;
+using TriangleCorners = std::array<Corner, 3>;
 bool before(const Corner& a, const Corner& b) {
     for (int k = 0; k < 3; ++k)
         if (std::abs(a.position[k] - b.position[k]) > 1e-4) return a.position[k] < b.position[k];
     return false;
 }
-std::vector<Triangle> sorted(std::vector<Triangle> triangles) {
-    for (Triangle& t : triangles)
+std::vector<TriangleCorners> sorted(std::vector<TriangleCorners> triangles) {
+    for (TriangleCorners& t : triangles)
         std::rotate(t.begin(), std::min_element(t.begin(), t.end(), before), t.end());
-    std::sort(triangles.begin(), triangles.end(), [](const Triangle& a, const Triangle& b) {
-        return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end(), before);
-    });
+    std::sort(
+        triangles.begin(), triangles.end(), [](const TriangleCorners& a, const TriangleCorners& b) {
+            return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end(), before);
+        });
     return triangles;
 }
 
 // What was exported, as we count: v from the top. In 3DS files z is up, which Assimp turns to y
 // when it reads, not when it writes.
-std::vector<Triangle> exported(bool z_is_up) {
-    std::vector<Triangle> out;
+std::vector<TriangleCorners> exported(bool z_is_up) {
+    std::vector<TriangleCorners> out;
     for (unsigned f = 0; f < 4; ++f) {
-        Triangle t;
+        TriangleCorners t;
         for (unsigned c = 0; c < 3; ++c) {
             const auto& p = points[faces[f][c]];
             t[c].position = z_is_up ? glm::dvec3(p[0], p[2], -p[1]) : glm::dvec3(p[0], p[1], p[2]);
@@ -107,14 +108,14 @@ TEST(AssimpFormats, TrianglesAndUvsOfFbxDaeAnd3dsAreThoseThatWereExported) {
         // FBX counts in centimetres unless it says otherwise; what is loaded is metres.
         const double unit = name == std::string("a.fbx") ? 0.01 : 1;
         EXPECT_NEAR(scene->placement.factor(), unit, 1e-12);
-        std::vector<Triangle> found;
+        std::vector<TriangleCorners> found;
         for (std::size_t n = 0; n < scene->nodes.size(); ++n) {
             if (scene->nodes[n].mesh == prep::no_index) continue;
             const prep::Mesh& mesh = scene->meshes.at(scene->nodes[n].mesh);
             ASSERT_EQ(mesh.uvs.size(), 1u);
             for (std::size_t f = 0; f < mesh.face_count(); ++f) {
                 ASSERT_EQ(mesh.face_offsets[f + 1] - mesh.face_offsets[f], 3u);
-                Triangle t;
+                TriangleCorners t;
                 for (std::uint32_t c = 0; c < 3; ++c) {
                     const std::uint32_t corner = mesh.face_offsets[f] + c;
                     const glm::dvec3 p =
@@ -126,7 +127,7 @@ TEST(AssimpFormats, TrianglesAndUvsOfFbxDaeAnd3dsAreThoseThatWereExported) {
             }
         }
         found = sorted(found);
-        const std::vector<Triangle> expected = exported(name == std::string("a.3ds"));
+        const std::vector<TriangleCorners> expected = exported(name == std::string("a.3ds"));
         ASSERT_EQ(found.size(), expected.size());
         for (std::size_t t = 0; t < 4; ++t)
             for (std::size_t c = 0; c < 3; ++c) {

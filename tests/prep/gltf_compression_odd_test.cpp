@@ -19,7 +19,7 @@
 namespace {
 
 using Maker = test::GltfMaker;
-using Json = nlohmann::json;
+using PlainJson = nlohmann::json;
 using prep::Compression;
 
 // A sheet of n × n quads; positions by the caller's accessor.
@@ -153,13 +153,14 @@ TEST(GltfCompressionOdd, QuantisingMovesNoDracoPrimitiveThatIsWrittenAsItCame) {
 TEST(GltfCompressionOdd, AListOfExtensionsThatIsNoListBecomesOne) {
     const test::TempDir dir;
     for (const Compression c : {Compression::draco, Compression::meshopt})
-        for (const Json& odd : {Json::object(), Json("x"), Json(3)}) {
+        for (const PlainJson& odd : {PlainJson::object(), PlainJson("x"), PlainJson(3)}) {
             Maker d = float_sheet(12, 0);
             d.json["extensionsUsed"] = odd;
             EXPECT_EQ(save(d, c, dir / "a.glb"), std::vector<std::string>{}) << odd;
-            const Json used = test::GltfFile(dir / "a.glb").json["extensionsUsed"];
-            EXPECT_EQ(used, Json::array({c == Compression::draco ? "KHR_draco_mesh_compression"
-                                                                 : "EXT_meshopt_compression"}));
+            const PlainJson used = test::GltfFile(dir / "a.glb").json["extensionsUsed"];
+            EXPECT_EQ(used,
+                      PlainJson::array({c == Compression::draco ? "KHR_draco_mesh_compression"
+                                                                : "EXT_meshopt_compression"}));
         }
 }
 
@@ -183,12 +184,12 @@ TEST(GltfCompressionOdd, BoundsOfNormalisedIntegersAreTheStoredNumbers) {
     d.json["extensionsUsed"] = d.json["extensionsRequired"] = {"KHR_mesh_quantization"};
     EXPECT_EQ(save(d, Compression::draco, dir / "a.glb"), std::vector<std::string>{});
     const test::GltfFile file(dir / "a.glb");
-    const Json& primitive = file.primitive(0, 0);
+    const PlainJson& primitive = file.primitive(0, 0);
     ASSERT_TRUE(primitive["extensions"].contains("KHR_draco_mesh_compression"));
-    const Json& position =
+    const PlainJson& position =
         file.json["accessors"][primitive["attributes"]["POSITION"].get<std::size_t>()];
-    EXPECT_EQ(position["min"], Json::array({0, -12000, 7}));
-    EXPECT_EQ(position["max"], Json::array({24000, 0, 7}));
+    EXPECT_EQ(position["min"], PlainJson::array({0, -12000, 7}));
+    EXPECT_EQ(position["max"], PlainJson::array({24000, 0, 7}));
     const auto before = d.read(), after = prep::load_scene(dir / "a.glb");
     ASSERT_TRUE(before && after);
     for (const glm::vec3& q : after->meshes[0].positions)
@@ -207,10 +208,10 @@ TEST(GltfCompressionOdd, PositionsThatAreNotFiniteStayUncompressed) {
                   notes.end())
             << ::testing::PrintToString(notes);
         const test::GltfFile file(dir / "a.glb");
-        for (const Json& accessor : file.json["accessors"])
+        for (const PlainJson& accessor : file.json["accessors"])
             for (const char* bound : {"min", "max"}) {
                 if (!accessor.contains(bound)) continue;
-                for (const Json& number : accessor[bound]) EXPECT_TRUE(number.is_number());
+                for (const PlainJson& number : accessor[bound]) EXPECT_TRUE(number.is_number());
             }
     }
 }

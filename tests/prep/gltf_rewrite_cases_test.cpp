@@ -15,7 +15,7 @@
 
 namespace {
 
-using Json = test::GltfFile::Json;
+using PlainJson = test::GltfFile::Json;
 using Numbers = std::vector<double>;
 using U16 = std::vector<std::uint16_t>;
 using test::GltfSource;
@@ -45,8 +45,8 @@ test::GltfFile written(const GltfSource& source, const prep::PrepareOptions& opt
     return written(prep::load_scene(dir / "in.glb"), options, notes);
 }
 
-GltfSource one_primitive(GltfSource d, const Json& attributes, const U16& indices) {
-    Json primitive{{"attributes", attributes}};
+GltfSource one_primitive(GltfSource d, const PlainJson& attributes, const U16& indices) {
+    PlainJson primitive{{"attributes", attributes}};
     if (!indices.empty()) primitive["indices"] = d.add("SCALAR", indices);
     d.json["meshes"] = {{{"primitives", {primitive}}}};
     d.json["nodes"] = {{{"mesh", 0}}};
@@ -80,7 +80,7 @@ TEST(GltfRewrite, TrianglesThatWereTurnedAreWritten) {
 
 TEST(GltfRewrite, NormalsThatWereReplacedAreWrittenThoughNoVertexSplits) {
     GltfSource d;
-    const Json attributes{
+    const PlainJson attributes{
         {"POSITION", d.add_positions(square)},
         {"NORMAL", d.add_floats("VEC3", {1, 0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0})},
         {"TEXCOORD_0", d.add_floats("VEC2", {0, 1, 1, 1, 1, 0, 0, 0})},
@@ -106,8 +106,9 @@ TEST(GltfRewrite, NormalsThatWereReplacedAreWrittenThoughNoVertexSplits) {
 
 TEST(GltfRewrite, NormalsAloneAreWrittenThoughNoVertexSplits) {
     GltfSource d;
-    const Json attributes{{"POSITION", d.add_positions(square)},
-                          {"NORMAL", d.add_floats("VEC3", {1, 0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0})}};
+    const PlainJson attributes{
+        {"POSITION", d.add_positions(square)},
+        {"NORMAL", d.add_floats("VEC3", {1, 0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0})}};
     prep::PrepareOptions options;
     options.normals = prep::Authored::replace;
     EXPECT_EQ(written(one_primitive(d, attributes, {0, 1, 2, 0, 2, 3}), options)
@@ -127,9 +128,9 @@ TEST(GltfRewrite, TangentsThatAreNotFiniteBecomeAnyInTheSurface) {
             normals.insert(normals.end(), n.begin(), n.end());
             tangents.insert(tangents.end(), {nan, 0, 0, 1});
         }
-        const Json attributes{{"POSITION", d.add_positions(square)},
-                              {"NORMAL", d.add_floats("VEC3", normals)},
-                              {"TANGENT", d.add_floats("VEC4", tangents)}};
+        const PlainJson attributes{{"POSITION", d.add_positions(square)},
+                                   {"NORMAL", d.add_floats("VEC3", normals)},
+                                   {"TANGENT", d.add_floats("VEC4", tangents)}};
         std::vector<std::string> notes;
         const test::GltfFile file =
             written(one_primitive(d, attributes, {0, 1, 2, 0, 2, 3}), nothing(), &notes);
@@ -151,10 +152,11 @@ TEST(GltfRewrite, VerticesAtOnePlaceAreNotMadeOne) {
         joints.insert(joints.end(), {v, 0, 0, 0});
         weights.insert(weights.end(), {1, 0, 0, 0});
     }
-    const Json attributes{{"POSITION", d.add_positions(std::vector<float>{
-                                           0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 0, 0, 1, 1, 0, 0, 1, 0})},
-                          {"JOINTS_0", d.add("VEC4", joints)},
-                          {"WEIGHTS_0", d.add_floats("VEC4", weights)}};
+    const PlainJson attributes{
+        {"POSITION",
+         d.add_positions(std::vector<float>{0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 0, 0, 1, 1, 0, 0, 1, 0})},
+        {"JOINTS_0", d.add("VEC4", joints)},
+        {"WEIGHTS_0", d.add_floats("VEC4", weights)}};
     GltfSource source = one_primitive(d, attributes, {});
     source.json["skins"] = {{{"joints", {1, 2, 3, 4, 5, 6}}}};
     source.json["nodes"][0]["skin"] = 0;
@@ -211,7 +213,7 @@ TEST(GltfRewrite, DracoIsUndone) {
     d.json["extensionsUsed"].push_back("KHR_materials_unlit");
     for (const bool flat : {false, true}) {
         const test::GltfFile file = written(d.read(), flat ? prep::PrepareOptions{} : nothing());
-        EXPECT_EQ(file.json["extensionsUsed"], Json::array({"KHR_materials_unlit"}));
+        EXPECT_EQ(file.json["extensionsUsed"], PlainJson::array({"KHR_materials_unlit"}));
         EXPECT_FALSE(file.json.contains("extensionsRequired"));
         EXPECT_FALSE(file.primitive(0, 0).contains("extensions"));
         // The encoder may begin with any triangle, and each with any corner.

@@ -320,13 +320,13 @@ TEST(HeightMap, RangesHoldAllThatIsReadAndLittleMore) {
         }
 }
 
-struct Scene {
+struct DisplacedScene {
     const char* name;
     Image image;
 };
 
-std::vector<Scene> scenes() {
-    std::vector<Scene> all;
+std::vector<DisplacedScene> scenes() {
+    std::vector<DisplacedScene> all;
     all.push_back({"random", random_picture(40, 24, 12)});
     all.push_back({"smooth", picture(64, 64, [](auto x, auto y) {
                        return std::sin(x * 0.0982) * std::cos(y * 0.0982);
@@ -341,7 +341,7 @@ std::vector<Scene> scenes() {
 
 // Every block of every level, where its cells lie.
 TEST(HeightMap, BlocksHoldWhatTheySay) {
-    for (const Scene& scene : scenes())
+    for (const DisplacedScene& scene : scenes())
         for (const HeightFilter filter : filters)
             for (const Wrap wrap : wraps) {
                 detail::HeightMapData map;
@@ -381,7 +381,7 @@ TEST(HeightMap, BlocksHoldWhatTheySay) {
 TEST(HeightMap, DeviationsOfRandomTrianglesAreBounded) {
     std::mt19937 random(15);
     double worst = 0;
-    for (const Scene& scene : scenes())
+    for (const DisplacedScene& scene : scenes())
         for (const HeightFilter filter : filters)
             for (const Wrap wrap : wraps) {
                 HeightMapOptions options = plain(filter, wrap);

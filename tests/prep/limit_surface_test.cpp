@@ -316,7 +316,7 @@ TEST(GridTables, CreasesWithoutStoredTablesGiveTheSameBits) {
 // Rings of many sectors stay while all of their levels are within the budget; others are walked,
 // two levels at a time. Values are the same.
 TEST(PatchEvaluator, KeepsRingsWithinItsBudget) {
-    const test::Cage pole = test::pole(SubdivisionScheme::catmark, 64);
+    const ::test::Cage pole = ::test::pole(SubdivisionScheme::catmark, 64);
     const auto cage = detail::position_cage(pole.mesh, {});
     ASSERT_TRUE(cage);
     std::vector<double> numbers;

@@ -106,7 +106,7 @@ Document turning_square(bool with_normals) {
 }
 
 // What was saved, read back as plain JSON and floats.
-struct Saved {
+struct SavedTargets {
     Json json;
     std::string binary;
 
@@ -125,7 +125,7 @@ struct Saved {
     const Json& primitive(std::size_t p = 0) const { return json["meshes"][0]["primitives"][p]; }
 };
 
-Saved prepared(Document& document, prep::PrepareOptions options = {}) {
+SavedTargets prepared(Document& document, prep::PrepareOptions options = {}) {
     options.request.tangents = prep::Request::Level::always;
     auto scene = prep::prepare(document.parse(), options);
     EXPECT_TRUE(scene.has_value());
@@ -145,7 +145,7 @@ void expect_all(const std::vector<glm::vec4>& values, const glm::vec3& expected)
 
 TEST(MorphTargets, TangentsTurnWithTheShape) {
     Document document = turning_square(true);
-    const Saved saved = prepared(document);
+    const SavedTargets saved = prepared(document);
     const Json& primitive = saved.primitive();
     for (const glm::vec4& t : saved.values(primitive["attributes"]["TANGENT"]))
         EXPECT_EQ(t, glm::vec4(1, 0, 0, 1));
@@ -189,7 +189,7 @@ TEST(MorphTargets, TangentsFollowTheUvSetOfTheNormalMap) {
 
 TEST(MorphTargets, ComputedNormalsTurnWithTheShape) {
     Document document = turning_square(false);
-    const Saved saved = prepared(document);
+    const SavedTargets saved = prepared(document);
     const Json& targets = saved.primitive()["targets"];
     expect_all(saved.values(targets[0]["NORMAL"]), {0, 0, 0});
     expect_all(saved.values(targets[1]["NORMAL"]), {1, 0, -1});
@@ -204,7 +204,7 @@ TEST(MorphTargets, DeltasThatBelongedToReplacedNormalsGo) {
     target["NORMAL"] = document.add(Vectors(4, {0, 1, -1}));
     prep::PrepareOptions options;
     options.normals = prep::Authored::replace;
-    const Saved saved = prepared(document, options);
+    const SavedTargets saved = prepared(document, options);
     expect_all(saved.values(saved.primitive()["targets"][1]["NORMAL"]), {1, 0, -1});
 }
 
@@ -214,7 +214,7 @@ TEST(MorphTargets, StayAsTheyAreWhereTheFilesTangentsAreKept) {
     primitive["attributes"]["TANGENT"] =
         document.add(std::vector<glm::vec4>(4, {1, 0, 0, 1}), 5126, "VEC4");
     primitive["targets"][0]["TANGENT"] = document.add(Vectors(4, {-0.5f, 0.5f, 0}));
-    const Saved saved = prepared(document);
+    const SavedTargets saved = prepared(document);
     expect_all(saved.values(saved.primitive()["targets"][0]["TANGENT"]), {-0.5f, 0.5f, 0});
     EXPECT_FALSE(saved.primitive()["targets"][1].contains("TANGENT"));
 }
@@ -233,7 +233,7 @@ TEST(MorphTargets, SplitVerticesTakeTheirDeltasAlong) {
               {"TEXCOORD_0", d.add(uvs, 5126, "VEC2")}}},
             {"indices", d.add(std::vector<std::uint16_t>{0, 1, 2, 0, 2, 3}, 5123, "SCALAR")},
             {"targets", {{{"POSITION", d.add_positions(deltas)}}}}}}}}};
-    const Saved saved = prepared(d);
+    const SavedTargets saved = prepared(d);
     const Json& primitive = saved.primitive();
     const auto positions = saved.values(primitive["attributes"]["POSITION"]);
     const auto moved = saved.values(primitive["targets"][0]["POSITION"]);
@@ -265,7 +265,7 @@ TEST(MorphTargets, WeldedVerticesKeepTheDeltasOfTheirCorners) {
             {"targets", {{{"NORMAL", d.add(Vectors{one, one, one, other, other, other})}}}}}}}}};
     prep::PrepareOptions options;
     options.repair.weld_tolerance = 0;
-    const Saved saved = prepared(d, options);
+    const SavedTargets saved = prepared(d, options);
     const Json& primitive = saved.primitive();
     const auto written = saved.values(primitive["attributes"]["POSITION"]);
     const auto turned = saved.values(primitive["targets"][0]["NORMAL"]);
@@ -314,7 +314,7 @@ TEST(MorphTargets, PrimitivesThatShareAccessorsWriteTheVerticesTheyUse) {
                               {"indices", d.add(indices, 5123, "SCALAR")},
                               {"targets", {target}}});
     d.json["meshes"] = {{{"primitives", primitives}}};
-    const Saved saved = prepared(d);
+    const SavedTargets saved = prepared(d);
     for (std::size_t p = 0; p < 2; ++p) {
         const auto written = saved.values(saved.primitive(p)["attributes"]["POSITION"]);
         const auto moved = saved.values(saved.primitive(p)["targets"][0]["POSITION"]);
@@ -404,7 +404,7 @@ TEST(MorphTargets, DeltasThatAreNotFiniteSpoilNothing) {
     Json& targets = document.json["meshes"][0]["primitives"][0]["targets"];
     const float nan = std::numeric_limits<float>::quiet_NaN();
     targets[0]["POSITION"] = document.add(Vectors(4, {nan, 0, 0}));
-    const Saved saved = prepared(document);
+    const SavedTargets saved = prepared(document);
     for (const glm::vec4& t : saved.values(saved.primitive()["targets"][0]["TANGENT"]))
         EXPECT_TRUE(std::isfinite(t.x + t.y + t.z));
 }

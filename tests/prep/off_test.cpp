@@ -12,16 +12,16 @@
 
 namespace {
 
-prep::Result<prep::Scene> parse(const std::string& text) {
+prep::Result<prep::Scene> parse_off(const std::string& text) {
     return test::parsed(prep::parse_off, text, "test.off");
 }
 
-std::string error_of(const std::string& text) {
-    return test::error_of(parse(text));
+std::string off_error(const std::string& text) {
+    return test::error_of(parse_off(text));
 }
 
 TEST(Off, ReadsPolygonsCommentsAndCarriageReturns) {
-    const auto scene = parse(
+    const auto scene = parse_off(
         "OFF # a comment\r\n\r\n# another\r\n5 2 0\r\n0 0 0\r\n1 0 0\r\n1 1 0\r\n0 1 0\r\n9 9 9\r\n"
         "4 0 1 2 3\r\n3 0 1 4 # last\r\n");
     ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
@@ -35,7 +35,7 @@ TEST(Off, CountsMayStandInTheFirstLineAndTheWordMayBeMissing) {
          {"OFF 3 1 0\n", "3 1 0\n", "3 1\n", "OFF\n3 1\n", "\xef\xbb\xbfOFF\n3 1 0\n",
           "\xef\xbb\xbf"
           "3 1 0\n"}) {
-        const auto scene = parse(std::string(begin) + "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
+        const auto scene = parse_off(std::string(begin) + "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
         ASSERT_TRUE(scene.has_value()) << begin << prep::to_string(scene.error());
         EXPECT_EQ(scene->meshes[0].face_count(), 1u);
     }
@@ -43,7 +43,7 @@ TEST(Off, CountsMayStandInTheFirstLineAndTheWordMayBeMissing) {
 
 TEST(Off, EveryPrefixTogether) {
     // Geomview's order: position, w, normal, colour, texture.
-    const auto scene = parse(
+    const auto scene = parse_off(
         "STCN4OFF\n3 1 0\n2 4 6 2 0 0 1 0.5 0 0 1 0.25 0.25\n1 0 0 1 0 0 1 0 1 0 0.5 1 0\n"
         "0 1 0 1 0 0 1 0 0 1.0 0 1\n3 0 1 2\n");
     ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
@@ -58,7 +58,7 @@ TEST(Off, EveryPrefixTogether) {
 }
 
 TEST(Off, IntegerColoursAreBytesEvenBesideFractionalUvs) {
-    const auto scene = parse(
+    const auto scene = parse_off(
         "STCOFF\n3 1 0\n0 0 0 255 0 188 0.5 0.5\n1 0 0 0 255 0 255 0.5 0.5\n0 1 0 0 0 255 0.5 "
         "0.5\n3 0 1 2\n");
     ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
@@ -70,7 +70,7 @@ TEST(Off, IntegerColoursAreBytesEvenBesideFractionalUvs) {
 }
 
 TEST(Off, FacesKeepTheirColoursAtAllTheirCorners) {
-    const auto scene = parse(
+    const auto scene = parse_off(
         "OFF\n4 5 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2\n4 0 1 2 3 0 188 255 51\n2 0 1\n"
         "3 0 1 3 0.25 0.5 1.0 # three\n3 1 2 3 0.5 0.5 0.5 0.75\n");
     ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
@@ -94,13 +94,13 @@ TEST(Off, ColoursThatHaveNoPlaceAreTold) {
     const std::vector<std::string> told{
         "test.off: colours that are numbers of a list, or of lines, were skipped"};
     for (const char* face : {"3 0 1 2 7\n", "3 0 1 2 7 8\n", "2 0 1 255 0 0\n"}) {
-        const auto scene = parse("OFF\n3 1 0\n" + points + face);
+        const auto scene = parse_off("OFF\n3 1 0\n" + points + face);
         ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
         EXPECT_EQ(scene->warnings, told) << face;
         EXPECT_TRUE(scene->meshes[0].colors.empty()) << face;
     }
     const auto both =
-        parse("COFF\n3 1 0\n0 0 0 0 255 0\n1 0 0 0 255 0\n0 1 0 0 255 0\n3 0 1 2 255 0 0\n");
+        parse_off("COFF\n3 1 0\n0 0 0 0 255 0\n1 0 0 0 255 0\n0 1 0 0 255 0\n3 0 1 2 255 0 0\n");
     ASSERT_TRUE(both.has_value()) << prep::to_string(both.error());
     EXPECT_EQ(both->meshes[0].colors[0].values, std::vector<glm::vec4>(3, glm::vec4(0, 1, 0, 1)));
     EXPECT_EQ(both->warnings,
@@ -109,36 +109,37 @@ TEST(Off, ColoursThatHaveNoPlaceAreTold) {
 }
 
 TEST(Off, ValuesBehindThoseOfVerticesAreTold) {
-    const auto scene = parse("OFF\n3 1 0\n0 0 0 255 0 0\n1 0 0 255 0 0\n0 1 0 255 0 0\n3 0 1 2\n");
+    const auto scene =
+        parse_off("OFF\n3 1 0\n0 0 0 255 0 0\n1 0 0 255 0 0\n0 1 0 255 0 0\n3 0 1 2\n");
     ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
     ASSERT_EQ(scene->warnings.size(), 1u);
     EXPECT_NE(scene->warnings[0].find("colours are of COFF files"), std::string::npos);
 }
 
 TEST(Off, SegmentsAndPointClouds) {
-    const auto scene = parse("OFF\n3 3 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n2 0 1\n1 2\n");
+    const auto scene = parse_off("OFF\n3 3 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n2 0 1\n1 2\n");
     ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
     EXPECT_EQ(scene->meshes[0].line_vertices, (std::vector<std::uint32_t>{0, 1}));
     EXPECT_EQ(
         scene->warnings,
         (std::vector<std::string>{"test.off: 1 faces with fewer than two corners were dropped"}));
-    const auto cloud = parse("NOFF\n2 0 0\n0 0 0 0 0 1\n1 0 0 0 0 1\n");
+    const auto cloud = parse_off("NOFF\n2 0 0\n0 0 0 0 0 1\n1 0 0 0 0 1\n");
     ASSERT_TRUE(cloud.has_value());
     EXPECT_EQ(cloud->meshes[0].points, (std::vector<std::uint32_t>{0, 1}));
     EXPECT_TRUE(cloud->meshes[0].normals.empty());
     EXPECT_EQ(cloud->warnings,
               std::vector<std::string>{
                   "test.off: normals of points were not taken: only faces have them here"});
-    const auto nothing = parse("OFF\n0 0 0\n");
+    const auto nothing = parse_off("OFF\n0 0 0\n");
     ASSERT_TRUE(nothing.has_value());
     EXPECT_EQ(nothing->meshes[0].vertex_count(), 0u);
 }
 
 TEST(Off, PointsKeepTheirColours) {
-    const auto scene = parse("COFF\n2 0 0\n0 0 0 1 0 0 1\n1 0 0 0.5 0.25 0 0.125\n");
+    const auto scene = parse_off("COFF\n2 0 0\n0 0 0 1 0 0 1\n1 0 0 0.5 0.25 0 0.125\n");
     ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
     EXPECT_EQ(scene->meshes[0].vertex_colors[1], glm::vec4(0.5f, 0.25f, 0, 0.125f));
-    const auto bytes = parse("COFF\n2 0 0\n0 0 0 255 0 0\n1 0 0 0 188 0 51\n");
+    const auto bytes = parse_off("COFF\n2 0 0\n0 0 0 255 0 0\n1 0 0 0 188 0 51\n");
     ASSERT_TRUE(bytes.has_value()) << prep::to_string(bytes.error());
     ASSERT_EQ(bytes->meshes[0].vertex_colors.size(), 2u);
     EXPECT_EQ(bytes->meshes[0].vertex_colors[0], glm::vec4(1, 0, 0, 1));
@@ -148,43 +149,43 @@ TEST(Off, PointsKeepTheirColours) {
 }
 
 TEST(Off, ErrorsNameTheLine) {
-    EXPECT_EQ(error_of(""), "test.off:0: the file is empty");
-    EXPECT_EQ(error_of("OFF\n"), "test.off:1: the file ends after its first line");
-    EXPECT_EQ(error_of("nOFF\n3\n"),
+    EXPECT_EQ(off_error(""), "test.off:0: the file is empty");
+    EXPECT_EQ(off_error("OFF\n"), "test.off:1: the file ends after its first line");
+    EXPECT_EQ(off_error("nOFF\n3\n"),
               "test.off:1: only the prefixes ST, C, N and 4 of OFF are supported in 'nOFF'");
-    EXPECT_EQ(error_of("OFF BINARY\n"),
+    EXPECT_EQ(off_error("OFF BINARY\n"),
               "test.off:1: binary OFF is not supported: save it as text in 'OFF BINARY'");
-    EXPECT_EQ(error_of("OFF\n3 x 0\n"),
+    EXPECT_EQ(off_error("OFF\n3 x 0\n"),
               "test.off:2: expected OFF and the numbers of vertices, faces and edges in '3 x 0'");
-    EXPECT_EQ(error_of("OFF\n-3 1 0\n"),
+    EXPECT_EQ(off_error("OFF\n-3 1 0\n"),
               "test.off:2: expected OFF and the numbers of vertices, faces and edges in '-3 1 0'");
-    EXPECT_EQ(error_of("OFF\n2 0 0\n0 0 0\n0 0 0 0\n").substr(0, 8), "no error");
-    EXPECT_EQ(error_of("OFF\n2 0 0\n0 0 0\n0 zero 0\n"),
+    EXPECT_EQ(off_error("OFF\n2 0 0\n0 0 0\n0 0 0 0\n").substr(0, 8), "no error");
+    EXPECT_EQ(off_error("OFF\n2 0 0\n0 0 0\n0 zero 0\n"),
               "test.off:4: expected coordinates in '0 zero 0'");
-    EXPECT_EQ(error_of("OFF\n2 0 0\n0 0 0 0 0 0\n"),
+    EXPECT_EQ(off_error("OFF\n2 0 0\n0 0 0 0 0 0\n"),
               "test.off:3: the file ends after 1 of 2 vertices");
     const std::string mesh = "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n";
-    EXPECT_EQ(error_of(mesh), "test.off:5: the file ends after 0 of 1 faces");
-    EXPECT_EQ(error_of(mesh + "3 0 1 3\n"),
+    EXPECT_EQ(off_error(mesh), "test.off:5: the file ends after 0 of 1 faces");
+    EXPECT_EQ(off_error(mesh + "3 0 1 3\n"),
               "test.off:6: vertex index 3 is out of range: the file has 3 in '3 0 1 3'");
-    EXPECT_EQ(error_of(mesh + "3 0 1 -1\n"),
+    EXPECT_EQ(off_error(mesh + "3 0 1 -1\n"),
               "test.off:6: vertex index -1 is out of range: the file has 3 in '3 0 1 -1'");
-    EXPECT_EQ(error_of(mesh + "3 0 1\n"), "test.off:6: expected 3 vertex indices in '3 0 1'");
-    EXPECT_EQ(error_of(mesh + "-3 0 1 2\n"),
+    EXPECT_EQ(off_error(mesh + "3 0 1\n"), "test.off:6: expected 3 vertex indices in '3 0 1'");
+    EXPECT_EQ(off_error(mesh + "-3 0 1 2\n"),
               "test.off:6: expected a number of corners in '-3 0 1 2'");
-    EXPECT_EQ(error_of("STOFF\n1 0 0\n0 0 0 0.5\n"),
+    EXPECT_EQ(off_error("STOFF\n1 0 0\n0 0 0 0.5\n"),
               "test.off:3: expected texture coordinates in '0 0 0 0.5'");
 }
 
 TEST(Off, CountsThatTheFileHasNoRoomForAreRefusedAtOnce) {
     for (const char* counts : {"4000000000 0 0", "0 4000000000 0", "9223372036854775807 0 0"})
-        EXPECT_NE(error_of("OFF\n" + std::string(counts) + "\n0 0 0\n")
+        EXPECT_NE(off_error("OFF\n" + std::string(counts) + "\n0 0 0\n")
                       .find("test.off:2: the header announces"),
                   std::string::npos)
             << counts;
-    EXPECT_NE(error_of("OFF\n99999999999999999999 0 0\n").find("test.off:2: expected OFF"),
+    EXPECT_NE(off_error("OFF\n99999999999999999999 0 0\n").find("test.off:2: expected OFF"),
               std::string::npos);
-    EXPECT_EQ(error_of("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n9223372036854775807 0 1 2\n"),
+    EXPECT_EQ(off_error("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n9223372036854775807 0 1 2\n"),
               "test.off:6: expected 9223372036854775807 vertex indices in '9223372036854775807 0 1 "
               "2'");
 }
@@ -215,7 +216,7 @@ TEST(Off, RoundTripKeepsEveryBit) {
 }
 
 TEST(Off, RoundTripFarFromTheOriginKeepsEveryBit) {
-    const auto scene = parse(
+    const auto scene = parse_off(
         "OFF\n4 1 0\n5000000.1 -3000000.7 10.3\n5000001.1 -3000000.7 10.3\n5000001.1 -3000001.9 "
         "10.3\n5000000.123456789 -3000001.7 11.3\n4 0 1 2 3\n");
     ASSERT_TRUE(scene.has_value());

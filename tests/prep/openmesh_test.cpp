@@ -15,7 +15,7 @@
 
 namespace {
 
-prep::Result<prep::Scene> parse(const std::string& text) {
+prep::Result<prep::Scene> parse_om(const std::string& text) {
     auto scene =
         prep::detail::load_om(std::as_bytes(std::span(text.data(), text.size())), "test.om");
     if (scene) {
@@ -24,8 +24,8 @@ prep::Result<prep::Scene> parse(const std::string& text) {
     return scene;
 }
 
-std::string error_of(const std::string& text) {
-    const auto result = parse(text);
+std::string om_error(const std::string& text) {
+    const auto result = parse_om(text);
     return result ? "no error" : prep::to_string(result.error());
 }
 
@@ -36,7 +36,7 @@ std::string sample(const char* name) {
 
 TEST(OpenMeshFile, ReadsDoublesAndFloats) {
     for (const bool doubles : {true, false}) {
-        const auto scene = parse(sample(doubles ? "doubles.om" : "floats.om"));
+        const auto scene = parse_om(sample(doubles ? "doubles.om" : "floats.om"));
         ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
         const prep::Mesh& m = scene->meshes[0];
         ASSERT_EQ(m.vertex_count(), 8u);
@@ -77,8 +77,8 @@ TEST(OpenMeshFile, ChunksThatAreNotTakenAreNamed) {
     const std::string of_faces = chunk(2, 4, 3, false) + std::string(5 * 3, 'f');
     const std::string with_alpha = chunk(0, 4, 4, false) + std::string(8 * 4, 'a');
     const std::string custom = chunk(0, 6, 1, true) + "\4\0heat"s + "\10\0\0\0"s + "12345678";
-    const auto scene = parse(text.substr(0, text.size() - 2) + of_faces + with_alpha + custom +
-                             text.substr(text.size() - 2));
+    const auto scene = parse_om(text.substr(0, text.size() - 2) + of_faces + with_alpha + custom +
+                                text.substr(text.size() - 2));
     ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
     ASSERT_EQ(scene->warnings.size(), 1u);
     EXPECT_EQ(scene->warnings[0],
@@ -90,7 +90,7 @@ TEST(OpenMeshFile, EveryTruncationIsAnError) {
         const std::string whole = sample(name);
         ASSERT_GT(whole.size(), 300u);
         for (std::size_t n = 0; n < whole.size(); ++n)
-            EXPECT_FALSE(parse(whole.substr(0, n)).has_value()) << name << " cut to " << n;
+            EXPECT_FALSE(parse_om(whole.substr(0, n)).has_value()) << name << " cut to " << n;
     }
 }
 
@@ -101,34 +101,34 @@ TEST(OpenMeshFile, EveryByteTurnedIsAnErrorOrAValidMesh) {
         for (const int bits : {0x01, 0x80, 0xff}) {
             std::string bent = whole;
             bent[i] = char(bent[i] ^ bits);
-            refused += !parse(bent).has_value();  // parse() checks what is accepted
+            refused += !parse_om(bent).has_value();  // parse_om() checks what is accepted
         }
     EXPECT_GT(refused, whole.size() / 4);  // header and connectivity make up more than that
 }
 
 TEST(OpenMeshFile, ErrorsNameTheByte) {
     const std::string whole = sample("floats.om");
-    EXPECT_EQ(error_of("OM"), "test.om, byte 0: the file is shorter than an OM header");
+    EXPECT_EQ(om_error("OM"), "test.om, byte 0: the file is shorter than an OM header");
     std::string bent = whole;
     bent[0] = 'P';
-    EXPECT_EQ(error_of(bent), "test.om, byte 0: expected \"OM\" at the beginning: not an OM file");
+    EXPECT_EQ(om_error(bent), "test.om, byte 0: expected \"OM\" at the beginning: not an OM file");
     bent = whole;
     bent[3] = 0x21;
-    EXPECT_EQ(error_of(bent),
+    EXPECT_EQ(om_error(bent),
               "test.om, byte 3: OM version 1 is not supported, only 2: save it anew with OpenMesh "
               "6 or later");
     bent = whole;
     for (std::size_t i = 4; i < 16; ++i) bent[i] = '\xff';
-    EXPECT_EQ(error_of(bent),
+    EXPECT_EQ(om_error(bent),
               "test.om, byte 0: the header announces 4294967295 vertices, 4294967295 faces and "
               "4294967295 edges, more than the file has room for");
     bent = whole;
     bent[4] = 30;  // more vertices, still fewer than the file has bytes for
-    EXPECT_NE(error_of(bent).find("test.om, byte "), std::string::npos);
+    EXPECT_NE(om_error(bent).find("test.om, byte "), std::string::npos);
 }
 
 template <class T>
-void put(std::string& out, std::initializer_list<T> values) {
+void put_all(std::string& out, std::initializer_list<T> values) {
     for (const T value : values) {
         char raw[sizeof value];
         std::memcpy(raw, &value, sizeof value);
@@ -139,8 +139,8 @@ void put(std::string& out, std::initializer_list<T> values) {
 // A chunk's head: entity (0 vertices, 2 faces, 6 half-edges, 7 none), type (0 positions,
 // 7 connectivity), values of one signed byte or one float, so many of them.
 void head(std::string& out, unsigned entity, unsigned type, bool floats, unsigned count) {
-    put<std::uint16_t>(out, {std::uint16_t(entity << 2 | type << 5 | 1u << 9 |
-                                           (floats ? 1u << 10 : 0u) | (count - 1) << 11)});
+    put_all<std::uint16_t>(out, {std::uint16_t(entity << 2 | type << 5 | 1u << 9 |
+                                               (floats ? 1u << 10 : 0u) | (count - 1) << 11)});
 }
 
 // A file of half-edges (next, vertex they lead to, face), one of each vertex and each face.
@@ -149,16 +149,16 @@ std::string om(std::uint32_t vertices, std::uint32_t faces,
                std::initializer_list<std::int8_t> outgoing,
                std::initializer_list<std::int8_t> of_faces) {
     std::string out = "OMP\x40";
-    put<std::uint32_t>(out, {vertices, faces, std::uint32_t(halfedges.size() / 2)});
+    put_all<std::uint32_t>(out, {vertices, faces, std::uint32_t(halfedges.size() / 2)});
     head(out, 0, 0, true, 3);
     for (std::uint32_t v = 0; v < vertices; ++v)
-        put<float>(out, {float(v % 2), float(v / 2), 0.0f});
+        put_all<float>(out, {float(v % 2), float(v / 2), 0.0f});
     head(out, 6, 7, false, 3);
-    for (const auto& h : halfedges) put<std::int8_t>(out, {h[0], h[1], h[2]});
+    for (const auto& h : halfedges) put_all<std::int8_t>(out, {h[0], h[1], h[2]});
     head(out, 0, 7, false, 1);
-    put<std::int8_t>(out, outgoing);
+    put_all<std::int8_t>(out, outgoing);
     head(out, 2, 7, false, 1);
-    put<std::int8_t>(out, of_faces);
+    put_all<std::int8_t>(out, of_faces);
     head(out, 7, 0, false, 1);
     return out;
 }
@@ -166,12 +166,12 @@ std::string om(std::uint32_t vertices, std::uint32_t faces,
 TEST(OpenMeshFile, FacesHaveThreeEdgesAtLeast) {
     // Half-edges 2k and 2k + 1 are the sides of edge k: 0 1 2 round the face, the others outside.
     const auto triangle =
-        parse(om(3, 1, {{2, 1, 0}, {5, 0, -1}, {4, 2, 0}, {1, 1, -1}, {0, 0, 0}, {3, 2, -1}},
-                 {0, 2, 4}, {0}));
+        parse_om(om(3, 1, {{2, 1, 0}, {5, 0, -1}, {4, 2, 0}, {1, 1, -1}, {0, 0, 0}, {3, 2, -1}},
+                    {0, 2, 4}, {0}));
     ASSERT_TRUE(triangle.has_value()) << prep::to_string(triangle.error());
     EXPECT_EQ(triangle->meshes[0].corner_count(), 3u);
     EXPECT_EQ(triangle->meshes[0].positions[2], glm::vec3(0, 1, 0));
-    EXPECT_EQ(error_of(om(2, 1, {{2, 1, 0}, {3, 0, -1}, {0, 0, 0}, {1, 1, -1}}, {0, 2}, {0})),
+    EXPECT_EQ(om_error(om(2, 1, {{2, 1, 0}, {3, 0, -1}, {0, 0, 0}, {1, 1, -1}}, {0, 2}, {0})),
               "test.om: the half-edges do not form closed faces");
 }
 
@@ -181,7 +181,7 @@ TEST(OpenMeshFile, IndicesBeyondTheLastAreRefusedBeforeOpenMeshSeesThem) {
     const auto refused = [](const std::string& text, int element) {
         const std::string says =
             "an index of the connectivity is out of range, in element " + std::to_string(element);
-        EXPECT_NE(error_of(text).find(says), std::string::npos) << error_of(text);
+        EXPECT_NE(om_error(text).find(says), std::string::npos) << om_error(text);
     };
     const int counts[3] = {6, 3, 1};  // half-edges, vertices, faces
     for (std::size_t part = 0; part < 3; ++part)

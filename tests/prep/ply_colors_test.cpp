@@ -6,26 +6,26 @@
 
 namespace {
 
-prep::Result<prep::Scene> parse(const std::string& text) {
+prep::Result<prep::Scene> parse_colors(const std::string& text) {
     return test::parsed(prep::parse_ply, text, "test.ply");
 }
 
-std::string header(const std::string& format, const std::string& lines) {
+std::string color_header(const std::string& format, const std::string& lines) {
     return "ply\nformat " + format + " 1.0\n" + lines + "end_header\n";
 }
 
-const std::string xyz = "property float x\nproperty float y\nproperty float z\n";
+const std::string points = "property float x\nproperty float y\nproperty float z\n";
 const std::string indices = "property list uchar int vertex_indices\n";
 const std::string color_bytes = "property uchar red\nproperty uchar green\nproperty uchar blue\n";
 
 // As MeshLab and CloudCompare write them: flat faces, not one blended colour a vertex.
 TEST(PlyColors, FacesKeepTheirColoursAtAllTheirCorners) {
-    const auto scene =
-        parse(header("ascii", "element vertex 4\n" + xyz + "element tristrips 1\n" +
+    const auto scene = parse_colors(
+        color_header("ascii", "element vertex 4\n" + points + "element tristrips 1\n" +
                                   "property list int int vertex_indices\nelement face 4\n" +
                                   indices + color_bytes) +
-              "0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 3\n"
-              "3 0 1 2 255 0 0\n2 0 1 9 9 9\n4 0 1 2 3 0 0 255\n3 0 2 3 255 0 0\n");
+        "0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 3\n"
+        "3 0 1 2 255 0 0\n2 0 1 9 9 9\n4 0 1 2 3 0 0 255\n3 0 2 3 255 0 0\n");
     ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
     const prep::Mesh& mesh = scene->meshes[0];
     ASSERT_EQ(mesh.face_count(), 4u);  // a line is no face
@@ -39,9 +39,10 @@ TEST(PlyColors, FacesKeepTheirColoursAtAllTheirCorners) {
 }
 
 TEST(PlyColors, ColoursOfVerticesGoBeforeThoseOfFaces) {
-    const auto scene = parse(header("ascii", "element face 1\n" + indices + color_bytes +
-                                                 "element vertex 3\n" + xyz + color_bytes) +
-                             "3 0 1 2 255 0 0\n0 0 0 0 255 0\n1 0 0 0 255 0\n1 1 0 0 255 0\n");
+    const auto scene =
+        parse_colors(color_header("ascii", "element face 1\n" + indices + color_bytes +
+                                               "element vertex 3\n" + points + color_bytes) +
+                     "3 0 1 2 255 0 0\n0 0 0 0 255 0\n1 0 0 0 255 0\n1 1 0 0 255 0\n");
     ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
     ASSERT_EQ(scene->meshes[0].colors.size(), 1u);
     EXPECT_EQ(scene->meshes[0].colors[0].values, std::vector<glm::vec4>(3, glm::vec4(0, 1, 0, 1)));
@@ -51,10 +52,10 @@ TEST(PlyColors, ColoursOfVerticesGoBeforeThoseOfFaces) {
 }
 
 TEST(PlyColors, WhatIsNotTakenIsTold) {
-    const std::string vertices = "element vertex 3\n" + xyz;
+    const std::string vertices = "element vertex 3\n" + points;
     const std::string points = "0 0 0\n1 0 0\n1 1 0\n";
     const auto warnings = [&](const std::string& lines, const std::string& rest) {
-        const auto scene = parse(header("ascii", vertices + lines) + points + rest);
+        const auto scene = parse_colors(color_header("ascii", vertices + lines) + points + rest);
         EXPECT_TRUE(scene) << prep::to_string(scene.error());
         return scene->warnings;
     };
@@ -73,9 +74,10 @@ TEST(PlyColors, WhatIsNotTakenIsTold) {
 }
 
 TEST(PlyColors, PartOfAColourIsNone) {
-    const auto scene = parse(header("ascii", "element vertex 3\n" + xyz + "element face 1\n" +
-                                                 indices + "property uchar red\n") +
-                             "0 0 0\n1 0 0\n1 1 0\n3 0 1 2 255\n");
+    const auto scene =
+        parse_colors(color_header("ascii", "element vertex 3\n" + points + "element face 1\n" +
+                                               indices + "property uchar red\n") +
+                     "0 0 0\n1 0 0\n1 1 0\n3 0 1 2 255\n");
     ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
     EXPECT_TRUE(scene->meshes[0].colors.empty());
     EXPECT_EQ(scene->warnings,

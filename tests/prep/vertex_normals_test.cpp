@@ -43,7 +43,7 @@ std::vector<std::array<std::uint32_t, 3>> bits(const std::vector<glm::vec3>& val
     return result;
 }
 
-VertexNormals normals_of(const Mesh& mesh, Precision precision = Precision::accurate) {
+VertexNormals vertex_normals_of(const Mesh& mesh, Precision precision = Precision::accurate) {
     VertexNormalOptions options;
     options.precision = precision;
     return prep::vertex_normals(MeshView(mesh), options).value();
@@ -63,7 +63,7 @@ std::size_t expect_corner_normals(const Mesh& mesh, Precision precision = Precis
         std::uint32_t& value = values[mesh.corner_vertices[c]];
         value = value == unused || value == layer.indices[c] ? layer.indices[c] : several;
     }
-    const VertexNormals ours = normals_of(mesh, precision);
+    const VertexNormals ours = vertex_normals_of(mesh, precision);
     EXPECT_EQ(ours.normals.size(), mesh.vertex_count());
     std::size_t fans = 0, different = 0;
     for (std::size_t v = 0; v < values.size(); ++v) {
@@ -113,11 +113,11 @@ TEST(VertexNormals, OfUnusedVerticesPointUp) {
     for (std::uint32_t& v : mesh.corner_vertices) v = std::uint32_t(place(v));
     for (const Precision precision : {Precision::fast, Precision::accurate, Precision::exact}) {
         std::vector<glm::vec3> expected(mesh.vertex_count(), glm::vec3(0, 0, 1));
-        const VertexNormals alone = normals_of(torus, precision);
+        const VertexNormals alone = vertex_normals_of(torus, precision);
         for (std::size_t v = 0; v < torus.vertex_count(); ++v)
             expected[place(v)] = alone.normals[v];
         std::size_t different = 0;
-        const VertexNormals ours = normals_of(mesh, precision);
+        const VertexNormals ours = vertex_normals_of(mesh, precision);
         for (std::size_t v = 0; v < expected.size(); ++v)
             different += bits(ours.normals[v]) != bits(expected[v]);
         EXPECT_EQ(different, 0u) << int(precision);
@@ -223,7 +223,7 @@ TEST(VertexNormals, OfFewTrianglesAPageGoByCorners) {
             twice.face_offsets.push_back(std::uint32_t(twice.corner_count()));
     }
     EXPECT_TRUE(path_of(twice).by_corners);
-    EXPECT_EQ(bits(normals_of(twice).normals), bits(normals_of(soup).normals));
+    EXPECT_EQ(bits(vertex_normals_of(twice).normals), bits(vertex_normals_of(soup).normals));
     for (const std::uint32_t triangles : {3000u, 3200u}) {
         Mesh sparse;
         sparse.positions.assign(std::size_t(triangles) * 64, glm::vec3(0));
@@ -248,7 +248,7 @@ TEST(VertexNormals, OfManyThatCancelGoByCorners) {
         }
     EXPECT_TRUE(path_of(folded).by_corners);
     EXPECT_GT(path_of(folded).open_vertices, 1024u);
-    EXPECT_EQ(normals_of(folded).fallbacks.size(), folded.vertex_count());
+    EXPECT_EQ(vertex_normals_of(folded).fallbacks.size(), folded.vertex_count());
     // Few vertices, many corners.
     Mesh cone = shapes::fan(20'000);
     for (glm::vec3& p : cone.positions)
@@ -317,8 +317,8 @@ TEST(VertexNormals, DoNotDependOnTheOrderOfWhatCancels) {
                                 {{0, 1, 2}, {0, 1, 3}, {0, 4, 5}, {0, 6, 1}});
     std::vector<std::uint32_t> order(mesh.face_count());
     std::iota(order.begin(), order.end(), 0u);
-    const auto first = bits(normals_of(mesh).normals);
-    do EXPECT_EQ(bits(normals_of(shapes::with_face_order(mesh, order)).normals), first);
+    const auto first = bits(vertex_normals_of(mesh).normals);
+    do EXPECT_EQ(bits(vertex_normals_of(shapes::with_face_order(mesh, order)).normals), first);
     while (std::next_permutation(order.begin(), order.end()));
 }
 
@@ -329,7 +329,7 @@ TEST(VertexNormals, KeepWhatDoublesTakeForEqual) {
         shapes::mesh_of({{0, -0x1p-60f, 0}, {1, 1, 1}, {0, 2, 2}, {1 - 0x1p-12f, 0.5f, 0.5f}},
                         {{0, 1, 2}, {0, 2, 3}});
     EXPECT_EQ(expect_corner_normals(folded), 4u);
-    EXPECT_NE(normals_of(folded).normals[0].x, 0);
+    EXPECT_NE(vertex_normals_of(folded).normals[0].x, 0);
     const Mesh needle = shapes::mesh_of(
         {{0, -0x1p-60f, 0}, {1, 1, 1}, {2 - 0x1p-6f, 2, 2}, {10, 0, 0}}, {{0, 1, 2}, {0, 2, 3}});
     EXPECT_EQ(expect_corner_normals(needle), 4u);
@@ -348,7 +348,7 @@ void expect_exact_sums(const Mesh& mesh) {
         corners[mesh.corner_vertices[c]].push_back(c);
     for (const auto& precision : names_of(Precision{})) {
         SCOPED_TRACE(precision.name);
-        const VertexNormals ours = normals_of(mesh, precision.value);
+        const VertexNormals ours = vertex_normals_of(mesh, precision.value);
         for (std::size_t v = 0; v < corners.size(); ++v) {
             EXPECT_NEAR(glm::length(glm::dvec3(ours.normals[v])), 1, 1e-7);
             if (corners[v].empty()) continue;
@@ -390,7 +390,7 @@ TEST(VertexNormals, SayWhereNothingIsDetermined) {
     const Mesh leaf =
         shapes::mesh_of({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {5, 5, 5}}, {{0, 1, 2}, {0, 2, 1}});
     for (const auto& precision : names_of(Precision{})) {
-        const VertexNormals ours = normals_of(leaf, precision.value);
+        const VertexNormals ours = vertex_normals_of(leaf, precision.value);
         ASSERT_EQ(ours.fallbacks.size(), 3u);
         for (std::uint32_t k = 0; k < 3; ++k) {
             EXPECT_EQ(ours.fallbacks[k].corner, k);
@@ -401,16 +401,16 @@ TEST(VertexNormals, SayWhereNothingIsDetermined) {
     }
     // Among others, by the corners of the whole.
     const Mesh sphere = shapes::icosphere(2);
-    const VertexNormals some = normals_of(shapes::joined(sphere, leaf));
+    const VertexNormals some = vertex_normals_of(shapes::joined(sphere, leaf));
     ASSERT_EQ(some.fallbacks.size(), 3u);
     for (std::uint32_t k = 0; k < 3; ++k)
         EXPECT_EQ(some.fallbacks[k].corner, sphere.corner_count() + k);
     const Mesh line = shapes::mesh_of({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, {{0, 1, 2}});
-    const VertexNormals ours = normals_of(line);
+    const VertexNormals ours = vertex_normals_of(line);
     ASSERT_EQ(ours.fallbacks.size(), 3u);
     EXPECT_EQ(ours.fallbacks[0].kind, prep::NormalFallback::none_defined);
     EXPECT_EQ(ours.normals[1], glm::vec3(0, 0, 1));
-    EXPECT_TRUE(normals_of(Mesh()).normals.empty());
+    EXPECT_TRUE(vertex_normals_of(Mesh()).normals.empty());
 }
 
 #if defined(__linux__)
@@ -433,7 +433,7 @@ TEST(VertexNormals, ReadNothingBehindThePositions) {
         VertexNormalOptions options;
         options.precision = precision;
         EXPECT_EQ(bits(prep::vertex_normals(view, options)->normals),
-                  bits(normals_of(mesh, precision).normals));
+                  bits(vertex_normals_of(mesh, precision).normals));
     }
     munmap(memory, pages + page);
 }
@@ -455,7 +455,8 @@ TEST(VertexNormals, LeaveOutFacesThatAreNotFinite) {
                                            corners.end());
             without.face_offsets.push_back(std::uint32_t(without.corner_vertices.size()));
         }
-        EXPECT_EQ(bits(normals_of(broken).normals), bits(normals_of(without).normals));
+        EXPECT_EQ(bits(vertex_normals_of(broken).normals),
+                  bits(vertex_normals_of(without).normals));
     }
 }
 
@@ -503,7 +504,7 @@ TEST(VertexNormals, AreTheSameOnAnyThreadsAndInstructions) {
                 }
             }
         }
-    EXPECT_EQ(normals_of(torus_with_leaves()).fallbacks.size(), 9u);
+    EXPECT_EQ(vertex_normals_of(torus_with_leaves()).fallbacks.size(), 9u);
 }
 
 // Accurate ones not at all; fast ones in their last bits.
@@ -520,11 +521,12 @@ TEST(VertexNormals, DependLittleOnTheOrderOfTriangles) {
     orders.push_back(order);
     std::shuffle(order.begin(), order.end(), random);
     orders.push_back(order);
-    const VertexNormals accurate = normals_of(mesh), fast = normals_of(mesh, Precision::fast);
+    const VertexNormals accurate = vertex_normals_of(mesh),
+                        fast = vertex_normals_of(mesh, Precision::fast);
     for (const auto& one : orders) {
         const Mesh other = shapes::with_face_order(mesh, one);
-        EXPECT_EQ(bits(normals_of(other).normals), bits(accurate.normals));
-        const VertexNormals changed = normals_of(other, Precision::fast);
+        EXPECT_EQ(bits(vertex_normals_of(other).normals), bits(accurate.normals));
+        const VertexNormals changed = vertex_normals_of(other, Precision::fast);
         for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
             EXPECT_LT(glm::length(changed.normals[v] - fast.normals[v]),
                       2 * float(prep::fast_normal_error));

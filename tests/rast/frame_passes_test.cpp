@@ -69,7 +69,7 @@ FramePass green_mean(std::uint32_t radius) {
     return pass;
 }
 
-rast::RenderPlan plan_of(const prep::PreparedScene& scene, const rast::RenderRequest& request) {
+rast::RenderPlan plan_for(const prep::PreparedScene& scene, const rast::RenderRequest& request) {
     auto plan = rast::plan(scene, request);
     if (!plan) throw std::runtime_error(to_string(plan.error()));
     return *std::move(plan);
@@ -78,7 +78,7 @@ rast::RenderPlan plan_of(const prep::PreparedScene& scene, const rast::RenderReq
 void add_pass(const prep::PreparedScene& scene, rast::RenderPlan& plan, FramePass pass) {
     rast::RenderRequest request = plan.request;
     rast::detail::add_pass(request, std::move(pass));
-    plan = plan_of(scene, request);
+    plan = plan_for(scene, request);
 }
 rast::Frame drawn(const prep::PreparedScene& scene, const rast::RenderPlan& plan) {
     auto frame = rast::render(scene, plan);
@@ -157,7 +157,7 @@ constexpr rast::Crop crops[] = {
 TEST(FramePasses, ThatDoNothingChangeNoByte) {
     const prep::PreparedScene scene = scene_with_edges();
     for (const auto& [way, request] : ways()) {
-        rast::RenderPlan plan = plan_of(scene, request);
+        rast::RenderPlan plan = plan_for(scene, request);
         const rast::Frame without = drawn(scene, plan);
         FramePass nothing;
         nothing.name = "nothing";
@@ -173,7 +173,7 @@ TEST(FramePasses, ThatDoNothingChangeNoByte) {
 // Radii of any size: what is beyond the largest picture is not there.
 TEST(FramePasses, HalosEndWithTheLargestPicture) {
     const prep::PreparedScene scene = scene_with_edges();
-    rast::RenderPlan plan = plan_of(scene, usual_request());
+    rast::RenderPlan plan = plan_for(scene, usual_request());
     FramePass far;
     far.radius = 1u << 31;
     far.run = [](const PassTask&) {};
@@ -186,7 +186,7 @@ TEST(FramePasses, SeeTheSameInPartsAsInTheWhole) {
     const prep::PreparedScene scene = scene_with_edges();
     for (const auto& [way, request] : ways())
         for (const std::uint32_t radius : {1u, 9u}) {
-            rast::RenderPlan plan = plan_of(scene, request);
+            rast::RenderPlan plan = plan_for(scene, request);
             add_pass(scene, plan, depth_mean(radius));
             ASSERT_EQ(plan.halo, radius);
             const rast::Frame whole = drawn(scene, plan);
@@ -205,7 +205,7 @@ TEST(FramePasses, SeeTheSameInPartsAsInTheWhole) {
 // What two passes look at lies as far away as both of them look.
 TEST(FramePasses, LookAsFarAsAllOfThem) {
     const prep::PreparedScene scene = scene_with_edges();
-    rast::RenderPlan plan = plan_of(scene, usual_request());
+    rast::RenderPlan plan = plan_for(scene, usual_request());
     add_pass(scene, plan, depth_mean(4));
     add_pass(scene, plan, green_mean(6));
     EXPECT_EQ(plan.halo, 10u);
@@ -222,7 +222,7 @@ TEST(FramePasses, MakeWhatPlainLoopsMake) {
     const prep::PreparedScene scene = scene_with_edges();
     rast::RenderRequest request = usual_request();
     request.keep_depth = request.keep_normals = true;
-    rast::RenderPlan plan = plan_of(scene, request);
+    rast::RenderPlan plan = plan_for(scene, request);
     const rast::Frame plain = drawn(scene, plan);
     add_pass(scene, plan, depth_mean(3));
     const rast::Frame frame = drawn(scene, plan);
@@ -243,7 +243,7 @@ TEST(FramePasses, MakeWhatPlainLoopsMake) {
 // those after it.
 TEST(FramePasses, BeforeTheMainOneRunOnceAPicture) {
     const prep::PreparedScene scene = scene_with_edges();
-    rast::RenderPlan plan = plan_of(scene, usual_request());
+    rast::RenderPlan plan = plan_for(scene, usual_request());
     int times = 0;
     FramePass before;
     before.before = true;
@@ -272,7 +272,7 @@ TEST(FramePasses, BeforeTheMainOneRunOnceAPicture) {
 // Buffers that are read and planes are there for the passes alone, and are counted.
 TEST(FramePasses, CostNothingWhereThereAreNone) {
     const prep::PreparedScene scene = scene_with_edges();
-    const rast::RenderPlan bare = plan_of(scene, usual_request());
+    const rast::RenderPlan bare = plan_for(scene, usual_request());
     EXPECT_EQ(bare.halo, 0u);
     EXPECT_TRUE(bare.passes.empty());
     rast::RenderPlan passing = bare;
@@ -306,7 +306,7 @@ TEST(FramePasses, AreInTheEstimatesOfMemory) {
         request.keep_depth = c.keeps_depth;
         if (c.bytes) request.pixels = rast::PixelFormat::bytes;
         request.band_bytes = 16 * 1024;
-        rast::RenderPlan plan = plan_of(scene, request);
+        rast::RenderPlan plan = plan_for(scene, request);
         const rast::Frame bare = drawn(scene, plan);
         const std::uint64_t beside = plan.memory_estimate - bare.counters.buffer_bytes;
         const std::uint64_t bare_rows = plan.band_rows;
@@ -331,7 +331,7 @@ TEST(FramePasses, AreInTheEstimatesOfMemory) {
         EXPECT_GE(most + tiles, plan.band_memory_estimate - beside);
     }
     // Planes of a pass before the main one are as large as it says.
-    rast::RenderPlan plan = plan_of(scene, usual_request());
+    rast::RenderPlan plan = plan_for(scene, usual_request());
     const std::uint64_t before = plan.memory_estimate;
     FramePass shadows;
     shadows.before = true;
@@ -382,9 +382,9 @@ TEST(FramePasses, AreInTheStepOfBands) {
         EXPECT_EQ(bands->reasons.at(0).value, plan.band_rows);
         return bands->run;
     };
-    EXPECT_FALSE(told(plan_of(scene, request)));
+    EXPECT_FALSE(told(plan_for(scene, request)));
     rast::detail::add_pass(request, depth_mean(3));
-    EXPECT_TRUE(told(plan_of(scene, request)));
+    EXPECT_TRUE(told(plan_for(scene, request)));
 }
 
 }  // namespace

@@ -12,7 +12,7 @@ namespace {
 using rast::Shading;
 using rast::TextureFilter;
 
-prep::ImageRef picture_of(std::uint32_t size) {
+prep::ImageRef picture_with(std::uint32_t size) {
     prep::Image image;
     image.width = image.height = size;
     image.channels = 3;
@@ -46,7 +46,7 @@ prep::PreparedScene two_spheres(bool textured, bool metallic) {
     for (const std::uint32_t size : {64u, 16u}) {
         prep::Texture texture;
         texture.image = std::uint32_t(scene.scene.images.size());
-        scene.scene.images.push_back(picture_of(size));
+        scene.scene.images.push_back(picture_with(size));
         scene.scene.textures.push_back(texture);
     }
     scene.scene.materials[0].diffuse_map.texture = 0;
@@ -74,7 +74,7 @@ const rast::PlanStep& step(const rast::RenderPlan& plan, const std::string& name
     return *found;
 }
 
-rast::RenderPlan plan_of(const prep::PreparedScene& scene, const rast::RenderRequest& request) {
+rast::RenderPlan planned(const prep::PreparedScene& scene, const rast::RenderRequest& request) {
     auto plan = rast::plan(scene, request);
     if (!plan) throw std::runtime_error(to_string(plan.error()));
     return *std::move(plan);
@@ -150,7 +150,7 @@ TEST(Pruning, FilesOfMapsWithoutUvsAreNotRead) {
     scene.scene.materials[0].diffuse_map.uv_set = 1;
     EXPECT_FALSE(warned("texture left out"));
     EXPECT_TRUE(warned("UV set"));
-    const rast::RenderPlan plan = plan_of(scene, small());
+    const rast::RenderPlan plan = planned(scene, small());
     EXPECT_EQ(plan.textures_read,
               (std::vector<bool>{false, false, false, true, false, false}));  // the normal map
     // One mesh that has them is enough.
@@ -191,7 +191,7 @@ TEST(Pruning, LevelsAreMadeWhenAPixelAsksForThem) {
     EXPECT_LE(levels(TextureFilter::trilinear, 120), 7u);
     // A ripmap of 64 by 64 has 49.
     EXPECT_LT(levels(TextureFilter::ripmap, 1200), 49u);
-    const rast::RenderPlan plan = plan_of(scene, request);
+    const rast::RenderPlan plan = planned(scene, request);
     EXPECT_TRUE(step(plan, "ripmap levels").run);
     EXPECT_FALSE(step(plan, "mip levels").run);
 }
@@ -234,8 +234,8 @@ TEST(Pruning, ColoursThatNobodyReadsAreNotShaded) {
     EXPECT_EQ(bare.counters.pixels_shaded, 0u);
     EXPECT_EQ(bare.counters.textures_read, 0u);
     EXPECT_EQ(bare.counters.buffer_bytes, 120u * 90 * 12);
-    EXPECT_EQ(plan_of(scene, request).memory_estimate,
-              plan_of(scene, small()).memory_estimate - 120u * 90 * 16 + 120u * 90 * 12);
+    EXPECT_EQ(planned(scene, request).memory_estimate,
+              planned(scene, small()).memory_estimate - 120u * 90 * 16 + 120u * 90 * 12);
     // Normals as they are lit read the normal map all the same.
     request.keep_normals = true;
     const rast::Frame normals = test::draw(scene, request);
@@ -280,7 +280,7 @@ TEST(Plan, NamesSamplesFiltersLevelsBuffersVariantsAndBands) {
     request.max_anisotropy = 4;
     request.keep_uvs = true;
     request.band_bytes = 120 * 24 * 10;
-    const rast::RenderPlan plan = plan_of(scene, request);
+    const rast::RenderPlan plan = planned(scene, request);
     EXPECT_TRUE(step(plan, "multisampling").run);
     EXPECT_NE(step(plan, "multisampling").reason.find('8'), std::string::npos);
     EXPECT_NE(step(plan, "texture filter").reason.find("up to 4"), std::string::npos);

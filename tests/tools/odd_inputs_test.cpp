@@ -23,7 +23,7 @@ using test::run_here;
 using test::TempDir;
 using test::write_text;
 
-std::string gzip(const std::string& text) {
+std::string gzipped(const std::string& text) {
     z_stream stream{};
     deflateInit2(&stream, 9, Z_DEFLATED, 16 + MAX_WBITS, 8, Z_DEFAULT_STRATEGY);
     std::string out(text.size() + 200, '\0');
@@ -84,7 +84,7 @@ TEST_F(OddInputs, NamedPipesAreReadOnce) {
     ASSERT_EQ(run_here({"prepare", at("plain/p.obj"), "-o", at("plain/p.glb")}).exit_code, 0);
     const std::string glb = file_text(dir_ / "plain/p.glb");
     const std::pair<const char*, std::string> pipes[] = {
-        {"p.obj", obj}, {"p", obj}, {"p.obj.gz", gzip(obj)}};
+        {"p.obj", obj}, {"p", obj}, {"p.obj.gz", gzipped(obj)}};
     for (const auto& [name, text] : pipes) {
         {
             const Pipe pipe(dir_ / name, text);
@@ -151,7 +151,7 @@ TEST_F(OddInputs, WhatAPipedModelIsReadFromStays) {
 TEST_F(OddInputs, WhatAPackedModelIsReadFromStays) {
     const std::string library = "newmtl m\nKd 1 0 0\n";
     write_text(dir_ / "a.mtl", library);
-    write_text(dir_ / "a.obj.gz", gzip("mtllib a.mtl\nusemtl m\n" + triangle));
+    write_text(dir_ / "a.obj.gz", gzipped("mtllib a.mtl\nusemtl m\n" + triangle));
     const test::Ran ran = run_here({"cost", at("a.obj.gz"), "--ladder", "normal-precision",
                                     "--rounds", "1", "--csv", at("a.mtl")});
     EXPECT_EQ(ran.exit_code, 1);
@@ -222,7 +222,7 @@ TEST_F(OddInputs, DescriptorsAreNoNeighbours) {
     const int library = ::open(at("m.mtl").c_str(), O_RDONLY | O_CLOEXEC);
     const std::string name = std::to_string(library);
     const std::string obj = "mtllib " + name + "\nusemtl m\n" + triangle;
-    for (const std::string& text : {obj, gzip(obj)}) {
+    for (const std::string& text : {obj, gzipped(obj)}) {
         int ends[2] = {};
         ASSERT_EQ(::pipe(ends), 0);
         ASSERT_EQ(::write(ends[1], text.data(), text.size()), ssize_t(text.size()));
@@ -291,9 +291,9 @@ TEST_F(OddInputs, LinksThatLeadNowhereAreNamed) {
 }
 
 TEST_F(OddInputs, PackedTwiceOrUnderAnotherEnding) {
-    write_text(dir_ / "a.obj.gz", gzip(gzip(triangle)));
-    write_text(dir_ / "b.obj.gz.gz", gzip(gzip(triangle)));
-    write_text(dir_ / "c.obj", gzip(triangle));
+    write_text(dir_ / "a.obj.gz", gzipped(gzipped(triangle)));
+    write_text(dir_ / "b.obj.gz.gz", gzipped(gzipped(triangle)));
+    write_text(dir_ / "c.obj", gzipped(triangle));
     write_text(dir_ / "d.glb", std::string("PK\x05\x06", 4) + std::string(18, '\0'));
     const std::string twice = "a gzip file is packed in this one; unpack it once, with gunzip";
     EXPECT_EQ(error_of("a.obj.gz"), twice);
@@ -310,15 +310,17 @@ TEST_F(OddInputs, EmptyOnesSaySoHoweverTheyArePacked) {
         EXPECT_EQ(error_of(name), "the file is empty") << name;
     }
     // Its name is a word of the message.
-    write_text(dir_ / "empty.gz", gzip(""));
+    write_text(dir_ / "empty.gz", gzipped(""));
     EXPECT_EQ(error_of("empty.gz"), "the file that is packed in it is empty");
 }
 
 // As gzip itself reads them: what is packed in pieces may begin with an empty one.
 TEST_F(OddInputs, EmptyMembersOfAGzipFileAreNothing) {
-    const std::string empty = gzip(""), half = triangle.substr(0, 20), rest = triangle.substr(20);
+    const std::string empty = gzipped(""), half = triangle.substr(0, 20),
+                      rest = triangle.substr(20);
     for (const std::string& packed :
-         {empty + gzip(triangle), empty + empty + gzip(half) + empty + gzip(rest) + empty}) {
+         {empty + gzipped(triangle),
+          empty + empty + gzipped(half) + empty + gzipped(rest) + empty}) {
         write_text(dir_ / "t.obj.gz", packed);
         const test::Ran ran = run_here({"inspect", at("t.obj.gz"), "--json"});
         EXPECT_EQ(ran.exit_code, 0) << ran.err;
@@ -330,8 +332,8 @@ TEST_F(OddInputs, EmptyMembersOfAGzipFileAreNothing) {
 }
 
 TEST_F(OddInputs, WhatFollowsAFileIsTold) {
-    write_text(dir_ / "a.obj.gz", gzip(triangle) + "rubbish");
-    write_text(dir_ / "b.obj.gz", gzip(triangle) + std::string(7, '\0'));
+    write_text(dir_ / "a.obj.gz", gzipped(triangle) + "rubbish");
+    write_text(dir_ / "b.obj.gz", gzipped(triangle) + std::string(7, '\0'));
     const std::string out = at("out.glb");
     const test::Ran told = run_here({"prepare", at("a.obj.gz"), "-o", out, "--json"});
     EXPECT_EQ(told.exit_code, 0);
@@ -426,7 +428,7 @@ TEST_F(OddInputs, ErrorsNameTheDirectoryOfTheirFile) {
 // What lies beside a packed file is named by its place, not by that of the unpacked one.
 TEST_F(OddInputs, PackedFilesAreSkippedWhereNothingChanged) {
     write_text(dir_ / "a.mtl", "newmtl m\nKd 1 0 0\n");
-    write_text(dir_ / "a.obj.gz", gzip("mtllib a.mtl\nusemtl m\n" + triangle));
+    write_text(dir_ / "a.obj.gz", gzipped("mtllib a.mtl\nusemtl m\n" + triangle));
     const auto run = [&] {
         return run_here({"prepare", at("a.obj.gz"), "-o", at("a.glb"), "--manifest",
                          at("made.json"), "--skip-unchanged", "--json"})
