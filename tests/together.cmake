@@ -24,7 +24,8 @@ set(tests_together
     "prep tessellation_screens tessellation_sources"
     "prep contained_mutations gltf_mend gltf_repair gltf_values mtl obj_names odd_files prepare_subdivide
      recover_quads repair_holes"
-    "prep image_damage obj_values off openmesh ply ply_colors repair scene_bytes"
+    "prep image_damage obj_values off openmesh ply ply_colors repair
+     repair_marks scene_bytes"
     "prep crease_fans obj prepare source_corners subdivide_attributes triangulate weld"
     "prep split stl tangents_cases tangents_identity topology"
     "prep assimp_motion contained height_map limit_surface subdivide"

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "gltf_maker.h"
+#include "invariants.h"
 #include "mesh_files.h"
 
 namespace {
@@ -187,6 +188,32 @@ TEST(GltfPrimitives, PointCloudsHaveTheirColoursByVertexWhiteWhereThereAreNone) 
     ASSERT_TRUE(scene) << test::error_of(scene);
     EXPECT_EQ(scene->meshes[0].vertex_colors,
               (std::vector<glm::vec4>{{1, 0, 0.25f, 1}, {0, 0.5f, 1, 1}, {1, 1, 1, 1}}));
+}
+
+// Joints without weights, weights without joints, and a number that is left out.
+TEST(GltfPrimitives, SetsOfJointsThatAreNotWholeMoveNothing) {
+    GltfMaker maker;
+    const std::size_t joints =
+        maker.accessor(std::vector<std::uint8_t>{1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12}, "VEC4");
+    const std::size_t weights = maker.accessor(Floats{1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, "VEC4");
+    const std::size_t a = add_positions(maker, 3), b = add_positions(maker, 3, 5);
+    maker.mesh({{{"attributes", {{"POSITION", a}, {"JOINTS_0", joints}, {"WEIGHTS_3", weights}}}},
+                {{"attributes", {{"POSITION", b}, {"JOINTS_1", joints}, {"WEIGHTS_1", weights}}}}});
+    const auto scene = maker.read();
+    ASSERT_TRUE(scene) << test::error_of(scene);
+    EXPECT_EQ(test::broken_promise(*scene), "");
+    const std::vector<prep::SkinInfluences>& sets = scene->meshes[0].skin_influences;
+    ASSERT_EQ(sets.size(), 4u);
+    for (const std::size_t s : {std::size_t(0), std::size_t(1), std::size_t(2), std::size_t(3)}) {
+        ASSERT_EQ(sets[s].joints.size(), 6u) << s;
+        ASSERT_EQ(sets[s].weights.size(), 6u) << s;
+    }
+    EXPECT_EQ(sets[0].joints[1].y, 6);
+    EXPECT_EQ(sets[0].weights[1], glm::vec4(0.0f));
+    EXPECT_EQ(sets[1].weights[1], glm::vec4(0.0f));
+    EXPECT_EQ(sets[1].weights[4], glm::vec4(1, 0, 0, 0));
+    EXPECT_EQ(sets[2].weights, std::vector<glm::vec4>(6, glm::vec4(0.0f)));
+    EXPECT_EQ(sets[3].weights[1], glm::vec4(1, 0, 0, 0));
 }
 
 TEST(GltfPrimitives, VerticesOfPrimitivesBeforeAndAfterTheOneWithColoursAreWhite) {

@@ -136,6 +136,52 @@ TEST(PrepareSubdivide, SeamsThatAreApproximateAreTold) {
     }
 }
 
+// Two squares side by side of which the second lacks UVs: its quarters lack them too, the first's
+// have those of the first alone. Where no face has all of its UVs there are none, rather than zeros
+// that a texture would be read at.
+TEST(PrepareSubdivide, FacesWithoutUvsTakeThemFromNoOther) {
+    const test::TempDir dir;
+    const std::string head =
+        "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 2 0 0\nv 2 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n";
+    const auto refined = [&](const std::string& faces) {
+        test::write_text(dir / "a.obj", head + faces);
+        auto scene = prep::load_scene(dir / "a.obj");
+        EXPECT_TRUE(scene);
+        auto prepared = prep::prepare(*std::move(scene), catmark(1));
+        EXPECT_TRUE(prepared) << to_string(prepared.error());
+        return *std::move(prepared);
+    };
+    const prep::PreparedScene both = refined("f 1/1 2/2 3/3 4/4\nf 2/2 5/1 6/4 3/3\n");
+    const prep::PreparedScene one = refined("f 1/1 2/2 3/3 4/4\nf 2 5 6 3\n");
+    // A face that has some of its UVs is as one that has none.
+    const prep::PreparedScene some = refined("f 1/1 2/2 3/3 4/4\nf 2/2 5/1 6 3\n");
+    const prep::PreparedScene alone = refined("f 1/1 2/2 3/3 4/4\n");
+    const prep::CornerLayer<glm::vec2>& uvs = one.scene.meshes[0].uvs.at(0);
+    const prep::CornerLayer<glm::vec2>& of_first = alone.scene.meshes[0].uvs.at(0);
+    ASSERT_EQ(uvs.indices.size(), 32u);
+    for (std::size_t c = 0; c < 32; ++c) {
+        if (c >= 16) {
+            EXPECT_EQ(uvs.indices[c], prep::no_index) << c;
+        } else {
+            EXPECT_EQ(uvs.values[uvs.indices[c]], of_first.values[of_first.indices[c]]) << c;
+        }
+    }
+    EXPECT_EQ(uvs.values.size(), 9u);
+    EXPECT_EQ(some.scene.meshes[0].uvs[0].indices, uvs.indices);
+    EXPECT_EQ(some.scene.meshes[0].uvs[0].values, uvs.values);
+    EXPECT_EQ(count(one, "partial-uv-set"), 0u);
+    EXPECT_EQ(count(some, "partial-uv-set"), 1u);
+    EXPECT_EQ(both.scene.meshes[0].uvs[0].values.size(), 15u);
+
+    const prep::PreparedScene none = refined("f 1/1 2/2 3/3 4\nf 2 5 6 3\n");
+    EXPECT_EQ(count(none, "partial-uv-set"), 1u);
+    EXPECT_TRUE(none.meshes[0].uvs.empty());
+    ASSERT_TRUE(prep::save_scene(none, dir / "a.glb"));
+    const auto written = prep::load_scene(dir / "a.glb");
+    ASSERT_TRUE(written) << to_string(written.error());
+    EXPECT_TRUE(written->meshes[0].uvs.empty());
+}
+
 TEST(PrepareSubdivide, ErrorsNameTheMesh) {
     prep::Mesh bad = shapes::cube();
     bad.name = "box";

@@ -463,6 +463,34 @@ TEST(Save, TexturesNeedUvs) {
     EXPECT_EQ(again->meshes[1].face_materials, std::vector<std::uint32_t>{1});
 }
 
+// A mesh whose only UVs are of set 1: formats that number sets without gaps have zeros before it,
+// those that hold one hold it, and nobody is told that it was left out.
+TEST(Save, TheOneSetOfUvsThereIsIsWritten) {
+    prep::Scene scene = triangle();
+    prep::Mesh& mesh = scene.meshes[0];
+    mesh.uvs.resize(2);
+    mesh.uvs[1].values = {{0.25f, 0.5f}, {0.5f, 0.5f}, {0.25f, 0.75f}};
+    mesh.uvs[1].indices = {0, 1, 2};
+    const std::vector<glm::vec2> own = mesh.uvs[1].values;
+    const auto prepared = prep::prepare(std::move(scene));
+    ASSERT_TRUE(prepared);
+    const test::TempDir dir;
+    for (const char* name : {"a.glb", "a.ply", "a.off", "a.obj"}) {
+        const auto notes = prep::save_scene(*prepared, dir / name);
+        ASSERT_TRUE(notes) << prep::to_string(notes.error());
+        for (const std::string& note : *notes)
+            EXPECT_EQ(note.find("UV set"), std::string::npos) << name << ": " << note;
+        const auto again = prep::load_scene(dir / name);
+        ASSERT_TRUE(again) << prep::to_string(again.error());
+        const auto& sets = again->meshes[0].uvs;
+        const bool gltf = std::string(name) == "a.glb";
+        ASSERT_EQ(sets.size(), gltf ? 2u : 1u) << name;
+        EXPECT_EQ(sets.back().values, own) << name;
+        if (!gltf) continue;
+        for (const glm::vec2& uv : sets[0].values) EXPECT_EQ(uv, glm::vec2(0.0f));
+    }
+}
+
 TEST(ObjRoundTrip, PolygonsNegativeIndicesAndPartialAttributes) {
     expect_obj_round_trip(
         "v 0.1 -0 1e-42\nv 3.4e38 0 0\nv 1 1 0\nv 0 1 0\nv 0.5 2 0\nv nan inf 0\n"

@@ -60,6 +60,65 @@ TEST(WorldTransforms, ParentsComeFirstWhateverTheOrder) {
     EXPECT_EQ(world[2][3], glm::dvec4(0, 20, 100, 1));
 }
 
+// What a program may get wrong when it fills lists by hand, each named by the list.
+TEST(RequireConsistent, NamesTheListThatIsNot) {
+    const auto sound = [] {
+        prep::Scene scene;
+        prep::Mesh mesh;
+        mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+        mesh.face_offsets = {0, 3};
+        mesh.corner_vertices = {0, 1, 2};
+        mesh.uvs.resize(1);
+        mesh.uvs[0].values = {{0, 0}};
+        mesh.uvs[0].indices = {0, 0, prep::no_index};
+        scene.meshes = {mesh, prep::Mesh()};
+        scene.meshes[1].face_offsets.clear();
+        scene.nodes.resize(2);
+        scene.nodes[0].mesh = 1;
+        scene.nodes[1].parent = 0;
+        return scene;
+    };
+    EXPECT_TRUE(prep::require_consistent(sound()));
+    EXPECT_TRUE(prep::require_consistent({}));
+    const struct {
+        const char* name;
+        void (*change)(prep::Scene&);
+    } cases[] = {
+        {"corner", [](prep::Scene& s) { s.meshes[0].corner_vertices[1] = 3; }},
+        {"face",
+         [](prep::Scene& s) {
+             s.meshes[0].face_offsets = {0, 2};
+         }},
+        {"face",
+         [](prep::Scene& s) {
+             s.meshes[0].face_offsets = {0, 3, 3000000};
+         }},
+        {"face", [](prep::Scene& s) { s.meshes[0].face_offsets.clear(); }},
+        {"UV", [](prep::Scene& s) { s.meshes[0].uvs[0].indices[1] = 1; }},
+        {"UV", [](prep::Scene& s) { s.meshes[0].uvs[0].indices.pop_back(); }},
+        {"line",
+         [](prep::Scene& s) {
+             s.meshes[0].line_vertices = {0, 7};
+         }},
+        {"attribute",
+         [](prep::Scene& s) {
+             s.meshes[0].vertex_attributes = {{"_A", 3, {1}}};
+         }},
+        {"node", [](prep::Scene& s) { s.nodes[0].parent = 1; }},
+        {"node", [](prep::Scene& s) { s.nodes[0].mesh = 2; }},
+        {"node", [](prep::Scene& s) { s.nodes[0].camera = 0; }},
+        {"node", [](prep::Scene& s) { s.nodes[0].light = 0; }},
+        {"texture", [](prep::Scene& s) { s.textures.resize(1), s.textures[0].image = 5; }}};
+    for (const auto& c : cases) {
+        prep::Scene scene = sound();
+        c.change(scene);
+        const auto checked = prep::require_consistent(scene);
+        ASSERT_FALSE(checked) << c.name << ", case " << &c - cases;
+        EXPECT_EQ(checked.error().code, prep::ErrorCode::invalid);
+        EXPECT_NE(checked.error().text.find(c.name), std::string::npos) << checked.error().text;
+    }
+}
+
 TEST(BlinnPhong, ExponentIsThatOfTheMicrofacetsWidthUpToItsLimit) {
     for (const double roughness : {0.2, 0.3, 0.5, 0.7, 0.9}) {
         const double alpha = roughness * roughness, expected = 2 / (alpha * alpha) - 2;

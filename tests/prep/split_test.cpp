@@ -88,6 +88,20 @@ TEST(Split, WithoutAttributesNothingIsSplit) {
     split_oracle::expect_right(mesh, out);
 }
 
+// Sets keep their numbers; one that the mesh has not is not there, rather than full of zeros.
+TEST(Split, UvSetsThatAreNotThereStayAway) {
+    Mesh mesh = shapes::cube();
+    mesh.uvs.resize(3);
+    mesh.uvs[1].values = {{0.25f, 0.5f}};
+    mesh.uvs[1].indices.assign(mesh.corner_count(), 0);
+    const VertexMesh split = split_of(mesh);
+    ASSERT_EQ(split.uvs.size(), 2u);
+    EXPECT_TRUE(split.uvs[0].empty());
+    EXPECT_EQ(split.uvs[1], std::vector<glm::vec2>(split.vertex_count(), glm::vec2(0.25f, 0.5f)));
+    mesh.uvs[1] = {};
+    EXPECT_TRUE(split_of(mesh).uvs.empty());
+}
+
 TEST(Split, HardCubeHasTwentyFourVerticesSmoothOneEight) {
     Mesh mesh = shapes::cube();
     HardEdges hard = add_normals(mesh);

@@ -28,6 +28,13 @@ VectorMapOptions object_space() {
     return options;
 }
 
+SkinInfluences unweighted(const Mesh& mesh) {
+    SkinInfluences set;
+    set.joints.resize(mesh.vertex_count());
+    set.weights.resize(mesh.vertex_count());
+    return set;
+}
+
 // Two charts, one of them turned and mirrored, of two quads that share an edge; and a third face
 // across two of its edges, so that seams meet at a point.
 Mesh seamed() {
@@ -377,7 +384,7 @@ TEST(TessellationSources, MovingMeshesStayAsTheyAre) {
         Scene scene;
         scene.meshes = {unit_quad(), unit_quad()};
         if (skin)
-            scene.meshes[0].skin_influences.emplace_back();
+            scene.meshes[0].skin_influences.push_back(unweighted(scene.meshes[0]));
         else
             scene.meshes[0].morph_targets.emplace_back();
         PrepareOptions options;
@@ -436,7 +443,7 @@ TEST(TessellationSources, MaterialsOfMeshesThatAreNotBakedGetNoResidual) {
             Scene scene = both;
             Mesh& mesh = scene.meshes[odd];
             mesh.name = "odd";
-            if (which == skin) mesh.skin_influences.emplace_back();
+            if (which == skin) mesh.skin_influences.push_back(unweighted(mesh));
             if (which == without_uvs) mesh.uvs.clear();
             if (which == repeated)
                 for (glm::vec2& uv : mesh.uvs[0].values) uv *= 100.0F;
@@ -556,7 +563,7 @@ TEST(TessellationSources, MaterialsMapsHaveTheirMidlevelAndStayWhereTheyAreNeede
     for (const glm::vec3& p : made->meshes[1].positions) EXPECT_NEAR(p.z, 1, 1e-6);
     EXPECT_FALSE(made->scene.materials[0].displacement_map);
     EXPECT_EQ(finding_of(*made, "displacement-map-kept"), nullptr);
-    scene.meshes[0].skin_influences.emplace_back();
+    scene.meshes[0].skin_influences.push_back(unweighted(scene.meshes[0]));
     const auto kept = prepare(scene, options);
     ASSERT_TRUE(kept) << to_string(kept.error());
     for (const glm::vec3& p : kept->meshes[0].positions) EXPECT_EQ(p.z, 0);

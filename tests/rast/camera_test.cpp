@@ -270,6 +270,32 @@ TEST(CameraView, IsThePlansWhereTheSceneHasOneAndTheRequestDoesNotSay) {
     expect_near(rast::plan(scene, request)->view.eye(), {1, 2, 3});
 }
 
+// Lines and points are not drawn, wherever they are.
+TEST(WorldBounds, AreOfWhatIsDrawn) {
+    prep::Scene scene;
+    prep::Mesh mesh;
+    mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1000, 0, 0}, {0, 1000, 0}, {0, 0, 1000}};
+    mesh.face_offsets = {0, 3};
+    mesh.corner_vertices = {0, 1, 2};
+    mesh.points = {3};
+    mesh.line_vertices = {4, 5};
+    mesh.line_offsets = {0, 2};
+    scene.meshes.push_back(mesh);
+    scene.nodes.resize(1);
+    scene.nodes[0].mesh = 0;
+    const auto prepared = prep::prepare(scene);
+    ASSERT_TRUE(prepared);
+    const auto bounds = rast::world_bounds(*prepared);
+    ASSERT_TRUE(bounds.has_value());
+    EXPECT_EQ(bounds->low, glm::dvec3(0, 0, 0));
+    EXPECT_EQ(bounds->high, glm::dvec3(1, 1, 0));
+    scene.meshes[0].face_offsets = {0};
+    scene.meshes[0].corner_vertices.clear();
+    const auto loose = prep::prepare(scene);
+    ASSERT_TRUE(loose);
+    EXPECT_FALSE(rast::world_bounds(*loose).has_value());
+}
+
 TEST(WorldBounds, AreOfEveryInstanceAboutItsOrigin) {
     prep::PreparedScene scene = box_scene({-1, -2, -3}, {1, 2, 3});
     scene.meshes[0].origin = {100, 0, 0};

@@ -94,6 +94,25 @@ TEST(Exposure, LeavesOutWhatIsNoNumber) {
     } while (std::next_permutation(order.begin(), order.end()));
 }
 
+TEST(Exposure, IsThatOfTheCoverageWithoutItsColours) {
+    const prep::PreparedScene scene = lit_floor();
+    rast::RenderRequest request = request_under(40);
+    const rast::FoundExposure plain = found(scene, request);
+    request.coverage = rast::Coverage::area;
+    request.alpha_alone = true;
+    EXPECT_EQ(found(scene, request).exposure, plain.exposure);
+}
+
+TEST(Exposure, OfNoPictureIsAnError) {
+    const prep::PreparedScene scene = lit_floor();
+    rast::SceneRenderer renderer(scene);
+    for (const bool wide : {false, true}) {
+        rast::RenderRequest request = request_under(1);
+        (wide ? request.height : request.width) = 0;
+        EXPECT_FALSE(rast::find_exposure(renderer, scene, request));
+    }
+}
+
 TEST(Exposure, IsOneOfThePictureWhateverPartOrBufferIsAskedFor) {
     const prep::PreparedScene scene = lit_floor();
     const rast::RenderRequest whole = request_under(300);

@@ -78,6 +78,35 @@ TEST(PlanReads, AreWithinWhatIsProvidedAndAllOfItForOnePicture) {
     EXPECT_GE(seen.size(), 12u);  // they do differ
 }
 
+// A map whose UVs the mesh has not, though it has others, is neither read nor drawn.
+TEST(PlanReads, OfASetThatIsNotThereThereAreNone) {
+    prep::Scene scene;
+    prep::Mesh mesh;
+    mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    mesh.face_offsets = {0, 3};
+    mesh.corner_vertices = {0, 1, 2};
+    mesh.face_materials = {0};
+    mesh.uvs.resize(2);
+    mesh.uvs[1].values = {{0.5f, 0.5f}};
+    mesh.uvs[1].indices = {0, 0, 0};
+    scene.meshes.push_back(mesh);
+    scene.nodes.resize(1);
+    scene.nodes[0].mesh = 0;
+    scene.images.resize(1);
+    scene.textures.resize(1);
+    scene.textures[0].image = 0;
+    scene.materials.resize(1);
+    scene.materials[0].diffuse_map.texture = 0;
+    for (const std::uint32_t set : {0u, 1u}) {
+        scene.materials[0].diffuse_map.uv_set = set;
+        const auto prepared = prep::prepare(scene);
+        ASSERT_TRUE(prepared);
+        const auto reads = rast::reads_of(*prepared, plan_of(*prepared, {}));
+        const std::vector<std::uint32_t> sets(set, 1u);
+        EXPECT_EQ(reads[0].uv_sets, sets) << set;
+    }
+}
+
 // A picture that draws other materials calls for what a scene that has them calls for.
 TEST(PlanReads, OfMaterialsInPlaceOfOthersAreThoseOfASceneThatHasThem) {
     int apart = 0, several = 0;

@@ -196,14 +196,17 @@ TEST_F(PixelError, StrayVerticesFrameNothing) {
             const std::string face = "f 1/1 2/2 3/3 4/4";
             return moved.replace(moved.find(face), face.size(), "f 2/1 3/2 4/3 5/4");
         }());
-    std::array<std::size_t, 2> counts{};
-    for (const bool stray : {false, true}) {
-        ASSERT_NO_FATAL_FAILURE(prepare(stray ? "stray.obj" : "square.obj",
-                                        {"--pixel-error", "0.5", "--camera", "20,30"}));
-        counts[stray] = mesh_.face_count();
+    // Nor is a point, or a line.
+    const std::string stray = test::file_text(dir_ / "stray.obj");
+    test::write_text(dir_ / "point.obj", stray + "p 1\n");
+    test::write_text(dir_ / "line.obj", stray + "l 1 2\n");
+    std::vector<std::size_t> counts;
+    for (const char* const name : {"square.obj", "stray.obj", "point.obj", "line.obj"}) {
+        ASSERT_NO_FATAL_FAILURE(prepare(name, {"--pixel-error", "0.5", "--camera", "20,30"}));
+        counts.push_back(mesh_.face_count());
     }
     EXPECT_GT(counts[0], 1000U);
-    EXPECT_EQ(counts[0], counts[1]);
+    EXPECT_EQ(counts, std::vector<std::size_t>(4, counts[0]));
 }
 
 // In a valley of the relief: ground before, behind, beside and above the eye.

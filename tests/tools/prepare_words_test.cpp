@@ -191,7 +191,7 @@ TEST_F(PrepareWords, PrecisionIsThatOfTheArithmetic) {
 
 // An option about normals that were not made is in no output: the file's own were kept, or its
 // smoothing groups decided. Three faces of a cube's corner, which turn by 90°.
-TEST_F(PrepareWords, ThatChangeNothingAreWarnedOf) {
+TEST_F(PrepareWords, ThatChangeNothingAreTold) {
     const std::string points = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n";
     const std::string vn = "vn 0.6 0 0.8\n";
     const std::string bare = points + "f 1 2 3\nf 1 3 4\nf 1 4 2\n";
@@ -202,14 +202,16 @@ TEST_F(PrepareWords, ThatChangeNothingAreWarnedOf) {
     // Another mesh that the angle decides.
     const std::string mixed = own + "o other\nv 5 0 0\nv 6 0 0\nv 5 1 0\nf 5 6 7\n";
     using Words = std::vector<std::string>;
-    const auto warnings = [&](const std::string& obj, const Words& options) {
+    const auto remarks = [&](const std::string& obj, const Words& options) {
         test::write_text(dir_ / "a.obj", obj);
         Words words = {"prepare", (dir_ / "a.obj").string(), "-o", (dir_ / "a.glb").string(),
                        "--json"};
         words.insert(words.end(), options.begin(), options.end());
         const test::Ran ran = run_here(words);
         EXPECT_EQ(ran.exit_code, 0) << ran.err;
-        return ran.json()["files"][0]["warnings"].get<Words>();
+        const nlohmann::json file = ran.json()["files"][0];
+        EXPECT_TRUE(file["warnings"].empty()) << file["warnings"];
+        return file.contains("remarks") ? file["remarks"].get<Words>() : Words();
     };
     const Words kept = {
         "--hard-angle, --weight changed nothing, as the file's own normals are kept: --normals "
@@ -222,18 +224,24 @@ TEST_F(PrepareWords, ThatChangeNothingAreWarnedOf) {
         words.insert(words.end(), more.begin(), more.end());
         return words;
     };
-    EXPECT_EQ(warnings(own, two), kept);
-    EXPECT_EQ(warnings(grouped, two), by_groups);
-    EXPECT_EQ(warnings(both, two), kept);
-    EXPECT_EQ(warnings(both, with(two, {"--normals", "replace"})), by_groups);
+    EXPECT_EQ(remarks(own, two), kept);
+    EXPECT_EQ(remarks(grouped, two), by_groups);
+    EXPECT_EQ(remarks(both, two), kept);
+    EXPECT_EQ(remarks(both, with(two, {"--normals", "replace"})), by_groups);
+    EXPECT_EQ(remarks(own, {"--tangents", "mikktspace"}),
+              Words{"--tangents made none, as no mesh has the UVs for them"});
     // What did change something, and what was not asked for.
-    EXPECT_EQ(warnings(bare, two), Words());
-    EXPECT_EQ(warnings(own, {}), Words());
-    EXPECT_EQ(warnings(grouped, {"--weight", "angle"}), Words());
-    EXPECT_EQ(warnings(own, with(two, {"--normals", "replace"})), Words());
-    EXPECT_EQ(warnings(grouped, with(angle, {"--smoothing-groups", "off"})), Words());
-    EXPECT_EQ(warnings(mixed, angle), Words());
-    EXPECT_EQ(warnings(both, with(angle, {"--subdivide", "catmark:1"})), Words());
+    EXPECT_EQ(remarks(own, {"--tangents", "auto"}), Words());
+    EXPECT_EQ(remarks(bare, two), Words());
+    EXPECT_EQ(remarks(own, {}), Words());
+    EXPECT_EQ(remarks(grouped, {"--weight", "angle"}), Words());
+    EXPECT_EQ(remarks(own, with(two, {"--normals", "replace"})), Words());
+    EXPECT_EQ(remarks(grouped, with(angle, {"--smoothing-groups", "off"})), Words());
+    EXPECT_EQ(remarks(mixed, angle), Words());
+    EXPECT_EQ(remarks(both, with(angle, {"--subdivide", "catmark:1"})), Words());
+    const std::string loose = points + vn + "vn 0 0 1\nl 1 2\nf 1//1 2//1 3//1\n";
+    EXPECT_EQ(remarks(loose, with(angle, {"--normals", "replace", "--for", "shading=flat"})),
+              Words());
 }
 
 }  // namespace

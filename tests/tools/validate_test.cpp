@@ -44,6 +44,30 @@ TEST(Validate, ThePageHoldsNoTimes) {
     EXPECT_NE(text.find("Stages"), std::string::npos);
 }
 
+// A mesh whose UVs are of set 1 alone: nothing lies on a checker, and no UV is mirrored.
+TEST(Validate, ShowsMeshesWithoutTheFirstSetOfUvs) {
+    const test::TempDir dir;
+    test::GltfText::Primitive p;
+    p.name = "second";
+    p.positions = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+    p.uvs = {0, 0, 1, 0, 0, 1};
+    p.indices = {0, 1, 2};
+    test::GltfText text;
+    text.add(p);
+    std::string gltf = text.text("");
+    const std::size_t set = gltf.find("TEXCOORD_0");
+    ASSERT_NE(set, std::string::npos);
+    gltf.replace(set, 10, "TEXCOORD_1");
+    test::write_text(dir / "second.gltf", gltf);
+    const test::Ran ran = test::run_here({"validate", (dir / "second.gltf").string(), "-o",
+                                          (dir / "out").string(), "--panel", "64"});
+    EXPECT_EQ(ran.exit_code, 0) << ran.err;
+    std::string page;
+    for (const auto& entry : std::filesystem::directory_iterator(dir / "out"))
+        if (entry.path().extension() == ".html") page = test::file_text(entry.path());
+    EXPECT_NE(page.find("No UVs in the file."), std::string::npos);
+}
+
 TEST(Validate, CountsTheMaterialsOfTheMesh) {
     const TempDir dir;
     test::write_text(dir / "m.mtl", "newmtl a\nKd 1 0 0\nnewmtl b\nKd 0 1 0\nnewmtl c\nKd 0 0 1\n");

@@ -34,7 +34,7 @@ std::string not_manifold(std::uint64_t edges, std::uint64_t vertices) {
 }  // namespace
 
 bool mirrored_uv(const prep::VertexMesh& mesh, std::size_t t) {
-    if (mesh.uvs.empty()) return false;
+    if (mesh.uvs.empty() || mesh.uvs[0].empty()) return false;
     const std::vector<glm::vec2>& uv = mesh.uvs.front();
     const std::uint32_t* i = &mesh.indices[3 * t];
     const glm::dvec2 a(uv[i[0]]), b = glm::dvec2(uv[i[1]]) - a, c = glm::dvec2(uv[i[2]]) - a;

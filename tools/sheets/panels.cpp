@@ -64,7 +64,7 @@ class PanelDrawing {
             vertices_ += mesh.vertex_count();
             with_normals_ |= !mesh.normals.empty();
             with_tangents_ |= !mesh.tangents.empty();
-            with_uvs_ |= !mesh.uvs.empty();
+            with_uvs_ |= !mesh.uvs.empty() && !mesh.uvs[0].empty();
             for (const prep::VertexMesh::Range& range : mesh.ranges)
                 normal_mapped_ |= bool(materials_[range.material].normal_map);
             colors_.push_back(std::exchange(mesh.colors, {}));

@@ -100,8 +100,10 @@ rast::View fitted_view(const prep::PreparedScene& scene, double azimuth, double 
         const prep::VertexMesh& mesh = scene.meshes[m];
         const glm::dmat3 linear(world[n]);
         const glm::dvec3 offset = linear * mesh.origin + glm::dvec3(world[n][3]) - centre;
-        for (const glm::vec3& position : mesh.positions) {
-            const glm::dvec3 p = rotation * (linear * glm::dvec3(position) + offset);
+        const std::vector<bool> drawn = rast::drawn_vertices(mesh);
+        for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
+            if (!drawn.empty() && !drawn[v]) continue;
+            const glm::dvec3 p = rotation * (linear * glm::dvec3(mesh.positions[v]) + offset);
             if (!finite(p)) continue;
             right = std::max(right, p.x + t * p.z);
             left = std::max(left, -p.x + t * p.z);

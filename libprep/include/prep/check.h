@@ -77,7 +77,7 @@ struct MeshSummary {
 
 struct MeshCheck {
     MeshSummary summary;
-    std::vector<Finding> findings;  // ordered as in the list above
+    std::vector<Finding> findings;  // those of vertices first, then as in the list above
 };
 
 struct CheckOptions {

@@ -81,7 +81,8 @@ struct LoadOptions {
 };
 
 // By ending, with a look at the first bytes where the ending is unknown.
-// Errors: io, syntax (place = file:line or file#/json/path), unsupported, limit.
+// Errors: io, syntax (place = file:line or file#/json/path), invalid (values that contradict each
+// other, and what is not the format of its ending), unsupported, limit.
 Result<Scene> load_scene(const std::filesystem::path& path, const LoadOptions& options = {});
 
 // For what needs something to convert or to draw: an error (invalid) where the scene has no faces,

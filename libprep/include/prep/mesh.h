@@ -218,7 +218,7 @@ struct VertexMesh {
     std::vector<glm::vec3> positions;
     std::vector<glm::vec3> normals;              // empty or one per vertex
     std::vector<glm::vec4> tangents;             // empty or one per vertex
-    std::vector<std::vector<glm::vec2>> uvs;     // per set: one per vertex
+    std::vector<std::vector<glm::vec2>> uvs;     // per set: one per vertex; none: not there
     std::vector<std::vector<glm::vec4>> colors;  // per set: one per vertex
 
     std::vector<std::uint32_t> indices;         // three per triangle

@@ -13,6 +13,7 @@
 #include "prep/enum_names.h"
 #include "prep/material.h"
 #include "prep/mesh.h"
+#include "prep/result.h"
 
 namespace prep {
 
@@ -173,6 +174,12 @@ struct Scene {
     std::vector<std::string> remarks;
 };
 
+// For scenes that a program made or changed by hand: an error (invalid) that names the first list
+// whose indices, sizes or offsets break what mesh.h and this header say of it, nodes that are their
+// own ancestors among it. Loaders give no such scene; what functions make of one is not defined.
+// O(scene).
+Result<void> require_consistent(const Scene& scene);
+
 // World transform of every node, parents applied first. O(nodes).
 std::vector<glm::dmat4> world_transforms(const Scene& scene);
 
@@ -184,7 +191,8 @@ void instance_unused_meshes(Scene& scene);
 
 // Scales the scene and turns its `up` axis to y (x to y about z, z to y about x), by a node above
 // all others; the cameras' clip planes and the lights' ranges follow. `scale` is finite and over 0.
-// Nothing is added where nothing changes.
+// Nothing is added where nothing changes. Once for a scene: Placement, and a document that is
+// written back, hold one.
 void place_scene(Scene& scene, double scale, Axis up);
 
 }  // namespace prep

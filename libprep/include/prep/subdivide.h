@@ -115,7 +115,7 @@ struct SubdividedMesh {
     float largest_dropped_weight = 0;
     std::uint64_t fallback_normals = 0;  // normals where the derivatives do not give one
     std::uint64_t holes = 0;             // cage faces that are left out
-    // Sets that do not cover every corner.
+    // Sets of which a face has some values, and not all (or one that is not finite): it has none.
     std::uint64_t uv_sets_left_out = 0, color_sets_left_out = 0;
     // The file's own attributes with numbers that are not finite: they would spread to neighbours.
     std::uint64_t attributes_left_out = 0;

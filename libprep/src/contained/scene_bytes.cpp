@@ -1,7 +1,7 @@
 #include "contained/scene_bytes.h"
 
 #include "contained/bytes.h"
-#include "contained/scene_promises.h"
+#include "model/scene_promises.h"
 
 namespace prep::detail {
 

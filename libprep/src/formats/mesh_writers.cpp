@@ -47,7 +47,7 @@ struct Flat {
 
     bool moved() const { return !doubles.empty(); }
     std::size_t vertices() const { return moved() ? doubles.size() : floats.size(); }
-    std::size_t faces() const { return face_offsets.size() - 1; }
+    std::size_t faces() const { return face_offsets.empty() ? 0 : face_offsets.size() - 1; }
     glm::dvec3 position(std::size_t v) const {
         return moved() ? doubles[v] : glm::dvec3(floats[v]);
     }
@@ -62,6 +62,14 @@ struct Instance {
 
 void note_once(std::vector<std::string>& notes, const std::string& text) {
     if (std::find(notes.begin(), notes.end(), text) == notes.end()) notes.push_back(text);
+}
+
+// Formats that hold one set get the first that the mesh has.
+const std::vector<glm::vec2>& first_uvs(const VertexMesh& mesh) {
+    static const std::vector<glm::vec2> none;
+    const auto set = std::find_if(mesh.uvs.begin(), mesh.uvs.end(),
+                                  [](const auto& uvs) { return !uvs.empty(); });
+    return set == mesh.uvs.end() ? none : *set;
 }
 
 template <class List, class T>
@@ -104,8 +112,7 @@ void append_instance(const Instance& instance, bool moved, bool normals, bool ta
             t = glm::vec4(glm::vec3(unit(linear * glm::dvec3(glm::vec3(t)))), t.w * float(sign));
         }
     }
-    append_or_fill(to.uvs, uvs, mesh.uvs.empty() ? std::vector<glm::vec2>() : mesh.uvs[0],
-                   mesh.vertex_count(), glm::vec2(0.0f));
+    append_or_fill(to.uvs, uvs, first_uvs(mesh), mesh.vertex_count(), glm::vec2(0.0f));
     append_or_fill(to.colors, colors,
                    mesh.colors.empty() ? std::vector<glm::vec4>() : mesh.colors[0],
                    mesh.vertex_count(), glm::vec4(1.0f));
@@ -152,13 +159,14 @@ Result<void> flatten(const PreparedScene& prepared, const char* format,
         moved |= instances.back().moved();
         normals |= !mesh.normals.empty();
         tangents |= !mesh.tangents.empty();
-        uvs |= !mesh.uvs.empty();
+        uvs |= !first_uvs(mesh).empty();
         colors |= !mesh.colors.empty();
         flat.points += mesh.points.size();
         vertices += mesh.vertex_count();
         corners += std::max(mesh.corner_vertices.size(), mesh.indices.size());
         if (seen.insert(m).second) unused += unused_vertices(mesh, prepared.scene.meshes[m]);
-        if (mesh.uvs.size() > 1)
+        if (std::count_if(mesh.uvs.begin(), mesh.uvs.end(),
+                          [](const auto& set) { return !set.empty(); }) > 1)
             note_once(notes, fmt::format("{} holds one UV set: the others are left out", format));
     }
     if (vertices >= no_index || corners >= no_index)
@@ -178,7 +186,7 @@ Result<void> flatten(const PreparedScene& prepared, const char* format,
         flat.floats = mesh.positions;
         flat.normals = mesh.normals;
         flat.tangents = mesh.tangents;
-        if (uvs) flat.uvs = mesh.uvs[0];
+        flat.uvs = first_uvs(mesh);
         if (colors) flat.colors = mesh.colors[0];
         flat.face_offsets = instances[0].source->face_offsets;
         flat.corner_vertices = mesh.corner_vertices;

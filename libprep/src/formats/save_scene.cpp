@@ -114,13 +114,21 @@ void note_non_finite(const PreparedScene& prepared, const FormatHolds& holds,
     if (holds.corner_values) {
         for (const Mesh& mesh : prepared.scene.meshes) {
             vertices += count_in(mesh.positions);
-            if (!mesh.uvs.empty()) uvs += count_in(mesh.uvs[0].values);
+            for (const CornerLayer<glm::vec2>& set : mesh.uvs)
+                if (!set.empty()) {
+                    uvs += count_in(set.values);
+                    break;
+                }
             if (!mesh.colors.empty()) colors += count_in(mesh.colors[0].values);
         }
     } else {
         for (const VertexMesh& mesh : prepared.meshes) {
             vertices += count_in(mesh.positions);
-            if (!mesh.uvs.empty()) uvs += count_in(mesh.uvs[0]);
+            for (const std::vector<glm::vec2>& set : mesh.uvs)
+                if (!set.empty()) {
+                    uvs += count_in(set);
+                    break;
+                }
             if (!mesh.colors.empty()) colors += count_in(mesh.colors[0]);
         }
     }

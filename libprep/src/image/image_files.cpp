@@ -20,6 +20,8 @@ struct ImageFiles::State {
     std::vector<Open> open;
 
     Result<void> write(std::size_t file, const void* values, std::size_t count, bool words) {
+        if (file >= open.size())
+            return Error{ErrorCode::invalid, "no file of this number was opened", {}};
         Open& to = open[file];
         const std::size_t row = std::size_t(to.layout.width) * to.layout.channels.size();
         const std::size_t rows = count / row;

@@ -34,6 +34,9 @@ Result<void> check_faces(const Mesh& mesh, SubdivisionScheme scheme) {
                             "triangulate the mesh or use catmark",
                             size),
                 place_of(mesh, "face", f)};
+        if (size < 3)
+            return Error{ErrorCode::invalid, fmt::format("face {} has fewer than 3 corners", f),
+                         place_of(mesh, "face", f)};
         if (size > max_subdivision_valence)
             return Error{ErrorCode::limit,
                          fmt::format("a face of {} corners; subdivision takes at most {}: split it",

@@ -1,9 +1,11 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <unordered_map>
 
 #include "prep/face_normals.h"
 #include "repair/repair_steps.h"
+#include "surface/corner_steps.h"
 
 namespace prep::detail {
 namespace {
@@ -132,6 +134,84 @@ std::uint32_t copy_vertex(Mesh& mesh, std::uint32_t vertex) {
     if (!mesh.vertex_colors.empty())
         mesh.vertex_colors.push_back(glm::vec4(mesh.vertex_colors[vertex]));
     return copy;
+}
+
+void move_marks(Mesh& mesh, std::vector<ReplacedEdge> replaced, const std::vector<Index>& points,
+                const std::vector<std::uint8_t>& keep) {
+    const auto less = [](const ReplacedEdge& a, const ReplacedEdge& b) {
+        return a.from != b.from ? a.from < b.from : a.to < b.to;
+    };
+    std::sort(replaced.begin(), replaced.end(), less);
+    replaced.erase(std::unique(replaced.begin(), replaced.end(),
+                               [](const ReplacedEdge& a, const ReplacedEdge& b) {
+                                   return a.from == b.from && a.to == b.to;
+                               }),
+                   replaced.end());
+    const auto of = [&](std::uint64_t key) {
+        return std::equal_range(
+            replaced.begin(), replaced.end(), ReplacedEdge{key, 0},
+            [](const ReplacedEdge& a, const ReplacedEdge& b) { return a.from < b.from; });
+    };
+    const auto point_key = [&](Index a, Index b) { return edge_key(points[a], points[b]); };
+    std::vector<std::uint64_t> left;  // of the replaced ones, those that a face has still
+    for (Index f = 0; f < mesh.face_count(); ++f) {
+        if (!keep.empty() && keep[f] == 0) continue;
+        for (Index c = mesh.face_offsets[f]; c < mesh.face_offsets[f + 1]; ++c) {
+            const Index a = mesh.corner_vertices[c];
+            const Index b = mesh.corner_vertices[next_corner(mesh.face_offsets, f, c)];
+            const std::uint64_t key = point_key(a, b);
+            const auto [begin, end] = of(key);
+            if (begin != end &&
+                !std::binary_search(begin, end, ReplacedEdge{key, edge_key(a, b)}, less))
+                left.push_back(key);
+        }
+    }
+    std::sort(left.begin(), left.end());
+    const auto move = [&](auto& marks, const auto& key_of, const auto& with_edge) {
+        std::remove_reference_t<decltype(marks)> moved;
+        for (const auto& mark : marks) {
+            const std::uint64_t key = key_of(mark);
+            const auto [begin, end] = of(key);
+            if (begin == end || std::binary_search(left.begin(), left.end(), key))
+                moved.push_back(mark);
+            for (auto edge = begin; edge != end; ++edge)
+                moved.push_back(with_edge(mark, Index(edge->to >> 32), Index(edge->to)));
+        }
+        marks = std::move(moved);
+    };
+    move(
+        mesh.hard_marks, [&](const glm::uvec2& m) { return point_key(m.x, m.y); },
+        [](const glm::uvec2&, Index a, Index b) { return glm::uvec2(a, b); });
+    move(
+        mesh.subdivision.creases, [&](const EdgeMark& m) { return point_key(m.v0, m.v1); },
+        [](const EdgeMark& m, Index a, Index b) {
+            return EdgeMark{a, b, m.sharpness};
+        });
+}
+
+void mark_copies(Mesh& mesh, const std::vector<Index>& origin, std::vector<Index> points) {
+    std::vector<VertexMark>& corners = mesh.subdivision.corners;
+    if (!corners.empty()) {
+        std::unordered_multimap<Index, float> tags;
+        for (const VertexMark& mark : corners) tags.emplace(mark.vertex, mark.sharpness);
+        for (Index v = 0; v < origin.size(); ++v) {
+            if (origin[v] == v) continue;
+            const auto [begin, end] = tags.equal_range(origin[v]);
+            for (auto tag = begin; tag != end; ++tag) corners.push_back({v, tag->second});
+        }
+    }
+    if (mesh.hard_marks.empty() && mesh.subdivision.creases.empty()) return;
+    for (Index v = Index(points.size()); v < origin.size(); ++v)
+        points.push_back(points[origin[v]]);
+    std::vector<ReplacedEdge> replaced;
+    for (Index f = 0; f < mesh.face_count(); ++f)
+        for (Index c = mesh.face_offsets[f]; c < mesh.face_offsets[f + 1]; ++c) {
+            const Index a = mesh.corner_vertices[c];
+            const Index b = mesh.corner_vertices[next_corner(mesh.face_offsets, f, c)];
+            if (origin[a] != a || origin[b] != b)
+                replaced.push_back({edge_key(points[a], points[b]), edge_key(a, b)});
+        }
+    move_marks(mesh, std::move(replaced), points);
 }
 
 Topology repair_topology(const Mesh& mesh, int threads) {

@@ -33,13 +33,16 @@ struct Insertion {
     float t;  // where on the edge that ends there
 };
 
-void insert_corners(Mesh& mesh, std::vector<Insertion> insertions) {
+// `points`: by vertex, as Topology::welded; `keep`: by face whether it stays a face.
+void insert_corners(Mesh& mesh, std::vector<Insertion> insertions, const std::vector<Index>& points,
+                    const std::vector<std::uint8_t>& keep) {
     if (insertions.empty()) return;
     std::sort(insertions.begin(), insertions.end(), [](const Insertion& a, const Insertion& b) {
         return a.before != b.before ? a.before < b.before : a.t < b.t;
     });
     const Mesh old = mesh;
     std::vector<Index> offsets{0}, vertices;
+    std::vector<ReplacedEdge> replaced;
     struct Source {
         Index a, b;
         float t;
@@ -67,6 +70,17 @@ void insert_corners(Mesh& mesh, std::vector<Insertion> insertions) {
             vertices.push_back(in.vertex);
             sources.push_back({end - 1, begin, in.t});
         }
+        // Each edge that was cut, in its pieces.
+        const std::size_t first = offsets.back(), count = vertices.size() - first;
+        for (std::size_t k = first; count > end - begin && k < vertices.size(); ++k) {
+            const std::size_t to = k + 1 < vertices.size() ? k + 1 : first;
+            // What is no corner of before lies between these two; others are their own ends.
+            const Index a = old.corner_vertices[sources[k].a];
+            const Index b = old.corner_vertices[sources[to].b];
+            if (sources[k].a != sources[k].b || sources[to].a != sources[to].b)
+                replaced.push_back(
+                    {edge_key(points[a], points[b]), edge_key(vertices[k], vertices[to])});
+        }
         offsets.push_back(Index(vertices.size()));
     }
     // New corners have attributes of their own; what they lack, their vertex has.
@@ -81,6 +95,8 @@ void insert_corners(Mesh& mesh, std::vector<Insertion> insertions) {
     mesh.corner_file_vertices = std::move(in_file);
     mesh.face_offsets = std::move(offsets);
     mesh.corner_vertices = std::move(vertices);
+    if (!mesh.hard_marks.empty() || !mesh.subdivision.creases.empty())
+        move_marks(mesh, std::move(replaced), points, keep);
     for_each_layer(mesh, [&](auto& layer) {
         if (layer.empty()) return;
         const std::vector<Index> indices = std::move(layer.indices);
@@ -242,7 +258,7 @@ RepairStep remove_degenerate_faces(Mesh& mesh, int threads) {
     step.places = std::move(places.first);
     if (!flat) return step;
     // Insertions shift corners, not faces.
-    insert_corners(mesh, std::move(insertions));
+    insert_corners(mesh, std::move(insertions), topology.welded, keep);
     keep_faces(mesh, keep);
     return step;
 }

@@ -44,6 +44,20 @@ void number_corner_file_vertices(Mesh& mesh);
 // Appends a copy of a vertex, and keeps track of where it came from.
 std::uint32_t copy_vertex(Mesh& mesh, std::uint32_t vertex);
 
+// Edges that faces have in place of others: hard marks and creases of `from`, an edge by its
+// points, become those of each `to`, by its vertices, and stay where a face that stays (`keep`, by
+// face, or all) has an edge between these points still. `points`: by vertex, as Topology::welded.
+struct ReplacedEdge {
+    std::uint64_t from, to;
+};
+void move_marks(Mesh& mesh, std::vector<ReplacedEdge> replaced,
+                const std::vector<std::uint32_t>& points,
+                const std::vector<std::uint8_t>& keep = {});
+// After copy_vertex(): marks, creases and sharp vertices are those of the copies as well. `origin`:
+// by vertex what it is a copy of, else itself; `points` as before.
+void mark_copies(Mesh& mesh, const std::vector<std::uint32_t>& origin,
+                 std::vector<std::uint32_t> points);
+
 // Which topology the steps see: exactly equal positions are one point.
 Topology repair_topology(const Mesh& mesh, int threads);
 

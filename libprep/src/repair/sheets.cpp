@@ -1,6 +1,7 @@
 // Non-manifold edges and vertices: every sheet of the surface gets vertices of its own.
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <unordered_map>
 
 #include "base/disjoint_sets.h"
@@ -147,8 +148,8 @@ std::vector<std::pair<Index, Index>> pair_faces(const std::vector<CrowdedHalfEdg
 // Sheets are sets of corners of one point that hang together over edges of two faces. Every sheet
 // but the first at a file vertex gets a copy of it. `joined`: fans that belong together all the
 // same. Returns the file vertices that were split.
-Places give_each_sheet_its_vertices(Mesh& mesh, const std::vector<Index>& fan_of,
-                                    DisjointSets& joined) {
+Places give_each_sheet_its_vertices(Mesh& mesh, const Topology& topology,
+                                    const std::vector<Index>& fan_of, DisjointSets& joined) {
     struct Use {
         Index vertex, sheet, corner;
         bool operator<(const Use& o) const {
@@ -167,6 +168,8 @@ Places give_each_sheet_its_vertices(Mesh& mesh, const std::vector<Index>& fan_of
     std::vector<Copy> copies(fan_of.empty() ? 0
                                             : *std::max_element(fan_of.begin(), fan_of.end()) +
                                                   std::size_t(1));  // by sheet: its latest
+    std::vector<Index> origin(mesh.vertex_count());
+    std::iota(origin.begin(), origin.end(), Index(0));
     for (std::size_t i = 0; i < uses.size();) {
         const Index vertex = uses[i].vertex;
         copies[uses[i].sheet] = {vertex, vertex};
@@ -177,10 +180,12 @@ Places give_each_sheet_its_vertices(Mesh& mesh, const std::vector<Index>& fan_of
                 if (!split) places.add(vertex);
                 split = true;
                 copy = {vertex, copy_vertex(mesh, vertex)};
+                origin.push_back(vertex);
             }
             mesh.corner_vertices[uses[i].corner] = copy.vertex;
         }
     }
+    mark_copies(mesh, origin, topology.welded);
     return places;
 }
 
@@ -268,7 +273,7 @@ RepairStep split_non_manifold_edges(Mesh& mesh, int threads) {
         if (fan == no_index) fan = fan_of[c];
         joined.unite(fan, fan_of[c]);
     }
-    give_each_sheet_its_vertices(mesh, fan_of, joined);
+    give_each_sheet_its_vertices(mesh, topology, fan_of, joined);
     const Topology after = build_topology(MeshView(mesh), {}, threads);
     step.left = std::min<std::uint64_t>(crowded_edges(mesh, after).size(), step.changed);
     step.changed -= step.left;
@@ -288,7 +293,7 @@ RepairStep split_non_manifold_vertices(Mesh& mesh, int threads) {
     DisjointSets joined(fans);
     join_over(mesh, topology, fan_of, EdgeKind::inconsistent, joined);
     join_over(mesh, topology, fan_of, EdgeKind::non_manifold, joined);
-    Places places = give_each_sheet_its_vertices(mesh, fan_of, joined);
+    Places places = give_each_sheet_its_vertices(mesh, topology, fan_of, joined);
     step.changed = places.count;
     step.places = std::move(places.first);
     return step;

@@ -130,17 +130,53 @@ class Subdivision {
         return error;
     }
 
+    // By face whether a corner has no value, or one that is not finite. `torn`: others of it have.
     template <class T>
-    Result<void> layer(const UniformRefinement& refinement, const CornerLayer<T>& in,
+    std::vector<bool> faces_without(const CornerLayer<T>& layer, bool& torn) const {
+        std::vector<bool> without(mesh_.face_count(), false);
+        for (std::uint32_t f = 0; f < mesh_.face_count(); ++f) {
+            std::uint32_t missing = 0;
+            bool damaged = false;
+            for (std::uint32_t c = mesh_.face_offsets[f]; c < mesh_.face_offsets[f + 1]; ++c) {
+                const std::uint32_t index = layer.indices[c];
+                const bool is_there = index < layer.values.size();
+                damaged = damaged || (is_there && !is_finite(layer.values[index]));
+                missing += !is_there;
+            }
+            without[f] = missing > 0 || damaged;
+            torn = torn || damaged || (missing > 0 && missing < cage_.face_size(f));
+        }
+        return without;
+    }
+
+    // A layer that some faces lack: those have a value of their own in all corners, so that seams
+    // part them from the others, and none in the end.
+    template <class T>
+    Result<void> layer(const UniformRefinement& refinement, const CornerLayer<T>& given,
                        const std::string& name, std::vector<CornerLayer<T>>& out,
                        std::uint64_t& left_out) {
         constexpr std::uint32_t width = T::length();
-        const std::vector<std::uint32_t> corner_values = corner_classes(in.values, in.indices);
-        if (corner_values.size() != mesh_.corner_count() || mesh_.corner_count() == 0) {
-            if (!in.empty()) ++left_out;
+        std::vector<bool> without;
+        bool torn = false;  // a face has some values, and not all
+        if (!given.empty()) without = faces_without(given, torn);
+        if (std::find(without.begin(), without.end(), false) == without.end()) {
+            if (!given.empty()) ++left_out;
             out.emplace_back();
             return {};
         }
+        CornerLayer<T> whole;
+        const bool partial = std::find(without.begin(), without.end(), true) != without.end();
+        left_out += torn;
+        if (partial) {
+            whole = given;
+            for (std::uint32_t f = 0; f < mesh_.face_count(); ++f)
+                for (std::uint32_t c = mesh_.face_offsets[f];
+                     without[f] && c < mesh_.face_offsets[f + 1]; ++c)
+                    whole.indices[c] = std::uint32_t(whole.values.size());
+            whole.values.push_back(T(0.0f));
+        }
+        const CornerLayer<T>& in = partial ? whole : given;
+        const std::vector<std::uint32_t> corner_values = corner_classes(in.values, in.indices);
         const FaceVaryingCage channel =
             face_varying_cage(cage_, refinement.refined, corner_values, rule_);
         std::vector<double> numbers;
@@ -157,8 +193,38 @@ class Subdivision {
         for (std::size_t k = 0; k < made.values.size(); ++k)
             for (std::uint32_t d = 0; d < width; ++d)
                 made.values[k][int(d)] = values[k * width + d];
+        if (partial) take_away(refinement, without, made);
         out.push_back(std::move(made));
         return {};
+    }
+
+    // The corners of what became of these faces, and the values that no other has.
+    template <class T>
+    void take_away(const UniformRefinement& refinement, const std::vector<bool>& faces,
+                   CornerLayer<T>& layer) const {
+        std::size_t corner = 0;
+        for (std::uint32_t f = 0; f < mesh_.face_count(); ++f) {
+            if (!refinement.refined.has_surface[f]) continue;
+            const FacePieces pieces =
+                pieces_of(cage_.face_size(f), options_.level, refinement.triangles());
+            const std::size_t end = corner + std::size_t(pieces.faces * pieces.size);
+            if (faces[f])
+                std::fill(layer.indices.begin() + std::ptrdiff_t(corner),
+                          layer.indices.begin() + std::ptrdiff_t(end), no_index);
+            corner = end;
+        }
+        std::vector<std::uint32_t> kept(layer.values.size(), no_index);
+        for (const std::uint32_t index : layer.indices)
+            if (index != no_index) kept[index] = 0;
+        std::uint32_t count = 0;
+        for (std::uint32_t k = 0; k < kept.size(); ++k)
+            if (kept[k] != no_index) {
+                layer.values[count] = layer.values[k];
+                kept[k] = count++;
+            }
+        layer.values.resize(count);
+        for (std::uint32_t& index : layer.indices)
+            if (index != no_index) index = kept[index];
     }
 
     Result<void> face_varying_layers(const UniformRefinement& refinement) {

@@ -48,6 +48,8 @@ Result<void> check_options(const Mesh& cage, const TessellateOptions& options) {
         if (*length && !(**length > 0 && std::isfinite(**length)))
             return wrong(
                 fmt::format("the {} is {}; a positive number is expected", name, **length));
+    if (options.max_triangles && *options.max_triangles == 0)
+        return wrong("the number of triangles is 0; a positive number is expected");
     if (options.pixel_error && options.screens.empty())
         return wrong("a pixel error needs a view that it is seen in");
     for (const ScreenMetric& s : options.screens)

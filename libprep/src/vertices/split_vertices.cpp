@@ -432,30 +432,31 @@ class VertexMaker {
     void make_room() {
         const std::size_t n = vertices(), corners = mesh_.corner_count();
         const std::size_t triangles = corners - 2 * mesh_.face_count();
-        out_.uvs.resize(mesh_.uvs.size());
+        std::size_t uv_sets = mesh_.uvs.size();
+        while (uv_sets > 0 && mesh_.uvs[uv_sets - 1].empty()) --uv_sets;
+        out_.uvs.resize(uv_sets);
         // Loose vertices bring colours of their own where no face layer exists.
         out_.colors.resize(
             std::max<std::size_t>(mesh_.colors.size(), mesh_.vertex_colors.empty() ? 0 : 1));
         constexpr std::size_t lists = 9;
-        detail::parallel_tasks(lists + out_.uvs.size() + out_.colors.size(), threads_,
-                               [&](std::size_t list) {
-                                   if (list == 0) out_.corner_vertices.resize(corners);
-                                   if (list == 1) out_.indices.resize(3 * triangles);
-                                   if (list == 2 && !mesh_.tangents.empty())
-                                       out_.tangents.resize(n);
-                                   if (list == 3 && !mesh_.normals.empty()) out_.normals.resize(n);
-                                   if (list == 4) out_.positions.resize(n);
-                                   if (list == 5) out_.triangle_faces.resize(triangles);
-                                   if (list == 6) out_.source_vertices.resize(n);
-                                   if (list == 7) out_.source_corners.resize(n);
-                                   if (list == 8) out_.split_reasons.resize(n);
-                                   if (list < lists) return;
-                                   list -= lists;
-                                   if (list < out_.uvs.size())
-                                       out_.uvs[list].resize(n, missing_uv);
-                                   else
-                                       out_.colors[list - out_.uvs.size()].resize(n, missing_color);
-                               });
+        detail::parallel_tasks(
+            lists + out_.uvs.size() + out_.colors.size(), threads_, [&](std::size_t list) {
+                if (list == 0) out_.corner_vertices.resize(corners);
+                if (list == 1) out_.indices.resize(3 * triangles);
+                if (list == 2 && !mesh_.tangents.empty()) out_.tangents.resize(n);
+                if (list == 3 && !mesh_.normals.empty()) out_.normals.resize(n);
+                if (list == 4) out_.positions.resize(n);
+                if (list == 5) out_.triangle_faces.resize(triangles);
+                if (list == 6) out_.source_vertices.resize(n);
+                if (list == 7) out_.source_corners.resize(n);
+                if (list == 8) out_.split_reasons.resize(n);
+                if (list < lists) return;
+                list -= lists;
+                if (list < out_.uvs.size())
+                    out_.uvs[list].resize(mesh_.uvs[list].empty() ? 0 : n, missing_uv);
+                else
+                    out_.colors[list - out_.uvs.size()].resize(n, missing_color);
+            });
     }
 
     // `loose`: source vertices that lines or points use.

@@ -20,7 +20,8 @@ struct FoundExposure {
 
 // Of request.view and its lights, whatever crop, bands, samples and buffers the request has: parts
 // and views of one picture share it if it is asked once. `bright` from 0.25 to 1 is left alone; 0
-// (nothing is seen, or lit) gives 1. Errors: as plan().
+// (nothing is seen, or lit) gives 1. Errors: those of plan() for that small
+// picture.
 prep::Result<FoundExposure> find_exposure(SceneRenderer& renderer, const prep::PreparedScene& scene,
                                           RenderRequest request);
 

@@ -50,7 +50,11 @@ struct OrbitOptions {
     double yfov = 0.6;    // radians, from bottom to top
     double aspect = 4.0 / 3.0;
 };
-// A perspective view of the whole scene. An empty scene gives a view of the origin from distance 1.
+// By vertex whether a triangle has it; empty: all vertices count, as there are no lines or points,
+// which are not drawn. O(triangles), or O(1).
+std::vector<bool> drawn_vertices(const prep::VertexMesh& mesh);
+
+// A perspective view of the whole scene. An empty scene gives a view of the origin.
 View orbit_view(const prep::PreparedScene& scene, const OrbitOptions& options = {});
 
 struct LookAtOptions {
@@ -59,8 +63,8 @@ struct LookAtOptions {
     double yfov = 0.6;                     // radians, from bottom to top
 };
 // A perspective view from one place towards another, with a near plane as far as the scene allows
-// (never nearer than 1/10,000 of the way to its farthest corner). The eye upon the target: looks
-// along −Z.
+// (never nearer than 1/10,000 of the way to its farthest corner, nor than a hundredth of the way to
+// the target, whichever is less). The eye upon the target: looks along −Z.
 View look_at_view(const prep::PreparedScene& scene, const LookAtOptions& options);
 
 // The same place and direction without perspective, `height` world units from bottom to top of the

@@ -22,11 +22,12 @@ prep::Result<FoundExposure> find_exposure(SceneRenderer& renderer, const prep::P
                                           RenderRequest request) {
     const double shrink =
         std::min(1.0, double(greatest_extent) / std::max(request.width, request.height));
-    request.width = std::max(1u, std::uint32_t(std::lround(request.width * shrink)));
-    request.height = std::max(1u, std::uint32_t(std::lround(request.height * shrink)));
+    for (std::uint32_t* const extent : {&request.width, &request.height})
+        if (*extent > 0) *extent = std::max(1u, std::uint32_t(std::lround(*extent * shrink)));
     request.crop.reset();
     request.samples = request.supersample = 1;
     request.coverage = Coverage::samples;
+    request.alpha_alone = false;
     request.pixels = PixelFormat::floats;
     request.keep_color = true;
     request.keep_depth = request.keep_ids = request.keep_normals = request.keep_uvs =

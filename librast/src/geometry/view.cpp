@@ -67,6 +67,13 @@ double Bounds::radius() const {
     return std::hypot(half.x, half.y, half.z);
 }
 
+std::vector<bool> drawn_vertices(const prep::VertexMesh& mesh) {
+    if (mesh.lines.empty() && mesh.points.empty()) return {};
+    std::vector<bool> drawn(mesh.vertex_count(), false);
+    for (const std::uint32_t v : mesh.indices) drawn[v] = true;
+    return drawn;
+}
+
 std::optional<Bounds> world_bounds(const prep::PreparedScene& prepared) {
     const std::vector<glm::dmat4> world = prep::world_transforms(prepared.scene);
     Bounds bounds;
@@ -75,8 +82,11 @@ std::optional<Bounds> world_bounds(const prep::PreparedScene& prepared) {
         const std::uint32_t m = prepared.scene.nodes[n].mesh;
         if (m == prep::no_index) continue;
         const prep::VertexMesh& mesh = prepared.meshes[m];
-        for (const glm::vec3& p : mesh.positions) {
-            const glm::dvec3 w(world[n] * glm::dvec4(glm::dvec3(p) + mesh.origin, 1.0));
+        const std::vector<bool> drawn = drawn_vertices(mesh);
+        for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
+            if (!drawn.empty() && !drawn[v]) continue;
+            const glm::dvec3 p(mesh.positions[v]);
+            const glm::dvec3 w(world[n] * glm::dvec4(p + mesh.origin, 1.0));
             if (!prep::detail::is_finite(w)) continue;
             bounds.low = any ? glm::min(bounds.low, w) : w;
             bounds.high = any ? glm::max(bounds.high, w) : w;

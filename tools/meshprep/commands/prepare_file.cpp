@@ -209,38 +209,42 @@ prep::Result<prep::PreparedScene> prepared_in_time(prep::Scene scene,
     return std::move(within->prepared);
 }
 
-// Options about new normals where none were made, and an angle where smoothing groups decided: what
-// was asked for is not in the output.
-void warn_of_unused_options(const prep::PreparedScene& prepared, const PrepareCommand& command,
-                            Outcome& out) {
+// Options about new normals where none were made, an angle where smoothing groups decided, tangents
+// where there are no UVs: what was asked for is not in the output. A remark, as the options of a
+// batch are not meant for each of its files.
+void remark_unused_options(const prep::PreparedScene& prepared, const PrepareCommand& command,
+                           Outcome& out) {
+    const auto given = [&](const char* name) { return command.settings.count(name) > 0; };
     const auto normals = std::find_if(prepared.stages.begin(), prepared.stages.end(),
                                       [](const auto& stage) { return stage.stage == "normals"; });
     const bool made = normals != prepared.stages.end() && normals->run;
-    bool kept = false, grouped = false, by_angle = false;
+    bool kept = false, grouped = false, by_angle = false, faces = false, tangents = false;
     for (std::size_t m = 0; m < prepared.scene.meshes.size(); ++m) {
         const prep::Mesh& mesh = prepared.scene.meshes[m];
-        if (prepared.subdivided[m] || prepared.tessellated[m]) return;  // their cage's edges
-        if (mesh.normals.empty()) continue;
+        faces |= mesh.face_count() > 0;
+        tangents |= !mesh.tangents.empty();
         const bool groups =
             command.prepare.hard_edges.smoothing_groups && !mesh.face_smoothing.empty();
-        (!prepared.normals_made[m] ? kept : groups ? grouped : by_angle) = true;
+        if (prepared.subdivided[m] || prepared.tessellated[m])
+            by_angle = true;  // of the cage's edges
+        else if (!mesh.normals.empty())
+            (!prepared.normals_made[m] ? kept : groups ? grouped : by_angle) = true;
     }
     std::vector<std::string> unused;
     for (const char* name : {"--hard-angle", "--smoothing-groups", "--hard-borders", "--weight"})
-        if (command.settings.count(name) > 0) unused.emplace_back(name);
-    if (!made && kept && !unused.empty())
-        out.warnings.push_back(joined(unused, ", ") +
-                               " changed nothing, as the file's own normals are kept: --normals "
-                               "replace computes new ones");
-    const auto tangents = command.settings.find("--tangents");
-    if (tangents != command.settings.end() && tangents->second.back().starts_with("mikktspace") &&
-        std::all_of(prepared.scene.meshes.begin(), prepared.scene.meshes.end(),
-                    [](const prep::Mesh& mesh) { return mesh.tangents.empty(); }))
-        out.warnings.push_back("--tangents made none, as no mesh has UVs");
-    if (grouped && !by_angle && command.settings.count("--hard-angle") > 0)
-        out.warnings.push_back(
+        if (given(name)) unused.emplace_back(name);
+    const bool keeps = command.prepare.normals != prep::Authored::replace;
+    if (!made && kept && keeps && !by_angle && !unused.empty())
+        out.remarks.push_back(joined(unused, ", ") +
+                              " changed nothing, as the file's own normals are kept: --normals "
+                              "replace computes new ones");
+    if (grouped && !by_angle && given("--hard-angle"))
+        out.remarks.push_back(
             "--hard-angle changed nothing, as the file's smoothing groups decide: "
             "--smoothing-groups off leaves it to the angle");
+    if (given("--tangents") && command.settings.at("--tangents").back().starts_with("mikktspace") &&
+        faces && !tangents)
+        out.remarks.push_back("--tangents made none, as no mesh has the UVs for them");
 }
 
 // With what a scene file says of its picture, where the command line says nothing.
@@ -363,7 +367,7 @@ Outcome prepare_file(const Job& job, const PrepareCommand& command, int threads,
     out.splits = prepared->splits;
     out.stages = prepared->stages;
     out.findings = prepared->findings;
-    warn_of_unused_options(*prepared, command, out);
+    remark_unused_options(*prepared, command, out);
     out.repairs = prepared->repairs;
     out.tessellated = prepared->tessellated;
     out.orders = prepared->orders;

@@ -72,11 +72,10 @@ void set_planes(rast::View& view, const ViewChoices& choices) {
     }
 }
 
-// As prepared meshes have them: those of faces, lines and points alone.
+// As prepared meshes have them, those that faces have: lines and points are not drawn.
 std::vector<glm::vec3> drawn_positions(const prep::Mesh& mesh) {
     std::vector<bool> drawn(mesh.positions.size(), false);
-    for (const auto* vertices : {&mesh.corner_vertices, &mesh.line_vertices, &mesh.points})
-        for (const std::uint32_t v : *vertices) drawn[v] = true;
+    for (const std::uint32_t v : mesh.corner_vertices) drawn[v] = true;
     std::vector<glm::vec3> positions;
     for (std::size_t v = 0; v < drawn.size(); ++v)
         if (drawn[v]) positions.push_back(mesh.positions[v]);

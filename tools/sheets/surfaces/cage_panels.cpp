@@ -129,6 +129,11 @@ prep::PreparedScene with_cages(const prep::PreparedScene& scene) {
         const bool refined = m < scene.cages.size() && scene.cages[m].face_count() > 0;
         prep::VertexMesh& mesh = out.meshes.emplace_back();
         mesh.positions = refined ? scene.cages[m].positions : scene.meshes[m].positions;
+        if (!refined) {
+            mesh.indices = scene.meshes[m].indices;
+            mesh.lines = scene.meshes[m].lines;
+            mesh.points = scene.meshes[m].points;
+        }
         mesh.origin = refined ? scene.cages[m].origin : scene.meshes[m].origin;
     }
     return out;

@@ -113,8 +113,11 @@ class Builder {
             const VertexMesh& mesh = prepared_.meshes[m];
             all_finite_ = all_finite(floats_of(mesh.positions));
             mended_uvs_.clear();
+            // Sets are numbered without gaps: zeros before one that is there.
             for (const auto& uvs : mesh.uvs)
-                mended_uvs_.push_back(are_good(uvs) ? std::vector<glm::vec2>() : mended(uvs));
+                mended_uvs_.push_back(uvs.empty()     ? std::vector<glm::vec2>(mesh.vertex_count())
+                                      : are_good(uvs) ? std::vector<glm::vec2>()
+                                                      : mended(uvs));
             mended_colors_.clear();
             for (const auto& colors : mesh.colors)
                 mended_colors_.push_back(are_good(colors) ? std::vector<glm::vec4>()

@@ -154,9 +154,11 @@ Result<void> VertexData::finish(const std::string& pointer, Mesh& mesh, int thre
                    });
     uvs_.clear();
     colors_.clear();
+    // A set of which the file has one half, or none, moves nothing.
     for (auto& [joints, weights] : influences_) {
-        if (!joints.empty()) joints.resize(mesh.vertex_count(), Joints::value_type(0));
-        mesh.skin_influences.push_back({std::move(joints), weights.of_vertices(mesh)});
+        joints.resize(mesh.vertex_count(), Joints::value_type(0));
+        weights.values.resize(mesh.vertex_count(), glm::vec4(0.0f));
+        mesh.skin_influences.push_back({std::move(joints), std::move(weights.values)});
     }
     influences_.clear();
     for (VertexAttribute& a : mesh.vertex_attributes)

@@ -47,12 +47,6 @@ struct Growing {
         has.resize(values.size(), true);
     }
 
-    // By file vertex; zeros where a primitive has none.
-    std::vector<T> of_vertices(const Mesh& mesh) {
-        if (!values.empty()) values.resize(mesh.vertex_count(), T(0.0f));
-        return std::move(values);
-    }
-
     void finish(const Mesh& mesh, CornerLayer<T>& layer) {
         if (!values.empty() && mesh.corner_count() > 0) {
             values.resize(mesh.vertex_count(), T(0.0f));

@@ -96,7 +96,9 @@ class ObjWriter {
 
     void write_mesh(const Mesh& mesh, const glm::dmat4& world) {
         if (!mesh.tangents.empty()) note("OBJ holds no tangents: left out");
-        if (mesh.uvs.size() > 1) note("OBJ holds one UV set: the others are left out");
+        if (std::count_if(mesh.uvs.begin(), mesh.uvs.end(),
+                          [](const auto& set) { return !set.empty(); }) > 1)
+            note("OBJ holds one UV set: the others are left out");
         if (mesh.colors.size() > 1) note("OBJ holds one set of colours: the others are left out");
         const glm::dmat3 linear(world);
         mirrored_ = glm::determinant(linear) < 0;
@@ -174,7 +176,10 @@ class ObjWriter {
     // Of the faces with the material.
     Index uv_set(const Mesh& mesh, Index material) const {
         const Index set = materials_.uv_set(material);
-        return set < mesh.uvs.size() ? set : 0;
+        if (set < mesh.uvs.size() && !mesh.uvs[set].empty()) return set;
+        const auto there = std::find_if(mesh.uvs.begin(), mesh.uvs.end(),
+                                        [](const auto& layer) { return !layer.empty(); });
+        return there == mesh.uvs.end() ? 0 : Index(there - mesh.uvs.begin());
     }
 
     // Where each set's values begin in the file, where faces have it.

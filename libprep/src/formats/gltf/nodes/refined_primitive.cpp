@@ -34,8 +34,12 @@ class RefinedPrimitive {
     // What there is of an attribute; none: the refined mesh carries no such thing.
     std::optional<std::size_t> attribute(const std::string& name, const Json& before) {
         if (name == "POSITION") return bounded(at_used(mesh_.positions));
-        if (const auto set = set_number(name, "TEXCOORD_"); set && *set < mesh_.uvs.size())
-            return add(at_used(mesh_.uvs[*set]), "VEC2");
+        // Of a set that could not be refined zeros: the material asks for one.
+        if (const auto set = set_number(name, "TEXCOORD_"))
+            return add(*set < mesh_.uvs.size() && !mesh_.uvs[*set].empty()
+                           ? at_used(mesh_.uvs[*set])
+                           : std::vector<glm::vec2>(used_.size()),
+                       "VEC2");
         if (const auto set = set_number(name, "COLOR_"); set && *set < mesh_.colors.size())
             return color(mesh_.colors[*set], before);
         if (const auto set = set_number(name, "JOINTS_"); set && *set < influence_sets())

@@ -1,8 +1,9 @@
-#include "contained/scene_promises.h"
+#include "model/scene_promises.h"
 
 #include <algorithm>
 
-namespace prep::detail {
+namespace prep {
+namespace detail {
 namespace {
 
 using Index = std::uint32_t;
@@ -74,7 +75,8 @@ const char* broken_by_file_vertex(const Mesh& mesh) {
 
 const char* broken_in_mesh(const Mesh& mesh, const Scene& scene) {
     const std::size_t vertices = mesh.vertex_count(), corners = mesh.corner_count();
-    if (!are_offsets(mesh.face_offsets, corners, 3)) return "a face";
+    const bool no_faces = mesh.face_offsets.empty() && corners == 0;  // as one that was moved from
+    if (!no_faces && !are_offsets(mesh.face_offsets, corners, 3)) return "a face";
     const std::size_t faces = mesh.face_count();
     if (!below(mesh.corner_vertices, vertices)) return "a corner";
     if (!is_layer(mesh.normals, corners)) return "a normal";
@@ -125,7 +127,9 @@ const char* broken_in_nodes(const Scene& scene) {
             !below_or_none(node.skin, scene.skins.size()))
             return "a node";
     if (!parents_end(scene.nodes)) return "a node's parent";
-    if (!below_or_none(scene.active_camera, count)) return "the camera";
+    if (scene.active_camera != no_index &&
+        (scene.active_camera >= count || scene.nodes[scene.active_camera].camera == no_index))
+        return "the camera";
     for (const Skin& skin : scene.skins)
         if (!below(skin.joints, count) || skin.inverse_bind.size() != skin.joints.size())
             return "a joint";
@@ -184,4 +188,14 @@ const char* broken_promise(const Scene& scene) {
     return broken_in_animations(scene);
 }
 
-}  // namespace prep::detail
+}  // namespace detail
+
+Result<void> require_consistent(const Scene& scene) {
+    const char* const broken = detail::broken_promise(scene);
+    if (!broken) return {};
+    return Error{ErrorCode::invalid,
+                 std::string(broken) + " has an index, a size or an offset that is not possible",
+                 "scene"};
+}
+
+}  // namespace prep
