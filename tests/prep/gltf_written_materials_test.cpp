@@ -485,4 +485,20 @@ TEST(GltfWrittenMaterials, MapsOnUvSetsThatAMeshLacksAreLeftOutForIt) {
                              "maps were left out where faces have no UVs for them (1 material)"});
 }
 
+// A mesh that has the second set alone keeps the map on it, though a set of zeros stands before.
+TEST(GltfWrittenMaterials, MapsOnAnAbsentFirstUvSetAreLeftOutAlone) {
+    prep::Material m;
+    m.diffuse_map = map_of(0);
+    m.occlusion_map = map_of(1, 1);
+    prep::Scene scene = scene_with({m});
+    add_textures(scene, 2);
+    scene.meshes[0].uvs[0] = {};
+    const Saved out = saved(scene);
+    ASSERT_EQ(out.file.json["materials"].size(), 1u);
+    EXPECT_FALSE(out.material(0)["pbrMetallicRoughness"].contains("baseColorTexture"));
+    EXPECT_EQ(out.material(0)["occlusionTexture"]["texCoord"], 1);
+    EXPECT_EQ(out.notes, std::vector<std::string>{
+                             "maps were left out where faces have no UVs for them (1 material)"});
+}
+
 }  // namespace

@@ -14,6 +14,7 @@
 #include "formats/gltf/nodes/build_nodes.h"
 #include "formats/gltf/nodes/far_plane.h"
 #include "formats/gltf/references.h"
+#include "formats/gltf/values/uv_set_bits.h"
 #include "prep/files.h"
 #include "prep/image.h"
 #include "text/name_list.h"
@@ -53,11 +54,11 @@ class Builder {
         if (std::find(notes_.begin(), notes_.end(), text) == notes_.end()) notes_.push_back(text);
     }
 
-    // How many UV sets the maps that glTF has a place for read: 0 where there is no such map.
+    // What the maps that glTF has a place for read.
     static std::uint64_t uv_sets_read(const Material& m) {
         std::uint64_t sets = 0;
         const auto read = [&](const TextureRef& ref) {
-            if (ref) sets = std::max(sets, std::uint64_t(ref.uv_set) + 1);
+            if (ref) sets |= uv_set_bit(ref.uv_set);
         };
         for (const TextureRef* ref :
              {&m.diffuse_map, &m.occlusion_map, &m.emissive_map, &m.displacement_map})
@@ -77,9 +78,9 @@ class Builder {
         for (const VertexMesh& mesh : prepared_.meshes)
             for (const VertexMesh::Range& range : mesh.ranges) {
                 if (range.material >= scene_.materials.size()) continue;
-                const bool enough =
-                    uv_sets_read(scene_.materials[range.material]) <= mesh.uvs.size();
-                sets[range.material].insert(enough ? whole : mesh.uvs.size());
+                const std::uint64_t there = uv_set_bits(mesh);
+                const bool enough = (uv_sets_read(scene_.materials[range.material]) & ~there) == 0;
+                sets[range.material].insert(enough ? whole : there);
             }
         std::uint64_t count = 0;
         for (Index m = 0; m < sets.size(); ++m) variants_.push_back({m, whole});
@@ -102,7 +103,7 @@ class Builder {
     }
 
     Index material_for(const VertexMesh& mesh, Index material) const {
-        const auto variant = variant_index_.find({material, mesh.uvs.size()});
+        const auto variant = variant_index_.find({material, uv_set_bits(mesh)});
         return variant == variant_index_.end() ? material : variant->second;
     }
 
@@ -400,7 +401,7 @@ class Builder {
             for (TextureRef* ref :
                  {&m.diffuse_map, &m.specular_map, &m.emissive_map, &m.occlusion_map, &m.normal_map,
                   &m.metallic_roughness_map, &m.displacement_map})
-                if (ref->uv_set >= variant.uv_sets) *ref = {};
+                if ((variant.uv_sets & uv_set_bit(ref->uv_set)) == 0) *ref = {};
             const auto unit = [](float x) { return std::clamp(x, 0.0f, 1.0f); };
             Json out, pbr;
             if (!m.name.empty()) out["name"] = as_utf8(m.name);
@@ -578,7 +579,7 @@ class Builder {
     std::vector<Index> mesh_index_, light_index_;
     struct Variant {
         Index material;
-        std::uint64_t uv_sets;  // maps that read others are left out
+        std::uint64_t uv_sets;  // bits; maps that read others are left out
     };
     std::vector<Variant> variants_;  // by index in the output
     std::map<std::pair<Index, std::uint64_t>, Index> variant_index_;
