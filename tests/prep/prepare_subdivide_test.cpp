@@ -154,7 +154,7 @@ TEST(PrepareSubdivide, FacesWithoutUvsTakeThemFromNoOther) {
     const prep::PreparedScene both = refined("f 1/1 2/2 3/3 4/4\nf 2/2 5/1 6/4 3/3\n");
     const prep::PreparedScene one = refined("f 1/1 2/2 3/3 4/4\nf 2 5 6 3\n");
     // A face that has some of its UVs is as one that has none.
-    const prep::PreparedScene some = refined("f 1/1 2/2 3/3 4/4\nf 2/2 5/1 6 3\n");
+    const prep::PreparedScene some = refined("f 1/1 2/2 3/3 4/4\nf 2/2 5 6 3/3\n");
     const prep::PreparedScene alone = refined("f 1/1 2/2 3/3 4/4\n");
     const prep::CornerLayer<glm::vec2>& uvs = one.scene.meshes[0].uvs.at(0);
     const prep::CornerLayer<glm::vec2>& of_first = alone.scene.meshes[0].uvs.at(0);
