@@ -28,13 +28,6 @@ VectorMapOptions object_space() {
     return options;
 }
 
-SkinInfluences unweighted(const Mesh& mesh) {
-    SkinInfluences set;
-    set.joints.resize(mesh.vertex_count());
-    set.weights.resize(mesh.vertex_count());
-    return set;
-}
-
 // Two charts, one of them turned and mirrored, of two quads that share an edge; and a third face
 // across two of its edges, so that seams meet at a point.
 Mesh seamed() {

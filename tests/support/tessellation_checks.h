@@ -139,6 +139,14 @@ inline prep::Mesh torus(std::uint32_t around, std::uint32_t across) {
     return mesh;
 }
 
+// Joints that move nothing.
+inline prep::SkinInfluences unweighted(const prep::Mesh& mesh) {
+    prep::SkinInfluences set;
+    set.joints.resize(mesh.vertex_count());
+    set.weights.resize(mesh.vertex_count());
+    return set;
+}
+
 inline prep::Mesh unit_quad() {
     prep::Mesh mesh;
     mesh.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};

@@ -34,7 +34,8 @@ class RefinedPrimitive {
     // What there is of an attribute; none: the refined mesh carries no such thing.
     std::optional<std::size_t> attribute(const std::string& name, const Json& before) {
         if (name == "POSITION") return bounded(at_used(mesh_.positions));
-        // Of a set that could not be refined zeros: the material asks for one.
+        // Of a set that was not refined, which a finding tells, zeros: a material may not go
+        // without.
         if (const auto set = set_number(name, "TEXCOORD_"))
             return add(*set < mesh_.uvs.size() && !mesh_.uvs[*set].empty()
                            ? at_used(mesh_.uvs[*set])
