@@ -13,6 +13,29 @@ bool unit(const glm::dvec3& n) {
     return length > 0.999 && length < 1.001;
 }
 
+bool finite(const glm::vec2& uv) {
+    return std::isfinite(uv.x) && std::isfinite(uv.y);
+}
+
+// Pieces of a face that has UVs in all corners have them, and pieces of any other have none.
+void require_uvs_where_the_cage_has_them(const prep::Mesh& cage,
+                                         const prep::CornerLayer<glm::vec2>& given,
+                                         const prep::SubdividedMesh& refined,
+                                         const prep::CornerLayer<glm::vec2>& made) {
+    const std::vector<std::uint32_t>& offsets = refined.mesh.face_offsets;
+    for (std::size_t f = 0; f + 1 < offsets.size(); ++f) {
+        const std::uint32_t face = refined.cage_faces[f];
+        bool has_uvs = true;
+        for (std::uint32_t c = cage.face_offsets[face]; c < cage.face_offsets[face + 1]; ++c)
+            has_uvs = has_uvs && given.indices[c] < given.values.size() &&
+                      finite(given.values[given.indices[c]]);
+        for (std::uint32_t c = offsets[f]; c < offsets[f + 1]; ++c) {
+            const std::uint32_t index = made.indices[c];
+            if (has_uvs ? index >= made.values.size() : index != prep::no_index) std::abort();
+        }
+    }
+}
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
@@ -54,9 +77,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
             if (v >= out.vertex_count()) std::abort();
         for (const glm::vec3& n : out.normals.values)
             if (!unit(n)) std::abort();
-        for (const auto& set : out.uvs)
-            for (const std::uint32_t value : set.indices)
-                if (value >= set.values.size()) std::abort();
+        for (std::size_t k = 0; k < out.uvs.size(); ++k)
+            if (!out.uvs[k].empty())
+                require_uvs_where_the_cage_has_them(mesh, mesh.uvs[k], *refined, out.uvs[k]);
         for (const prep::SkinInfluences& set : out.skin_influences)
             for (const glm::vec4& weights : set.weights)
                 for (int k = 0; k < 4; ++k)
