@@ -19,6 +19,7 @@
 #include "exact/orient2d.h"
 #include "exact/reproducible_sum.h"
 #include "prep/simd.h"
+#include "simd_levels.h"
 #include "surface/corner_tree.h"
 #include "surface/position_filter.h"
 #include "surface/vertex_corners.h"
@@ -327,9 +328,7 @@ TEST(EqualPositions, AreFoundByEveryInstructionSetForAnyThreadCount) {
             positions.front() = glm::vec3(0.0f);
             for (int k = 0; k < 3; ++k) positions.back()[k] = -0.0f;
             const std::vector<Index> expected = lowest_equal(positions);
-            for (const auto level : {prep::SimdLevel::scalar, prep::SimdLevel::sse4,
-                                     prep::SimdLevel::avx2, prep::SimdLevel::avx512}) {
-                if (!prep::simd_available(level)) continue;
+            for (const prep::SimdLevel level : test::every_level()) {
                 for (const int threads : {1, 2, 3})
                     ASSERT_EQ(prep::detail::equal_positions(positions, threads, level), expected)
                         << count << " positions, " << prep::to_string(level) << ", " << threads

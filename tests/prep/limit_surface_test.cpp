@@ -11,6 +11,7 @@
 #include "limit_surface/extraordinary_ring.h"
 #include "limit_surface/loop_patch.h"
 #include "prep/subdivide.h"
+#include "simd_levels.h"
 #include "subdivision_cages.h"
 
 namespace prep {
@@ -150,9 +151,7 @@ TEST(Bicubic, KernelsGiveTheScalarBits) {
                             expected[output * (n + 1) * stride + j * stride + i * width + d] =
                                 output == 0 ? value : 2 * value;
                         }
-            for (const SimdLevel level :
-                 {SimdLevel::scalar, SimdLevel::sse4, SimdLevel::avx2, SimdLevel::avx512}) {
-                if (!simd_available(level)) continue;
+            for (const prep::SimdLevel level : ::test::every_level()) {
                 std::vector<double> out(expected.size(), 7.0);
                 std::vector<double> scratch(detail::bicubic_scratch(width, n));
                 double* const du = out.data() + (n + 1) * stride;

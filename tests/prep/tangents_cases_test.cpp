@@ -9,6 +9,7 @@
 
 #include "corner_soup.h"
 #include "prep/tangents.h"
+#include "simd_levels.h"
 
 namespace {
 
@@ -224,9 +225,7 @@ TEST(TangentCases, FansThatMeetInAVertexAreAveragedApart) {
 
 // Two cones with a common tip, each closed around it; the lower one's texture is turned.
 TEST(TangentCases, ConesThatMeetInTheirTipAreAveragedApart) {
-    for (const auto simd : {prep::SimdLevel::scalar, prep::SimdLevel::sse4, prep::SimdLevel::avx2,
-                            prep::SimdLevel::avx512}) {
-        if (!prep::simd_available(simd)) continue;
+    for (const prep::SimdLevel simd : test::every_level()) {
         for (const auto& [upper, lower] : {std::pair{3, 3}, {4, 4}, {3, 5}, {5, 3}}) {
             CornerSoup soup;
             const auto cone = [&](int sides, float down, bool turned) {
@@ -266,9 +265,7 @@ TEST(TangentCases, NormalsThatAreNotUnitAreMadeSoOnEveryInstructionSet) {
             }
         }
         const auto expected = make(unit).tangents;
-        for (const auto simd : {prep::SimdLevel::scalar, prep::SimdLevel::sse4,
-                                prep::SimdLevel::avx2, prep::SimdLevel::avx512}) {
-            if (!prep::simd_available(simd)) continue;
+        for (const prep::SimdLevel simd : test::every_level()) {
             const Made made = make(soup, prep::TangentMode::mikktspace, simd);
             // Nothing had to stand in.
             EXPECT_TRUE(made.whole.fallbacks.empty()) << length << ' ' << prep::to_string(simd);

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "corner_soup.h"
+#include "simd_levels.h"
 #include "tangents/accumulate.h"
 #include "tangents/one_rings.h"
 
@@ -92,10 +93,8 @@ TEST(TangentsIdentity, SameForAnyThreadCountAndInstructionSet) {
         const auto want = tangents(soup.input(), mode, 1, SimdLevel::scalar);
         const auto want_indexed = tangents(indexed.input(), mode, 1, SimdLevel::scalar);
         expect_same_corners(want_indexed, want);
-        for (const SimdLevel simd : {SimdLevel::scalar, SimdLevel::sse4, SimdLevel::avx2,
-                                     SimdLevel::avx512, SimdLevel::automatic}) {
+        for (const SimdLevel simd : test::every_level()) {
             SCOPED_TRACE(to_string(simd));
-            if (!prep::simd_available(simd)) continue;
             for (const int threads : {1, 2, 3, 8, 0}) {
                 SCOPED_TRACE(threads);
                 expect_same(tangents(soup.input(), mode, threads, simd), want);
@@ -314,9 +313,7 @@ TEST(TangentsIdentity, ScatteredTrianglesAreSummedInTheirOrder) {
     std::size_t different = 0;
     for (std::size_t v = 0; v < want.size(); ++v) different += want[v] != backwards[v];
     EXPECT_GT(different, want.size() / 4);  // the order can be told from the result
-    for (const SimdLevel simd : {SimdLevel::scalar, SimdLevel::sse4, SimdLevel::avx2,
-                                 SimdLevel::avx512, SimdLevel::automatic}) {
-        if (!prep::simd_available(simd)) continue;
+    for (const SimdLevel simd : test::every_level()) {
         for (const int threads : {1, 2, 3, 4, 5, 6, 7, 8}) {
             SCOPED_TRACE(std::string(to_string(simd)) + ", threads " + std::to_string(threads));
             const auto got = tangents(mesh.input(), TangentMode::mikktspace, threads, simd);

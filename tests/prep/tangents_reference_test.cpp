@@ -10,6 +10,7 @@
 #include "corner_soup.h"
 #include "prep/tangents.h"
 #include "shared_data.h"
+#include "simd_levels.h"
 
 namespace {
 
@@ -45,9 +46,7 @@ TEST(TangentsReference, EveryBitHoweverIndexedOnEveryInstructionSet) {
         if (expected == "crash") continue;
         ++compared;
         const test::IndexedSoup indexed = test::share_values(soup);
-        for (const SimdLevel simd :
-             {SimdLevel::scalar, SimdLevel::sse4, SimdLevel::avx2, SimdLevel::avx512}) {
-            if (!prep::simd_available(simd)) continue;
+        for (const prep::SimdLevel simd : test::every_level()) {
             ASSERT_EQ(hash_of_tangents(soup.input(), simd, 1), expected)
                 << name << ", " << prep::to_string(simd);
             ASSERT_EQ(hash_of_tangents(indexed.input(), simd, 1), expected)

@@ -19,6 +19,7 @@
 #include "normals/vertex_normals_path.h"
 #include "prep/corner_normals.h"
 #include "shapes.h"
+#include "simd_levels.h"
 
 #if defined(__linux__)
 #include <sys/mman.h>
@@ -484,9 +485,7 @@ TEST(VertexNormals, AreTheSameOnAnyThreadsAndInstructions) {
             options.simd = prep::SimdLevel::scalar;
             prep::detail::VertexNormalsPath first_path;
             const auto first = *prep::detail::vertex_normals(MeshView(mesh), options, first_path);
-            for (const auto level : {prep::SimdLevel::scalar, prep::SimdLevel::sse4,
-                                     prep::SimdLevel::avx2, prep::SimdLevel::avx512}) {
-                if (!prep::simd_available(level)) continue;
+            for (const prep::SimdLevel level : test::every_level()) {
                 for (const int threads : {1, 2, 8}) {
                     options.simd = level;
                     options.threads = threads;

@@ -10,6 +10,7 @@
 #include "hits.h"
 #include "sanitized.h"
 #include "shapes.h"
+#include "simd_levels.h"
 
 namespace {
 
@@ -28,10 +29,7 @@ TEST(Coverage, EqualsExactIntegersOnRandomTriangles) {
     std::mt19937_64 random(1);
     constexpr std::uint32_t extent = 24;
     constexpr std::int64_t far = 16370 * 256;  // just inside the guard band
-    std::vector<SimdLevel> levels;
-    for (const SimdLevel level :
-         {SimdLevel::scalar, SimdLevel::sse4, SimdLevel::avx2, SimdLevel::avx512})
-        if (prep::simd_available(level)) levels.push_back(level);
+    const std::vector<SimdLevel> levels = test::every_level();
     const auto positions = every_sample();
     const std::uint64_t total = triangles_to_try();
     std::uint64_t wrong = 0, covered = 0, on_edge = 0, samples = 0;
@@ -402,9 +400,7 @@ TEST(Coverage, TransformedVerticesAreTheirDoublesRounded) {
     view.world_to_view[3] = glm::dvec4(0, 0, -2, 1);
     rast::detail::RenderInstance instance(mesh, 0, glm::dmat4(1.0), view, 640, 480);
     std::size_t unsnapped = 0;
-    for (const SimdLevel level :
-         {SimdLevel::scalar, SimdLevel::sse4, SimdLevel::avx2, SimdLevel::avx512}) {
-        if (!prep::simd_available(level)) continue;
+    for (const prep::SimdLevel level : test::every_level()) {
         instance.records.assign(mesh.vertex_count(), {});
         instance.transform(rast::detail::kernels_for(level), 0, mesh.vertex_count());
         for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v) {

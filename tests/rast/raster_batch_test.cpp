@@ -8,18 +8,11 @@
 #include <cstring>
 
 #include "hits.h"
+#include "simd_levels.h"
 
 namespace {
 
 using namespace hits;
-
-std::vector<SimdLevel> levels() {
-    std::vector<SimdLevel> all;
-    for (const SimdLevel level :
-         {SimdLevel::scalar, SimdLevel::sse4, SimdLevel::avx2, SimdLevel::avx512})
-        if (prep::simd_available(level)) all.push_back(level);
-    return all;
-}
 
 // Corners about a place of the picture, `reach` pixels from it; flat ones as well.
 void random_triangle(std::mt19937_64& random, std::uint32_t width, std::uint32_t height,
@@ -46,7 +39,7 @@ double random_reach(std::mt19937_64& random) {
 // Tiles at the picture's edges are from one pixel to whole.
 TEST(RasterBatch, TrianglesOfEverySizeCoverWhatExactIntegersSay) {
     std::mt19937_64 random(11);
-    const std::vector<SimdLevel> tried = levels();
+    const std::vector<SimdLevel> tried = test::every_level();
     const auto positions = every_sample();
     std::uint64_t wrong = 0, covered = 0;
     for (int n = 0; n < 6000; ++n) {
@@ -156,7 +149,7 @@ TEST(RasterBatch, ManyAtOnceShowTheNearestOfEachAlone) {
                     expected.number[to] = t;
                 }
         }
-        for (const SimdLevel level : levels())
+        for (const SimdLevel level : test::every_level())
             for (const bool skip_hidden : {false, true})
                 ASSERT_TRUE(seen_together(vertices, width, height, level, skip_hidden) == expected)
                     << n << " level " << int(level) << " skip " << skip_hidden;

@@ -9,18 +9,9 @@
 #include <vector>
 
 #include "oracles.h"
-#include "prep/simd.h"
+#include "simd_levels.h"
 
 namespace test {
-
-// Those that this machine has, the scalar code first.
-inline std::vector<prep::SimdLevel> every_level() {
-    std::vector<prep::SimdLevel> levels;
-    for (const auto level : {prep::SimdLevel::scalar, prep::SimdLevel::sse4, prep::SimdLevel::avx2,
-                             prep::SimdLevel::avx512})
-        if (prep::simd_available(level)) levels.push_back(level);
-    return levels;
-}
 
 struct Arriving {
     glm::dvec3 towards{0.0}, color{0.0};  // towards the light, unit

@@ -7,6 +7,7 @@
 
 #include "oracles.h"
 #include "shapes.h"
+#include "simd_levels.h"
 
 namespace {
 
@@ -55,9 +56,7 @@ TEST(Rendering, GivesTheSameBytesOnAnyThreadsAndInstructions) {
                 request.threads = threads;
                 EXPECT_TRUE(same_bytes(one, test::draw(scene, request))) << threads;
             }
-            for (const prep::SimdLevel level :
-                 {prep::SimdLevel::sse4, prep::SimdLevel::avx2, prep::SimdLevel::avx512}) {
-                if (!prep::simd_available(level)) continue;
+            for (const prep::SimdLevel level : test::every_level()) {
                 request.simd = level;
                 EXPECT_TRUE(same_bytes(one, test::draw(scene, request)))
                     << prep::to_string(level) << " " << int(shading) << " " << samples;

@@ -7,7 +7,7 @@
 
 #include "builders.h"
 #include "prep/image.h"
-#include "prep/simd.h"
+#include "simd_levels.h"
 
 namespace {
 
@@ -142,9 +142,7 @@ TEST(SceneRenderer, WritesAllBytesOfAUsedFrameOnEveryInstructionSet) {
             plain.simd = prep::SimdLevel::scalar;
             floats[k] = test::draw(scene, plain);
         }
-        for (const prep::SimdLevel level : {prep::SimdLevel::scalar, prep::SimdLevel::sse4,
-                                            prep::SimdLevel::avx2, prep::SimdLevel::avx512}) {
-            if (!prep::simd_available(level)) continue;
+        for (const prep::SimdLevel level : test::every_level()) {
             rast::SceneRenderer renderer(scene);
             rast::Frame frame;
             for (const int k : {0, 1, 0, 1}) {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "prep/subdivide.h"
+#include "simd_levels.h"
 #include "subdivision_oracle.h"
 
 namespace test {
@@ -41,9 +42,7 @@ void expect_same_of_any_threads(const prep::Mesh& mesh, prep::SubdivideOptions o
         again();
     }
     options.threads = 2;
-    for (const prep::SimdLevel simd : {prep::SimdLevel::scalar, prep::SimdLevel::sse4,
-                                       prep::SimdLevel::avx2, prep::SimdLevel::avx512}) {
-        if (!prep::simd_available(simd)) continue;
+    for (const prep::SimdLevel simd : test::every_level()) {
         options.simd = simd;
         again();
     }
