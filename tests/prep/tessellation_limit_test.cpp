@@ -1,6 +1,9 @@
 // Limit surfaces, tessellated: closed cages, normals, errors that are reached.
 #include <gtest/gtest.h>
 
+#include <limits>
+#include <optional>
+
 #include "limit_cages.h"
 #include "prep/displacement/tessellate.h"
 #include "tessellation/tessellation.h"
@@ -51,6 +54,72 @@ TEST(TessellationLimit, FramesTurnAsDirectionsDo) {
             }
         }
     }
+}
+
+// Two squares side by side of which the second lacks UVs, all or one, or has one that is no number:
+// its triangles have none, the first's theirs; so with the limit surface as with polygons, and with
+// colours. Where no face has all of them there are none.
+TEST(TessellationLimit, FacesWithoutUvsHaveNoneAndTheOthersTheirs) {
+    Mesh sheet;
+    sheet.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {2, 0, 0}, {2, 1, 0}};
+    sheet.corner_vertices = {0, 1, 2, 3, 1, 4, 5, 2};
+    sheet.face_offsets = {0, 4, 8};
+    const float nan = std::numeric_limits<float>::quiet_NaN();
+    const std::vector<glm::vec2> values{{0, 0}, {1, 0}, {1, 1}, {0, 1}, {nan, 0}};
+    constexpr std::uint32_t none = no_index;
+    using Indices = std::vector<std::uint32_t>;
+    for (const auto& [second, torn] :
+         {std::pair(Indices{none, none, none, none}, 0u), std::pair(Indices{1, none, 3, 2}, 1u),
+          std::pair(Indices{1, 0, 4, 2}, 1u)})
+        for (const auto scheme :
+             {std::optional<SubdivisionScheme>(), std::optional(SubdivisionScheme::catmark)}) {
+            Mesh mesh = sheet;
+            mesh.uvs.resize(1);
+            mesh.uvs[0].values = values;
+            mesh.uvs[0].indices = {0, 1, 2, 3};
+            mesh.uvs[0].indices.insert(mesh.uvs[0].indices.end(), second.begin(), second.end());
+            mesh.colors.resize(1);
+            mesh.colors[0].indices = mesh.uvs[0].indices;
+            for (const glm::vec2& uv : values) mesh.colors[0].values.emplace_back(uv, 0.5f, 1);
+            TessellateOptions options;
+            options.scheme = scheme;
+            options.edge_length = 0.2;
+            const auto made = tessellate(mesh, options);
+            ASSERT_TRUE(made) << to_string(made.error());
+            EXPECT_EQ(made->uv_sets_left_out, torn);
+            EXPECT_EQ(made->color_sets_left_out, torn);
+            const CornerLayer<glm::vec2>& uvs = made->mesh.uvs.at(0);
+            const CornerLayer<glm::vec4>& colors = made->mesh.colors.at(0);
+            std::vector<std::uint32_t> used(uvs.values.size(), 0);
+            std::array<std::uint32_t, 2> corners{};
+            for (std::size_t c = 0; c < made->mesh.corner_count(); ++c) {
+                const std::uint32_t face = made->cage_faces[c / 3];
+                ++corners[face];
+                if (face == 1) {
+                    ASSERT_EQ(uvs.indices[c], no_index);
+                    ASSERT_EQ(colors.indices[c], no_index);
+                    continue;
+                }
+                ASSERT_LT(uvs.indices[c], uvs.values.size());
+                ++used[uvs.indices[c]];
+                const glm::vec2 uv = uvs.values[uvs.indices[c]];
+                const glm::vec3 at = made->mesh.positions[made->mesh.corner_vertices[c]];
+                if (!scheme) {
+                    EXPECT_LT(glm::length(uv - glm::vec2(at)), 1e-6f);
+                }
+                EXPECT_EQ(colors.values[colors.indices[c]], glm::vec4(uv, 0.5f, 1));
+            }
+            EXPECT_GT(corners[0], 100u);
+            EXPECT_GT(corners[1], 100u);
+            EXPECT_EQ(std::count(used.begin(), used.end(), 0u), 0);
+        }
+    sheet.uvs = {{values, {0, 1, 2, none, none, 1, 2, 3}}};
+    TessellateOptions options;
+    options.edge_length = 0.2;
+    const auto made = tessellate(sheet, options);
+    ASSERT_TRUE(made) << to_string(made.error());
+    EXPECT_EQ(made->uv_sets_left_out, 1u);
+    EXPECT_TRUE(made->mesh.uvs.at(0).empty());
 }
 
 TEST(TessellationLimit, PointsAreThoseOfTheLimitSurface) {

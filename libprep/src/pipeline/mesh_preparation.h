@@ -61,8 +61,7 @@ class MeshPreparation {
     Result<void> weld_cage(const std::string& reason);
     Result<void> make_cage();
     void take_surface(Mesh&& surface);
-    void report_left_out(std::uint64_t holes, std::uint64_t uv_sets, std::uint64_t color_sets,
-                         const std::string& text);
+    void report_left_out(std::uint64_t holes, std::uint64_t uv_sets, std::uint64_t color_sets);
     void report_heights(const DisplacementMaps::OfMesh& maps);
     void report_certificate(const TessellationCertificate& certificate,
                             const TessellateOptions& options);

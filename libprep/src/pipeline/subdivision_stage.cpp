@@ -129,14 +129,14 @@ Result<void> MeshPreparation::subdivide_mesh() {
                 "into too many faces: values at seams are not OpenSubdiv's where creases of "
                 "different sharpness meet them; --face-varying corners-only needs no such rules",
                 PlaceKind::corner);
-    report_left_out(refined->holes, refined->uv_sets_left_out, refined->color_sets_left_out,
-                    "sets that cover a part of a face were left out there");
+    report_left_out(refined->holes, refined->uv_sets_left_out, refined->color_sets_left_out);
     take_surface(std::move(refined->mesh));
     return {};
 }
 
 void MeshPreparation::report_left_out(std::uint64_t holes, std::uint64_t uv_sets,
-                                      std::uint64_t color_sets, const std::string& text) {
+                                      std::uint64_t color_sets) {
+    const std::string text = "sets that cover a part of a face were left out there";
     add_finding("hole", Severity::info, holes, {}, "faces of the cage are holes, and left out",
                 PlaceKind::face);
     add_finding("partial-uv-set", Severity::warning, uv_sets, {}, "UV " + text, PlaceKind::corner);

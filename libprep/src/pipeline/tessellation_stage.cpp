@@ -185,8 +185,7 @@ Result<void> MeshPreparation::tessellate_mesh() {
         // What a band limit left out is in the normals.
         if (!as_read.empty()) baking_->options.displacements = std::move(as_read);
     }
-    report_left_out(made->holes, made->uv_sets_left_out, made->color_sets_left_out,
-                    "sets that do not cover every corner were left out");
+    report_left_out(made->holes, made->uv_sets_left_out, made->color_sets_left_out);
     add_finding("attribute-left-out", Severity::warning, attributes, {},
                 "the file's attributes of other names do not go through tessellation",
                 PlaceKind::vertex);

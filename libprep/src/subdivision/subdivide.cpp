@@ -9,6 +9,7 @@
 
 #include "base/finite.h"
 #include "limit_surface/face_varying.h"
+#include "model/partial_layers.h"
 #include "prep/topology.h"
 #include "subdivision/refined_positions.h"
 #include "subdivision/refined_skins.h"
@@ -130,25 +131,6 @@ class Subdivision {
         return error;
     }
 
-    // By face whether a corner has no value, or one that is not finite. `torn`: others of it have.
-    template <class T>
-    std::vector<bool> faces_without(const CornerLayer<T>& layer, bool& torn) const {
-        std::vector<bool> without(mesh_.face_count(), false);
-        for (std::uint32_t f = 0; f < mesh_.face_count(); ++f) {
-            std::uint32_t missing = 0;
-            bool damaged = false;
-            for (std::uint32_t c = mesh_.face_offsets[f]; c < mesh_.face_offsets[f + 1]; ++c) {
-                const std::uint32_t index = layer.indices[c];
-                const bool is_there = index < layer.values.size();
-                damaged = damaged || (is_there && !is_finite(layer.values[index]));
-                missing += !is_there;
-            }
-            without[f] = missing > 0 || damaged;
-            torn = torn || damaged || (missing > 0 && missing < cage_.face_size(f));
-        }
-        return without;
-    }
-
     // A layer that some faces lack: those have a value of their own in all corners, so that seams
     // part them from the others, and none in the end.
     template <class T>
@@ -156,22 +138,20 @@ class Subdivision {
                        const std::string& name, std::vector<CornerLayer<T>>& out,
                        std::uint64_t& left_out) {
         constexpr std::uint32_t width = T::length();
-        std::vector<bool> without;
-        bool torn = false;  // a face has some values, and not all
-        if (!given.empty()) without = faces_without(given, torn);
-        if (std::find(without.begin(), without.end(), false) == without.end()) {
+        const PartialFaces faces = given.empty() ? PartialFaces() : partial_faces(mesh_, given);
+        if (faces.all()) {
             if (!given.empty()) ++left_out;
             out.emplace_back();
             return {};
         }
         CornerLayer<T> whole;
-        const bool partial = std::find(without.begin(), without.end(), true) != without.end();
-        left_out += torn;
+        const bool partial = faces.any();
+        left_out += faces.torn;
         if (partial) {
             whole = given;
             for (std::uint32_t f = 0; f < mesh_.face_count(); ++f)
                 for (std::uint32_t c = mesh_.face_offsets[f];
-                     without[f] && c < mesh_.face_offsets[f + 1]; ++c)
+                     faces.without[f] && c < mesh_.face_offsets[f + 1]; ++c)
                     whole.indices[c] = std::uint32_t(whole.values.size());
             whole.values.push_back(T(0.0f));
         }
@@ -193,7 +173,7 @@ class Subdivision {
         for (std::size_t k = 0; k < made.values.size(); ++k)
             for (std::uint32_t d = 0; d < width; ++d)
                 made.values[k][int(d)] = values[k * width + d];
-        if (partial) take_away(refinement, without, made);
+        if (partial) take_away(refinement, faces.without, made);
         out.push_back(std::move(made));
         return {};
     }
@@ -213,18 +193,7 @@ class Subdivision {
                           layer.indices.begin() + std::ptrdiff_t(end), no_index);
             corner = end;
         }
-        std::vector<std::uint32_t> kept(layer.values.size(), no_index);
-        for (const std::uint32_t index : layer.indices)
-            if (index != no_index) kept[index] = 0;
-        std::uint32_t count = 0;
-        for (std::uint32_t k = 0; k < kept.size(); ++k)
-            if (kept[k] != no_index) {
-                layer.values[count] = layer.values[k];
-                kept[k] = count++;
-            }
-        layer.values.resize(count);
-        for (std::uint32_t& index : layer.indices)
-            if (index != no_index) index = kept[index];
+        drop_unused_values(layer);
     }
 
     Result<void> face_varying_layers(const UniformRefinement& refinement) {

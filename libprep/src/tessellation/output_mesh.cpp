@@ -6,6 +6,7 @@
 #include <unordered_map>
 
 #include "base/parallel.h"
+#include "model/partial_layers.h"
 #include "tessellation/polygon_surface.h"
 #include "tessellation/tessellation.h"
 
@@ -370,26 +371,30 @@ class Output {
                         });
     }
 
-    // Linear over each root; at its centre the mean of the face's corners.
+    // Linear over each root; at its centre the mean of the face's corners. Faces that lack it in a
+    // corner have none.
     template <class T>
     void layer(const CornerLayer<T>& in, std::vector<CornerLayer<T>>& out,
                std::uint64_t& left_out) const {
         out.emplace_back();
         if (in.empty()) return;
-        for (const DomainRoot& root : domain_.roots)
-            if (in.indices[root.corners[0]] == no_index) {
-                ++left_out;
-                return;
-            }
+        const PartialFaces faces = partial_faces(cage_, in);
+        if (faces.all()) {
+            ++left_out;
+            return;
+        }
+        left_out += faces.torn;
         using Wide = glm::vec<T::length(), double>;
         const auto at = [&](Index corner) { return Wide(in.values[in.indices[corner]]); };
         std::vector<Wide> centres(domain_.fans(), Wide(0.0));
         for (Index fan = 0; fan < domain_.fans(); ++fan) {
+            if (faces.without[domain_.roots[domain_.fan_roots[fan]].face]) continue;
             for_fan_corners(domain_, fan, [&](Index c) { centres[fan] += at(c); });
             centres[fan] /= double(domain_.fan_roots[fan + 1] - domain_.fan_roots[fan]);
         }
         const auto value_of = [&](const Side& side) {
             const DomainRoot& root = domain_.roots[side.root];
+            if (faces.without[root.face]) return T(0.0F);  // until no corner has it
             const glm::dvec3 w = point(side).weights;
             if (w.x == 1 || w.y == 1) return in.values[in.indices[root.corners[w.x == 1 ? 0 : 1]]];
             return T(w.x * at(root.corners[0]) + w.y * at(root.corners[1]) +
@@ -424,6 +429,11 @@ class Output {
         fill(shared, out.back(), [&](std::size_t count, const auto& side, const auto& take) {
             for (std::size_t k = 0; k < count; ++k) take(k, value_of(sides_.sides[side(k)]));
         });
+        if (!faces.any()) return;
+        CornerLayer<T>& made = out.back();
+        for (std::size_t c = 0; c < made.indices.size(); ++c)
+            if (faces.without[out_.cage_faces[c / 3]]) made.indices[c] = no_index;
+        drop_unused_values(made);
     }
 
     // The pieces of the cage's.

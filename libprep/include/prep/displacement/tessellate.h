@@ -186,7 +186,7 @@ struct TessellatedMesh {
     std::vector<float> errors;
     TessellationCertificate certificate;
     std::uint64_t holes = 0;  // cage faces that are left out
-    // Sets that do not cover every corner.
+    // Sets of which a face has some values, and not all (or one that is not finite): it has none.
     std::uint64_t uv_sets_left_out = 0, color_sets_left_out = 0;
 };
 
