@@ -314,7 +314,16 @@ class CornerMeasures {
         tell(of(&Limits::added), added_, scene_added_, b_.scene->meshes.size());
         Measured& looks = of(&Limits::materials);
         FindingList& looks_list = lists_[std::size_t(&looks - measured_.data())];
-        for (const auto& [key, place] : materials_) {
+        // What is not told gets no text: a look is held against all of the first file's.
+        std::vector<decltype(materials_)::const_iterator> told;
+        for (auto place = materials_.begin(); place != materials_.end(); ++place)
+            told.push_back(place);
+        std::stable_sort(told.begin(), told.end(), [](const auto& x, const auto& y) {
+            return x->second.value > y->second.value;
+        });
+        if (told.size() > most_findings) told.resize(most_findings);
+        for (const auto& row : told) {
+            const auto& [key, place] = *row;
             const auto [mesh, ma, mb] = key;
             Finding found = place;
             const std::uint32_t twin = looks_.twin_in_a(mb);

@@ -40,18 +40,26 @@ Triangles triangles_of(const WorldFaces& faces, const WorldFaces& cut,
     return out;
 }
 
+// Anything of it.
+bool is_shown(const prep::Scene& scene) {
+    return std::any_of(scene.nodes.begin(), scene.nodes.end(),
+                       [](const prep::Node& node) { return node.mesh != prep::no_index; });
+}
+
 class Judge {
   public:
     Judge(const prep::Scene& a, const prep::Scene& b, const JudgeOptions& options)
         : scene_a_(a),
           scene_b_(b),
           options_(options),
-          a_(a, Pieces::faces, options.meshes, options.threads),
-          b_(b, Pieces::faces, options.meshes, options.threads) {
+          // What is not drawn is not compared, but where nothing is drawn at all.
+          unshown_(is_shown(a) || is_shown(b) ? Unshown::left_out : Unshown::as_it_is),
+          a_(a, Pieces::faces, unshown_, options.meshes, options.threads),
+          b_(b, Pieces::faces, unshown_, options.meshes, options.threads) {
         // A file of polygons and one of their triangles are compared by triangles.
         if (a_.faces.size() != b_.faces.size()) {
-            a_ = WorldFaces(a, Pieces::triangles, options.meshes, options.threads);
-            b_ = WorldFaces(b, Pieces::triangles, options.meshes, options.threads);
+            a_ = WorldFaces(a, Pieces::triangles, unshown_, options.meshes, options.threads);
+            b_ = WorldFaces(b, Pieces::triangles, unshown_, options.meshes, options.threads);
             whole_ = false;
         }
         for (const LimitRow& row : limit_rows) {
@@ -71,6 +79,8 @@ class Judge {
         matching_ = match_faces(a_, b_, looks);
         if (!matching_.complete)
             out_.notes.push_back("the search for faces' partners ended early: too many are near");
+        note_unshown(scene_a_, "first");
+        note_unshown(scene_b_, "second");
         count_faces();
         measure_corners(a_, b_, matching_, options_.meshes.empty(), looks, out_.measured,
                         out_.notes);
@@ -82,6 +92,19 @@ class Judge {
 
   private:
     Measured& of(std::optional<double> Limits::*limit) { return measured_of(out_.measured, limit); }
+
+    void note_unshown(const prep::Scene& scene, const char* which) {
+        if (unshown_ == Unshown::as_it_is) return;
+        std::vector<bool> shown(scene.meshes.size(), false);
+        for (const prep::Node& node : scene.nodes)
+            if (node.mesh != prep::no_index) shown[node.mesh] = true;
+        if (const auto count = std::count(shown.begin(), shown.end(), false); count > 0)
+            out_.notes.push_back(
+                fmt::format("{} of the {} file that its scene does not show {} "
+                            "not compared",
+                            count == 1 ? "1 mesh" : fmt::format("{} meshes", count), which,
+                            count == 1 ? "was" : "were"));
+    }
 
     // Without area, so that it has no side to turn.
     bool is_flat(std::uint32_t f) const {
@@ -213,8 +236,8 @@ class Judge {
     // Both scenes' triangles, once.
     void cut() {
         if (cut_a_) return;
-        cut_a_.emplace(scene_a_, Pieces::triangles, options_.meshes, options_.threads);
-        cut_b_.emplace(scene_b_, Pieces::triangles, options_.meshes, options_.threads);
+        cut_a_.emplace(scene_a_, Pieces::triangles, unshown_, options_.meshes, options_.threads);
+        cut_b_.emplace(scene_b_, Pieces::triangles, unshown_, options_.meshes, options_.threads);
         if (!whole_) return;
         cuts_a_.emplace(a_, *cut_a_);
         cuts_b_.emplace(b_, *cut_b_);
@@ -323,6 +346,7 @@ class Judge {
 
     const prep::Scene &scene_a_, &scene_b_;
     const JudgeOptions& options_;
+    Unshown unshown_;
     WorldFaces a_, b_;
     bool whole_ = true;  // faces, not triangles
     Matching matching_;

@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "prep/image.h"
+#include "prep/material_extensions.h"
 
 namespace judge {
 namespace {
@@ -148,6 +149,18 @@ const std::vector<std::string>& MaterialLooks::differences(std::uint32_t of_a, s
         compare.number("displacement's midlevel", a.displacement_midlevel, b.displacement_midlevel);
         compare.named("displacement's kind", a.displacement_kind, b.displacement_kind);
     }
+    const auto more_a = prep::numbers_beyond_material(a_, of_a);
+    const auto more_b = prep::numbers_beyond_material(b_, of_b);
+    for (const auto& [name, number] : more_a) {
+        const auto other = more_b.find(name);
+        if (other == more_b.end())
+            compare.out.push_back(fmt::format("{} {:.3g} lost", name, number));
+        else
+            compare.number(name.c_str(), number, other->second);
+    }
+    for (const auto& [name, number] : more_b)
+        if (!more_a.contains(name))
+            compare.out.push_back(fmt::format("{} {:.3g} added", name, number));
     for (const prep::MaterialMap& map : prep::material_maps) {
         const prep::TextureRef &ra = a.*map.ref, &rb = b.*map.ref;
         const std::string name = std::string(map.name) + " map";

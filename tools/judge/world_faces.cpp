@@ -12,7 +12,7 @@ bool finite(const glm::dvec3& v) {
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
-std::vector<Instance> instances_of(const prep::Scene& scene,
+std::vector<Instance> instances_of(const prep::Scene& scene, Unshown unshown,
                                    const std::vector<std::string>& meshes) {
     const auto wanted = [&](std::uint32_t m) {
         return meshes.empty() ||
@@ -31,12 +31,14 @@ std::vector<Instance> instances_of(const prep::Scene& scene,
         instance.node = n;
         instance.world = worlds[n];
         const glm::dmat3 linear(worlds[n]);
-        const double det = glm::determinant(linear);
-        instance.mirrored = det < 0;
-        instance.normals = det != 0 ? glm::transpose(glm::inverse(linear)) : linear;
+        instance.mirrored = glm::determinant(linear) < 0;
+        instance.normals =
+            (instance.mirrored ? -1.0 : 1.0) * glm::dmat3(glm::cross(linear[1], linear[2]),
+                                                          glm::cross(linear[2], linear[0]),
+                                                          glm::cross(linear[0], linear[1]));
         out.push_back(instance);
     }
-    for (std::uint32_t m = 0; m < scene.meshes.size(); ++m)
+    for (std::uint32_t m = 0; unshown == Unshown::as_it_is && m < scene.meshes.size(); ++m)
         if (!used[m] && wanted(m)) out.emplace_back().mesh = m;
     return out;
 }
@@ -49,9 +51,9 @@ const T* value_at(const prep::CornerLayer<T>& layer, std::uint32_t corner) {
 
 }  // namespace
 
-WorldFaces::WorldFaces(const prep::Scene& of, Pieces pieces, const std::vector<std::string>& meshes,
-                       int threads)
-    : scene(&of), instances(instances_of(of, meshes)) {
+WorldFaces::WorldFaces(const prep::Scene& of, Pieces pieces, Unshown unshown,
+                       const std::vector<std::string>& meshes, int threads)
+    : scene(&of), instances(instances_of(of, unshown, meshes)) {
     bool any = false;
     const auto add = [&](std::uint32_t i, std::uint32_t face, const std::uint32_t* list,
                          std::uint32_t count) {

@@ -19,22 +19,23 @@ struct WorldFace {
     double rounding = 0;
 };
 
-// A mesh under a node; without one where no node has it.
+// A mesh under a node; without one where no node shows it.
 struct Instance {
     std::uint32_t mesh = 0, node = prep::no_index;
     std::uint32_t first_face = 0;  // in WorldFaces::faces, where faces are whole
     glm::dmat4 world{1.0};
-    glm::dmat3 normals{1.0};  // the inverse transposed
+    glm::dmat3 normals{1.0};  // cofactors, in the determinant's sign
     bool mirrored = false;
 };
 
 enum class Pieces : std::uint8_t { faces, triangles };
+enum class Unshown : std::uint8_t { left_out, as_it_is };  // meshes that no node shows
 
 class WorldFaces {
   public:
     // Of the meshes of these names (none: of all). The scene must outlive it.
-    WorldFaces(const prep::Scene& scene, Pieces pieces, const std::vector<std::string>& meshes,
-               int threads);
+    WorldFaces(const prep::Scene& scene, Pieces pieces, Unshown unshown,
+               const std::vector<std::string>& meshes, int threads);
 
     const prep::Scene* scene = nullptr;
     std::vector<Instance> instances;

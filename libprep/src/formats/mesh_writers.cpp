@@ -10,6 +10,7 @@
 #include "base/atomic_files.h"
 #include "base/srgb.h"
 #include "formats/writers.h"
+#include "model/origin.h"
 #include "text/blocks.h"
 #include "text/numbers.h"
 
@@ -36,6 +37,7 @@ struct Flat {
     std::span<const Index> face_offsets, corner_vertices;  // polygons, by split vertex
     std::span<const Index> triangles, lines;
     std::size_t points = 0;
+    bool far = false;  // of text: floats are written with all the digits of a double
 
     struct Own {
         std::vector<glm::vec3> floats, normals;
@@ -90,9 +92,10 @@ void append_instance(const Instance& instance, bool moved, bool normals, bool ta
     const double sign = glm::determinant(linear) < 0 ? -1 : 1;
     const glm::dmat3 cofactor(glm::cross(linear[1], linear[2]), glm::cross(linear[2], linear[0]),
                               glm::cross(linear[0], linear[1]));
-    const auto unit = [](const glm::dvec3& v) {
+    // Where a flat transform leaves no direction, that of before, as in OBJ.
+    const auto unit = [](const glm::dvec3& v, const glm::vec3& before) {
         const double length = glm::length(v);
-        return length > 0 ? v / length : v;
+        return length > 0 ? glm::vec3(v / length) : before;
     };
     if (!moved) to.floats.insert(to.floats.end(), mesh.positions.begin(), mesh.positions.end());
     const std::size_t first_normal = to.normals.size(), first_tangent = to.tangents.size();
@@ -106,10 +109,11 @@ void append_instance(const Instance& instance, bool moved, bool normals, bool ta
     }
     if (instance.moved() && linear != glm::dmat3(1.0)) {
         for (std::size_t v = first_normal; v < to.normals.size(); ++v)
-            to.normals[v] = glm::vec3(unit(cofactor * glm::dvec3(to.normals[v]) * sign));
+            to.normals[v] = unit(cofactor * glm::dvec3(to.normals[v]) * sign, to.normals[v]);
         for (std::size_t v = first_tangent; v < to.tangents.size(); ++v) {
             glm::vec4& t = to.tangents[v];
-            t = glm::vec4(glm::vec3(unit(linear * glm::dvec3(glm::vec3(t)))), t.w * float(sign));
+            const glm::vec3 before(t);
+            t = glm::vec4(unit(linear * glm::dvec3(before), before), t.w * float(sign));
         }
     }
     append_or_fill(to.uvs, uvs, first_uvs(mesh), mesh.vertex_count(), glm::vec2(0.0f));
@@ -142,7 +146,7 @@ std::size_t unused_vertices(const VertexMesh& mesh, const Mesh& source) {
 }
 
 // Errors: limit (instances and all, more than indices of 32 bits tell apart).
-Result<void> flatten(const PreparedScene& prepared, const char* format,
+Result<void> flatten(const PreparedScene& prepared, const char* format, bool text,
                      const std::filesystem::path& path, std::vector<std::string>& notes,
                      Flat& flat) {
     const std::vector<glm::dmat4> world = world_transforms(prepared.scene);
@@ -168,6 +172,15 @@ Result<void> flatten(const PreparedScene& prepared, const char* format,
         if (std::count_if(mesh.uvs.begin(), mesh.uvs.end(),
                           [](const auto& set) { return !set.empty(); }) > 1)
             note_once(notes, fmt::format("{} holds one UV set: the others are left out", format));
+    }
+    if (text) {
+        PositionBounds bounds;
+        for (const Instance& instance : instances)
+            for (const glm::vec3& p : instance.mesh->positions)
+                bounds.add(glm::dvec3(instance.world *
+                                      glm::dvec4(glm::dvec3(p) + instance.mesh->origin, 1.0)));
+        flat.far = bounds.may_be_far();
+        moved |= flat.far;
     }
     if (vertices >= no_index || corners >= no_index)
         return Error{ErrorCode::limit, "more than 2^32 - 2 vertices or corners in one file",
@@ -219,11 +232,28 @@ unsigned char encoded(float linear) {
     return static_cast<unsigned char>(std::lround(linear_to_srgb(clamped(linear)) * 255));
 }
 
-void note_clamped_colors(const Flat& flat, std::vector<std::string>& notes) {
-    const bool all_fit = std::all_of(
-        flat.colors.begin(), flat.colors.end(),
-        [](const glm::vec4& c) { return c == glm::clamp(c, glm::vec4(0.0f), glm::vec4(1.0f)); });
-    if (!all_fit) note_once(notes, "vertex colours outside 0 … 1 were clamped");
+unsigned char encoded_alpha(float alpha) {
+    return static_cast<unsigned char>(std::lround(clamped(alpha) * 255));
+}
+
+// Of bytes: what they are read as again.
+glm::vec4 decoded(const glm::vec4& color) {
+    glm::vec4 read;
+    for (int k = 0; k < 3; ++k) read[k] = float(srgb_to_linear(encoded(color[k]) / 255.0));
+    read.a = float(encoded_alpha(color.a) / 255.0);
+    return read;
+}
+
+void note_changed_colors(const Flat& flat, std::vector<std::string>& notes) {
+    bool clamped = false, rounded = false;
+    for (const glm::vec4& c : flat.colors) {
+        if (c != glm::clamp(c, glm::vec4(0.0f), glm::vec4(1.0f)))
+            clamped = true;
+        else
+            rounded = rounded || c != decoded(c);
+    }
+    if (clamped) note_once(notes, "vertex colours outside 0 … 1 were clamped");
+    if (rounded) note_once(notes, "PLY's colours are bytes here: they were rounded to them");
 }
 
 // A vertex that nothing else uses is a point in a file without faces and segments only.
@@ -293,10 +323,10 @@ WriteResult write_ply(const PreparedScene& prepared, const std::filesystem::path
                       const SaveOptions& options) {
     std::vector<std::string> notes;
     Flat flat;
-    if (auto done = flatten(prepared, "PLY", path, notes, flat); !done)
+    if (auto done = flatten(prepared, "PLY", options.ascii, path, notes, flat); !done)
         return std::move(done).error();
     note_points(flat, "PLY", notes);
-    note_clamped_colors(flat, notes);
+    note_changed_colors(flat, notes);
     if (flat.vertices() > 0x7fffffff)
         return Error{ErrorCode::limit, "PLY's vertex indices end at 2^31 - 1", path.string()};
     TextBlocks out(options.threads);
@@ -355,7 +385,7 @@ WriteResult write_ply(const PreparedScene& prepared, const std::filesystem::path
         }
         if (!flat.colors.empty()) {
             for (int k = 0; k < 3; ++k) to.put(encoded(flat.colors[v][k]));
-            to.put(static_cast<unsigned char>(std::lround(clamped(flat.colors[v].a) * 255)));
+            to.put(encoded_alpha(flat.colors[v].a));
         }
         return to.end();
     });
@@ -383,7 +413,7 @@ WriteResult write_stl(const PreparedScene& prepared, const std::filesystem::path
                       const SaveOptions& options) {
     std::vector<std::string> notes;
     Flat flat;
-    if (auto done = flatten(prepared, "STL", path, notes, flat); !done)
+    if (auto done = flatten(prepared, "STL", options.ascii, path, notes, flat); !done)
         return std::move(done).error();
     if (!flat.uvs.empty()) note_once(notes, "STL holds no UVs: left out");
     if (!flat.colors.empty()) note_once(notes, "STL holds no colours: left out");
@@ -420,18 +450,20 @@ WriteResult write_stl(const PreparedScene& prepared, const std::filesystem::path
         const auto word = [&](const char* text) {
             while (options.ascii && *text) *to++ = *text++;
         };
-        const auto numbers = [&](const glm::vec3& v) {
+        const auto numbers = [&](const glm::vec3& v, bool far) {
             for (int k = 0; k < 3; ++k) {
                 word(" ");
-                to = options.ascii ? write_float(to, v[k]) : write_raw(to, v[k]);
+                to = !options.ascii ? write_raw(to, v[k])
+                     : far          ? write_double(to, double(v[k]))
+                                    : write_float(to, v[k]);
             }
         };
         word("facet normal");
-        numbers(glm::vec3(facet_normal(p[0], p[1], p[2])));
+        numbers(glm::vec3(facet_normal(p[0], p[1], p[2])), false);
         word("\nouter loop\n");
         for (const glm::dvec3& corner : p) {
             word("vertex");
-            numbers(glm::vec3(corner));
+            numbers(glm::vec3(corner), flat.far);
             word("\n");
         }
         word("endloop\nendfacet\n");
@@ -445,7 +477,7 @@ WriteResult write_off(const PreparedScene& prepared, const std::filesystem::path
                       const SaveOptions& options) {
     std::vector<std::string> notes;
     Flat flat;
-    if (auto done = flatten(prepared, "OFF", path, notes, flat); !done)
+    if (auto done = flatten(prepared, "OFF", true, path, notes, flat); !done)
         return std::move(done).error();
     note_points(flat, "OFF", notes);
     if (!flat.tangents.empty()) note_once(notes, "OFF holds no tangents: left out");

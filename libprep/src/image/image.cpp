@@ -3,6 +3,10 @@
 #include <dlfcn.h>
 
 #include <cstring>
+#include <latch>
+#include <system_error>
+#include <thread>
+#include <vector>
 
 #include "image/image_library.h"
 #include "image/picture_kind.h"
@@ -31,7 +35,27 @@ void open_needs_first() {
         if (need && !::dlopen(need, RTLD_NOW | RTLD_LOCAL)) (void)::dlerror();
 }
 
+// One of those libraries starts threads of its own as it is loaded, and ends the process, or waits
+// for ever, where the system refuses one.
+bool can_start_threads() {
+    constexpr int more_than_it_starts = 8;
+    std::vector<std::thread> threads;
+    std::latch ready(1);
+    try {
+        for (int k = 0; k < more_than_it_starts; ++k) threads.emplace_back([&] { ready.wait(); });
+    } catch (const std::system_error&) {  // told by the number
+    }
+    ready.count_down();
+    for (std::thread& thread : threads) thread.join();
+    return threads.size() == more_than_it_starts;
+}
+
 Result<const ImageBackend*> open_backend() {
+    if (!can_start_threads())
+        return Error{ErrorCode::io,
+                     "the library for pictures starts threads, and the system refuses them: allow "
+                     "more processes or memory",
+                     ""};
     open_needs_first();
     return detail::open_companion<ImageBackend>(
         {"libprep_images.so", MESHPREP_TEXT(MESHPREP_IMAGE_BACKEND), "the library for pictures"});

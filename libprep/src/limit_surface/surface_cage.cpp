@@ -20,8 +20,8 @@ Result<void> check_faces(const Mesh& mesh, SubdivisionScheme scheme) {
     for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
         if (!is_finite(mesh.positions[v]))
             return Error{ErrorCode::invalid,
-                         "a position is not finite: no surface can be computed; repair the mesh "
-                         "first (--repair)",
+                         "a position is not finite: no surface can be computed; give the vertex "
+                         "coordinates, or take its faces away",
                          place_of(mesh, "vertex", v)};
     std::vector<std::uint32_t> valence(mesh.vertex_count(), 0);
     for (std::uint32_t f = 0; f < mesh.face_count(); ++f) {

@@ -8,6 +8,8 @@ namespace prep {
 namespace detail {
 namespace {
 
+constexpr double far = 8;  // from zero, in diagonals
+
 // The centre with no more digits than it needs: differences from it, and sums with them, are exact
 // as far as the coordinates' own digits reach, and a mesh written and read again gets the same one.
 glm::dvec3 on_grid(const glm::dvec3& centre, double diagonal) {
@@ -21,14 +23,39 @@ glm::dvec3 on_grid(const glm::dvec3& centre, double diagonal) {
 
 }  // namespace
 
-glm::dvec3 PositionBounds::origin() const {
-    if (!any_ || float_exact_) return glm::dvec3(0.0);
-    // Halved before adding: coordinates near the largest double must not overflow.
-    const glm::dvec3 centre = low_ * 0.5 + high_ * 0.5;
+// Halved before adding: coordinates near the largest double must not overflow.
+glm::dvec3 PositionBounds::centre() const {
+    return low_ * 0.5 + high_ * 0.5;
+}
+
+double PositionBounds::diagonal() const {
     const glm::dvec3 extent = high_ * 0.5 - low_ * 0.5;
-    const double distance = std::hypot(centre.x, centre.y, centre.z);
-    const double diagonal = 2 * std::hypot(extent.x, extent.y, extent.z);
-    return distance > 8 * diagonal ? on_grid(centre, diagonal) : glm::dvec3(0.0);
+    return 2 * std::hypot(extent.x, extent.y, extent.z);
+}
+
+glm::dvec3 PositionBounds::origin() const {
+    return float_exact_ ? glm::dvec3(0.0) : far_origin();
+}
+
+glm::dvec3 PositionBounds::far_origin() const {
+    if (!any_) return glm::dvec3(0.0);
+    const glm::dvec3 middle = centre();
+    const double across = diagonal();
+    return std::hypot(middle.x, middle.y, middle.z) > far * across ? on_grid(middle, across)
+                                                                   : glm::dvec3(0.0);
+}
+
+// The centre of a part is no nearer than half a diagonal of the whole.
+bool PositionBounds::may_be_far() const {
+    if (!any_) return false;
+    const glm::dvec3 middle = centre();
+    return std::hypot(middle.x, middle.y, middle.z) > (far - 0.5) * diagonal();
+}
+
+bool may_be_far(std::span<const glm::vec3> positions) {
+    PositionBounds bounds;
+    for (const glm::vec3& p : positions) bounds.add(glm::dvec3(p));
+    return bounds.may_be_far();
 }
 
 }  // namespace detail

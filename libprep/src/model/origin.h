@@ -3,6 +3,7 @@
 #pragma once
 
 #include <glm/glm.hpp>
+#include <span>
 
 namespace prep::detail {
 
@@ -24,10 +25,20 @@ class PositionBounds {
         float_exact_ = float_exact_ && other.float_exact_;
     }
     glm::dvec3 origin() const;
+    // The same whether or not floats hold the coordinates.
+    glm::dvec3 far_origin() const;
+    // Whether a reader of text, of which these may be a part, might choose an origin: digits that
+    // tell floats apart are then too few, as they are not read as floats.
+    bool may_be_far() const;
+
+    double diagonal() const;
 
   private:
+    glm::dvec3 centre() const;
     glm::dvec3 low_{0.0}, high_{0.0};
     bool any_ = false, float_exact_ = true;
 };
+
+bool may_be_far(std::span<const glm::vec3> positions);
 
 }  // namespace prep::detail

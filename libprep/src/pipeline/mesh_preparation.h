@@ -59,6 +59,7 @@ class MeshPreparation {
     ResidualMaps::Report residual_report();
     Result<void> bake_residuals();
     Result<void> weld_cage(const std::string& reason);
+    void move_cage_to_its_origin();
     Result<void> make_cage();
     void take_surface(Mesh&& surface);
     void report_left_out(std::uint64_t holes, std::uint64_t uv_sets, std::uint64_t color_sets);

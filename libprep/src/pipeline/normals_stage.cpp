@@ -57,7 +57,12 @@ Result<void> MeshPreparation::prepare_normals() {
     // The file's own go into the output, whatever reads them there.
     const bool stay = !mesh_.normals.empty() && need_.provided.normals &&
                       options_.request.normals != Request::Level::never;
-    if (!need_.normals.needed && !stay) {
+    // Of faces: lines and points may have some where no face has.
+    const auto is_missing = [](std::uint32_t index) { return index == no_index; };
+    const std::vector<std::uint32_t>& indices = mesh_.normals.indices;
+    const bool of_faces = !std::all_of(indices.begin(), indices.end(), is_missing);
+    if (!need_.normals.needed && !(stay && of_faces)) {
+        if (!of_faces) mesh_.normals = {};
         skip_normals(need_.normals.reason);
         return {};
     }
@@ -76,10 +81,9 @@ Result<void> MeshPreparation::prepare_normals() {
                 [&] { return face_normals(view, options_.normal.precision, options_.threads); });
         }
         review = review_normals(view, geometry_.faces ? &*geometry_.faces : nullptr);
-        if (!need_.normals.needed) review.missing = 0;
         report_review(review);
-        replace = normal_non_finite | normal_zero;
-        if (need_.normals.needed) replace |= normal_missing;
+        // Formats with normals by vertex would have to make up those that are missing.
+        replace = normal_non_finite | normal_zero | normal_missing;
         if (authored == Authored::repair) replace |= normal_non_unit | normal_flipped;
         bool any = false;
         for (const std::uint8_t f : review.faults) any |= (f & replace) != 0;

@@ -1,9 +1,13 @@
 // The cage of a mesh, and the surface in its place: quads recovered, creases from hard edges,
 // points welded that the file repeats at seams, then subdivision with everything that the mesh
 // carries.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <map>
 
+#include "base/finite.h"
+#include "model/origin.h"
 #include "model/vertex_deltas.h"
 #include "normals/authored_normals.h"
 #include "pipeline/mesh_preparation.h"
@@ -72,7 +76,34 @@ Result<void> MeshPreparation::weld_cage(const std::string& reason) {
     return {};
 }
 
+// Coordinates that floats hold may lie where floats hold nothing between them, as where a cage's
+// edges are few of their steps. A document's meshes stay where their nodes have them.
+void MeshPreparation::move_cage_to_its_origin() {
+    PositionBounds bounds;
+    for (const glm::vec3& p : mesh_.positions) bounds.add(glm::dvec3(p));
+    const glm::dvec3 origin = bounds.far_origin();
+    if (origin == glm::dvec3(0.0)) return;
+    if (mesh_.tied_to_file) {
+        constexpr double coarse = 0x1p-16;  // of the cage's size
+        const double step = 0x1p-23 * glm::length(origin), part = step / bounds.diagonal();
+        add_finding("far-from-origin", Severity::warning, part > coarse ? 1 : 0, {},
+                    fmt::format("the cage lies so far from its origin that new points are rounded "
+                                "to steps of {:.2g} of its size: put the distance into the node",
+                                part));
+        return;
+    }
+    std::vector<glm::vec3> moved(mesh_.positions.size());
+    for (std::size_t v = 0; v < moved.size(); ++v) {
+        const glm::dvec3 p(mesh_.positions[v]);
+        moved[v] = glm::vec3(p - origin);
+        if (is_finite(p) && glm::dvec3(moved[v]) + origin != p) return;
+    }
+    mesh_.positions = std::move(moved);
+    mesh_.origin += origin;
+}
+
 Result<void> MeshPreparation::make_cage() {
+    move_cage_to_its_origin();
     if (auto done = weld_cage("a cage is one surface: equal positions are one point"); !done)
         return done;
     const SubdivideOptions& options = options_.subdivision;

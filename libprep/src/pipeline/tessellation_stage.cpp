@@ -186,13 +186,16 @@ Result<void> MeshPreparation::tessellate_mesh() {
         if (!as_read.empty()) baking_->options.displacements = std::move(as_read);
     }
     report_left_out(made->holes, made->uv_sets_left_out, made->color_sets_left_out);
-    add_finding("attribute-left-out", Severity::warning, attributes, {},
-                "the file's attributes of other names do not go through tessellation",
-                PlaceKind::vertex);
-    add_finding(
-        "loose-parts-left-out", Severity::warning,
-        mesh_.points.size() + (mesh_.line_offsets.empty() ? 0 : mesh_.line_offsets.size() - 1), {},
-        "lines and points do not go through tessellation", PlaceKind::vertex);
+    // A document keeps lines and points, and what they have; it tells which of the faces' went.
+    if (!(mesh_.tied_to_file && options_.document_stays)) {
+        add_finding("attribute-left-out", Severity::warning, attributes, {},
+                    "the file's attributes of other names do not go through tessellation",
+                    PlaceKind::vertex);
+        add_finding(
+            "loose-parts-left-out", Severity::warning,
+            mesh_.points.size() + (mesh_.line_offsets.empty() ? 0 : mesh_.line_offsets.size() - 1),
+            {}, "lines and points do not go through tessellation", PlaceKind::vertex);
+    }
     report_certificate(made->certificate, baking_ ? baking_->options : options);
     take_surface(std::move(made->mesh));
     if (options_.keep_cages) out_.tessellation_errors[index_] = std::move(made->errors);

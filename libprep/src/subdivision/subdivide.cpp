@@ -139,14 +139,13 @@ class Subdivision {
                        std::uint64_t& left_out) {
         constexpr std::uint32_t width = T::length();
         const PartialFaces faces = given.empty() ? PartialFaces() : partial_faces(mesh_, given);
+        left_out += faces.torn;
         if (faces.all()) {
-            if (!given.empty()) ++left_out;
             out.emplace_back();
             return {};
         }
         CornerLayer<T> whole;
         const bool partial = faces.any();
-        left_out += faces.torn;
         if (partial) {
             whole = given;
             for (std::uint32_t f = 0; f < mesh_.face_count(); ++f)
@@ -326,7 +325,7 @@ class Subdivision {
         for (const std::uint32_t v : mesh_.points) out.points.push_back(vertex(v));
         out.loose_parts_with_attributes = mesh_.loose_parts_with_attributes;
         if (mesh_.vertex_colors.empty()) return;
-        out.vertex_colors.assign(out.vertex_count(), glm::vec4(0.0F));
+        out.vertex_colors.assign(out.vertex_count(), glm::vec4(1.0F));
         for (std::size_t v = 0; v < out.vertex_count(); ++v)
             if (out_.cage_vertices[v] != no_index)
                 out.vertex_colors[v] = mesh_.vertex_colors[out_.cage_vertices[v]];

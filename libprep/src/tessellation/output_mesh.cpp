@@ -379,11 +379,8 @@ class Output {
         out.emplace_back();
         if (in.empty()) return;
         const PartialFaces faces = partial_faces(cage_, in);
-        if (faces.all()) {
-            ++left_out;
-            return;
-        }
         left_out += faces.torn;
+        if (faces.all()) return;
         using Wide = glm::vec<T::length(), double>;
         const auto at = [&](Index corner) { return Wide(in.values[in.indices[corner]]); };
         std::vector<Wide> centres(domain_.fans(), Wide(0.0));

@@ -71,8 +71,8 @@ Result<void> check_mesh(const Mesh& cage) {
         if (!is_finite(cage.positions[v]))
             return Error{
                 ErrorCode::invalid,
-                fmt::format("the position of vertex {} is not finite: remove its faces, or "
-                            "repair the mesh, before it is tessellated",
+                fmt::format("the position of vertex {} is not finite: give it coordinates, or "
+                            "take its faces away, before the mesh is tessellated",
                             v),
                 place_of(cage)};
     for (std::size_t f = 0; f < cage.face_count(); ++f)

@@ -31,7 +31,9 @@ BatchSources::BatchSources(const std::vector<Job>& jobs, const CommonOptions& co
                            Console& console)
     : jobs_(jobs), common_(common), console_(console), known_(jobs.size(), false) {
     for (std::size_t number = 0; number < jobs.size(); ++number) {
-        jobs_of_[name_of_file(jobs[number].input)].push_back(number);
+        // An input that is refused as it comes twice is no other reader of its file.
+        std::vector<std::size_t>& readers = jobs_of_[name_of_file(jobs[number].input)];
+        if (!jobs[number].error || readers.empty()) readers.push_back(number);
         if (jobs[number].error || is_stream(jobs[number].input) || stands_alone(jobs[number].input))
             continue;
         to_load_.insert(to_load_.end(), number);

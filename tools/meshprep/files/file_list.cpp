@@ -40,29 +40,40 @@ struct Input {
 std::vector<Input> list_directory(const fs::path& path, bool recursive, const fs::path& output) {
     std::error_code ec;
     std::vector<Input> found;
+    const auto add = [&](const fs::path& at, std::optional<Error> error) {
+        found.push_back({at, at.parent_path().lexically_relative(path), std::move(error)});
+    };
     const auto take = [&](const fs::directory_entry& entry) {
+        if (!holds_mesh(entry.path())) return;
         std::error_code entry_ec;
-        if (!entry.is_regular_file(entry_ec) || !holds_mesh(entry.path())) return;
-        found.push_back({entry.path(), entry.path().parent_path().lexically_relative(path), {}});
+        if (entry.is_regular_file(entry_ec))
+            add(entry.path(), {});
+        else if (entry.is_symlink(entry_ec) && !entry.exists(entry_ec))
+            add(entry.path(), require_file(entry.path()).error());
+    };
+    const auto not_listed = [](const fs::path& directory, const std::error_code& why) {
+        return Error{ErrorCode::io, "cannot list the directory: " + why.message(),
+                     directory.string()};
     };
     if (recursive) {
-        const auto options = fs::directory_options::skip_permission_denied;
-        for (fs::recursive_directory_iterator it(path, options, ec), end; !ec && it != end;
-             it.increment(ec)) {
+        fs::recursive_directory_iterator it(path, ec);
+        for (const fs::recursive_directory_iterator end; !ec && it != end; it.increment(ec)) {
             std::error_code entry_ec;
-            if (it->is_directory(entry_ec) && identity(it->path()) == output)
-                it.disable_recursion_pending();
+            if (it->is_directory(entry_ec) && !it->is_symlink(entry_ec)) {
+                if (identity(it->path()) == output) {
+                    it.disable_recursion_pending();
+                } else if (fs::directory_iterator(it->path(), entry_ec); entry_ec) {
+                    it.disable_recursion_pending();
+                    add(it->path(), not_listed(it->path(), entry_ec));
+                }
+            }
             take(*it);
         }
     } else {
         for (fs::directory_iterator it(path, ec), end; !ec && it != end; it.increment(ec))
             take(*it);
     }
-    if (ec)
-        return {
-            {path,
-             {},
-             Error{ErrorCode::io, "cannot list the directory: " + ec.message(), path.string()}}};
+    if (ec) return {{path, {}, not_listed(path, ec)}};
     if (found.empty())
         return {{path,
                  {},

@@ -1,11 +1,13 @@
 #include "formats/gltf/build.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
 #include <numbers>
 #include <set>
+#include <utility>
 
 #include "base/finite.h"
 #include "base/read_open_file.h"
@@ -45,7 +47,10 @@ class Builder {
         if (!unread_.empty())
             notes_.push_back("textures that cannot be read: " + unread_.text() +
                              ": their materials go without");
-        if (dropped_triangles_ > 0) notes_.push_back(non_finite_note(dropped_triangles_));
+        for (const auto& [count, what] :
+             {std::pair(dropped_[2], "triangle"), std::pair(dropped_[1], "line segment"),
+              std::pair(dropped_[0], "point")})
+            if (count > 0) notes_.push_back(non_finite_note(count, what));
         for (const std::string& name : extensions_) document_["extensionsUsed"].push_back(name);
     }
 
@@ -127,24 +132,10 @@ class Builder {
                 const std::span<const Index> whole(
                     mesh.indices.data() + 3 * std::size_t(range.first_triangle),
                     3 * std::size_t(range.triangle_count));
-                if (all_finite_) {
-                    add_primitive(m, whole, 4, range.material, primitives);
-                    continue;
-                }
-                std::vector<Index> indices;
-                indices.reserve(whole.size());
-                for (Index t = 0; t < range.triangle_count; ++t) {
-                    const Index* i = &mesh.indices[3 * std::size_t(range.first_triangle + t)];
-                    if (is_finite(mesh.positions[i[0]]) && is_finite(mesh.positions[i[1]]) &&
-                        is_finite(mesh.positions[i[2]]))
-                        indices.insert(indices.end(), i, i + 3);
-                    else
-                        ++dropped_triangles_;
-                }
-                add_primitive(m, indices, 4, range.material, primitives);
+                add_finite_primitive(m, whole, 3, 4, range.material, primitives);
             }
-            add_primitive(m, only_finite(mesh, mesh.lines, 2), 1, no_index, primitives);
-            add_primitive(m, only_finite(mesh, mesh.points, 1), 0, no_index, primitives);
+            add_finite_primitive(m, mesh.lines, 2, 1, no_index, primitives);
+            add_finite_primitive(m, mesh.points, 1, 0, no_index, primitives);
             if (primitives.empty()) {
                 note_once("mesh '" + scene_.meshes[m].name + "' has nothing to draw: left out");
                 continue;
@@ -156,16 +147,25 @@ class Builder {
         }
     }
 
-    static std::vector<Index> only_finite(const VertexMesh& mesh, const std::vector<Index>& indices,
-                                          std::size_t group) {
-        std::vector<Index> kept;
-        for (std::size_t i = 0; i < indices.size(); i += group) {
-            bool good = true;
-            for (std::size_t k = 0; k < group; ++k)
-                good &= is_finite(mesh.positions[indices[i + k]]);
-            if (good) kept.insert(kept.end(), &indices[i], &indices[i] + group);
+    // Without those of `group` vertices each of which one is not finite.
+    void add_finite_primitive(Index m, std::span<const Index> indices, std::size_t group, int mode,
+                              Index material, Json& primitives) {
+        if (all_finite_) {
+            add_primitive(m, indices, mode, material, primitives);
+            return;
         }
-        return kept;
+        const VertexMesh& mesh = prepared_.meshes[m];
+        std::vector<Index> kept;
+        kept.reserve(indices.size());
+        for (std::size_t i = 0; i < indices.size(); i += group) {
+            const std::span<const Index> one = indices.subspan(i, group);
+            if (std::all_of(one.begin(), one.end(),
+                            [&](Index v) { return is_finite(mesh.positions[v]); }))
+                kept.insert(kept.end(), one.begin(), one.end());
+            else
+                ++dropped_[group - 1];
+        }
+        add_primitive(m, kept, mode, material, primitives);
     }
 
     void add_primitive(Index m, std::span<const Index> indices, int mode, Index material,
@@ -569,8 +569,8 @@ class Builder {
     Json& document_;
     GltfBuffer& buffer_;
     std::vector<std::string>& notes_;
-    std::uint64_t dropped_triangles_ = 0;
-    bool all_finite_ = false;  // the positions of the mesh at hand
+    std::array<std::uint64_t, 3> dropped_{};  // points, line segments, triangles
+    bool all_finite_ = false;                 // the positions of the mesh at hand
     // Of the mesh at hand, in place of those that files must not hold; empty: there are none.
     std::vector<std::vector<glm::vec2>> mended_uvs_;
     std::vector<std::vector<glm::vec4>> mended_colors_;

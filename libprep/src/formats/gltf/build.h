@@ -16,9 +16,9 @@ namespace prep::detail {
 void build_gltf(const PreparedScene& prepared, Json& document, GltfBuffer& buffer,
                 std::vector<std::string>& notes);
 
-// Says that so many triangles were not written.
-inline std::string non_finite_note(std::uint64_t triangles) {
-    return std::to_string(triangles) + (triangles == 1 ? " triangle" : " triangles") +
+// Says that so many of what is named, in the singular, were not written.
+inline std::string non_finite_note(std::uint64_t count, const char* what) {
+    return std::to_string(count) + ' ' + what + (count == 1 ? "" : "s") +
            " with a position that is not finite left out";
 }
 

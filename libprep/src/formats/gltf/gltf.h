@@ -12,7 +12,6 @@
 
 #include <cstddef>
 #include <filesystem>
-#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -36,9 +35,5 @@ struct GltfOptions {
 // (a required extension), limit; place = "name#/json/pointer".
 Result<Scene> parse_gltf(std::span<const std::byte> bytes, const GltfOptions& options = {});
 Result<Scene> load_gltf(const std::filesystem::path& path, const LoadOptions& options = {});
-
-// Extensions of materials in the document that the scene came from, if it came from any, of which
-// Material holds nothing: other formats lose them. Each once, ascending.
-std::set<std::string> extensions_beyond_materials(const Scene& scene);
 
 }  // namespace prep

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 
 #include "formats/gltf/gltf.h"
+#include "prep/material_extensions.h"
 #include "formats/picture_search.h"
 #include "prep/files.h"
 
@@ -419,8 +421,9 @@ Result<void> read_gltf_materials(const GltfDocument& document, Scene& scene) {
 }  // namespace prep::detail
 
 namespace prep {
+namespace {
 
-std::set<std::string> extensions_beyond_materials(const Scene& scene) {
+const std::set<std::string>& held_extensions() {
     static const std::set<std::string> held{"KHR_materials_anisotropy",
                                             "KHR_materials_clearcoat",
                                             "KHR_materials_emissive_strength",
@@ -429,6 +432,40 @@ std::set<std::string> extensions_beyond_materials(const Scene& scene) {
                                             "KHR_materials_sheen",
                                             "KHR_materials_specular",
                                             "KHR_materials_unlit"};
+    return held;
+}
+
+// Documents nest as deep as their reader allows.
+void add_numbers(const detail::Json& value, const std::string& pointer,
+                 std::map<std::string, double>& numbers) {
+    if (value.is_number()) {
+        numbers[pointer] = value.get<double>();
+    } else if (value.is_boolean()) {
+        numbers[pointer] = value.get<bool>() ? 1 : 0;
+    } else if (pointer.ends_with("Texture")) {
+        numbers[pointer] = 1;
+    } else if (value.is_structured()) {
+        for (const auto& item : value.items())
+            add_numbers(item.value(), pointer + "/" + item.key(), numbers);
+    }
+}
+
+}  // namespace
+
+std::map<std::string, double> numbers_beyond_material(const Scene& scene, std::uint32_t material) {
+    std::map<std::string, double> numbers;
+    const GltfDocument* const document = detail::gltf_document(scene);
+    if (!document || !document->json.contains("materials")) return numbers;
+    const detail::Json& materials = document->json["materials"];
+    if (material >= materials.size()) return numbers;
+    const auto list = materials[material].find("extensions");
+    if (list == materials[material].end() || !list->is_object()) return numbers;
+    for (const auto& item : list->items())
+        if (!held_extensions().contains(item.key())) add_numbers(item.value(), item.key(), numbers);
+    return numbers;
+}
+
+std::set<std::string> extensions_beyond_materials(const Scene& scene) {
     // Of these the numbers alone are.
     static const std::set<std::string> without_maps{
         "KHR_materials_anisotropy", "KHR_materials_clearcoat", "KHR_materials_sheen",
@@ -445,7 +482,7 @@ std::set<std::string> extensions_beyond_materials(const Scene& scene) {
         const auto list = material.find("extensions");
         if (list == material.end() || !list->is_object()) continue;
         for (const auto& item : list->items()) {
-            if (!held.contains(item.key()))
+            if (!held_extensions().contains(item.key()))
                 names.insert(item.key());
             else if (without_maps.contains(item.key()) && has_map(item.value()))
                 names.insert("maps of " + item.key());

@@ -398,7 +398,12 @@ class BlockParser {
     void element(LineScanner& scan, const char* begin, const char* end, ObjElements& to,
                  std::size_t least) {
         if (!corners(scan, begin, end, least)) return;
-        for (const Corner& corner : line_corners_) to.v.push_back(corner.v);
+        bool uvs = false;
+        for (const Corner& corner : line_corners_) {
+            to.v.push_back(corner.v);
+            uvs |= corner.t != 0;
+        }
+        if (uvs && block_.loose_uvs++ == 0) block_.loose_uvs_line = line_number_;
         to.close(std::uint32_t(line_corners_.size()), line_number_);
     }
 

@@ -73,6 +73,7 @@ struct ObjBlock {
     std::uint32_t unknown = 0, unknown_line = 0;
     std::string unknown_word;
     std::uint32_t non_finite = 0, non_finite_line = 0;
+    std::uint32_t loose_uvs = 0, loose_uvs_line = 0;  // lines with texture coordinates
 
     struct Failure {
         std::uint32_t line;

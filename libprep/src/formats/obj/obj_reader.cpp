@@ -493,8 +493,8 @@ class Assembler {
         if (named_warnings_ > most_named)
             scene_.warnings.push_back("and " + std::to_string(named_warnings_ - most_named) +
                                       " more materials or libraries like these");
-        std::uint64_t shorts = 0, free_form = 0, unknown = 0, non_finite = 0;
-        std::size_t short_line = 0, free_line = 0, unknown_line = 0, finite_line = 0;
+        std::uint64_t shorts = 0, free_form = 0, unknown = 0, non_finite = 0, loose_uvs = 0;
+        std::size_t short_line = 0, free_line = 0, unknown_line = 0, finite_line = 0, uvs_line = 0;
         std::string word;
         for (std::size_t b = 0; b < blocks_.size(); ++b) {
             const ObjBlock& block = blocks_[b];
@@ -508,11 +508,13 @@ class Assembler {
             gather(free_form, free_line, block.free_form, block.free_form_line);
             gather(unknown, unknown_line, block.unknown, block.unknown_line);
             gather(non_finite, finite_line, block.non_finite, block.non_finite_line);
+            gather(loose_uvs, uvs_line, block.loose_uvs, block.loose_uvs_line);
         }
         warn(shorts, short_line, "elements with too few corners were dropped");
         warn(free_form, free_line, "free-form geometry is not supported and was skipped");
         warn(unknown, unknown_line, "unknown statement " + word + " was skipped");
         warn(non_finite, finite_line, "coordinates that are not finite");
+        warn(loose_uvs, uvs_line, "lines and points have no texture coordinates here: left out");
     }
 
     std::vector<ObjBlock> blocks_;

@@ -6,6 +6,7 @@
 #include "base/atomic_files.h"
 #include "formats/obj/mtl_writer.h"
 #include "formats/writers.h"
+#include "model/origin.h"
 #include "prep/formats.h"
 #include "text/blocks.h"
 #include "text/numbers.h"
@@ -102,7 +103,8 @@ class ObjWriter {
         if (mesh.colors.size() > 1) note("OBJ holds one set of colours: the others are left out");
         const glm::dmat3 linear(world);
         mirrored_ = glm::determinant(linear) < 0;
-        const bool moved = world != glm::dmat4(1.0) || mesh.origin != glm::dvec3(0.0);
+        const bool moved = world != glm::dmat4(1.0) || mesh.origin != glm::dvec3(0.0) ||
+                           may_be_far(mesh.positions);
         const std::vector<glm::vec4> colors = vertex_colors(mesh);
         text_.short_lines(mesh.vertex_count(), 8 * max_number_text, [&](char* to, std::size_t v) {
             *to++ = 'v';
