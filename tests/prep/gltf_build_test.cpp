@@ -210,7 +210,9 @@ TEST(GltfBuild, WhatIsNotFiniteIsLeftOutAndTold) {
     EXPECT_EQ(out.notes, (std::vector<std::string>{
                              "UVs that are not finite were written as 0",
                              "vertex colours outside 0 … 1 were clamped",
-                             "2 triangles with a position that is not finite left out"}));
+                             "2 triangles with a position that is not finite left out",
+                             "1 line segment with a position that is not finite left out",
+                             "1 point with a position that is not finite left out"}));
 }
 
 TEST(GltfBuild, IndicesAreTheSmallestTypeThatHoldsThem) {

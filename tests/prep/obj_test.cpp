@@ -330,4 +330,13 @@ TEST(Obj, ReadsTheCorpus) {
     }
 }
 
+// Those of lines have no place in a mesh.
+TEST(Obj, TextureCoordinatesOfLinesAreToldAsLeftOut) {
+    const auto scene = parse("v 0 0 0\nv 1 0 0\nvt 0 0\nl 1 2\nl 1/1 2/1\nl 2/1 1/1\n");
+    ASSERT_TRUE(scene.has_value());
+    EXPECT_EQ(scene->warnings,
+              std::vector<std::string>{"test.obj:5: lines and points have no texture coordinates "
+                                       "here: left out (2 in all)"});
+}
+
 }  // namespace

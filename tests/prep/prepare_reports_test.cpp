@@ -392,4 +392,37 @@ TEST(PrepareReports, TangentsFollowTheUvSetThatTheNormalMapSamples) {
     }
 }
 
+// Materials that sample different sets: each face's tangents are those of its own set, as in a mesh
+// of its own.
+TEST(PrepareReports, TangentsFollowTheUvSetOfEachMaterial) {
+    prep::Scene scene;
+    Mesh mesh = with_tangents();
+    mesh.tangents = {};
+    prep::CornerLayer<glm::vec2> second = mesh.uvs[0];
+    for (std::size_t v = 0; v < 6; ++v)
+        second.values[v] = {mesh.positions[v].y, mesh.positions[v].x};
+    mesh.uvs.push_back(second);
+    mesh.face_materials = {0, 1};
+    scene.textures.resize(1);
+    scene.materials.resize(2);
+    for (const std::uint32_t set : {0u, 1u}) {
+        scene.meshes = {mesh};
+        scene.materials[0].normal_map = {.texture = 0, .uv_set = set};
+        scene.materials[1].normal_map = {.texture = 0, .uv_set = 1 - set};
+        const auto result = prep::prepare(scene);
+        ASSERT_TRUE(result.has_value());
+        const prep::MeshRequirements& need = result->requirements[0];
+        EXPECT_EQ(need.tangent_uv_set, set);
+        ASSERT_EQ(need.other_tangent_uv_sets.size(), 1u);
+        EXPECT_EQ(need.other_tangent_uv_sets[0].material, 1u);
+        EXPECT_EQ(need.other_tangent_uv_sets[0].uv_set, 1 - set);
+        const Mesh& out = result->scene.meshes[0];
+        for (std::uint32_t f = 0; f < 2; ++f)
+            for (std::uint32_t c = out.face_offsets[f]; c < out.face_offsets[f + 1]; ++c)
+                EXPECT_EQ(glm::vec3(out.tangents.values[out.tangents.indices[c]]),
+                          (f == 0) == (set == 0) ? glm::vec3(1, 0, 0) : glm::vec3(0, 1, 0))
+                    << f;
+    }
+}
+
 }  // namespace

@@ -424,4 +424,69 @@ TEST_F(CubeOfTwoPrimitives, PointsBetweenPrimitivesHaveTheWeightsOfOne) {
             }
 }
 
+// A cage whose coordinates floats hold, a million away, where a float's steps are a third of its
+// edges: its surface is that of the same cage at zero, moved.
+TEST(PrepareSubdivide, FarCagesHaveTheSurfaceOfNearOnes) {
+    const glm::vec3 far(1e6F, -5e5F, 1e6F);
+    prep::Mesh near = shapes::cube();
+    for (glm::vec3& p : near.positions) p *= 0.125F;
+    prep::Mesh moved = near;
+    for (glm::vec3& p : moved.positions) p += far;
+    for (std::size_t v = 0; v < near.vertex_count(); ++v)
+        ASSERT_EQ(moved.positions[v] - far, near.positions[v]);
+    const auto of_near = prep::prepare(scene_of(near), catmark(3));
+    const auto of_moved = prep::prepare(scene_of(moved), catmark(3));
+    ASSERT_TRUE(of_near && of_moved);
+    const prep::VertexMesh &a = of_near->meshes[0], &b = of_moved->meshes[0];
+    ASSERT_EQ(a.vertex_count(), b.vertex_count());
+    for (std::size_t v = 0; v < a.vertex_count(); ++v) {
+        const glm::dvec3 back = b.origin + glm::dvec3(b.positions[v]) - glm::dvec3(far);
+        ASSERT_LT(glm::length(back - glm::dvec3(a.positions[v])), 1e-7) << v;
+    }
+    // A document's node has the mesh where it is: its new points are rounded, and that is told.
+    test::TempDir folder;
+    const auto first = prep::prepare(scene_of(moved));
+    ASSERT_TRUE(first && prep::save_scene(*first, folder / "far.glb"));
+    auto scene = prep::load_scene(folder / "far.glb");
+    ASSERT_TRUE(scene);
+    scene->meshes[0].positions.assign(moved.positions.begin(), moved.positions.end());
+    const auto rounded = prep::prepare(*std::move(scene), catmark(1));
+    ASSERT_TRUE(rounded);
+    EXPECT_EQ(count(*rounded, "far-from-origin"), 1u);
+    EXPECT_EQ(count(*of_moved, "far-from-origin"), 0u);
+}
+
+// A document keeps its lines and points, and no set is left out of faces that had none of it.
+TEST(PrepareSubdivide, NothingIsToldAsLostThatTheDocumentKeeps) {
+    prep::Mesh mesh = shapes::cube();
+    const auto corners = std::uint32_t(mesh.vertex_count());
+    mesh.positions.insert(mesh.positions.end(), {{3, 0, 0}, {4, 0, 0}});
+    mesh.line_vertices = {corners, corners + 1};
+    mesh.line_offsets = {0, 2};
+    mesh.points = {corners};
+    mesh.vertex_colors.assign(mesh.vertex_count(), {1, 0, 0, 1});
+    test::TempDir folder;
+    const auto first = prep::prepare(scene_of(mesh));
+    ASSERT_TRUE(first && prep::save_scene(*first, folder / "a.glb"));
+    prep::PrepareOptions adaptive;
+    adaptive.tessellate = true;
+    adaptive.tessellation.edge_length = 0.5;
+    for (const prep::PrepareOptions& options : {catmark(1), adaptive}) {
+        auto scene = prep::load_scene(folder / "a.glb");
+        ASSERT_TRUE(scene);
+        const auto prepared = prep::prepare(*std::move(scene), options);
+        ASSERT_TRUE(prepared) << to_string(prepared.error());
+        EXPECT_EQ(count(*prepared, "loose-parts-left-out"), 0u);
+        EXPECT_EQ(count(*prepared, "partial-color-set"), 0u);
+        ASSERT_TRUE(prep::save_scene(*prepared, folder / "b.glb"));
+        const auto written = prep::load_scene(folder / "b.glb");
+        ASSERT_TRUE(written);
+        EXPECT_EQ(written->meshes[0].points.size(), 1u);
+        EXPECT_EQ(written->meshes[0].line_vertices.size(), 2u);
+    }
+    const auto lost = prep::prepare(scene_of(mesh), adaptive);
+    ASSERT_TRUE(lost);
+    EXPECT_EQ(count(*lost, "loose-parts-left-out"), 2u);
+}
+
 }  // namespace

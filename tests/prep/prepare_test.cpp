@@ -523,4 +523,32 @@ TEST(Prepare, BothWaysToNormalsGiveTheSameVertices) {
         }
 }
 
+// Lines may have normals where no face has any: a layer without values is none.
+TEST(Prepare, NoNormalsAreMadeUpWhereNothingIsLit) {
+    prep::Mesh mesh = cube();
+    mesh.normals.values = {{1, 0, 0}};
+    mesh.normals.indices.assign(24, prep::no_index);
+    mesh.face_materials.assign(6, 0);
+    prep::Scene scene = scene_of(mesh);
+    scene.materials.emplace_back().unlit = true;
+    const auto none = prep::prepare(scene);
+    ASSERT_TRUE(none.has_value());
+    EXPECT_TRUE(none->meshes[0].normals.empty());
+    // Half of the faces have their own: the others' are those of their planes.
+    std::fill(scene.meshes[0].normals.indices.begin(), scene.meshes[0].normals.indices.begin() + 12,
+              0);
+    const auto half = prep::prepare(scene);
+    ASSERT_TRUE(half.has_value());
+    EXPECT_EQ(count(*half, "missing-normal"), 12u);
+    const prep::Mesh& made = half->scene.meshes[0];
+    for (std::uint32_t f = 3; f < 6; ++f) {
+        const auto at = [&](std::uint32_t k) {
+            return made.positions[made.corner_vertices[4 * f + k]];
+        };
+        const glm::vec3 plane = glm::normalize(glm::cross(at(1) - at(0), at(2) - at(0)));
+        for (std::uint32_t c = 4 * f; c < 4 * f + 4; ++c)
+            EXPECT_LT(glm::length(made.normals.values[made.normals.indices[c]] - plane), 1e-6F);
+    }
+}
+
 }  // namespace

@@ -2,6 +2,7 @@
 // tells what is done already.
 #include <gtest/gtest.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <sstream>
 
@@ -439,6 +440,57 @@ TEST(Prepare, ObjInPlaceLeavesItsLibraryAlone) {
     EXPECT_NE(obj.find("\nmtllib shared.mtl\n"), std::string::npos) << obj;
     EXPECT_NE(obj.find("\nusemtl red\n"), std::string::npos) << obj;
     EXPECT_NE(obj.find("\nvn "), std::string::npos) << obj;
+}
+
+// The first is written, the second refused, as where results have names of their own.
+TEST(Batch, AFileThatComesInTwiceIsDoneOnceInPlace) {
+    const TempDir dir;
+    write_text(dir / "a.obj", test::cube_obj());
+    fs::create_symlink("a.obj", dir / "z.obj");
+    const std::string first = (dir / "a.obj").string(), link = (dir / "z.obj").string();
+    for (const std::vector<std::string>& words :
+         {std::vector<std::string>{"prepare", dir.path().string(), "--in-place"},
+          {"prepare", first, first, "--in-place"},
+          {"prepare", first, link, "--in-place"}}) {
+        const test::Ran ran = run_here(words);
+        EXPECT_EQ(ran.exit_code, 1);
+        EXPECT_NE(ran.out.find("2 files: 1 ok, 1 failed"), std::string::npos) << ran.out << ran.err;
+    }
+    EXPECT_TRUE(fs::is_symlink(dir / "z.obj"));
+}
+
+// What a directory has and cannot be read is told, as where its name is given.
+TEST(Batch, LinksThatLeadNowhereAreTold) {
+    const TempDir dir;
+    fs::create_directories(dir / "in/sub");
+    write_text(dir / "in/sub/a.obj", test::cube_obj());
+    fs::create_symlink("gone.obj", dir / "in/dangling.obj");
+    fs::create_symlink("loop.obj", dir / "in/loop.obj");
+    fs::create_symlink("gone.txt", dir / "in/other.txt");
+    const std::vector<std::string> words = {"prepare", (dir / "in").string(), "-r", "-o",
+                                            (dir / "out").string()};
+    const test::Ran ran = run_here(words);
+    EXPECT_EQ(ran.exit_code, 1);
+    EXPECT_NE(ran.out.find("3 files: 1 ok, 2 failed"), std::string::npos) << ran.out;
+    EXPECT_NE(ran.err.find("dangling.obj: this is a link to 'gone.obj', which is not there"),
+              std::string::npos)
+        << ran.err;
+    EXPECT_NE(ran.err.find("loop.obj: this is a link that leads back to itself"), std::string::npos)
+        << ran.err;
+}
+
+TEST(Batch, ADirectoryThatIsClosedIsTold) {
+    if (::geteuid() == 0) GTEST_SKIP() << "no directory is closed to root";
+    const TempDir dir;
+    fs::create_directories(dir / "in/closed");
+    write_text(dir / "in/a.obj", test::cube_obj());
+    fs::permissions(dir / "in/closed", fs::perms::none);
+    const test::Ran closed =
+        run_here({"prepare", (dir / "in").string(), "-r", "-o", (dir / "out").string()});
+    fs::permissions(dir / "in/closed", fs::perms::owner_all);
+    EXPECT_EQ(closed.exit_code, 1);
+    EXPECT_NE(closed.err.find("closed: cannot list the directory"), std::string::npos)
+        << closed.err;
 }
 
 }  // namespace

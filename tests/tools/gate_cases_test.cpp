@@ -508,4 +508,49 @@ TEST(GateCases, CornersUnderAllNodesHaveALimit) {
     EXPECT_EQ(refused.error().code, prep::ErrorCode::limit);
 }
 
+// A mesh that no node shows is not drawn: it is in neither file's comparison, but where no file
+// shows any.
+TEST(GateCases, MeshesThatNoNodeShowsAreNotThere) {
+    const std::vector<glm::vec3> points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    Scene both = scene_of(mesh_of(points, {{0, 1, 2}}));
+    both.meshes.push_back(
+        mesh_of({{0, 0, 1}, {1, 0, 1}, {0, 1, 1}, {1, 1, 1}}, {{0, 1, 2}, {1, 3, 2}}));
+    both.nodes.push_back(both.nodes[0]);
+    both.nodes[1].mesh = 1;
+    Scene one = both;
+    one.nodes.pop_back();
+    EXPECT_EQ(beyond(judged(one, one)), "");
+    EXPECT_EQ(row(judged(both, one), "faces").value, 2);
+    EXPECT_EQ(row(judged(one, both), "faces").value, 2);
+    EXPECT_TRUE(noted(judged(both, one),
+                      "1 mesh of the second file that its scene does not show was not compared"));
+    Scene none = both;
+    none.nodes.clear();
+    EXPECT_EQ(row(judged(both, none), "faces").value, 3);
+    EXPECT_EQ(beyond(judged(none, none)), "");
+    Scene other = none;
+    other.meshes[1].positions[3].z = 2;
+    EXPECT_NE(beyond(judged(none, other)), "");
+}
+
+// Normals under a node without thickness are those that its plane leaves: of the cofactors, so that
+// they are the side that the corners run around.
+TEST(GateCases, NormalsUnderFlatNodesAreThoseOfTheirPlane) {
+    const std::vector<glm::vec3> points = {{0, 0, 0}, {0, 0, 1}, {1, 0.5F, 0}, {1, 0.5F, 1}};
+    for (const double flip : {1.0, -1.0}) {
+        Mesh mesh = mesh_of(points, {{0, 1, 2}, {1, 3, 2}});
+        const glm::vec3 slope = glm::normalize(glm::vec3(-0.5F, 1, 0));
+        mesh.normals = layer_of<glm::vec3>(mesh, [&](const glm::vec3&) { return slope; });
+        Scene flat = scene_of(mesh);
+        flat.nodes[0].transform[0][0] = flip;
+        flat.nodes[0].transform[1][1] = 0;
+        // What it comes to, without a node: the plane y = 0, seen as before.
+        for (glm::vec3& p : mesh.positions) p = {float(flip) * p.x, 0, p.z};
+        mesh.normals =
+            layer_of<glm::vec3>(mesh, [&](const glm::vec3&) { return glm::vec3(0, float(flip), 0); });
+        const Scene plane = scene_of(mesh);
+        EXPECT_LT(row(judged(flat, plane), "normals").value, 1e-4) << flip;
+    }
+}
+
 }  // namespace

@@ -293,4 +293,34 @@ TEST_F(GateCommand, WhatFailsWritesNoHeatMap) {
     EXPECT_FALSE(std::filesystem::exists(dir_ / "heat.png"));
 }
 
+// Numbers of extensions that are not drawn here are part of a material's look elsewhere.
+TEST_F(GateCommand, GlassIsNotPaint) {
+    write_text(dir_ / "m.mtl", "newmtl red\nKd 1 0 0\n");
+    write_text(dir_ / "m.obj", "mtllib m.mtl\nusemtl red\n" + test::cube_obj());
+    ASSERT_EQ(run_here({"prepare", at("m.obj"), "-o", at("m.gltf"), "--quiet"}).exit_code, 0);
+    const auto with = [&](const std::string& name, const json& extensions) {
+        json document = json::parse(test::file_text(dir_ / "m.gltf"));
+        for (const auto& item : extensions.items()) {
+            document["materials"][0]["extensions"][item.key()] = item.value();
+            document["extensionsUsed"].push_back(item.key());
+        }
+        write_text(dir_ / name, document.dump());
+        return at(name);
+    };
+    const json glass = {{"KHR_materials_transmission", {{"transmissionFactor", 1}}}};
+    const json thin = {{"KHR_materials_transmission", {{"transmissionFactor", 0.25}}}};
+    const json film = {{"KHR_materials_iridescence", {{"iridescenceFactor", 1}}}};
+    const std::string paint = with("paint.gltf", json::object());
+    const auto faces = [&](const std::string& a, const std::string& b) {
+        const test::Ran ran = run_here({"diff", a, b, "--views", "0", "--json"});
+        EXPECT_EQ(ran.exit_code, 0) << ran.err;
+        return measure(ran, "materials").at("value").get<double>();
+    };
+    EXPECT_EQ(faces(paint, with("glass.gltf", glass)), 12);
+    EXPECT_EQ(faces(with("glass.gltf", glass), paint), 12);
+    EXPECT_EQ(faces(with("glass.gltf", glass), with("thin.gltf", thin)), 12);
+    EXPECT_EQ(faces(with("film.gltf", film), paint), 12);
+    EXPECT_EQ(faces(with("glass.gltf", glass), with("again.gltf", glass)), 0);
+}
+
 }  // namespace

@@ -7,7 +7,6 @@
 #include <fstream>
 
 #include "prep/image.h"
-#include "prep/material_extensions.h"
 
 namespace judge {
 namespace {

@@ -25,12 +25,20 @@ struct Need {
     Reason why = {};     // of which the reason is the sentence
 };
 
+struct MaterialUvSet {
+    std::uint32_t material = no_index;  // none: the default one
+    std::uint32_t uv_set = 0;
+};
+
 struct MeshRequirements {  // one per Scene::meshes entry
     Need normals;
     Need tangents;
     Need uvs;                          // whether any material samples a texture on this mesh
     std::uint32_t tangent_uv_set = 0;  // the set that the normal map samples
-    AttributeReads provided = {};      // the attributes that are to be there
+    // Materials whose own map in the tangent frame samples another: their faces' tangents follow
+    // it.
+    std::vector<MaterialUvSet> other_tangent_uv_sets = {};
+    AttributeReads provided = {};  // the attributes that are to be there
     // Materials (none: the default one) that are drawn as others that read tangents.
     std::vector<std::uint32_t> drawn_in_frame = {};
 };

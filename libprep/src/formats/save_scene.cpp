@@ -3,7 +3,6 @@
 
 #include "base/finite.h"
 #include "formats/gltf/gltf.h"
-#include "prep/material_extensions.h"
 #include "formats/gltf/gltf_writer.h"
 #include "formats/registry.h"
 #include "prep/save.h"

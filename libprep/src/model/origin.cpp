@@ -45,7 +45,7 @@ glm::dvec3 PositionBounds::far_origin() const {
                                                                    : glm::dvec3(0.0);
 }
 
-// The centre of a part is no nearer than half a diagonal of the whole.
+// A part's centre is within half of the whole's diagonal of the whole's.
 bool PositionBounds::may_be_far() const {
     if (!any_) return false;
     const glm::dvec3 middle = centre();

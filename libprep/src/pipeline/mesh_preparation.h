@@ -87,6 +87,8 @@ class MeshPreparation {
     void report_review(const NormalReview& review);
     void report_fallbacks(const CornerNormals& computed);
 
+    // Where materials read different sets; else empty.
+    CornerLayer<glm::vec2> mixed_tangent_uvs() const;
     Result<void> keep_tangents(const MeshView& view, const std::string& reason);
     void drop_tangents();
     TangentReview review_of(const MeshView& view, const CornerTangents* computed) const;

@@ -1,6 +1,7 @@
 #include "prep/requirements.h"
 
 #include <algorithm>
+#include <set>
 
 namespace prep {
 namespace {
@@ -21,7 +22,7 @@ class MeshNeeds {
         MeshRequirements r;
         r.normals = normals();
         r.uvs = uvs();
-        r.tangents = tangents(r.tangent_uv_set);
+        r.tangents = tangents(r);
         r.tangents.asked = r.tangents.needed && request_.tangents == Request::Level::always;
         // A tangent frame is built about the normal.
         if (r.tangents.needed && !r.normals.needed) {
@@ -96,14 +97,19 @@ class MeshNeeds {
         return no(Code::no_map);
     }
 
-    // The first map in the tangent frame whose UV set exists decides which set the tangents follow.
-    Need tangents(std::uint32_t& uv_set) const {
+    // The first map in the tangent frame whose UV set exists decides which set the tangents follow;
+    // those of a material that has none of that set, its own first one.
+    Need tangents(MeshRequirements& r) const {
         const auto in_frame = [](const Call& c) {
             return c.feature == Feature::tangent_map || c.feature == Feature::anisotropy;
         };
-        const Call* const call =
-            first([&](const Call& c) { return in_frame(c) && !c.missing_uvs; });
-        if (call != nullptr) uv_set = call->uv_set;
+        const auto decides = [&](const Call& c) { return in_frame(c) && !c.missing_uvs; };
+        const Call* const call = first(decides);
+        if (call != nullptr) r.tangent_uv_set = call->uv_set;
+        std::set<std::uint32_t> decided;
+        for (const Call& c : calls_)
+            if (decides(c) && decided.insert(c.material).second && c.uv_set != r.tangent_uv_set)
+                r.other_tangent_uv_sets.push_back({c.material, c.uv_set});
         if (!contents_.faces) return no(Code::no_faces_tangents);
         if (request_.tangents == Request::Level::never) return no(Code::request_off);
         if (call != nullptr) return with(true, call->why);

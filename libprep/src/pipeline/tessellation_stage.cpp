@@ -213,6 +213,7 @@ void MeshPreparation::choose_residuals(const TessellateOptions& options) {
     if (!need.normals.needed) need.normals = made;
     need.tangents = need.uvs = made;
     need.tangent_uv_set = of.uv_set;
+    need.other_tangent_uv_sets.clear();
     need.provided |= {true, true, false, {of.uv_set}};
     baking_.emplace();
     baking_->of = std::move(of);

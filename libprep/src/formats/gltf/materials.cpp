@@ -6,7 +6,6 @@
 #include <set>
 
 #include "formats/gltf/gltf.h"
-#include "prep/material_extensions.h"
 #include "formats/picture_search.h"
 #include "prep/files.h"
 
