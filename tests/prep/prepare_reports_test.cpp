@@ -425,4 +425,41 @@ TEST(PrepareReports, TangentsFollowTheUvSetOfEachMaterial) {
     }
 }
 
+// So do those of morph targets: a target that turns the sheet about its normal turns each face's
+// tangents by the angle, whichever set they follow.
+TEST(PrepareReports, MorphedTangentsFollowTheUvSetOfEachMaterial) {
+    prep::Scene scene;
+    Mesh mesh = with_tangents();
+    mesh.tangents = {};
+    mesh.uvs.push_back(mesh.uvs[0]);
+    for (std::size_t v = 0; v < 6; ++v)
+        mesh.uvs[1].values[v] = {mesh.positions[v].y, mesh.positions[v].x};
+    mesh.face_materials = {0, 1};
+    std::vector<glm::vec3> deltas;
+    for (const glm::vec3& p : mesh.positions)  // a quarter of a turn
+        deltas.push_back(glm::vec3(-p.y, p.x, p.z) - p);
+    prep::MorphTarget target;
+    target.positions.push_back(
+        {0, std::make_shared<const std::vector<glm::vec3>>(std::move(deltas))});
+    mesh.morph_targets = {target};
+    scene.meshes = {mesh};
+    scene.textures.resize(1);
+    scene.materials.resize(2);
+    for (prep::Material& material : scene.materials) material.normal_map.texture = 0;
+    scene.materials[1].normal_map.uv_set = 1;
+    const auto result = prep::prepare(scene);
+    ASSERT_TRUE(result.has_value()) << to_string(result.error());
+    const prep::VertexMesh& out = result->meshes[0];
+    ASSERT_EQ(result->morphs[0].size(), 1u);
+    const std::vector<glm::vec3>& moved = result->morphs[0][0].tangents;
+    ASSERT_EQ(moved.size(), out.vertex_count());
+    for (std::size_t v = 0; v < out.vertex_count(); ++v) {
+        const bool first = out.source_corners[v] < mesh.face_offsets[1];
+        const glm::vec3 rest = first ? glm::vec3(1, 0, 0) : glm::vec3(0, 1, 0);
+        EXPECT_LT(glm::length(glm::vec3(out.tangents[v]) - rest), 1e-6F) << v;
+        const glm::vec3 turned = glm::vec3(out.tangents[v]) + moved[v];
+        EXPECT_LT(glm::length(turned - glm::vec3(-rest.y, rest.x, 0)), 1e-6F) << v;
+    }
+}
+
 }  // namespace

@@ -441,7 +441,23 @@ TEST(PrepareSubdivide, FarCagesHaveTheSurfaceOfNearOnes) {
     ASSERT_EQ(a.vertex_count(), b.vertex_count());
     for (std::size_t v = 0; v < a.vertex_count(); ++v) {
         const glm::dvec3 back = b.origin + glm::dvec3(b.positions[v]) - glm::dvec3(far);
+        // Half a step of floats of the cage's size, in each of three coordinates, twice.
         ASSERT_LT(glm::length(back - glm::dvec3(a.positions[v])), 1e-7) << v;
+    }
+    // A vertex that no face uses says nothing of where the cage is; adaptive triangles as well.
+    prep::Mesh loose = moved;
+    loose.positions.emplace_back(0.0F);
+    loose.points = {std::uint32_t(loose.vertex_count() - 1)};
+    prep::PrepareOptions fine;
+    fine.tessellate = true;
+    fine.tessellation.edge_length = 0.03;
+    for (const prep::PrepareOptions& options : {catmark(3), fine}) {
+        const auto here = prep::prepare(scene_of(near), options);
+        const auto there = prep::prepare(scene_of(loose), options);
+        ASSERT_TRUE(here) << to_string(here.error());
+        ASSERT_TRUE(there) << to_string(there.error());
+        EXPECT_EQ(there->meshes[0].triangle_count(), here->meshes[0].triangle_count());
+        EXPECT_NE(there->meshes[0].origin, glm::dvec3(0.0));
     }
     // A document's node has the mesh where it is: its new points are rounded, and that is told.
     test::TempDir folder;
@@ -449,10 +465,16 @@ TEST(PrepareSubdivide, FarCagesHaveTheSurfaceOfNearOnes) {
     ASSERT_TRUE(first && prep::save_scene(*first, folder / "far.glb"));
     auto scene = prep::load_scene(folder / "far.glb");
     ASSERT_TRUE(scene);
-    scene->meshes[0].positions.assign(moved.positions.begin(), moved.positions.end());
+    prep::Scene copy = *scene;
     const auto rounded = prep::prepare(*std::move(scene), catmark(1));
     ASSERT_TRUE(rounded);
     EXPECT_EQ(count(*rounded, "far-from-origin"), 1u);
+    prep::PrepareOptions other = catmark(1);
+    other.document_stays = false;
+    const auto exact = prep::prepare(std::move(copy), other);
+    ASSERT_TRUE(exact);
+    EXPECT_EQ(count(*exact, "far-from-origin"), 0u);
+    EXPECT_NE(exact->meshes[0].origin, glm::dvec3(0.0));
     EXPECT_EQ(count(*of_moved, "far-from-origin"), 0u);
 }
 
@@ -487,6 +509,43 @@ TEST(PrepareSubdivide, NothingIsToldAsLostThatTheDocumentKeeps) {
     const auto lost = prep::prepare(scene_of(mesh), adaptive);
     ASSERT_TRUE(lost);
     EXPECT_EQ(count(*lost, "loose-parts-left-out"), 2u);
+}
+
+// Materials that get no residual map keep their own normal maps, and tangents along their UV sets.
+TEST(PrepareSubdivide, ResidualMapsLeaveTheOthersTheirUvSets) {
+    prep::Mesh mesh = shapes::grid(3, 1);
+    mesh.uvs.resize(2);
+    for (const glm::vec3& p : mesh.positions) {
+        mesh.uvs[0].values.emplace_back(p.x / 4, p.y / 4);
+        mesh.uvs[1].values.emplace_back(p.y / 4, p.x / 4);
+    }
+    mesh.uvs[0].indices = mesh.uvs[1].indices = mesh.corner_vertices;
+    mesh.face_materials = {0, 1, 2};
+    prep::Scene scene = scene_of(mesh);
+    scene.textures.resize(1);
+    scene.materials.resize(3);
+    scene.materials[0].normal_map.texture = scene.materials[1].normal_map.texture = 0;
+    scene.materials[1].normal_map.uv_set = 1;
+    prep::PrepareOptions options;
+    options.tessellate = true;
+    options.tessellation.edge_length = 5;
+    options.displacement.residual.emplace().size = 8;
+    const auto prepared = prep::prepare(std::move(scene), options);
+    ASSERT_TRUE(prepared) << to_string(prepared.error());
+    const prep::Mesh& out = prepared->scene.meshes[0];
+    std::array<std::size_t, 3> faces{};
+    for (std::uint32_t f = 0; f < out.face_count(); ++f) {
+        const std::uint32_t material = out.face_materials[f];
+        const prep::TextureRef& map = prepared->scene.materials[material].normal_map;
+        ++faces[std::min<std::size_t>(material, 2)];
+        for (std::uint32_t c = out.face_offsets[f]; map && c < out.face_offsets[f + 1]; ++c)
+            EXPECT_LT(glm::length(glm::vec3(out.tangents.values[out.tangents.indices[c]]) -
+                                  (map.uv_set == 1 ? glm::vec3(0, 1, 0) : glm::vec3(1, 0, 0))),
+                      1e-6F)
+                << material;
+    }
+    EXPECT_EQ(prepared->scene.materials[1].normal_map.uv_set, 1u);
+    for (const std::size_t count : faces) EXPECT_GT(count, 0u);
 }
 
 }  // namespace

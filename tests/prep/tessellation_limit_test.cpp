@@ -113,6 +113,21 @@ TEST(TessellationLimit, FacesWithoutUvsHaveNoneAndTheOthersTheirs) {
             EXPECT_GT(corners[1], 100u);
             EXPECT_EQ(std::count(used.begin(), used.end(), 0u), 0);
         }
+    // The other way round.
+    Mesh second = sheet;
+    second.uvs = {{values, {none, none, none, none, 0, 1, 2, 3}}};
+    TessellateOptions fine;
+    fine.edge_length = 0.2;
+    const auto of_second = tessellate(second, fine);
+    ASSERT_TRUE(of_second) << to_string(of_second.error());
+    for (std::size_t c = 0; c < of_second->mesh.corner_count(); ++c) {
+        const std::uint32_t index = of_second->mesh.uvs[0].indices[c];
+        ASSERT_EQ(index == no_index, of_second->cage_faces[c / 3] == 0) << c;
+        if (index == no_index) continue;
+        const glm::vec3 at = of_second->mesh.positions[of_second->mesh.corner_vertices[c]];
+        ASSERT_LT(glm::length(of_second->mesh.uvs[0].values[index] - glm::vec2(at.x - 1, at.y)),
+                  1e-6f);
+    }
     sheet.uvs = {{values, {0, 1, 2, none, none, 1, 2, 3}}};
     TessellateOptions options;
     options.edge_length = 0.2;

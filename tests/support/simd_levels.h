@@ -8,7 +8,8 @@
 namespace test {
 
 // The instruction sets whose results are held against each other: those that this machine has, the
-// scalar code first. Races are the same in all of them: the thread sanitizer looks at the widest.
+// scalar code first. Races are the same in all of them: the thread sanitizer looks at the widest
+// alone.
 inline std::vector<prep::SimdLevel> every_level() {
     if (thread_sanitized) return {prep::SimdLevel::automatic};
     std::vector<prep::SimdLevel> levels;

@@ -524,6 +524,15 @@ TEST(GateCases, MeshesThatNoNodeShowsAreNotThere) {
     EXPECT_EQ(row(judged(one, both), "faces").value, 2);
     EXPECT_TRUE(noted(judged(both, one),
                       "1 mesh of the second file that its scene does not show was not compared"));
+    // A gate for the mesh that neither shows is about that mesh.
+    judge::JudgeOptions scoped;
+    scoped.meshes = {"spare"};
+    Scene left = one, right = one;
+    left.meshes[1].name = right.meshes[1].name = "spare";
+    EXPECT_EQ(beyond(judged(left, right, scoped)), "");
+    right.meshes[1].positions[3].z = 2;
+    EXPECT_NE(beyond(judged(left, right, scoped)), "");
+    EXPECT_EQ(beyond(judged(left, right)), "");
     Scene none = both;
     none.nodes.clear();
     EXPECT_EQ(row(judged(both, none), "faces").value, 3);
@@ -546,11 +555,18 @@ TEST(GateCases, NormalsUnderFlatNodesAreThoseOfTheirPlane) {
         flat.nodes[0].transform[1][1] = 0;
         // What it comes to, without a node: the plane y = 0, seen as before.
         for (glm::vec3& p : mesh.positions) p = {float(flip) * p.x, 0, p.z};
-        mesh.normals =
-            layer_of<glm::vec3>(mesh, [&](const glm::vec3&) { return glm::vec3(0, float(flip), 0); });
+        mesh.normals = layer_of<glm::vec3>(
+            mesh, [&](const glm::vec3&) { return glm::vec3(0, float(flip), 0); });
         const Scene plane = scene_of(mesh);
         EXPECT_LT(row(judged(flat, plane), "normals").value, 1e-4) << flip;
     }
+    // Where the node leaves none, the mesh's own are meant, as files without nodes have them.
+    Mesh wall = mesh_of(points, {{0, 1, 2}, {1, 3, 2}});
+    wall.normals = layer_of<glm::vec3>(wall, [](const glm::vec3&) { return glm::vec3(0, 0, 1); });
+    Scene flat = scene_of(wall);
+    flat.nodes[0].transform[1][1] = 0;
+    for (glm::vec3& p : wall.positions) p.y = 0;
+    EXPECT_LT(row(judged(flat, scene_of(wall)), "normals").value, 1e-4);
 }
 
 }  // namespace

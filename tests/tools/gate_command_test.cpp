@@ -321,6 +321,15 @@ TEST_F(GateCommand, GlassIsNotPaint) {
     EXPECT_EQ(faces(with("glass.gltf", glass), with("thin.gltf", thin)), 12);
     EXPECT_EQ(faces(with("film.gltf", film), paint), 12);
     EXPECT_EQ(faces(with("glass.gltf", glass), with("again.gltf", glass)), 0);
+    // What an extension has where it says nothing is what files without it have.
+    const json idle = {{"KHR_materials_transmission", {{"transmissionFactor", 0}}},
+                       {"KHR_materials_volume", {{"attenuationColor", {1, 1, 1}}}},
+                       {"KHR_materials_iridescence", {{"iridescenceIor", 1.3}}}};
+    EXPECT_EQ(faces(with("idle.gltf", idle), paint), 0);
+    // However long its names are.
+    json odd = {{"VENDOR_" + std::string(100000, 'x'), json::array()}};
+    for (int k = 0; k < 15000; ++k) odd.begin().value().push_back(k);
+    EXPECT_EQ(faces(with("odd.gltf", odd), paint), 0);
 }
 
 }  // namespace

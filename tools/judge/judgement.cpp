@@ -40,20 +40,16 @@ Triangles triangles_of(const WorldFaces& faces, const WorldFaces& cut,
     return out;
 }
 
-// Anything of it.
-bool is_shown(const prep::Scene& scene) {
-    return std::any_of(scene.nodes.begin(), scene.nodes.end(),
-                       [](const prep::Node& node) { return node.mesh != prep::no_index; });
-}
-
 class Judge {
   public:
     Judge(const prep::Scene& a, const prep::Scene& b, const JudgeOptions& options)
         : scene_a_(a),
           scene_b_(b),
           options_(options),
-          // What is not drawn is not compared, but where nothing is drawn at all.
-          unshown_(is_shown(a) || is_shown(b) ? Unshown::left_out : Unshown::as_it_is),
+          // What is not drawn is not compared, but where nothing of it is drawn at all.
+          unshown_(shown_meshes(a, options.meshes).shown + shown_meshes(b, options.meshes).shown > 0
+                       ? Unshown::left_out
+                       : Unshown::as_it_is),
           a_(a, Pieces::faces, unshown_, options.meshes, options.threads),
           b_(b, Pieces::faces, unshown_, options.meshes, options.threads) {
         // A file of polygons and one of their triangles are compared by triangles.
@@ -95,13 +91,9 @@ class Judge {
 
     void note_unshown(const prep::Scene& scene, const char* which) {
         if (unshown_ == Unshown::as_it_is) return;
-        std::vector<bool> shown(scene.meshes.size(), false);
-        for (const prep::Node& node : scene.nodes)
-            if (node.mesh != prep::no_index) shown[node.mesh] = true;
-        if (const auto count = std::count(shown.begin(), shown.end(), false); count > 0)
+        if (const std::size_t count = shown_meshes(scene, options_.meshes).unshown; count > 0)
             out_.notes.push_back(
-                fmt::format("{} of the {} file that its scene does not show {} "
-                            "not compared",
+                fmt::format("{} of the {} file that its scene does not show {} not compared",
                             count == 1 ? "1 mesh" : fmt::format("{} meshes", count), which,
                             count == 1 ? "was" : "were"));
     }

@@ -148,18 +148,9 @@ const std::vector<std::string>& MaterialLooks::differences(std::uint32_t of_a, s
         compare.number("displacement's midlevel", a.displacement_midlevel, b.displacement_midlevel);
         compare.named("displacement's kind", a.displacement_kind, b.displacement_kind);
     }
-    const auto more_a = prep::numbers_beyond_material(a_, of_a);
-    const auto more_b = prep::numbers_beyond_material(b_, of_b);
-    for (const auto& [name, number] : more_a) {
-        const auto other = more_b.find(name);
-        if (other == more_b.end())
-            compare.out.push_back(fmt::format("{} {:.3g} lost", name, number));
-        else
-            compare.number(name.c_str(), number, other->second);
-    }
-    for (const auto& [name, number] : more_b)
-        if (!more_a.contains(name))
-            compare.out.push_back(fmt::format("{} {:.3g} added", name, number));
+    const auto more_a = prep::undrawn_numbers(a_, of_a), more_b = prep::undrawn_numbers(b_, of_b);
+    for (std::size_t k = 0; k < more_a.size(); ++k)
+        compare.number(std::string(more_a[k].first).c_str(), more_a[k].second, more_b[k].second);
     for (const prep::MaterialMap& map : prep::material_maps) {
         const prep::TextureRef &ra = a.*map.ref, &rb = b.*map.ref;
         const std::string name = std::string(map.name) + " map";

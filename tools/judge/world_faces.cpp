@@ -12,12 +12,13 @@ bool finite(const glm::dvec3& v) {
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
+bool is_wanted(const prep::Mesh& mesh, const std::vector<std::string>& names) {
+    return names.empty() || std::find(names.begin(), names.end(), mesh.name) != names.end();
+}
+
 std::vector<Instance> instances_of(const prep::Scene& scene, Unshown unshown,
                                    const std::vector<std::string>& meshes) {
-    const auto wanted = [&](std::uint32_t m) {
-        return meshes.empty() ||
-               std::find(meshes.begin(), meshes.end(), scene.meshes[m].name) != meshes.end();
-    };
+    const auto wanted = [&](std::uint32_t m) { return is_wanted(scene.meshes[m], meshes); };
     std::vector<Instance> out;
     std::vector<bool> used(scene.meshes.size());
     const std::vector<glm::dmat4> worlds = prep::world_transforms(scene);
@@ -50,6 +51,16 @@ const T* value_at(const prep::CornerLayer<T>& layer, std::uint32_t corner) {
 }
 
 }  // namespace
+
+ShownMeshes shown_meshes(const prep::Scene& scene, const std::vector<std::string>& meshes) {
+    std::vector<bool> shown(scene.meshes.size(), false);
+    for (const prep::Node& node : scene.nodes)
+        if (node.mesh != prep::no_index) shown[node.mesh] = true;
+    ShownMeshes count;
+    for (std::size_t m = 0; m < shown.size(); ++m)
+        if (is_wanted(scene.meshes[m], meshes)) ++(shown[m] ? count.shown : count.unshown);
+    return count;
+}
 
 WorldFaces::WorldFaces(const prep::Scene& of, Pieces pieces, Unshown unshown,
                        const std::vector<std::string>& meshes, int threads)
@@ -129,7 +140,9 @@ std::uint32_t WorldFaces::corner_in_face(const WorldFace& face, std::uint32_t co
 std::optional<glm::dvec3> WorldFaces::normal(const WorldFace& face, std::uint32_t corner) const {
     const auto* value = value_at(mesh_of(face).normals, corners[face.first + corner]);
     if (value == nullptr) return {};
-    return instances[face.instance].normals * glm::dvec3(*value);
+    const glm::dvec3 normal = instances[face.instance].normals * glm::dvec3(*value);
+    // Where a flat transform leaves no direction, the mesh's own, as in files without nodes.
+    return normal == glm::dvec3(0.0) ? glm::dvec3(*value) : normal;
 }
 
 std::optional<glm::dvec4> WorldFaces::tangent(const WorldFace& face, std::uint32_t corner) const {

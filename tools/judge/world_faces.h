@@ -31,6 +31,12 @@ struct Instance {
 enum class Pieces : std::uint8_t { faces, triangles };
 enum class Unshown : std::uint8_t { left_out, as_it_is };  // meshes that no node shows
 
+struct ShownMeshes {
+    std::size_t shown = 0, unshown = 0;  // meshes that a node shows, and that none does
+};
+// Of the meshes of these names (none: of all).
+ShownMeshes shown_meshes(const prep::Scene& scene, const std::vector<std::string>& meshes);
+
 class WorldFaces {
   public:
     // Of the meshes of these names (none: of all). The scene must outlive it.

@@ -3,9 +3,11 @@
 
 #include <cstdint>
 #include <glm/glm.hpp>
-#include <map>
 #include <set>
 #include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 #include "prep/enum_names.h"
 #include "prep/mesh.h"
@@ -217,8 +219,11 @@ struct Scene;
 // Material holds nothing, or no maps: other formats lose them. Each once, ascending.
 std::set<std::string> extensions_beyond_materials(const Scene& scene);
 
-// Numbers of one material's extensions of which Material holds nothing, by their JSON pointer below
-// "extensions": true is 1, false 0, a texture that is there 1. Empty where there are none.
-std::map<std::string, double> numbers_beyond_material(const Scene& scene, std::uint32_t material);
+// What other renderers draw a glTF material by and Material does not hold: the numbers of
+// KHR_materials_transmission, _volume, _iridescence, _dispersion and _diffuse_transmission, by
+// their names and in one order for all materials, those of their specifications where the document
+// says none; a texture counts 1 where it is there.
+std::vector<std::pair<std::string_view, double>> undrawn_numbers(const Scene& scene,
+                                                                 std::uint32_t material);
 
 }  // namespace prep

@@ -34,14 +34,19 @@ struct MeshRequirements {  // one per Scene::meshes entry
     Need normals;
     Need tangents;
     Need uvs;                          // whether any material samples a texture on this mesh
-    std::uint32_t tangent_uv_set = 0;  // the set that the normal map samples
+    std::uint32_t tangent_uv_set = 0;  // the set that the first normal map samples
     // Materials whose own map in the tangent frame samples another: their faces' tangents follow
-    // it.
+    // it. Each once.
     std::vector<MaterialUvSet> other_tangent_uv_sets = {};
+    std::uint32_t tangent_uv_set_of(std::uint32_t material) const;
     AttributeReads provided = {};  // the attributes that are to be there
     // Materials (none: the default one) that are drawn as others that read tangents.
     std::vector<std::uint32_t> drawn_in_frame = {};
 };
+
+// The UVs that each face's tangents follow, none of faces whose material's set is not there; empty
+// where all follow `tangent_uv_set`. O(corners + values of all sets).
+CornerLayer<glm::vec2> mixed_tangent_uvs(const Mesh& mesh, const MeshRequirements& need);
 
 // Pure: the same scene and request give the same answer. O(faces + materials).
 std::vector<MeshRequirements> requirements(const Scene& scene, const Request& request = {});

@@ -50,9 +50,11 @@ struct TangentConventions {
     double median_degrees = 0, largest_degrees = 0;
 };
 
-// Compares a mesh's own tangents with MikkTSpace's for its normals and the given UV set. Without
-// tangents, normals or UVs nothing is compared and both verdicts are undecided.
+// Compares a mesh's own tangents with MikkTSpace's for its normals and the given UVs, by corner.
+// Without tangents, normals or UVs nothing is compared and both verdicts are undecided.
 // Cost: that of corner_tangents, and O(corners · log(corners)).
+TangentConventions tangent_conventions(const Mesh& mesh, const CornerLayerView<glm::vec2>& uvs,
+                                       int threads = 0);
 TangentConventions tangent_conventions(const Mesh& mesh, std::size_t uv_set = 0, int threads = 0);
 
 enum class GreenDirection : std::uint8_t { undecided, up, down };

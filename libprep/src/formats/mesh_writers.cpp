@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <set>
@@ -236,21 +237,28 @@ unsigned char encoded_alpha(float alpha) {
     return static_cast<unsigned char>(std::lround(clamped(alpha) * 255));
 }
 
-// Of bytes: what they are read as again.
-glm::vec4 decoded(const glm::vec4& color) {
-    glm::vec4 read;
-    for (int k = 0; k < 3; ++k) read[k] = float(srgb_to_linear(encoded(color[k]) / 255.0));
-    read.a = float(encoded_alpha(color.a) / 255.0);
-    return read;
+// What bytes are read as.
+bool are_bytes(const glm::vec4& color) {
+    static const std::array<float, 256> linear = [] {
+        std::array<float, 256> values;
+        for (std::size_t k = 0; k < values.size(); ++k)
+            values[k] = float(srgb_to_linear(double(k) / 255));
+        return values;
+    }();
+    return float(encoded_alpha(color.a) / 255.0) == color.a &&
+           std::binary_search(linear.begin(), linear.end(), color.r) &&
+           std::binary_search(linear.begin(), linear.end(), color.g) &&
+           std::binary_search(linear.begin(), linear.end(), color.b);
 }
 
 void note_changed_colors(const Flat& flat, std::vector<std::string>& notes) {
     bool clamped = false, rounded = false;
     for (const glm::vec4& c : flat.colors) {
+        if (clamped && rounded) break;
         if (c != glm::clamp(c, glm::vec4(0.0f), glm::vec4(1.0f)))
             clamped = true;
         else
-            rounded = rounded || c != decoded(c);
+            rounded = rounded || !are_bytes(c);
     }
     if (clamped) note_once(notes, "vertex colours outside 0 … 1 were clamped");
     if (rounded) note_once(notes, "PLY's colours are bytes here: they were rounded to them");

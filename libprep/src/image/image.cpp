@@ -4,6 +4,7 @@
 
 #include <cstring>
 #include <latch>
+#include <new>
 #include <system_error>
 #include <thread>
 #include <vector>
@@ -38,12 +39,14 @@ void open_needs_first() {
 // One of those libraries starts threads of its own as it is loaded, and ends the process, or waits
 // for ever, where the system refuses one.
 bool can_start_threads() {
-    constexpr int more_than_it_starts = 8;
+    constexpr int more_than_it_starts = 8;  // 4 of liblog4cplus
     std::vector<std::thread> threads;
+    threads.reserve(more_than_it_starts);
     std::latch ready(1);
     try {
         for (int k = 0; k < more_than_it_starts; ++k) threads.emplace_back([&] { ready.wait(); });
     } catch (const std::system_error&) {  // told by the number
+    } catch (const std::bad_alloc&) {     // of a thread's own
     }
     ready.count_down();
     for (std::thread& thread : threads) thread.join();

@@ -87,8 +87,6 @@ class MeshPreparation {
     void report_review(const NormalReview& review);
     void report_fallbacks(const CornerNormals& computed);
 
-    // Where materials read different sets; else empty.
-    CornerLayer<glm::vec2> mixed_tangent_uvs() const;
     Result<void> keep_tangents(const MeshView& view, const std::string& reason);
     void drop_tangents();
     TangentReview review_of(const MeshView& view, const CornerTangents* computed) const;
@@ -110,6 +108,7 @@ class MeshPreparation {
     std::uint32_t index_;
     std::span<const MeshInstance> instances_;  // read for errors in pixels alone
     Mesh& mesh_;
+    CornerLayer<glm::vec2> mixed_uvs_;  // that tangents follow, where they are not one set
     const MeshRequirements& need_;
 
     struct Geometry {  // computed once, when the first stage asks

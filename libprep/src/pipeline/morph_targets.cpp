@@ -133,8 +133,7 @@ Result<MorphDeltas> MeshPreparation::morph_deltas(const MorphTarget& target) {
     MorphDeltas deltas;
     if (!shape.moves && shape.normal_deltas.empty()) return deltas;
     MeshView view(mesh_, need_.tangent_uv_set);
-    const CornerLayer<glm::vec2> mixed = mixed_tangent_uvs();
-    if (!mixed.empty()) view.uv = mixed;
+    if (!mixed_uvs_.empty()) view.uv = mixed_uvs_;
     view.positions = shape.positions;
     CornerLayer<glm::vec3> normals;
     if (limit_normals_) {

@@ -1,6 +1,7 @@
 #include "prep/requirements.h"
 
 #include <algorithm>
+#include <map>
 #include <set>
 
 namespace prep {
@@ -128,6 +129,35 @@ class MeshNeeds {
 };
 
 }  // namespace
+
+std::uint32_t MeshRequirements::tangent_uv_set_of(std::uint32_t material) const {
+    for (const MaterialUvSet& other : other_tangent_uv_sets)
+        if (other.material == material) return other.uv_set;
+    return tangent_uv_set;
+}
+
+CornerLayer<glm::vec2> mixed_tangent_uvs(const Mesh& mesh, const MeshRequirements& need) {
+    CornerLayer<glm::vec2> mixed;
+    if (need.other_tangent_uv_sets.empty() || mesh.face_materials.empty()) return mixed;
+    std::map<std::uint32_t, std::uint32_t> sets;
+    for (const MaterialUvSet& other : need.other_tangent_uv_sets)
+        sets.emplace(other.material, other.uv_set);
+    std::vector<std::uint32_t> bases;
+    for (const CornerLayer<glm::vec2>& set : mesh.uvs) {
+        bases.push_back(std::uint32_t(mixed.values.size()));
+        mixed.values.insert(mixed.values.end(), set.values.begin(), set.values.end());
+    }
+    mixed.indices.assign(mesh.corner_count(), no_index);
+    for (std::uint32_t f = 0; f < mesh.face_count(); ++f) {
+        const auto other = sets.find(mesh.face_materials[f]);
+        const std::uint32_t set = other == sets.end() ? need.tangent_uv_set : other->second;
+        if (set >= mesh.uvs.size() || mesh.uvs[set].empty()) continue;
+        for (std::uint32_t c = mesh.face_offsets[f]; c < mesh.face_offsets[f + 1]; ++c)
+            if (const std::uint32_t index = mesh.uvs[set].indices[c]; index != no_index)
+                mixed.indices[c] = bases[set] + index;
+    }
+    return mixed;
+}
 
 std::vector<MeshRequirements> requirements(const Scene& scene, const Request& request) {
     std::vector<MeshRequirements> result;

@@ -63,6 +63,7 @@ Result<void> MeshPreparation::crease_hard_edges() {
 
 // A file that repeats points at seams would come apart there.
 Result<void> MeshPreparation::weld_cage(const std::string& reason) {
+    move_cage_to_its_origin();
     if (geometry_.shared || !is_welded()) return {};
     const std::uint64_t apart = log_.run("weld", reason, [&] {
         weld_vertices(mesh_, 0, options_.threads);
@@ -79,31 +80,33 @@ Result<void> MeshPreparation::weld_cage(const std::string& reason) {
 // Coordinates that floats hold may lie where floats hold nothing between them, as where a cage's
 // edges are few of their steps. A document's meshes stay where their nodes have them.
 void MeshPreparation::move_cage_to_its_origin() {
-    PositionBounds bounds;
-    for (const glm::vec3& p : mesh_.positions) bounds.add(glm::dvec3(p));
+    PositionBounds bounds;  // of faces: what nothing refines may lie anywhere
+    for (const Index v : mesh_.corner_vertices) bounds.add(glm::dvec3(mesh_.positions[v]));
     const glm::dvec3 origin = bounds.far_origin();
     if (origin == glm::dvec3(0.0)) return;
-    if (mesh_.tied_to_file) {
-        constexpr double coarse = 0x1p-16;  // of the cage's size
-        const double step = 0x1p-23 * glm::length(origin), part = step / bounds.diagonal();
-        add_finding("far-from-origin", Severity::warning, part > coarse ? 1 : 0, {},
-                    fmt::format("the cage lies so far from its origin that new points are rounded "
-                                "to steps of {:.2g} of its size: put the distance into the node",
-                                part));
-        return;
-    }
-    std::vector<glm::vec3> moved(mesh_.positions.size());
+    bool moves = !(mesh_.tied_to_file && options_.document_stays);
+    std::vector<glm::vec3> moved(moves ? mesh_.positions.size() : 0);
     for (std::size_t v = 0; v < moved.size(); ++v) {
         const glm::dvec3 p(mesh_.positions[v]);
         moved[v] = glm::vec3(p - origin);
-        if (is_finite(p) && glm::dvec3(moved[v]) + origin != p) return;
+        moves = moves && (!is_finite(p) || glm::dvec3(moved[v]) + origin == p);
     }
-    mesh_.positions = std::move(moved);
-    mesh_.origin += origin;
+    if (moves) {
+        mesh_.positions = std::move(moved);
+        mesh_.origin += origin;
+        return;
+    }
+    constexpr double coarse = 0x1p-16;  // of the cage's size
+    const double step = 0x1p-23 * glm::length(origin);
+    if (!(step > coarse * bounds.diagonal()) || bounds.diagonal() == 0) return;
+    add_finding("far-from-origin", Severity::warning, 1, {},
+                fmt::format("the cage lies so far from its origin that new points are rounded to "
+                            "steps of {:.2g} of its size: put the distance into its node",
+                            step / bounds.diagonal()),
+                PlaceKind::vertex);
 }
 
 Result<void> MeshPreparation::make_cage() {
-    move_cage_to_its_origin();
     if (auto done = weld_cage("a cage is one surface: equal positions are one point"); !done)
         return done;
     const SubdivideOptions& options = options_.subdivision;

@@ -10,37 +10,13 @@ constexpr unsigned everywhere = 0;  // no kind of fault: all are replaced
 
 }  // namespace
 
-CornerLayer<glm::vec2> MeshPreparation::mixed_tangent_uvs() const {
-    CornerLayer<glm::vec2> mixed;
-    if (need_.other_tangent_uv_sets.empty() || mesh_.face_materials.empty()) return mixed;
-    std::vector<std::uint32_t> bases;
-    for (const CornerLayer<glm::vec2>& set : mesh_.uvs) {
-        bases.push_back(std::uint32_t(mixed.values.size()));
-        mixed.values.insert(mixed.values.end(), set.values.begin(), set.values.end());
-    }
-    const auto set_of = [&](std::uint32_t material) {
-        for (const MaterialUvSet& other : need_.other_tangent_uv_sets)
-            if (other.material == material) return other.uv_set;
-        return need_.tangent_uv_set;
-    };
-    mixed.indices.assign(mesh_.corner_count(), no_index);
-    std::uint32_t material = no_index, set = set_of(material);
-    for (std::uint32_t f = 0; f < mesh_.face_count(); ++f) {
-        if (mesh_.face_materials[f] != material) set = set_of(material = mesh_.face_materials[f]);
-        if (set >= mesh_.uvs.size() || mesh_.uvs[set].empty()) continue;
-        for (std::uint32_t c = mesh_.face_offsets[f]; c < mesh_.face_offsets[f + 1]; ++c)
-            if (const std::uint32_t index = mesh_.uvs[set].indices[c]; index != no_index)
-                mixed.indices[c] = bases[set] + index;
-    }
-    return mixed;
-}
-
 // A tangent belongs to its normal: where that is not the file's any more, it is computed anew.
 // A normal that was only rescaled is the file's.
 Result<void> MeshPreparation::prepare_tangents() {
     MeshView view(mesh_, need_.tangent_uv_set);
-    const CornerLayer<glm::vec2> mixed = mixed_tangent_uvs();
-    if (!mixed.empty()) view.uv = mixed;
+    if (need_.tangents.needed || !mesh_.tangents.empty())
+        mixed_uvs_ = mixed_tangent_uvs(mesh_, need_);
+    if (!mixed_uvs_.empty()) view.uv = mixed_uvs_;
     const std::string& reason = need_.tangents.reason;
     if (need_.tangents.needed) {
         if (mesh_.tangents.empty() || options_.tangents == Authored::replace)

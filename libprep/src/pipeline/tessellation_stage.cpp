@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "pipeline/mesh_preparation.h"
 #include "tessellation/tessellation.h"
@@ -212,8 +213,15 @@ void MeshPreparation::choose_residuals(const TessellateOptions& options) {
     const Need made{true, sentence(why, out_.scene), false, why};
     if (!need.normals.needed) need.normals = made;
     need.tangents = need.uvs = made;
+    // Materials without a residual map keep their own normal maps, and the sets of those.
+    std::map<Index, Index> kept;
+    for (const Index m : mesh_.face_materials)
+        if (!std::binary_search(of.materials.begin(), of.materials.end(), m))
+            kept.emplace(m, need.tangent_uv_set_of(m));
     need.tangent_uv_set = of.uv_set;
     need.other_tangent_uv_sets.clear();
+    for (const auto& [material, set] : kept)
+        if (set != of.uv_set) need.other_tangent_uv_sets.push_back({material, set});
     need.provided |= {true, true, false, {of.uv_set}};
     baking_.emplace();
     baking_->of = std::move(of);

@@ -26,13 +26,19 @@ double angle_degrees(const glm::vec4& a, const glm::vec4& b) {
 }  // namespace
 
 TangentConventions tangent_conventions(const Mesh& mesh, std::size_t uv_set, int threads) {
+    return uv_set < mesh.uvs.size() ? tangent_conventions(mesh, mesh.uvs[uv_set], threads)
+                                    : TangentConventions{};
+}
+
+TangentConventions tangent_conventions(const Mesh& mesh, const CornerLayerView<glm::vec2>& uvs,
+                                       int threads) {
     TangentConventions out;
-    if (mesh.tangents.empty() || mesh.normals.empty() || uv_set >= mesh.uvs.size() ||
-        mesh.uvs[uv_set].empty())
-        return out;
+    if (mesh.tangents.empty() || mesh.normals.empty() || uvs.empty()) return out;
     TangentOptions options;
     options.threads = threads;
-    const auto computed = corner_tangents(TangentInput(MeshView(mesh, uv_set)), options);
+    MeshView view(mesh);
+    view.uv = uvs;
+    const auto computed = corner_tangents(TangentInput(view), options);
     if (!computed) return out;
     std::vector<bool> mute(mesh.corner_count(), false);
     for (const auto& f : computed->fallbacks) mute[f.corner] = true;

@@ -96,8 +96,9 @@ Result<void> check_edge_length(const Mesh& cage, const TessellateOptions& option
     constexpr double float_steps = 0x1p-22, least_share = 1.0 / 64;
     const double edge = *options.edge_length;
     double largest = 0, area = 0;
-    for (const glm::vec3& p : cage.positions)
-        for (int k = 0; k < 3; ++k) largest = std::max(largest, double(std::abs(p[k])));
+    for (const std::uint32_t v : cage.corner_vertices)
+        for (int k = 0; k < 3; ++k)
+            largest = std::max(largest, double(std::abs(cage.positions[v][k])));
     if (edge < float_steps * largest)
         return Error{ErrorCode::limit,
                      fmt::format("an edge length of {:.3g} is finer than floats of the mesh's size "

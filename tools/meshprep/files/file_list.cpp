@@ -46,10 +46,12 @@ std::vector<Input> list_directory(const fs::path& path, bool recursive, const fs
     const auto take = [&](const fs::directory_entry& entry) {
         if (!holds_mesh(entry.path())) return;
         std::error_code entry_ec;
-        if (entry.is_regular_file(entry_ec))
+        if (entry.is_regular_file(entry_ec)) {
             add(entry.path(), {});
-        else if (entry.is_symlink(entry_ec) && !entry.exists(entry_ec))
-            add(entry.path(), require_file(entry.path()).error());
+        } else if (entry.is_symlink(entry_ec) && !entry.exists(entry_ec)) {
+            if (const Result<void> there = require_file(entry.path()); !there)
+                add(entry.path(), there.error());
+        }
     };
     const auto not_listed = [](const fs::path& directory, const std::error_code& why) {
         return Error{ErrorCode::io, "cannot list the directory: " + why.message(),

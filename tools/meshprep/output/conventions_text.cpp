@@ -88,7 +88,10 @@ SceneConventions scene_conventions(const prep::Scene& scene, int threads) {
         used.insert(mesh.face_materials.begin(), mesh.face_materials.end());
         if (mesh.tangents.empty()) continue;
         const std::uint32_t uv_set = requirements[m].tangent_uv_set;
-        out.meshes.push_back({m, uv_set, prep::tangent_conventions(mesh, uv_set, threads)});
+        const auto mixed = prep::mixed_tangent_uvs(mesh, requirements[m]);
+        out.meshes.push_back({m, uv_set,
+                              mixed.empty() ? prep::tangent_conventions(mesh, uv_set, threads)
+                                            : prep::tangent_conventions(mesh, mixed, threads)});
     }
     std::set<std::uint32_t> seen;
     for (std::uint32_t m = 0; m < scene.materials.size(); ++m) {

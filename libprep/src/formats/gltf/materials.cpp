@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
+#include <limits>
 #include <set>
 
 #include "formats/gltf/gltf.h"
@@ -422,7 +422,70 @@ Result<void> read_gltf_materials(const GltfDocument& document, Scene& scene) {
 namespace prep {
 namespace {
 
-const std::set<std::string>& held_extensions() {
+struct UndrawnNumber {
+    const char *extension, *member;
+    int part;          // of a list; -1: it is a number itself, or a texture that is there or not
+    double otherwise;  // what the extension has where it does not say
+};
+
+constexpr double infinite = std::numeric_limits<double>::infinity();
+constexpr UndrawnNumber undrawn[] = {
+    {"KHR_materials_transmission", "transmissionFactor", -1, 0},
+    {"KHR_materials_transmission", "transmissionTexture", -1, 0},
+    {"KHR_materials_volume", "thicknessFactor", -1, 0},
+    {"KHR_materials_volume", "thicknessTexture", -1, 0},
+    {"KHR_materials_volume", "attenuationDistance", -1, infinite},
+    {"KHR_materials_volume", "attenuationColor", 0, 1},
+    {"KHR_materials_volume", "attenuationColor", 1, 1},
+    {"KHR_materials_volume", "attenuationColor", 2, 1},
+    {"KHR_materials_iridescence", "iridescenceFactor", -1, 0},
+    {"KHR_materials_iridescence", "iridescenceTexture", -1, 0},
+    {"KHR_materials_iridescence", "iridescenceIor", -1, 1.3},
+    {"KHR_materials_iridescence", "iridescenceThicknessMinimum", -1, 100},
+    {"KHR_materials_iridescence", "iridescenceThicknessMaximum", -1, 400},
+    {"KHR_materials_iridescence", "iridescenceThicknessTexture", -1, 0},
+    {"KHR_materials_dispersion", "dispersion", -1, 0},
+    {"KHR_materials_diffuse_transmission", "diffuseTransmissionFactor", -1, 0},
+    {"KHR_materials_diffuse_transmission", "diffuseTransmissionTexture", -1, 0},
+    {"KHR_materials_diffuse_transmission", "diffuseTransmissionColorFactor", 0, 1},
+    {"KHR_materials_diffuse_transmission", "diffuseTransmissionColorFactor", 1, 1},
+    {"KHR_materials_diffuse_transmission", "diffuseTransmissionColorFactor", 2, 1},
+    {"KHR_materials_diffuse_transmission", "diffuseTransmissionColorTexture", -1, 0},
+};
+
+double undrawn_number(const detail::Json& extensions, const UndrawnNumber& number) {
+    const auto extension = extensions.find(number.extension);
+    if (extension == extensions.end() || !extension->is_object()) return number.otherwise;
+    const auto member = extension->find(number.member);
+    if (member == extension->end()) return number.otherwise;
+    if (member->is_object()) return 1;
+    if (number.part < 0) return member->is_number() ? member->get<double>() : number.otherwise;
+    const auto part = std::size_t(number.part);
+    return member->is_array() && part < member->size() && (*member)[part].is_number()
+               ? (*member)[part].get<double>()
+               : number.otherwise;
+}
+
+}  // namespace
+
+std::vector<std::pair<std::string_view, double>> undrawn_numbers(const Scene& scene,
+                                                                 std::uint32_t material) {
+    static const detail::Json none = detail::Json::object();
+    const GltfDocument* const document = detail::gltf_document(scene);
+    const detail::Json* extensions = &none;
+    if (document && document->json.contains("materials") &&
+        material < document->json["materials"].size()) {
+        const detail::Json& of = document->json["materials"][material];
+        if (const auto list = of.find("extensions"); list != of.end() && list->is_object())
+            extensions = &*list;
+    }
+    std::vector<std::pair<std::string_view, double>> numbers;
+    for (const UndrawnNumber& number : undrawn)
+        numbers.emplace_back(number.member, undrawn_number(*extensions, number));
+    return numbers;
+}
+
+std::set<std::string> extensions_beyond_materials(const Scene& scene) {
     static const std::set<std::string> held{"KHR_materials_anisotropy",
                                             "KHR_materials_clearcoat",
                                             "KHR_materials_emissive_strength",
@@ -431,40 +494,6 @@ const std::set<std::string>& held_extensions() {
                                             "KHR_materials_sheen",
                                             "KHR_materials_specular",
                                             "KHR_materials_unlit"};
-    return held;
-}
-
-// Documents nest as deep as their reader allows.
-void add_numbers(const detail::Json& value, const std::string& pointer,
-                 std::map<std::string, double>& numbers) {
-    if (value.is_number()) {
-        numbers[pointer] = value.get<double>();
-    } else if (value.is_boolean()) {
-        numbers[pointer] = value.get<bool>() ? 1 : 0;
-    } else if (pointer.ends_with("Texture")) {
-        numbers[pointer] = 1;
-    } else if (value.is_structured()) {
-        for (const auto& item : value.items())
-            add_numbers(item.value(), pointer + "/" + item.key(), numbers);
-    }
-}
-
-}  // namespace
-
-std::map<std::string, double> numbers_beyond_material(const Scene& scene, std::uint32_t material) {
-    std::map<std::string, double> numbers;
-    const GltfDocument* const document = detail::gltf_document(scene);
-    if (!document || !document->json.contains("materials")) return numbers;
-    const detail::Json& materials = document->json["materials"];
-    if (material >= materials.size()) return numbers;
-    const auto list = materials[material].find("extensions");
-    if (list == materials[material].end() || !list->is_object()) return numbers;
-    for (const auto& item : list->items())
-        if (!held_extensions().contains(item.key())) add_numbers(item.value(), item.key(), numbers);
-    return numbers;
-}
-
-std::set<std::string> extensions_beyond_materials(const Scene& scene) {
     // Of these the numbers alone are.
     static const std::set<std::string> without_maps{
         "KHR_materials_anisotropy", "KHR_materials_clearcoat", "KHR_materials_sheen",
@@ -481,7 +510,7 @@ std::set<std::string> extensions_beyond_materials(const Scene& scene) {
         const auto list = material.find("extensions");
         if (list == material.end() || !list->is_object()) continue;
         for (const auto& item : list->items()) {
-            if (!held_extensions().contains(item.key()))
+            if (!held.contains(item.key()))
                 names.insert(item.key());
             else if (without_maps.contains(item.key()) && has_map(item.value()))
                 names.insert("maps of " + item.key());

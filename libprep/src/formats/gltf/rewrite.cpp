@@ -49,7 +49,8 @@ class Rewriter {
         drop_used_heights(prepared_, json_);
         write_residual_maps(prepared_, appended_, json_);
         lost_.note(notes_);
-        if (dropped_triangles_ > 0) notes_.push_back(non_finite_note(dropped_triangles_, "triangle"));
+        if (dropped_triangles_ > 0)
+            notes_.push_back(non_finite_note(dropped_triangles_, "triangle"));
         if (!keeps_meshopt_) remove_meshopt();
         declare_compression(json_);
         embed_pictures(prepared_.scene.images, json_, appended_,
