@@ -6,6 +6,7 @@
 
 #include "limit_cages.h"
 #include "prep/displacement/tessellate.h"
+#include "prep/subdivide.h"
 #include "tessellation/tessellation.h"
 
 namespace prep {
@@ -135,6 +136,14 @@ TEST(TessellationLimit, FacesWithoutUvsHaveNoneAndTheOthersTheirs) {
     ASSERT_TRUE(made) << to_string(made.error());
     EXPECT_EQ(made->uv_sets_left_out, 1u);
     EXPECT_TRUE(made->mesh.uvs.at(0).empty());
+    // Nothing is left out of faces that had none, as beside lines that have some.
+    sheet.uvs[0].indices.assign(8, no_index);
+    const auto bare = tessellate(sheet, options);
+    ASSERT_TRUE(bare) << to_string(bare.error());
+    EXPECT_EQ(bare->uv_sets_left_out, 0u);
+    const auto refined = subdivide(sheet);
+    ASSERT_TRUE(refined) << to_string(refined.error());
+    EXPECT_EQ(refined->uv_sets_left_out, 0u);
 }
 
 TEST(TessellationLimit, PointsAreThoseOfTheLimitSurface) {

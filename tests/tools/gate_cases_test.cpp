@@ -560,6 +560,18 @@ TEST(GateCases, NormalsUnderFlatNodesAreThoseOfTheirPlane) {
         const Scene plane = scene_of(mesh);
         EXPECT_LT(row(judged(flat, plane), "normals").value, 1e-4) << flip;
     }
+    // A mirror with thickness turns winding and normals.
+    Mesh slope = mesh_of(points, {{0, 1, 2}, {1, 3, 2}});
+    slope.normals = layer_of<glm::vec3>(
+        slope, [](const glm::vec3&) { return glm::normalize(glm::vec3(-0.5F, 1, 0)); });
+    Scene mirrored = scene_of(slope);
+    mirrored.nodes[0].transform[0][0] = -1;
+    for (glm::vec3& p : slope.positions) p.x = -p.x;
+    for (std::size_t f = 0; f < 2; ++f)
+        std::swap(slope.corner_vertices[3 * f + 1], slope.corner_vertices[3 * f + 2]);
+    slope.normals = layer_of<glm::vec3>(
+        slope, [](const glm::vec3&) { return glm::normalize(glm::vec3(0.5F, 1, 0)); });
+    EXPECT_LT(row(judged(mirrored, scene_of(slope)), "normals").value, 1e-4);
     // Where the node leaves none, the mesh's own are meant, as files without nodes have them.
     Mesh wall = mesh_of(points, {{0, 1, 2}, {1, 3, 2}});
     wall.normals = layer_of<glm::vec3>(wall, [](const glm::vec3&) { return glm::vec3(0, 0, 1); });
