@@ -368,15 +368,19 @@ TEST(PrepareReports, TangentsAreJudgedByTheirAngles) {
     EXPECT_EQ(places("tangent-against-uvs"), Indices{2});
 }
 
-TEST(PrepareReports, TangentsFollowTheUvSetThatTheNormalMapSamples) {
-    prep::Scene scene;
+// Without tangents; the first set runs along x, the second along y.
+Mesh with_two_uv_sets() {
     Mesh mesh = with_tangents();
     mesh.tangents = {};
-    // The second set runs along y.
-    prep::CornerLayer<glm::vec2> second = mesh.uvs[0];
+    mesh.uvs.push_back(mesh.uvs[0]);
     for (std::size_t v = 0; v < 6; ++v)
-        second.values[v] = {mesh.positions[v].y, mesh.positions[v].x};
-    mesh.uvs.push_back(second);
+        mesh.uvs[1].values[v] = {mesh.positions[v].y, mesh.positions[v].x};
+    return mesh;
+}
+
+TEST(PrepareReports, TangentsFollowTheUvSetThatTheNormalMapSamples) {
+    prep::Scene scene;
+    Mesh mesh = with_two_uv_sets();
     mesh.face_materials = {0, 0};
     scene.meshes = {mesh};
     scene.textures.resize(1);
@@ -396,12 +400,7 @@ TEST(PrepareReports, TangentsFollowTheUvSetThatTheNormalMapSamples) {
 // of its own.
 TEST(PrepareReports, TangentsFollowTheUvSetOfEachMaterial) {
     prep::Scene scene;
-    Mesh mesh = with_tangents();
-    mesh.tangents = {};
-    prep::CornerLayer<glm::vec2> second = mesh.uvs[0];
-    for (std::size_t v = 0; v < 6; ++v)
-        second.values[v] = {mesh.positions[v].y, mesh.positions[v].x};
-    mesh.uvs.push_back(second);
+    Mesh mesh = with_two_uv_sets();
     mesh.face_materials = {0, 1};
     scene.textures.resize(1);
     scene.materials.resize(2);
@@ -429,11 +428,7 @@ TEST(PrepareReports, TangentsFollowTheUvSetOfEachMaterial) {
 // tangents by the angle, whichever set they follow.
 TEST(PrepareReports, MorphedTangentsFollowTheUvSetOfEachMaterial) {
     prep::Scene scene;
-    Mesh mesh = with_tangents();
-    mesh.tangents = {};
-    mesh.uvs.push_back(mesh.uvs[0]);
-    for (std::size_t v = 0; v < 6; ++v)
-        mesh.uvs[1].values[v] = {mesh.positions[v].y, mesh.positions[v].x};
+    Mesh mesh = with_two_uv_sets();
     mesh.face_materials = {0, 1};
     std::vector<glm::vec3> deltas;
     for (const glm::vec3& p : mesh.positions)  // a quarter of a turn

@@ -216,7 +216,7 @@ void MeshPreparation::choose_residuals(const TessellateOptions& options) {
     // Materials without a residual map keep their own normal maps, and the sets of those.
     std::map<Index, Index> kept;
     for (const Index m : mesh_.face_materials)
-        if (!std::binary_search(of.materials.begin(), of.materials.end(), m))
+        if (!kept.contains(m) && !std::binary_search(of.materials.begin(), of.materials.end(), m))
             kept.emplace(m, need.tangent_uv_set_of(m));
     need.tangent_uv_set = of.uv_set;
     need.other_tangent_uv_sets.clear();
