@@ -117,13 +117,15 @@ TEST(TruncatedJpeg, IsAnErrorWhereverItIsCut) {
     EXPECT_TRUE(prep::decode_image(longer, "a.jpg")) << "bytes after the end are no loss";
 }
 
+// With four inks, as libjpeg itself sees to others, and finds more that is wrong with these.
 TEST(TruncatedJpeg, EndsOfThumbnailsAndTablesAreNotThePictures) {
     Bytes bytes;
     add(bytes, {0xff, 0xd8});
     add(bytes, {0xff, 0xe1, 0, 8, 0xff, 0xd8, 0xff, 0xd9, 0xff, 0xd9});  // a thumbnail
-    add(bytes, {0xff, 0xc2, 0, 11, 8, 0, 8, 0, 8, 1, 1, 0x11, 0});       // 8 × 8, progressive
+    add(bytes, {0xff, 0xc2, 0, 20, 8, 0, 8, 0, 8, 4});                   // 8 × 8, progressive
+    for (int ink = 1; ink <= 4; ++ink) add(bytes, {ink, 0x11, 0});
     const auto scan = [&] {
-        add(bytes, {0xff, 0xda, 0, 8, 1, 1, 0, 0, 0, 0});
+        add(bytes, {0xff, 0xda, 0, 14, 4, 1, 0, 2, 0, 3, 0, 4, 0, 0, 0, 0});
         add(bytes, {0x12, 0xff, 0x00, 0x34, 0xff, 0xd0, 0x56});  // a stuffed FF, a restart
     };
     scan();

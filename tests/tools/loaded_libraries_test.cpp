@@ -80,7 +80,7 @@ bool is_installed(const std::string& library, const std::vector<std::string>& wo
 }
 
 TEST(LoadedLibraries, PicturesAreReadWithThatOfTheSameBuildAlone) {
-    const std::vector<std::string> words{"render", "cube.obj", "-o", "a.png", "--size", "16x16"};
+    const std::vector<std::string> words{"render", "cube.obj", "-o", "a.exr", "--size", "16x16"};
     if (is_installed("libprep_images.so", words)) GTEST_SKIP() << installed;
     CopiedCommand command("libprep_images.so", "meshprep_images_");
     const test::Ran own = command.run(words);
@@ -90,6 +90,10 @@ TEST(LoadedLibraries, PicturesAreReadWithThatOfTheSameBuildAlone) {
     command.expect_refused(other);
     command.remove();
     command.expect_missed(command.run(words));
+    // PNG needs none of it.
+    const test::Ran png = command.run({"render", "cube.obj", "-o", "a.png", "--size", "16x16"});
+    EXPECT_EQ(png.exit_code, 0) << png.err;
+    EXPECT_EQ(command.run({"diff", "a.png", "a.png"}).exit_code, 0);
 }
 
 TEST(LoadedLibraries, ModelsAreReadWithThatOfTheSameBuildAlone) {
@@ -140,16 +144,36 @@ std::vector<std::string> told_by_loader(const TempDir& dir, const char* what,
     return told;
 }
 
+std::ptrdiff_t processes_with(const std::vector<std::string>& told, const char* library) {
+    return std::count_if(told.begin(), told.end(), [&](const std::string& text) {
+        return text.find(library) != std::string::npos;
+    });
+}
+
+// It takes ten times as long to load as all else that drawing a small picture is.
+TEST(LoadedLibraries, OpenImageIOIsNotLoadedForPng) {
+    const TempDir dir;
+    write_text(dir / "cube.obj", test::cube_obj());
+    const auto drawn = [&](const char* picture) {
+        return told_by_loader(dir, "files",
+                              {"render", (dir / "cube.obj").string(), "-o",
+                               (dir / picture).string(), "--size", "16x16"});
+    };
+    const auto png = drawn("a.png"), exr = drawn("a.exr");
+    if (processes_with(png, "libc.so") == 0)
+        GTEST_SKIP() << "the loader of this system does not tell what it loads (LD_DEBUG)";
+    EXPECT_EQ(processes_with(png, "libOpenImageIO"), 0);
+    EXPECT_EQ(processes_with(exr, "libOpenImageIO"), 1);
+    const std::string picture = (dir / "a.png").string();
+    const auto read = told_by_loader(dir, "files", {"diff", picture, picture});
+    EXPECT_EQ(processes_with(read, "libOpenImageIO"), 0);
+}
+
 // Loading it takes a quarter of the start of the command.
 TEST(LoadedLibraries, AssimpAndOpenMeshAreInTheReadersProcessAlone) {
     const TempDir dir;
     write_text(dir / "cube.obj", test::cube_obj());
     write_text(dir / "rig.dae", test::collada_rig({}));
-    const auto processes_with = [](const std::vector<std::string>& told, const char* library) {
-        return std::count_if(told.begin(), told.end(), [&](const std::string& text) {
-            return text.find(library) != std::string::npos;
-        });
-    };
     const std::string out = (dir / "a.glb").string();
     const auto own =
         told_by_loader(dir, "files", {"prepare", (dir / "cube.obj").string(), "-o", out});
@@ -172,7 +196,7 @@ TEST(LoadedLibraries, WhatOpenImageIONeedsIsOpenedBeforeIt) {
     std::string text;
     for (const std::string& told : told_by_loader(dir, "scopes",
                                                   {"render", (dir / "cube.obj").string(), "-o",
-                                                   (dir / "cube.png").string(), "--size", "16x16"}))
+                                                   (dir / "cube.exr").string(), "--size", "16x16"}))
         text += told;
     if (text.find(" scope 1: ") == std::string::npos)
         GTEST_SKIP() << "the loader of this system does not tell its scopes (LD_DEBUG)";

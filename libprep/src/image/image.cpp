@@ -2,22 +2,29 @@
 
 #include <dlfcn.h>
 
+#include <array>
 #include <cstring>
+#include <fstream>
 #include <latch>
 #include <new>
+#include <optional>
 #include <system_error>
 #include <thread>
 #include <vector>
 
 #include "image/image_library.h"
+#include "image/jpeg/jpeg_file.h"
+#include "image/picture_checks.h"
 #include "image/picture_kind.h"
+#include "image/png/png_file.h"
 #include "libraries/companion_library.h"
 #include "libraries/macro_text.h"
 #include "prep/files.h"
 #include "prep/scene.h"
 
 // OpenImageIO brings some 250 libraries along, whose loading takes longer than many a conversion of
-// a mesh: the part that uses it is a library of its own, loaded with the first picture.
+// a mesh: the part that uses it is a library of its own, loaded with the first picture that neither
+// libpng nor libjpeg sees to, which libprep starts with. (docs/performance.md: what that saves.)
 
 namespace prep {
 namespace {
@@ -53,6 +60,29 @@ bool can_start_threads() {
     return threads.size() == more_than_it_starts;
 }
 
+bool is_read_here(std::span<const std::byte> head) {
+    return detail::is_png(head) || detail::is_jpeg(head);
+}
+
+bool is_file_read_here(const std::filesystem::path& path) {
+    std::error_code error;
+    if (!std::filesystem::is_regular_file(path, error)) return false;
+    std::array<std::byte, detail::picture_head> head{};
+    std::ifstream in(path, std::ios::binary);
+    in.read(reinterpret_cast<char*>(head.data()), std::streamsize(head.size()));
+    return is_read_here(std::span<const std::byte>(head).first(std::size_t(in.gcount())));
+}
+
+// Nothing where OpenImageIO has to.
+Result<std::optional<Image>> read_here(std::span<const std::byte> bytes, ImageChannels channels,
+                                       const std::string& place) {
+    if (detail::is_jpeg(bytes)) return detail::read_jpeg(bytes, channels, place);
+    if (!detail::is_png(bytes)) return std::optional<Image>();
+    auto image = detail::read_png(bytes, channels, place);
+    if (!image) return image.error();
+    return std::optional<Image>(*std::move(image));
+}
+
 Result<const ImageBackend*> open_backend() {
     if (!can_start_threads())
         return Error{ErrorCode::io,
@@ -62,6 +92,15 @@ Result<const ImageBackend*> open_backend() {
     open_needs_first();
     return detail::open_companion<ImageBackend>(
         {"libprep_images.so", MESHPREP_TEXT(MESHPREP_IMAGE_BACKEND), "the library for pictures"});
+}
+
+// What was checked.
+Result<std::vector<std::byte>> encode(const std::filesystem::path& path, const Image& image,
+                                      PixelType type) {
+    if (detail::is_png_name(path)) return detail::png_bytes(image, type, path.string());
+    const auto& images = detail::image_backend();
+    return images ? (*images)->encode(path, image, type)
+                  : Result<std::vector<std::byte>>(images.error());
 }
 
 }  // namespace
@@ -78,6 +117,13 @@ Result<void> load_image_library() {
 
 Result<Image> detail::load_picture(const std::filesystem::path& path, ImageChannels channels,
                                    std::string_view format) {
+    if (is_file_read_here(path)) {
+        const auto bytes = read_file(path);
+        if (!bytes) return bytes.error();
+        auto image = read_here(*bytes, channels, path.string());
+        if (!image) return image.error();
+        if (*image) return **std::move(image);
+    }
     const auto& images = detail::image_backend();
     return images ? (*images)->load(path, channels, format) : Result<Image>(images.error());
 }
@@ -87,6 +133,9 @@ Result<Image> detail::decode_picture(std::span<const std::byte> bytes, const std
     if (is_ktx2(bytes))
         return Error{ErrorCode::unsupported, "KTX2 pictures (Basis Universal) are not decoded",
                      name};
+    auto image = read_here(bytes, ImageChannels::color, name);
+    if (!image) return image.error();
+    if (*image) return **std::move(image);
     const auto& images = detail::image_backend();
     return images ? (*images)->decode(bytes, name, format) : Result<Image>(images.error());
 }
@@ -94,17 +143,19 @@ Result<Image> detail::decode_picture(std::span<const std::byte> bytes, const std
 Result<void> save_image(const std::filesystem::path& path, const Image& image, PixelType type) {
     const auto stored = stored_type(path, type);
     if (!stored) return stored.error();
-    const auto& images = detail::image_backend();
-    if (!images) return images.error();
-    const auto bytes = (*images)->encode(path, image, *stored);
+    if (auto checked = detail::check_picture(image, path.string()); !checked)
+        return checked.error();
+    const auto bytes = encode(path, image, *stored);
     if (!bytes) return bytes.error();
     return write_file(path, *bytes);
 }
 
 Result<std::vector<std::byte>> encode_png(const Image& image, PixelType type) {
-    const auto& images = detail::image_backend();
-    return images ? (*images)->encode_png(image, type)
-                  : Result<std::vector<std::byte>>(images.error());
+    const std::string place = "memory.png";
+    if (auto checked = detail::check_picture(image, place); !checked) return checked.error();
+    if (type == PixelType::f16 || type == PixelType::f32)
+        return Error{ErrorCode::unsupported, "PNG holds 8 or 16 bits a channel, not floats", place};
+    return detail::png_bytes(image, type, place);
 }
 
 }  // namespace prep

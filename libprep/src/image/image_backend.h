@@ -1,5 +1,5 @@
-// What the image library of this project (image/openimageio, loaded when a picture is first read or
-// written) offers to libprep. Both sides come from one build.
+// What the image library of this project (image/openimageio, loaded when a picture first needs it:
+// image.cpp) offers to libprep. Both sides come from one build.
 #pragma once
 
 #include <memory>
@@ -24,8 +24,8 @@ struct ImageBackend {
     // their name.
     Result<Image> (*decode)(std::span<const std::byte>, const std::string&,
                             std::string_view format);
+    // What is written was checked (picture_checks.h).
     Result<std::vector<std::byte>> (*encode)(const std::filesystem::path&, const Image&, PixelType);
-    Result<std::vector<std::byte>> (*encode_png)(const Image&, PixelType);
     // `path` names the format and stands in messages; `file` is written.
     Result<std::unique_ptr<RowWriter>> (*open_rows)(const std::filesystem::path& path,
                                                     const std::filesystem::path& file,

@@ -3,6 +3,8 @@
 #include "base/atomic_files.h"
 #include "image/image_backend.h"
 #include "image/image_library.h"
+#include "image/picture_checks.h"
+#include "image/png/png_file.h"
 
 namespace prep {
 
@@ -42,6 +44,19 @@ struct ImageFiles::State {
     }
 };
 
+namespace {
+
+Result<std::unique_ptr<detail::RowWriter>> open_rows(const std::filesystem::path& path,
+                                                     const std::filesystem::path& file,
+                                                     const ImageLayout& layout) {
+    if (detail::is_png_name(path)) return detail::open_png_rows(path, file, layout);
+    const auto& images = detail::image_backend();
+    return images ? (*images)->open_rows(path, file, layout)
+                  : Result<std::unique_ptr<detail::RowWriter>>(images.error());
+}
+
+}  // namespace
+
 ImageFiles::ImageFiles() : ImageFiles(Rules{}) {}
 ImageFiles::ImageFiles(Rules rules) : state_(std::make_unique<State>(std::move(rules))) {}
 ImageFiles::~ImageFiles() = default;
@@ -49,13 +64,13 @@ ImageFiles::~ImageFiles() = default;
 Result<std::size_t> ImageFiles::open(const std::filesystem::path& path, const ImageLayout& layout) {
     const auto stored = stored_type(path, layout.type);
     if (!stored) return stored.error();
-    const auto& images = detail::image_backend();
-    if (!images) return images.error();
+    if (auto checked = detail::check_picture(layout, path.string()); !checked)
+        return checked.error();
     const auto staged = state_->files.stage(path);
     if (!staged) return staged.error();
     ImageLayout typed = layout;
     typed.type = *stored;
-    auto writer = (*images)->open_rows(path, *staged, typed);
+    auto writer = open_rows(path, *staged, typed);
     if (!writer) {
         state_->files.drop_last();
         return writer.error();

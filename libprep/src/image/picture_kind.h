@@ -19,10 +19,18 @@ inline bool starts_with(std::span<const std::byte> bytes, std::string_view magic
            std::memcmp(bytes.data() + at, magic.data(), magic.size()) == 0;
 }
 
+inline bool is_png(std::span<const std::byte> bytes) {
+    return starts_with(bytes, "\x89PNG");
+}
+
+inline bool is_jpeg(std::span<const std::byte> bytes) {
+    return starts_with(bytes, "\xff\xd8\xff");
+}
+
 // An ending of the format; empty where the bytes do not tell (TGA has no such mark).
 inline std::string_view picture_kind(std::span<const std::byte> bytes) {
-    if (starts_with(bytes, "\x89PNG")) return "png";
-    if (starts_with(bytes, "\xff\xd8\xff")) return "jpg";
+    if (is_png(bytes)) return "png";
+    if (is_jpeg(bytes)) return "jpg";
     if (starts_with(bytes, "\x76\x2f\x31\x01")) return "exr";
     if (starts_with(bytes, "#?")) return "hdr";
     if (starts_with(bytes, "GIF8")) return "gif";

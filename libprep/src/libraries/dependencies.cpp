@@ -5,10 +5,12 @@
 #include <draco/core/draco_version.h>
 #include <gmp.h>
 #include <hwy/highway.h>
+#include <jconfig.h>
 #include <meshoptimizer.h>
 #include <mpfr.h>
 #include <oneapi/tbb/version.h>
 #include <opensubdiv/version.h>
+#include <png.h>
 
 #include <boost/version.hpp>
 #include <glm/detail/setup.hpp>
@@ -43,6 +45,8 @@ std::vector<Dependency> dependencies() {
          std::to_string(MESHOPTIMIZER_VERSION / 1000) + "." +
              std::to_string(MESHOPTIMIZER_VERSION / 10 % 100),
          "MIT"},
+        {"libjpeg-turbo", MESHPREP_TEXT(LIBJPEG_TURBO_VERSION), "IJG, BSD-3-Clause and Zlib"},
+        {"libpng", PNG_LIBPNG_VER_STRING, "libpng-2.0"},
         {"MPFR", MPFR_VERSION_STRING, "LGPL-3.0-or-later"},
         {"nlohmann/json",
          dotted(NLOHMANN_JSON_VERSION_MAJOR, NLOHMANN_JSON_VERSION_MINOR,

@@ -11,9 +11,6 @@ MESHPREP_IMAGE_BACKEND() {
         [](const std::filesystem::path& path, const prep::Image& image, prep::PixelType type) {
             return prep::detail::encode_image(path, image, type);
         },
-        [](const prep::Image& image, prep::PixelType type) {
-            return prep::encode_png(image, type);
-        },
         [](const std::filesystem::path& path, const std::filesystem::path& file,
            const prep::ImageLayout& layout) {
             return prep::detail::open_rows(path, file, layout);

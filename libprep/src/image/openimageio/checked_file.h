@@ -1,4 +1,4 @@
-// A file under a picture's writer. Several of OpenImageIO's writers (2.4: PNG, BMP, TGA, WebP) do
+// A file under a picture's writer. Several of OpenImageIO's writers (2.4: BMP, TGA, WebP) do
 // not look whether their bytes arrive, and JPEG's ends the process when they do not; this one
 // remembers.
 #pragma once

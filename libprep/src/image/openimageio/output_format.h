@@ -31,8 +31,7 @@ bool takes_proxies(const OIIO::ImageOutput& output, const std::string& ending);
 // writes, but not what it writes last. `place` is for the message. Errors: io.
 Result<void> check_written(const std::filesystem::path& file, const std::string& place);
 
-// How hard to compress; and formats that note when a file was written get one date for all: the
-// same picture, the same bytes.
+// Formats that note when a file was written get one date for all: the same picture, the same bytes.
 void set_options(OIIO::ImageSpec& spec, const std::string& ending);
 
 }  // namespace prep::detail

@@ -12,9 +12,11 @@
 #include <string_view>
 
 #include "base/own_directory.h"
+#include "image/levels.h"
 #include "image/openimageio/backend_parts.h"
 #include "image/openimageio/completeness.h"
 #include "image/picture_kind.h"
+#include "image/picture_limits.h"
 #include "prep/files.h"
 #include "prep/image.h"
 
@@ -23,10 +25,6 @@ namespace {
 
 namespace oiio = OIIO;
 
-// The worst honest ratio of pixel bytes to file bytes: deflate reaches 1032, LZW 2730. Small
-// pictures are exempt, because some formats store a constant picture in a hundred bytes.
-constexpr std::uint64_t largest_compression = 4096;
-constexpr std::uint64_t always_allowed_bytes = std::uint64_t(1) << 28;
 // How much larger than the part of it that a file holds a picture may be; of up to a gigabyte it
 // may be anything.
 constexpr std::uint64_t largest_margin = 64;
@@ -44,12 +42,12 @@ std::string reason_of(const std::string& from_reader) {
 }
 
 // Still pictures only: the library also opens movies, volumes and pictures that exist in name only.
-// Not IFF: its reader ends the process on damaged files (27 of 1,000 altered ones, OpenImageIO
-// 2.4.7).
+// PNG is read elsewhere (image/png). Not IFF: its reader ends the process on damaged files (27 of
+// 1,000 altered ones, OpenImageIO 2.4.7).
 constexpr std::string_view known_formats[] = {
-    "png",       "jpeg",     "openexr", "hdr", "gif",   "webp", "dds",    "bmp",
-    "tiff",      "targa",    "pnm",     "psd", "sgi",   "rla",  "cineon", "dpx",
-    "softimage", "jpeg2000", "heif",    "ico", "zfile", "fits"};
+    "jpeg", "openexr",   "hdr",      "gif",  "webp", "dds",   "bmp",
+    "tiff", "targa",     "pnm",      "psd",  "sgi",  "rla",   "cineon",
+    "dpx",  "softimage", "jpeg2000", "heif", "ico",  "zfile", "fits"};
 
 constexpr int most_channels = 32;  // as Image::integer_channels has bits
 
@@ -74,29 +72,15 @@ Result<void> check_spec(const oiio::ImageSpec& spec, const Extent& full, std::ui
         return Error{ErrorCode::invalid, "the image is empty", place};
     if (spec.depth > 1)
         return Error{ErrorCode::unsupported, "this is a volume image; a flat one is needed", place};
-    const auto check_extent = [&](std::int64_t width, std::int64_t height) -> Result<void> {
-        if (width <= std::int64_t(max_image_extent) && height <= std::int64_t(max_image_extent))
-            return {};
-        return Error{ErrorCode::limit,
-                     "the image is " + std::to_string(width) + " x " + std::to_string(height) +
-                         " pixels, at most " + std::to_string(max_image_extent) +
-                         " each way are read; scale it down",
-                     place};
-    };
-    if (auto held = check_extent(spec.width, spec.height); !held) return held;
-    if (auto shown = check_extent(full.width, full.height); !shown) return shown;
-    const auto bytes_of = [&](std::uint64_t width, std::uint64_t height) {
-        return width * height * count * sizeof(float);
-    };
-    const std::uint64_t need = bytes_of(std::uint64_t(spec.width), std::uint64_t(spec.height));
-    if (need > always_allowed_bytes && need / largest_compression > file_bytes)
-        return Error{ErrorCode::invalid,
-                     "the header promises " + std::to_string(spec.width) + " x " +
-                         std::to_string(spec.height) + " pixels, but the file has only " +
-                         std::to_string(file_bytes) + " bytes; it is truncated or damaged",
-                     place};
-    const std::uint64_t whole = bytes_of(std::uint64_t(full.width), std::uint64_t(full.height));
-    if (whole > 4 * always_allowed_bytes && whole / largest_margin > need)
+    if (auto held = detail::check_extent(spec.width, spec.height, place); !held) return held;
+    if (auto shown = detail::check_extent(full.width, full.height, place); !shown) return shown;
+    const auto width = std::uint64_t(spec.width), height = std::uint64_t(spec.height);
+    if (auto promise = detail::check_promise(width, height, count, file_bytes, place); !promise)
+        return promise;
+    const std::uint64_t need = detail::bytes_of_pixels(width, height, count);
+    const std::uint64_t whole =
+        detail::bytes_of_pixels(std::uint64_t(full.width), std::uint64_t(full.height), count);
+    if (whole > 4 * detail::always_allowed_bytes && whole / largest_margin > need)
         return Error{ErrorCode::limit,
                      "the image is " + std::to_string(full.width) + " x " +
                          std::to_string(full.height) + " pixels, of which the file holds " +
@@ -154,24 +138,10 @@ bool read_own(oiio::ImageInput& input, const Image& image, void* to) {
     return input.read_image(0, 0, 0, int(image.channels), own ? oiio::TypeDesc::UNKNOWN : type, to);
 }
 
-// Levels of 8 or 16 bits as quotients by the largest one. (OpenImageIO multiplies by 1/255 or
-// 1/65535 in floats: the last bit of a third of the values is another, and a level of 8 bits is not
-// that of the same value in 16.)
 template <class Level>
 bool read_levels(oiio::ImageInput& input, Image& image) {
-    // They are read into the end of the floats' memory: float i ends before level i + 1 begins.
-    const std::size_t count = image.pixels.size();
-    std::byte* const levels =
-        reinterpret_cast<std::byte*>(image.pixels.data()) + count * (sizeof(float) - sizeof(Level));
-    if (!read_own<Level>(input, image, levels)) return false;
-    constexpr std::size_t at_once = 4096;
-    std::array<Level, at_once> block;
-    for (std::size_t begin = 0; begin < count; begin += at_once) {
-        const std::size_t size = std::min(at_once, count - begin);
-        std::memcpy(block.data(), levels + begin * sizeof(Level), size * sizeof(Level));
-        for (std::size_t k = 0; k < size; ++k)
-            image.pixels[begin + k] = float(block[k]) / float(std::numeric_limits<Level>::max());
-    }
+    if (!read_own<Level>(input, image, detail::place_of_levels(image, sizeof(Level)))) return false;
+    detail::spread_levels<Level>(image);
     return true;
 }
 

@@ -2,6 +2,7 @@
 #include <OpenImageIO/imageio.h>
 
 #include "base/own_directory.h"
+#include "image/levels.h"
 #include "image/openimageio/backend_parts.h"
 #include "image/openimageio/encode_image.h"
 #include "image/openimageio/output_format.h"
@@ -16,28 +17,6 @@ namespace oiio = OIIO;
 
 using detail::quantise;
 using detail::type_of;
-
-Result<void> check(const Image& image, const std::string& place) {
-    if (image.width == 0 || image.height == 0 || image.channels == 0)
-        return Error{ErrorCode::invalid, "the image to write is empty", place};
-    if (image.channels > 4)
-        return Error{ErrorCode::invalid,
-                     "the image to write has " + std::to_string(image.channels) +
-                         " channels; 1 to 4 can be written",
-                     place};
-    if (image.width > max_image_extent || image.height > max_image_extent)
-        return Error{ErrorCode::limit,
-                     "the image to write is larger than " + std::to_string(max_image_extent) +
-                         " pixels in one direction",
-                     place};
-    if (image.pixels.size() != std::size_t(image.width) * image.height * image.channels)
-        return Error{ErrorCode::invalid,
-                     "the image to write has " + std::to_string(image.pixels.size()) +
-                         " values where its size asks for " +
-                         std::to_string(std::size_t(image.width) * image.height * image.channels),
-                     place};
-    return {};
-}
 
 oiio::ImageSpec spec_of(const Image& image, PixelType type, const std::string& ending) {
     oiio::ImageSpec spec(int(image.width), int(image.height), int(image.channels), type_of(type));
@@ -118,19 +97,10 @@ namespace detail {
 
 Result<std::vector<std::byte>> encode_image(const std::filesystem::path& path, const Image& image,
                                             PixelType type) {
-    if (auto checked = check(image, path.string()); !checked) return checked.error();
     return detail::guarded(ErrorCode::io, path.string(),
                            [&] { return encode_by_ending(path, image, type); });
 }
 
 }  // namespace detail
-
-Result<std::vector<std::byte>> encode_png(const Image& image, PixelType type) {
-    const std::string place = "memory.png";
-    if (auto checked = check(image, place); !checked) return checked.error();
-    if (type == PixelType::f16 || type == PixelType::f32)
-        return Error{ErrorCode::unsupported, "PNG holds 8 or 16 bits a channel, not floats", place};
-    return detail::guarded(ErrorCode::io, place, [&] { return encode(place, image, type, place); });
-}
 
 }  // namespace prep

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "image/levels.h"
 #include "image/openimageio/backend_parts.h"
 #include "image/openimageio/checked_file.h"
 #include "image/openimageio/encode_image.h"
@@ -72,21 +73,6 @@ class FileRows final : public RowWriter {
     int row_ = 0;
 };
 
-Result<void> check(const ImageLayout& layout, const std::string& place) {
-    if (layout.width == 0 || layout.height == 0 || layout.channels.empty())
-        return Error{ErrorCode::invalid, "the image to write is empty", place};
-    if (layout.width > max_image_extent || layout.height > max_image_extent)
-        return Error{ErrorCode::limit,
-                     "the image to write is larger than " + std::to_string(max_image_extent) +
-                         " pixels in one direction",
-                     place};
-    if (!layout.integer.empty() &&
-        (layout.type != PixelType::f32 || layout.integer.size() != layout.channels.size()))
-        return Error{ErrorCode::invalid,
-                     "integer channels stand beside 32-bit floats, one mark per channel", place};
-    return {};
-}
-
 oiio::ImageSpec spec_of(const ImageLayout& layout, const std::string& ending) {
     oiio::ImageSpec spec(int(layout.width), int(layout.height), int(layout.channels.size()),
                          type_of(layout.type));
@@ -137,7 +123,6 @@ Result<std::unique_ptr<RowWriter>> open_rows(const std::filesystem::path& path,
                                              const std::filesystem::path& file,
                                              const ImageLayout& layout) {
     const std::string place = path.string();
-    if (auto checked = check(layout, place); !checked) return checked.error();
     return guarded(ErrorCode::io, place, [&] { return open_checked(path, file, layout); });
 }
 
