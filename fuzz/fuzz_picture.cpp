@@ -11,11 +11,12 @@
 namespace {
 
 std::optional<prep::Image> read(std::span<const std::byte> bytes) {
+    prep::detail::PictureSource source(bytes);
     if (!prep::detail::is_jpeg(bytes)) {
-        auto image = prep::detail::read_png(bytes, prep::ImageChannels::all, "fuzz.png");
+        auto image = prep::detail::read_png(source, prep::ImageChannels::all, "fuzz.png");
         return image ? std::optional(*std::move(image)) : std::nullopt;
     }
-    auto image = prep::detail::read_jpeg(bytes, prep::ImageChannels::all, "fuzz.jpg");
+    auto image = prep::detail::read_jpeg(source, prep::ImageChannels::all, "fuzz.jpg");
     return image ? *std::move(image) : std::nullopt;
 }
 

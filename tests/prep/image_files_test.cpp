@@ -106,6 +106,25 @@ TEST_F(ImageFiles, AFileThatDoesNotFitIsAnErrorAndLeavesTheOldOne) {
     std::signal(SIGXFSZ, old_handler);
 }
 
+// A file so small that nothing of it is written before it is closed.
+TEST_F(ImageFiles, ASmallFileThatDoesNotFitIsAnError) {
+    rlimit before{};
+    ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
+    const auto old_handler = std::signal(SIGXFSZ, SIG_IGN);
+    prep::ImageFiles out;
+    const auto file = out.open(dir_ / "a.png", layout(4, 2, 3, prep::PixelType::u8));
+    ASSERT_TRUE(file) << to_string(file.error());
+    const rlimit small{100, before.rlim_max};
+    ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &small), 0);
+    const auto written = out.write_rows(*file, std::vector<float>(4 * 2 * 3));
+    ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &before), 0);
+    std::signal(SIGXFSZ, old_handler);
+    ASSERT_FALSE(written);
+    EXPECT_EQ(written.error().code, prep::ErrorCode::io);
+    EXPECT_NE(written.error().text.find("too large"), std::string::npos) << written.error().text;
+    EXPECT_FALSE(out.commit());
+}
+
 TEST_F(ImageFiles, FormatsWhoseWritersMissAFullDiskAreNotWritten) {
     prep::ImageFiles out;
     const auto file = out.open(dir_ / "a.sgi", layout(3, 1, 3));

@@ -1,11 +1,15 @@
 // JPEG files, read by libjpeg: held against what OpenImageIO, which did it before, makes of them,
 // and against what was put in.
+// jpeglib.h needs what comes before it.
+// clang-format off
+#include <cstdio>
+#include <jpeglib.h>
+// clang-format on
+
 #include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
-#include <jpeglib.h>
 
 #include <cmath>
-#include <cstdio>  // before jpeglib.h, which needs it
 #include <cstdlib>
 
 #include "prep/files.h"
@@ -156,6 +160,44 @@ TEST(Jpeg, CutFilesAreErrors) {
                 << image.error().text;
         }
     }
+}
+
+// Behind the first marker; longer than what is read at a time.
+TEST(Jpeg, LongPartsThatAreNotPixelsAreSkipped) {
+    const TempDir dir;
+    std::vector<std::byte> file = made({});
+    const auto plain = prep::decode_image(file, "a.jpg");
+    ASSERT_TRUE(plain);
+    for (int part = 0; part < 3; ++part) {
+        std::vector<std::byte> segment(65535 + 2, std::byte(0xda));
+        segment[0] = segment[2] = segment[3] = std::byte(0xff);
+        segment[1] = std::byte(0xe5);  // APP5
+        file.insert(file.begin() + 2, segment.begin(), segment.end());
+    }
+    ASSERT_TRUE(prep::write_file(dir / "a.jpg", file));
+    const auto image = prep::load_image(dir / "a.jpg");
+    ASSERT_TRUE(image) << image.error().text;
+    EXPECT_EQ(image->pixels, plain->pixels);
+    EXPECT_EQ(prep::decode_image(file, "a.jpg")->pixels, plain->pixels);
+}
+
+// Each takes the time of the whole picture.
+TEST(Jpeg, ScansWithoutEndAreRefused) {
+    const auto with_scans = [](int more) {
+        std::vector<std::byte> file = made({.stored = JCS_GRAYSCALE, .progressive = true});
+        const std::vector<std::byte> end(file.end() - 2, file.end());
+        file.resize(file.size() - 2);
+        for (int k = 0; k < more; ++k)
+            for (const int byte : {0xff, 0xda, 0, 8, 1, 1, 0, 0, 0, 0})
+                file.push_back(std::byte(byte));
+        file.insert(file.end(), end.begin(), end.end());
+        return prep::decode_image(file, "a.jpg");
+    };
+    EXPECT_TRUE(with_scans(20));
+    const auto image = with_scans(600);
+    ASSERT_FALSE(image);
+    EXPECT_EQ(image.error().code, prep::ErrorCode::limit);
+    EXPECT_NE(image.error().text.find("500 scans"), std::string::npos) << image.error().text;
 }
 
 // What only the header says.

@@ -4,6 +4,8 @@
 #include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
 #include <png.h>
+#include <sys/resource.h>
+#include <zlib.h>
 
 #include <array>
 #include <map>
@@ -172,6 +174,10 @@ TEST(Png, EveryKindIsReadAsItWasMadeAndAsOthersReadIt) {
                     const auto embedded = prep::decode_image(picture.file, "a.jpg");
                     ASSERT_TRUE(embedded) << embedded.error().text;
                     EXPECT_EQ(embedded->pixels, picture.pixels);
+                    std::filesystem::rename(dir / "a.png", dir / "a.jpg");
+                    const auto misnamed = prep::load_image(dir / "a.jpg");
+                    ASSERT_TRUE(misnamed) << misnamed.error().text;
+                    EXPECT_EQ(misnamed->pixels, picture.pixels);
                 }
     EXPECT_EQ(files, 52);
 }
@@ -234,6 +240,16 @@ TEST(Png, WrittenFilesAreThoseOfOpenImageIO) {
             }
 }
 
+// PNG's specification, annex D.
+std::uint32_t crc_of(std::span<const std::byte> bytes) {
+    std::uint32_t crc = 0xffffffff;
+    for (const std::byte byte : bytes) {
+        crc ^= std::to_integer<std::uint32_t>(byte);
+        for (int bit = 0; bit < 8; ++bit) crc = (crc & 1 ? 0xedb88320 : 0) ^ (crc >> 1);
+    }
+    return ~crc;
+}
+
 // Cut anywhere: an error, or, where all pixels came before the cut, the picture.
 TEST(Png, CutFilesAreErrorsOrWhole) {
     std::mt19937 random(5);
@@ -260,6 +276,89 @@ TEST(Png, CutFilesAreErrorsOrWhole) {
     }
 }
 
+// Behind the header of a file.
+void insert_chunk(std::vector<std::byte>& file, const std::string& name,
+                  std::span<const std::byte> data) {
+    std::vector<std::byte> chunk;
+    const auto number = [&](std::uint32_t value) {
+        for (int k = 24; k >= 0; k -= 8) chunk.push_back(std::byte(value >> k));
+    };
+    number(std::uint32_t(data.size()));
+    for (const char c : name) chunk.push_back(std::byte(c));
+    chunk.insert(chunk.end(), data.begin(), data.end());
+    number(crc_of(std::span(chunk).subspan(4)));
+    file.insert(file.begin() + 33, chunk.begin(), chunk.end());
+}
+
+// libpng takes colours for invalid where one of their chunks is: the others are what they say.
+TEST(Png, ColoursOfFilesWithOddChunksAreAsOthersReadThem) {
+    const TempDir dir;
+    std::mt19937 random(5);
+    const std::vector<std::byte> zeros(32),
+        linear{std::byte(0), std::byte(1), std::byte(0x86), std::byte(0xa0)};
+    for (const Space space : {Space::none, Space::srgb, Space::gamma_2_2, Space::linear})
+        for (const int odd : {0, 1, 2}) {
+            SCOPED_TRACE(std::to_string(int(space)) + " " + std::to_string(odd));
+            auto file = made({.space = space, .width = 3, .height = 2}, random).file;
+            if (odd == 1) insert_chunk(file, "cHRM", zeros);
+            if (odd == 2) insert_chunk(file, "gAMA", linear);
+            ASSERT_TRUE(prep::write_file(dir / "a.png", file));
+            const auto image = prep::load_image(dir / "a.png", prep::ImageChannels::all);
+            ASSERT_TRUE(image) << image.error().text;
+            expect_as_others_read(dir / "a.png", *image);
+        }
+}
+
+// A few kilobytes of file can be hundreds of megabytes of text, of which nothing is needed.
+TEST(Png, TextsTakeNoMemory) {
+    std::mt19937 random(5);
+    auto file = made({.width = 3, .height = 2}, random).file;
+    const std::vector<Bytef> text(7'900'000);
+    std::vector<std::byte> packed(100'000);
+    auto size = uLongf(packed.size());
+    ASSERT_EQ(::compress(reinterpret_cast<Bytef*>(packed.data()), &size, text.data(), text.size()),
+              Z_OK);
+    std::vector<std::byte> data{std::byte('k'), std::byte(0), std::byte(0)};
+    data.insert(data.end(), packed.begin(), packed.begin() + long(size));
+    for (int k = 0; k < 50; ++k) insert_chunk(file, "zTXt", data);
+    rusage before{}, after{};
+    ::getrusage(RUSAGE_SELF, &before);
+    EXPECT_TRUE(prep::decode_image(file, "a.png"));
+    ::getrusage(RUSAGE_SELF, &after);
+    EXPECT_LT(after.ru_maxrss - before.ru_maxrss, 100'000) << "kB";  // of 395
+}
+
+// What the compression of PNG can do at its best is no damage.
+TEST(Png, LargeConstantPicturesOfOneBitAreRead) {
+    std::vector<std::byte> file;
+    {
+        prep::Image small{1, 1, 1, {0.0f}, true};
+        file = *prep::encode_png(small);
+    }
+    const std::uint32_t side = 8600;  // 296 MB of floats
+    std::vector<std::byte> header;
+    for (const std::uint32_t extent : {side, side})
+        for (int k = 24; k >= 0; k -= 8) header.push_back(std::byte(extent >> k));
+    for (const int field : {1, 0, 0, 0, 0}) header.push_back(std::byte(field));
+    const std::vector<Bytef> rows(std::size_t(side) * (1 + side / 8));
+    std::vector<std::byte> packed(rows.size() / 500);
+    auto size = uLongf(packed.size());
+    ASSERT_EQ(::compress2(reinterpret_cast<Bytef*>(packed.data()), &size, rows.data(), rows.size(),
+                          Z_BEST_COMPRESSION),
+              Z_OK);
+    packed.resize(size);
+    file.resize(8);
+    file.resize(33);  // insert_chunk() puts behind the header, which is made last
+    insert_chunk(file, "IEND", {});
+    insert_chunk(file, "IDAT", packed);
+    insert_chunk(file, "IHDR", header);
+    file.erase(file.begin() + 8, file.begin() + 33);
+    const auto image = prep::decode_image(file, "a.png");
+    ASSERT_TRUE(image) << image.error().text;
+    EXPECT_EQ(image->width, side);
+    EXPECT_EQ(image->pixels.back(), 0.0f);
+}
+
 // What only the header says.
 TEST(Png, HeadersThatPromiseTooMuchAreRefused) {
     std::mt19937 random(5);
@@ -270,12 +369,8 @@ TEST(Png, HeadersThatPromiseTooMuchAreRefused) {
             file[16 + k] = std::byte(width >> (24 - 8 * k));
             file[20 + k] = std::byte(height >> (24 - 8 * k));
         }
-        std::uint32_t crc = 0xffffffff;  // PNG's specification, annex D
-        for (std::size_t i = 12; i < 29; ++i) {
-            crc ^= std::to_integer<std::uint32_t>(file[i]);
-            for (int bit = 0; bit < 8; ++bit) crc = (crc & 1 ? 0xedb88320 : 0) ^ (crc >> 1);
-        }
-        for (int k = 0; k < 4; ++k) file[29 + k] = std::byte(~crc >> (24 - 8 * k));
+        const std::uint32_t crc = crc_of(std::span(file).subspan(12, 17));
+        for (int k = 0; k < 4; ++k) file[29 + k] = std::byte(crc >> (24 - 8 * k));
         return prep::decode_image(file, "a.png");
     };
     EXPECT_TRUE(with_size(1, 1));

@@ -154,16 +154,20 @@ std::ptrdiff_t processes_with(const std::vector<std::string>& told, const char* 
 TEST(LoadedLibraries, OpenImageIOIsNotLoadedForPng) {
     const TempDir dir;
     write_text(dir / "cube.obj", test::cube_obj());
-    const auto drawn = [&](const char* picture) {
-        return told_by_loader(dir, "files",
-                              {"render", (dir / "cube.obj").string(), "-o",
-                               (dir / picture).string(), "--size", "16x16"});
+    const auto drawn = [&](const char* picture, const std::vector<std::string>& more = {}) {
+        std::vector<std::string> words{"render", (dir / "cube.obj").string(),
+                                       "-o",     (dir / picture).string(),
+                                       "--size", "16x16"};
+        words.insert(words.end(), more.begin(), more.end());
+        return told_by_loader(dir, "files", words);
     };
     const auto png = drawn("a.png"), exr = drawn("a.exr");
     if (processes_with(png, "libc.so") == 0)
         GTEST_SKIP() << "the loader of this system does not tell what it loads (LD_DEBUG)";
     EXPECT_EQ(processes_with(png, "libOpenImageIO"), 0);
     EXPECT_EQ(processes_with(exr, "libOpenImageIO"), 1);
+    const auto in_time = drawn("b.png", {"--budget-ms", "1000"});
+    EXPECT_EQ(processes_with(in_time, "libOpenImageIO"), 0);
     const std::string picture = (dir / "a.png").string();
     const auto read = told_by_loader(dir, "files", {"diff", picture, picture});
     EXPECT_EQ(processes_with(read, "libOpenImageIO"), 0);

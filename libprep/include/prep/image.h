@@ -1,4 +1,4 @@
-// Images in and out (OpenImageIO behind the wall), as float or 8-bit pixels.
+// Images in and out (libpng, libjpeg and OpenImageIO behind the wall), as float or 8-bit pixels.
 #pragma once
 
 #include <cstddef>
@@ -55,8 +55,9 @@ struct ImageOptions {
     std::function<void(const std::filesystem::path& file, std::string_view text)> reader_log = {};
 };
 
-// Any format OpenImageIO reads. Errors: io (missing, unreadable), syntax (broken), limit; with a
-// process of its own also unsupported (the decoder crashed) and limit (its time, its memory).
+// PNG, JPEG, and any other format OpenImageIO reads. Errors: io (missing, unreadable), syntax
+// (broken), limit; with a process of its own also unsupported (the decoder crashed) and limit (its
+// time, its memory).
 Result<Image> load_image(const std::filesystem::path& path,
                          ImageChannels channels = ImageChannels::color);
 Result<Image> load_image(const std::filesystem::path& path, const ImageOptions& options);
@@ -67,8 +68,8 @@ Result<Image> decode_image(std::span<const std::byte> bytes, const std::string& 
 // From the path or the embedded bytes, as the reference's own options say.
 Result<Image> load_image(const ImageRef& ref);
 
-// Loads the library that reads and writes pictures ahead of the first one, which it takes longer
-// than a small picture does. Errors: io.
+// Loads the library that reads and writes pictures other than PNG, and JPEG with four channels or
+// as output, ahead of the first one: it takes longer than a small picture does. Errors: io.
 Result<void> load_image_library();
 
 enum class PixelType : std::uint8_t { u8, u16, f16, f32 };

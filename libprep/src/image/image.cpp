@@ -2,9 +2,7 @@
 
 #include <dlfcn.h>
 
-#include <array>
 #include <cstring>
-#include <fstream>
 #include <latch>
 #include <new>
 #include <optional>
@@ -30,6 +28,7 @@ namespace prep {
 namespace {
 
 using detail::ImageBackend;
+using detail::PictureSource;
 
 // A symbol is looked for in the program, then in what was opened with its library, one after the
 // other: with OpenImageIO that is all of its 250. Opened before, by itself, a library has only what
@@ -60,25 +59,12 @@ bool can_start_threads() {
     return threads.size() == more_than_it_starts;
 }
 
-bool is_read_here(std::span<const std::byte> head) {
-    return detail::is_png(head) || detail::is_jpeg(head);
-}
-
-bool is_file_read_here(const std::filesystem::path& path) {
-    std::error_code error;
-    if (!std::filesystem::is_regular_file(path, error)) return false;
-    std::array<std::byte, detail::picture_head> head{};
-    std::ifstream in(path, std::ios::binary);
-    in.read(reinterpret_cast<char*>(head.data()), std::streamsize(head.size()));
-    return is_read_here(std::span<const std::byte>(head).first(std::size_t(in.gcount())));
-}
-
 // Nothing where OpenImageIO has to.
-Result<std::optional<Image>> read_here(std::span<const std::byte> bytes, ImageChannels channels,
+Result<std::optional<Image>> read_here(PictureSource& source, ImageChannels channels,
                                        const std::string& place) {
-    if (detail::is_jpeg(bytes)) return detail::read_jpeg(bytes, channels, place);
-    if (!detail::is_png(bytes)) return std::optional<Image>();
-    auto image = detail::read_png(bytes, channels, place);
+    if (detail::is_jpeg(source.head())) return detail::read_jpeg(source, channels, place);
+    if (!detail::is_png(source.head())) return std::optional<Image>();
+    auto image = detail::read_png(source, channels, place);
     if (!image) return image.error();
     return std::optional<Image>(*std::move(image));
 }
@@ -117,10 +103,8 @@ Result<void> load_image_library() {
 
 Result<Image> detail::load_picture(const std::filesystem::path& path, ImageChannels channels,
                                    std::string_view format) {
-    if (is_file_read_here(path)) {
-        const auto bytes = read_file(path);
-        if (!bytes) return bytes.error();
-        auto image = read_here(*bytes, channels, path.string());
+    if (auto source = PictureSource::open(path)) {
+        auto image = read_here(*source, channels, path.string());
         if (!image) return image.error();
         if (*image) return **std::move(image);
     }
@@ -133,7 +117,8 @@ Result<Image> detail::decode_picture(std::span<const std::byte> bytes, const std
     if (is_ktx2(bytes))
         return Error{ErrorCode::unsupported, "KTX2 pictures (Basis Universal) are not decoded",
                      name};
-    auto image = read_here(bytes, ImageChannels::color, name);
+    PictureSource source(bytes);
+    auto image = read_here(source, ImageChannels::color, name);
     if (!image) return image.error();
     if (*image) return **std::move(image);
     const auto& images = detail::image_backend();

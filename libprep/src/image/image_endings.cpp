@@ -14,9 +14,10 @@ constexpr unsigned bit(PixelType type) {
 constexpr unsigned u8 = bit(PixelType::u8), u16 = bit(PixelType::u16), f16 = bit(PixelType::f16),
                    f32 = bit(PixelType::f32);
 
-// What OpenImageIO 2.4 writes so that it can be read again (SaveImage.*), and tells a full disk of.
-// Not JPEG 2000, whose writer leaves an empty file, nor the endings of its texture files (.tx), nor
-// .pgm, whose name promises greys, nor .dpx and .gif, whose bytes differ from one time to the next.
+// What libpng and OpenImageIO 2.4 write so that it can be read again (SaveImage.*), and tells a
+// full disk of. Not JPEG 2000, whose writer leaves an empty file, nor the endings of its texture
+// files (.tx), nor .pgm, whose name promises greys, nor .dpx and .gif, whose bytes differ from one
+// time to the next.
 struct WrittenEnding {
     std::string_view ending;
     unsigned types;
@@ -39,7 +40,7 @@ constexpr WrittenEnding written[] = {{".png", u8 | u16},
                                      {".jfi", u8}};
 constexpr const char* named = ".png, .jpg, .exr, .tif, .hdr, .webp, .tga, .bmp or .ppm";
 
-// Others that are read (known_formats of openimageio/read.cpp).
+// Others that are read (image.cpp; known_formats of openimageio/read.cpp).
 constexpr std::string_view read_only[] = {
     ".dds", ".pgm",   ".pbm",  ".pfm", ".psd", ".pdd",  ".sgi",  ".rgb",  ".rgba", ".bw",
     ".int", ".inta",  ".rla",  ".cin", ".pic", ".jp2",  ".j2k",  ".heic", ".heif", ".avif",

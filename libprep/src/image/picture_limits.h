@@ -30,11 +30,12 @@ inline Result<void> check_extent(std::int64_t width, std::int64_t height,
                  place};
 }
 
-// Whether a file of so many bytes can hold the pixels. Errors: invalid.
+// Whether a file of so many bytes can hold the pixels. `largest_compression`: the worst honest
+// ratio of bytes of pixels, which are floats, to bytes of the file; LZW reaches 2730 from bytes to
+// bytes. Errors: invalid.
 inline Result<void> check_promise(std::uint64_t width, std::uint64_t height, std::uint64_t channels,
-                                  std::uint64_t file_bytes, const std::string& place) {
-    // The worst honest ratio of pixel bytes to file bytes: deflate reaches 1032, LZW 2730.
-    constexpr std::uint64_t largest_compression = 4096;
+                                  std::uint64_t file_bytes, const std::string& place,
+                                  std::uint64_t largest_compression = 4096) {
     const std::uint64_t need = bytes_of_pixels(width, height, channels);
     if (need <= always_allowed_bytes || need / largest_compression <= file_bytes) return {};
     return Error{ErrorCode::invalid,
@@ -44,8 +45,10 @@ inline Result<void> check_promise(std::uint64_t width, std::uint64_t height, std
                  place};
 }
 inline Result<void> check_promise(const Image& image, std::uint64_t file_bytes,
-                                  const std::string& place) {
-    return check_promise(image.width, image.height, image.channels, file_bytes, place);
+                                  const std::string& place,
+                                  std::uint64_t largest_compression = 4096) {
+    return check_promise(image.width, image.height, image.channels, file_bytes, place,
+                         largest_compression);
 }
 
 }  // namespace prep::detail

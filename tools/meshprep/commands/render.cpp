@@ -22,6 +22,7 @@
 #include "meshprep/output/load_options.h"
 #include "meshprep/output/report_json.h"
 #include "prep/files.h"
+#include "prep/formats.h"
 #include "prep/image.h"
 #include "prep/load.h"
 #include "prep/scene_json.h"
@@ -96,6 +97,19 @@ rast::RenderRequest request_of(const RenderCommand& command, prep::RenderWishes 
 
 // Between dark and light models, and of a tint that neither has.
 constexpr glm::vec3 file_background{0.10f, 0.13f, 0.16f};
+
+// Whether one of them may be of a format that a library is loaded for (prep/image.h).
+bool need_image_library(const std::vector<prep::ImageRef>& images) {
+    return std::any_of(images.begin(), images.end(), [](const prep::ImageRef& image) {
+        if (!image.bytes.empty())
+            return image.mime_type != "image/png" && image.mime_type != "image/jpeg";
+        const std::vector<std::filesystem::path> files = prep::files_of(image);
+        return std::any_of(files.begin(), files.end(), [](const std::filesystem::path& file) {
+            const std::string ending = prep::lower_ending(file);
+            return ending != ".png" && ending != ".jpg" && ending != ".jpeg";
+        });
+    });
+}
 
 bool has_lights(const prep::Scene& scene) {
     return std::any_of(scene.nodes.begin(), scene.nodes.end(),
@@ -283,9 +297,10 @@ class Rendering {
                 certificate_ = *std::move(chosen);
                 rung = certificate_->chosen.rung;
             } else {
-                // The first picture that is read or written waits for it: that is no drawing.
-                if (const Result<void> loaded = prep::load_image_library(); !loaded)
-                    return loaded.error();
+                // The first picture that needs it waits for it: that is no drawing.
+                if (need_image_library(prepared_->scene.images))
+                    if (const Result<void> loaded = prep::load_image_library(); !loaded)
+                        return loaded.error();
                 Result<SamplingTimes> chosen =
                     sampling_within(*renderer_, request_, views_.size(), plans, *command_.budget_ms,
                                     command_.cost_cache, common_, console_);

@@ -10,7 +10,7 @@
 
 namespace prep::detail {
 
-// The format is that of the path's ending. Errors: invalid, limit, unsupported, io.
+// The format is that of the path's ending. Errors: limit, unsupported, io.
 Result<std::vector<std::byte>> encode_image(const std::filesystem::path& path, const Image& image,
                                             PixelType type);
 

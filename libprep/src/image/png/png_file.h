@@ -5,11 +5,11 @@
 #include <cstddef>
 #include <filesystem>
 #include <memory>
-#include <span>
 #include <string>
 #include <vector>
 
 #include "image/image_backend.h"
+#include "image/picture_source.h"
 #include "prep/image.h"
 
 namespace prep::detail {
@@ -18,8 +18,7 @@ namespace prep::detail {
 // alpha, 1, 2 and 4 bits as 8. It says sRGB where its chunk sRGB or nothing does, and not where
 // only gAMA tells of a curve. `place` is for messages. Errors: syntax, invalid (a header that
 // promises what no file of that size holds), limit.
-Result<Image> read_png(std::span<const std::byte> bytes, ImageChannels channels,
-                       const std::string& place);
+Result<Image> read_png(PictureSource& source, ImageChannels channels, const std::string& place);
 
 // Whether files of that name are written here.
 bool is_png_name(const std::filesystem::path& path);

@@ -1,7 +1,7 @@
 #include <png.h>
 
 #include <bit>
-#include <cstring>
+#include <new>
 
 #include "image/levels.h"
 #include "image/picture_limits.h"
@@ -13,33 +13,37 @@ namespace {
 
 // What libpng is given and gives.
 struct PngReading {
-    explicit PngReading(std::span<const std::byte> file) : bytes(file) {}
+    explicit PngReading(PictureSource& from) : source(from) {}
     ~PngReading() { png_destroy_read_struct(&png, &info, nullptr); }
     PngReading(const PngReading&) = delete;
     PngReading& operator=(const PngReading&) = delete;
 
-    std::span<const std::byte> bytes;  // what is left of the file
+    PictureSource& source;
     png_structp png = nullptr;
     png_infop info = nullptr;
-    int passes = 1;  // 7 where it is interlaced
+    int passes = 1;          // 7 where it is interlaced
+    std::uint32_t bits = 0;  // a pixel in the file
     PngProblem problem;
 };
 
 void give_bytes(png_structp png, png_bytep to, std::size_t count) {
     PngReading& reading = *static_cast<PngReading*>(png_get_io_ptr(png));
-    if (count > reading.bytes.size()) png_error(png, "the file ends before the picture does");
-    std::memcpy(to, reading.bytes.data(), count);
-    reading.bytes = reading.bytes.subspan(count);
+    if (reading.source.read(to, count) < count)
+        png_error(png, "the file ends before the picture does");
 }
 
 // Up to the pixels: what the file says of them.
 bool read_header(PngReading& reading) {
-    reading.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &reading.problem, remember_problem,
-                                         ignore_warning);
+    // Texts and what else says nothing of the pixels: a few bytes of file can be megabytes of it.
+    static constexpr png_byte unread[] = "tEXt\0zTXt\0iTXt\0sPLT\0eXIf\0hIST\0pCAL\0sCAL\0tIME";
+    PngProblem& problem = reading.problem;
+    reading.png = png_create_read_struct_2(PNG_LIBPNG_VER_STRING, &problem, remember_problem,
+                                           ignore_warning, &problem, take_memory, give_memory_back);
     if (!reading.png) return false;
     if (setjmp(png_jmpbuf(reading.png))) return false;
     reading.info = png_create_info_struct(reading.png);
     if (!reading.info) return false;
+    png_set_keep_unknown_chunks(reading.png, PNG_HANDLE_CHUNK_NEVER, unread, sizeof(unread) / 5);
     png_set_user_limits(reading.png, PNG_UINT_31_MAX, PNG_UINT_31_MAX);  // ours, with our words
     png_set_read_fn(reading.png, &reading, give_bytes);
     png_read_info(reading.png, reading.info);
@@ -49,6 +53,8 @@ bool read_header(PngReading& reading) {
 // Makes ready for the pixels, which takes memory by the width.
 bool start_pixels(PngReading& reading) {
     if (setjmp(png_jmpbuf(reading.png))) return false;
+    reading.bits = std::uint32_t(png_get_bit_depth(reading.png, reading.info)) *
+                   png_get_channels(reading.png, reading.info);
     png_set_expand(reading.png);
     if constexpr (std::endian::native == std::endian::little) png_set_swap(reading.png);
     reading.passes = png_set_interlace_handling(reading.png);
@@ -65,8 +71,10 @@ bool read_rows(PngReading& reading, std::byte* to, std::size_t row_bytes, std::u
 }
 
 bool says_srgb(const PngReading& reading) {
-    return png_get_valid(reading.png, reading.info, PNG_INFO_sRGB) != 0 ||
-           png_get_valid(reading.png, reading.info, PNG_INFO_gAMA) == 0;
+    int intent = 0;
+    double gamma = 0;
+    return png_get_sRGB(reading.png, reading.info, &intent) != 0 ||
+           png_get_gAMA(reading.png, reading.info, &gamma) == 0;
 }
 
 // As OpenImageIO calls those of other formats.
@@ -78,10 +86,10 @@ std::vector<std::string> names_of(std::uint32_t channels) {
 
 }  // namespace
 
-Result<Image> read_png(std::span<const std::byte> bytes, ImageChannels channels,
-                       const std::string& place) {
-    PngReading reading(bytes);
+Result<Image> read_png(PictureSource& source, ImageChannels channels, const std::string& place) {
+    PngReading reading(source);
     const auto broken = [&] {
+        if (reading.problem.out_of_memory) throw std::bad_alloc();
         return Error{ErrorCode::syntax,
                      std::string("the image cannot be decoded: ") + reading.problem.reason, place};
     };
@@ -92,7 +100,9 @@ Result<Image> read_png(std::span<const std::byte> bytes, ImageChannels channels,
     if (auto sized = check_extent(image.width, image.height, place); !sized) return sized.error();
     if (!start_pixels(reading)) return broken();
     image.channels = png_get_channels(reading.png, reading.info);
-    if (auto kept = check_promise(image, bytes.size(), place); !kept) return kept.error();
+    // Deflate makes at most 1032 bytes of one.
+    const std::uint64_t floats = 1032 * 32 * image.channels / reading.bits;
+    if (auto kept = check_promise(image, source.size(), place, floats); !kept) return kept.error();
     image.integer_bits = png_get_bit_depth(reading.png, reading.info);
     image.srgb = says_srgb(reading);
     if (channels == ImageChannels::all) image.channel_names = names_of(image.channels);

@@ -32,7 +32,6 @@ struct PngWriting {
 
     std::FILE* file = nullptr;      // or
     std::vector<std::byte> memory;  // without one
-    bool out_of_memory = false;
     png_structp png = nullptr;
     png_infop info = nullptr;
     PngProblem problem;
@@ -54,9 +53,9 @@ void take_bytes(png_structp png, png_bytep bytes, std::size_t count) {
             png_error(png, std::strerror(errno));
         return;
     }
-    writing.out_of_memory =
+    writing.problem.out_of_memory =
         !append(writing.memory, reinterpret_cast<const std::byte*>(bytes), count);
-    if (writing.out_of_memory) png_error(png, "out of memory");
+    if (writing.problem.out_of_memory) png_error(png, "out of memory");
 }
 
 void leave_unflushed(png_structp) {}  // closing does it
@@ -66,8 +65,10 @@ void leave_unflushed(png_structp) {}  // closing does it
 bool start(PngWriting& writing, const Shape& shape) {
     constexpr int color_types[] = {PNG_COLOR_TYPE_GRAY, PNG_COLOR_TYPE_GRAY_ALPHA,
                                    PNG_COLOR_TYPE_RGB, PNG_COLOR_TYPE_RGB_ALPHA};
-    writing.png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &writing.problem, remember_problem,
-                                          ignore_warning);
+    PngProblem& problem = writing.problem;
+    writing.png =
+        png_create_write_struct_2(PNG_LIBPNG_VER_STRING, &problem, remember_problem, ignore_warning,
+                                  &problem, take_memory, give_memory_back);
     if (!writing.png) return false;
     if (setjmp(png_jmpbuf(writing.png))) return false;
     writing.info = png_create_info_struct(writing.png);
@@ -128,7 +129,7 @@ class PngRows final : public RowWriter {
     PngRows(const Shape& shape, std::string place) : shape_(shape), place_(std::move(place)) {}
 
     Result<void> open(const std::filesystem::path& file) {
-        writing_.file = std::fopen(file.c_str(), "wb");
+        writing_.file = std::fopen(file.c_str(), "wbe");
         if (!writing_.file) return failed(std::strerror(errno), place_);
         return told(start(writing_, shape_));
     }
@@ -145,7 +146,9 @@ class PngRows final : public RowWriter {
 
   private:
     Result<void> told(bool done) const {
-        return done ? Result<void>() : Result<void>(failed(writing_.problem.reason, place_));
+        if (done) return {};
+        if (writing_.problem.out_of_memory) throw std::bad_alloc();
+        return failed(writing_.problem.reason, place_);
     }
 
     PngWriting writing_;
@@ -164,7 +167,7 @@ Result<std::vector<std::byte>> png_bytes(const Image& image, PixelType type,
     const Shape shape{image.width, image.height, image.channels, bits_of(type), image.srgb};
     PngWriting writing;
     if (!start(writing, shape) || !put_floats(writing, shape, image.pixels) || !finish(writing)) {
-        if (writing.out_of_memory) throw std::bad_alloc();
+        if (writing.problem.out_of_memory) throw std::bad_alloc();
         return failed(writing.problem.reason, place);
     }
     return std::move(writing.memory);
@@ -173,7 +176,7 @@ Result<std::vector<std::byte>> png_bytes(const Image& image, PixelType type,
 Result<std::unique_ptr<RowWriter>> open_png_rows(const std::filesystem::path& path,
                                                  const std::filesystem::path& file,
                                                  const ImageLayout& layout) {
-    if (layout.channels.size() > 4 || !layout.integer.empty())
+    if (layout.channels.size() > 4)
         return Error{
             ErrorCode::unsupported,
             "files of the ending '" + lower_ending(path) + "' hold no such channels; use .exr",
