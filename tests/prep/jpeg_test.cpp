@@ -169,9 +169,9 @@ TEST(Jpeg, LongPartsThatAreNotPixelsAreSkipped) {
     const auto plain = prep::decode_image(file, "a.jpg");
     ASSERT_TRUE(plain);
     for (int part = 0; part < 3; ++part) {
-        std::vector<std::byte> segment(65535 + 2, std::byte(0xda));
-        segment[0] = segment[2] = segment[3] = std::byte(0xff);
-        segment[1] = std::byte(0xe5);  // APP5
+        std::vector<std::byte> segment(65535 + 2, std::byte(0xff));
+        segment[1] = std::byte(0xe5);                                                      // APP5
+        for (std::size_t i = 5; i < segment.size(); i += 2) segment[i] = std::byte(0xd9);  // an end
         file.insert(file.begin() + 2, segment.begin(), segment.end());
     }
     ASSERT_TRUE(prep::write_file(dir / "a.jpg", file));

@@ -313,7 +313,7 @@ TEST(Png, ColoursOfFilesWithOddChunksAreAsOthersReadThem) {
 TEST(Png, TextsTakeNoMemory) {
     std::mt19937 random(5);
     auto file = made({.width = 3, .height = 2}, random).file;
-    const std::vector<Bytef> text(7'900'000);
+    const std::vector<Bytef> text(7'900'000, 'x');
     std::vector<std::byte> packed(100'000);
     auto size = uLongf(packed.size());
     ASSERT_EQ(::compress(reinterpret_cast<Bytef*>(packed.data()), &size, text.data(), text.size()),
@@ -381,6 +381,15 @@ TEST(Png, HeadersThatPromiseTooMuchAreRefused) {
     EXPECT_EQ(with_size(0, 1).error().code, prep::ErrorCode::syntax);
     EXPECT_EQ(with_size(1, 0x80000000).error().code, prep::ErrorCode::syntax);
     EXPECT_EQ(with_size(2, 2).error().code, prep::ErrorCode::syntax);  // has fewer
+}
+
+TEST(Png, MoreThanFourChannelsAreRefused) {
+    const TempDir dir;
+    prep::ImageFiles files;
+    const prep::ImageLayout layout{4, 2, {"R", "G", "B", "A", "Z"}, prep::PixelType::u8, {}, true};
+    const auto file = files.open(dir / "a.png", layout);
+    ASSERT_FALSE(file);
+    EXPECT_EQ(file.error().code, prep::ErrorCode::unsupported);
 }
 
 // A signature that a transfer as text has changed.
