@@ -17,8 +17,9 @@
 namespace prep::detail {
 namespace {
 
-// What libjpeg is given and gives. It leaves by longjmp(), past destructors: functions that call
-// setjmp() have no objects of their own, and what they fill lives in their callers.
+// What libjpeg is given and gives. It leaves by longjmp(): functions that call setjmp() have
+// nothing with a destructor, and read nothing afterwards that they have changed in between; what
+// they fill lives in their callers.
 struct JpegReading {
     explicit JpegReading(PictureSource& from) : source(from) {}
     ~JpegReading() { jpeg_destroy_decompress(&jpeg); }
