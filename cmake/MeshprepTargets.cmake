@@ -60,6 +60,18 @@ function(meshprep_cold target)
   endif()
 endfunction()
 
+# The same of rooms of meshprep_unity(): a target's other rooms stay as fast as they are.
+function(meshprep_cold_rooms target)
+  if(NOT MESHPREP_UNITY OR NOT MESHPREP_SANITIZE)
+    return()
+  endif()
+  foreach(room IN LISTS ARGN)
+    string(MAKE_C_IDENTIFIER "${room}" name)
+    set_source_files_properties(${CMAKE_CURRENT_BINARY_DIR}/CMakeFiles/${target}.dir/Unity/unity_${name}_cxx.cxx
+                                PROPERTIES COMPILE_OPTIONS -O0)
+  endforeach()
+endfunction()
+
 # Headers that most sources of a target read, compiled once: `header`, or that of another target of
 # the same settings; a source compiles in two thirds of the time. Sources include what they use all
 # the same: with MESHPREP_PRECOMPILE=OFF, as in the preset coverage, they stand alone.
