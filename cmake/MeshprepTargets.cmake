@@ -60,15 +60,27 @@ function(meshprep_cold target)
   endif()
 endfunction()
 
-# The same of rooms of meshprep_unity(): a target's other rooms stay as fast as they are.
+# Rooms of meshprep_unity() with an optimisation of their own. Cold ones arrange, and are so under
+# sanitizers alone, where the others are worth what optimising takes. Hot ones are what the longest tests
+# wait for: compiled for the suite as for use, they save five times as long as that takes.
 function(meshprep_cold_rooms target)
-  if(NOT MESHPREP_UNITY OR NOT MESHPREP_SANITIZE)
+  if(MESHPREP_SANITIZE)
+    meshprep_optimize_rooms(${target} -O0 ${ARGN})
+  endif()
+endfunction()
+function(meshprep_hot_rooms target)
+  if(CMAKE_BUILD_TYPE STREQUAL "Debug" AND NOT MESHPREP_SANITIZE)
+    meshprep_optimize_rooms(${target} -O2 ${ARGN})
+  endif()
+endfunction()
+function(meshprep_optimize_rooms target optimization)
+  if(NOT MESHPREP_UNITY)
     return()
   endif()
   foreach(room IN LISTS ARGN)
     string(MAKE_C_IDENTIFIER "${room}" name)
     set_source_files_properties(${CMAKE_CURRENT_BINARY_DIR}/CMakeFiles/${target}.dir/Unity/unity_${name}_cxx.cxx
-                                PROPERTIES COMPILE_OPTIONS -O0)
+                                PROPERTIES COMPILE_OPTIONS ${optimization})
   endforeach()
 endfunction()
 
