@@ -10,7 +10,7 @@ set(sanitized_tests
     prep_stl
     # meshes
     prep_crease_fans prep_height_map prep_limit_surface prep_map_charts prep_prepare prep_prepare_subdivide
-    prep_recover_quads prep_repair prep_repair_holes prep_repair_marks prep_source_corners prep_split prep_subdivide
+    prep_recover_quads prep_repair prep_repair_flat prep_repair_holes prep_repair_marks prep_source_corners prep_split prep_subdivide
     prep_subdivide_attributes prep_tangents_cases prep_tangents_identity prep_tessellation_hard_cases
     prep_topology prep_triangulate prep_weld
     # drawing

@@ -23,7 +23,7 @@ set(tests_together
     "prep noise_field tessellation_maps"
     "prep tessellation_screens tessellation_sources"
     "prep contained_mutations gltf_mend gltf_repair gltf_values mtl obj_names odd_files prepare_subdivide
-     recover_quads repair_holes"
+     recover_quads repair_flat repair_holes"
     "prep image_damage obj_values off openmesh ply ply_colors repair
      repair_marks scene_bytes"
     "prep crease_fans obj prepare source_corners subdivide_attributes triangulate weld"

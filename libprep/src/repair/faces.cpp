@@ -6,6 +6,7 @@
 
 #include "base/finite.h"
 #include "prep/face_normals.h"
+#include "repair/flat_faces.h"
 #include "repair/repair_steps.h"
 #include "surface/duplicate_faces.h"
 
@@ -26,20 +27,10 @@ struct CellHash {
     }
 };
 
-// A vertex put into an edge of a face.
-struct Insertion {
-    Index before;  // corner of the face that the new one precedes
-    Index vertex;
-    float t;  // where on the edge that ends there
-};
-
 // `points`: by vertex, as Topology::welded; `keep`: by face whether it stays a face.
-void insert_corners(Mesh& mesh, std::vector<Insertion> insertions, const std::vector<Index>& points,
-                    const std::vector<std::uint8_t>& keep) {
+void insert_corners(Mesh& mesh, const std::vector<Insertion>& insertions,
+                    const std::vector<Index>& points, const std::vector<std::uint8_t>& keep) {
     if (insertions.empty()) return;
-    std::sort(insertions.begin(), insertions.end(), [](const Insertion& a, const Insertion& b) {
-        return a.before != b.before ? a.before < b.before : a.t < b.t;
-    });
     const Mesh old = mesh;
     std::vector<Index> offsets{0}, vertices;
     std::vector<ReplacedEdge> replaced;
@@ -215,51 +206,25 @@ RepairStep remove_degenerate_faces(Mesh& mesh, int threads) {
 
     const FaceNormals faces = face_normals(MeshView(mesh), Precision::accurate, threads);
     const Topology topology = repair_topology(mesh, threads);
-    keep.assign(mesh.face_count(), 1);
-    std::vector<Insertion> insertions;
-    bool flat = false;
+    const FlatFaces flat = take_out_flat_faces(mesh, faces, topology, parts_of_vertices(mesh));
+    bool any = false;
     for (Index f = 0; f < mesh.face_count(); ++f) {
-        if (faces.states[f] != FaceState::zero_area) continue;
-        keep[f] = 0;
-        flat = true;
+        if (flat.keep[f] != 0) continue;
+        any = true;
         changed[numbers[f]] = 1;
-        const Index begin = mesh.face_offsets[f], end = mesh.face_offsets[f + 1];
-        if (end - begin != 3) continue;
-        Index longest = begin;
-        double length = -1;
-        for (Index c = begin; c < end; ++c) {
-            const Index to = next_corner(mesh.face_offsets, f, c);
-            const double l = glm::length(glm::dvec3(mesh.positions[mesh.corner_vertices[to]]) -
-                                         glm::dvec3(mesh.positions[mesh.corner_vertices[c]]));
-            if (l > length) {
-                length = l;
-                longest = c;
-            }
-        }
-        const Index across = topology.opposite[longest];
-        if (across == no_index) continue;
-        const Index neighbour = topology.corner_faces[across];
-        if (faces.states[neighbour] != FaceState::regular) continue;
-        if (!mesh.face_parts.empty() && mesh.face_parts[neighbour] != mesh.face_parts[f]) continue;
-        // The neighbour runs from this edge's end to its start.
-        const Index to = next_corner(mesh.face_offsets, f, longest);
-        const Index middle = next_corner(mesh.face_offsets, f, to);
-        const auto at = [&](Index c) {
-            return glm::dvec3(mesh.positions[mesh.corner_vertices[c]]);
-        };
-        const double t = glm::length(at(middle) - at(to)) / length;
-        insertions.push_back({next_corner(mesh.face_offsets, neighbour, across),
-                              mesh.corner_vertices[middle], float(std::min(t, 1.0))});
     }
+    step.left = flat.left;
+    if (step.left > 0)
+        step.text += "; left: those without area between parts that share no vertices";
     Places places;
     for (Index f = 0; f < changed.size(); ++f)
         if (changed[f]) places.add(f);
     step.changed = places.count;
     step.places = std::move(places.first);
-    if (!flat) return step;
+    if (!any) return step;
     // Insertions shift corners, not faces.
-    insert_corners(mesh, std::move(insertions), topology.welded, keep);
-    keep_faces(mesh, keep);
+    insert_corners(mesh, flat.insertions, topology.welded, flat.keep);
+    keep_faces(mesh, flat.keep);
     return step;
 }
 
