@@ -139,6 +139,12 @@ TEST(Off, PointsKeepTheirColours) {
     const auto scene = parse_off("COFF\n2 0 0\n0 0 0 1 0 0 1\n1 0 0 0.5 0.25 0 0.125\n");
     ASSERT_TRUE(scene.has_value()) << prep::to_string(scene.error());
     EXPECT_EQ(scene->meshes[0].vertex_colors[1], glm::vec4(0.5f, 0.25f, 0, 0.125f));
+    // What programs write of 1.0 and 0.0 is no byte beside fractions, nor where all are such.
+    EXPECT_EQ(scene->meshes[0].vertex_colors[0], glm::vec4(1, 0, 0, 1));
+    const auto ones = parse_off("COFF\n2 0 0\n0 0 0 0 1 0\n1 0 0 0 0 1 1\n");
+    ASSERT_TRUE(ones.has_value()) << prep::to_string(ones.error());
+    EXPECT_EQ(ones->meshes[0].vertex_colors[0], glm::vec4(0, 1, 0, 1));
+    EXPECT_EQ(ones->meshes[0].vertex_colors[1], glm::vec4(0, 0, 1, 1));
     const auto bytes = parse_off("COFF\n2 0 0\n0 0 0 255 0 0\n1 0 0 0 188 0 51\n");
     ASSERT_TRUE(bytes.has_value()) << prep::to_string(bytes.error());
     ASSERT_EQ(bytes->meshes[0].vertex_colors.size(), 2u);

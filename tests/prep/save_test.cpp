@@ -279,6 +279,9 @@ TEST(Save, OpaqueMaterialsStayOpaqueInMtl) {
     EXPECT_NE(mtl_of(dir, material).find("\nd 1\n"), std::string::npos);
     material.alpha_mode = prep::AlphaMode::blend;
     EXPECT_NE(mtl_of(dir, material).find("\nd 0.5\n"), std::string::npos);
+    // What a mask leaves is as opaque.
+    material.alpha_mode = prep::AlphaMode::mask;
+    EXPECT_NE(mtl_of(dir, material).find("\nd 1\n"), std::string::npos);
 }
 
 TEST(Save, WhatMtlAndColoursOfObjLoseIsTold) {

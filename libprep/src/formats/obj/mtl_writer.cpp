@@ -162,8 +162,8 @@ void MtlWriter::material(const Material& in, const std::string& name, Index set,
     color("Kd", glm::vec3(in.diffuse));
     color("Ks", specular);
     color("Ke", in.emissive);
-    // Opaque materials ignore their alpha.
-    const float opacity = in.alpha_mode == AlphaMode::opaque ? 1.0f : in.diffuse.a;
+    // Opaque materials ignore their alpha, and what a mask leaves is opaque.
+    const float opacity = in.alpha_mode == AlphaMode::blend ? in.diffuse.a : 1.0f;
     mtl += fmt::format("Ns {}\nd {}\nillum {}\n", shininess, opacity, in.unlit ? 0 : 2);
     if (physical) physical_statements(in, mtl);
     if (in.alpha_mode == AlphaMode::mask)

@@ -157,29 +157,52 @@ class OffParser {
         return words;
     }
 
-    // Three or four numbers before the last `others`: all integers are 0 … 255, others 0 … 1.
-    // Says how many there were; what there is not is 1.
-    static int color(LineScanner& scan, int others, glm::vec4& to) {
-        const int most = std::clamp(words_left(scan) - others, 0, 4);
-        double c[4] = {1, 1, 1, 1};
+    // As it stands in the file.
+    struct Color {
+        glm::vec4 values{1.0f};
         int count = 0;
-        bool integers = true;
-        while (count < most) {
+        bool whole = false;  // whole numbers
+    };
+
+    // Three or four numbers before the last `others`. Says how many there were.
+    static int color(LineScanner& scan, int others, Color& to) {
+        const int most = std::clamp(words_left(scan) - others, 0, 4);
+        bool whole = true;
+        while (to.count < most) {
             LineScanner probe = scan;
-            if (!scan.number(c[count])) break;
-            integers =
-                integers && probe.word().find_first_not_of("+0123456789") == std::string_view::npos;
-            ++count;
+            double value = 0;
+            if (!scan.number(value)) break;
+            to.values[to.count++] = float(value);
+            whole =
+                whole && probe.word().find_first_not_of("+0123456789") == std::string_view::npos;
         }
-        for (int k = 0; integers && k < count; ++k)
-            c[k] = k < 3 ? detail::srgb_to_linear(c[k] / 255) : c[k] / 255;
-        to = glm::vec4(glm::dvec4(c[0], c[1], c[2], c[3]));
-        return count;
+        to.whole = whole && to.count > 0;
+        return to.count;
+    }
+
+    // Whole numbers are 0 … 255 where one of the list is above 1. Else they are what programs write
+    // of 0.0 and 1.0.
+    static std::vector<glm::vec4> linear(const std::vector<Color>& colors) {
+        const bool bytes = std::any_of(colors.begin(), colors.end(), [](const Color& color) {
+            const glm::vec4& c = color.values;
+            return color.whole && std::max({c.r, c.g, c.b, c.a}) > 1;
+        });
+        std::vector<glm::vec4> out;
+        out.reserve(colors.size());
+        for (const Color& color : colors) {
+            glm::dvec4 c(color.values);
+            if (bytes && color.whole) {
+                for (glm::length_t k = 0; k < 3; ++k) c[k] = detail::srgb_to_linear(c[k] / 255);
+                if (color.count == 4) c.a /= 255;
+            }
+            out.emplace_back(c);
+        }
+        return out;
     }
 
     Result<void> faces(Mesh& mesh) {
         std::string_view line;
-        std::vector<glm::vec4> colors_of_faces;  // empty, or of the faces up to the last with one
+        std::vector<Color> colors_of_faces;  // empty, or of the faces up to the last with one
         bool passed_over = false;
         std::uint64_t short_faces = 0;
         for (std::int64_t f = 0; f < header_.faces; ++f) {
@@ -206,7 +229,7 @@ class OffParser {
                 mesh.corner_vertices.push_back(std::uint32_t(v));
             }
             // One number alone would be an index into a list that is not in the file.
-            glm::vec4 face_color(1.0f);
+            Color face_color;
             const bool more = !scan.at_end();
             const bool colored =
                 more && !header_.c && corners >= 3 && color(scan, 0, face_color) >= 3;
@@ -224,7 +247,7 @@ class OffParser {
                 continue;
             }
             if (colored) {
-                colors_of_faces.resize(mesh.face_count(), glm::vec4(1.0f));
+                colors_of_faces.resize(mesh.face_count());
                 colors_of_faces.push_back(face_color);
             }
             mesh.face_offsets.push_back(std::uint32_t(mesh.corner_vertices.size()));
@@ -237,7 +260,7 @@ class OffParser {
                 name_ + (header_.c ? ": colours of faces were skipped: vertices have their own"
                                    : ": colours that are numbers of a list, or of lines, were "
                                      "skipped"));
-        if (!colors_of_faces.empty()) detail::set_face_colors(mesh, std::move(colors_of_faces));
+        if (!colors_of_faces.empty()) detail::set_face_colors(mesh, linear(colors_of_faces));
         if (mesh.face_count() == 0) {  // nothing to hang normals and UVs on
             if ((header_.n || header_.st) && !mesh.positions.empty())
                 scene_.warnings.push_back(name_ +
@@ -259,10 +282,11 @@ class OffParser {
     }
 
     void colors(Mesh& mesh) {
-        if (mesh.corner_count() == 0 || !mesh.line_vertices.empty()) mesh.vertex_colors = colors_;
+        std::vector<glm::vec4> values = linear(colors_);
+        if (mesh.corner_count() == 0 || !mesh.line_vertices.empty()) mesh.vertex_colors = values;
         if (mesh.corner_count() == 0) return;
         mesh.colors.emplace_back();
-        mesh.colors[0].values = std::move(colors_);
+        mesh.colors[0].values = std::move(values);
         mesh.colors[0].indices = mesh.corner_vertices;
     }
 
@@ -272,7 +296,7 @@ class OffParser {
     Scene scene_;
     std::vector<glm::vec3> normals_;
     std::vector<glm::vec2> uvs_;
-    std::vector<glm::vec4> colors_;
+    std::vector<Color> colors_;
 };
 
 }  // namespace
